@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_engine/two_mass_engine.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "pusht_task/testing/golden.hpp"
+#include "pusht_task/testing/simulator_suite.hpp"
+
+namespace pusht {
+
+namespace testing {
+INSTANTIATE_TEST_SUITE_P(TwoMassEngine, SimulatorSuite,
+                         ::testing::Values(SimulatorFactory([] { return std::make_unique<TwoMassEngine>(); })));
+}  // namespace testing
+
+namespace {
+
+using two_mass::kBar;
+using two_mass::kPusher;
+using two_mass::kStem;
+
+TwoMassParameters parameters(const nlohmann::json& knobs) {
+  TwoMassParameters result;
+  result.pusher_mass = knobs.value("pusher_mass", result.pusher_mass);
+  result.block_damp = knobs.value("block_damp", result.block_damp);
+  result.baumgarte = knobs.value("baumgarte", result.baumgarte);
+  return result;
+}
+
+void expectRow(const two_mass::BodyVectors& found, const nlohmann::json& row) {
+  constexpr double kTolerance = 1e-9;
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_NEAR(found[i / 2][static_cast<Eigen::Index>(i % 2)], row.at(i).get<double>(), kTolerance);
+  }
+}
+
+/// Every step of every case and knob setting, clipping and stepping on after success included.
+TEST(TwoMassEngine, MatchesTheGoldenTrajectories) {
+  int successes = 0;
+  for (const auto& golden : testing::loadGolden("pusht_golden.json", "cases")) {
+    const auto& actions = golden.at("actions");
+    for (const auto& expected : golden.at("engine")) {
+      SCOPED_TRACE("seed " + golden.at("seed").dump() + " knobs " + expected.at("knobs").dump());
+      TwoMassEngine engine(parameters(expected.at("knobs")));
+      Rollout rollout(engine, spawn(golden.at("seed").get<std::uint64_t>()));
+      for (std::size_t step = 0;; ++step) {
+        expectRow(engine.positions(), expected.at("q_pusher_bar_stem").at(step));
+        expectRow(engine.velocities(), expected.at("v_pusher_bar_stem").at(step));
+        EXPECT_NEAR(wrapAngle(engine.state().tee_yaw - expected.at("yaw").at(step).get<double>()), 0.0, 1e-9);
+        ASSERT_FALSE(HasFailure()) << "first at step " << step;
+        if (step == actions.size()) {
+          break;
+        }
+        rollout.advance(testing::action(actions.at(step)));
+        EXPECT_EQ(rollout.success(), expected.at("success").at(step).get<bool>());
+      }
+      successes += rollout.success() ? 1 : 0;
+    }
+  }
+  EXPECT_GT(successes, 0) << "the golden cases must exercise the latch";
+}
+
+/// In free space the servo is a first-order lag: after n substeps v = u (1 - (1 - gain dt)^n).
+TEST(TwoMassEngine, PusherServoInFreeSpaceHasItsClosedForm) {
+  TwoMassEngine engine;
+  WorldState start;
+  start.tee_position = {1.0, 1.0};
+  engine.reset(start);
+  engine.step({0.5F, -0.25F});
+  const double lag = std::pow(1.0 - two_mass::kServoGain * kSubstep, kSubstepsPerControlStep);
+  EXPECT_NEAR(engine.state().pusher_velocity.x(), 0.5 * (1.0 - lag), 1e-14);
+  EXPECT_NEAR(engine.state().pusher_velocity.y(), -0.25 * (1.0 - lag), 1e-14);
+}
+
+/// A free tee loses speed by (1 - damp dt) a substep, and goes straight on.
+TEST(TwoMassEngine, FreeTeeCoastsByItsDrag) {
+  TwoMassEngine engine;
+  WorldState start;
+  start.pusher_position = {1.0, 1.0};
+  start.tee_velocity = {0.3, -0.1};
+  engine.reset(start);
+  engine.step({0.0F, 0.0F});
+  const double decay = std::pow(1.0 - TwoMassParameters().block_damp * kSubstep, kSubstepsPerControlStep);
+  EXPECT_NEAR(engine.state().tee_velocity.x(), 0.3 * decay, 1e-14);
+  EXPECT_NEAR(engine.state().tee_velocity.y(), -0.1 * decay, 1e-14);
+  EXPECT_NEAR(engine.state().tee_yaw_rate, 0.0, 1e-12);
+}
+
+/// [m] The link's worst length error while the tee is chased for 30 s, or left alone while it spins.
+double worstLinkError(bool chased) {
+  double worst = 0.0;
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    TwoMassEngine engine;
+    WorldState start = testing::movingState(seed);
+    if (!chased) {
+      start.pusher_position = {10.0, 10.0};
+    }
+    engine.reset(start);
+    for (int i = 0; i < kHorizon; ++i) {
+      engine.step(chased ? testing::chase(engine.state()) : Action{});
+      const double length = (engine.positions()[kBar] - engine.positions()[kStem]).norm();
+      worst = std::max(worst, std::abs(length - kStemOffset));
+    }
+  }
+  return worst;
+}
+
+TEST(TwoMassEngine, LinkKeepsItsLengthInFreeMotion) { EXPECT_LT(worstLinkError(false), 0.01 * kStemOffset); }
+
+/// Under full-speed impacts of 4 kg the link gives way, but it neither collapses nor flies apart.
+TEST(TwoMassEngine, LinkLengthErrorStaysBoundedUnderImpacts) {
+  const double worst = worstLinkError(true);
+  EXPECT_LT(worst, 0.5 * kStemOffset);
+  EXPECT_GT(worst, 1e-6) << "the push must load the link";
+}
+
+// Symmetries: physics has no preferred direction or hand, so the image of a motion is the motion of the image.
+
+struct Image {
+  Eigen::Matrix2d matrix;
+  double turn;   // [rad] added to the yaw
+  double hand;   // -1 if the image is mirrored
+
+  WorldState operator()(const WorldState& s) const {
+    WorldState image;
+    image.pusher_position = matrix * s.pusher_position;
+    image.pusher_velocity = matrix * s.pusher_velocity;
+    image.tee_position = matrix * s.tee_position;
+    image.tee_velocity = matrix * s.tee_velocity;
+    image.tee_yaw = wrapAngle(hand * s.tee_yaw + turn);
+    image.tee_yaw_rate = hand * s.tee_yaw_rate;
+    return image;
+  }
+};
+
+class Symmetry : public ::testing::TestWithParam<Image> {};
+
+TEST_P(Symmetry, TheImageOfAMotionIsTheMotionOfTheImage) {
+  const Image& image = GetParam();
+  double travelled = 0.0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    TwoMassEngine engine;
+    TwoMassEngine mirror;
+    WorldState start = testing::movingState(seed);
+    start.pusher_position = start.tee_position + 0.06 * start.pusher_position.normalized();  // soon in contact
+    start.pusher_velocity = -start.pusher_position.normalized();
+    engine.reset(start);
+    mirror.reset(image(start));
+    for (int i = 0; i < 5; ++i) {
+      engine.step({0.0F, 0.0F});  // any other action would be rounded to float32 in its image
+      mirror.step({0.0F, 0.0F});
+    }
+    testing::expectNear(mirror.state(), image(engine.state()), 1e-10);
+    travelled += (engine.state().tee_position - start.tee_position).norm();
+  }
+  EXPECT_GT(travelled, 0.1);
+}
+
+Image rotation(double angle) {
+  return {(Eigen::Matrix2d() << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle)).finished(), angle,
+          1.0};
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoMassEngine, Symmetry,
+                         ::testing::Values(Image{(Eigen::Matrix2d() << -1.0, 0.0, 0.0, 1.0).finished(), 0.0, -1.0},
+                                           rotation(kPi / 2.0), rotation(0.4)));
+
+TEST(TwoMassParameters, RefusesBadKnobsByName) {
+  const auto refusal = [](double TwoMassParameters::*knob, double value) -> std::string {
+    TwoMassParameters bad;
+    bad.*knob = value;
+    try {
+      TwoMassEngine engine(bad);
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal(&TwoMassParameters::pusher_mass, 0.0), ::testing::HasSubstr("pusher_mass"));
+  EXPECT_THAT(refusal(&TwoMassParameters::pusher_mass, nan), ::testing::HasSubstr("pusher_mass"));
+  EXPECT_THAT(refusal(&TwoMassParameters::block_damp, -1.0), ::testing::HasSubstr("block_damp -1"));
+  EXPECT_THAT(refusal(&TwoMassParameters::baumgarte, -1.0), ::testing::HasSubstr("baumgarte"));
+  EXPECT_EQ(refusal(&TwoMassParameters::block_damp, 0.0), "");
+}
+
+}  // namespace
+}  // namespace pusht

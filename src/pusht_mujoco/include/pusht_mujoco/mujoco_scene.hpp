@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The PushT scene, loaded once and shared by any number of worlds.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+namespace pusht {
+
+/// A compiled MuJoCo model that is known to be PushT. Immutable; shared between threads freely.
+class MujocoScene {
+ public:
+  /// Loads and checks `path`. Throws InvalidInput with the path and MuJoCo's message if it does not load,
+  /// or with the field, its value and the expected one if it is not this task.
+  explicit MujocoScene(const std::filesystem::path& path);
+
+  const mjModel& model() const { return *model_; }
+  const std::filesystem::path& path() const { return path_; }
+  const std::string& sha256() const { return sha256_; }
+
+ private:
+  struct DeleteModel {
+    void operator()(mjModel* model) const { mj_deleteModel(model); }
+  };
+
+  std::filesystem::path path_;
+  std::string sha256_;
+  std::unique_ptr<mjModel, DeleteModel> model_;
+};
+
+}  // namespace pusht

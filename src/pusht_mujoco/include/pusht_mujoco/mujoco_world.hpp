@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The reference simulator.
+#pragma once
+
+#include <memory>
+
+#include "pusht_mujoco/mujoco_scene.hpp"
+#include "pusht_task/simulator.hpp"
+
+namespace pusht {
+
+/// One PushT world in MuJoCo. Worlds of one scene may step in different threads.
+class MujocoWorld : public Simulator {
+ public:
+  explicit MujocoWorld(std::shared_ptr<const MujocoScene> scene);
+
+  const mjData& data() const { return *data_; }
+
+ private:
+  struct DeleteData {
+    void operator()(mjData* data) const { mj_deleteData(data); }
+  };
+
+  void doReset(const WorldState& state) override;
+  /// Throws RuntimeFault on any warning of MuJoCo (it may have reset the state on its own), InternalError
+  /// on an error of MuJoCo.
+  void doStep(const Action& action) override;
+  WorldState doState() const override;
+
+  void refuseWarnings() const;
+
+  std::shared_ptr<const MujocoScene> scene_;
+  std::unique_ptr<mjData, DeleteData> data_;
+};
+
+}  // namespace pusht

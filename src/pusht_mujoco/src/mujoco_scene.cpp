@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_mujoco/mujoco_scene.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "pusht_mujoco/mujoco_guard.hpp"
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "scene_check.hpp"
+
+namespace pusht {
+namespace {
+
+/// Loads and compiles the scene; null if that fails. `complaint` gets MuJoCo's message, on one line.
+mjModel* loadModel(const std::string& path, std::string& complaint) {
+  std::array<char, 1000> message{};
+  mjModel* model = nullptr;
+  MujocoGuard::takeWarning();
+  MujocoGuard::run([&] { model = mj_loadXML(path.c_str(), nullptr, message.data(), message.size()); });
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  complaint = message.data();
+  if (complaint.empty()) {
+    complaint = MujocoGuard::takeWarning();
+  }
+  return model;
+}
+
+}  // namespace
+
+MujocoScene::MujocoScene(const std::filesystem::path& path)
+    : path_(path), sha256_(pusht::sha256(readFile(path, "scene"))) {
+  std::string complaint;
+  model_.reset(loadModel(path.string(), complaint));
+  try {
+    if (model_ != nullptr) {
+      checkScene(*model_);  // first: a wrong field says more than what MuJoCo found it to lead to
+    }
+    if (!complaint.empty()) {
+      throw InvalidInput(complaint);
+    }
+  } catch (const InvalidInput& error) {
+    throw InvalidInput("scene " + path.string() + ": " + error.what());
+  }
+}
+
+}  // namespace pusht

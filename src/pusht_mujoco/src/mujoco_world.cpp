@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_mujoco/mujoco_world.hpp"
+
+#include <string>
+#include <utility>
+
+#include "pusht_mujoco/mujoco_guard.hpp"
+#include "pusht_task/constants.hpp"
+#include "pusht_task/error.hpp"
+
+namespace pusht {
+namespace {
+
+// Order of the coordinates and velocities; the scene check holds the scene to it.
+enum Coordinate { kTeeX, kTeeY, kTeeYaw, kPusherX, kPusherY };
+
+mjData* makeData(const mjModel& model) {
+  mjData* data = nullptr;
+  MujocoGuard::run([&] { data = mj_makeData(&model); });
+  if (data == nullptr) {
+    throw InternalError("MuJoCo: mj_makeData failed");
+  }
+  return data;
+}
+
+}  // namespace
+
+MujocoWorld::MujocoWorld(std::shared_ptr<const MujocoScene> scene)
+    : scene_(std::move(scene)), data_(makeData(scene_->model())) {}
+
+void MujocoWorld::doReset(const WorldState& state) {
+  const mjModel* model = &scene_->model();
+  mjData* data = data_.get();
+  MujocoGuard::run([&] {
+    mj_resetData(model, data);  // clears the warm start, which is hidden state
+    data->qpos[kTeeX] = state.tee_position.x();
+    data->qpos[kTeeY] = state.tee_position.y();
+    data->qpos[kTeeYaw] = state.tee_yaw;
+    data->qpos[kPusherX] = state.pusher_position.x();
+    data->qpos[kPusherY] = state.pusher_position.y();
+    data->qvel[kTeeX] = state.tee_velocity.x();
+    data->qvel[kTeeY] = state.tee_velocity.y();
+    data->qvel[kTeeYaw] = state.tee_yaw_rate;
+    data->qvel[kPusherX] = state.pusher_velocity.x();
+    data->qvel[kPusherY] = state.pusher_velocity.y();
+    mj_forward(model, data);
+  });
+  refuseWarnings();
+}
+
+void MujocoWorld::doStep(const Action& action) {
+  const mjModel* model = &scene_->model();
+  mjData* data = data_.get();
+  const double start = data->time;
+  MujocoGuard::run([&] {
+    data->ctrl[0] = action[0];
+    data->ctrl[1] = action[1];
+    for (int i = 0; i < kSubstepsPerControlStep; ++i) {
+      mj_step(model, data);
+    }
+  });
+  refuseWarnings();
+  if (!(data->time > start)) {
+    throw RuntimeFault("MuJoCo: time went from " + std::to_string(start) + " to " + std::to_string(data->time) +
+                       " s: must grow in a step");
+  }
+}
+
+WorldState MujocoWorld::doState() const {
+  WorldState state;
+  state.pusher_position = {data_->qpos[kPusherX], data_->qpos[kPusherY]};
+  state.pusher_velocity = {data_->qvel[kPusherX], data_->qvel[kPusherY]};
+  state.tee_position = {data_->qpos[kTeeX], data_->qpos[kTeeY]};
+  state.tee_velocity = {data_->qvel[kTeeX], data_->qvel[kTeeY]};
+  state.tee_yaw = wrapAngle(data_->qpos[kTeeYaw]);
+  state.tee_yaw_rate = data_->qvel[kTeeYaw];
+  return state;
+}
+
+void MujocoWorld::refuseWarnings() const {
+  for (int i = 0; i < mjNWARNING; ++i) {
+    if (data_->warning[i].number > 0) {
+      throw RuntimeFault(std::string("MuJoCo: ") + mju_warningText(i, data_->warning[i].lastinfo));
+    }
+  }
+}
+
+}  // namespace pusht

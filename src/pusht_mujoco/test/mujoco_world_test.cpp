@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_mujoco/mujoco_world.hpp"
+
+#include <gnu/libc-version.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "pusht_task/testing/golden.hpp"
+#include "pusht_task/testing/simulator_suite.hpp"
+
+namespace pusht {
+namespace {
+
+std::shared_ptr<const MujocoScene> scene() {
+  static const auto shared = std::make_shared<const MujocoScene>(PUSHT_SCENE);
+  return shared;
+}
+
+}  // namespace
+
+namespace testing {
+INSTANTIATE_TEST_SUITE_P(MujocoWorld, SimulatorSuite,
+                         ::testing::Values(SimulatorFactory([] { return std::make_unique<MujocoWorld>(scene()); })));
+}  // namespace testing
+
+namespace {
+
+double distance(const WorldState& a, const WorldState& b) {
+  return std::max({(a.pusher_position - b.pusher_position).norm(), (a.tee_position - b.tee_position).norm(),
+                   std::abs(wrapAngle(a.tee_yaw - b.tee_yaw))});
+}
+
+/// The golden trajectories have these bits only with the library, the libm and the FMA class they were made with.
+bool stackOfTheGoldenVectors() {
+  return mj_version() == 222 && std::string(gnu_get_libc_version()) == "2.36" && __builtin_cpu_supports("fma") != 0;
+}
+
+TEST(MujocoWorld, MatchesTheGoldenTrajectoriesBitForBit) {
+  if (!stackOfTheGoldenVectors()) {
+    GTEST_SKIP() << "needs MuJoCo 2.2.2, glibc 2.36 and FMA; OneStepFromEachGoldenRow holds elsewhere";
+  }
+  for (const auto& golden : testing::loadGolden("pusht_golden.json", "cases")) {
+    const auto& rows = golden.at("mujoco").at("qpos_qvel");
+    MujocoWorld world(scene());
+    Rollout rollout(world, testing::worldState(rows.at(0)));
+    for (std::size_t step = 0; step < golden.at("actions").size(); ++step) {
+      rollout.advance(testing::action(golden.at("actions").at(step)));
+      WorldState expected = testing::worldState(rows.at(step + 1));
+      expected.tee_yaw = wrapAngle(expected.tee_yaw);
+      ASSERT_EQ(world.state(), expected) << "seed " << golden.at("seed") << " step " << step;
+      ASSERT_EQ(rollout.success(), golden.at("mujoco").at("success").at(step).get<bool>());
+    }
+  }
+}
+
+/// The 50 expert episodes. Their yaw was wrapped with a formula that rounds.
+TEST(MujocoWorld, MatchesTheExpertEpisodes) {
+  if (!stackOfTheGoldenVectors()) {
+    GTEST_SKIP() << "needs MuJoCo 2.2.2, glibc 2.36 and FMA";
+  }
+  MujocoWorld world(scene());
+  for (const auto& golden : testing::loadGolden("expert_actions.json", "cases")) {
+    Rollout rollout(world, testing::worldPose(golden.at("start_tee_xyyaw_pusher_xy")));
+    for (std::size_t step = 0; step < golden.at("actions").size(); ++step) {
+      rollout.advance(testing::action(golden.at("actions").at(step)));
+      ASSERT_LE(distance(world.state(), testing::worldPose(golden.at("tee_xyyaw_pusher_xy").at(step))), 1e-15)
+          << "seed " << golden.at("seed") << " step " << step;
+    }
+  }
+}
+
+TEST(MujocoWorld, OneStepFromEachGoldenRow) {
+  constexpr double kWorst = 5e-4;       // the warm start is cleared, so contact forces start elsewhere
+  constexpr double kExactShare = 0.5;   // two thirds where the vectors were made
+  int steps = 0;
+  int exact = 0;
+  for (const auto& golden : testing::loadGolden("pusht_golden.json", "cases")) {
+    const auto& rows = golden.at("mujoco").at("qpos_qvel");
+    MujocoWorld world(scene());
+    for (std::size_t step = 0; step < golden.at("actions").size(); ++step) {
+      world.reset(testing::worldState(rows.at(step)));
+      world.step(testing::action(golden.at("actions").at(step)));
+      const double error = distance(world.state(), testing::worldState(rows.at(step + 1)));
+      EXPECT_LE(error, kWorst) << "seed " << golden.at("seed") << " step " << step;
+      ++steps;
+      exact += error < 1e-12 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(exact, kExactShare * steps);
+}
+
+/// In free space the pusher is a linear system: 0.2 kg, servo 20, damping 0.5, implicit in the velocity.
+TEST(MujocoWorld, PusherServoInFreeSpaceHasItsClosedForm) {
+  MujocoWorld world(scene());
+  WorldState start;
+  start.tee_position = {0.25, 0.25};
+  world.reset(start);
+  world.step({0.5F, 0.0F});
+  constexpr double kPull = 20.0 / 0.2;
+  constexpr double kRate = 20.5 / 0.2;
+  double velocity = 0.0;
+  for (int i = 0; i < kSubstepsPerControlStep; ++i) {
+    velocity += kSubstep * (kPull * 0.5 - kRate * velocity) / (1.0 + kSubstep * kRate);
+  }
+  EXPECT_NEAR(world.state().pusher_velocity.x(), velocity, 1e-12);
+  EXPECT_NEAR(velocity / 0.5, 0.976, 5e-3) << "the steady state falls short of the command";
+}
+
+}  // namespace
+}  // namespace pusht

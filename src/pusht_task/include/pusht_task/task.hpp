@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The rules of PushT: what a policy sees, what an action may be, how far the tee is from its target
+/// and when it counts as there. No physics.
+#pragma once
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/types.hpp"
+
+namespace pusht {
+
+/// `action` with each axis clipped to [-1, 1] m/s.
+Action clip(const Action& action);
+
+/// What a policy sees of `state`.
+Observation observe(const WorldState& state);
+
+/// Distance of the tee from its target pose.
+struct PoseError {
+  double position = 0.0;  ///< [m]
+  double angle = 0.0;     ///< [rad] in [0, pi]
+
+  bool inTolerance() const { return position < kPositionTolerance && angle < kAngleTolerance; }
+};
+PoseError poseError(const WorldState& state);
+
+/// Success: `kSuccessHold` consecutive control steps in tolerance. Once latched it stays.
+class SuccessLatch {
+ public:
+  /// Takes the error after one more control step. Returns true on the one step that latches.
+  bool update(const PoseError& error);
+  bool latched() const { return latched_; }
+
+ private:
+  int steps_in_tolerance_ = 0;
+  bool latched_ = false;
+};
+
+/// Reward of a control step that ends with `error`; `just_latched` as returned by SuccessLatch::update.
+double reward(const PoseError& error, bool just_latched);
+
+}  // namespace pusht

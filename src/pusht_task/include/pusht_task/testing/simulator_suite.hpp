@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// What every Simulator must do, as a test suite to run over yours:
+///
+///   INSTANTIATE_TEST_SUITE_P(Mine, SimulatorSuite, ::testing::Values(SimulatorFactory([] { return ...; })));
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/error.hpp"
+#include "pusht_task/rollout.hpp"
+#include "pusht_task/simulator.hpp"
+#include "pusht_task/spawn.hpp"
+
+namespace pusht::testing {
+
+using SimulatorFactory = std::function<std::unique_ptr<Simulator>()>;
+
+class SimulatorSuite : public ::testing::TestWithParam<SimulatorFactory> {
+ protected:
+  static std::unique_ptr<Simulator> make() { return GetParam()(); }
+};
+
+/// A spawn that moves and turns, as no episode starts but a world may be set to.
+inline WorldState movingState(std::uint64_t seed) {
+  NumpyGenerator generator(seed + 1'000'000);
+  WorldState state = spawn(seed);
+  for (double* velocity : {&state.pusher_velocity.x(), &state.pusher_velocity.y(), &state.tee_velocity.x(),
+                           &state.tee_velocity.y()}) {
+    *velocity = generator.uniform(-0.5, 0.5);
+  }
+  state.tee_yaw_rate = generator.uniform(-3.0, 3.0);
+  return state;
+}
+
+/// Drives the pusher at the tee and through it, so that there is contact: reaction, not memory.
+inline Action chase(const WorldState& state) {
+  const Eigen::Vector2d way = (state.tee_position - state.pusher_position).normalized();
+  return {static_cast<float>(way.x()), static_cast<float>(way.y())};
+}
+
+/// The states after the reset and after each of `steps` chasing control steps.
+inline std::vector<WorldState> chaseFrom(Simulator& world, const WorldState& start, int steps) {
+  world.reset(start);
+  std::vector<WorldState> states = {world.state()};
+  for (int i = 0; i < steps; ++i) {
+    world.step(chase(states.back()));
+    states.push_back(world.state());
+  }
+  return states;
+}
+
+inline void expectNear(const WorldState& a, const WorldState& b, double tolerance) {
+  EXPECT_LE((a.pusher_position - b.pusher_position).norm(), tolerance);
+  EXPECT_LE((a.pusher_velocity - b.pusher_velocity).norm(), tolerance);
+  EXPECT_LE((a.tee_position - b.tee_position).norm(), tolerance);
+  EXPECT_LE((a.tee_velocity - b.tee_velocity).norm(), tolerance);
+  EXPECT_LE(std::abs(wrapAngle(a.tee_yaw - b.tee_yaw)), tolerance);
+  EXPECT_LE(std::abs(a.tee_yaw_rate - b.tee_yaw_rate), tolerance);
+}
+
+TEST_P(SimulatorSuite, ResetSetsTheStateWithVelocities) {
+  const auto world = make();
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    const WorldState wanted = movingState(seed);
+    world->reset(wanted);
+    expectNear(world->state(), wanted, 1e-12);
+  }
+}
+
+TEST_P(SimulatorSuite, ResetToItsOwnStateIsAFixedPointBitForBit) {
+  const auto world = make();
+  for (std::uint64_t seed = 0; seed < 20000; ++seed) {
+    WorldState start = movingState(seed);
+    if (seed % 10 == 0) {  // where the yaw wraps
+      start.tee_yaw = wrapAngle(kPi + static_cast<double>(seed) * 1e-17);
+    }
+    world->reset(start);
+    const WorldState once = world->state();
+    world->reset(once);
+    ASSERT_EQ(world->state(), once) << "seed " << seed;
+  }
+}
+
+TEST_P(SimulatorSuite, ResetClearsAllHiddenState) {
+  const auto used = make();
+  chaseFrom(*used, spawn(7), 40);
+  const auto fresh = make();
+  EXPECT_EQ(chaseFrom(*used, spawn(3), 40), chaseFrom(*fresh, spawn(3), 40));
+}
+
+TEST_P(SimulatorSuite, TwoWorldsDoNotShareState) {
+  const auto a = make();
+  const auto b = make();
+  const auto alone = chaseFrom(*a, spawn(3), 40);
+  a->reset(spawn(3));
+  b->reset(spawn(4));
+  for (std::size_t i = 0; i + 1 < alone.size(); ++i) {
+    a->step(chase(a->state()));
+    b->step(chase(b->state()));
+    ASSERT_EQ(a->state(), alone[i + 1]);
+  }
+}
+
+TEST_P(SimulatorSuite, ChasingMovesTheTee) {
+  const auto world = make();
+  const auto states = chaseFrom(*world, spawn(3), 40);
+  EXPECT_GT((states.back().tee_position - states.front().tee_position).norm(), 0.02);
+}
+
+TEST_P(SimulatorSuite, ActionsAreClipped) {
+  const auto inside = make();
+  const auto outside = make();
+  inside->reset(spawn(3));
+  outside->reset(spawn(3));
+  for (int i = 0; i < 5; ++i) {
+    inside->step({1.0F, -1.0F});
+    outside->step({17.0F, -1.5F});
+    EXPECT_EQ(inside->state(), outside->state());
+  }
+}
+
+TEST_P(SimulatorSuite, RefusesActionsThatAreNotFiniteAndGoesOn) {
+  const auto world = make();
+  world->reset(spawn(3));
+  const WorldState before = world->state();
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    EXPECT_THROW(world->step({bad, 0.0F}), InvalidInput);
+    EXPECT_THROW(world->step({0.0F, -bad}), InvalidInput);
+    EXPECT_EQ(world->state(), before);
+  }
+  const auto undisturbed = make();
+  undisturbed->reset(spawn(3));
+  undisturbed->step({0.5F, 0.5F});
+  world->step({0.5F, 0.5F});
+  EXPECT_EQ(world->state(), undisturbed->state());
+}
+
+TEST_P(SimulatorSuite, RefusesStatesThatAreNotFinite) {
+  const auto world = make();
+  world->reset(spawn(3));
+  const WorldState before = world->state();
+  WorldState bad = spawn(3);
+  bad.tee_yaw_rate = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(world->reset(bad), InvalidInput);
+  EXPECT_EQ(world->state(), before);
+}
+
+TEST_P(SimulatorSuite, RefusesAStepBeforeTheFirstReset) { EXPECT_THROW(make()->step({0.0F, 0.0F}), InvalidInput); }
+
+TEST_P(SimulatorSuite, YawIsWrapped) {
+  const auto world = make();
+  WorldState start = spawn(3);
+  start.tee_yaw = 3.0 + 10.0 * kPi;
+  world->reset(start);
+  EXPECT_NEAR(world->state().tee_yaw, 3.0, 1e-12);
+}
+
+/// F21: either an error or finite numbers, and a world that can be reset; never silently other data.
+TEST_P(SimulatorSuite, AbsurdStatesAreAnErrorOrStayFinite) {
+  WorldState fast = spawn(3);
+  fast.tee_velocity.x() = 1e11;
+  fast.pusher_velocity.y() = -1e11;
+  WorldState overlapping = spawn(3);
+  overlapping.pusher_position = overlapping.tee_position;
+  for (const WorldState& start : {fast, overlapping}) {
+    const auto world = make();
+    try {
+      world->reset(start);
+      for (int i = 0; i < 20; ++i) {
+        world->step({0.0F, 0.0F});
+        ASSERT_TRUE(isFinite(world->state()));
+        ASSERT_NE(world->state(), WorldState()) << "reset to the origin on its own";
+      }
+    } catch (const RuntimeFault&) {
+      EXPECT_THROW(world->step({0.0F, 0.0F}), InvalidInput) << "a failed world must be reset first";
+    }
+    world->reset(spawn(3));
+    expectNear(world->state(), spawn(3), 1e-12);
+  }
+}
+
+/// Success latches after five steps in tolerance, and stepping goes on; the world does not know.
+TEST_P(SimulatorSuite, LatchAndHorizon) {
+  const auto world = make();
+  WorldState solved;
+  solved.pusher_position = {0.2, 0.2};
+  Rollout rollout(*world, solved);
+  for (int step = 1; step <= kSuccessHold + 2; ++step) {
+    rollout.advance({0.0F, 0.0F});
+    EXPECT_EQ(rollout.success(), step >= kSuccessHold);
+    EXPECT_EQ(rollout.finished(kHorizon), step >= kSuccessHold);
+    EXPECT_EQ(rollout.finished(3), step >= 3);
+  }
+  EXPECT_EQ(rollout.trace().states.size(), rollout.trace().actions.size() + 1);
+}
+
+}  // namespace pusht::testing
+

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/spawn.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+#include "pusht_task/constants.hpp"
+
+namespace pusht {
+namespace {
+
+/// numpy's SeedSequence for an entropy of one integer: O'Neill's seed_seq_fe with a pool of four words.
+class SeedSequence {
+ public:
+  explicit SeedSequence(std::uint64_t seed) {
+    const std::array<std::uint32_t, kPoolSize> entropy = {static_cast<std::uint32_t>(seed),
+                                                          static_cast<std::uint32_t>(seed >> 32U), 0U, 0U};
+    Hash hash{0x43b0d7e5U, 0x931e8875U};
+    for (std::size_t i = 0; i < kPoolSize; ++i) {
+      pool_[i] = hash(entropy[i]);
+    }
+    for (std::size_t source = 0; source < kPoolSize; ++source) {
+      for (std::size_t target = 0; target < kPoolSize; ++target) {
+        if (source != target) {
+          pool_[target] = mix(pool_[target], hash(pool_[source]));
+        }
+      }
+    }
+  }
+
+  /// The first four 64-bit words of the state, each from two 32-bit words, low first.
+  std::array<std::uint64_t, 4> generateState() const {
+    Hash hash{0x8b51f9ddU, 0x58f38dedU};
+    std::array<std::uint64_t, 4> state{};
+    for (std::size_t i = 0; i < 2 * state.size(); ++i) {
+      const std::uint64_t word = hash(pool_[i % kPoolSize]);
+      state[i / 2] |= word << (32U * (i % 2));
+    }
+    return state;
+  }
+
+ private:
+  static constexpr std::size_t kPoolSize = 4;
+
+  /// A multiplicative hash whose constant moves on with every call.
+  struct Hash {
+    std::uint32_t constant;
+    std::uint32_t multiplier;
+    std::uint32_t operator()(std::uint32_t value) {
+      value ^= constant;
+      constant *= multiplier;
+      value *= constant;
+      return value ^ (value >> 16U);
+    }
+  };
+
+  static std::uint32_t mix(std::uint32_t x, std::uint32_t y) {
+    const std::uint32_t result = 0xca01f9ddU * x - 0x4973f715U * y;
+    return result ^ (result >> 16U);
+  }
+
+  std::array<std::uint32_t, kPoolSize> pool_{};
+};
+
+pcg64 seededEngine(std::uint64_t seed) {
+  using pcg_extras::pcg128_t;  // named by the macro
+  const auto words = SeedSequence(seed).generateState();
+  return pcg64(PCG_128BIT_CONSTANT(words[0], words[1]), PCG_128BIT_CONSTANT(words[2], words[3]));
+}
+
+}  // namespace
+
+NumpyGenerator::NumpyGenerator(std::uint64_t seed) : engine_(seededEngine(seed)) {}
+
+double NumpyGenerator::random() { return static_cast<double>(engine_() >> 11U) * 0x1p-53; }
+
+double NumpyGenerator::uniform(double low, double high) { return low + (high - low) * random(); }
+
+WorldState spawn(std::uint64_t seed) {
+  NumpyGenerator generator(seed);
+  WorldState state;
+  const double radius = generator.uniform(kSpawnRadiusMin, kSpawnRadiusMax);
+  const double bearing = generator.uniform(0.0, 2.0 * kPi);
+  state.tee_position = {radius * std::cos(bearing), radius * std::sin(bearing)};
+  state.tee_yaw = generator.uniform(-kPi, kPi);
+  do {
+    state.pusher_position.x() = generator.uniform(-kSpawnPusherBound, kSpawnPusherBound);
+    state.pusher_position.y() = generator.uniform(-kSpawnPusherBound, kSpawnPusherBound);
+  } while ((state.pusher_position - state.tee_position).norm() <= kSpawnPusherClearance);
+  return state;
+}
+
+}  // namespace pusht

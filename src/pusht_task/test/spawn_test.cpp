@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/spawn.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/testing/golden.hpp"
+
+namespace pusht {
+namespace {
+
+TEST(Spawn, GeneratorIsNumpysBitForBit) {
+  for (const auto& golden : testing::loadGolden("pusht_golden.json", "spawn")) {
+    NumpyGenerator generator(golden.at("seed").get<std::uint64_t>());
+    for (const auto& hex : golden.at("uniforms_hex")) {
+      EXPECT_EQ(generator.random(), std::stod(hex.get<std::string>())) << "seed " << golden.at("seed");
+    }
+  }
+}
+
+TEST(Spawn, PosesAreNumpys) {
+  constexpr double kTolerance = 4e-15;  // numpy's sin and cos are not libm's
+  for (const auto& golden : testing::loadGolden("pusht_golden.json", "spawn")) {
+    const WorldState state = spawn(golden.at("seed").get<std::uint64_t>());
+    EXPECT_LE((state.pusher_position - testing::vector2(golden.at("pusher"))).norm(), kTolerance);
+    EXPECT_LE((state.tee_position - testing::vector2(golden.at("tee"))).norm(), kTolerance);
+    EXPECT_LE(std::abs(wrapAngle(state.tee_yaw - golden.at("tee_yaw").get<double>())), kTolerance);
+    EXPECT_EQ(state.tee_velocity, Eigen::Vector2d::Zero());
+  }
+}
+
+/// F20. The draws were made with numpy 1.24: np.random.Generator(np.random.PCG64(seed)).random().
+TEST(Spawn, TakesAnySeedOf64Bits) {
+  EXPECT_EQ(NumpyGenerator(0).random(), 0.6369616873214543);
+  EXPECT_EQ(NumpyGenerator((1ULL << 32U) - 1).random(), 0.2519435680449965);
+  EXPECT_EQ(NumpyGenerator(1ULL << 63U).random(), 0.8113443785196867);
+  EXPECT_EQ(NumpyGenerator(~0ULL).random(), 0.6800266789616931);
+}
+
+TEST(Spawn, KeepsItsBounds) {
+  for (std::uint64_t seed = 0; seed < 10000; ++seed) {
+    const WorldState state = spawn(seed);
+    EXPECT_GE(state.tee_position.norm(), kSpawnRadiusMin - 1e-15);
+    EXPECT_LE(state.tee_position.norm(), kSpawnRadiusMax + 1e-15);
+    EXPECT_GT((state.pusher_position - state.tee_position).norm(), kSpawnPusherClearance);
+    EXPECT_LE(state.pusher_position.cwiseAbs().maxCoeff(), kSpawnPusherBound);
+    EXPECT_EQ(wrapAngle(state.tee_yaw), state.tee_yaw);
+  }
+}
+
+}  // namespace
+}  // namespace pusht

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Demonstrations as a rosbag: what a policy is trained on.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+
+#include "pusht_task/policy.hpp"
+#include "pusht_task/simulator.hpp"
+
+namespace pusht {
+
+constexpr const char* kDemonstrationStepTopic = "/demonstration/step";  ///< pusht_msgs/DemonstrationStep
+constexpr const char* kDemonstrationEndTopic = "/demonstration/end";    ///< pusht_msgs/DemonstrationEnd
+
+struct DemonstrationPlan {
+  std::uint64_t seed = 0;  ///< demonstration i starts from spawn seed + i
+  int episodes = 500;
+
+  /// Throws InvalidInput with field, value and rule.
+  void validate() const;
+};
+
+struct DemonstrationTally {
+  int episodes = 0;
+  int successes = 0;
+  std::int64_t frames = 0;
+};
+
+/// Lets `demonstrator` solve the task in `world` and records every control step into the bag at `path`,
+/// which appears there when it is complete. `report` is called after every episode; returning false ends
+/// the collection with RuntimeFault, as does a failure to write.
+DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, Simulator& world, Policy& demonstrator,
+                                        const std::filesystem::path& path,
+                                        const std::function<bool(const DemonstrationTally&)>& report);
+
+}  // namespace pusht

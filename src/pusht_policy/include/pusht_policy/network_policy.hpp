@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// A trained policy: a TorchScript checkpoint, raw observation in, raw action out.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pusht_policy/network_kernel.hpp"
+#include "pusht_task/policy.hpp"
+
+namespace pusht {
+
+class TorchNetwork;
+
+std::string libtorchVersion();
+
+/// The file that libtorch's calls of the BLAS end in; empty if that cannot be found out.
+std::string activeBlas();
+
+/// Where a network's numbers come from.
+struct NetworkInfo {
+  std::string sha256;             ///< of the checkpoint; empty if untrained
+  std::string operations;         ///< what the kernel does to a row; empty on libtorch
+  std::string instruction_set;    ///< of the kernel; empty on libtorch
+  std::string why_not_on_kernel;  ///< empty on the kernel
+  std::string libtorch_version = libtorchVersion();
+  std::string blas = activeBlas();      ///< on libtorch the bits depend on it
+
+  bool runsOnKernel() const { return why_not_on_kernel.empty(); }
+};
+
+/// Runs on NetworkKernel if the checkpoint is a straight line of operations that the kernel knows and agrees with
+/// libtorch; otherwise on libtorch, a row at a time, so that there too a row does not depend on its neighbours.
+/// Actions are what the network says: not clipped, and not finite if they are not.
+class NetworkPolicy : public Policy {
+ public:
+  /// Loads a checkpoint. Throws InvalidInput if it cannot be read or is no TorchScript; BadDependency if it is not
+  /// the one that the file PATH.provenance.json beside it names (checked before libtorch sees it; no such file, no
+  /// check), if its numbers are not finite, or if it does not map float32 [1, 10] to finite float32 [1, 2].
+  static std::unique_ptr<NetworkPolicy> load(const std::filesystem::path& path);
+
+  /// The course's stand-in where there is no checkpoint: 10-64-64-2, ReLU, tanh, with torch's initial weights for
+  /// `seed`. Seeds torch's global generator.
+  static std::unique_ptr<NetworkPolicy> untrained(std::uint64_t seed);
+
+  ~NetworkPolicy() override;
+
+  void act(Span<const Query> queries, Span<Action> actions) override;
+
+  const NetworkInfo& info() const { return info_; }
+
+ private:
+  NetworkPolicy(std::string sha256, std::unique_ptr<NetworkKernel> kernel);
+  NetworkPolicy(std::string sha256, std::unique_ptr<TorchNetwork> network, std::string why_not_on_kernel);
+
+  void actOnKernel(Span<const Query> queries, Span<Action> actions);
+
+  NetworkInfo info_;
+  std::unique_ptr<NetworkKernel> kernel_;  // one of these two
+  std::unique_ptr<TorchNetwork> network_;
+  std::vector<float> inputs_;  // of the kernel, row by row
+  std::vector<float> outputs_;
+};
+
+}  // namespace pusht

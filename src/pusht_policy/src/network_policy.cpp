@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_policy/network_policy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/spawn.hpp"
+#include "pusht_task/task.hpp"
+#include "torch_network.hpp"
+
+namespace pusht {
+namespace {
+
+constexpr int kInputs = std::tuple_size<Observation>::value;
+constexpr int kOutputs = std::tuple_size<Action>::value;
+
+constexpr int kSpawnProbes = 48;
+constexpr int kWideProbes = 16;
+constexpr double kWideRange = 2.0;     // every number of a wide probe lies in +- this
+constexpr float kAgreement = 1e-5F;    // between kernel and libtorch; relative where actions exceed 1
+
+/// Observations with which a network is tried out: starts of episodes, and some that no episode shows.
+std::vector<Observation> probes() {
+  std::vector<Observation> probes;
+  for (int i = 0; i < kSpawnProbes; ++i) {
+    probes.push_back(observe(spawn(i)));
+  }
+  NumpyGenerator generator(kSpawnProbes);
+  for (int i = 0; i < kWideProbes; ++i) {
+    Observation& probe = probes.emplace_back();
+    std::generate(probe.begin(), probe.end(), [&] { return generator.uniform(-kWideRange, kWideRange); });
+  }
+  return probes;
+}
+
+/// What the network does to the probes. Throws BadDependency if that is not finite.
+std::vector<Action> tryOut(TorchNetwork& network, const std::string& name) {
+  std::vector<Action> actions;
+  for (const Observation& probe : probes()) {
+    actions.push_back(network.act(probe));
+    if (!isFinite(actions.back())) {
+      throw BadDependency(name + ": its actions must be finite, but are not for probe " +
+                          std::to_string(actions.size() - 1));
+    }
+  }
+  return actions;
+}
+
+/// If a file PATH.provenance.json says which bytes the checkpoint must have, these are they.
+void requireProvenance(const std::filesystem::path& path, const std::string& name, const std::string& sha256) {
+  const std::filesystem::path provenance = path.string() + ".provenance.json";
+  if (!std::filesystem::exists(provenance)) {
+    return;
+  }
+  const std::string text = readFile(provenance, "provenance");
+  std::string expected;
+  try {
+    expected = nlohmann::json::parse(text).at("checkpoint").at("sha256").get<std::string>();
+  } catch (const nlohmann::json::exception& error) {
+    throw InvalidInput("provenance " + provenance.string() + ": must be JSON with checkpoint.sha256: " + error.what());
+  }
+  if (sha256 != expected) {
+    throw BadDependency(name + ": its SHA-256 is " + sha256 + ", must be " + expected + " (" + provenance.string() +
+                        ")");
+  }
+}
+
+/// Throws UnfitForKernel unless the kernel does to the probes what libtorch did.
+void requireAgreement(NetworkKernel& kernel, const std::vector<Action>& expected) {
+  const std::vector<Observation> inputs = probes();
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    Action action{};
+    kernel.run(inputs[i], action);
+    for (std::size_t axis = 0; axis < action.size(); ++axis) {
+      const float difference = std::abs(action[axis] - expected[i][axis]);
+      if (!(difference <= kAgreement * std::max(1.0F, std::abs(expected[i][axis])))) {
+        throw UnfitForKernel("the kernel differs from libtorch by " + std::to_string(difference) + " for probe " +
+                             std::to_string(i));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+NetworkPolicy::NetworkPolicy(std::string sha256, std::unique_ptr<NetworkKernel> kernel) : kernel_(std::move(kernel)) {
+  info_.sha256 = std::move(sha256);
+  info_.operations = kernel_->operations();
+  info_.instruction_set = toString(kernel_->instructionSet());
+}
+
+NetworkPolicy::NetworkPolicy(std::string sha256, std::unique_ptr<TorchNetwork> network, std::string why_not_on_kernel)
+    : network_(std::move(network)) {
+  info_.sha256 = std::move(sha256);
+  info_.why_not_on_kernel = std::move(why_not_on_kernel);
+}
+
+NetworkPolicy::~NetworkPolicy() = default;
+
+std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& path) {
+  const std::string name = "policy " + path.string();
+  const std::string bytes = readFile(path, "policy");
+  const std::string hash = sha256(bytes);
+  requireProvenance(path, name, hash);
+  auto network = std::make_unique<TorchNetwork>(bytes, name);
+  const std::vector<Action> actions = tryOut(*network, name);
+  try {
+    auto kernel = std::make_unique<NetworkKernel>(kInputs, network->operations());
+    requireAgreement(*kernel, actions);
+    return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(hash, std::move(kernel)));
+  } catch (const UnfitForKernel& error) {
+    return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(hash, std::move(network), error.what()));
+  }
+}
+
+std::unique_ptr<NetworkPolicy> NetworkPolicy::untrained(std::uint64_t seed) {
+  auto kernel = std::make_unique<NetworkKernel>(kInputs, untrainedOperations(seed));
+  return std::unique_ptr<NetworkPolicy>(new NetworkPolicy("", std::move(kernel)));
+}
+
+void NetworkPolicy::act(Span<const Query> queries, Span<Action> actions) {
+  if (kernel_ != nullptr) {
+    return actOnKernel(queries, actions);
+  }
+  std::transform(queries.begin(), queries.end(), actions.begin(),
+                 [&](const Query& query) { return network_->act(query.observation); });
+}
+
+void NetworkPolicy::actOnKernel(Span<const Query> queries, Span<Action> actions) {
+  inputs_.resize(queries.size() * kInputs);
+  outputs_.resize(queries.size() * kOutputs);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    std::copy_n(queries[i].observation.begin(), kInputs, inputs_.begin() + i * kInputs);
+  }
+  kernel_->run(inputs_, outputs_);
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    std::copy_n(outputs_.begin() + i * kOutputs, kOutputs, actions[i].begin());
+  }
+}
+
+}  // namespace pusht

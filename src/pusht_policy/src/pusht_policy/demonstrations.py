@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Demonstrations as they are recorded in rosbags: reading and checking."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Sequence
+
+import numpy as np
+import rosbag  # type: ignore[import]
+from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[import]
+
+STEP_TOPIC = "/demonstration/step"
+END_TOPIC = "/demonstration/end"
+MESSAGE_TYPES = {STEP_TOPIC: DemonstrationStep, END_TOPIC: DemonstrationEnd}
+
+
+class InputError(ValueError):
+    """Bad input or configuration; the text names the thing, its value and the rule."""
+
+
+@dataclass(frozen=True)
+class Demonstration:
+    """One complete demonstration of n control steps."""
+
+    seed: int
+    success: bool
+    observations: np.ndarray  # float32 [n, 10], m and sin/cos; see DemonstrationStep.msg
+    actions: np.ndarray  # float32 [n, 2], commanded pusher velocity [m/s]
+
+
+@dataclass
+class _Recording:
+    """A demonstration while it is being read."""
+
+    observations: List[Sequence[float]] = field(default_factory=list)
+    actions: List[Sequence[float]] = field(default_factory=list)
+    success: Optional[bool] = None  # None until its end has been read
+
+
+def read_demonstrations(bags: Sequence[Path]) -> List[Demonstration]:
+    """All demonstrations of the bags, in the order of their seeds."""
+    bag_of_seed: Dict[int, Path] = {}
+    demonstrations: List[Demonstration] = []
+    for bag in bags:
+        for demonstration in _read_bag(bag):
+            seed = demonstration.seed
+            if seed in bag_of_seed:
+                raise InputError(
+                    f"{bag}: seed {seed}: also in {bag_of_seed[seed]}; a seed must occur once only"
+                )
+            bag_of_seed[seed] = bag
+            demonstrations.append(demonstration)
+    return sorted(demonstrations, key=lambda demonstration: demonstration.seed)
+
+
+def _read_bag(path: Path) -> List[Demonstration]:
+    recordings: Dict[int, _Recording] = {}
+    try:
+        with rosbag.Bag(str(path)) as bag:
+            _check_topics(path, bag)
+            for topic, message, _ in bag.read_messages(topics=list(MESSAGE_TYPES)):
+                recording = recordings.setdefault(message.seed, _Recording())
+                if topic == STEP_TOPIC:
+                    _add_step(path, recording, message)
+                else:
+                    _add_end(path, recording, message)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; a rosbag is needed") from None
+    except IsADirectoryError:
+        raise InputError(f"{path}: is a folder; a rosbag is needed") from None
+    except (InputError, OSError):
+        raise
+    except rosbag.ROSBagUnindexedException:
+        raise InputError(f"{path}: not indexed; run `rosbag reindex` on it first") from None
+    except Exception as error:  # damaged bytes make rosbag raise anything
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{path}: {reason}; a readable rosbag is needed") from None
+    if not recordings:
+        raise InputError(f"{path}: 0 demonstrations; at least one is needed")
+    return [_finished(path, seed, recording) for seed, recording in recordings.items()]
+
+
+def _check_topics(path: Path, bag: Any) -> None:
+    types, topics = bag.get_type_and_topic_info()
+    for topic, message_type in MESSAGE_TYPES.items():
+        expected = message_type._type
+        if topic not in topics:
+            raise InputError(f"{path}: no messages on {topic}; {expected} is needed there")
+        found = topics[topic].msg_type
+        if found != expected:
+            raise InputError(f"{path}: {topic} is of type {found}; it must be {expected}")
+        if types[found] != message_type._md5sum:
+            raise InputError(
+                f"{path}: {found} has MD5 {types[found]}; it must be {message_type._md5sum}"
+            )
+
+
+def _add_step(path: Path, recording: _Recording, message: Any) -> None:
+    where = f"{path}: seed {message.seed}: step {message.step}"
+    if recording.success is not None:
+        raise InputError(f"{where}: comes after the end; a seed must occur once only")
+    expected = len(recording.actions)
+    if message.step != expected:
+        raise InputError(f"{where}: steps must be consecutive from 0, expected {expected}")
+    for name, values in (("observation", message.observation), ("action", message.action)):
+        if not np.isfinite(values).all():
+            numbers = ", ".join(f"{value:g}" for value in values)
+            raise InputError(f"{where}: {name} is [{numbers}]; all numbers must be finite")
+    recording.observations.append(message.observation)
+    recording.actions.append(message.action)
+
+
+def _add_end(path: Path, recording: _Recording, message: Any) -> None:
+    where = f"{path}: seed {message.seed}: end"
+    if recording.success is not None:
+        raise InputError(f"{where}: is there twice; a seed must occur once only")
+    found = len(recording.actions)
+    if message.steps != found or found == 0:
+        raise InputError(
+            f"{where}: says {message.steps} steps, found {found}; the counts must agree, at least 1"
+        )
+    recording.success = bool(message.success)
+
+
+def _finished(path: Path, seed: int, recording: _Recording) -> Demonstration:
+    if recording.success is None:
+        last = len(recording.actions) - 1
+        raise InputError(f"{path}: seed {seed}: step {last}: is the last, but no end follows it")
+    return Demonstration(
+        seed=seed,
+        success=recording.success,
+        observations=np.array(recording.observations, dtype=np.float32),
+        actions=np.array(recording.actions, dtype=np.float32),
+    )

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The policy: a small MLP that carries its own normalisation."""
+
+from typing import Sequence, Tuple
+
+import torch
+from torch import Tensor, nn
+
+SMALLEST_RANGE = 1e-4  # a narrower range counts as 1, in the unit of the value
+
+
+def minimum_and_range(values: Tensor) -> Tuple[Tensor, Tensor]:
+    """Per-column minimum and range, each [d], of values [n, d]."""
+    minimum = values.min(dim=0).values
+    value_range = values.max(dim=0).values - minimum
+    one = torch.ones_like(value_range)
+    return minimum, torch.where(value_range < SMALLEST_RANGE, one, value_range)
+
+
+def normalised(values: Tensor, minimum: Tensor, value_range: Tensor) -> Tensor:
+    """Maps [minimum, minimum + value_range] to [-1, 1]. The order of operations is fixed."""
+    return (values - minimum) * 2 / value_range - 1
+
+
+class Policy(nn.Module):
+    """Observation [n, 10] or [10] in SI units to commanded pusher velocity [n, 2] or [2] in m/s."""
+
+    obs_min: Tensor
+    obs_range: Tensor
+    act_min: Tensor
+    act_range: Tensor
+
+    def __init__(
+        self,
+        hidden: Sequence[int],
+        obs_min: Tensor,
+        obs_range: Tensor,
+        act_min: Tensor,
+        act_range: Tensor,
+    ) -> None:
+        super().__init__()
+        self.register_buffer("obs_min", obs_min)
+        self.register_buffer("obs_range", obs_range)
+        self.register_buffer("act_min", act_min)
+        self.register_buffer("act_range", act_range)
+        self.net = nn.Sequential(
+            nn.Linear(obs_min.numel(), hidden[0]),
+            nn.ReLU(),
+            nn.Linear(hidden[0], hidden[1]),
+            nn.ReLU(),
+            nn.Linear(hidden[1], act_min.numel()),
+        )
+        for layer in self.net:  # TorchScript writes constants in the order of a set, at random
+            layer.__constants__ = []
+
+    def forward(self, obs: Tensor) -> Tensor:
+        """The order of these float32 operations is fixed: other programs repeat it."""
+        x = normalised(obs, self.obs_min, self.obs_range).clamp(-1.0, 1.0)
+        y = self.net(x)
+        return (y + 1) / 2 * self.act_range + self.act_min

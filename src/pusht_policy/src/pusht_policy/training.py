@@ -1,0 +1,506 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Behaviour cloning: the training loop, its resumable state, and the files it writes.
+
+The same recipe, bags, torch and BLAS give the same weights bit for bit, interrupted or not.
+"""
+
+import argparse
+import contextlib
+import ctypes
+import fcntl
+import hashlib
+import io
+import json
+import math
+import os
+import platform
+import signal
+import sys
+import time
+import zipfile
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterator, List, NoReturn, Sequence, Tuple
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from pusht_policy.demonstrations import Demonstration, InputError, read_demonstrations
+from pusht_policy.model import Policy, minimum_and_range, normalised
+
+EXIT_OK = 0
+EXIT_BAD_INPUT = 2
+EXIT_FAULT = 4
+STATE_INTERVAL = 10  # epochs between two saved states, and between two plain progress lines
+HISTORY_INTERVAL = 50  # epochs between two entries of the validation loss history
+ARCHIVE_TIME = (1980, 1, 1, 0, 0, 0)  # of every file in a TorchScript archive
+
+
+class Fault(RuntimeError):
+    """A run-time fault; the text names the thing, its value and the rule."""
+
+
+class Interrupted(Exception):
+    """Training was interrupted by a signal after its state had been saved."""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What decides the weights, besides the demonstrations and the software."""
+
+    epochs: int = 600
+    batch: int = 128  # frames
+    learning_rate: float = 1e-3  # at the start; cosine to 0, one step an epoch
+    seed: int = 0  # of the split, the initial weights and the shuffles
+    threads: int = 1
+    hidden: Tuple[int, int] = (512, 512)  # units
+    validation_fraction: float = 0.1  # of the demonstrations
+
+    def check(self) -> None:
+        """Raises InputError for the first value that breaks its rule."""
+        for name in ("epochs", "batch", "threads"):
+            if getattr(self, name) < 1:
+                raise InputError(f"{name} is {getattr(self, name)}; it must be at least 1")
+        if min(self.hidden) < 1:
+            raise InputError(f"hidden is {list(self.hidden)}; both sizes must be at least 1")
+        if not (math.isfinite(self.learning_rate) and self.learning_rate > 0):
+            raise InputError(f"lr is {self.learning_rate}; it must be finite and greater than 0")
+        if not 0 <= self.seed < 2**63:
+            raise InputError(f"seed is {self.seed}; it must be in [0, 2^63)")
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Frames of some demonstrations, in SI units."""
+
+    observations: Tensor  # float32 [n, 10]
+    actions: Tensor  # float32 [n, 2], m/s
+
+
+@dataclass(frozen=True)
+class NormalisedFrames:
+    """Frames as the network sees them: inputs in [-1, 1], targets mapped likewise."""
+
+    inputs: Tensor  # float32 [n, 10]
+    targets: Tensor  # float32 [n, 2]
+
+
+def train(bags: Sequence[Path], out: Path, state_dir: Path, recipe: Recipe) -> None:
+    """Trains on the bags and writes `out` and its provenance; goes on where a state was left."""
+    recipe.check()
+    if not out.parent.is_dir():
+        raise InputError(f"{out}: its folder does not exist; it must exist")
+    if out.is_dir():
+        raise InputError(f"{out}: is a folder; it must be a file name")
+    with _stop_signals() as stop_requested, _locked(state_dir):
+        demonstrations = read_demonstrations(bags)
+        frames = sum(len(d.actions) for d in demonstrations)
+        successes = sum(d.success for d in demonstrations)
+        print(f"{len(demonstrations)} demonstrations, {successes} solved, {frames} frames", flush=True)
+        hashes = [sha256_of(bag) for bag in bags]
+        _set_up_torch(recipe)
+        trainer = Trainer(demonstrations, recipe, hashes)
+        trainer.resume(state_dir / "state.pt")
+        trainer.run(state_dir / "state.pt", stop_requested)
+        model_bytes = torchscript_bytes(trainer.script)
+        provenance = {
+            "checkpoint": {"file": out.name, "sha256": hashlib.sha256(model_bytes).hexdigest()},
+            "demonstrations": {
+                "bags": [{"file": b.name, "sha256": h} for b, h in zip(bags, hashes)],
+                "episodes": len(demonstrations),
+                "successes": successes,
+                "frames": frames,
+                "first_seed": demonstrations[0].seed,
+                "last_seed": demonstrations[-1].seed,
+            },
+            "training": trainer.provenance(),
+            "software": software(),
+            "evaluation": None,
+        }
+        write_aside(out, model_bytes)
+        write_aside(provenance_path(out), _json_bytes(provenance))
+        (state_dir / "state.pt").unlink()
+
+
+class Trainer:
+    """One training run over demonstrations that are already read."""
+
+    def __init__(
+        self, demonstrations: Sequence[Demonstration], recipe: Recipe, bag_hashes: Sequence[str]
+    ) -> None:
+        self.recipe = recipe
+        self.identity = _identity(recipe, bag_hashes)
+        self.generator = torch.Generator().manual_seed(recipe.seed)
+        train_part, validation_part = split(demonstrations, recipe, self.generator)
+        frames = _frames(train_part)
+        obs_min, obs_range = minimum_and_range(frames.observations)
+        act_min, act_range = minimum_and_range(frames.actions)
+        torch.manual_seed(recipe.seed)
+        self.model = Policy(recipe.hidden, obs_min, obs_range, act_min, act_range)
+        self.script = torch.jit.script(self.model)  # shares the weights; reads model.py only now
+        self.train_frames = self._normalised(frames)
+        self.validation_frames = self._normalised(_frames(validation_part))
+        self.optimizer = torch.optim.Adam(self.model.parameters(), lr=recipe.learning_rate)
+        self.scheduler = torch.optim.lr_scheduler.CosineAnnealingLR(
+            self.optimizer, T_max=recipe.epochs
+        )
+        self.epoch = 0  # epochs done
+        self.train_loss = math.nan  # mean over the last epoch, while the weights changed
+        self.validation_loss = math.nan  # after the last epoch
+        self.history: List[Dict[str, float]] = []
+
+    def run(self, state_path: Path, stop_requested: Callable[[], bool]) -> None:
+        """Trains up to the last epoch; saves the state now and then and when told to stop."""
+        progress = _Progress(self.epoch, self.recipe.epochs)
+        while self.epoch < self.recipe.epochs:
+            if stop_requested():
+                self.save(state_path)
+                progress.close()
+                raise Interrupted(f"after epoch {self.epoch} of {self.recipe.epochs}")
+            self._run_epoch()
+            if self.epoch % STATE_INTERVAL == 0 or self.epoch == self.recipe.epochs:
+                self.save(state_path)
+            progress.show(self.epoch, self.train_loss, self.validation_loss)
+        progress.close()
+
+    def save(self, path: Path) -> None:
+        """Writes everything that decides the rest of the run."""
+        buffer = io.BytesIO()
+        state = {
+            "identity": self.identity,
+            "epoch": self.epoch,
+            "model": self.model.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
+            "scheduler": self.scheduler.state_dict(),
+            "generator": self.generator.get_state(),
+            "global_generator": torch.get_rng_state(),
+            "train_loss": self.train_loss,
+            "validation_loss": self.validation_loss,
+            "history": self.history,
+        }
+        torch.save(state, buffer)
+        write_aside(path, buffer.getvalue())
+
+    def resume(self, path: Path) -> None:
+        """Takes over a saved state, if there is one; refuses that of another run."""
+        if not path.exists():
+            return
+        try:
+            state = torch.load(str(path))
+            found = state["identity"]
+        except Exception:  # unpickling damaged bytes can raise anything
+            raise InputError(
+                f"{path}: not a readable training state; delete it to start anew"
+            ) from None
+        for name, value in self.identity.items():
+            if found.get(name) != value:
+                raise InputError(
+                    f"{path}: {name} was {found.get(name)}, is now {value}; both must agree "
+                    "(or delete that file to start anew)"
+                )
+        self.model.load_state_dict(state["model"])
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.scheduler.load_state_dict(state["scheduler"])
+        self.generator.set_state(state["generator"])
+        torch.set_rng_state(state["global_generator"])
+        self.epoch = state["epoch"]
+        self.train_loss = state["train_loss"]
+        self.validation_loss = state["validation_loss"]
+        self.history = state["history"]
+        print(f"resumed after epoch {self.epoch}", flush=True)
+
+    def provenance(self) -> Dict[str, Any]:
+        """The `training` part of the provenance of a finished run."""
+        hidden = "-".join(str(size) for size in self.recipe.hidden)
+        inputs = self.train_frames.inputs.shape[1]
+        outputs = self.train_frames.targets.shape[1]
+        return {
+            "architecture": f"MLP {inputs}-{hidden}-{outputs}, ReLU",
+            "epochs": self.recipe.epochs,
+            "batch": self.recipe.batch,
+            "learning_rate": self.recipe.learning_rate,
+            "schedule": "cosine to 0, stepped every epoch",
+            "optimizer": "Adam",
+            "loss": "mean squared error in normalised action space",
+            "seed": self.recipe.seed,
+            "threads": self.recipe.threads,
+            "flush_denormal": True,
+            "validation_fraction": self.recipe.validation_fraction,
+            "train_frames": len(self.train_frames.inputs),
+            "validation_frames": len(self.validation_frames.inputs),
+            "final_train_loss": self._loss_over(self.train_frames),
+            "final_validation_loss": self.validation_loss,
+            "validation_loss_history": self.history,
+        }
+
+    def _normalised(self, frames: Frames) -> NormalisedFrames:
+        model = self.model
+        inputs = normalised(frames.observations, model.obs_min, model.obs_range).clamp(-1.0, 1.0)
+        return NormalisedFrames(inputs, normalised(frames.actions, model.act_min, model.act_range))
+
+    def _run_epoch(self) -> None:
+        frames = self.train_frames
+        order = torch.randperm(len(frames.inputs), generator=self.generator)
+        total = 0.0
+        for inputs, targets in zip(
+            frames.inputs[order].split(self.recipe.batch),
+            frames.targets[order].split(self.recipe.batch),
+        ):
+            loss = nn.functional.mse_loss(self.model.net(inputs), targets)
+            self.optimizer.zero_grad(set_to_none=True)
+            loss.backward()
+            self.optimizer.step()
+            total += loss.item() * len(inputs)
+        self.scheduler.step()
+        self.epoch += 1
+        self.train_loss = total / len(frames.inputs)
+        self.validation_loss = self._loss_over(self.validation_frames)
+        if not (math.isfinite(self.train_loss) and math.isfinite(self.validation_loss)):
+            raise Fault(
+                f"epoch {self.epoch}: training loss {self.train_loss}, validation loss "
+                f"{self.validation_loss}; both must be finite (a lower --lr may help)"
+            )
+        if self.epoch % HISTORY_INTERVAL == 0:
+            self.history.append({"epoch": self.epoch, "loss": self.validation_loss})
+
+    def _loss_over(self, frames: NormalisedFrames) -> float:
+        """Mean squared error in normalised action space over all frames."""
+        with torch.no_grad():
+            return float(nn.functional.mse_loss(self.model.net(frames.inputs), frames.targets))
+
+
+def split(
+    demonstrations: Sequence[Demonstration], recipe: Recipe, generator: torch.Generator
+) -> Tuple[List[Demonstration], List[Demonstration]]:
+    """Whole demonstrations for training and for validation, by a seeded permutation."""
+    count = len(demonstrations)
+    if count < 2:
+        raise InputError(f"demonstrations: {count}; at least 2 are needed (1 to validate)")
+    validation_count = max(1, round(recipe.validation_fraction * count))
+    chosen = set(torch.randperm(count, generator=generator)[:validation_count].tolist())
+    training = [d for i, d in enumerate(demonstrations) if i not in chosen]
+    return training, [demonstrations[i] for i in sorted(chosen)]
+
+
+def torchscript_bytes(script: torch.jit.ScriptModule) -> bytes:
+    """The archive of a module, without its debug records: they hold local paths."""
+    script.eval()
+    saved = io.BytesIO()
+    torch.jit.save(script, saved)
+    stripped = io.BytesIO()
+    with zipfile.ZipFile(saved) as source, zipfile.ZipFile(stripped, "w") as target:
+        for info in source.infolist():
+            if not info.filename.endswith(".debug_pkl"):
+                record = zipfile.ZipInfo(info.filename, ARCHIVE_TIME)
+                target.writestr(record, source.read(info))
+    return stripped.getvalue()
+
+
+def record_evaluation(checkpoint: Path, metrics: Path, simulator: str) -> None:
+    """Fills `evaluation` in the checkpoint's provenance from a metrics.json."""
+    path = provenance_path(checkpoint)
+    provenance = _read_json(path)
+    result = _read_json(metrics)
+    recorded = provenance.get("checkpoint", {}).get("sha256")
+    found = sha256_of(checkpoint)
+    if recorded != found:
+        raise InputError(
+            f"{checkpoint}: SHA-256 is {found}, {path.name} says {recorded}; both must agree"
+        )
+    for name in ("episodes", "seed", "mj_success_rate", "policy"):
+        if name not in result:
+            raise InputError(f"{metrics}: no key {name}; it is needed")
+    if result["policy"] == "fresh-untrained":
+        raise InputError(f"{metrics}: policy is fresh-untrained; it must be the checkpoint")
+    episodes, rate = result["episodes"], result["mj_success_rate"]
+    if not (isinstance(episodes, int) and episodes >= 1):
+        raise InputError(f"{metrics}: episodes is {episodes}; it must be an integer of at least 1")
+    if not (isinstance(rate, (int, float)) and 0 <= rate <= 1):
+        raise InputError(f"{metrics}: mj_success_rate is {rate}; it must be in [0, 1]")
+    provenance["evaluation"] = {
+        "simulator": simulator,
+        "episodes": episodes,
+        "seed": result["seed"],
+        "success_rate": rate,
+        "successes": round(rate * episodes),
+    }
+    write_aside(path, _json_bytes(provenance))
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Bad arguments are one line on stderr and exit code 2."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(EXIT_BAD_INPUT, f"{self.prog}: {message}\n")
+
+
+def run_command(name: str, command: Callable[[], None], resume_hint: str = "") -> int:
+    """Runs a command and returns its exit code; expected errors become one line on stderr."""
+    try:
+        command()
+    except InputError as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except Interrupted as error:
+        print(f"{name}: interrupted {error}, state saved; {resume_hint}", file=sys.stderr)
+        return EXIT_FAULT
+    except (Fault, OSError) as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        return EXIT_FAULT
+    return EXIT_OK
+
+
+def provenance_path(checkpoint: Path) -> Path:
+    """Where the provenance of a checkpoint is kept: beside it."""
+    return checkpoint.with_name(checkpoint.name + ".provenance.json")
+
+
+def sha256_of(path: Path) -> str:
+    """Hexadecimal SHA-256 of a file."""
+    digest = hashlib.sha256()
+    try:
+        with path.open("rb") as file:
+            for chunk in iter(lambda: file.read(1 << 20), b""):
+                digest.update(chunk)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; it must exist") from None
+    return digest.hexdigest()
+
+
+def write_aside(path: Path, content: bytes) -> None:
+    """Writes a file under another name and renames it: it is complete or absent."""
+    partial = path.with_name(path.name + ".partial")
+    try:
+        with partial.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(partial, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            partial.unlink()
+        raise
+
+
+def software() -> Dict[str, str]:
+    """Versions of what computes the weights."""
+    return {
+        "python": platform.python_version(),
+        "torch": torch.__version__,
+        "numpy": np.__version__,
+        "blas": ", ".join(Path(name).name for name in _loaded_blas()) or "unknown",
+    }
+
+
+def _loaded_blas() -> List[str]:
+    """Real paths of the BLAS libraries that this process has loaded."""
+    with open("/proc/self/maps", encoding="utf-8") as maps:
+        mapped = {line.split(maxsplit=5)[5].strip() for line in maps if len(line.split()) > 5}
+    names = {name for name in mapped if "blas" in Path(name).name and ".so" in Path(name).name}
+    return sorted(os.path.realpath(name) for name in names)
+
+
+def _set_up_torch(recipe: Recipe) -> None:
+    """One set of bits and no slow denormals. OpenBLAS does not heed torch's thread count."""
+    torch.use_deterministic_algorithms(True)
+    torch.set_flush_denormal(True)
+    torch.set_num_threads(recipe.threads)
+    for name in _loaded_blas():
+        set_threads = getattr(ctypes.CDLL(name), "openblas_set_num_threads", None)
+        if set_threads is not None:
+            set_threads(ctypes.c_int(recipe.threads))
+
+
+def _identity(recipe: Recipe, bag_hashes: Sequence[str]) -> Dict[str, Any]:
+    """All that must agree for a state to be continued with the same bits."""
+    versions = software()
+    return {
+        **asdict(recipe),
+        "bags": list(bag_hashes),
+        "torch": versions["torch"],
+        "blas": versions["blas"],
+    }
+
+
+def _frames(demonstrations: Sequence[Demonstration]) -> Frames:
+    return Frames(
+        torch.from_numpy(np.concatenate([d.observations for d in demonstrations])),
+        torch.from_numpy(np.concatenate([d.actions for d in demonstrations])),
+    )
+
+
+@contextlib.contextmanager
+def _stop_signals() -> Iterator[Callable[[], bool]]:
+    """SIGINT and SIGTERM ask for a stop while the context lasts."""
+    received: List[int] = []
+    signals = (signal.SIGINT, signal.SIGTERM)
+    previous = [signal.signal(s, lambda number, _: received.append(number)) for s in signals]
+    try:
+        yield lambda: bool(received)
+    finally:
+        for number, handler in zip(signals, previous):
+            signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Holds a folder for one run; removes it at the end if nothing else is left in it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    lock = folder / "lock"
+    with lock.open("w") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InputError(f"{folder}: in use by another training; it must be free") from None
+        try:
+            yield
+        finally:
+            lock.unlink()
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+
+
+def _json_bytes(value: Any) -> bytes:
+    return (json.dumps(value, indent=2, sort_keys=True) + "\n").encode()
+
+
+def _read_json(path: Path) -> Dict[str, Any]:
+    try:
+        value = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; it must exist") from None
+    except ValueError as error:
+        raise InputError(f"{path}: {error}; it must be JSON") from None
+    if not isinstance(value, dict):
+        raise InputError(f"{path}: is a JSON {type(value).__name__}; it must be an object")
+    return value
+
+
+class _Progress:
+    """One updated line on a terminal, else a plain line every few epochs."""
+
+    def __init__(self, first_epoch: int, epochs: int) -> None:
+        self._first_epoch = first_epoch
+        self._epochs = epochs
+        self._start = time.monotonic()
+        self._terminal = sys.stdout.isatty()
+
+    def show(self, epoch: int, train_loss: float, validation_loss: float) -> None:
+        """Called after every epoch."""
+        if not (self._terminal or epoch % STATE_INTERVAL == 0 or epoch == self._epochs):
+            return
+        elapsed = time.monotonic() - self._start
+        left = round(elapsed / (epoch - self._first_epoch) * (self._epochs - epoch))
+        line = (
+            f"epoch {epoch}/{self._epochs}  train {train_loss:.6f}  "
+            f"validation {validation_loss:.6f}  {left // 60} min {left % 60:02d} s left"
+        )
+        print(f"\r{line}\033[K" if self._terminal else line, end="", flush=True)
+        if not self._terminal:
+            print(flush=True)
+
+    def close(self) -> None:
+        """Ends the updated line."""
+        if self._terminal:
+            print(flush=True)

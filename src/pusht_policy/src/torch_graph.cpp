@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <map>
+#include <utility>
+
+#include "torch_network.hpp"
+
+namespace pusht {
+namespace {
+
+using Kind = Operation::Kind;
+using torch::jit::IValue;
+using torch::jit::Node;
+using torch::jit::Value;
+
+/// Follows the rows from operation to operation.
+class GraphReader {
+ public:
+  GraphReader(const Value* rows, int columns) : rows_(rows), columns_(columns) {}
+
+  void read(const Node& node);
+
+  const Value* rows() const { return rows_; }
+  std::vector<Operation> takeOperations() { return std::move(operations_); }
+
+ private:
+  using Reader = void (GraphReader::*)(const Node&);
+  static const std::map<std::string, Reader>& readers();
+
+  void readLinear(const Node& node);
+  void readAddmm(const Node& node);
+  void readMatmul(const Node& node);
+  void readAdd(const Node& node);
+  void readSub(const Node& node);
+  void readRsub(const Node& node);
+  void readMul(const Node& node);
+  void readDiv(const Node& node);
+  void readNeg(const Node& node);
+  void readRelu(const Node& node);
+  void readRelu6(const Node& node);
+  void readClamp(const Node& node);
+  void readHardtanh(const Node& node);
+  void readTanh(const Node& node);
+  void readTo(const Node& node);
+  void readDropout(const Node& node);
+  void readCopy(const Node& node);
+
+  [[noreturn]] static void refuse(const Node& node, const std::string& why);
+  IValue constant(const Node& node, const char* input) const;
+  IValue otherConstant(const Node& node) const;
+  void requireRows(const Node& node, const char* input) const;
+  void requireOne(const Node& node, const char* input) const;
+
+  void append(const Node& node, Kind kind, const IValue& operand);
+  void appendMatrix(const Node& node, const IValue& matrix);
+
+  const Value* rows_;
+  int columns_;
+  std::vector<Operation> operations_;
+};
+
+const std::map<std::string, GraphReader::Reader>& GraphReader::readers() {
+  static const std::map<std::string, Reader> kReaders = {
+      {"aten::linear", &GraphReader::readLinear},     {"aten::addmm", &GraphReader::readAddmm},
+      {"aten::matmul", &GraphReader::readMatmul},     {"aten::add", &GraphReader::readAdd},
+      {"aten::sub", &GraphReader::readSub},           {"aten::rsub", &GraphReader::readRsub},
+      {"aten::mul", &GraphReader::readMul},           {"aten::div", &GraphReader::readDiv},
+      {"aten::neg", &GraphReader::readNeg},           {"aten::relu", &GraphReader::readRelu},
+      {"aten::relu6", &GraphReader::readRelu6},       {"aten::clamp", &GraphReader::readClamp},
+      {"aten::clamp_min", &GraphReader::readClamp},   {"aten::clamp_max", &GraphReader::readClamp},
+      {"aten::hardtanh", &GraphReader::readHardtanh}, {"aten::tanh", &GraphReader::readTanh},
+      {"aten::to", &GraphReader::readTo},             {"aten::dropout", &GraphReader::readDropout},
+      {"aten::detach", &GraphReader::readCopy},       {"aten::contiguous", &GraphReader::readCopy},
+      {"aten::clone", &GraphReader::readCopy},
+  };
+  return kReaders;
+}
+
+void GraphReader::refuse(const Node& node, const std::string& why) {
+  throw UnfitForKernel(std::string(node.kind().toQualString()) + ": " + why);
+}
+
+void GraphReader::read(const Node& node) {
+  std::string name = node.kind().toQualString();
+  if (name.back() == '_') {  // in place: nothing else reads the rows, so that is no difference
+    name.pop_back();
+  }
+  const auto reader = readers().find(name);
+  if (reader == readers().end()) {
+    refuse(node, "is not known to the kernel");
+  }
+  (this->*reader->second)(node);
+  rows_ = node.output();
+}
+
+void GraphReader::requireRows(const Node& node, const char* input) const {
+  if (node.namedInput(input) != rows_) {
+    refuse(node, "must take the result of the operation before it");
+  }
+}
+
+IValue GraphReader::constant(const Node& node, const char* input) const {
+  const auto value = torch::jit::toIValue(node.namedInput(input));
+  if (!value) {
+    refuse(node, std::string("its ") + input + " must be constant");
+  }
+  return *value;
+}
+
+/// Of the two operands of `node`, the one that is not the rows.
+IValue GraphReader::otherConstant(const Node& node) const {
+  if (node.namedInput("other") == rows_) {
+    return constant(node, "self");
+  }
+  requireRows(node, "self");
+  return constant(node, "other");
+}
+
+void GraphReader::requireOne(const Node& node, const char* input) const {
+  const IValue value = constant(node, input);
+  if (!value.isScalar() || value.toScalar().toDouble() != 1.0) {
+    refuse(node, std::string("its ") + input + " must be 1");
+  }
+}
+
+/// The operand is a number for all columns or a tensor with one for each.
+void GraphReader::append(const Node& node, Kind kind, const IValue& operand) {
+  if (!operand.isScalar() && !operand.isTensor()) {
+    refuse(node, "its operand must be a number or a tensor");
+  }
+  torch::Tensor values = operand.isTensor() ? operand.toTensor() : torch::scalar_tensor(operand.toScalar());
+  if (values.dim() == 0) {  // as torch takes it, whatever its type: in the type of the rows
+    values = values.to(torch::kFloat32);
+  }
+  if (values.scalar_type() != torch::kFloat32) {
+    refuse(node, "its operand must be float32");
+  }
+  if (values.numel() != 1 && (values.numel() != columns_ || values.size(-1) != columns_)) {
+    refuse(node, "its operand must have one value or one for each of " + std::to_string(columns_) + " columns");
+  }
+  operations_.push_back({kind, columns_, toVector(values.flatten().expand({columns_}))});
+}
+
+/// The matrix is [inputs, columns].
+void GraphReader::appendMatrix(const Node& node, const IValue& matrix) {
+  if (!matrix.isTensor() || matrix.toTensor().dim() != 2 || matrix.toTensor().size(0) != columns_ ||
+      matrix.toTensor().scalar_type() != torch::kFloat32) {
+    refuse(node, "its matrix must be float32 for " + std::to_string(columns_) + " inputs");
+  }
+  columns_ = static_cast<int>(matrix.toTensor().size(1));
+  operations_.push_back({Kind::kMatrix, columns_, toVector(matrix.toTensor())});
+}
+
+void GraphReader::readLinear(const Node& node) {
+  requireRows(node, "input");
+  const IValue weight = constant(node, "weight");
+  appendMatrix(node, weight.isTensor() ? weight.toTensor().t() : weight);
+  const IValue bias = constant(node, "bias");
+  if (!bias.isNone()) {
+    append(node, Kind::kAdd, bias);
+  }
+}
+
+void GraphReader::readAddmm(const Node& node) {
+  requireRows(node, "mat1");
+  requireOne(node, "beta");
+  requireOne(node, "alpha");
+  appendMatrix(node, constant(node, "mat2"));
+  append(node, Kind::kAdd, constant(node, "self"));
+}
+
+void GraphReader::readMatmul(const Node& node) {
+  requireRows(node, "self");
+  appendMatrix(node, constant(node, "other"));
+}
+
+void GraphReader::readAdd(const Node& node) {
+  requireOne(node, "alpha");
+  append(node, Kind::kAdd, otherConstant(node));
+}
+
+void GraphReader::readSub(const Node& node) {
+  if (node.namedInput("other") == rows_) {
+    requireOne(node, "alpha");
+    append(node, Kind::kMultiply, -1);  // c - x is -x + c to the last bit
+    append(node, Kind::kAdd, constant(node, "self"));
+  } else {
+    requireRows(node, "self");
+    requireOne(node, "alpha");
+    append(node, Kind::kSubtract, constant(node, "other"));
+  }
+}
+
+void GraphReader::readRsub(const Node& node) {
+  requireRows(node, "self");
+  requireOne(node, "alpha");
+  append(node, Kind::kMultiply, -1);
+  append(node, Kind::kAdd, constant(node, "other"));
+}
+
+void GraphReader::readMul(const Node& node) { append(node, Kind::kMultiply, otherConstant(node)); }
+
+void GraphReader::readDiv(const Node& node) {
+  requireRows(node, "self");
+  if (node.hasNamedInput("rounding_mode") && !constant(node, "rounding_mode").isNone()) {
+    refuse(node, "must not round");
+  }
+  append(node, Kind::kDivide, constant(node, "other"));
+}
+
+void GraphReader::readNeg(const Node& node) {
+  requireRows(node, "self");
+  append(node, Kind::kMultiply, -1);
+}
+
+void GraphReader::readRelu(const Node& node) {
+  requireRows(node, "self");
+  append(node, Kind::kMax, 0);
+}
+
+void GraphReader::readRelu6(const Node& node) {
+  readRelu(node);
+  append(node, Kind::kMin, 6);
+}
+
+void GraphReader::readClamp(const Node& node) {
+  requireRows(node, "self");
+  for (const auto& [input, kind] : {std::pair("min", Kind::kMax), std::pair("max", Kind::kMin)}) {
+    if (node.hasNamedInput(input) && !constant(node, input).isNone()) {
+      append(node, kind, constant(node, input));
+    }
+  }
+}
+
+void GraphReader::readHardtanh(const Node& node) {
+  requireRows(node, "self");
+  append(node, Kind::kMax, constant(node, "min_val"));
+  append(node, Kind::kMin, constant(node, "max_val"));
+}
+
+void GraphReader::readTanh(const Node& node) {
+  requireRows(node, "self");
+  operations_.push_back({Kind::kTanh, columns_, {}});
+}
+
+void GraphReader::readTo(const Node& node) {
+  requireRows(node, "self");
+  const IValue type = node.hasNamedInput("dtype") ? constant(node, "dtype") : IValue();
+  if (node.hasNamedInput("other") || !(type.isNone() || type.toScalarType() == torch::kFloat32)) {
+    refuse(node, "must keep float32");
+  }
+}
+
+void GraphReader::readDropout(const Node& node) {
+  requireRows(node, "input");
+  if (constant(node, "train").toBool()) {
+    refuse(node, "must be off");
+  }
+}
+
+void GraphReader::readCopy(const Node& node) { requireRows(node, "self"); }
+
+}  // namespace
+
+std::vector<float> toVector(const torch::Tensor& tensor) {
+  const torch::Tensor values = tensor.contiguous();
+  return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
+}
+
+std::vector<Operation> readGraph(const torch::jit::Graph& graph, int inputs) {
+  if (graph.inputs().size() != 2 || graph.outputs().size() != 1) {
+    throw UnfitForKernel("forward must take one tensor and return one");
+  }
+  GraphReader reader(graph.inputs()[1], inputs);
+  for (const Node* node : graph.nodes()) {
+    if (node->kind() != torch::jit::prim::Constant) {
+      reader.read(*node);
+    }
+  }
+  if (graph.outputs()[0] != reader.rows()) {
+    throw UnfitForKernel("forward must return the result of its last operation");
+  }
+  return reader.takeOperations();
+}
+
+}  // namespace pusht

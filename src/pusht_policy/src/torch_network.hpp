@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Networks as libtorch has them. The only header of the package that includes libtorch's.
+#pragma once
+
+#include <torch/script.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "pusht_policy/network_kernel.hpp"
+#include "pusht_task/types.hpp"
+
+namespace pusht {
+
+/// Why the kernel cannot stand in for libtorch.
+struct UnfitForKernel : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A TorchScript module that maps one observation to one action. libtorch gets one thread.
+class TorchNetwork {
+ public:
+  /// From the bytes of a checkpoint; `name` is for messages. Throws InvalidInput if they are no TorchScript,
+  /// BadDependency if a parameter or buffer is not finite.
+  TorchNetwork(const std::string& bytes, std::string name);
+
+  /// Throws BadDependency if the module fails or returns anything but float32 [1, 2].
+  Action act(const Observation& observation);
+
+  /// The module as a straight line of operations, in its own order. Throws UnfitForKernel.
+  std::vector<Operation> operations() const;
+
+ private:
+  std::string name_;
+  torch::jit::Module module_;
+};
+
+/// The operations of a graph whose first input is the module and whose second is rows of `inputs` numbers.
+/// Throws UnfitForKernel.
+std::vector<Operation> readGraph(const torch::jit::Graph& graph, int inputs);
+
+/// Linear(10, 64), ReLU, Linear(64, 64), ReLU, Linear(64, 2), tanh as torch initialises it after manual_seed(seed).
+std::vector<Operation> untrainedOperations(std::uint64_t seed);
+
+/// The values of a float32 tensor, row-major.
+std::vector<float> toVector(const torch::Tensor& tensor);
+
+}  // namespace pusht

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/command_line.hpp"
+#include "sim2sim_eval/comparison.hpp"
+
+int main(int argc, char** argv) {
+  CLI::App app("Runs one policy from the same starts in MuJoCo and in the two-mass engine, and measures the gap.",
+               "compare");
+  sim2sim::CompareOptions options;
+  options.declare(app);
+  return sim2sim::runCommand(app, argc, argv, [&] { sim2sim::compare(options); });
+}

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Records demonstrations of the scripted expert in the reference simulator.
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "pusht_mujoco/mujoco_world.hpp"
+#include "pusht_policy/demonstrations.hpp"
+#include "pusht_policy/scripted_expert.hpp"
+#include "sim2sim_eval/command_line.hpp"
+
+namespace {
+
+void demonstrate(const pusht::DemonstrationPlan& plan, const std::string& out) {
+  sim2sim::catchInterrupts();
+  pusht::MujocoWorld world(
+      std::make_shared<const pusht::MujocoScene>(sim2sim::installedFile("pusht_mujoco", "scenes/pusht.xml")));
+  pusht::ScriptedExpert expert;
+  sim2sim::ProgressBar bar("demonstrations", plan.episodes);
+  const auto tally = pusht::recordDemonstrations(plan, world, expert, out, [&](const auto& so_far) {
+    bar.update(so_far.episodes, std::to_string(so_far.successes) + " solved");
+    return !sim2sim::interrupted();
+  });
+  std::cout << tally.episodes << " demonstrations, " << tally.successes << " solved, " << tally.frames << " frames: "
+            << out << std::endl;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Records demonstrations of the scripted expert in MuJoCo as a rosbag.", "demonstrate");
+  pusht::DemonstrationPlan plan;
+  std::string out = "demonstrations.bag";
+  app.add_option("--seed", plan.seed, "spawn seed of the first demonstration");
+  app.add_option("--episodes", plan.episodes, "number of demonstrations");
+  app.add_option("--out", out, "the bag to write");
+  return sim2sim::runCommand(app, argc, argv, [&] { demonstrate(plan, out); });
+}

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// What all commands share: exit codes, interruption, the installed files, progress.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace sim2sim {
+
+/// Parses the command line into `app`, runs `body` and returns its exit code. Every failure becomes one line
+/// on stderr and the exit code of its kind.
+int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
+
+/// From now on SIGINT and SIGTERM only set a flag.
+void catchInterrupts();
+bool interrupted();
+
+/// A file that a package of the suite installs. Throws BadDependency, naming it, if there is none.
+std::filesystem::path installedFile(const std::string& package, const std::string& relative_path);
+
+/// A bar on stderr that shows done, total and time left; silent unless stderr is a terminal.
+class ProgressBar {
+ public:
+  ProgressBar(std::string title, int total);
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+  ~ProgressBar();
+
+  void update(int done, const std::string& note);
+
+ private:
+  std::string title_;
+  int total_;
+  bool shown_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+}  // namespace sim2sim

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// How sure a figure is.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+namespace sim2sim {
+
+constexpr double kConfidence = 0.95;  ///< of every interval in a report
+
+struct Interval {
+  double low;
+  double high;
+};
+
+/// Wilson's score interval of a success probability, from `successes` of `trials` > 0.
+/// Source: E. B. Wilson, "Probable Inference, the Law of Succession, and Statistical Inference" (1927).
+Interval wilsonInterval(int successes, int trials);
+
+struct Mean {
+  double value;
+  std::optional<Interval> interval;  ///< Student's t over the samples; none for fewer than two of them
+};
+
+/// Of at least one sample, summed in order.
+Mean meanOf(const std::vector<double>& samples);
+
+}  // namespace sim2sim

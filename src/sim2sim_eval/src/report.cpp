@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/report.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "pusht_task/files.hpp"
+#include "sim2sim_eval/numbers.hpp"
+
+namespace sim2sim {
+namespace {
+
+using nlohmann::json;
+
+SuccessRate successRate(const std::vector<EpisodeResult>& episodes, Mode mode) {
+  const auto successes = static_cast<int>(std::count_if(
+      episodes.begin(), episodes.end(), [mode](const EpisodeResult& episode) { return episode.modes[mode].success; }));
+  const auto trials = static_cast<int>(episodes.size());
+  return {successes, static_cast<double>(successes) / trials, wilsonInterval(successes, trials)};
+}
+
+Mean meanReplayDivergence(const std::vector<EpisodeResult>& episodes, double Divergence::*component) {
+  std::vector<double> samples;
+  samples.reserve(episodes.size());
+  for (const EpisodeResult& episode : episodes) {
+    samples.push_back(episode.modes[kEngineReplay].mean_divergence.value().*component);
+  }
+  return meanOf(samples);
+}
+
+json rounded(const std::optional<Interval>& interval) {
+  return interval ? json{roundToMicro(interval->low), roundToMicro(interval->high)} : json();
+}
+
+std::string csvRow(const EpisodeResult& episode, Mode mode) {
+  const RolloutResult& result = episode.modes[mode];
+  const std::string success = result.success ? "true" : "false";
+  std::string row = std::to_string(episode.index) + "," + std::to_string(episode.seed) + "," + modeName(mode) + "," +
+                    std::to_string(result.steps) + "," + success + "," + shortestText(result.final_error.position) +
+                    "," + shortestText(result.final_error.angle) + ",";
+  if (result.mean_divergence) {
+    row += shortestText(result.mean_divergence->position) + "," + shortestText(result.mean_divergence->angle);
+  } else {
+    row += ",";
+  }
+  return row + "\n";
+}
+
+std::string bracketed(const Interval& interval, int digits) {
+  return "[" + fixedText(interval.low, digits) + ", " + fixedText(interval.high, digits) + "]";
+}
+
+std::string cell(const SuccessRate& rate) {
+  return std::to_string(rate.successes) + "  " + fixedText(rate.rate, 3) + " " + bracketed(rate.interval, 3);
+}
+
+std::string cell(const Mean& mean, const std::string& unit) {
+  constexpr int kDigits = 4;
+  const std::string value = fixedText(mean.value, kDigits) + " " + unit;
+  return mean.interval ? value + " " + bracketed(*mean.interval, kDigits) : value;
+}
+
+std::string padded(const std::string& text, std::size_t width) {
+  return text + std::string(width > text.size() ? width - text.size() : 1, ' ');
+}
+
+}  // namespace
+
+std::string configurationHash(const RunConfiguration& configuration) {
+  constexpr std::size_t kDigits = 12;
+  const std::string key = std::to_string(configuration.nominal_episodes) + "|" +
+                          shortestText(configuration.knobs.pusher_mass) + "|" +
+                          shortestText(configuration.knobs.block_damp) + "|" +
+                          shortestText(configuration.knobs.baumgarte) + "|" +
+                          std::to_string(configuration.protocol.horizon);
+  return pusht::md5(key).substr(0, kDigits);
+}
+
+Summary summarize(const std::vector<EpisodeResult>& episodes) {
+  const SuccessRate reference = successRate(episodes, kReferenceClosed);
+  const SuccessRate engine = successRate(episodes, kEngineClosed);
+  std::optional<double> transfer;
+  if (reference.successes > 0) {
+    transfer = engine.rate / reference.rate;
+  }
+  return {static_cast<int>(episodes.size()),
+          reference,
+          engine,
+          transfer,
+          meanReplayDivergence(episodes, &Divergence::position),
+          meanReplayDivergence(episodes, &Divergence::angle)};
+}
+
+json describe(const RunConfiguration& configuration) {
+  return {{"seed", configuration.protocol.seed},
+          {"smoke", configuration.smoke},
+          {"policy", configuration.policy},
+          {"horizon", configuration.protocol.horizon},
+          {"knobs",
+           {{"pusher_mass", configuration.knobs.pusher_mass},
+            {"block_damp", configuration.knobs.block_damp},
+            {"baumgarte", configuration.knobs.baumgarte}}},
+          {"config_hash", configurationHash(configuration)}};
+}
+
+json metrics(const RunConfiguration& configuration, const Summary& summary) {
+  json metrics = describe(configuration);
+  metrics.update({
+      // The course's keys.
+      {"episodes", summary.episodes},
+      {"mj_success_rate", roundToMicro(summary.reference.rate)},
+      {"engine_success_rate", roundToMicro(summary.engine.rate)},
+      {"mean_pos_divergence_m", roundToMicro(summary.position_divergence.value)},
+      {"mean_ang_divergence_rad", roundToMicro(summary.angle_divergence.value)},
+      // How sure they are.
+      {"confidence", kConfidence},
+      {"mj_successes", summary.reference.successes},
+      {"mj_success_interval", rounded(summary.reference.interval)},
+      {"engine_successes", summary.engine.successes},
+      {"engine_success_interval", rounded(summary.engine.interval)},
+      {"transfer", summary.transfer ? json(roundToMicro(*summary.transfer)) : json()},
+      {"mean_pos_divergence_interval_m", rounded(summary.position_divergence.interval)},
+      {"mean_ang_divergence_interval_rad", rounded(summary.angle_divergence.interval)},
+  });
+  return metrics;
+}
+
+std::string jsonText(const json& json) {
+  constexpr int kIndent = 2;
+  return json.dump(kIndent, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string episodesCsv(const std::vector<EpisodeResult>& episodes) {
+  std::string csv =
+      "episode,seed,mode,steps,success,final_position_error_m,final_angle_error_rad,"
+      "mean_position_divergence_m,mean_angle_divergence_rad\n";
+  for (const EpisodeResult& episode : episodes) {
+    for (const Mode mode : {kReferenceClosed, kEngineClosed, kEngineReplay}) {
+      csv += csvRow(episode, mode);
+    }
+  }
+  return csv;
+}
+
+std::string table(const Summary& summary) {
+  constexpr std::size_t kFirst = 24;
+  constexpr std::size_t kColumn = 30;
+  const std::string transfer = summary.transfer ? fixedText(100.0 * *summary.transfer, 0) + " %" : "undefined";
+  return padded("", kFirst) + padded("MuJoCo (reference)", kColumn) + "two-mass engine\n" +
+         padded("success, closed loop", kFirst) + padded(cell(summary.reference), kColumn) + cell(summary.engine) +
+         "\n" + padded("transfer", kFirst) + padded("", kColumn) + transfer + "\n" +
+         padded("divergence, open loop", kFirst) + padded("position", kColumn) +
+         cell(summary.position_divergence, "m") + "\n" + padded("", kFirst) + padded("angle", kColumn) +
+         cell(summary.angle_divergence, "rad") + "\n" + "(" + std::to_string(summary.episodes) +
+         " episodes; in brackets 95 % intervals: Wilson for success, Student's t over episodes for divergence)\n";
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/numbers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace sim2sim {
+namespace {
+
+/// What Python 3 prints for repr().
+TEST(ShortestText, IsPythons) {
+  EXPECT_EQ(shortestText(4.0), "4.0");
+  EXPECT_EQ(shortestText(-0.0), "-0.0");
+  EXPECT_EQ(shortestText(0.1), "0.1");
+  EXPECT_EQ(shortestText(0.1 + 0.2), "0.30000000000000004");
+  EXPECT_EQ(shortestText(1e-4), "0.0001");
+  EXPECT_EQ(shortestText(1e-5), "1e-05");
+  EXPECT_EQ(shortestText(1.5e-7), "1.5e-07");
+  EXPECT_EQ(shortestText(1e15), "1000000000000000.0");
+  EXPECT_EQ(shortestText(123456789012345680.0), "1.2345678901234568e+17");
+  EXPECT_EQ(shortestText(1e16), "1e+16");
+  EXPECT_EQ(shortestText(1e300), "1e+300");
+  EXPECT_EQ(shortestText(5e-324), "5e-324");
+}
+
+TEST(FixedText, RoundsCorrectly) {
+  EXPECT_EQ(fixedText(0.0625, 3), "0.062") << "an exact tie goes to even";
+  EXPECT_EQ(fixedText(2.0 / 3.0, 4), "0.6667");
+  EXPECT_EQ(fixedText(32.0, 0), "32");
+}
+
+/// What Python 3 gives for round(value, 6).
+TEST(RoundToMicro, IsPythons) {
+  EXPECT_EQ(roundToMicro(0.0040374999), 0.004037);
+  EXPECT_EQ(roundToMicro(2.0 / 3.0), 0.666667);
+  EXPECT_EQ(roundToMicro(0.0000005), 0.0) << "0.0000005 is a little below the tie as a double";
+  EXPECT_EQ(roundToMicro(0.0000015), 0.000002) << "0.0000015 is a little above it";
+  EXPECT_EQ(roundToMicro(0.62), 0.62);
+  EXPECT_EQ(roundToMicro(1e15), 1e15);
+}
+
+}  // namespace
+}  // namespace sim2sim

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace sim2sim {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// `total` episodes, the first `reference` and `engine` of which succeed.
+std::vector<EpisodeResult> episodesWith(int total, int reference, int engine) {
+  std::vector<EpisodeResult> episodes;
+  for (int i = 0; i < total; ++i) {
+    EpisodeResult episode;
+    episode.index = i;
+    episode.seed = 10'000U + static_cast<std::uint64_t>(i);
+    episode.modes[kReferenceClosed].success = i < reference;
+    episode.modes[kEngineClosed].success = i < engine;
+    episode.modes[kEngineClosed].mean_divergence = Divergence{0.5, 0.5};
+    episode.modes[kEngineReplay].success = true;  // must not count
+    episode.modes[kEngineReplay].mean_divergence = Divergence{0.01 * i, 0.1 * i};
+    episodes.push_back(episode);
+  }
+  return episodes;
+}
+
+TEST(ConfigurationHash, IsTheCourses) {
+  RunConfiguration configuration;
+  EXPECT_EQ(configurationHash(configuration), "4d20147498c1");
+  configuration.smoke = true;
+  configuration.protocol.episodes = 2;
+  configuration.protocol.horizon = 40;
+  EXPECT_EQ(configurationHash(configuration), "636a7da5cf2c");
+}
+
+TEST(Summarize, CountsTheClosedLoopsAndAveragesTheReplay) {
+  const Summary summary = summarize(episodesWith(50, 31, 10));
+  EXPECT_EQ(summary.reference.successes, 31);
+  EXPECT_EQ(summary.engine.successes, 10);
+  EXPECT_NEAR(summary.transfer.value(), 10.0 / 31.0, 1e-15);
+  EXPECT_NEAR(summary.position_divergence.value, 0.01 * 24.5, 1e-15);
+  EXPECT_NEAR(summary.angle_divergence.value, 0.1 * 24.5, 1e-14);
+}
+
+TEST(Summarize, TransferIsUndefinedWithoutReferenceSuccess) {
+  const Summary summary = summarize(episodesWith(5, 0, 1));
+  EXPECT_FALSE(summary.transfer);
+  EXPECT_TRUE(metrics({}, summary).at("transfer").is_null());
+  EXPECT_THAT(table(summary), HasSubstr("undefined"));
+}
+
+TEST(Metrics, HasTheCoursesKeysAtTheTopSortedAndRounded) {
+  RunConfiguration configuration;
+  configuration.policy = "some/policy.pt";
+  const std::string text = jsonText(metrics(configuration, summarize(episodesWith(3, 2, 1))));
+  const nlohmann::json json = nlohmann::json::parse(text);
+  EXPECT_EQ(json.at("episodes"), 3);
+  EXPECT_EQ(json.at("seed"), 0);
+  EXPECT_EQ(json.at("smoke"), false);
+  EXPECT_EQ(json.at("policy"), "some/policy.pt");
+  EXPECT_EQ(json.at("mj_success_rate"), 0.666667);
+  EXPECT_EQ(json.at("engine_success_rate"), 0.333333);
+  EXPECT_EQ(json.at("mean_pos_divergence_m"), 0.01);
+  EXPECT_EQ(json.at("mean_ang_divergence_rad"), 0.1);
+  EXPECT_EQ(json.at("transfer"), 0.5);
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : json.items()) {
+    keys.push_back("\"" + key + "\"");
+  }
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    EXPECT_LT(text.find(keys[i - 1]), text.find(keys[i])) << "keys are sorted";
+  }
+  EXPECT_EQ(text.substr(0, 4), "{\n  ");
+  EXPECT_EQ(text.substr(text.size() - 2), "}\n");
+}
+
+TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
+  std::istringstream csv(episodesCsv(episodesWith(2, 1, 0)));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(csv, line);) {
+    lines.push_back(line);
+  }
+  ASSERT_EQ(lines.size(), 1U + 2U * kModeCount);
+  EXPECT_EQ(lines[0],
+            "episode,seed,mode,steps,success,final_position_error_m,final_angle_error_rad,"
+            "mean_position_divergence_m,mean_angle_divergence_rad");
+  EXPECT_EQ(lines[1], "0,10000,reference_closed,0,true,0.0,0.0,,");
+  EXPECT_EQ(lines[5], "1,10001,engine_closed,0,false,0.0,0.0,0.5,0.5");
+  EXPECT_EQ(lines[6], "1,10001,engine_replay,0,true,0.0,0.0,0.01,0.1");
+}
+
+TEST(Table, ShowsRatesWithIntervals) {
+  const std::string text = table(summarize(episodesWith(50, 31, 10)));
+  EXPECT_THAT(text, HasSubstr("31  0.620 [0.482, 0.741]"));
+  EXPECT_THAT(text, HasSubstr("10  0.200 [0.112, 0.330]"));
+  EXPECT_THAT(text, HasSubstr("32 %"));
+}
+
+}  // namespace
+}  // namespace sim2sim

@@ -1,0 +1,429 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The commands as a user meets them: figures, bytes, and the outcome of every fault."""
+
+import csv
+import json
+import os
+import pickle
+import pty
+import signal
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any, Dict, List, Optional
+
+import rosbag  # type: ignore[import]
+import rospkg  # type: ignore[import]
+import torch
+from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
+
+DEADLINE = 120  # s, for one command
+PACKAGES = rospkg.RosPack()
+SCENE = Path(PACKAGES.get_path("pusht_mujoco"), "scenes", "pusht.xml")
+RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
+
+
+def executable(package: str, name: str) -> str:
+    """An executable of a package, in the devel or the install space."""
+    found: List[str] = find_in_workspaces(["libexec"], package, name, first_match_only=True)
+    assert found, f"{package} has no executable {name}"
+    return found[0]
+
+
+COMPARE = executable("sim2sim_eval", "compare")
+DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
+TRAIN = executable("pusht_policy", "train")
+PRELOAD = "libraise_mujoco_error.so"  # found in the workspace by the loader
+
+
+class CommandCase(unittest.TestCase):
+    """Runs commands in a folder of its own."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def run_command(
+        self, *command: str, environment: Optional[Dict[str, str]] = None
+    ) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run(
+            command,
+            cwd=self.folder,
+            env={**os.environ, **(environment or {})},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=DEADLINE,
+        )
+
+    def compare(
+        self, *arguments: str, environment: Optional[Dict[str, str]] = None
+    ) -> "subprocess.CompletedProcess[str]":
+        return self.run_command(COMPARE, *arguments, environment=environment)
+
+    def finished(self, *arguments: str, out: str = "out", **named: Any) -> Dict[str, Any]:
+        """The metrics of a run that must succeed."""
+        process = self.compare(*arguments, "--out", out, **named)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertEqual({file.name for file in (self.folder / out).iterdir()}, RESULTS)
+        return self.load(out, "metrics.json")
+
+    def refused(self, code: int, *arguments: str, out: str = "out", **named: Any) -> str:
+        """The one line with which a run is refused before it writes anything."""
+        process = self.compare(*arguments, "--out", out, **named)
+        self.assert_one_line(process, code)
+        self.assertFalse((self.folder / out).exists(), "a refused run leaves no folder")
+        return process.stderr
+
+    def failed(self, code: int, *arguments: str, **named: Any) -> str:
+        """The one line with which a run ends that had begun; no metrics, but a status."""
+        process = self.compare(*arguments, "--out", "out", **named)
+        self.assert_one_line(process, code)
+        status = self.load("out", "status.json")
+        self.assertEqual(status["exit_code"], code)
+        self.assertIn(status["reason"], process.stderr)
+        self.assertFalse((self.folder / "out" / "metrics.json").exists())
+        return process.stderr
+
+    def assert_one_line(self, process: "subprocess.CompletedProcess[str]", code: int) -> None:
+        self.assertEqual(process.returncode, code, process.stderr)
+        self.assertEqual(process.stderr.count("\n"), 1, process.stderr)
+        self.assertTrue(process.stderr.startswith("compare: "), process.stderr)
+
+    def load(self, out: str, name: str) -> Dict[str, Any]:
+        content: Dict[str, Any] = json.loads((self.folder / out / name).read_text())
+        return content
+
+    def result_bytes(self, out: str) -> bytes:
+        """What the determinism contract covers."""
+        return b"".join(
+            (self.folder / out / f).read_bytes() for f in ("metrics.json", "episodes.csv")
+        )
+
+    def write(self, name: str, content: bytes) -> str:
+        path = self.folder / name
+        path.write_bytes(content)
+        return str(path)
+
+
+class Measurement(CommandCase):
+    def test_smoke_run_meets_the_courses_figures_and_repeats_its_bytes(self) -> None:
+        metrics = self.finished("--smoke", out="a")
+        self.finished("--smoke", out="b")
+        self.assertEqual(self.result_bytes("a"), self.result_bytes("b"))
+        self.assertAlmostEqual(metrics["mean_pos_divergence_m"], 0.004037, delta=1e-4)
+        self.assertAlmostEqual(metrics["mean_ang_divergence_rad"], 0.038148, delta=1e-4)
+        self.assertEqual((metrics["mj_success_rate"], metrics["engine_success_rate"]), (0, 0))
+        self.assertEqual((metrics["episodes"], metrics["horizon"]), (2, 40))
+        self.assertEqual(metrics["policy"], "fresh-untrained")
+        self.assertEqual(metrics["config_hash"], "636a7da5cf2c")
+
+    def test_shipped_policy_runs_on_the_kernel_and_solves_the_task(self) -> None:
+        metrics = self.finished()
+        self.assertEqual(metrics["config_hash"], "4d20147498c1")
+        self.assertEqual((metrics["episodes"], metrics["policy"]), (50, "bc"))
+        self.assertGreater(metrics["mj_success_interval"][0], 0.3)
+        provenance = self.load("out", "provenance.json")
+        self.assertEqual(provenance["policy"]["runs_on"], "fixed-order kernel")
+        recorded = json.loads(
+            Path(
+                PACKAGES.get_path("pusht_policy"), "policies", "bc_policy.ts.pt.provenance.json"
+            ).read_text()
+        )
+        self.assertEqual(provenance["policy"]["sha256"], recorded["checkpoint"]["sha256"])
+        self.assertEqual(self.load("out", "status.json")["reason"], "finished")
+
+    def test_shipped_policys_provenance_tells_its_evaluation(self) -> None:
+        path = Path(
+            PACKAGES.get_path("pusht_policy"), "policies", "bc_policy.ts.pt.provenance.json"
+        )
+        recorded = json.loads(path.read_text())
+        self.assertEqual(recorded["evaluation"]["episodes"], 50)
+        self.assertEqual(recorded["evaluation"]["seed"], 0)
+        self.assertEqual(recorded["demonstrations"]["episodes"], 500)
+        self.assertEqual(recorded["training"]["epochs"], 600)
+
+    def test_rows_agree_with_the_metrics(self) -> None:
+        metrics = self.finished("--policy", "expert", "--episodes", "6", "--seed", "4")
+        with (self.folder / "out" / "episodes.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 18)
+        self.assertEqual([row["seed"] for row in rows[::3]], [str(10004 + i) for i in range(6)])
+        successes = [
+            row for row in rows if row["mode"] == "reference_closed" and row["success"] == "true"
+        ]
+        self.assertEqual(len(successes), metrics["mj_successes"])
+        replays = [
+            float(r["mean_angle_divergence_rad"]) for r in rows if r["mode"] == "engine_replay"
+        ]
+        self.assertAlmostEqual(sum(replays) / 6, metrics["mean_ang_divergence_rad"], delta=1e-6)
+
+    def test_knobs_change_the_engine_and_nothing_else(self) -> None:
+        self.finished("--policy", "expert", "--episodes", "3", out="a")
+        self.finished("--policy", "expert", "--episodes", "3", "--block_damp", "60", out="b")
+        rows = {}
+        for out in ("a", "b"):
+            with (self.folder / out / "episodes.csv").open() as file:
+                rows[out] = list(csv.DictReader(file))
+        for a, b in zip(rows["a"], rows["b"]):
+            self.assertEqual(a == b, a["mode"] == "reference_closed")
+
+    def test_expert_solves_at_least_49_of_50(self) -> None:
+        process = self.run_command(DEMONSTRATE, "--episodes", "50", "--out", "demonstrations.bag")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        with rosbag.Bag(str(self.folder / "demonstrations.bag")) as bag:
+            ends = [message for _, message, _ in bag.read_messages(topics=["/demonstration/end"])]
+        self.assertEqual([end.seed for end in ends], list(range(50)))
+        self.assertGreaterEqual(sum(end.success for end in ends), 49)
+
+    def test_demonstrations_train_a_policy_end_to_end(self) -> None:
+        for process in (
+            self.run_command(DEMONSTRATE, "--episodes", "6", "--out", "demonstrations.bag"),
+            self.run_command(
+                TRAIN, "--bag", "demonstrations.bag", "--out", "policy.pt", "--epochs", "3"
+            ),
+        ):
+            self.assertEqual(process.returncode, 0, process.stderr)
+        metrics = self.finished("--policy", "policy.pt", "--episodes", "2")
+        self.assertEqual(metrics["policy"], "policy.pt")
+        self.assertEqual(
+            self.load("out", "provenance.json")["policy"]["runs_on"], "fixed-order kernel"
+        )
+
+
+class ResultsFolder(CommandCase):
+    def test_default_is_the_next_free_folder(self) -> None:
+        for number in (1, 2):
+            process = self.compare("--smoke")
+            self.assertEqual(process.returncode, 0, process.stderr)
+            self.assertIn(f"results/compare-{number}", process.stdout)
+        self.assertTrue((self.folder / "results" / "compare-2" / "metrics.json").exists())
+
+    def test_results_are_not_overwritten_unless_told_to(self) -> None:
+        self.finished("--smoke")
+        before = self.result_bytes("out")
+        process = self.compare("--smoke", "--seed", "1", "--out", "out")
+        self.assert_one_line(process, 2)
+        self.assertIn("holds results", process.stderr)
+        self.assertEqual(self.result_bytes("out"), before)
+        self.finished("--smoke", "--seed", "1", "--overwrite")
+        self.assertNotEqual(self.result_bytes("out"), before)
+
+    def test_out_that_is_a_file_is_refused(self) -> None:
+        self.write("out", b"mine")
+        self.assert_one_line(self.compare("--smoke", "--out", "out"), 2)
+        self.assertEqual((self.folder / "out").read_bytes(), b"mine")
+
+    def test_nothing_but_the_table_is_printed_without_a_terminal(self) -> None:
+        process = self.compare("--smoke", "--out", "out")
+        self.assertEqual(process.stderr, "")
+
+
+class Faults(CommandCase):
+    """The numbers are those of the project's list of faults."""
+
+    def test_f1_scene_that_does_not_load(self) -> None:
+        scene = SCENE.read_bytes()
+        cases = {"empty.xml": b"", "half.xml": scene[: len(scene) // 2], "text.xml": b"no xml"}
+        for name, content in cases.items():
+            self.assertIn(name, self.refused(2, "--smoke", "--scene", self.write(name, content)))
+        self.assertIn("none.xml", self.refused(2, "--smoke", "--scene", "none.xml"))
+        self.assertFalse((self.folder / "MUJOCO_LOG.TXT").exists())
+
+    def test_f2_scene_that_is_another_task(self) -> None:
+        for old, new, named in (
+            (b'timestep="0.01"', b'timestep="0.02"', "option timestep is 0.02: must be 0.01"),
+            (b'frictionloss="1.2"', b'frictionloss="0"', "joint tee_x frictionloss"),
+            (b'kv="20"', b'kv="2"', "actuator pusher_x gainprm"),
+        ):
+            scene = self.write("scene.xml", SCENE.read_bytes().replace(old, new))
+            self.assertIn(named, self.refused(2, "--smoke", "--scene", scene))
+
+    def test_f3_error_raised_by_mujoco(self) -> None:
+        line = self.failed(
+            70, "--policy", "expert", "--episodes", "2", environment={"LD_PRELOAD": PRELOAD}
+        )
+        self.assertIn("raised on purpose", line)
+        self.assertFalse(
+            (self.folder / "out" / "episodes.csv").exists(), "no results after a defect"
+        )
+
+    def test_f4_missing_policy(self) -> None:
+        process = self.compare("--policy", "none.pt", "--episodes", "1", "--out", "out")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("WARNING: policy none.pt", process.stderr)
+        self.assertEqual(self.load("out", "metrics.json")["policy"], "fresh-untrained")
+        self.assertIn(
+            "none.pt", self.refused(2, "--policy", "none.pt", "--require-policy", out="b")
+        )
+
+    def test_f5_file_that_is_no_torchscript(self) -> None:
+        whole = Path(PACKAGES.get_path("pusht_policy"), "policies", "bc_policy.ts.pt").read_bytes()
+        torch.save({"weight": torch.zeros(3)}, str(self.folder / "state_dict.pt"))
+        cases = {
+            "empty.pt": b"",
+            "half.pt": whole[: len(whole) // 2],
+            "random.pt": bytes(range(256)) * 20,
+            "pickle.pt": pickle.dumps({"a": 1}),
+            "state_dict.pt": (self.folder / "state_dict.pt").read_bytes(),
+        }
+        for name, content in cases.items():
+            self.assertIn(name, self.refused(2, "--policy", self.write(name, content)))
+        self.assertIn(str(self.folder), self.refused(2, "--policy", str(self.folder)))
+
+    def test_f6_checkpoint_that_is_not_the_one_in_its_provenance(self) -> None:
+        policy = self.save("policy.pt", Straight())
+        Path(policy + ".provenance.json").write_text(
+            json.dumps({"checkpoint": {"sha256": "0" * 64}})
+        )
+        self.assertIn("SHA-256", self.refused(3, "--policy", policy))
+
+    def test_f7_policy_that_does_not_fit(self) -> None:
+        nan_weights = Straight()
+        nan_weights.scale.fill_(float("nan"))
+        cases = {"columns.pt": Columns(), "inputs.pt": Inputs(), "weights.pt": nan_weights}
+        for name, module in cases.items():
+            self.assertIn(name, self.refused(3, "--policy", self.save(name, module)))
+
+    def test_f7_action_that_is_not_finite_fails_the_episode(self) -> None:
+        line = self.failed(3, "--policy", self.save("trap.pt", Trap()), "--episodes", "4")
+        self.assertRegex(
+            line, r"episode \d+ \(spawn seed 1000\d\), \w+, step \d+: the policy's action \(nan"
+        )
+
+    def test_f19_bad_arguments(self) -> None:
+        for arguments, named in (
+            (["--episodes", "0"], "episodes 0: must be from 1"),
+            (["--episodes", "1000000000"], "episodes 1000000000: must be from 1 to"),
+            (["--episodes", "ten"], "--episodes"),
+            (["--pusher_mass", "0"], "pusher_mass 0"),
+            (["--pusher_mass", "-1"], "pusher_mass -1"),
+            (["--block_damp", "nan"], "block_damp nan"),
+            (["--baumgarte", "inf"], "baumgarte inf"),
+            (["--block_damp", "much"], "--block_damp"),
+            (["--block_dump", "6"], "--block_dump"),
+            (["stray"], "stray"),
+        ):
+            self.assertIn(named, self.refused(2, *arguments))
+
+    def test_f20_seeds(self) -> None:
+        for seed in (0, 2**32 - 1, 2**63):
+            metrics = self.finished("--smoke", "--seed", str(seed), out=f"seed-{seed}")
+            self.assertEqual(metrics["seed"], seed)
+        for seed in (-1, 2**64 - 1, 2**64):
+            self.assertIn("seed", self.refused(2, "--smoke", "--seed", str(seed)))
+
+    def test_f21_engine_that_leaves_the_finite_numbers(self) -> None:
+        line = self.failed(4, "--policy", "expert", "--episodes", "2", "--block_damp", "1e6")
+        self.assertRegex(line, r"episode \d+ .*engine_\w+, step \d+: .*finite")
+
+    def test_f22_disk_full(self) -> None:
+        out = self.folder / "out"
+        out.mkdir()
+        (out / "metrics.json.part").symlink_to("/dev/full")
+        process = self.compare("--smoke", "--out", "out")
+        self.assert_one_line(process, 4)
+        self.assertIn("metrics.json: No space left on device", process.stderr)
+        self.assertEqual({f.name for f in out.iterdir()}, RESULTS - {"metrics.json"})
+
+    def test_f22_folder_that_cannot_be_made(self) -> None:
+        self.assert_one_line(self.compare("--smoke", "--out", "/proc/none/out"), 4)
+
+    def test_f22_interrupted(self) -> None:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            out = f"out-{number.name}"
+            terminal, side = pty.openpty()
+            command = [COMPARE, "--policy", "expert", "--episodes", "100000", "--out", out]
+            with subprocess.Popen(
+                command, cwd=self.folder, stdout=subprocess.PIPE, stderr=side, text=True
+            ) as process:
+                os.close(side)
+                shown = b""
+                while b"/100000" not in shown:  # the progress bar shows finished episodes
+                    shown += os.read(terminal, 1000)
+                process.send_signal(number)
+                printed, _ = process.communicate(timeout=DEADLINE)
+            while b"interrupted" not in shown:
+                shown += os.read(terminal, 1000)
+            os.close(terminal)
+            self.assertEqual(process.returncode, 4)
+            status = self.load(out, "status.json")
+            self.assertIn("interrupted after", status["reason"])
+            self.assertIn("NOT A WHOLE RUN", printed)
+            files = {file.name for file in (self.folder / out).iterdir()}
+            self.assertEqual(files, RESULTS - {"metrics.json"})
+            rows = (self.folder / out / "episodes.csv").read_text().splitlines()
+            self.assertEqual(len(rows), 1 + 3 * status["episodes_finished"])
+            self.assertGreater(status["episodes_finished"], 0)
+
+    def test_f24_same_bytes_for_any_blas_thread_count_and_locale(self) -> None:
+        library = Path(torch.__file__).parent  # any folder that holds no BLAS
+        folders = [p.parent for p in Path("/usr/lib").glob("*/*/libblas.so.3")] or [library]
+        environments = [
+            {"LD_LIBRARY_PATH": f"{folder}:{os.environ['LD_LIBRARY_PATH']}"} for folder in folders
+        ]
+        environments += [
+            {"OMP_NUM_THREADS": "1"},
+            {"OMP_NUM_THREADS": "2", "LC_ALL": "de_DE.UTF-8"},
+        ]
+        used = set()
+        for number, environment in enumerate(environments):
+            self.finished("--episodes", "5", out=str(number), environment=environment)
+            self.assertEqual(self.result_bytes(str(number)), self.result_bytes("0"), environment)
+            used.add(self.load(str(number), "provenance.json")["policy"]["blas"])
+        self.assertEqual(len(used), len(folders), used)
+
+    def test_trained_policy_that_never_succeeds_is_pointed_out(self) -> None:
+        process = self.compare(
+            "--policy", self.save("lazy.pt", Straight()), "--episodes", "1", "--out", "out"
+        )
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("never succeeds in the reference", process.stderr)
+
+    def save(self, name: str, module: torch.nn.Module) -> str:
+        path = str(self.folder / name)
+        torch.jit.script(module.eval()).save(path)
+        return path
+
+
+class Straight(torch.nn.Module):
+    """Always to the right, slowly."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.register_buffer("scale", torch.tensor([0.1, 0.0]))
+
+    def forward(self, obs: torch.Tensor) -> torch.Tensor:
+        return obs[:, :2] * 0 + self.scale
+
+
+class Columns(torch.nn.Module):
+    def forward(self, obs: torch.Tensor) -> torch.Tensor:
+        return obs[:, :3]
+
+
+class Inputs(torch.nn.Module):
+    def __init__(self) -> None:
+        super().__init__()
+        self.net = torch.nn.Linear(8, 2)
+
+    def forward(self, obs: torch.Tensor) -> torch.Tensor:
+        result: torch.Tensor = self.net(obs)
+        return result
+
+
+class Trap(torch.nn.Module):
+    """To the right, and not a number shortly before the wall: no probe at load finds that."""
+
+    def forward(self, obs: torch.Tensor) -> torch.Tensor:
+        x = obs[:, :1]
+        action = torch.where((x > 0.34) & (x < 0.37), x * float("nan"), torch.ones_like(x))
+        return torch.cat([action, torch.zeros_like(x)], dim=1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -25,8 +25,8 @@ void require(bool holds, const char* knob, double value, const char* rule) {
 
 // Yaw and its rate are read from the masses, with rounding errors of some 1e-15. Read on a grid a little
 // coarser than that, a state that was read and set is read as it was set, bit for bit (within 4 m, 10 m/s).
-constexpr double kYawGrid = 0x1p-46;                    // [rad]
-constexpr double kYawRateGrid = 0x1p-44;                // [rad/s]
+constexpr double kYawGrid = 0x1p-46;                                // [rad]
+constexpr double kYawRateGrid = 0x1p-44;                            // [rad/s]
 const double kGreatestYaw = std::floor(kPi / kYawGrid) * kYawGrid;  // [rad]
 
 /// The multiple of `spacing`, a power of two, that is nearest to `value`.
@@ -55,8 +55,7 @@ TwoMassEngine::TwoMassEngine(const TwoMassParameters& parameters)
 void TwoMassEngine::doReset(const WorldState& state) {
   const Eigen::Vector2d offset(kStemOffset * std::sin(state.tee_yaw), -kStemOffset * std::cos(state.tee_yaw));
   positions_ = {state.pusher_position, state.tee_position, state.tee_position + offset};
-  velocities_ = {state.pusher_velocity, state.tee_velocity,
-                 state.tee_velocity + state.tee_yaw_rate * turnLeft(offset)};
+  velocities_ = {state.pusher_velocity, state.tee_velocity, state.tee_velocity + state.tee_yaw_rate * turnLeft(offset)};
 }
 
 WorldState TwoMassEngine::doState() const {

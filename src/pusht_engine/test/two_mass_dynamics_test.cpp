@@ -74,9 +74,7 @@ struct Touching {
 
 constexpr BodyScalars kMasses = {4.0, kBarMass, kStemMass};
 
-Eigen::Vector2d momentum(const BodyVectors& v) {
-  return kMasses[0] * v[0] + kMasses[1] * v[1] + kMasses[2] * v[2];
-}
+Eigen::Vector2d momentum(const BodyVectors& v) { return kMasses[0] * v[0] + kMasses[1] * v[1] + kMasses[2] * v[2]; }
 
 double angularMomentum(const BodyVectors& q, const BodyVectors& v) {
   double sum = 0.0;
@@ -107,7 +105,8 @@ TEST(SolveContacts, PushesOnly) {
     solveContacts(contacts, inverse(kMasses), world.v);
     for (const Contact& contact : contacts) {
       // The impulse on a mass points away from the pusher: against the normal.
-      const double impulse = -kMasses[contact.block] * (world.v[contact.block] - before[contact.block]).dot(contact.normal);
+      const double impulse =
+          -kMasses[contact.block] * (world.v[contact.block] - before[contact.block]).dot(contact.normal);
       EXPECT_GE(impulse, -1e-15);
     }
   }

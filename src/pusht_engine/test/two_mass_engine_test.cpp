@@ -21,7 +21,6 @@ INSTANTIATE_TEST_SUITE_P(TwoMassEngine, SimulatorSuite,
 namespace {
 
 using two_mass::kBar;
-using two_mass::kPusher;
 using two_mass::kStem;
 
 TwoMassParameters parameters(const nlohmann::json& knobs) {
@@ -123,8 +122,8 @@ TEST(TwoMassEngine, LinkLengthErrorStaysBoundedUnderImpacts) {
 
 struct Image {
   Eigen::Matrix2d matrix;
-  double turn;   // [rad] added to the yaw
-  double hand;   // -1 if the image is mirrored
+  double turn;  // [rad] added to the yaw
+  double hand;  // -1 if the image is mirrored
 
   WorldState operator()(const WorldState& s) const {
     WorldState image;

@@ -15,20 +15,20 @@ namespace pusht {
 namespace {
 
 // What the reference adds to the task: the numbers of the scene, SI units.
-constexpr double kTeeDamping = 4.0;            // [N s/m]
-constexpr double kTeeFriction = 1.2;           // [N]
-constexpr double kTeeYawDamping = 0.02;        // [N m s]
-constexpr double kTeeYawFriction = 0.006;      // [N m]
-constexpr double kPusherDamping = 0.5;         // [N s/m]
-constexpr double kPusherMass = 0.2;            // [kg]
-constexpr double kPusherHalfHeight = 0.02;     // [m]
-constexpr double kServoGain = 20.0;            // [N s/m]
-constexpr double kServoForce = 30.0;           // [N]
-constexpr double kTeeHeight = 0.0152;          // [m]
-constexpr double kPusherHeight = 0.02;         // [m]
-constexpr double kWallHalfThickness = 0.02;    // [m]
-constexpr double kWallHalfLength = 0.43;       // [m]
-constexpr double kWallHalfHeight = 0.03;       // [m]
+constexpr double kTeeDamping = 4.0;          // [N s/m]
+constexpr double kTeeFriction = 1.2;         // [N]
+constexpr double kTeeYawDamping = 0.02;      // [N m s]
+constexpr double kTeeYawFriction = 0.006;    // [N m]
+constexpr double kPusherDamping = 0.5;       // [N s/m]
+constexpr double kPusherMass = 0.2;          // [kg]
+constexpr double kPusherHalfHeight = 0.02;   // [m]
+constexpr double kServoGain = 20.0;          // [N s/m]
+constexpr double kServoForce = 30.0;         // [N]
+constexpr double kTeeHeight = 0.0152;        // [m]
+constexpr double kPusherHeight = 0.02;       // [m]
+constexpr double kWallHalfThickness = 0.02;  // [m]
+constexpr double kWallHalfLength = 0.43;     // [m]
+constexpr double kWallHalfHeight = 0.03;     // [m]
 
 /// Relative difference below which a number is the expected one.
 constexpr double kTolerance = 1e-9;

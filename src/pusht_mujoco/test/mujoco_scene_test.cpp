@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pusht_mujoco/mujoco_guard.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
@@ -70,17 +71,19 @@ TEST_F(Scene, TheShippedOneLoads) { EXPECT_EQ(refusal(readFile(PUSHT_SCENE, "sce
 TEST_F(Scene, F1MissingEmptyTruncatedNoXml) {
   EXPECT_THROW(MujocoScene scene(folder_ / "none.xml"), InvalidInput);
   const std::string xml = readFile(PUSHT_SCENE, "scene");
-  for (const std::string& bad : {std::string(), xml.substr(0, xml.size() / 2), std::string("no xml"), std::string("<a/>")}) {
+  for (const std::string& bad :
+       {std::string(), xml.substr(0, xml.size() / 2), std::string("no xml"), std::string("<a/>")}) {
     EXPECT_THAT(refusal(bad), AllOf(HasSubstr("scene.xml"), Not(HasSubstr("\n")))) << bad.substr(0, 20);
   }
 }
 
 TEST_F(Scene, F2EveryFieldOfTheTaskIsChecked) {
-  const struct {
+  struct Case {
     const char* from;
     const char* to;
     const char* named;
-  } cases[] = {
+  };
+  const std::vector<Case> cases = {
       {"timestep=\"0.01\"", "timestep=\"0.02\"", "timestep is 0.02"},
       {"timestep=\"0.01\"", "timestep=\"-1\"", "timestep is -1"},
       {"timestep=\"0.01\"", "timestep=\"nan\"", "timestep is"},
@@ -92,7 +95,8 @@ TEST_F(Scene, F2EveryFieldOfTheTaskIsChecked) {
       {"mass=\"0.06\"", "mass=\"0.07\"", "body tee centre of mass"},
       {"mass=\"0.2\"", "mass=\"0.3\"", "joint pusher_x inertia"},
       {"size=\"0.015 0.02\"", "size=\"0.016 0.02\"", "geom pusher size"},
-      {"name=\"stem\" type=\"box\" pos=\"0 -0.06 0\"", "name=\"stem\" type=\"box\" pos=\"0 -0.05 0\"", "centre of mass"},
+      {"name=\"stem\" type=\"box\" pos=\"0 -0.06 0\"", "name=\"stem\" type=\"box\" pos=\"0 -0.05 0\"",
+       "centre of mass"},
       {"pos=\"0 0.41 0.03\"", "pos=\"0 0.42 0.03\"", "geom wall_y_plus pos"},
       {"contype=\"0\" conaffinity=\"0\"", "", "colliding geom 4 is 'table'"},
       {"kv=\"20\"", "kv=\"21\"", "gainprm"},
@@ -101,7 +105,7 @@ TEST_F(Scene, F2EveryFieldOfTheTaskIsChecked) {
       {"<actuator>", "<actuator><motor name=\"more\" joint=\"tee_yaw\"/>", "number of actuators is 3"},
       {"<actuator>", "<contact><exclude body1=\"tee\" body2=\"pusher\"/></contact><actuator>", "exclusions"},
   };
-  for (const auto& test : cases) {
+  for (const Case& test : cases) {
     EXPECT_THAT(refusal(changed(test.from, test.to)), AllOf(HasSubstr("scene.xml"), HasSubstr(test.named)))
         << test.from << " -> " << test.to;
   }

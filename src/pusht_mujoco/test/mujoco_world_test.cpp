@@ -73,8 +73,8 @@ TEST(MujocoWorld, MatchesTheExpertEpisodes) {
 }
 
 TEST(MujocoWorld, OneStepFromEachGoldenRow) {
-  constexpr double kWorst = 5e-4;       // the warm start is cleared, so contact forces start elsewhere
-  constexpr double kExactShare = 0.5;   // two thirds where the vectors were made
+  constexpr double kWorst = 5e-4;      // the warm start is cleared, so contact forces start elsewhere
+  constexpr double kExactShare = 0.5;  // two thirds where the vectors were made
   int steps = 0;
   int exact = 0;
   for (const auto& golden : testing::loadGolden("pusht_golden.json", "cases")) {

@@ -31,7 +31,8 @@ std::string firstLine(const std::exception& error) {
   }
   message.erase(0, message.find_first_not_of('\n'));
   message.erase(std::min(message.find('\n'), message.size()));
-  std::replace_if(message.begin(), message.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  std::replace_if(
+      message.begin(), message.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   return message;
 }
 

@@ -24,9 +24,7 @@ Observation observe(const WorldState& state) {
           kTarget[3]};
 }
 
-PoseError poseError(const WorldState& state) {
-  return {state.tee_position.norm(), std::abs(wrapAngle(state.tee_yaw))};
-}
+PoseError poseError(const WorldState& state) { return {state.tee_position.norm(), std::abs(wrapAngle(state.tee_yaw))}; }
 
 bool SuccessLatch::update(const PoseError& error) {
   steps_in_tolerance_ = error.inTolerance() ? steps_in_tolerance_ + 1 : 0;

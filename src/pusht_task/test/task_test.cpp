@@ -25,7 +25,8 @@ TEST(WrapAngle, IsHalfOpen) {
 }
 
 TEST(WrapAngle, StaysInsideForAnyAngle) {
-  for (double angle = -1000.0; angle < 1000.0; angle += 0.37) {
+  for (int i = -3000; i < 3000; ++i) {
+    const double angle = 0.37 * i;
     const double wrapped = wrapAngle(angle);
     EXPECT_GE(wrapped, -kPi);
     EXPECT_LT(wrapped, kPi);
@@ -40,8 +41,9 @@ TEST(Observe, FollowsTheContract) {
   state.pusher_position = {0.1, -0.2};
   state.tee_position = {0.3, 0.05};
   state.tee_yaw = 0.7;
-  const Observation expected = {0.1F,  -0.2F, 0.3F, 0.05F, static_cast<float>(std::sin(0.7)), static_cast<float>(std::cos(0.7)),
-                                0.0F, 0.0F, 0.0F, 1.0F};
+  const Observation expected = {
+      0.1F, -0.2F, 0.3F, 0.05F, static_cast<float>(std::sin(0.7)), static_cast<float>(std::cos(0.7)),
+      0.0F, 0.0F,  0.0F, 1.0F};
   EXPECT_EQ(observe(state), expected);
 }
 

@@ -21,8 +21,8 @@ void demonstrate(const pusht::DemonstrationPlan& plan, const std::string& out) {
     bar.update(so_far.episodes, std::to_string(so_far.successes) + " solved");
     return !sim2sim::interrupted();
   });
-  std::cout << tally.episodes << " demonstrations, " << tally.successes << " solved, " << tally.frames << " frames: "
-            << out << std::endl;
+  std::cout << tally.episodes << " demonstrations, " << tally.successes << " solved, " << tally.frames
+            << " frames: " << out << std::endl;
 }
 
 }  // namespace

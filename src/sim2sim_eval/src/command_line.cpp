@@ -4,6 +4,7 @@
 #include <ros/package.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <iostream>
 #include <system_error>
@@ -54,7 +55,7 @@ std::filesystem::path installedFile(const std::string& package, const std::strin
   if (share.empty()) {
     throw pusht::BadDependency("package " + package + " is not found: source the workspace's setup.bash");
   }
-  const std::filesystem::path path = std::filesystem::path(share) / relative_path;
+  std::filesystem::path path = std::filesystem::path(share) / relative_path;
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) {
     throw pusht::BadDependency(path.string() + " is missing: package " + package + " must install it");
@@ -80,7 +81,7 @@ void ProgressBar::update(int done, const std::string& note) {
   }
   constexpr int kWidth = 30;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-  const auto seconds_left = static_cast<long>(elapsed.count() / done * (total_ - done) + 0.5);
+  const auto seconds_left = std::lround(elapsed.count() / done * (total_ - done));
   const auto filled = static_cast<std::size_t>(kWidth * done / total_);
   std::cerr << "\r\033[K" << title_ << " [" << std::string(filled, '#') << std::string(kWidth - filled, '.') << "] "
             << done << "/" << total_ << "  " << seconds_left << " s left  " << note << std::flush;

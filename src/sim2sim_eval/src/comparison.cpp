@@ -111,7 +111,8 @@ class Run {
       episodes_.push_back(episode);
       bar.update(static_cast<int>(episodes_.size()), successesSoFar());
     };
-    runProtocol(protocol, [this] { return makeWorlds(); }, policy_, deliver, interrupted);
+    runProtocol(
+        protocol, [this] { return makeWorlds(); }, policy_, deliver, interrupted);
     if (static_cast<int>(episodes_.size()) < protocol.episodes) {
       throw pusht::RuntimeFault("interrupted after " + std::to_string(episodes_.size()) + " of " +
                                 std::to_string(protocol.episodes) + " episodes");
@@ -173,8 +174,7 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option("--seed", seed, "episode i starts from spawn seed 10000 + seed + i")->capture_default_str();
   app.add_option("--pusher_mass", knobs.pusher_mass, "engine: inertia of the pusher in contact [kg]")
       ->capture_default_str();
-  app.add_option("--block_damp", knobs.block_damp, "engine: viscous drag rate of the tee [1/s]")
-      ->capture_default_str();
+  app.add_option("--block_damp", knobs.block_damp, "engine: viscous drag rate of the tee [1/s]")->capture_default_str();
   app.add_option("--baumgarte", knobs.baumgarte, "engine: stabilisation frequency of the tee's link [rad/s]")
       ->capture_default_str();
   app.add_flag("--smoke", smoke, "short fixed run of an untrained policy: 2 episodes, 40 control steps");

@@ -42,7 +42,8 @@ std::string shortestText(double value) {
 
 std::string fixedText(double value, int digits) {
   Buffer buffer{};
-  return text(buffer, std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, digits));
+  return text(buffer,
+              std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, digits));
 }
 
 double roundToMicro(double value) {

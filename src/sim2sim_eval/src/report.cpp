@@ -68,11 +68,10 @@ std::string padded(const std::string& text, std::size_t width) {
 
 std::string configurationHash(const RunConfiguration& configuration) {
   constexpr std::size_t kDigits = 12;
-  const std::string key = std::to_string(configuration.nominal_episodes) + "|" +
-                          shortestText(configuration.knobs.pusher_mass) + "|" +
-                          shortestText(configuration.knobs.block_damp) + "|" +
-                          shortestText(configuration.knobs.baumgarte) + "|" +
-                          std::to_string(configuration.protocol.horizon);
+  const std::string key =
+      std::to_string(configuration.nominal_episodes) + "|" + shortestText(configuration.knobs.pusher_mass) + "|" +
+      shortestText(configuration.knobs.block_damp) + "|" + shortestText(configuration.knobs.baumgarte) + "|" +
+      std::to_string(configuration.protocol.horizon);
   return pusht::md5(key).substr(0, kDigits);
 }
 

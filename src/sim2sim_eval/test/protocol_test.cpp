@@ -96,7 +96,8 @@ TEST(Protocol, EndsAtSuccessOrAtTheHorizon) {
   Protocol protocol;
   protocol.episodes = 20;
   ConstantPolicy policy({0.0F, 0.0F});
-  for (const EpisodeResult& episode : run(protocol, [] { return ledWorlds(0.05, 0.001); }, policy)) {
+  for (const EpisodeResult& episode : run(
+           protocol, [] { return ledWorlds(0.05, 0.001); }, policy)) {
     const double distance = pusht::spawn(episode.seed).tee_position.norm();
     const RolloutResult& reference = episode.modes[kReferenceClosed];
     EXPECT_TRUE(reference.success);
@@ -113,7 +114,8 @@ TEST(Protocol, DivergenceIsTheMeanOverCommonStepsStartIncluded) {
   protocol.episodes = 3;
   protocol.horizon = 10;
   ConstantPolicy policy({0.0F, 0.0F});
-  for (const EpisodeResult& episode : run(protocol, [] { return ledWorlds(0.04, 0.01); }, policy)) {
+  for (const EpisodeResult& episode : run(
+           protocol, [] { return ledWorlds(0.04, 0.01); }, policy)) {
     const auto& divergence = episode.modes[kEngineReplay].mean_divergence;
     ASSERT_TRUE(divergence);
     const double mean_step = (0.0 + 10.0) / 2.0;  // over steps 0 to 10
@@ -128,7 +130,8 @@ TEST(Protocol, HeldOutSeeds) {
   protocol.seed = 7;
   protocol.episodes = 3;
   ConstantPolicy policy({0.0F, 0.0F});
-  const auto episodes = run(protocol, [] { return ledWorlds(0.1, 0.1); }, policy);
+  const auto episodes = run(
+      protocol, [] { return ledWorlds(0.1, 0.1); }, policy);
   EXPECT_EQ(episodes[0].seed, 10007U);
   EXPECT_EQ(episodes[2].seed, 10009U);
 }
@@ -176,7 +179,8 @@ TEST(Protocol, AsksThePolicyForManyRolloutsAtOnce) {
   Protocol protocol;
   protocol.episodes = 3 * kEpisodesInFlight;
   ConstantPolicy policy({0.0F, 0.0F});
-  run(protocol, [] { return ledWorlds(0.05, 0.05); }, policy);
+  run(
+      protocol, [] { return ledWorlds(0.05, 0.05); }, policy);
   EXPECT_EQ(policy.largest_batch, 2U * kEpisodesInFlight);
 }
 
@@ -198,7 +202,8 @@ TEST(Protocol, AnActionThatIsNotFiniteFailsTheEpisodeByName) {
   protocol.episodes = 1;
   ConstantPolicy policy({std::numeric_limits<float>::quiet_NaN(), 0.0F});
   try {
-    run(protocol, [] { return ledWorlds(0.05, 0.05); }, policy);
+    run(
+        protocol, [] { return ledWorlds(0.05, 0.05); }, policy);
     FAIL();
   } catch (const pusht::Error& error) {
     EXPECT_EQ(error.exitCode(), pusht::ExitCode::kBadDependency);

@@ -393,6 +393,8 @@ class Faults(CommandCase):
 class Straight(torch.nn.Module):
     """Always to the right, slowly."""
 
+    scale: torch.Tensor
+
     def __init__(self) -> None:
         super().__init__()
         self.register_buffer("scale", torch.tensor([0.1, 0.0]))

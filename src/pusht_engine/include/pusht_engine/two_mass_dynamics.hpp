@@ -9,14 +9,14 @@
 
 namespace pusht::two_mass {
 
-constexpr double kBarRadius = 0.032;        ///< [m] the disc that stands for the bar
-constexpr double kStemRadius = 0.026;       ///< [m] the disc that stands for the stem
-constexpr double kServoGain = 20.0;         ///< [1/s] of the pusher's velocity servo
-constexpr double kRestitution = 0.0;        ///< [-] of contacts
-constexpr double kContactBaumgarte = 0.2;   ///< [-] share of the overlap removed in one substep
-constexpr double kContactMargin = 1.0e-3;   ///< [m] discs closer than this touch
-constexpr double kCoincident = 1.0e-12;     ///< [m] discs closer than this have no normal
-constexpr int kContactSweeps = 10;          ///< Gauss-Seidel sweeps
+constexpr double kBarRadius = 0.032;       ///< [m] the disc that stands for the bar
+constexpr double kStemRadius = 0.026;      ///< [m] the disc that stands for the stem
+constexpr double kServoGain = 20.0;        ///< [1/s] of the pusher's velocity servo
+constexpr double kRestitution = 0.0;       ///< [-] of contacts
+constexpr double kContactBaumgarte = 0.2;  ///< [-] share of the overlap removed in one substep
+constexpr double kContactMargin = 1.0e-3;  ///< [m] discs closer than this touch
+constexpr double kCoincident = 1.0e-12;    ///< [m] discs closer than this have no normal
+constexpr int kContactSweeps = 10;         ///< Gauss-Seidel sweeps
 
 enum Body : std::size_t { kPusher, kBar, kStem, kBodyCount };
 

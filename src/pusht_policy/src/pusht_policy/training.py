@@ -97,7 +97,9 @@ def train(bags: Sequence[Path], out: Path, state_dir: Path, recipe: Recipe) -> N
         demonstrations = read_demonstrations(bags)
         frames = sum(len(d.actions) for d in demonstrations)
         successes = sum(d.success for d in demonstrations)
-        print(f"{len(demonstrations)} demonstrations, {successes} solved, {frames} frames", flush=True)
+        print(
+            f"{len(demonstrations)} demonstrations, {successes} solved, {frames} frames", flush=True
+        )
         hashes = [sha256_of(bag) for bag in bags]
         _set_up_torch(recipe)
         trainer = Trainer(demonstrations, recipe, hashes)

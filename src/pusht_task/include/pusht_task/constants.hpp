@@ -8,13 +8,13 @@ namespace pusht {
 constexpr double kPi = 3.14159265358979323846;
 
 // Time: an action is held for ten substeps.
-constexpr double kControlStep = 0.1;      ///< [s]
-constexpr double kSubstep = 0.01;         ///< [s]
+constexpr double kControlStep = 0.1;  ///< [s]
+constexpr double kSubstep = 0.01;     ///< [s]
 constexpr int kSubstepsPerControlStep = 10;
-constexpr int kHorizon = 300;             ///< control steps after which an episode ends
+constexpr int kHorizon = 300;  ///< control steps after which an episode ends
 
 // Actions: commanded pusher velocity.
-constexpr float kActionLimit = 1.0F;      ///< [m/s] per axis
+constexpr float kActionLimit = 1.0F;  ///< [m/s] per axis
 
 // Success: this many consecutive control steps in tolerance of the target pose (0, 0, 0).
 constexpr double kPositionTolerance = 0.03;  ///< [m]
@@ -26,22 +26,22 @@ constexpr double kRewardPositionScale = 0.5;  ///< [m]
 constexpr double kRewardBonus = 1.0;
 
 // Spawn: the tee on a ring around the target, the pusher anywhere clear of it.
-constexpr double kSpawnRadiusMin = 0.10;      ///< [m]
-constexpr double kSpawnRadiusMax = 0.24;      ///< [m]
-constexpr double kSpawnPusherBound = 0.32;    ///< [m] per axis
+constexpr double kSpawnRadiusMin = 0.10;        ///< [m]
+constexpr double kSpawnRadiusMax = 0.24;        ///< [m]
+constexpr double kSpawnPusherBound = 0.32;      ///< [m] per axis
 constexpr double kSpawnPusherClearance = 0.13;  ///< [m] from the tee origin
 
 // Bodies. The tee is a bar, centred on the tee origin, and a stem below it (body frame: stem along -y).
-constexpr double kPusherRadius = 0.015;       ///< [m]
-constexpr double kBarHalfLength = 0.06;       ///< [m] along body x
-constexpr double kStemHalfLength = 0.045;     ///< [m] along body y
-constexpr double kTeeHalfWidth = 0.015;       ///< [m] the other half-size of bar and stem, and their half-height
-constexpr double kStemOffset = 0.06;          ///< [m] from the bar's centre to the stem's, along body -y
-constexpr double kBarMass = 0.06;             ///< [kg]
-constexpr double kStemMass = 0.045;           ///< [kg]
+constexpr double kPusherRadius = 0.015;    ///< [m]
+constexpr double kBarHalfLength = 0.06;    ///< [m] along body x
+constexpr double kStemHalfLength = 0.045;  ///< [m] along body y
+constexpr double kTeeHalfWidth = 0.015;    ///< [m] the other half-size of bar and stem, and their half-height
+constexpr double kStemOffset = 0.06;       ///< [m] from the bar's centre to the stem's, along body -y
+constexpr double kBarMass = 0.06;          ///< [kg]
+constexpr double kStemMass = 0.045;        ///< [kg]
 /// [m] from the tee origin to its centre of mass, along body -y.
 constexpr double kCenterOfMassOffset = kStemOffset * kStemMass / (kBarMass + kStemMass);
 
-constexpr double kWallInnerFace = 0.39;       ///< [m] |x| or |y| of the walls' inner faces
+constexpr double kWallInnerFace = 0.39;  ///< [m] |x| or |y| of the walls' inner faces
 
 }  // namespace pusht

@@ -9,17 +9,16 @@ namespace pusht {
 
 enum class ExitCode {
   kOk = 0,
-  kInvalidInput = 2,     ///< bad input or configuration
-  kBadDependency = 3,    ///< something the run needs is missing or not as expected
-  kRuntimeFault = 4,     ///< a peer died, a deadline passed, the disk is full, the run was interrupted
-  kInternalError = 70,   ///< a defect of ours or of a library
+  kInvalidInput = 2,    ///< bad input or configuration
+  kBadDependency = 3,   ///< something the run needs is missing or not as expected
+  kRuntimeFault = 4,    ///< a peer died, a deadline passed, the disk is full, the run was interrupted
+  kInternalError = 70,  ///< a defect of ours or of a library
 };
 
 /// An error with a message of one line that names the thing, its value and the rule it breaks.
 class Error : public std::runtime_error {
  public:
-  Error(ExitCode exit_code, const std::string& message)
-      : std::runtime_error(message), exit_code_(exit_code) {}
+  Error(ExitCode exit_code, const std::string& message) : std::runtime_error(message), exit_code_(exit_code) {}
   ExitCode exitCode() const { return exit_code_; }
 
  private:

@@ -31,8 +31,8 @@ class SimulatorSuite : public ::testing::TestWithParam<SimulatorFactory> {
 inline WorldState movingState(std::uint64_t seed) {
   NumpyGenerator generator(seed + 1'000'000);
   WorldState state = spawn(seed);
-  for (double* velocity : {&state.pusher_velocity.x(), &state.pusher_velocity.y(), &state.tee_velocity.x(),
-                           &state.tee_velocity.y()}) {
+  for (double* velocity :
+       {&state.pusher_velocity.x(), &state.pusher_velocity.y(), &state.tee_velocity.x(), &state.tee_velocity.y()}) {
     *velocity = generator.uniform(-0.5, 0.5);
   }
   state.tee_yaw_rate = generator.uniform(-3.0, 3.0);
@@ -202,4 +202,3 @@ TEST_P(SimulatorSuite, LatchAndHorizon) {
 }
 
 }  // namespace pusht::testing
-

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which spellings of a network are recognised, and as what.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <torch/script.h>
+
+#include <map>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "network_testing.hpp"
+#include "pusht_policy/network_policy.hpp"
+
+namespace pusht {
+namespace {
+
+using testing::bits;
+
+struct Spelling {
+  const char* name;
+  const char* body;      ///< of forward(self, x)
+  const char* expected;  ///< what the kernel is to do, or why it is not to be used
+};
+
+std::ostream& operator<<(std::ostream& stream, const Spelling& spelling) { return stream << spelling.name; }
+
+std::string spellingName(const ::testing::TestParamInfo<Spelling>& info) { return info.param.name; }
+
+/// A module with weights and buffers for all spellings; nn.Linear's weights are [outputs, inputs].
+torch::jit::Module makeModule(const std::string& body) {
+  constexpr int kHidden = 24;
+  NumpyGenerator generator(11);
+  const auto random = [&](at::IntArrayRef sizes, double low, double high) {
+    torch::Tensor tensor = torch::empty(sizes);
+    std::generate_n(tensor.data_ptr<float>(), tensor.numel(),
+                    [&] { return static_cast<float>(generator.uniform(low, high)); });
+    return tensor;
+  };
+  torch::jit::Module module("Policy");
+  const std::vector<std::pair<std::string, std::vector<std::int64_t>>> parameters = {
+      {"w", {2, 10}},
+      {"b", {2}},  // a network without hidden layers
+      {"w0", {kHidden, 10}},
+      {"b0", {kHidden}},  // the first of several layers
+      {"w1", {kHidden, kHidden}},
+      {"b1", {kHidden}},  // any between
+      {"w2", {2, kHidden}},
+      {"b2", {2}},  // the last
+      {"m", {10, 2}},
+      {"row", {1, 2}},  // a matrix as it is multiplied, a bias as a row
+  };
+  for (const auto& [name, sizes] : parameters) {
+    module.register_parameter(name, random(sizes, -0.3, 0.3), false);
+  }
+  module.register_buffer("obs_min", random({10}, -1.0, -0.5));
+  module.register_buffer("obs_range", random({10}, 1.0, 2.0));
+  module.register_buffer("act_min", random({2}, -1.0, -0.5));
+  module.register_buffer("act_range", random({2}, 1.0, 2.0));
+  module.register_buffer("two", torch::tensor(2.0F));
+  module.register_buffer("two_double", torch::tensor(2.0, torch::kFloat64));
+  module.register_buffer("ten_double", torch::ones({10}, torch::kFloat64));
+  module.define("def forward(self, x):\n" + body);
+  return module;
+}
+
+class NetworkSpelling : public ::testing::TestWithParam<Spelling> {
+ protected:
+  void SetUp() override {
+    module_ = makeModule(GetParam().body);
+    module_.save((folder_ / "policy.pt").string());
+    policy_ = NetworkPolicy::load(folder_ / "policy.pt");
+    actual_ = testing::flatten(testing::act(*policy_, testing::observations()));
+    expected_ = testing::onLibtorch([&](const torch::Tensor& row) { return module_.forward({row}).toTensor(); },
+                                    testing::flatten(testing::observations()), std::tuple_size<Observation>::value);
+  }
+
+  testing::TemporaryFolder folder_;
+  torch::jit::Module module_;
+  std::unique_ptr<NetworkPolicy> policy_;
+  std::vector<float> actual_;
+  std::vector<float> expected_;
+};
+
+// The kernel sums as libtorch on the reference BLAS does where layers are written as nn.Linear has them, and rounds
+// as libtorch does everywhere but in tanh.
+
+class NetworkSpelledToTheLastBit : public NetworkSpelling {};
+
+TEST_P(NetworkSpelledToTheLastBit, RunsOnTheKernel) {
+  EXPECT_EQ(policy_->info().why_not_on_kernel, "");
+  EXPECT_EQ(policy_->info().operations, GetParam().expected);
+  testing::expectNear(actual_, expected_, 1e-5F);
+  if (testing::onReferenceBlas()) {
+    EXPECT_EQ(bits(actual_), bits(expected_));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , NetworkSpelledToTheLastBit,
+    ::testing::Values(
+        Spelling{"Course",
+                 "  x = (x - self.obs_min) * 2 / self.obs_range - 1\n"
+                 "  x = torch.relu(torch.linear(torch.clamp(x, -1.0, 1.0), self.w0, self.b0))\n"
+                 "  x = torch.relu(torch.linear(x, self.w1, self.b1))\n"
+                 "  y = torch.linear(x, self.w2, self.b2)\n"
+                 "  return (y + 1) / 2 * self.act_range + self.act_min\n",
+                 "10, subtract, multiply, divide, subtract, max, min, matrix 24, add, max, matrix 24, add, max, "
+                 "matrix 2, add, add, divide, multiply, add"},
+        Spelling{"FloatNumbersAndMethods",
+                 "  x = (x - self.obs_min) * 2.0 / self.obs_range - 1.0\n"
+                 "  x = torch.linear(x.clamp(-1, 1), self.w0, self.b0).relu()\n"
+                 "  x = torch.linear(x, self.w1, self.b1).relu()\n"
+                 "  y = torch.linear(x, self.w2, self.b2)\n"
+                 "  return (y + 1.0) / 2.0 * self.act_range + self.act_min\n",
+                 "10, subtract, multiply, divide, subtract, max, min, matrix 24, add, max, matrix 24, add, max, "
+                 "matrix 2, add, add, divide, multiply, add"},
+        Spelling{"NumbersFirst",
+                 "  x = -1 + 2 * (x - self.obs_min) / self.obs_range\n"
+                 "  x = torch.relu(torch.linear(x, self.w0, self.b0))\n"
+                 "  y = torch.linear(x, self.w2, self.b2)\n"
+                 "  return self.act_min + self.act_range * (0.5 * (1 + y))\n",
+                 "10, subtract, multiply, divide, add, matrix 24, add, max, matrix 2, add, add, multiply, multiply, "
+                 "add"},
+        Spelling{"ZeroDimensionalTensors",
+                 "  x = torch.linear(x * self.two, self.w, self.b)\n"
+                 "  return x / self.two_double\n",
+                 "10, multiply, matrix 2, add, divide"},
+        Spelling{"InPlace",
+                 "  x = (x - self.obs_min).mul_(2).div_(self.obs_range).sub_(1).clamp_(-1, 1)\n"
+                 "  x = torch.linear(x, self.w0, self.b0).relu_()\n"
+                 "  return torch.linear(x, self.w2, self.b2).add_(self.act_min)\n",
+                 "10, subtract, multiply, divide, subtract, max, min, matrix 24, add, max, matrix 2, add, add"},
+        Spelling{"NoHiddenLayer", "  return torch.linear(x, self.w, self.b)\n", "10, matrix 2, add"},
+        Spelling{"NoBias", "  return torch.linear(torch.linear(x, self.w0), self.w2)\n", "10, matrix 24, matrix 2"},
+        Spelling{"OneHiddenLayerWithoutBuffers",
+                 "  return torch.linear(torch.relu(torch.linear(x, self.w0, self.b0)), self.w2, self.b2)\n",
+                 "10, matrix 24, add, max, matrix 2, add"},
+        Spelling{"FourHiddenLayers",
+                 "  x = torch.relu(torch.linear(x, self.w0, self.b0))\n"
+                 "  for i in range(3):\n"
+                 "    x = torch.relu(torch.linear(x, self.w1, self.b1))\n"
+                 "  return torch.linear(x, self.w2, self.b2)\n",
+                 "10, matrix 24, add, max, matrix 24, add, max, matrix 24, add, max, matrix 24, add, max, matrix 2, "
+                 "add"},
+        Spelling{"ClampMinIsReLU",
+                 "  x = torch.clamp_min(torch.linear(x, self.w0, self.b0), 0)\n"
+                 "  x = torch.linear(x, self.w1, self.b1).clamp(min=0.0)\n"
+                 "  return torch.linear(x, self.w2, self.b2).clamp_max(0.5)\n",
+                 "10, matrix 24, add, max, matrix 24, add, max, matrix 2, add, min"},
+        Spelling{"ClampToTensors",
+                 "  return torch.clamp(torch.linear(x, self.w, self.b), self.act_min, self.act_range)\n",
+                 "10, matrix 2, add, max, min"},
+        Spelling{"ClampWithCrossedBounds", "  return torch.clamp(torch.linear(x, self.w, self.b), 0.25, -0.25)\n",
+                 "10, matrix 2, add, max, min"},
+        Spelling{"HardtanhAndReLU6",
+                 "  x = torch.relu6(torch.linear(x, self.w0, self.b0))\n"
+                 "  return torch.hardtanh(torch.linear(x, self.w2, self.b2), -0.5, 0.25)\n",
+                 "10, matrix 24, add, max, min, matrix 2, add, max, min"},
+        Spelling{"NegatedAndSubtractedFrom",
+                 "  x = torch.neg(1 - x)\n"
+                 "  x = torch.rsub(x, 0.5)\n"
+                 "  return self.act_min - torch.linear(x, self.w, self.b)\n",
+                 "10, multiply, add, multiply, multiply, add, matrix 2, add, multiply, add"},
+        Spelling{"MatrixFromTheRight", "  return torch.matmul(x, self.m) + self.row\n", "10, matrix 2, add"},
+        Spelling{"TransposedMatrix", "  return x @ self.w.t() + self.b\n", "10, matrix 2, add"},
+        Spelling{"AddmmOfATransposedMatrix", "  return torch.addmm(self.b, x, self.w.t())\n", "10, matrix 2, add"},
+        Spelling{"CopiesAndCasts",
+                 "  x = x.to(torch.float32).contiguous().detach()\n"
+                 "  return torch.dropout(torch.linear(x, self.w, self.b), 0.5, False).clone().float()\n",
+                 "10, matrix 2, add"},
+        Spelling{"BranchOnTheShape",
+                 "  if x.dim() == 1:\n"
+                 "    x = x.unsqueeze(0)\n"
+                 "  return torch.linear(x, self.w, self.b)\n",
+                 "10, matrix 2, add"}),
+    spellingName);
+
+class NetworkSpelledAlmostToTheLastBit : public NetworkSpelling {};
+
+TEST_P(NetworkSpelledAlmostToTheLastBit, RunsOnTheKernel) {
+  EXPECT_EQ(policy_->info().why_not_on_kernel, "");
+  EXPECT_EQ(policy_->info().operations, GetParam().expected);
+  testing::expectNear(actual_, expected_, 2e-6F);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , NetworkSpelledAlmostToTheLastBit,
+    ::testing::Values(Spelling{"TanhAtTheEnd",
+                               "  x = torch.relu(torch.linear(x, self.w0, self.b0))\n"
+                               "  return torch.tanh(torch.linear(x, self.w2, self.b2))\n",
+                               "10, matrix 24, add, max, matrix 2, add, tanh"},
+                      Spelling{"TanhBetween",
+                               "  x = torch.linear(x, self.w0, self.b0).tanh()\n"
+                               "  x = torch.linear(x, self.w1, self.b1).tanh_()\n"
+                               "  return torch.linear(x, self.w2, self.b2)\n",
+                               "10, matrix 24, add, tanh, matrix 24, add, tanh, matrix 2, add"},
+                      Spelling{
+                          "AddmmWithTheBiasFirst",  // which is how libtorch sums for a matrix that is not transposed
+                          "  return torch.addmm(self.b, x, self.m)\n", "10, matrix 2, add"}),
+    spellingName);
+
+// What the kernel does not know, or must not do, is left to libtorch; there a row must not depend on its batch either.
+
+class NetworkLeftToLibtorch : public NetworkSpelling {};
+
+TEST_P(NetworkLeftToLibtorch, GivesItsBitsForEveryBatch) {
+  EXPECT_THAT(policy_->info().why_not_on_kernel, ::testing::HasSubstr(GetParam().expected));
+  EXPECT_FALSE(policy_->info().runsOnKernel());
+  EXPECT_EQ(policy_->info().operations, "");
+  EXPECT_EQ(policy_->info().instruction_set, "");
+  EXPECT_EQ(bits(actual_), bits(expected_));
+  for (const std::size_t batch : {2, 7, 50}) {
+    EXPECT_EQ(bits(testing::flatten(testing::act(*policy_, testing::observations(), batch))), bits(expected_));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , NetworkLeftToLibtorch,
+    ::testing::Values(
+        Spelling{"SameRowsTwice",
+                 "  x = torch.linear(x, self.w, self.b)\n"
+                 "  return x * x\n",
+                 "aten::mul: its self must be constant"},
+        Spelling{"EarlierRows",
+                 "  h = torch.relu(torch.linear(x, self.w0, self.b0))\n"
+                 "  return torch.linear(h, self.w2, self.b2) + torch.linear(x, self.w, self.b)\n",
+                 "aten::linear: must take the result of the operation before it"},
+        Spelling{"Residual",
+                 "  h = torch.linear(x, self.w0, self.b0)\n"
+                 "  h = h + torch.relu(torch.linear(h, self.w1, self.b1))\n"
+                 "  return torch.linear(h, self.w2, self.b2)\n",
+                 "aten::add: "},
+        Spelling{"RowsReadAfterTheyWereChanged",
+                 "  y = torch.linear(x, self.w, self.b)\n"
+                 "  z = y.relu_()\n"
+                 "  return y\n",
+                 "must return the result of its last operation"},
+        Spelling{"Gelu",
+                 "  x = torch.gelu(torch.linear(x, self.w0, self.b0))\n"
+                 "  return torch.linear(x, self.w2, self.b2)\n",
+                 "aten::gelu: is not known to the kernel"},
+        Spelling{"LayerNorm",
+                 "  x = torch.layer_norm(torch.linear(x, self.w0, self.b0), [24])\n"
+                 "  return torch.linear(x, self.w2, self.b2)\n",
+                 "aten::layer_norm: is not known to the kernel"},
+        Spelling{"ScaledAdd", "  return torch.add(torch.linear(x, self.w, self.b), self.act_min, alpha=2)\n",
+                 "aten::add: its alpha must be 1"},
+        Spelling{"ScaledAddmm", "  return torch.addmm(self.b, x, self.m, beta=0.5, alpha=2.0)\n",
+                 "aten::addmm: its beta must be 1"},
+        Spelling{"Quotient", "  return 1.0 / (2.0 + torch.relu(torch.linear(x, self.w, self.b)))\n",
+                 "aten::reciprocal: is not known to the kernel"},
+        Spelling{"RoundedQuotient",
+                 "  return torch.div(torch.linear(x, self.w, self.b), 0.125, rounding_mode='floor')\n",
+                 "aten::div: must not round"},
+        Spelling{"DoubleAndBack", "  return torch.linear(x.to(torch.float64).to(torch.float32), self.w, self.b)\n",
+                 "aten::to: must keep float32"},
+        Spelling{"DoubleOperand", "  return torch.linear((x + self.ten_double).to(torch.float32), self.w, self.b)\n",
+                 "aten::add: its operand must be float32"},
+        Spelling{"BranchOnTheNumbers",
+                 "  y = torch.linear(x, self.w, self.b)\n"
+                 "  if bool(y[0, 0] > 0.0):\n"
+                 "    y = y + 1.0\n"
+                 "  return y\n",
+                 "is not known to the kernel"},
+        Spelling{"Rows", "  return torch.linear(x, self.w, self.b).sum(0, keepdim=True)\n",
+                 "aten::sum: is not known to the kernel"}),
+    spellingName);
+
+}  // namespace
+}  // namespace pusht

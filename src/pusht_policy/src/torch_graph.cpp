@@ -111,7 +111,7 @@ void GraphReader::requireRows(const Node& node, const char* input) const {
 IValue GraphReader::constant(const Node& node, const char* input) const {
   const auto value = torch::jit::toIValue(node.namedInput(input));
   if (!value) {
-    refuse(node, std::string("its ") + input + " must be constant");
+    refuse(node, std::string("its operand ") + input + " must be constant");
   }
   return *value;
 }

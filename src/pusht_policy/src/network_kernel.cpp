@@ -36,7 +36,7 @@ template <class Vector, int kRows, int kVectors>
   const float* inputs = product.inputs + row * product.row_stride;
   const float* matrix = product.matrix + column;
   float* outputs = product.outputs + row * product.row_stride + column;
-  Vector sums[kRows][kVectors] = {};
+  Vector sums[kRows][kVectors] = {};  // NOLINT(modernize-avoid-c-arrays): std::array loses the attributes of Vector
   for (int k = 0; k < product.depth; ++k, matrix += product.columns) {
     const auto* weights = reinterpret_cast<const Vector*>(matrix);
 #pragma GCC unroll 8

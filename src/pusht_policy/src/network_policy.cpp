@@ -20,19 +20,18 @@ constexpr int kOutputs = std::tuple_size<Action>::value;
 
 constexpr int kSpawnProbes = 48;
 constexpr int kWideProbes = 16;
-constexpr double kWideRange = 2.0;     // every number of a wide probe lies in +- this
-constexpr float kAgreement = 1e-5F;    // between kernel and libtorch; relative where actions exceed 1
+constexpr double kWideRange = 2.0;   // every number of a wide probe lies in +- this
+constexpr float kAgreement = 1e-5F;  // between kernel and libtorch; relative where actions exceed 1
 
 /// Observations with which a network is tried out: starts of episodes, and some that no episode shows.
 std::vector<Observation> probes() {
-  std::vector<Observation> probes;
+  std::vector<Observation> probes(kSpawnProbes + kWideProbes);
   for (int i = 0; i < kSpawnProbes; ++i) {
-    probes.push_back(observe(spawn(i)));
+    probes[i] = observe(spawn(i));
   }
   NumpyGenerator generator(kSpawnProbes);
-  for (int i = 0; i < kWideProbes; ++i) {
-    Observation& probe = probes.emplace_back();
-    std::generate(probe.begin(), probe.end(), [&] { return generator.uniform(-kWideRange, kWideRange); });
+  for (int i = kSpawnProbes; i < kSpawnProbes + kWideProbes; ++i) {
+    std::generate(probes[i].begin(), probes[i].end(), [&] { return generator.uniform(-kWideRange, kWideRange); });
   }
   return probes;
 }
@@ -60,8 +59,8 @@ void requireProvenance(const std::filesystem::path& path, const std::string& nam
   std::string expected;
   try {
     expected = nlohmann::json::parse(text).at("checkpoint").at("sha256").get<std::string>();
-  } catch (const nlohmann::json::exception& error) {
-    throw InvalidInput("provenance " + provenance.string() + ": must be JSON with checkpoint.sha256: " + error.what());
+  } catch (const nlohmann::json::exception&) {
+    throw InvalidInput("provenance " + provenance.string() + ": must be JSON with a string checkpoint.sha256");
   }
   if (sha256 != expected) {
     throw BadDependency(name + ": its SHA-256 is " + sha256 + ", must be " + expected + " (" + provenance.string() +
@@ -134,11 +133,11 @@ void NetworkPolicy::actOnKernel(Span<const Query> queries, Span<Action> actions)
   inputs_.resize(queries.size() * kInputs);
   outputs_.resize(queries.size() * kOutputs);
   for (std::size_t i = 0; i < queries.size(); ++i) {
-    std::copy_n(queries[i].observation.begin(), kInputs, inputs_.begin() + i * kInputs);
+    std::copy_n(queries[i].observation.begin(), kInputs, inputs_.data() + i * kInputs);
   }
   kernel_->run(inputs_, outputs_);
   for (std::size_t i = 0; i < actions.size(); ++i) {
-    std::copy_n(outputs_.begin() + i * kOutputs, kOutputs, actions[i].begin());
+    std::copy_n(outputs_.data() + i * kOutputs, kOutputs, actions[i].begin());
   }
 }
 

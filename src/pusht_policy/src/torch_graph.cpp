@@ -59,7 +59,7 @@ class GraphReader {
 };
 
 const std::map<std::string, GraphReader::Reader>& GraphReader::readers() {
-  static const std::map<std::string, Reader> kReaders = {
+  static const std::map<std::string, Reader> table = {
       {"aten::linear", &GraphReader::readLinear},
       {"aten::addmm", &GraphReader::readAddmm},
       {"aten::matmul", &GraphReader::readMatmul},
@@ -82,7 +82,7 @@ const std::map<std::string, GraphReader::Reader>& GraphReader::readers() {
       {"aten::contiguous", &GraphReader::readCopy},
       {"aten::clone", &GraphReader::readCopy},
   };
-  return kReaders;
+  return table;
 }
 
 void GraphReader::refuse(const Node& node, const std::string& why) {

@@ -166,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(
         Spelling{"TransposedMatrix", "  return x @ self.w.t() + self.b\n", "10, matrix 2, add"},
         Spelling{"AddmmOfATransposedMatrix", "  return torch.addmm(self.b, x, self.w.t())\n", "10, matrix 2, add"},
         Spelling{"CopiesAndCasts",
-                 "  x = x.to(torch.float32).contiguous().detach()\n"
+                 "  x = x.to(6).contiguous().detach()\n"
                  "  return torch.dropout(torch.linear(x, self.w, self.b), 0.5, False).clone().float()\n",
                  "10, matrix 2, add"},
         Spelling{"BranchOnTheShape",
@@ -217,54 +217,55 @@ TEST_P(NetworkLeftToLibtorch, GivesItsBitsForEveryBatch) {
 
 INSTANTIATE_TEST_SUITE_P(
     , NetworkLeftToLibtorch,
-    ::testing::Values(
-        Spelling{"SameRowsTwice",
-                 "  x = torch.linear(x, self.w, self.b)\n"
-                 "  return x * x\n",
-                 "aten::mul: its self must be constant"},
-        Spelling{"EarlierRows",
-                 "  h = torch.relu(torch.linear(x, self.w0, self.b0))\n"
-                 "  return torch.linear(h, self.w2, self.b2) + torch.linear(x, self.w, self.b)\n",
-                 "aten::linear: must take the result of the operation before it"},
-        Spelling{"Residual",
-                 "  h = torch.linear(x, self.w0, self.b0)\n"
-                 "  h = h + torch.relu(torch.linear(h, self.w1, self.b1))\n"
-                 "  return torch.linear(h, self.w2, self.b2)\n",
-                 "aten::add: "},
-        Spelling{"RowsReadAfterTheyWereChanged",
-                 "  y = torch.linear(x, self.w, self.b)\n"
-                 "  z = y.relu_()\n"
-                 "  return y\n",
-                 "must return the result of its last operation"},
-        Spelling{"Gelu",
-                 "  x = torch.gelu(torch.linear(x, self.w0, self.b0))\n"
-                 "  return torch.linear(x, self.w2, self.b2)\n",
-                 "aten::gelu: is not known to the kernel"},
-        Spelling{"LayerNorm",
-                 "  x = torch.layer_norm(torch.linear(x, self.w0, self.b0), [24])\n"
-                 "  return torch.linear(x, self.w2, self.b2)\n",
-                 "aten::layer_norm: is not known to the kernel"},
-        Spelling{"ScaledAdd", "  return torch.add(torch.linear(x, self.w, self.b), self.act_min, alpha=2)\n",
-                 "aten::add: its alpha must be 1"},
-        Spelling{"ScaledAddmm", "  return torch.addmm(self.b, x, self.m, beta=0.5, alpha=2.0)\n",
-                 "aten::addmm: its beta must be 1"},
-        Spelling{"Quotient", "  return 1.0 / (2.0 + torch.relu(torch.linear(x, self.w, self.b)))\n",
-                 "aten::reciprocal: is not known to the kernel"},
-        Spelling{"RoundedQuotient",
-                 "  return torch.div(torch.linear(x, self.w, self.b), 0.125, rounding_mode='floor')\n",
-                 "aten::div: must not round"},
-        Spelling{"DoubleAndBack", "  return torch.linear(x.to(torch.float64).to(torch.float32), self.w, self.b)\n",
-                 "aten::to: must keep float32"},
-        Spelling{"DoubleOperand", "  return torch.linear((x + self.ten_double).to(torch.float32), self.w, self.b)\n",
-                 "aten::add: its operand must be float32"},
-        Spelling{"BranchOnTheNumbers",
-                 "  y = torch.linear(x, self.w, self.b)\n"
-                 "  if bool(y[0, 0] > 0.0):\n"
-                 "    y = y + 1.0\n"
-                 "  return y\n",
-                 "is not known to the kernel"},
-        Spelling{"Rows", "  return torch.linear(x, self.w, self.b).sum(0, keepdim=True)\n",
-                 "aten::sum: is not known to the kernel"}),
+    ::testing::Values(Spelling{"SameRowsTwice",
+                               "  x = torch.linear(x, self.w, self.b)\n"
+                               "  return x * x\n",
+                               "aten::mul: its operand self must be constant"},
+                      Spelling{"EarlierRows",
+                               "  h = torch.relu(torch.linear(x, self.w0, self.b0))\n"
+                               "  return torch.linear(h, self.w2, self.b2) + torch.linear(x, self.w, self.b)\n",
+                               "aten::linear: must take the result of the operation before it"},
+                      Spelling{"Residual",
+                               "  h = torch.linear(x, self.w0, self.b0)\n"
+                               "  h = h + torch.relu(torch.linear(h, self.w1, self.b1))\n"
+                               "  return torch.linear(h, self.w2, self.b2)\n",
+                               "aten::add: "},
+                      Spelling{"RowsReadAfterTheyWereChanged",
+                               "  y = torch.linear(x, self.w, self.b)\n"
+                               "  z = y.relu_()\n"
+                               "  return y\n",
+                               "must return the result of its last operation"},
+                      Spelling{"Gelu",
+                               "  x = torch.gelu(torch.linear(x, self.w0, self.b0))\n"
+                               "  return torch.linear(x, self.w2, self.b2)\n",
+                               "aten::gelu: is not known to the kernel"},
+                      Spelling{"LayerNorm",
+                               "  x = torch.layer_norm(torch.linear(x, self.w0, self.b0), [24])\n"
+                               "  return torch.linear(x, self.w2, self.b2)\n",
+                               "aten::layer_norm: is not known to the kernel"},
+                      Spelling{"ScaledAdd",
+                               "  return torch.add(torch.linear(x, self.w, self.b), self.act_min, alpha=2)\n",
+                               "aten::add: its alpha must be 1"},
+                      Spelling{"ScaledAddmm", "  return torch.addmm(self.b, x, self.m, beta=0.5, alpha=2.0)\n",
+                               "aten::addmm: its beta must be 1"},
+                      Spelling{"Quotient", "  return 1.0 / (2.0 + torch.relu(torch.linear(x, self.w, self.b)))\n",
+                               "aten::reciprocal: is not known to the kernel"},
+                      Spelling{"RoundedQuotient",
+                               "  return torch.div(torch.linear(x, self.w, self.b), 0.125, rounding_mode='floor')\n",
+                               "aten::div: must not round"},
+                      Spelling{"DoubleAndBack", "  return torch.linear(x.double().float(), self.w, self.b)\n",
+                               "aten::to: must keep float32"},
+                      Spelling{"DoubleOperand",
+                               "  return torch.linear((x + self.ten_double).float(), self.w, self.b)\n",
+                               "aten::add: its operand must be float32"},
+                      Spelling{"BranchOnTheNumbers",
+                               "  y = torch.linear(x, self.w, self.b)\n"
+                               "  if bool(y[0, 0] > 0.0):\n"
+                               "    y = y + 1.0\n"
+                               "  return y\n",
+                               "is not known to the kernel"},
+                      Spelling{"Rows", "  return torch.linear(x, self.w, self.b).sum(0, keepdim=True)\n",
+                               "aten::sum: is not known to the kernel"}),
     spellingName);
 
 }  // namespace

@@ -74,9 +74,9 @@ class NetworkKernel {
   int outputs_;
   InstructionSet instruction_set_;
   std::vector<Step> steps_;
-  int lines_per_row_;   // of the blocks
-  Lines block_;         // the rows that are on their way through the network, as they are now
-  Lines product_;       // where a matrix puts them
+  int lines_per_row_;  // of the blocks
+  Lines block_;        // the rows that are on their way through the network, as they are now
+  Lines product_;      // where a matrix puts them
 };
 
 }  // namespace pusht

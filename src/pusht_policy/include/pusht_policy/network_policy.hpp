@@ -27,7 +27,7 @@ struct NetworkInfo {
   std::string instruction_set;    ///< of the kernel; empty on libtorch
   std::string why_not_on_kernel;  ///< empty on the kernel
   std::string libtorch_version = libtorchVersion();
-  std::string blas = activeBlas();      ///< on libtorch the bits depend on it
+  std::string blas = activeBlas();  ///< on libtorch the bits depend on it
 
   bool runsOnKernel() const { return why_not_on_kernel.empty(); }
 };

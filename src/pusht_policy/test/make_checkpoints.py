@@ -75,7 +75,9 @@ def with_extras() -> nn.Module:
 
 
 def layer_norm() -> nn.Module:
-    return nn.Sequential(nn.Linear(OBSERVATION, HIDDEN), nn.LayerNorm(HIDDEN), nn.ReLU(), nn.Linear(HIDDEN, ACTION))
+    return nn.Sequential(
+        nn.Linear(OBSERVATION, HIDDEN), nn.LayerNorm(HIDDEN), nn.ReLU(), nn.Linear(HIDDEN, ACTION)
+    )
 
 
 def main() -> None:
@@ -96,7 +98,9 @@ def main() -> None:
     course = modules["course"]
     torch.jit.freeze(torch.jit.script(course)).save(str(folder / "course_frozen.pt"))
     torch.save(course.state_dict(), folder / "state_dict.pt")
-    torch.save(course.state_dict(), folder / "legacy_state_dict.pt", _use_new_zipfile_serialization=False)
+    torch.save(
+        course.state_dict(), folder / "legacy_state_dict.pt", _use_new_zipfile_serialization=False
+    )
     torch.save(course, folder / "pickled_module.pt")
     (folder / "pickle.pt").write_bytes(pickle.dumps({"weight": [1.0, 2.0]}))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes checkpoints as Python programs make them, for network_policy_test.cpp: make_checkpoints.py FOLDER"""
+"""Writes checkpoints as Python programs make them: make_checkpoints.py FOLDER"""
 
 import pickle
 import sys

@@ -60,7 +60,11 @@ void requireProvenance(const std::filesystem::path& path, const std::string& nam
   try {
     expected = nlohmann::json::parse(text).at("checkpoint").at("sha256").get<std::string>();
   } catch (const nlohmann::json::exception&) {
-    throw InvalidInput("provenance " + provenance.string() + ": must be JSON with a string checkpoint.sha256");
+    expected.clear();
+  }
+  if (expected.size() != sha256.size() || expected.find_first_not_of("0123456789abcdef") != std::string::npos) {
+    throw InvalidInput("provenance " + provenance.string() + ": must be JSON with a checkpoint.sha256 of " +
+                       std::to_string(sha256.size()) + " hex digits");
   }
   if (sha256 != expected) {
     throw BadDependency(name + ": its SHA-256 is " + sha256 + ", must be " + expected + " (" + provenance.string() +

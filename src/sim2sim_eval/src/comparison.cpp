@@ -47,7 +47,7 @@ NamedPolicy named(std::unique_ptr<pusht::NetworkPolicy> policy, const std::strin
     provenance["operations"] = info.operations;
     provenance["instruction_set"] = info.instruction_set;
   } else {
-    provenance["note"] = "the bits of this run depend on the BLAS: the kernel cannot run " + info.why_not_on_kernel;
+    provenance["note"] = "the bits of this run depend on the BLAS; not on the kernel: " + info.why_not_on_kernel;
   }
   return {std::move(policy), name, std::move(provenance)};
 }
@@ -65,7 +65,8 @@ NamedPolicy choosePolicy(const CompareOptions& options) {
     return named(pusht::NetworkPolicy::load(installedFile("pusht_policy", "policies/bc_policy.ts.pt")), kShipped);
   }
   std::error_code ignored;
-  if (options.require_policy || fs::exists(options.policy, ignored)) {
+  const bool missing = fs::status(options.policy, ignored).type() == fs::file_type::not_found;
+  if (options.require_policy || !missing) {
     return named(pusht::NetworkPolicy::load(options.policy), options.policy);
   }
   // The course's guard, the one place where a measurement goes on with something else than was asked for.
@@ -107,9 +108,14 @@ class Run {
   void run() {
     const Protocol& protocol = configuration_.protocol;
     ProgressBar bar("episodes", protocol.episodes);
+    int reference_successes = 0;
+    int engine_successes = 0;
     const auto deliver = [&](const EpisodeResult& episode) {
       episodes_.push_back(episode);
-      bar.update(static_cast<int>(episodes_.size()), successesSoFar());
+      reference_successes += episode.modes[kReferenceClosed].success ? 1 : 0;
+      engine_successes += episode.modes[kEngineClosed].success ? 1 : 0;
+      bar.update(static_cast<int>(episodes_.size()),
+                 "success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
     };
     runProtocol(
         protocol, [this] { return makeWorlds(); }, policy_, deliver, interrupted);
@@ -130,11 +136,6 @@ class Run {
   Worlds makeWorlds() const {
     return {std::make_unique<pusht::MujocoWorld>(scene_), std::make_unique<pusht::TwoMassEngine>(configuration_.knobs),
             std::make_unique<pusht::TwoMassEngine>(configuration_.knobs)};
-  }
-
-  std::string successesSoFar() const {
-    const Summary summary = summarize(episodes_);
-    return "success " + std::to_string(summary.reference.successes) + " : " + std::to_string(summary.engine.successes);
   }
 
   RunConfiguration configuration_;

@@ -7,6 +7,7 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
 
 namespace pusht {
 
@@ -19,7 +20,7 @@ namespace {
 
 void require(bool holds, const char* knob, double value, const char* rule) {
   if (!holds) {
-    throw InvalidInput(std::string(knob) + " " + std::to_string(value) + ": must be " + rule);
+    throw InvalidInput(std::string(knob) + " " + shortestText(value) + ": must be " + rule);
   }
 }
 
@@ -37,7 +38,8 @@ Eigen::Vector2d turnLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 }  // namespace
 
 void TwoMassParameters::validate() const {
-  require(std::isfinite(pusher_mass) && pusher_mass > 0.0, "pusher_mass", pusher_mass, "finite and > 0 [kg]");
+  require(std::isfinite(pusher_mass) && pusher_mass > 0.0 && std::isfinite(1.0 / pusher_mass), "pusher_mass",
+          pusher_mass, "> 0 and finite, as its inverse [kg]");
   require(std::isfinite(block_damp) && block_damp >= 0.0, "block_damp", block_damp, "finite and >= 0 [1/s]");
   require(std::isfinite(baumgarte) && baumgarte >= 0.0, "baumgarte", baumgarte, "finite and >= 0 [rad/s]");
 }

@@ -28,8 +28,12 @@ mjModel* loadModel(const std::string& path, std::string& complaint) {
 
 }  // namespace
 
-MujocoScene::MujocoScene(const std::filesystem::path& path)
-    : path_(path), sha256_(pusht::sha256(readFile(path, "scene"))) {
+MujocoScene::MujocoScene(const std::filesystem::path& path) : path_(path) {
+  const std::string xml = readFile(path, "scene");
+  if (xml.find("<include") != std::string::npos) {
+    throw InvalidInput("scene " + path.string() + ": must not include other files, which its checksum would not cover");
+  }
+  sha256_ = pusht::sha256(xml);
   std::string complaint;
   model_.reset(loadModel(path.string(), complaint));
   try {

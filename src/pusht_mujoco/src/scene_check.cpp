@@ -66,6 +66,11 @@ void checkOptions(const mjOption& option) {
   expect("option iterations", option.iterations, 100);
   expect("option tolerance", option.tolerance, 1e-8);
   expect("option noslip_iterations", option.noslip_iterations, 0);
+  expect("option noslip_tolerance", option.noslip_tolerance, 1e-6);
+  expect("option mpr_iterations", option.mpr_iterations, 50);
+  expect("option mpr_tolerance", option.mpr_tolerance, 1e-6);
+  expect("option jacobian", option.jacobian, mjJAC_AUTO);
+  expect("option collision", option.collision, mjCOL_ALL);
   expect("option impratio", option.impratio, 1);
   expect("option gravity", option.gravity, {0, 0, -9.81});
   expect("option wind", option.wind, {0, 0, 0});

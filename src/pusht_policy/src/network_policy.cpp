@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
 
 #include "pusht_task/error.hpp"
@@ -52,7 +53,9 @@ std::vector<Action> tryOut(TorchNetwork& network, const std::string& name) {
 /// If a file PATH.provenance.json says which bytes the checkpoint must have, these are they.
 void requireProvenance(const std::filesystem::path& path, const std::string& name, const std::string& sha256) {
   const std::filesystem::path provenance = path.string() + ".provenance.json";
-  if (!std::filesystem::exists(provenance)) {
+  std::error_code error;
+  const auto type = std::filesystem::symlink_status(provenance, error).type();
+  if (type == std::filesystem::file_type::not_found || error == std::errc::filename_too_long) {
     return;
   }
   const std::string text = readFile(provenance, "provenance");
@@ -111,6 +114,9 @@ std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& 
   requireProvenance(path, name, hash);
   auto network = std::make_unique<TorchNetwork>(bytes, name);
   const std::vector<Action> actions = tryOut(*network, name);
+  if (tryOut(*network, name) != actions) {
+    throw BadDependency(name + ": must act the same on the same observation, but has a memory or is random");
+  }
   try {
     auto kernel = std::make_unique<NetworkKernel>(kInputs, network->operations());
     requireAgreement(*kernel, actions);

@@ -64,7 +64,13 @@ std::shared_ptr<torch::jit::Graph> straightened(const torch::jit::Module& module
 template <class NamedTensors>
 void requireFinite(const NamedTensors& tensors, const std::string& name) {
   for (const auto& tensor : tensors) {
-    if (!torch::isfinite(tensor.value).all().template item<bool>()) {
+    bool finite = false;
+    try {
+      finite = torch::isfinite(tensor.value).all().template item<bool>();
+    } catch (const std::exception& error) {  // sparse and quantized tensors cannot be asked
+      throw BadDependency(name + ": " + tensor.name + " must be a plain tensor: " + firstLine(error));
+    }
+    if (!finite) {
       throw BadDependency(name + ": " + tensor.name + " must be finite");
     }
   }

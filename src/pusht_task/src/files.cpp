@@ -55,9 +55,11 @@ std::string digest(const EVP_MD* algorithm, const std::string& bytes) {
 
 std::string readFile(const fs::path& path, const std::string& what) {
   std::error_code error;
-  const bool is_file = fs::is_regular_file(path, error);
-  std::ifstream file(path, std::ios::binary);
-  if (!is_file || !file) {
+  std::ifstream file;
+  if (fs::is_regular_file(path, error)) {  // asked first: to open a pipe may block for ever
+    file.open(path, std::ios::binary);
+  }
+  if (!file.is_open()) {
     throw InvalidInput(what + " " + path.string() + ": must be a readable file");
   }
   std::ostringstream bytes;

@@ -10,10 +10,10 @@
 #include "pusht_engine/two_mass_engine.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/network_policy.hpp"
+#include "pusht_task/numbers.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
 #include "sim2sim_eval/command_line.hpp"
-#include "sim2sim_eval/numbers.hpp"
 #include "sim2sim_eval/protocol.hpp"
 
 namespace {
@@ -65,6 +65,7 @@ void stepBare(const mjModel* model, mjData* data, const pusht::Trace& trace) {
 }
 
 void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
+  protocol.validate();
   const auto scene =
       std::make_shared<const pusht::MujocoScene>(sim2sim::installedFile("pusht_mujoco", "scenes/pusht.xml"));
   const auto policy = pusht::NetworkPolicy::load(sim2sim::installedFile("pusht_policy", "policies/bc_policy.ts.pt"));
@@ -97,9 +98,9 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
   }
   std::cout << protocol.episodes << " episodes, " << steps << " control steps of the reference, one thread, median of "
             << repetitions << " runs in turn\n"
-            << "bare mj_step      " << sim2sim::fixedText(median(bare), 3) << " s\n"
-            << "whole protocol    " << sim2sim::fixedText(median(whole), 3) << " s\n"
-            << "ratio             " << sim2sim::fixedText(median(ratios), 2) << std::endl;
+            << "bare mj_step      " << pusht::fixedText(median(bare), 3) << " s\n"
+            << "whole protocol    " << pusht::fixedText(median(whole), 3) << " s\n"
+            << "ratio             " << pusht::fixedText(median(ratios), 2) << std::endl;
 }
 
 }  // namespace

@@ -31,8 +31,8 @@ int main(int argc, char** argv) {
   CLI::App app("Records demonstrations of the scripted expert in MuJoCo as a rosbag.", "demonstrate");
   pusht::DemonstrationPlan plan;
   std::string out = "demonstrations.bag";
-  app.add_option("--seed", plan.seed, "spawn seed of the first demonstration");
-  app.add_option("--episodes", plan.episodes, "number of demonstrations");
+  app.add_option("--seed", plan.seed, "spawn seed of the first demonstration")->check(sim2sim::decimalInteger());
+  app.add_option("--episodes", plan.episodes, "number of demonstrations")->check(sim2sim::decimalInteger());
   app.add_option("--out", out, "the bag to write");
   return sim2sim::runCommand(app, argc, argv, [&] { demonstrate(plan, out); });
 }

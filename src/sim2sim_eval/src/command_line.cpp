@@ -4,10 +4,14 @@
 #include <ros/package.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <csignal>
 #include <iostream>
 #include <system_error>
+#include <type_traits>
 #include <utility>
 
 #include "pusht_task/error.hpp"
@@ -15,11 +19,33 @@
 namespace sim2sim {
 namespace {
 
-volatile std::sig_atomic_t interrupt_received = 0;
+volatile std::sig_atomic_t interrupts_received = 0;
 
-int report(const std::string& command, const std::string& message, pusht::ExitCode code) {
+void countInterrupt(int number) {
+  constexpr int kPatience = 2;  // what is asked to end may hang in code that is not ours
+  if (++interrupts_received >= kPatience) {
+    std::signal(number, SIG_DFL);
+  }
+}
+
+/// One line on stderr, whatever the message holds.
+int report(const std::string& command, std::string message, pusht::ExitCode code) {
+  std::replace_if(
+      message.begin(), message.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
   std::cerr << command << ": " << message << std::endl;
   return static_cast<int>(code);
+}
+
+template <class Number>
+CLI::Validator decimal(const char* name) {
+  return {[name](const std::string& text) -> std::string {
+            Number number{};
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+            const bool whole = error == std::errc() && end == text.data() + text.size();
+            const bool octal = std::is_integral_v<Number> && text.size() > 1 && text.front() == '0';
+            return whole && !octal ? "" : "'" + text + "': must be a decimal " + name + " in range";
+          },
+          ""};
 }
 
 }  // namespace
@@ -28,27 +54,34 @@ int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
   try {
     app.parse(argc, argv);
     body();
+    if (!std::cout.flush()) {
+      throw pusht::RuntimeFault("cannot write to stdout");
+    }
     return static_cast<int>(pusht::ExitCode::kOk);
   } catch (const CLI::Success& request) {  // --help
     return app.exit(request);
   } catch (const CLI::ParseError& error) {
     return report(app.get_name(), error.what(), pusht::ExitCode::kInvalidInput);
-  } catch (const pusht::Error& error) {
-    return report(app.get_name(), error.what(), error.exitCode());
-  } catch (const std::exception& error) {
-    return report(app.get_name(), std::string("internal error: ") + error.what(), pusht::ExitCode::kInternalError);
+  } catch (const std::exception& failure) {
+    return report(app.get_name(), failure.what(), pusht::exitCodeOf(failure));
   }
 }
 
+CLI::Validator decimalInteger() { return decimal<std::uint64_t>("integer"); }
+
+CLI::Validator decimalReal() { return decimal<double>("number"); }
+
 void catchInterrupts() {
   struct sigaction action {};
-  action.sa_handler = [](int) { interrupt_received = 1; };
+  action.sa_handler = countInterrupt;
   action.sa_flags = SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    sigaction(number, &action, nullptr);
+  }
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond its limit is then an error of write()
 }
 
-bool interrupted() { return interrupt_received != 0; }
+bool interrupted() { return interrupts_received != 0; }
 
 std::filesystem::path installedFile(const std::string& package, const std::string& relative_path) {
   const std::string share = ros::package::getPath(package);

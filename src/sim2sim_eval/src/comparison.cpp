@@ -2,6 +2,7 @@
 #include "sim2sim_eval/comparison.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -66,7 +67,7 @@ NamedPolicy choosePolicy(const CompareOptions& options) {
   }
   std::error_code ignored;
   const bool missing = fs::status(options.policy, ignored).type() == fs::file_type::not_found;
-  if (options.require_policy || !missing) {
+  if (options.require_policy || options.policy.empty() || !missing) {
     return named(pusht::NetworkPolicy::load(options.policy), options.policy);
   }
   // The course's guard, the one place where a measurement goes on with something else than was asked for.
@@ -144,15 +145,21 @@ class Run {
   std::vector<EpisodeResult> episodes_;
 };
 
-/// Keeps what an unfinished run has found, and says so.
-void keepFinished(RunFolder& folder, const Run& run, pusht::ExitCode code, const std::string& reason, int episodes) {
+/// Keeps what an unfinished run has found, and says so. What keeps it from being written is not reported: the
+/// failure that ended the run is.
+void keepFinished(const RunFolder& folder, const Run& run, const std::exception& failure, int episodes) {
   const std::vector<EpisodeResult> finished = run.episodes();
   const auto count = static_cast<int>(finished.size());
-  folder.abandon(finished, {code, reason, count, episodes});
+  const pusht::ExitCode code = pusht::exitCodeOf(failure);
   if (count > 0 && code != pusht::ExitCode::kInternalError) {
-    std::cout << "NOT A WHOLE RUN: " << count << " of " << episodes << " episodes, kept in "
-              << (folder.path() / "episodes.csv").string() << "\n"
-              << table(summarize(finished)) << std::flush;
+    std::cout << "NOT A WHOLE RUN: " << count << " of " << episodes << " episodes\n"
+              << table(summarize(finished)) << "finished episodes: " << (folder.path() / "episodes.csv").string()
+              << std::endl;
+  }
+  try {
+    folder.abandon(finished, {code, failure.what(), count, episodes});
+  } catch (const pusht::RuntimeFault&) {
+    std::cout << "the finished episodes could not be written" << std::endl;
   }
 }
 
@@ -170,15 +177,23 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option("--policy", policy,
                  "TorchScript file (observation[10] to action[2]), 'bc' for the shipped policy, or 'expert'")
       ->capture_default_str();
-  app.add_flag("--require-policy", require_policy, "a missing policy is an error, not a warning");
-  app.add_option("--episodes", episodes, "number of episodes")->capture_default_str();
-  app.add_option("--seed", seed, "episode i starts from spawn seed 10000 + seed + i")->capture_default_str();
+  CLI::Option* const require =
+      app.add_flag("--require-policy", require_policy, "a missing policy is an error, not a warning");
+  app.add_option("--episodes", episodes, "number of episodes")->check(decimalInteger())->capture_default_str();
+  app.add_option("--seed", seed, "episode i starts from spawn seed 10000 + seed + i")
+      ->check(decimalInteger())
+      ->capture_default_str();
   app.add_option("--pusher_mass", knobs.pusher_mass, "engine: inertia of the pusher in contact [kg]")
+      ->check(decimalReal())
       ->capture_default_str();
-  app.add_option("--block_damp", knobs.block_damp, "engine: viscous drag rate of the tee [1/s]")->capture_default_str();
+  app.add_option("--block_damp", knobs.block_damp, "engine: viscous drag rate of the tee [1/s]")
+      ->check(decimalReal())
+      ->capture_default_str();
   app.add_option("--baumgarte", knobs.baumgarte, "engine: stabilisation frequency of the tee's link [rad/s]")
+      ->check(decimalReal())
       ->capture_default_str();
-  app.add_flag("--smoke", smoke, "short fixed run of an untrained policy: 2 episodes, 40 control steps");
+  app.add_flag("--smoke", smoke, "short fixed run of an untrained policy, whatever --policy says: 2 episodes, 40 steps")
+      ->excludes(require);
   app.add_option("--scene", scene, "MJCF file of the reference instead of the installed one; must be this task");
   app.add_option("--out", out, "folder for the results (default: the next free results/compare-N)");
   app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
@@ -190,7 +205,7 @@ void compare(const CompareOptions& options) {
   // All that can be refused is refused before anything is written.
   configure(options, "").protocol.validate();
   options.knobs.validate();
-  RunFolder folder(options.out.empty() ? RunFolder::nextDefault() : fs::path(options.out), options.overwrite);
+  RunFolder folder(options.out, options.overwrite);
   const auto scene = std::make_shared<const pusht::MujocoScene>(scenePath(options));
   const NamedPolicy policy = choosePolicy(options);
   const RunConfiguration configuration = configure(options, policy.name);
@@ -199,9 +214,8 @@ void compare(const CompareOptions& options) {
   Run run(configuration, *policy.policy, scene);
   try {
     run.run();
-    folder.finish(configuration, run.episodes());
-  } catch (const pusht::Error& error) {
-    keepFinished(folder, run, error.exitCode(), error.what(), configuration.protocol.episodes);
+  } catch (const std::exception& failure) {
+    keepFinished(folder, run, failure, configuration.protocol.episodes);
     throw;
   }
 
@@ -210,6 +224,7 @@ void compare(const CompareOptions& options) {
             << " control steps\n"
             << table(summary) << "results: " << folder.path().string() << "\n"
             << "config_hash: " << configurationHash(configuration) << std::endl;
+  folder.finish(configuration, run.episodes());
   warnIfUntrained(policy.name, summary);
 }
 

@@ -5,12 +5,16 @@
 #include <cstddef>
 
 #include "pusht_task/files.hpp"
-#include "sim2sim_eval/numbers.hpp"
+#include "pusht_task/numbers.hpp"
 
 namespace sim2sim {
-namespace {
 
 using nlohmann::json;
+using pusht::fixedText;
+using pusht::roundToMicro;
+using pusht::shortestText;
+
+namespace {
 
 SuccessRate successRate(const std::vector<EpisodeResult>& episodes, Mode mode) {
   const auto successes = static_cast<int>(std::count_if(
@@ -92,6 +96,7 @@ Summary summarize(const std::vector<EpisodeResult>& episodes) {
 
 json describe(const RunConfiguration& configuration) {
   return {{"seed", configuration.protocol.seed},
+          {"episodes", configuration.protocol.episodes},
           {"smoke", configuration.smoke},
           {"policy", configuration.policy},
           {"horizon", configuration.protocol.horizon},
@@ -151,7 +156,8 @@ std::string table(const Summary& summary) {
          padded("divergence, open loop", kFirst) + padded("position", kColumn) +
          cell(summary.position_divergence, "m") + "\n" + padded("", kFirst) + padded("angle", kColumn) +
          cell(summary.angle_divergence, "rad") + "\n" + "(" + std::to_string(summary.episodes) +
-         " episodes; in brackets 95 % intervals: Wilson for success, Student's t over episodes for divergence)\n";
+         " episodes; in brackets " + fixedText(100.0 * kConfidence, 0) +
+         " % intervals: Wilson for success, Student's t over episodes for divergence)\n";
 }
 
 }  // namespace sim2sim

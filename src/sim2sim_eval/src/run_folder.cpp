@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/run_folder.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <system_error>
 #include <utility>
 
@@ -37,30 +43,58 @@ void refuseResults(const fs::path& path) {
 
 }  // namespace
 
-RunFolder::RunFolder(fs::path path, bool overwrite) : path_(std::move(path)) {
+RunFolder::RunFolder(fs::path path, bool overwrite) : path_(std::move(path)), overwrite_(overwrite) {
+  if (path_.empty()) {
+    return;  // begin() finds one
+  }
   refuseUnlessFolder(path_);
-  if (!overwrite) {
+  if (!overwrite_) {
     refuseResults(path_);
   }
 }
 
-fs::path RunFolder::nextDefault() {
-  std::error_code ignored;
-  for (int number = 1;; ++number) {
-    fs::path candidate = fs::path("results") / ("compare-" + std::to_string(number));
-    if (!fs::exists(candidate, ignored)) {
-      return candidate;
+RunFolder::~RunFolder() {
+  if (lock_ >= 0) {
+    ::close(lock_);
+  }
+}
+
+void RunFolder::create() {
+  std::error_code error;
+  if (!path_.empty()) {
+    fs::create_directories(path_, error);
+  } else {
+    fs::create_directories("results", error);
+    for (int number = 1; !error; ++number) {
+      path_ = fs::path("results") / ("compare-" + std::to_string(number));
+      if (fs::create_directory(path_, error)) {  // one of several runs at once gets it
+        break;
+      }
     }
+  }
+  if (error) {
+    throw pusht::RuntimeFault("cannot create " + path_.string() + ": " + error.message());
+  }
+}
+
+void RunFolder::lock() {
+  lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ < 0) {
+    throw pusht::RuntimeFault("cannot open " + path_.string() + ": " + std::strerror(errno));
+  }
+  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    throw pusht::InvalidInput("out " + path_.string() + ": is in use by another run");
   }
 }
 
 void RunFolder::begin(const nlohmann::json& provenance) {
-  std::error_code error;
-  fs::create_directories(path_, error);
-  if (error) {
-    throw pusht::RuntimeFault("cannot create " + path_.string() + ": " + error.message());
+  create();
+  lock();
+  if (!overwrite_) {
+    refuseResults(path_);  // another run may have been quicker
   }
   for (const char* name : kResults) {
+    std::error_code error;
     fs::remove(path_ / name, error);
     if (error) {
       throw pusht::RuntimeFault("cannot replace " + (path_ / name).string() + ": " + error.message());
@@ -70,13 +104,24 @@ void RunFolder::begin(const nlohmann::json& provenance) {
 }
 
 void RunFolder::finish(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes) {
-  pusht::writeFile(path_ / kEpisodes, episodesCsv(episodes));
-  pusht::writeFile(path_ / kMetrics, jsonText(metrics(configuration, summarize(episodes))));
   const auto count = static_cast<int>(episodes.size());
-  writeStatus({pusht::ExitCode::kOk, "finished", count, count});
+  try {
+    pusht::writeFile(path_ / kEpisodes, episodesCsv(episodes));
+    pusht::writeFile(path_ / kMetrics, jsonText(metrics(configuration, summarize(episodes))));
+    writeStatus({pusht::ExitCode::kOk, "finished", count, count});
+  } catch (const pusht::RuntimeFault& fault) {
+    std::error_code ignored;
+    fs::remove(path_ / kMetrics, ignored);  // it would speak for a run that failed
+    try {
+      writeStatus({fault.exitCode(), fault.what(), count, count});
+    } catch (const pusht::RuntimeFault&) {
+      // The first fault is the one to report.
+    }
+    throw;
+  }
 }
 
-void RunFolder::abandon(const std::vector<EpisodeResult>& episodes, const RunStatus& status) {
+void RunFolder::abandon(const std::vector<EpisodeResult>& episodes, const RunStatus& status) const {
   if (status.exit_code != pusht::ExitCode::kInternalError) {  // after a defect no figure can be trusted
     pusht::writeFile(path_ / kEpisodes, episodesCsv(episodes));
   }

@@ -8,9 +8,9 @@
 namespace pusht {
 
 /// Runs calls into MuJoCo so that `mju_error`, which must not return, ends in an exception of ours instead
-/// of a prompt and an exit. MuJoCo is C: an exception must not cross its frames, so the error handler jumps
-/// over them (nothing in between has a destructor) and the guard throws. What the call worked on is then in
-/// an undefined state and may only be deleted.
+/// of a prompt and an exit. The engine is C: an exception must not cross its frames, so the error handler jumps
+/// over them (none has a destructor) and the guard throws. The model compiler is C++, but has a handler of its
+/// own. What the call worked on is then in an undefined state and may only be deleted.
 class MujocoGuard {
  public:
   /// Throws InternalError with MuJoCo's message if `call` raises mju_error. `call` must not own anything

@@ -29,8 +29,8 @@ struct DemonstrationTally {
 };
 
 /// Lets `demonstrator` solve the task in `world` and records every control step into the bag at `path`,
-/// which appears there when it is complete. `report` is called after every episode; returning false ends
-/// the collection with RuntimeFault, as does a failure to write.
+/// which appears there when it is complete. Throws InvalidInput if there is something already. `report` is called after
+/// every episode; returning false ends the collection with RuntimeFault, as does a failure to write.
 DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, Simulator& world, Policy& demonstrator,
                                         const std::filesystem::path& path,
                                         const std::function<bool(const DemonstrationTally&)>& report);

@@ -38,4 +38,10 @@ struct InternalError : Error {
   explicit InternalError(const std::string& message) : Error(ExitCode::kInternalError, message) {}
 };
 
+/// What any failure means to a caller; one that is no Error is a defect.
+inline ExitCode exitCodeOf(const std::exception& failure) {
+  const auto* error = dynamic_cast<const Error*>(&failure);
+  return error == nullptr ? ExitCode::kInternalError : error->exitCode();
+}
+
 }  // namespace pusht

@@ -14,7 +14,11 @@ namespace sim2sim {
 /// on stderr and the exit code of its kind.
 int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
 
-/// From now on SIGINT and SIGTERM only set a flag.
+/// Accept whole decimal numbers only: CLI11 itself takes 010 for eight, and nothing for zero.
+CLI::Validator decimalInteger();
+CLI::Validator decimalReal();
+
+/// From now on SIGINT, SIGTERM and SIGHUP only set a flag; the third of them ends the process as ever.
 void catchInterrupts();
 bool interrupted();
 

@@ -24,29 +24,35 @@ struct RunStatus {
 /// Every file in it is complete or absent. metrics.json speaks for a whole run: it is only written by finish().
 class RunFolder {
  public:
+  /// An empty `path` means the first of results/compare-1, -2, ... below the current folder that is not there yet.
   /// Throws InvalidInput if `path` holds results already and must not be overwritten, or is no folder.
   /// Creates nothing.
   RunFolder(std::filesystem::path path, bool overwrite);
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
+  ~RunFolder();
 
-  /// The first of results/compare-1, -2, ... below the current folder that is not there yet.
-  static std::filesystem::path nextDefault();
-
-  /// Creates the folder, without results of an earlier run, and writes what the run depends on.
-  /// Throws RuntimeFault if it cannot be written.
+  /// Creates the folder, without results of an earlier run, and writes what the run depends on. From here on the
+  /// folder is locked. Throws InvalidInput if another run has locked it, RuntimeFault if it cannot be written.
   void begin(const nlohmann::json& provenance);
 
-  /// The results of a whole run.
+  /// The results of a whole run. If they cannot be written, the status says so, and RuntimeFault is thrown.
   void finish(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes);
 
   /// The finished episodes of a run that ended early.
-  void abandon(const std::vector<EpisodeResult>& episodes, const RunStatus& status);
+  void abandon(const std::vector<EpisodeResult>& episodes, const RunStatus& status) const;
 
   const std::filesystem::path& path() const { return path_; }
 
  private:
   void writeStatus(const RunStatus& status) const;
 
+  void create();
+  void lock();
+
   std::filesystem::path path_;
+  bool overwrite_;
+  int lock_ = -1;  // file descriptor of the folder
 };
 
 }  // namespace sim2sim

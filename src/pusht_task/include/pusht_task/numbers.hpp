@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace sim2sim {
+namespace pusht {
 
 /// The shortest text that reads back as `value`, as Python's repr() writes it: 4.0, 0.1, 1e-05, 1e+16.
 std::string shortestText(double value);
@@ -15,4 +15,4 @@ std::string fixedText(double value, int digits);
 /// The double nearest to `value` rounded to six decimals, as Python's round(value, 6).
 double roundToMicro(double value);
 
-}  // namespace sim2sim
+}  // namespace pusht

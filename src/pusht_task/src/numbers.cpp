@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/numbers.hpp"
+#include "pusht_task/numbers.hpp"
 
 #include <array>
 #include <charconv>
@@ -9,14 +9,14 @@
 
 #include "pusht_task/error.hpp"
 
-namespace sim2sim {
+namespace pusht {
 namespace {
 
 using Buffer = std::array<char, 512>;  // the longest double in fixed notation has 309 digits before the point
 
 std::string text(const Buffer& buffer, const std::to_chars_result& result) {
   if (result.ec != std::errc()) {
-    throw pusht::InternalError("a number does not fit its buffer");
+    throw InternalError("a number does not fit its buffer");
   }
   return std::string(buffer.data(), static_cast<std::size_t>(result.ptr - buffer.data()));
 }
@@ -54,4 +54,4 @@ double roundToMicro(double value) {
   return result;
 }
 
-}  // namespace sim2sim
+}  // namespace pusht

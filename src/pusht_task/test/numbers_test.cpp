@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/numbers.hpp"
+#include "pusht_task/numbers.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-namespace sim2sim {
+namespace pusht {
 namespace {
 
 /// What Python 3 prints for repr().
@@ -41,4 +41,4 @@ TEST(RoundToMicro, IsPythons) {
 }
 
 }  // namespace
-}  // namespace sim2sim
+}  // namespace pusht

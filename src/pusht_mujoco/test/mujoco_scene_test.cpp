@@ -15,6 +15,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/spawn.hpp"
+#include "pusht_task/testing/temporary_folder.hpp"
 
 namespace pusht {
 namespace {
@@ -26,17 +27,10 @@ using ::testing::Not;
 
 class Scene : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "pusht_scene_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
-    start_ = fs::current_path();
-    fs::current_path(folder_);  // where MuJoCo would leave its log
-  }
+  void SetUp() override { fs::current_path(folder_.path()); }  // where MuJoCo would leave its log
   void TearDown() override {
     EXPECT_FALSE(fs::exists(folder_ / "MUJOCO_LOG.TXT"));
     fs::current_path(start_);
-    fs::remove_all(folder_);
   }
 
   fs::path write(const std::string& xml) const {
@@ -62,8 +56,8 @@ class Scene : public ::testing::Test {
     return xml.replace(position, from.size(), to);
   }
 
-  fs::path folder_;
-  fs::path start_;
+  testing::TemporaryFolder folder_;
+  fs::path start_ = fs::current_path();
 };
 
 TEST_F(Scene, TheShippedOneLoads) { EXPECT_EQ(refusal(readFile(PUSHT_SCENE, "scene")), ""); }

@@ -18,31 +18,9 @@
 #include "pusht_policy/network_policy.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"
+#include "pusht_task/testing/temporary_folder.hpp"
 
 namespace pusht::testing {
-
-/// A folder that goes with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "pusht_policy_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw std::runtime_error("cannot create " + name);
-    }
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// Debian's reference BLAS sums in index order, as the kernel does: there, libtorch must give the kernel's bits.
 inline bool onReferenceBlas() { return activeBlas().find("/blas/libblas") != std::string::npos; }

@@ -3,9 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <filesystem>
+#include <iterator>
+#include <string>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/testing/temporary_folder.hpp"
 
 namespace pusht {
 namespace {
@@ -14,21 +18,18 @@ namespace fs = std::filesystem;
 
 class Files : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "pusht_files_XXXXXX").string();
-    ASSERT_NE(mkdtemp(name.data()), nullptr);
-    folder_ = name;
+  std::ptrdiff_t fileCount() const {
+    return std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator());
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  fs::path folder_;
+  testing::TemporaryFolder folder_;
 };
 
 TEST_F(Files, WriteReplacesAndLeavesNothingAside) {
   writeFile(folder_ / "a", "old");
   writeFile(folder_ / "a", "new");
   EXPECT_EQ(readFile(folder_ / "a", "file"), "new");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+  EXPECT_EQ(fileCount(), 1);
 }
 
 TEST_F(Files, AFailedWriteKeepsTheOldFile) {
@@ -37,21 +38,21 @@ TEST_F(Files, AFailedWriteKeepsTheOldFile) {
   fs::create_symlink("/dev/full", asidePath(folder_ / "a"));
   EXPECT_THROW(writeFile(folder_ / "a", "new"), RuntimeFault);
   EXPECT_EQ(readFile(folder_ / "a", "file"), "old");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+  EXPECT_EQ(fileCount(), 1);
 }
 
 TEST_F(Files, AMissingFolderIsNamed) {
   try {
-    writeFile(folder_ / "none" / "a", "x");
+    writeFile((folder_ / "none") / "a", "x");
     FAIL();
   } catch (const RuntimeFault& fault) {
-    EXPECT_NE(std::string(fault.what()).find((folder_ / "none" / "a").string()), std::string::npos);
+    EXPECT_NE(std::string(fault.what()).find(((folder_ / "none") / "a").string()), std::string::npos);
   }
 }
 
 TEST_F(Files, ReadNamesWhatIsMissing) {
   EXPECT_THROW(readFile(folder_ / "a", "scene"), InvalidInput);
-  EXPECT_THROW(readFile(folder_, "scene"), InvalidInput);
+  EXPECT_THROW(readFile(folder_.path(), "scene"), InvalidInput);
 }
 
 TEST(Digest, KnownAnswers) {

@@ -78,7 +78,9 @@ void catchInterrupts() {
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     sigaction(number, &action, nullptr);
   }
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond its limit is then an error of write()
+  // A file that grows beyond its limit and a reader that has gone are then errors of write(): results still get out.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
 }
 
 bool interrupted() { return interrupts_received != 0; }

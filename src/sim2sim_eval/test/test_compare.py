@@ -383,6 +383,23 @@ class Faults(CommandCase):
         self.assertEqual(process.returncode, 2, process.stderr)
         self.assertEqual(Path(bag).read_bytes(), b"mine")
 
+    def test_f22_reader_that_has_gone(self) -> None:
+        reader, writer = os.pipe()
+        os.close(reader)
+        command = [COMPARE, "--smoke", "--out", "out"]
+        process = subprocess.run(
+            command,
+            cwd=self.folder,
+            stdout=writer,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=DEADLINE,
+        )
+        os.close(writer)
+        self.assert_one_line(process, 4)
+        self.assertIn("cannot write to stdout", process.stderr)
+        self.assertEqual({file.name for file in (self.folder / "out").iterdir()}, RESULTS)
+
     def test_f22_folder_that_cannot_be_made(self) -> None:
         self.assert_one_line(self.compare("--smoke", "--out", "/proc/none/out"), 4)
 

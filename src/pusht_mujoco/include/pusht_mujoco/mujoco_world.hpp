@@ -14,8 +14,6 @@ class MujocoWorld : public Simulator {
  public:
   explicit MujocoWorld(std::shared_ptr<const MujocoScene> scene);
 
-  const mjData& data() const { return *data_; }
-
  private:
   struct DeleteData {
     void operator()(mjData* data) const { mj_deleteData(data); }

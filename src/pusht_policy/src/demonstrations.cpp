@@ -3,75 +3,21 @@
 
 #include <pusht_msgs/DemonstrationEnd.h>
 #include <pusht_msgs/DemonstrationStep.h>
-#include <rosbag/bag.h>
 
 #include <algorithm>
 #include <limits>
-#include <memory>
 #include <string>
-#include <system_error>
-#include <utility>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/files.hpp"
 #include "pusht_task/rollout.hpp"
+#include "pusht_task/ros/bag_file.hpp"
 #include "pusht_task/spawn.hpp"
 
 namespace pusht {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr int kMaxEpisodes = 1'000'000;
-
-/// A bag that is written aside and appears at its path when it is complete, or not at all.
-class BagFile {
- public:
-  explicit BagFile(std::filesystem::path path) : path_(std::move(path)), aside_(asidePath(path_)) {
-    std::error_code error;
-    if (path_.filename().empty() || std::filesystem::symlink_status(path_, error).type() != fs::file_type::not_found) {
-      throw InvalidInput("bag '" + path_.string() + "': must be the name of a file that does not exist yet");
-    }
-    attempt([this] { bag_->open(aside_.string(), rosbag::bagmode::Write); });
-  }
-  BagFile(const BagFile&) = delete;
-  BagFile& operator=(const BagFile&) = delete;
-  ~BagFile() {
-    try {
-      bag_->close();
-    } catch (const rosbag::BagException&) {
-      // On a full disk a bag cannot be closed, and one that is destroyed while open ends the process.
-      (void)bag_.release();  // NOLINT(bugprone-unused-return-value)
-    }
-    std::error_code ignored;
-    fs::remove(aside_, ignored);
-  }
-
-  template <class Message>
-  void write(const std::string& topic, const Message& message) {
-    attempt([&] { bag_->write(topic, message.header.stamp, message); });
-  }
-
-  void finish() {
-    attempt([this] { bag_->close(); });
-    moveIntoPlace(aside_, path_);
-  }
-
- private:
-  template <class Action>
-  void attempt(const Action& action) const {
-    try {
-      action();
-    } catch (const rosbag::BagException& error) {
-      throw RuntimeFault("cannot write " + path_.string() + ": " + error.what());
-    }
-  }
-
-  std::filesystem::path path_;
-  std::filesystem::path aside_;
-  std::unique_ptr<rosbag::Bag> bag_ = std::make_unique<rosbag::Bag>();
-};
 
 /// Stamps grow by a control step through the whole bag.
 class Stamps {
@@ -100,12 +46,12 @@ void write(BagFile& bag, Stamps& stamps, std::uint64_t seed, const Rollout& roll
     const Observation observation = observe(trace.states[step]);
     std::copy(observation.begin(), observation.end(), message.observation.begin());
     std::copy(trace.actions[step].begin(), trace.actions[step].end(), message.action.begin());
-    bag.write(kDemonstrationStepTopic, message);
+    bag.write(kDemonstrationStepTopic, message.header.stamp, message);
   }
   auto end = stamped<pusht_msgs::DemonstrationEnd>(seed, stamps.next());
   end.steps = static_cast<std::uint32_t>(trace.steps());
   end.success = rollout.success();
-  bag.write(kDemonstrationEndTopic, end);
+  bag.write(kDemonstrationEndTopic, end.header.stamp, end);
 }
 
 }  // namespace

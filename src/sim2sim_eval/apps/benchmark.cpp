@@ -11,6 +11,7 @@
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/network_policy.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/ros/installed_file.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
 #include "sim2sim_eval/command_line.hpp"
@@ -67,8 +68,8 @@ void stepBare(const mjModel* model, mjData* data, const pusht::Trace& trace) {
 void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
   protocol.validate();
   const auto scene =
-      std::make_shared<const pusht::MujocoScene>(sim2sim::installedFile("pusht_mujoco", "scenes/pusht.xml"));
-  const auto policy = pusht::NetworkPolicy::load(sim2sim::installedFile("pusht_policy", "policies/bc_policy.ts.pt"));
+      std::make_shared<const pusht::MujocoScene>(pusht::installedFile("pusht_mujoco", "scenes/pusht.xml"));
+  const auto policy = pusht::NetworkPolicy::load(pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"));
   const std::vector<pusht::Trace> traces = referenceTraces(protocol, scene, *policy);
   const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(&scene->model()), mj_deleteData);
   const auto make_worlds = [&scene] {

@@ -7,6 +7,7 @@
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/demonstrations.hpp"
 #include "pusht_policy/scripted_expert.hpp"
+#include "pusht_task/ros/installed_file.hpp"
 #include "sim2sim_eval/command_line.hpp"
 
 namespace {
@@ -14,7 +15,7 @@ namespace {
 void demonstrate(const pusht::DemonstrationPlan& plan, const std::string& out) {
   sim2sim::catchInterrupts();
   pusht::MujocoWorld world(
-      std::make_shared<const pusht::MujocoScene>(sim2sim::installedFile("pusht_mujoco", "scenes/pusht.xml")));
+      std::make_shared<const pusht::MujocoScene>(pusht::installedFile("pusht_mujoco", "scenes/pusht.xml")));
   pusht::ScriptedExpert expert;
   sim2sim::ProgressBar bar("demonstrations", plan.episodes);
   const auto tally = pusht::recordDemonstrations(plan, world, expert, out, [&](const auto& so_far) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/command_line.hpp"
 
-#include <ros/package.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,7 +9,6 @@
 #include <cmath>
 #include <csignal>
 #include <iostream>
-#include <system_error>
 #include <type_traits>
 #include <utility>
 
@@ -84,19 +82,6 @@ void catchInterrupts() {
 }
 
 bool interrupted() { return interrupts_received != 0; }
-
-std::filesystem::path installedFile(const std::string& package, const std::string& relative_path) {
-  const std::string share = ros::package::getPath(package);
-  if (share.empty()) {
-    throw pusht::BadDependency("package " + package + " is not found: source the workspace's setup.bash");
-  }
-  std::filesystem::path path = std::filesystem::path(share) / relative_path;
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) {
-    throw pusht::BadDependency(path.string() + " is missing: package " + package + " must install it");
-  }
-  return path;
-}
 
 ProgressBar::ProgressBar(std::string title, int total)
     : title_(std::move(title)),

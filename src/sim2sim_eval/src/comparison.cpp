@@ -14,6 +14,7 @@
 #include "pusht_policy/network_policy.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/ros/installed_file.hpp"
 #include "sim2sim_eval/command_line.hpp"
 #include "sim2sim_eval/protocol.hpp"
 #include "sim2sim_eval/provenance.hpp"
@@ -63,7 +64,8 @@ NamedPolicy choosePolicy(const CompareOptions& options) {
     return {std::make_unique<pusht::ScriptedExpert>(), kExpert, {{"runs_on", "scripted"}}};
   }
   if (options.policy == kShipped) {
-    return named(pusht::NetworkPolicy::load(installedFile("pusht_policy", "policies/bc_policy.ts.pt")), kShipped);
+    return named(pusht::NetworkPolicy::load(pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt")),
+                 kShipped);
   }
   std::error_code ignored;
   const bool missing = fs::status(options.policy, ignored).type() == fs::file_type::not_found;
@@ -89,7 +91,7 @@ RunConfiguration configure(const CompareOptions& options, const std::string& pol
 }
 
 fs::path scenePath(const CompareOptions& options) {
-  return options.scene.empty() ? installedFile("pusht_mujoco", "scenes/pusht.xml") : fs::path(options.scene);
+  return options.scene.empty() ? pusht::installedFile("pusht_mujoco", "scenes/pusht.xml") : fs::path(options.scene);
 }
 
 nlohmann::json provenance(const RunConfiguration& configuration, const NamedPolicy& policy,

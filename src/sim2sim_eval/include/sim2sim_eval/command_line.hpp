@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What all commands share: exit codes, interruption, the installed files, progress.
+/// What all commands share: exit codes, interruption, progress.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <chrono>
-#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -21,9 +20,6 @@ CLI::Validator decimalReal();
 /// From now on SIGINT, SIGTERM and SIGHUP only set a flag; the third of them ends the process as ever.
 void catchInterrupts();
 bool interrupted();
-
-/// A file that a package of the suite installs. Throws BadDependency, naming it, if there is none.
-std::filesystem::path installedFile(const std::string& package, const std::string& relative_path);
 
 /// A bar on stderr that shows done, total and time left; silent unless stderr is a terminal.
 class ProgressBar {

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Bags that are complete or absent.
+#pragma once
+
+#include <ros/message_traits.h>
+#include <ros/time.h>
+#include <rosbag/bag.h>
+
+#include <boost/make_shared.hpp>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace pusht {
+
+/// A bag that is written to PATH.part and appears at its path when it is finished, or not at all. Of a process that
+/// is killed PATH.part stays: `rosbag reindex` recovers what was written of it.
+class BagFile {
+ public:
+  /// Throws InvalidInput if there is something at `path` already, RuntimeFault if the bag cannot be written.
+  explicit BagFile(std::filesystem::path path);
+  BagFile(const BagFile&) = delete;
+  BagFile& operator=(const BagFile&) = delete;
+  ~BagFile();
+
+  /// Throws RuntimeFault if the bag cannot be written.
+  template <class Message>
+  void write(const std::string& topic, const ros::Time& stamp, const Message& message) {
+    attempt([&] { bag_->write(topic, stamp, message); });
+  }
+
+  /// As write(), of a topic that is latched when the bag is played.
+  template <class Message>
+  void writeLatched(const std::string& topic, const ros::Time& stamp, const Message& message) {
+    const auto header = boost::make_shared<ros::M_string>();
+    (*header)["type"] = ros::message_traits::datatype(message);
+    (*header)["md5sum"] = ros::message_traits::md5sum(message);
+    (*header)["message_definition"] = ros::message_traits::definition(message);
+    (*header)["latching"] = "1";
+    attempt([&] { bag_->write(topic, stamp, message, header); });
+  }
+
+  /// Closes the bag and puts it in its place. Throws RuntimeFault if that fails; nothing is left then.
+  void finish();
+
+ private:
+  void attempt(const std::function<void()>& action) const;
+
+  std::filesystem::path path_;
+  std::filesystem::path aside_;
+  std::unique_ptr<rosbag::Bag> bag_;
+};
+
+}  // namespace pusht

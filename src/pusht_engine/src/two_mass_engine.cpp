@@ -18,12 +18,6 @@ using two_mass::kStem;
 
 namespace {
 
-void require(bool holds, const char* knob, double value, const char* rule) {
-  if (!holds) {
-    throw InvalidInput(std::string(knob) + " " + shortestText(value) + ": must be " + rule);
-  }
-}
-
 // Yaw and its rate are read from the masses, with rounding errors of some 1e-15. Read on a grid a little
 // coarser than that, a state that was read and set is read as it was set, bit for bit (within 4 m, 10 m/s).
 constexpr double kYawGrid = 0x1p-46;                                // [rad]
@@ -38,10 +32,16 @@ Eigen::Vector2d turnLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 }  // namespace
 
 void TwoMassParameters::validate() const {
-  require(std::isfinite(pusher_mass) && pusher_mass > 0.0 && std::isfinite(1.0 / pusher_mass), "pusher_mass",
-          pusher_mass, "> 0 and finite, as its inverse [kg]");
-  require(std::isfinite(block_damp) && block_damp >= 0.0, "block_damp", block_damp, "finite and >= 0 [1/s]");
-  require(std::isfinite(baumgarte) && baumgarte >= 0.0, "baumgarte", baumgarte, "finite and >= 0 [rad/s]");
+  for (const two_mass::Knob& knob : two_mass::kKnobs) {
+    const double value = this->*knob.value;
+    if (!std::isfinite(value) || value < 0.0) {
+      throw InvalidInput(std::string(knob.name) + " " + shortestText(value) + ": must be finite and >= 0 [" +
+                         knob.unit + "]");
+    }
+  }
+  if (!std::isfinite(1.0 / pusher_mass)) {
+    throw InvalidInput("pusher_mass " + shortestText(pusher_mass) + ": must be > 0 with a finite inverse [kg]");
+  }
 }
 
 TwoMassEngine::TwoMassEngine(const TwoMassParameters& parameters)

@@ -44,4 +44,8 @@ constexpr double kCenterOfMassOffset = kStemOffset * kStemMass / (kBarMass + kSt
 
 constexpr double kWallInnerFace = 0.39;  ///< [m] |x| or |y| of the walls' inner faces
 
+// Frames above the table: the middles of the bodies.
+constexpr double kTeeFrameHeight = 0.015;    ///< [m]
+constexpr double kPusherFrameHeight = 0.02;  ///< [m]
+
 }  // namespace pusht

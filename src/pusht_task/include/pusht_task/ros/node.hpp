@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// What every node of the suite does around its work.
+#pragma once
+
+#include <exception>
+#include <functional>
+#include <string>
+
+#include "pusht_task/error.hpp"
+
+namespace pusht {
+
+/// Starts a node called `name`, runs `body` and returns the process's exit code. A failure is one line on stderr.
+/// `body` ends when ros::ok() no longer holds. No master at start, one that dies (noticed within 5 s: the node is shut
+/// down), and `use_sim_time` without a clock end in exit code 4 and a hint.
+int runNode(int argc, char** argv, const std::string& name, const std::function<ExitCode()>& body);
+
+/// `failure` on one line of stderr; its exit code. `reporter` is the node or command that failed.
+int reportFailure(const std::string& reporter, const std::exception& failure);
+
+/// Another one for every process that asks.
+std::string newInstanceId();
+
+}  // namespace pusht

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The private parameters of a node.
+#pragma once
+
+#include <pusht_msgs/Parameter.h>
+#include <ros/node_handle.h>
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace pusht {
+
+/// As pusht_msgs/Parameter: knobs and switches of a simulator, by name, with their values as text.
+using Parameters = std::vector<pusht_msgs::Parameter>;
+
+pusht_msgs::Parameter parameter(const std::string& name, const std::string& value);
+
+/// `changes` on top of `parameters`. Throws InvalidInput for a name that is not there.
+Parameters merged(Parameters parameters, const Parameters& changes);
+
+/// A decimal number from text, an integer included. Throws InvalidInput with `name`, the text and the rule.
+double realFromText(const std::string& name, const std::string& text);
+
+/// The private parameters of a node as they are when it starts. Every getter throws InvalidInput, naming the key with
+/// its namespace, the value and the rule, if the value is not of its type.
+class ParameterReader {
+ public:
+  explicit ParameterReader(const ros::NodeHandle& private_handle);
+
+  std::string text(const std::string& key, const std::string& fallback);
+  bool flag(const std::string& key, bool fallback);
+  int integer(const std::string& key, int fallback);
+  /// Integers are accepted.
+  double real(const std::string& key, double fallback);
+  /// A uint64 as text, since integers of the parameter server have 32 bits; those are accepted too.
+  std::uint64_t seed(const std::string& key, std::uint64_t fallback);
+
+  /// Those of `defaults` that are set, as text.
+  Parameters changes(const Parameters& defaults);
+
+  /// Throws InvalidInput for a parameter that nobody has asked for, with those that there are.
+  void refuseUnknown() const;
+
+ private:
+  const XmlRpc::XmlRpcValue* find(const std::string& key);
+  [[noreturn]] void refuse(const std::string& key, const std::string& rule) const;
+
+  std::string namespace_;
+  std::map<std::string, XmlRpc::XmlRpcValue> values_;
+  std::set<std::string> known_;
+};
+
+}  // namespace pusht

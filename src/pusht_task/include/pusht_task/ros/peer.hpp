@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Calls to another node that end: with an answer, or with a fault.
+#pragma once
+
+#include <pusht_msgs/Describe.h>
+#include <ros/node_handle.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "pusht_task/error.hpp"
+
+namespace pusht {
+
+/// A peer died, was replaced by another instance, or gave no answer in time. What it was doing is lost.
+struct PeerFault : RuntimeFault {
+  using RuntimeFault::RuntimeFault;
+};
+
+/// A deadline on the steady clock, for one call at a time.
+class Watchdog {
+ public:
+  explicit Watchdog(std::chrono::milliseconds deadline);
+  Watchdog(const Watchdog&) = delete;
+  Watchdog& operator=(const Watchdog&) = delete;
+  ~Watchdog();
+
+  /// Runs `call`. If it has not returned by the deadline, `interrupt` is called, in another thread, to make it return.
+  void run(const std::function<void()>& call, const std::function<void()>& interrupt);
+
+  std::chrono::milliseconds deadline() const { return deadline_; }
+
+ private:
+  void watch();
+
+  const std::chrono::milliseconds deadline_;
+  std::mutex mutex_;
+  std::condition_variable ending_changed_;
+  bool ending_ = false;
+  const std::function<void()>* interrupt_ = nullptr;  // of the call under way
+  std::chrono::steady_clock::time_point expiry_;      // of it
+  std::thread thread_;
+};
+
+/// A node that serves a simulator or a policy, as its callers see it.
+class Peer {
+ public:
+  /// `services` is the namespace of its services, e.g. "/engine". The watchdog must outlive the peer.
+  Peer(std::string services, Watchdog& watchdog);
+
+  /// Waits until the peer describes itself; the instance that does is the one that has to answer from now on. Throws
+  /// PeerFault if nobody does within `patience`, or the peer's own error if it failed at start.
+  void connect(std::chrono::milliseconds patience);
+
+  /// Throws PeerFault if by now the services belong to another node than the one that was connected to.
+  void requireSameOwner() const;
+
+  const pusht_msgs::DescribeResponse& description() const { return description_; }
+  const std::string& services() const { return services_; }
+
+ private:
+  template <class Service>
+  friend class ServiceCaller;
+
+  void requireInstance(const std::string& instance_id) const;
+
+  std::string services_;
+  Watchdog& watchdog_;
+  pusht_msgs::DescribeResponse description_;
+  std::string owner_;  // address of the node that serves
+};
+
+/// One service of a peer, over a persistent connection.
+template <class Service>
+class ServiceCaller {
+ public:
+  /// `peer` must outlive the caller.
+  ServiceCaller(const Peer& peer, const std::string& service) : peer_(peer), name_(peer.services() + "/" + service) {}
+
+  /// Throws PeerFault if the peer gives no answer in time, or is another instance than the one that was connected to;
+  /// the error it answers with if it refuses.
+  typename Service::Response call(const typename Service::Request& request) {
+    Service service;
+    service.request = request;
+    // A connection may break while the peer lives on. It recognises a request that it has seen.
+    if (!attempt(service) && !attempt(service)) {
+      throw PeerFault(name_ + ": the node has died or is out of reach");
+    }
+    peer_.requireInstance(service.response.instance_id);
+    if (service.response.success == 0) {
+      throw Error(static_cast<ExitCode>(service.response.exit_code),
+                  peer_.services() + ": " + service.response.message);
+    }
+    return service.response;
+  }
+
+ private:
+  bool attempt(Service& service) {
+    if (!client_.isValid()) {
+      client_ = ros::NodeHandle().serviceClient<Service>(name_, true);
+    }
+    bool answered = false;
+    bool interrupted = false;
+    peer_.watchdog_.run([&] { answered = client_.call(service); },
+                        [&] {
+                          interrupted = true;
+                          client_.shutdown();
+                        });
+    if (!answered && interrupted) {
+      throw PeerFault(name_ + ": no answer within " + std::to_string(peer_.watchdog_.deadline().count()) + " ms");
+    }
+    return answered;
+  }
+
+  const Peer& peer_;
+  std::string name_;
+  ros::ServiceClient client_;
+};
+
+}  // namespace pusht

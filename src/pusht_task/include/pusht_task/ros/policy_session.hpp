@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The rules by which a policy is served, without a node: requests in, replies out.
+#pragma once
+
+#include <pusht_msgs/Act.h>
+#include <pusht_msgs/Describe.h>
+
+#include <cstdint>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "pusht_task/policy.hpp"
+
+namespace pusht {
+
+/// What a policy node serves.
+struct PolicyModel {
+  std::string name;  ///< as in metrics.json
+  std::string version;
+  std::unique_ptr<Policy> policy;
+  nlohmann::json provenance = nlohmann::json::object();  ///< what the numbers depend on
+};
+
+/// A served policy. What the policy remembers of a rollout is kept here, from the rollout's step 0 on.
+class PolicySession {
+ public:
+  explicit PolicySession(PolicyModel model);
+
+  pusht_msgs::ActResponse act(const pusht_msgs::ActRequest& request);
+  pusht_msgs::DescribeResponse describe() const;
+
+ private:
+  struct Remembered {
+    std::unique_ptr<Policy::Memory> memory;
+    std::int64_t step = -1;  // last one answered
+    Action action{};         // the answer
+  };
+
+  bool isRepeated(const pusht_msgs::Query& query) const;
+  void require(const pusht_msgs::ActRequest& request) const;
+  Policy::Query begun(const pusht_msgs::Query& query);
+
+  PolicyModel model_;
+  std::string instance_id_;
+  bool has_memory_;
+  std::unordered_map<std::uint64_t, Remembered> rollouts_;  // only of a policy with a memory
+  std::vector<Policy::Query> queries_;
+  std::vector<Action> actions_;
+};
+
+}  // namespace pusht

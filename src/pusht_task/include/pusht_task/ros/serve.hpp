@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Any simulator or policy as a node.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "pusht_task/ros/parameters.hpp"
+#include "pusht_task/ros/policy_session.hpp"
+#include "pusht_task/ros/simulator_session.hpp"
+
+namespace pusht {
+
+/// The main of a simulator node. Offers, in its private namespace, the services `reset`, `step`, `configure` and
+/// `describe`, the topics `state` and (latched) `markers`; TF `<frame_prefix>/table` to `pusher`, `tee` and `target`;
+/// /diagnostics. Private parameters: `frame_prefix` (default: the node's name), the model's own, and what `load` reads.
+/// If `load` or the model's start fails, the node lives on, and only `describe` answers, with the error.
+int serveSimulator(int argc, char** argv, const std::string& node_name,
+                   const std::function<SimulatorModel(ParameterReader&)>& load);
+
+/// The main of a policy node: services `act` and `describe`; /diagnostics. Failing at start: as above.
+int servePolicy(int argc, char** argv, const std::string& node_name,
+                const std::function<PolicyModel(ParameterReader&)>& load);
+
+}  // namespace pusht

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The rules by which a simulator is served, without a node: requests in, replies out.
+#pragma once
+
+#include <pusht_msgs/Configure.h>
+#include <pusht_msgs/Describe.h>
+#include <pusht_msgs/Reset.h>
+#include <pusht_msgs/Step.h>
+#include <pusht_msgs/WorldStateStamped.h>
+
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "pusht_task/ros/parameters.hpp"
+#include "pusht_task/simulator.hpp"
+
+namespace pusht {
+
+/// A simulator with its parameters as it understood them.
+struct ConfiguredSimulator {
+  std::unique_ptr<Simulator> simulator;
+  Parameters parameters;
+};
+
+/// What a simulator node serves.
+struct SimulatorModel {
+  std::string name;  ///< of the kind of simulator, e.g. "two_mass"
+  std::string version;
+  Parameters parameters;                                 ///< with their defaults, in their order; may be none
+  nlohmann::json provenance = nlohmann::json::object();  ///< what the numbers depend on besides
+  /// Makes one from a value for each parameter. Throws InvalidInput with parameter, value and rule.
+  std::function<ConfiguredSimulator(const Parameters&)> make;
+};
+
+/// One served world: which requests it accepts, in which order, and what it answers. A refused request changes
+/// nothing. The rules are those that pusht_msgs' services state.
+class SimulatorSession {
+ public:
+  using Observer = std::function<void(const pusht_msgs::WorldStateStamped&)>;
+
+  /// `observer` gets the world after every reset and step that was taken (not for an answer given again).
+  /// Throws InvalidInput if the model refuses `changes` on its parameters.
+  SimulatorSession(SimulatorModel model, const Parameters& changes, std::string frame_prefix, Observer observer);
+
+  pusht_msgs::ResetResponse reset(const pusht_msgs::ResetRequest& request);
+  pusht_msgs::StepResponse step(const pusht_msgs::StepRequest& request);
+  pusht_msgs::ConfigureResponse configure(const pusht_msgs::ConfigureRequest& request);
+  pusht_msgs::DescribeResponse describe() const;
+
+ private:
+  /// The episode under way.
+  struct Episode {
+    std::uint64_t index = 0;
+    std::uint32_t horizon = 0;  // [control steps]
+    std::uint32_t steps = 0;    // taken
+    bool failed = false;        // the simulation did, in the last step
+    ros::Time start;            // stamp of the reset
+    pusht_msgs::ResetResponse begun;
+    pusht_msgs::StepResponse last;  // of step `steps` - 1
+  };
+
+  bool isRepeated(const pusht_msgs::ResetRequest& request) const;
+  bool isRepeated(const pusht_msgs::StepRequest& request) const;
+  void requireStep(const pusht_msgs::StepRequest& request) const;
+  ros::Time nextStamp(const ros::Time& requested) const;
+  void observe(const Action& action) const;
+  bool inEpisode() const;
+
+  SimulatorModel model_;
+  ConfiguredSimulator configured_;
+  std::string frame_prefix_;
+  std::string instance_id_;
+  Observer observer_;
+  ros::Time stamp_;
+  std::optional<Episode> episode_;
+};
+
+/// The answer of a node that failed at start.
+pusht_msgs::DescribeResponse describeFailure(const std::exception& failure);
+
+}  // namespace pusht

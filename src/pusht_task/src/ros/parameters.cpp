@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/ros/parameters.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
+
+namespace pusht {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+/// Read by libraries from the private namespace of every node.
+constexpr const char* kOfLibraries[] = {"diagnostic_period", "tf"};
+
+template <class Number>
+bool parse(const std::string& text, Number& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+std::string shown(XmlRpcValue value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+std::string joined(const std::set<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) {
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::string textOf(XmlRpcValue value) {
+  switch (value.getType()) {
+    case XmlRpcValue::TypeInt:
+      return shortestText(static_cast<int>(value));
+    case XmlRpcValue::TypeDouble:
+      return shortestText(static_cast<double>(value));
+    case XmlRpcValue::TypeBoolean:
+      return static_cast<bool>(value) ? "true" : "false";
+    case XmlRpcValue::TypeString:
+      return static_cast<std::string>(value);
+    default:
+      return shown(value);
+  }
+}
+
+}  // namespace
+
+pusht_msgs::Parameter parameter(const std::string& name, const std::string& value) {
+  pusht_msgs::Parameter result;
+  result.name = name;
+  result.value = value;
+  return result;
+}
+
+Parameters merged(Parameters parameters, const Parameters& changes) {
+  for (const pusht_msgs::Parameter& change : changes) {
+    const auto place = std::find_if(parameters.begin(), parameters.end(),
+                                    [&](const pusht_msgs::Parameter& known) { return known.name == change.name; });
+    if (place == parameters.end()) {
+      std::set<std::string> names;
+      for (const pusht_msgs::Parameter& known : parameters) {
+        names.insert(known.name);
+      }
+      throw InvalidInput("parameter '" + change.name + "': there is none of that name; there are: " + joined(names));
+    }
+    place->value = change.value;
+  }
+  return parameters;
+}
+
+double realFromText(const std::string& name, const std::string& text) {
+  double value = 0.0;
+  if (!parse(text, value)) {
+    throw InvalidInput(name + " '" + text + "': must be a decimal number");
+  }
+  return value;
+}
+
+ParameterReader::ParameterReader(const ros::NodeHandle& private_handle) : namespace_(private_handle.getNamespace()) {
+  XmlRpcValue all;
+  if (private_handle.getParam(namespace_, all) && all.getType() == XmlRpcValue::TypeStruct) {
+    values_.insert(all.begin(), all.end());
+  }
+  known_.insert(std::begin(kOfLibraries), std::end(kOfLibraries));
+}
+
+const XmlRpcValue* ParameterReader::find(const std::string& key) {
+  known_.insert(key);
+  const auto value = values_.find(key);
+  return value == values_.end() ? nullptr : &value->second;
+}
+
+void ParameterReader::refuse(const std::string& key, const std::string& rule) const {
+  throw InvalidInput("parameter " + namespace_ + "/" + key + " " + shown(values_.at(key)) + ": " + rule);
+}
+
+std::string ParameterReader::text(const std::string& key, const std::string& fallback) {
+  const XmlRpcValue* value = find(key);
+  if (value != nullptr && value->getType() != XmlRpcValue::TypeString) {
+    refuse(key, "must be a text");
+  }
+  return value == nullptr ? fallback : textOf(*value);
+}
+
+bool ParameterReader::flag(const std::string& key, bool fallback) {
+  const XmlRpcValue* value = find(key);
+  if (value != nullptr && value->getType() != XmlRpcValue::TypeBoolean) {
+    refuse(key, "must be true or false");
+  }
+  return value == nullptr ? fallback : textOf(*value) == "true";
+}
+
+int ParameterReader::integer(const std::string& key, int fallback) {
+  const XmlRpcValue* value = find(key);
+  if (value != nullptr && value->getType() != XmlRpcValue::TypeInt) {
+    refuse(key, "must be an integer of 32 bits");
+  }
+  XmlRpcValue copy = value == nullptr ? XmlRpcValue(fallback) : *value;
+  return static_cast<int>(copy);
+}
+
+double ParameterReader::real(const std::string& key, double fallback) {
+  const XmlRpcValue* value = find(key);
+  if (value == nullptr) {
+    return fallback;
+  }
+  if (value->getType() != XmlRpcValue::TypeDouble && value->getType() != XmlRpcValue::TypeInt) {
+    refuse(key, "must be a number");
+  }
+  return realFromText(key, textOf(*value));
+}
+
+std::uint64_t ParameterReader::seed(const std::string& key, std::uint64_t fallback) {
+  const XmlRpcValue* value = find(key);
+  if (value == nullptr) {
+    return fallback;
+  }
+  XmlRpcValue copy = *value;
+  const std::string text = copy.getType() == XmlRpcValue::TypeInt      ? std::to_string(static_cast<int>(copy))
+                           : copy.getType() == XmlRpcValue::TypeString ? textOf(copy)
+                                                                       : "";
+  std::uint64_t seed = 0;
+  if (!parse(text, seed)) {
+    refuse(key, "must be an integer from 0 to 2^64 - 1 (as a text if it has more than 31 bits)");
+  }
+  return seed;
+}
+
+Parameters ParameterReader::changes(const Parameters& defaults) {
+  Parameters changes;
+  for (const pusht_msgs::Parameter& known : defaults) {
+    if (const XmlRpcValue* value = find(known.name)) {
+      changes.push_back(parameter(known.name, textOf(*value)));
+    }
+  }
+  return changes;
+}
+
+void ParameterReader::refuseUnknown() const {
+  for (const auto& [key, value] : values_) {
+    if (known_.count(key) == 0) {
+      std::set<std::string> offered = known_;
+      for (const char* name : kOfLibraries) {
+        offered.erase(name);
+      }
+      throw InvalidInput("parameter " + namespace_ + "/" + key + " " + shown(value) +
+                         ": there is none of that name; there are: " + joined(offered));
+    }
+  }
+}
+
+}  // namespace pusht

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/ros/peer.hpp"
+
+#include <ros/service_manager.h>
+
+#include <utility>
+
+namespace pusht {
+namespace {
+
+constexpr std::chrono::milliseconds kConnectPeriod{20};
+
+/// Host and port of the node that the master knows for `service`; empty if there is none.
+std::string ownerOf(const std::string& service) {
+  std::string host;
+  std::uint32_t port = 0;
+  return ros::ServiceManager::instance()->lookupService(service, host, port) ? host + ":" + std::to_string(port) : "";
+}
+
+}  // namespace
+
+Watchdog::Watchdog(std::chrono::milliseconds deadline) : deadline_(deadline), thread_([this] { watch(); }) {}
+
+Watchdog::~Watchdog() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ending_ = true;
+  }
+  ending_changed_.notify_one();
+  thread_.join();
+}
+
+void Watchdog::run(const std::function<void()>& call, const std::function<void()>& interrupt) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    interrupt_ = &interrupt;
+    expiry_ = std::chrono::steady_clock::now() + deadline_;
+  }
+  call();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  interrupt_ = nullptr;
+}
+
+void Watchdog::watch() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  // Calls are short and many: none wakes this thread. A call that begins while it waits expires after it wakes.
+  while (!ending_) {
+    const auto now = std::chrono::steady_clock::now();
+    if (interrupt_ != nullptr && now >= expiry_) {
+      (*std::exchange(interrupt_, nullptr))();
+    }
+    ending_changed_.wait_until(lock, interrupt_ != nullptr ? expiry_ : now + deadline_);
+  }
+}
+
+Peer::Peer(std::string services, Watchdog& watchdog) : services_(std::move(services)), watchdog_(watchdog) {}
+
+void Peer::connect(std::chrono::milliseconds patience) {
+  const auto expiry = std::chrono::steady_clock::now() + patience;
+  const std::string service = services_ + "/describe";
+  pusht_msgs::Describe describe;
+  bool answered = false;
+  while (!answered) {
+    if (!ros::ok() || std::chrono::steady_clock::now() >= expiry) {
+      throw PeerFault(service + ": nobody answers within " + std::to_string(patience.count()) + " ms");
+    }
+    owner_ = ownerOf(service);
+    ros::ServiceClient client = ros::NodeHandle().serviceClient<pusht_msgs::Describe>(service, true);
+    watchdog_.run([&] { answered = client.isValid() && client.call(describe); }, [&] { client.shutdown(); });
+    if (!answered) {
+      ros::WallDuration(std::chrono::duration<double>(kConnectPeriod).count()).sleep();
+    }
+  }
+  description_ = describe.response;
+  if (description_.success == 0) {
+    throw Error(static_cast<ExitCode>(description_.exit_code), services_ + ": " + description_.message);
+  }
+}
+
+void Peer::requireSameOwner() const {
+  const std::string owner = ownerOf(services_ + "/describe");
+  if (owner != owner_) {
+    throw PeerFault(services_ + ": its services belong to another node (" + owner + ") than the one connected to (" +
+                    owner_ + "); is there a second node of that name?");
+  }
+}
+
+void Peer::requireInstance(const std::string& instance_id) const {
+  if (instance_id != description_.instance_id) {
+    throw PeerFault(services_ + ": another instance (" + instance_id + ") answers than the one connected to (" +
+                    description_.instance_id + "): it was restarted, or there are two");
+  }
+}
+
+}  // namespace pusht

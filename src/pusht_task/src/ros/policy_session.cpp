@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/ros/policy_session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/ros/node.hpp"
+
+namespace pusht {
+namespace {
+
+/// Rollouts that are remembered. Nobody says when one has ended; all are forgotten when there are more, so that
+/// a policy of many thousand rollouts under way at once is refused, not wrong.
+constexpr std::size_t kMostRollouts = 65'536;
+
+}  // namespace
+
+PolicySession::PolicySession(PolicyModel model)
+    : model_(std::move(model)), instance_id_(newInstanceId()), has_memory_(model_.policy->begin() != nullptr) {}
+
+pusht_msgs::ActResponse PolicySession::act(const pusht_msgs::ActRequest& request) {
+  pusht_msgs::ActResponse response;
+  response.instance_id = instance_id_;
+  try {
+    if (rollouts_.size() + request.queries.size() > kMostRollouts) {
+      rollouts_.clear();
+    }
+    require(request);
+    queries_.clear();
+    for (const pusht_msgs::Query& query : request.queries) {
+      if (!isRepeated(query)) {
+        queries_.push_back(begun(query));
+      }
+    }
+    actions_.resize(queries_.size());
+    model_.policy->act(queries_, actions_);
+  } catch (const Error& refusal) {
+    response.message = refusal.what();
+    response.exit_code = static_cast<int>(refusal.exitCode());
+    return response;
+  }
+
+  std::size_t next = 0;
+  response.actions.reserve(2 * request.queries.size());
+  for (const pusht_msgs::Query& query : request.queries) {
+    const Action action = isRepeated(query) ? rollouts_.at(query.rollout).action : actions_.at(next++);
+    if (has_memory_) {
+      Remembered& rollout = rollouts_.at(query.rollout);
+      rollout.step = query.step;
+      rollout.action = action;
+    }
+    response.actions.insert(response.actions.end(), action.begin(), action.end());
+  }
+  response.success = 1;
+  return response;
+}
+
+bool PolicySession::isRepeated(const pusht_msgs::Query& query) const {
+  if (!has_memory_) {
+    return false;  // asked again, it answers the same
+  }
+  const auto rollout = rollouts_.find(query.rollout);
+  return rollout != rollouts_.end() && query.step > 0 && rollout->second.step == query.step;
+}
+
+void PolicySession::require(const pusht_msgs::ActRequest& request) const {
+  std::set<std::uint64_t> seen;
+  for (const pusht_msgs::Query& query : request.queries) {
+    const std::string who = "rollout " + std::to_string(query.rollout);
+    if (!std::all_of(query.observation.begin(), query.observation.end(), [](float x) { return std::isfinite(x); })) {
+      throw InvalidInput(who + ": observation must be finite");
+    }
+    if (!has_memory_) {
+      continue;
+    }
+    if (!seen.insert(query.rollout).second) {
+      throw InvalidInput(who + ": must be asked for once in a request");
+    }
+    const auto rollout = rollouts_.find(query.rollout);
+    const std::int64_t expected = rollout == rollouts_.end() ? 0 : rollout->second.step + 1;
+    if (query.step != 0 && query.step != expected && !isRepeated(query)) {
+      throw InvalidInput(who + ": step " + std::to_string(query.step) + ": expected " + std::to_string(expected));
+    }
+  }
+}
+
+Policy::Query PolicySession::begun(const pusht_msgs::Query& query) {
+  Observation observation{};
+  std::copy(query.observation.begin(), query.observation.end(), observation.begin());
+  if (!has_memory_) {
+    return {observation, nullptr};
+  }
+  if (query.step == 0) {
+    Remembered& rollout = rollouts_[query.rollout];
+    rollout.memory = model_.policy->begin();
+    rollout.step = -1;
+  }
+  return {observation, rollouts_.at(query.rollout).memory.get()};
+}
+
+pusht_msgs::DescribeResponse PolicySession::describe() const {
+  pusht_msgs::DescribeResponse response;
+  response.success = 1;
+  response.instance_id = instance_id_;
+  response.name = model_.name;
+  response.version = model_.version;
+  response.provenance = model_.provenance.dump();
+  return response;
+}
+
+}  // namespace pusht

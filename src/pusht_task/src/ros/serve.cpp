@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/ros/serve.hpp"
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/ros.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <cstdint>
+#include <memory>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/ros/conversions.hpp"
+#include "pusht_task/ros/node.hpp"
+#include "pusht_task/ros/transforms.hpp"
+#include <visualization_msgs/MarkerArray.h>
+
+namespace pusht {
+namespace {
+
+using diagnostic_updater::DiagnosticStatusWrapper;
+
+/// Publishes a node's health once a second, on the steady clock.
+class Health {
+ public:
+  Health(const std::string& hardware_id, const std::function<void(DiagnosticStatusWrapper&)>& report) {
+    updater_.setHardwareID(hardware_id);
+    updater_.add("requests", report);
+    timer_ = ros::NodeHandle().createSteadyTimer(ros::WallDuration(1.0),
+                                                 [this](const ros::SteadyTimerEvent&) { updater_.force_update(); });
+  }
+  Health(const Health&) = delete;
+  Health& operator=(const Health&) = delete;
+
+ private:
+  diagnostic_updater::Updater updater_;
+  ros::SteadyTimer timer_;
+};
+
+/// How requests fared.
+struct Tally {
+  std::uint64_t answered = 0;
+  std::uint64_t refused = 0;
+  std::string last_refusal;
+
+  template <class Response>
+  const Response& count(const Response& response) {
+    ++(response.success != 0 ? answered : refused);
+    if (response.success == 0) {
+      last_refusal = response.message;
+      ROS_WARN_STREAM("refused: " << response.message);
+    }
+    return response;
+  }
+
+  void report(DiagnosticStatusWrapper& status) const {
+    status.summary(diagnostic_msgs::DiagnosticStatus::OK, "serving");
+    status.add("answered", answered);
+    status.add("refused", refused);
+    status.add("last refusal", last_refusal);
+  }
+};
+
+class SimulatorNode {
+ public:
+  SimulatorNode(const ros::NodeHandle& node, SimulatorModel model, const Parameters& changes,
+                const std::string& frame_prefix)
+      : frame_prefix_(frame_prefix),
+        node_(node),
+        state_(node_.advertise<pusht_msgs::WorldStateStamped>("state", kQueue)),
+        markers_(node_.advertise<visualization_msgs::MarkerArray>("markers", 1, true)),
+        health_(model.name, [this](DiagnosticStatusWrapper& status) { tally_.report(status); }),
+        session_(std::move(model), changes, frame_prefix,
+                 [this](const pusht_msgs::WorldStateStamped& update) { publish(update); }),
+        services_{node_.advertiseService("reset", &SimulatorNode::reset, this),
+                  node_.advertiseService("step", &SimulatorNode::step, this),
+                  node_.advertiseService("configure", &SimulatorNode::configure, this),
+                  node_.advertiseService("describe", &SimulatorNode::describe, this)} {
+    markers_.publish(visualization_msgs::MarkerArray());
+  }
+
+ private:
+  static constexpr std::uint32_t kQueue = 1000;
+
+  bool reset(pusht_msgs::ResetRequest& request, pusht_msgs::ResetResponse& response) {
+    response = tally_.count(session_.reset(request));
+    return true;
+  }
+  bool step(pusht_msgs::StepRequest& request, pusht_msgs::StepResponse& response) {
+    response = tally_.count(session_.step(request));
+    return true;
+  }
+  bool configure(pusht_msgs::ConfigureRequest& request, pusht_msgs::ConfigureResponse& response) {
+    response = tally_.count(session_.configure(request));
+    return true;
+  }
+  bool describe(pusht_msgs::DescribeRequest& /*request*/, pusht_msgs::DescribeResponse& response) {
+    response = session_.describe();
+    return true;
+  }
+
+  void publish(const pusht_msgs::WorldStateStamped& update) {
+    frames_.sendTransform(toTransforms(frame_prefix_, fromMessage(update.state), update.header.stamp));
+    state_.publish(update);
+  }
+
+  std::string frame_prefix_;
+  ros::NodeHandle node_;
+  tf2_ros::TransformBroadcaster frames_;
+  ros::Publisher state_;
+  ros::Publisher markers_;
+  Tally tally_;
+  Health health_;
+  SimulatorSession session_;
+  std::array<ros::ServiceServer, 4> services_;
+};
+
+class PolicyNode {
+ public:
+  PolicyNode(const ros::NodeHandle& node, PolicyModel model)
+      : node_(node),
+        health_(model.name, [this](DiagnosticStatusWrapper& status) { tally_.report(status); }),
+        session_(std::move(model)),
+        services_{node_.advertiseService("act", &PolicyNode::act, this),
+                  node_.advertiseService("describe", &PolicyNode::describe, this)} {}
+
+ private:
+  bool act(pusht_msgs::ActRequest& request, pusht_msgs::ActResponse& response) {
+    response = tally_.count(session_.act(request));
+    return true;
+  }
+  bool describe(pusht_msgs::DescribeRequest& /*request*/, pusht_msgs::DescribeResponse& response) {
+    response = session_.describe();
+    return true;
+  }
+
+  ros::NodeHandle node_;
+  Tally tally_;
+  Health health_;
+  PolicySession session_;
+  std::array<ros::ServiceServer, 2> services_;
+};
+
+/// Serves nothing but the error of a node that failed at start, until the node ends.
+void serveFailure(ros::NodeHandle& node, const std::exception& failure) {
+  const pusht_msgs::DescribeResponse answer = describeFailure(failure);
+  const Health health("none", [&](DiagnosticStatusWrapper& status) {
+    status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, answer.message);
+  });
+  using Callback = boost::function<bool(pusht_msgs::DescribeRequest&, pusht_msgs::DescribeResponse&)>;
+  const Callback describe = [&](pusht_msgs::DescribeRequest&, pusht_msgs::DescribeResponse& response) {
+    response = answer;
+    return true;
+  };
+  const ros::ServiceServer service = node.advertiseService("describe", describe);
+  ros::spin();
+}
+
+/// Runs `make` for what serves requests as long as it lives.
+int serve(int argc, char** argv, const std::string& node_name,
+          const std::function<std::shared_ptr<void>(const ros::NodeHandle&, ParameterReader&)>& make) {
+  return runNode(argc, argv, node_name, [&] {
+    ros::NodeHandle node("~");
+    std::shared_ptr<void> served;
+    try {
+      ParameterReader parameters(node);
+      served = make(node, parameters);
+    } catch (const std::exception& failure) {
+      reportFailure(node_name, failure);
+      serveFailure(node, failure);
+      return exitCodeOf(failure);
+    }
+    ros::spin();
+    return ExitCode::kOk;
+  });
+}
+
+std::string defaultFramePrefix() { return ros::this_node::getName().substr(1); }
+
+}  // namespace
+
+int serveSimulator(int argc, char** argv, const std::string& node_name,
+                   const std::function<SimulatorModel(ParameterReader&)>& load) {
+  return serve(argc, argv, node_name, [&](const ros::NodeHandle& node, ParameterReader& parameters) {
+    const std::string frame_prefix = parameters.text("frame_prefix", defaultFramePrefix());
+    SimulatorModel model = load(parameters);
+    const Parameters changes = parameters.changes(model.parameters);
+    parameters.refuseUnknown();
+    return std::make_shared<SimulatorNode>(node, std::move(model), changes, frame_prefix);
+  });
+}
+
+int servePolicy(int argc, char** argv, const std::string& node_name,
+                const std::function<PolicyModel(ParameterReader&)>& load) {
+  return serve(argc, argv, node_name, [&](const ros::NodeHandle& node, ParameterReader& parameters) {
+    PolicyModel model = load(parameters);
+    parameters.refuseUnknown();
+    return std::make_shared<PolicyNode>(node, std::move(model));
+  });
+}
+
+}  // namespace pusht

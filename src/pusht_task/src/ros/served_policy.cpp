@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/ros/served_policy.hpp"
+
+#include <algorithm>
+#include <string>
+
+namespace pusht {
+namespace {
+
+struct ServedRollout : Policy::Memory {
+  explicit ServedRollout(std::uint64_t index) : id(index) {}
+
+  std::uint64_t id;
+  std::uint32_t next_step = 0;
+};
+
+}  // namespace
+
+ServedPolicy::ServedPolicy(const Peer& peer) : act_(peer, "act") {}
+
+std::unique_ptr<Policy::Memory> ServedPolicy::begin() const { return std::make_unique<ServedRollout>(rollouts_++); }
+
+void ServedPolicy::act(Span<const Query> queries, Span<Action> actions) {
+  pusht_msgs::ActRequest request;
+  request.queries.resize(queries.size());
+  for (std::size_t row = 0; row < queries.size(); ++row) {
+    const auto& rollout = static_cast<const ServedRollout&>(*queries[row].memory);
+    request.queries[row].rollout = rollout.id;
+    request.queries[row].step = rollout.next_step;
+    std::copy(queries[row].observation.begin(), queries[row].observation.end(),
+              request.queries[row].observation.begin());
+  }
+  const pusht_msgs::ActResponse response = act_.call(request);
+  if (response.actions.size() != 2 * queries.size()) {
+    throw BadDependency("the policy answers " + std::to_string(queries.size()) + " queries with " +
+                        std::to_string(response.actions.size()) + " numbers; must be two each");
+  }
+  for (std::size_t row = 0; row < queries.size(); ++row) {
+    actions[row] = {response.actions[2 * row], response.actions[2 * row + 1]};
+    ++static_cast<ServedRollout&>(*queries[row].memory).next_step;
+  }
+}
+
+}  // namespace pusht

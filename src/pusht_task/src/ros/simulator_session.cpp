@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/ros/simulator_session.hpp"
+
+#include <utility>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/ros/conversions.hpp"
+#include "pusht_task/ros/node.hpp"
+#include "pusht_task/spawn.hpp"
+#include "pusht_task/task.hpp"
+
+namespace pusht {
+namespace {
+
+const ros::Duration kStampStep(kControlStep);
+
+std::string hashOf(const Parameters& parameters) {
+  if (parameters.empty()) {
+    return "";
+  }
+  constexpr std::size_t kDigits = 12;
+  std::string key;
+  for (const pusht_msgs::Parameter& parameter : parameters) {
+    key += parameter.name + "=" + parameter.value + "|";
+  }
+  return sha256(key).substr(0, kDigits);
+}
+
+/// The reply to a request that `serve` fills, or that it refuses by an Error.
+template <class Response, class Serve>
+Response answer(const std::string& instance_id, const Serve& serve) {
+  Response response;
+  try {
+    serve(response);
+    response.success = 1;
+  } catch (const Error& refusal) {
+    response = Response();
+    response.success = 0;
+    response.message = refusal.what();
+    response.exit_code = static_cast<int>(refusal.exitCode());
+  }
+  response.instance_id = instance_id;
+  return response;
+}
+
+WorldState startOf(const pusht_msgs::ResetRequest& request) {
+  if (request.start.size() > 1) {
+    throw InvalidInput("start: " + std::to_string(request.start.size()) + " states; must be one, or none for the seed");
+  }
+  return request.start.empty() ? spawn(request.seed) : fromMessage(request.start.front());
+}
+
+}  // namespace
+
+SimulatorSession::SimulatorSession(SimulatorModel model, const Parameters& changes, std::string frame_prefix,
+                                   Observer observer)
+    : model_(std::move(model)),
+      configured_(model_.make(merged(model_.parameters, changes))),
+      frame_prefix_(std::move(frame_prefix)),
+      instance_id_(newInstanceId()),
+      observer_(std::move(observer)) {}
+
+pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest& request) {
+  if (isRepeated(request)) {
+    return episode_->begun;
+  }
+  return answer<pusht_msgs::ResetResponse>(instance_id_, [&](pusht_msgs::ResetResponse& response) {
+    const WorldState start = startOf(request);
+    const ros::Time stamp = nextStamp(request.stamp);
+    configured_.simulator->reset(start);
+    stamp_ = stamp;
+    response.success = 1;
+    response.instance_id = instance_id_;
+    response.stamp = stamp;
+    response.state = toMessage(configured_.simulator->state());
+    episode_.emplace();
+    episode_->index = request.episode;
+    episode_->horizon = request.horizon == 0 ? kHorizon : request.horizon;
+    episode_->start = stamp;
+    episode_->begun = response;
+    observe({});
+  });
+}
+
+pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& request) {
+  if (isRepeated(request)) {
+    return episode_->last;
+  }
+  return answer<pusht_msgs::StepResponse>(instance_id_, [&](pusht_msgs::StepResponse& response) {
+    requireStep(request);
+    const Action action = {request.action[0], request.action[1]};
+    const ros::Time stamp = nextStamp(request.stamp);
+    try {
+      configured_.simulator->step(action);
+    } catch (const InvalidInput&) {
+      throw;  // refused; the world is as it was
+    } catch (const Error&) {
+      episode_->failed = true;
+      throw;
+    }
+    stamp_ = stamp;
+    response.success = 1;
+    response.instance_id = instance_id_;
+    response.stamp = stamp;
+    response.step = episode_->steps++;
+    response.state = toMessage(configured_.simulator->state());
+    episode_->last = response;
+    observe(clip(action));
+  });
+}
+
+pusht_msgs::ConfigureResponse SimulatorSession::configure(const pusht_msgs::ConfigureRequest& request) {
+  return answer<pusht_msgs::ConfigureResponse>(instance_id_, [&](pusht_msgs::ConfigureResponse& response) {
+    if (inEpisode() && request.end_episode == 0) {
+      throw InvalidInput("configure in mid-episode, after " + std::to_string(episode_->steps) + " of " +
+                         std::to_string(episode_->horizon) + " control steps: set end_episode to end it");
+    }
+    configured_ = model_.make(merged(configured_.parameters, request.parameters));
+    episode_.reset();
+    response.parameters = configured_.parameters;
+  });
+}
+
+pusht_msgs::DescribeResponse SimulatorSession::describe() const {
+  pusht_msgs::DescribeResponse response;
+  response.success = 1;
+  response.instance_id = instance_id_;
+  response.name = model_.name;
+  response.version = model_.version;
+  response.parameters = configured_.parameters;
+  response.parameters_hash = hashOf(configured_.parameters);
+  response.provenance = model_.provenance.dump();
+  response.frame_prefix = frame_prefix_;
+  response.stamp = stamp_;
+  return response;
+}
+
+bool SimulatorSession::isRepeated(const pusht_msgs::ResetRequest& request) const {
+  return episode_ && episode_->steps == 0 && !request.stamp.isZero() && request.stamp == episode_->start &&
+         request.episode == episode_->index;
+}
+
+bool SimulatorSession::isRepeated(const pusht_msgs::StepRequest& request) const {
+  return episode_ && !episode_->failed && request.episode == episode_->index && episode_->steps > 0 &&
+         request.step == static_cast<std::int64_t>(episode_->steps) - 1;
+}
+
+void SimulatorSession::requireStep(const pusht_msgs::StepRequest& request) const {
+  if (!episode_) {
+    throw InvalidInput("step before reset: call reset first");
+  }
+  if (episode_->failed) {
+    throw InvalidInput("step after a failed one: the world needs a reset");
+  }
+  if (request.episode != episode_->index) {
+    throw InvalidInput("episode " + std::to_string(request.episode) + ": must be " + std::to_string(episode_->index) +
+                       ", the one under way");
+  }
+  if (request.step != -1 && request.step != static_cast<std::int64_t>(episode_->steps)) {
+    throw InvalidInput("step " + std::to_string(request.step) + ": expected " + std::to_string(episode_->steps));
+  }
+  if (episode_->steps >= episode_->horizon) {
+    throw InvalidInput("step " + std::to_string(episode_->steps) + ": the horizon of " +
+                       std::to_string(episode_->horizon) + " control steps is reached");
+  }
+}
+
+ros::Time SimulatorSession::nextStamp(const ros::Time& requested) const {
+  if (requested.isZero()) {
+    return stamp_ + kStampStep;
+  }
+  if (requested <= stamp_) {
+    throw InvalidInput("stamp " + std::to_string(requested.toSec()) + ": must be above " +
+                       std::to_string(stamp_.toSec()) + ", the last one [s]");
+  }
+  return requested;
+}
+
+void SimulatorSession::observe(const Action& action) const {
+  pusht_msgs::WorldStateStamped update;
+  update.header.stamp = stamp_;
+  update.header.frame_id = frame_prefix_ + "/table";
+  update.episode = episode_->index;
+  update.step = episode_->steps;
+  update.action = {action[0], action[1]};
+  update.state = toMessage(configured_.simulator->state());
+  observer_(update);
+}
+
+bool SimulatorSession::inEpisode() const { return episode_ && episode_->steps < episode_->horizon; }
+
+pusht_msgs::DescribeResponse describeFailure(const std::exception& failure) {
+  pusht_msgs::DescribeResponse response;
+  response.success = 0;
+  response.message = failure.what();
+  response.exit_code = static_cast<int>(exitCodeOf(failure));
+  response.instance_id = newInstanceId();
+  return response;
+}
+
+}  // namespace pusht

@@ -11,8 +11,8 @@
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/network_policy.hpp"
 #include "pusht_task/numbers.hpp"
-#include "pusht_task/ros/installed_file.hpp"
 #include "pusht_task/rollout.hpp"
+#include "pusht_task/ros/installed_file.hpp"
 #include "pusht_task/spawn.hpp"
 #include "sim2sim_eval/command_line.hpp"
 #include "sim2sim_eval/protocol.hpp"
@@ -88,7 +88,7 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
     }));
     whole.push_back(timed([&] {
       sim2sim::runProtocol(
-          protocol, make_worlds, *policy, [](const sim2sim::EpisodeResult&) {}, [] { return false; });
+          protocol, make_worlds, *policy, [](const sim2sim::Episode&) {}, [] { return false; });
     }));
     ratios.push_back(whole.back() / bare.back());
   }

@@ -34,6 +34,15 @@ nlohmann::json cpuFeatures() {
 
 }  // namespace
 
+nlohmann::ordered_json provenance(const RunConfiguration& configuration, const nlohmann::json& policy,
+                                  const nlohmann::json& reference, const nlohmann::json& engine) {
+  return {{"configuration", describe(configuration)},
+          {"policy", policy},
+          {"reference", reference},
+          {"engine", engine},
+          {"software", buildAndMachine()}};
+}
+
 nlohmann::json buildAndMachine() {
   return {{"sim2sim_eval", SIM2SIM_EVAL_VERSION},
           {"compiler", __VERSION__},

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "pusht_policy/policy_choice.hpp"
+#include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
 
 namespace sim2sim {
 
 using nlohmann::json;
+using nlohmann::ordered_json;
 using pusht::fixedText;
 using pusht::roundToMicro;
 using pusht::shortestText;
@@ -72,10 +75,12 @@ std::string padded(const std::string& text, std::size_t width) {
 
 std::string configurationHash(const RunConfiguration& configuration) {
   constexpr std::size_t kDigits = 12;
-  const std::string key =
-      std::to_string(configuration.nominal_episodes) + "|" + shortestText(configuration.knobs.pusher_mass) + "|" +
-      shortestText(configuration.knobs.block_damp) + "|" + shortestText(configuration.knobs.baumgarte) + "|" +
-      std::to_string(configuration.protocol.horizon);
+  const Protocol nominal = configuration.smoke ? Protocol() : configuration.protocol;
+  std::string key = std::to_string(nominal.episodes);
+  for (const ordered_json& value : configuration.knobs) {
+    key += "|" + (value.is_number() ? shortestText(value.get<double>()) : value.get<std::string>());
+  }
+  key += "|" + std::to_string(configuration.protocol.horizon);
   return pusht::md5(key).substr(0, kDigits);
 }
 
@@ -94,24 +99,45 @@ Summary summarize(const std::vector<EpisodeResult>& episodes) {
           meanReplayDivergence(episodes, &Divergence::angle)};
 }
 
-json describe(const RunConfiguration& configuration) {
-  return {{"seed", configuration.protocol.seed},
+ordered_json describe(const RunConfiguration& configuration) {
+  return {{"policy", configuration.policy},
+          {"seed", configuration.protocol.seed},
+          {"first_episode", configuration.protocol.first_episode},
           {"episodes", configuration.protocol.episodes},
-          {"smoke", configuration.smoke},
-          {"policy", configuration.policy},
           {"horizon", configuration.protocol.horizon},
-          {"knobs",
-           {{"pusher_mass", configuration.knobs.pusher_mass},
-            {"block_damp", configuration.knobs.block_damp},
-            {"baumgarte", configuration.knobs.baumgarte}}},
+          {"smoke", configuration.smoke},
+          {"reference_simulator", configuration.reference},
+          {"engine_simulator", configuration.engine},
+          {"knobs", configuration.knobs},
           {"config_hash", configurationHash(configuration)}};
+}
+
+RunConfiguration configurationFrom(const ordered_json& description) {
+  try {
+    RunConfiguration configuration;
+    description.at("policy").get_to(configuration.policy);
+    description.at("seed").get_to(configuration.protocol.seed);
+    description.at("first_episode").get_to(configuration.protocol.first_episode);
+    description.at("episodes").get_to(configuration.protocol.episodes);
+    description.at("horizon").get_to(configuration.protocol.horizon);
+    description.at("smoke").get_to(configuration.smoke);
+    description.at("reference_simulator").get_to(configuration.reference);
+    description.at("engine_simulator").get_to(configuration.engine);
+    configuration.knobs = description.at("knobs");
+    configuration.protocol.validate();
+    if (describe(configuration) != description) {
+      throw pusht::InvalidInput("its config_hash or one of its values does not fit the others");
+    }
+    return configuration;
+  } catch (const json::exception& error) {
+    throw pusht::InvalidInput(error.what());
+  }
 }
 
 json metrics(const RunConfiguration& configuration, const Summary& summary) {
   json metrics = describe(configuration);
   metrics.update({
       // The course's keys.
-      {"episodes", summary.episodes},
       {"mj_success_rate", roundToMicro(summary.reference.rate)},
       {"engine_success_rate", roundToMicro(summary.engine.rate)},
       {"mean_pos_divergence_m", roundToMicro(summary.position_divergence.value)},
@@ -129,6 +155,15 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
   return metrics;
 }
 
+std::string doubtAboutPolicy(const RunConfiguration& configuration, const Summary& summary) {
+  if (configuration.policy == pusht::kUntrainedPolicy || summary.reference.successes > 0) {
+    return "";
+  }
+  return "policy " + configuration.policy +
+         " never succeeds in the reference, the simulator it was trained in. It looks untrained or stale: the figures "
+         "measure the policy, not the gap between the simulators.";
+}
+
 std::string jsonText(const json& json) {
   constexpr int kIndent = 2;
   return json.dump(kIndent, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
@@ -139,18 +174,18 @@ std::string episodesCsv(const std::vector<EpisodeResult>& episodes) {
       "episode,seed,mode,steps,success,final_position_error_m,final_angle_error_rad,"
       "mean_position_divergence_m,mean_angle_divergence_rad\n";
   for (const EpisodeResult& episode : episodes) {
-    for (const Mode mode : {kReferenceClosed, kEngineClosed, kEngineReplay}) {
+    for (const Mode mode : kModes) {
       csv += csvRow(episode, mode);
     }
   }
   return csv;
 }
 
-std::string table(const Summary& summary) {
+std::string table(const RunConfiguration& configuration, const Summary& summary) {
   constexpr std::size_t kFirst = 24;
   constexpr std::size_t kColumn = 30;
   const std::string transfer = summary.transfer ? fixedText(100.0 * *summary.transfer, 0) + " %" : "undefined";
-  return padded("", kFirst) + padded("MuJoCo (reference)", kColumn) + "two-mass engine\n" +
+  return padded("", kFirst) + padded(configuration.reference + " (reference)", kColumn) + configuration.engine + "\n" +
          padded("success, closed loop", kFirst) + padded(cell(summary.reference), kColumn) + cell(summary.engine) +
          "\n" + padded("transfer", kFirst) + padded("", kColumn) + transfer + "\n" +
          padded("divergence, open loop", kFirst) + padded("position", kColumn) +

@@ -22,7 +22,9 @@ constexpr const char* kMetrics = "metrics.json";
 constexpr const char* kEpisodes = "episodes.csv";
 constexpr const char* kProvenance = "provenance.json";
 constexpr const char* kStatus = "status.json";
-constexpr std::array<const char*, 4> kResults = {kMetrics, kEpisodes, kProvenance, kStatus};
+constexpr const char* kBag = "compare.bag";
+constexpr const char* kKilledBag = "compare.bag.part";  // of a run that was killed
+constexpr std::array<const char*, 6> kResults = {kMetrics, kEpisodes, kProvenance, kStatus, kBag, kKilledBag};
 
 void refuseUnlessFolder(const fs::path& path) {
   std::error_code ignored;
@@ -43,7 +45,8 @@ void refuseResults(const fs::path& path) {
 
 }  // namespace
 
-RunFolder::RunFolder(fs::path path, bool overwrite) : path_(std::move(path)), overwrite_(overwrite) {
+RunFolder::RunFolder(fs::path path, bool overwrite, std::string command)
+    : path_(std::move(path)), overwrite_(overwrite), command_(std::move(command)) {
   if (path_.empty()) {
     return;  // begin() finds one
   }
@@ -66,7 +69,7 @@ void RunFolder::create() {
   } else {
     fs::create_directories("results", error);
     for (int number = 1; !error; ++number) {
-      path_ = fs::path("results") / ("compare-" + std::to_string(number));
+      path_ = fs::path("results") / (command_ + "-" + std::to_string(number));
       if (fs::create_directory(path_, error)) {  // one of several runs at once gets it
         break;
       }
@@ -103,17 +106,20 @@ void RunFolder::begin(const nlohmann::json& provenance) {
   pusht::writeFile(path_ / kProvenance, jsonText(provenance));
 }
 
-void RunFolder::finish(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes) {
+fs::path RunFolder::bagPath() const { return path_ / kBag; }
+
+void RunFolder::finish(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes,
+                       int faults_survived) {
   const auto count = static_cast<int>(episodes.size());
   try {
     pusht::writeFile(path_ / kEpisodes, episodesCsv(episodes));
     pusht::writeFile(path_ / kMetrics, jsonText(metrics(configuration, summarize(episodes))));
-    writeStatus({pusht::ExitCode::kOk, "finished", count, count});
+    writeStatus({pusht::ExitCode::kOk, "finished", count, count, faults_survived});
   } catch (const pusht::RuntimeFault& fault) {
     std::error_code ignored;
     fs::remove(path_ / kMetrics, ignored);  // it would speak for a run that failed
     try {
-      writeStatus({fault.exitCode(), fault.what(), count, count});
+      writeStatus({fault.exitCode(), fault.what(), count, count, faults_survived});
     } catch (const pusht::RuntimeFault&) {
       // The first fault is the one to report.
     }
@@ -128,11 +134,23 @@ void RunFolder::abandon(const std::vector<EpisodeResult>& episodes, const RunSta
   writeStatus(status);
 }
 
-void RunFolder::writeStatus(const RunStatus& status) const {
-  pusht::writeFile(path_ / kStatus, jsonText({{"exit_code", static_cast<int>(status.exit_code)},
-                                              {"reason", status.reason},
-                                              {"episodes_finished", status.episodes_finished},
-                                              {"episodes", status.episodes}}));
+void RunFolder::refuse(const RunStatus& status) {
+  create();
+  lock();
+  if (!overwrite_) {
+    refuseResults(path_);
+  }
+  writeStatus(status);
+}
+
+void RunFolder::writeStatus(const RunStatus& status) const { pusht::writeFile(path_ / kStatus, statusText(status)); }
+
+std::string statusText(const RunStatus& status) {
+  return jsonText({{"exit_code", static_cast<int>(status.exit_code)},
+                   {"reason", status.reason},
+                   {"episodes_finished", status.episodes_finished},
+                   {"episodes", status.episodes},
+                   {"faults_survived", status.faults_survived}});
 }
 
 }  // namespace sim2sim

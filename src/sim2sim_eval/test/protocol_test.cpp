@@ -17,6 +17,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
+#include "sim2sim_eval/report.hpp"
 
 namespace sim2sim {
 namespace {
@@ -65,8 +66,8 @@ std::vector<EpisodeResult> run(const Protocol& protocol, const std::function<Wor
   int delivered = 0;
   runProtocol(
       protocol, make_worlds, policy,
-      [&](const EpisodeResult& episode) {
-        episodes.at(static_cast<std::size_t>(episode.index)) = episode;
+      [&](const Episode& episode) {
+        episodes.at(static_cast<std::size_t>(episode.index() - protocol.first_episode)) = episode.result();
         ++delivered;
       },
       kNeverStop);
@@ -136,6 +137,22 @@ TEST(Protocol, HeldOutSeeds) {
   EXPECT_EQ(episodes[2].seed, 10009U);
 }
 
+/// A run can be split: its parts have the rows of the whole.
+TEST(Protocol, PartsOfARunAreTheRun) {
+  Protocol protocol;
+  protocol.seed = 7;
+  protocol.episodes = 10;
+  pusht::ScriptedExpert expert;
+  const auto whole = run(protocol, enginePairs, expert);
+  protocol.episodes = 4;
+  auto parts = run(protocol, enginePairs, expert);
+  protocol.first_episode = 4;
+  protocol.episodes = 6;
+  const auto rest = run(protocol, enginePairs, expert);
+  parts.insert(parts.end(), rest.begin(), rest.end());
+  EXPECT_EQ(episodesCsv(parts), episodesCsv(whole));
+}
+
 /// The replay gets the reference's actions: in the same engine it is the reference, bit for bit.
 TEST(Protocol, ReplayInTheSameSimulatorDoesNotDiverge) {
   Protocol protocol;
@@ -190,7 +207,7 @@ TEST(Protocol, StopsWhenAsked) {
   ConstantPolicy policy({0.0F, 0.0F});
   int delivered = 0;
   runProtocol(
-      protocol, [] { return ledWorlds(0.05, 0.05); }, policy, [&](const EpisodeResult&) { ++delivered; },
+      protocol, [] { return ledWorlds(0.05, 0.05); }, policy, [&](const Episode&) { ++delivered; },
       [&] { return delivered >= 5; });
   EXPECT_GE(delivered, 5);
   EXPECT_LT(delivered, 5 + kEpisodesInFlight);
@@ -226,7 +243,13 @@ TEST(Protocol, RefusesWhatItCannotRun) {
   EXPECT_THAT(refusal([](Protocol& p) { p.episodes = 1'000'000'000; }), HasSubstr("episodes 1000000000"));
   EXPECT_THAT(refusal([](Protocol& p) { p.horizon = 301; }), HasSubstr("horizon 301"));
   EXPECT_THAT(refusal([](Protocol& p) { p.seed = ~0ULL - 10'000; }), HasSubstr("seed 18446744073709541615"));
-  EXPECT_EQ(refusal([](Protocol& p) { p.seed = 1ULL << 63U; }), "");
+  EXPECT_THAT(refusal([](Protocol& p) { p.first_episode = -1; }), HasSubstr("first_episode -1: must be from 0"));
+  EXPECT_THAT(refusal([](Protocol& p) {
+                p.seed = ~0ULL - 10'060;
+                p.first_episode = 20;
+              }),
+              HasSubstr("10000 + seed + first_episode + episodes must be below 2^64"));
+  EXPECT_EQ(refusal([](Protocol& p) { p.seed = ~0ULL - 10'060; }), "");
 }
 
 TEST(DivergenceBySteps, WrapsAnglesAndStopsWithTheShorterTrace) {

@@ -8,6 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "sim2sim_eval/comparison.hpp"
+
 namespace sim2sim {
 namespace {
 
@@ -31,12 +35,38 @@ std::vector<EpisodeResult> episodesWith(int total, int reference, int engine) {
 }
 
 TEST(ConfigurationHash, IsTheCourses) {
+  EXPECT_EQ(configurationHash(CompareOptions().configuration()), "4d20147498c1");
+  CompareOptions smoke;
+  smoke.smoke = true;
+  EXPECT_EQ(configurationHash(smoke.configuration()), "636a7da5cf2c");
+}
+
+TEST(ConfigurationHash, HasTheKnobsOfAnyEngineInItsOwnOrder) {
   RunConfiguration configuration;
-  EXPECT_EQ(configurationHash(configuration), "4d20147498c1");
+  configuration.knobs = {{"stiffness", 2.0}, {"contact", "boxes"}};
+  EXPECT_EQ(configurationHash(configuration), pusht::md5("50|2.0|boxes|300").substr(0, 12));
+}
+
+TEST(Configuration, IsReadAsItIsDescribed) {
+  RunConfiguration configuration;
+  configuration.protocol = {~0ULL - 20'000, 3, 7, 123};
   configuration.smoke = true;
-  configuration.protocol.episodes = 2;
-  configuration.protocol.horizon = 40;
-  EXPECT_EQ(configurationHash(configuration), "636a7da5cf2c");
+  configuration.policy = "some/policy.pt";
+  configuration.reference = "mujoco";
+  configuration.engine = "mine";
+  configuration.knobs = {{"stiffness", 0.1}, {"contact", "boxes"}, {"alpha", 1e-320}};
+  const nlohmann::ordered_json description = describe(configuration);
+  const auto read = configurationFrom(nlohmann::ordered_json::parse(description.dump()));
+  EXPECT_EQ(describe(read).dump(), description.dump());
+
+  for (const auto& [key, value] : description.items()) {
+    nlohmann::ordered_json bad = description;
+    bad.erase(key);
+    EXPECT_THROW(configurationFrom(bad), pusht::InvalidInput) << "without " << key;
+  }
+  nlohmann::ordered_json bad = description;
+  bad["knobs"]["stiffness"] = 0.2;
+  EXPECT_THROW(configurationFrom(bad), pusht::InvalidInput) << "the hash is of other knobs";
 }
 
 TEST(Summarize, CountsTheClosedLoopsAndAveragesTheReplay) {
@@ -52,15 +82,32 @@ TEST(Summarize, TransferIsUndefinedWithoutReferenceSuccess) {
   const Summary summary = summarize(episodesWith(5, 0, 1));
   EXPECT_FALSE(summary.transfer);
   EXPECT_TRUE(metrics({}, summary).at("transfer").is_null());
-  EXPECT_THAT(table(summary), HasSubstr("undefined"));
+  EXPECT_THAT(table({}, summary), HasSubstr("undefined"));
+}
+
+TEST(DoubtAboutPolicy, IsRaisedWhereATrainedOneNeverSucceedsAtHome) {
+  RunConfiguration configuration;
+  configuration.policy = "stale.pt";
+  EXPECT_THAT(doubtAboutPolicy(configuration, summarize(episodesWith(5, 0, 1))),
+              HasSubstr("policy stale.pt never succeeds in the reference"));
+  EXPECT_EQ(doubtAboutPolicy(configuration, summarize(episodesWith(5, 1, 0))), "");
+  configuration.policy = "fresh-untrained";
+  EXPECT_EQ(doubtAboutPolicy(configuration, summarize(episodesWith(5, 0, 0))), "");
 }
 
 TEST(Metrics, HasTheCoursesKeysAtTheTopSortedAndRounded) {
   RunConfiguration configuration;
   configuration.policy = "some/policy.pt";
+  configuration.protocol.first_episode = 5;
+  configuration.protocol.episodes = 3;
+  configuration.reference = "mujoco";
+  configuration.engine = "two_mass";
   const std::string text = jsonText(metrics(configuration, summarize(episodesWith(3, 2, 1))));
   const nlohmann::json json = nlohmann::json::parse(text);
   EXPECT_EQ(json.at("episodes"), 3);
+  EXPECT_EQ(json.at("first_episode"), 5);
+  EXPECT_EQ(json.at("reference_simulator"), "mujoco");
+  EXPECT_EQ(json.at("engine_simulator"), "two_mass");
   EXPECT_EQ(json.at("seed"), 0);
   EXPECT_EQ(json.at("smoke"), false);
   EXPECT_EQ(json.at("policy"), "some/policy.pt");
@@ -96,7 +143,11 @@ TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
 }
 
 TEST(Table, ShowsRatesWithIntervals) {
-  const std::string text = table(summarize(episodesWith(50, 31, 10)));
+  RunConfiguration configuration;
+  configuration.reference = "mujoco";
+  configuration.engine = "two_mass";
+  const std::string text = table(configuration, summarize(episodesWith(50, 31, 10)));
+  EXPECT_THAT(text, HasSubstr("mujoco (reference)"));
   EXPECT_THAT(text, HasSubstr("31  0.620 [0.482, 0.741]"));
   EXPECT_THAT(text, HasSubstr("10  0.200 [0.112, 0.330]"));
   EXPECT_THAT(text, HasSubstr("32 %"));

@@ -13,7 +13,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Set
 
 import rosbag  # type: ignore[import]
 import rospkg  # type: ignore[import]
@@ -67,10 +67,11 @@ class CommandCase(unittest.TestCase):
         return self.run_command(COMPARE, *arguments, environment=environment)
 
     def finished(self, *arguments: str, out: str = "out", **named: Any) -> Dict[str, Any]:
-        """The metrics of a run that must succeed."""
+        """The metrics of a comparison that must succeed."""
         process = self.compare(*arguments, "--out", out, **named)
         self.assertEqual(process.returncode, 0, process.stderr)
-        self.assertEqual({file.name for file in (self.folder / out).iterdir()}, RESULTS)
+        recorded = {"compare.bag"} if "--record" in arguments else set()
+        self.assertEqual(self.files(out), RESULTS | recorded)
         return self.load(out, "metrics.json")
 
     def refused(self, code: int, *arguments: str, out: str = "out", **named: Any) -> str:
@@ -90,10 +91,15 @@ class CommandCase(unittest.TestCase):
         self.assertFalse((self.folder / "out" / "metrics.json").exists())
         return process.stderr
 
-    def assert_one_line(self, process: "subprocess.CompletedProcess[str]", code: int) -> None:
+    def assert_one_line(
+        self, process: "subprocess.CompletedProcess[str]", code: int, command: str = "compare"
+    ) -> None:
         self.assertEqual(process.returncode, code, process.stderr)
         self.assertEqual(process.stderr.count("\n"), 1, process.stderr)
-        self.assertTrue(process.stderr.startswith("compare: "), process.stderr)
+        self.assertTrue(process.stderr.startswith(f"{command}: "), process.stderr)
+
+    def files(self, out: str) -> Set[str]:
+        return {file.name for file in (self.folder / out).iterdir()}
 
     def load(self, out: str, name: str) -> Dict[str, Any]:
         content: Dict[str, Any] = json.loads((self.folder / out / name).read_text())
@@ -136,7 +142,8 @@ class Measurement(CommandCase):
             ).read_text()
         )
         self.assertEqual(provenance["policy"]["sha256"], recorded["checkpoint"]["sha256"])
-        self.assertEqual(self.load("out", "status.json")["reason"], "finished")
+        status = self.load("out", "status.json")
+        self.assertEqual((status["reason"], status["faults_survived"]), ("finished", 0))
 
     def test_shipped_policys_provenance_tells_its_evaluation(self) -> None:
         path = Path(
@@ -165,6 +172,19 @@ class Measurement(CommandCase):
             float(r["mean_angle_divergence_rad"]) for r in rows if r["mode"] == "engine_replay"
         ]
         self.assertAlmostEqual(sum(replays) / 6, metrics["mean_ang_divergence_rad"], delta=1e-6)
+
+    def test_run_can_be_split(self) -> None:
+        self.finished("--policy", "expert", "--episodes", "5", out="whole")
+        self.finished("--policy", "expert", "--episodes", "2", out="a")
+        metrics = self.finished(
+            "--policy", "expert", "--first-episode", "2", "--episodes", "3", out="b"
+        )
+        self.assertEqual((metrics["first_episode"], metrics["episodes"]), (2, 3))
+        rows = {
+            out: (self.folder / out / "episodes.csv").read_text().splitlines(keepends=True)
+            for out in ("whole", "a", "b")
+        }
+        self.assertEqual(rows["whole"], rows["a"] + rows["b"][1:])
 
     def test_knobs_change_the_engine_and_nothing_else(self) -> None:
         self.finished("--policy", "expert", "--episodes", "3", out="a")
@@ -216,6 +236,19 @@ class ResultsFolder(CommandCase):
         self.assertEqual(self.result_bytes("out"), before)
         self.finished("--smoke", "--seed", "1", "--overwrite")
         self.assertNotEqual(self.result_bytes("out"), before)
+
+    def test_bag_belongs_to_the_results(self) -> None:
+        for name in ("compare.bag", "compare.bag.part"):
+            (self.folder / name).mkdir()
+            bag = self.folder / name / name
+            bag.write_bytes(b"mine")
+            process = self.compare("--smoke", "--out", name)
+            self.assert_one_line(process, 2)
+            self.assertIn(f"holds results ({name})", process.stderr)
+            self.assertEqual(bag.read_bytes(), b"mine")
+            process = self.compare("--smoke", "--out", name, "--overwrite")
+            self.assertEqual(process.returncode, 0, process.stderr)
+            self.assertEqual(self.files(name), RESULTS)
 
     def test_runs_at_once_get_folders_of_their_own(self) -> None:
         runs = [
@@ -337,6 +370,7 @@ class Faults(CommandCase):
             (["--episodes", "1000000000"], "episodes 1000000000: must be from 1 to"),
             (["--episodes", "ten"], "--episodes"),
             (["--episodes", "010"], "'010': must be a decimal integer"),
+            (["--first-episode", "2000000000"], "first_episode 2000000000: must be from 0 to"),
             (["--seed", ""], "'': must be a decimal integer"),
             (["--seed", "0x10"], "'0x10': must be a decimal integer"),
             (["--pusher_mass", "1e-320"], "pusher_mass 1e-320"),
@@ -368,7 +402,7 @@ class Faults(CommandCase):
         process = self.compare("--smoke", "--out", "out")
         self.assert_one_line(process, 4)
         self.assertIn("metrics.json: No space left on device", process.stderr)
-        self.assertEqual({f.name for f in out.iterdir()}, RESULTS - {"metrics.json"})
+        self.assertEqual(self.files("out"), RESULTS - {"metrics.json"})
 
     def test_f22_bag_that_cannot_be_written(self) -> None:
         limited = f"ulimit -f 20; exec {DEMONSTRATE} --episodes 50 --out demonstrations.bag"
@@ -398,7 +432,7 @@ class Faults(CommandCase):
         os.close(writer)
         self.assert_one_line(process, 4)
         self.assertIn("cannot write to stdout", process.stderr)
-        self.assertEqual({file.name for file in (self.folder / "out").iterdir()}, RESULTS)
+        self.assertEqual(self.files("out"), RESULTS)
 
     def test_f22_folder_that_cannot_be_made(self) -> None:
         self.assert_one_line(self.compare("--smoke", "--out", "/proc/none/out"), 4)
@@ -424,8 +458,7 @@ class Faults(CommandCase):
             status = self.load(out, "status.json")
             self.assertIn("interrupted after", status["reason"])
             self.assertIn("NOT A WHOLE RUN", printed)
-            files = {file.name for file in (self.folder / out).iterdir()}
-            self.assertEqual(files, RESULTS - {"metrics.json"})
+            self.assertEqual(self.files(out), RESULTS - {"metrics.json"})
             rows = (self.folder / out / "episodes.csv").read_text().splitlines()
             self.assertEqual(len(rows), 1 + 3 * status["episodes_finished"])
             self.assertGreater(status["episodes_finished"], 0)

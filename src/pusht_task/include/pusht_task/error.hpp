@@ -2,7 +2,7 @@
 /// The ways in which the suite fails. What an error means to a caller is its exit code.
 #pragma once
 
-#include <stdexcept>
+#include <exception>
 #include <string>
 
 namespace pusht {
@@ -16,13 +16,18 @@ enum class ExitCode {
 };
 
 /// An error with a message of one line that names the thing, its value and the rule it breaks.
-class Error : public std::runtime_error {
+class Error : public std::exception {
  public:
-  Error(ExitCode exit_code, const std::string& message) : std::runtime_error(message), exit_code_(exit_code) {}
+  Error(ExitCode exit_code, const std::string& message) : exit_code_(exit_code), message_(message) {}
   ExitCode exitCode() const { return exit_code_; }
+  const char* what() const noexcept override { return message_.c_str(); }
+
+  /// Says in front of the message where the error came up; for whoever catches and rethrows it.
+  void addContext(const std::string& context) { message_ = context + ": " + message_; }
 
  private:
   ExitCode exit_code_;
+  std::string message_;
 };
 
 struct InvalidInput : Error {

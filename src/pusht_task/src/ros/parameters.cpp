@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
+#include <system_error>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
@@ -139,6 +141,14 @@ double ParameterReader::real(const std::string& key, double fallback) {
   return realFromText(key, textOf(*value));
 }
 
+double ParameterReader::positive(const std::string& key, double fallback) {
+  const double value = real(key, fallback);
+  if (!std::isfinite(value) || value <= 0.0) {
+    refuse(key, "must be finite and > 0");
+  }
+  return value;
+}
+
 std::uint64_t ParameterReader::seed(const std::string& key, std::uint64_t fallback) {
   const XmlRpcValue* value = find(key);
   if (value == nullptr) {
@@ -163,6 +173,17 @@ Parameters ParameterReader::changes(const Parameters& defaults) {
     }
   }
   return changes;
+}
+
+void ParameterReader::enterWorkingDirectory() {
+  const std::string path = text("working_directory", "");
+  std::error_code error;
+  if (!path.empty()) {
+    std::filesystem::current_path(path, error);
+  }
+  if (error) {
+    refuse("working_directory", "must be a folder: " + error.message());
+  }
 }
 
 void ParameterReader::refuseUnknown() const {

@@ -37,9 +37,9 @@ pusht_msgs::ActResponse PolicySession::act(const pusht_msgs::ActRequest& request
     }
     actions_.resize(queries_.size());
     model_.policy->act(queries_, actions_);
-  } catch (const Error& refusal) {
+  } catch (const std::exception& refusal) {
     response.message = refusal.what();
-    response.exit_code = static_cast<int>(refusal.exitCode());
+    response.exit_code = static_cast<int>(exitCodeOf(refusal));
     return response;
   }
 

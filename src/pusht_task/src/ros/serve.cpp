@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_task/ros/serve.hpp"
 
-#include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/ros.h>
 #include <tf2_ros/transform_broadcaster.h>
 
@@ -10,31 +9,13 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/ros/conversions.hpp"
+#include "pusht_task/ros/health.hpp"
 #include "pusht_task/ros/node.hpp"
 #include "pusht_task/ros/transforms.hpp"
-#include <visualization_msgs/MarkerArray.h>
+#include "pusht_task/ros/world_markers.hpp"
 
 namespace pusht {
 namespace {
-
-using diagnostic_updater::DiagnosticStatusWrapper;
-
-/// Publishes a node's health once a second, on the steady clock.
-class Health {
- public:
-  Health(const std::string& hardware_id, const std::function<void(DiagnosticStatusWrapper&)>& report) {
-    updater_.setHardwareID(hardware_id);
-    updater_.add("requests", report);
-    timer_ = ros::NodeHandle().createSteadyTimer(ros::WallDuration(1.0),
-                                                 [this](const ros::SteadyTimerEvent&) { updater_.force_update(); });
-  }
-  Health(const Health&) = delete;
-  Health& operator=(const Health&) = delete;
-
- private:
-  diagnostic_updater::Updater updater_;
-  ros::SteadyTimer timer_;
-};
 
 /// How requests fared.
 struct Tally {
@@ -68,14 +49,14 @@ class SimulatorNode {
         node_(node),
         state_(node_.advertise<pusht_msgs::WorldStateStamped>("state", kQueue)),
         markers_(node_.advertise<visualization_msgs::MarkerArray>("markers", 1, true)),
-        health_(model.name, [this](DiagnosticStatusWrapper& status) { tally_.report(status); }),
+        health_(model.name, "requests", [this](DiagnosticStatusWrapper& status) { tally_.report(status); }),
         session_(std::move(model), changes, frame_prefix,
                  [this](const pusht_msgs::WorldStateStamped& update) { publish(update); }),
         services_{node_.advertiseService("reset", &SimulatorNode::reset, this),
                   node_.advertiseService("step", &SimulatorNode::step, this),
                   node_.advertiseService("configure", &SimulatorNode::configure, this),
                   node_.advertiseService("describe", &SimulatorNode::describe, this)} {
-    markers_.publish(visualization_msgs::MarkerArray());
+    markers_.publish(worldMarkers(frame_prefix_));
   }
 
  private:
@@ -118,7 +99,7 @@ class PolicyNode {
  public:
   PolicyNode(const ros::NodeHandle& node, PolicyModel model)
       : node_(node),
-        health_(model.name, [this](DiagnosticStatusWrapper& status) { tally_.report(status); }),
+        health_(model.name, "requests", [this](DiagnosticStatusWrapper& status) { tally_.report(status); }),
         session_(std::move(model)),
         services_{node_.advertiseService("act", &PolicyNode::act, this),
                   node_.advertiseService("describe", &PolicyNode::describe, this)} {}
@@ -143,7 +124,7 @@ class PolicyNode {
 /// Serves nothing but the error of a node that failed at start, until the node ends.
 void serveFailure(ros::NodeHandle& node, const std::exception& failure) {
   const pusht_msgs::DescribeResponse answer = describeFailure(failure);
-  const Health health("none", [&](DiagnosticStatusWrapper& status) {
+  const Health health("none", "requests", [&](DiagnosticStatusWrapper& status) {
     status.summary(diagnostic_msgs::DiagnosticStatus::ERROR, answer.message);
   });
   using Callback = boost::function<bool(pusht_msgs::DescribeRequest&, pusht_msgs::DescribeResponse&)>;
@@ -163,6 +144,7 @@ int serve(int argc, char** argv, const std::string& node_name,
     std::shared_ptr<void> served;
     try {
       ParameterReader parameters(node);
+      parameters.enterWorkingDirectory();
       served = make(node, parameters);
     } catch (const std::exception& failure) {
       reportFailure(node_name, failure);

@@ -21,6 +21,9 @@ ServedPolicy::ServedPolicy(const Peer& peer) : act_(peer, "act") {}
 std::unique_ptr<Policy::Memory> ServedPolicy::begin() const { return std::make_unique<ServedRollout>(rollouts_++); }
 
 void ServedPolicy::act(Span<const Query> queries, Span<Action> actions) {
+  if (queries.empty()) {
+    return;
+  }
   pusht_msgs::ActRequest request;
   request.queries.resize(queries.size());
   for (std::size_t row = 0; row < queries.size(); ++row) {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_task/ros/simulator_session.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/numbers.hpp"
 #include "pusht_task/ros/conversions.hpp"
 #include "pusht_task/ros/node.hpp"
 #include "pusht_task/spawn.hpp"
@@ -35,11 +37,11 @@ Response answer(const std::string& instance_id, const Serve& serve) {
   try {
     serve(response);
     response.success = 1;
-  } catch (const Error& refusal) {
+  } catch (const std::exception& refusal) {
     response = Response();
     response.success = 0;
     response.message = refusal.what();
-    response.exit_code = static_cast<int>(refusal.exitCode());
+    response.exit_code = static_cast<int>(exitCodeOf(refusal));
   }
   response.instance_id = instance_id;
   return response;
@@ -69,7 +71,14 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
   return answer<pusht_msgs::ResetResponse>(instance_id_, [&](pusht_msgs::ResetResponse& response) {
     const WorldState start = startOf(request);
     const ros::Time stamp = nextStamp(request.stamp);
-    configured_.simulator->reset(start);
+    try {
+      configured_.simulator->reset(start);
+    } catch (const InvalidInput&) {
+      throw;  // refused; the world is as it was
+    } catch (const std::exception&) {
+      episode_.reset();
+      throw;
+    }
     stamp_ = stamp;
     response.success = 1;
     response.instance_id = instance_id_;
@@ -96,7 +105,7 @@ pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& r
       configured_.simulator->step(action);
     } catch (const InvalidInput&) {
       throw;  // refused; the world is as it was
-    } catch (const Error&) {
+    } catch (const std::exception&) {
       episode_->failed = true;
       throw;
     }
@@ -138,7 +147,7 @@ pusht_msgs::DescribeResponse SimulatorSession::describe() const {
 }
 
 bool SimulatorSession::isRepeated(const pusht_msgs::ResetRequest& request) const {
-  return episode_ && episode_->steps == 0 && !request.stamp.isZero() && request.stamp == episode_->start &&
+  return episode_ && !episode_->failed && episode_->steps == 0 && !request.stamp.isZero() && request.stamp == episode_->start &&
          request.episode == episode_->index;
 }
 
@@ -164,6 +173,10 @@ void SimulatorSession::requireStep(const pusht_msgs::StepRequest& request) const
   if (episode_->steps >= episode_->horizon) {
     throw InvalidInput("step " + std::to_string(episode_->steps) + ": the horizon of " +
                        std::to_string(episode_->horizon) + " control steps is reached");
+  }
+  if (!std::isfinite(request.action[0]) || !std::isfinite(request.action[1])) {
+    throw InvalidInput("action (" + shortestText(request.action[0]) + ", " + shortestText(request.action[1]) +
+                       "): must be finite");
   }
 }
 

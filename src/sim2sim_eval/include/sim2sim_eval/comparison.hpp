@@ -3,26 +3,31 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <cstdint>
 #include <string>
 
 #include "pusht_engine/two_mass_engine.hpp"
+#include "pusht_policy/policy_choice.hpp"
+#include "sim2sim_eval/protocol.hpp"
+#include "sim2sim_eval/report.hpp"
 
 namespace sim2sim {
 
 struct CompareOptions {
-  std::string policy = "bc";  ///< a TorchScript file, or "bc" (the shipped one), or "expert"
+  Protocol protocol;
+  std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice
   bool require_policy = false;
-  int episodes = 50;
-  std::uint64_t seed = 0;
   pusht::TwoMassParameters knobs;
-  bool smoke = false;
-  std::string scene;  ///< MJCF file; empty: the installed one
-  std::string out;    ///< results folder; empty: the next free results/compare-N
+  bool smoke = false;  ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
+  std::string scene;   ///< MJCF file; empty: the installed one
+  std::string out;     ///< results folder; empty: the next free results/compare-N
   bool overwrite = false;
+  bool record = false;  ///< write compare.bag
 
   /// Declares the options on a command line.
   void declare(CLI::App& app);
+
+  /// The run they ask for; its policy is the string given.
+  RunConfiguration configuration() const;
 };
 
 /// Runs the protocol, writes the results folder and prints the table. Throws an Error of its kind on failure;

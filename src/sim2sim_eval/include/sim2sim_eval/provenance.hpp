@@ -4,7 +4,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sim2sim_eval/report.hpp"
+
 namespace sim2sim {
+
+/// provenance.json of a run: what policy, reference and engine say of themselves, and what holds for all.
+nlohmann::ordered_json provenance(const RunConfiguration& configuration, const nlohmann::json& policy,
+                                  const nlohmann::json& reference, const nlohmann::json& engine);
 
 /// Version of the suite, compiler, libraries, CPU features.
 nlohmann::json buildAndMachine();

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "pusht_engine/two_mass_engine.hpp"
 #include "sim2sim_eval/protocol.hpp"
 #include "sim2sim_eval/statistics.hpp"
 
@@ -16,13 +15,16 @@ namespace sim2sim {
 /// What decides the bytes of metrics.json and episodes.csv.
 struct RunConfiguration {
   Protocol protocol;
-  pusht::TwoMassParameters knobs;
-  std::string policy;  ///< the string given, or "fresh-untrained"
   bool smoke = false;
-  int nominal_episodes = 50;  ///< as the configuration hash counts them: a smoke run keeps the default
+  std::string policy;     ///< the string given, or "fresh-untrained"
+  std::string reference;  ///< name of the simulator, e.g. "mujoco"
+  std::string engine;     ///< name of the simulator, e.g. "two_mass"
+  /// Of the engine: a real or a text for each name, in the engine's own order.
+  nlohmann::ordered_json knobs = nlohmann::ordered_json::object();
 };
 
-/// First 12 hex digits of the md5 of `episodes|pusher_mass|block_damp|baumgarte|horizon` as Python prints them.
+/// First 12 hex digits of the md5 of `episodes|KNOB|...|horizon` as Python prints them, with the knobs' values. A smoke
+/// run counts as one of the default length, as in the course.
 std::string configurationHash(const RunConfiguration& configuration);
 
 struct SuccessRate {
@@ -44,10 +46,16 @@ struct Summary {
 Summary summarize(const std::vector<EpisodeResult>& episodes);
 
 /// The configuration as JSON; part of metrics.json and of provenance.json.
-nlohmann::json describe(const RunConfiguration& configuration);
+nlohmann::ordered_json describe(const RunConfiguration& configuration);
 
-/// metrics.json: the course's keys and ours, rounded to six decimals.
+/// The configuration that `description` describes. Throws InvalidInput if it describes none.
+RunConfiguration configurationFrom(const nlohmann::ordered_json& description);
+
+/// metrics.json: the course's keys and ours, rounded to six decimals. `summary` is that of the whole run.
 nlohmann::json metrics(const RunConfiguration& configuration, const Summary& summary);
+
+/// Says that the policy looks untrained or stale, if it does; else empty. The course's guard.
+std::string doubtAboutPolicy(const RunConfiguration& configuration, const Summary& summary);
 
 /// The text of a JSON file: sorted keys, indent 2, ASCII.
 std::string jsonText(const nlohmann::json& json);
@@ -55,7 +63,7 @@ std::string jsonText(const nlohmann::json& json);
 /// episodes.csv: one row per episode and mode, reals in shortest round-trip form.
 std::string episodesCsv(const std::vector<EpisodeResult>& episodes);
 
-/// The table that `compare` prints.
-std::string table(const Summary& summary);
+/// The figures of a run for people.
+std::string table(const RunConfiguration& configuration, const Summary& summary);
 
 }  // namespace sim2sim

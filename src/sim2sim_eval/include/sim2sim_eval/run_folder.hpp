@@ -19,15 +19,19 @@ struct RunStatus {
   std::string reason;
   int episodes_finished = 0;
   int episodes = 0;
+  int faults_survived = 0;
 };
+
+/// The text of status.json.
+std::string statusText(const RunStatus& status);
 
 /// Every file in it is complete or absent. metrics.json speaks for a whole run: it is only written by finish().
 class RunFolder {
  public:
-  /// An empty `path` means the first of results/compare-1, -2, ... below the current folder that is not there yet.
+  /// An empty `path` means the first of results/COMMAND-1, -2, ... below the current folder that is not there yet.
   /// Throws InvalidInput if `path` holds results already and must not be overwritten, or is no folder.
   /// Creates nothing.
-  RunFolder(std::filesystem::path path, bool overwrite);
+  RunFolder(std::filesystem::path path, bool overwrite, std::string command = "compare");
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
   ~RunFolder();
@@ -37,12 +41,18 @@ class RunFolder {
   void begin(const nlohmann::json& provenance);
 
   /// The results of a whole run. If they cannot be written, the status says so, and RuntimeFault is thrown.
-  void finish(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes);
+  void finish(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes, int faults_survived);
 
   /// The finished episodes of a run that ended early.
   void abandon(const std::vector<EpisodeResult>& episodes, const RunStatus& status) const;
 
+  /// Only says why there was no run. Throws as begin() does.
+  void refuse(const RunStatus& status);
+
   const std::filesystem::path& path() const { return path_; }
+
+  /// Where the run's bag belongs; whoever records writes it.
+  std::filesystem::path bagPath() const;
 
  private:
   void writeStatus(const RunStatus& status) const;
@@ -52,6 +62,7 @@ class RunFolder {
 
   std::filesystem::path path_;
   bool overwrite_;
+  std::string command_;
   int lock_ = -1;  // file descriptor of the folder
 };
 

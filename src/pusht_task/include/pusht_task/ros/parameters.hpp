@@ -6,6 +6,7 @@
 #include <ros/node_handle.h>
 
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -34,11 +35,16 @@ class ParameterReader {
   int integer(const std::string& key, int fallback);
   /// Integers are accepted.
   double real(const std::string& key, double fallback);
+  /// A real that is finite and above 0.
+  double positive(const std::string& key, double fallback);
   /// A uint64 as text, since integers of the parameter server have 32 bits; those are accepted too.
   std::uint64_t seed(const std::string& key, std::uint64_t fallback);
 
   /// Those of `defaults` that are set, as text.
   Parameters changes(const Parameters& defaults);
+
+  /// Makes relative paths mean what they mean to the user: the parameter `working_directory` is where he stands.
+  void enterWorkingDirectory();
 
   /// Throws InvalidInput for a parameter that nobody has asked for, with those that there are.
   void refuseUnknown() const;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// A policy by its name.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "pusht_task/policy.hpp"
+
+namespace pusht {
+
+constexpr const char* kShippedPolicy = "bc";
+constexpr const char* kExpertPolicy = "expert";
+constexpr const char* kUntrainedPolicy = "fresh-untrained";
+
+struct PolicyChoice {
+  std::string policy = kShippedPolicy;  ///< a TorchScript file, or one of the names above
+  bool require_policy = false;          ///< a file that is not there is an error, not a warning
+  std::uint64_t untrained_seed = 0;     ///< of the weights, where an untrained policy runs
+};
+
+struct ChosenPolicy {
+  std::unique_ptr<Policy> policy;
+  std::string name;           ///< the string given, or "fresh-untrained"
+  nlohmann::json provenance;  ///< what its numbers depend on
+  std::string warning;        ///< says that something else runs than was asked for; else empty
+};
+
+/// `shipped` is the checkpoint that "bc" names. Throws as NetworkPolicy::load does.
+ChosenPolicy choosePolicy(const PolicyChoice& choice, const std::filesystem::path& shipped);
+
+}  // namespace pusht

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// A policy as a node.
+#include <ros/console.h>
+
+#include <utility>
+
+#include "pusht_policy/policy_choice.hpp"
+#include "pusht_task/ros/installed_file.hpp"
+#include "pusht_task/ros/serve.hpp"
+
+namespace {
+
+pusht::PolicyModel load(pusht::ParameterReader& parameters) {
+  pusht::PolicyChoice choice;
+  choice.policy = parameters.text("policy", choice.policy);
+  choice.require_policy = parameters.flag("require_policy", choice.require_policy);
+  choice.untrained_seed = parameters.seed("seed", choice.untrained_seed);
+  pusht::ChosenPolicy chosen =
+      pusht::choosePolicy(choice, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"));
+  if (!chosen.warning.empty()) {
+    ROS_WARN_STREAM(chosen.warning);
+  }
+  pusht::PolicyModel model;
+  model.name = std::move(chosen.name);
+  model.version = PUSHT_POLICY_VERSION;
+  model.policy = std::move(chosen.policy);
+  model.provenance = std::move(chosen.provenance);
+  return model;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return pusht::servePolicy(argc, argv, "policy", load); }

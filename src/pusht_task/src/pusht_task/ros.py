@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Serves a plain Python object as a simulator node or a policy node.
+
+    class Mine:  # one world; see sessions.Simulator
+        def __init__(self, friction: float) -> None: ...
+        def reset(self, start: WorldState) -> WorldState: ...
+        def step(self, action: np.ndarray) -> WorldState: ...
+
+    sys.exit(serve_simulator(Mine, name="mine", version="1.0", parameters={"friction": 0.3}))
+
+It then has the services, topics and frames of every other simulator, and keeps the same rules.
+"""
+
+import math
+import sys
+import xmlrpc.client
+from types import MappingProxyType
+from typing import Any, Callable, Dict, List, Mapping
+
+import rosgraph  # type: ignore[import]
+import rospy  # type: ignore[import]
+import tf2_ros  # type: ignore[import]
+from diagnostic_msgs.msg import (  # type: ignore[import]
+    DiagnosticArray,
+    DiagnosticStatus,
+    KeyValue,
+)
+from geometry_msgs.msg import TransformStamped  # type: ignore[import]
+from pusht_msgs.msg import WorldStateStamped  # type: ignore[import]
+from pusht_msgs.srv import Act as ActService  # type: ignore[import]
+from pusht_msgs.srv import Configure, Describe, Reset, Step
+
+from pusht_task.sessions import (
+    Act,
+    ExitCode,
+    FailedStart,
+    Identity,
+    PolicySession,
+    Simulator,
+    SimulatorSession,
+    Value,
+    merged,
+)
+from pusht_task.task import PUSHER_FRAME_HEIGHT, TEE_FRAME_HEIGHT
+
+QUEUE = 1000  # messages to a slow subscriber
+PERIOD = 1.0  # [s] of the diagnostics and of the checks of the master
+MASTER_DEADLINE = 2.0  # [s] for its answer
+MASTER_PATIENCE = 3  # checks in a row that fail
+
+
+def serve_simulator(
+    make: Callable[..., Simulator],
+    *,
+    name: str,
+    version: str,
+    parameters: Mapping[str, Value] = MappingProxyType({}),
+) -> int:
+    """The main of a simulator node: serves what `make(**parameters)` gives; returns the exit code.
+
+    `parameters` are the knobs and switches with their defaults. They are private parameters of the
+    node, and ~configure makes the simulator anew with others. `make` raises ValueError, with name,
+    value and rule, for a value that it does not like.
+    """
+
+    def start(identity: Identity) -> SimulatorSession:
+        defaults = {"frame_prefix": rospy.get_name().lstrip("/"), **parameters}
+        values = _private_parameters(defaults)
+        frame_prefix = str(values.pop("frame_prefix"))
+        publisher = _WorldPublisher(frame_prefix)
+        return SimulatorSession(make, values, identity, frame_prefix, publisher.publish)
+
+    services = {"reset": Reset, "step": Step, "configure": Configure}
+    return _serve(start, services, Identity(name, version))
+
+
+def serve_policy(act: Act, *, name: str, version: str) -> int:
+    """The main of a policy node: serves `act`; returns the exit code.
+
+    `act` maps observations, float32 [n, 10] as in Query.msg, to n commanded pusher velocities
+    [m/s]. It has no memory and treats every row alike, whatever the others are.
+    """
+
+    def start(identity: Identity) -> PolicySession:
+        _private_parameters({})
+        return PolicySession(act, identity)
+
+    return _serve(start, {"act": ActService}, Identity(name, version))
+
+
+def _serve(
+    start: Callable[[Identity], Any], services: Mapping[str, Any], identity: Identity
+) -> int:
+    """Serves the methods of what `start` gives; if it fails, only `describe`, with the error."""
+    if not _master_answers():
+        uri = rosgraph.get_master_uri()
+        hint = "start roscore, or use roslaunch"
+        print(f"{identity.name}: no ROS master at {uri}: {hint}", file=sys.stderr)
+        return ExitCode.RUNTIME_FAULT
+    rospy.init_node(identity.name)
+    session: Any
+    try:
+        session = start(identity)
+        health = _Health(identity, DiagnosticStatus.OK, "serving")
+        for service, service_type in services.items():
+            handler = health.counting(getattr(session, service))
+            rospy.Service(f"~{service}", service_type, handler)
+        exit_code = ExitCode.OK
+    except Exception as failure:
+        session = FailedStart(failure, identity)
+        health = _Health(identity, DiagnosticStatus.ERROR, session.message)
+        exit_code = session.exit_code
+        rospy.logfatal(session.message)
+    rospy.Service("~describe", Describe, session.describe)
+    return health.watch() or exit_code
+
+
+def _private_parameters(defaults: Mapping[str, Value]) -> Dict[str, Value]:
+    """The node's private parameters on top of `defaults`."""
+    namespace = rospy.get_name()
+    given = rospy.get_param(namespace, {})
+    return merged(defaults, given, f"{namespace}/")
+
+
+def _master_answers() -> bool:
+    """Unlike rosgraph.is_master_online, which may wait for ever, this has a deadline."""
+    try:
+        with xmlrpc.client.ServerProxy(rosgraph.get_master_uri(), _Impatient()) as master:
+            return bool(master.getPid("/pusht_task"))
+    except (OSError, xmlrpc.client.Error, ValueError):
+        return False
+
+
+class _Impatient(xmlrpc.client.Transport):
+    def make_connection(self, host: Any) -> Any:
+        connection = super().make_connection(host)
+        connection.timeout = MASTER_DEADLINE
+        return connection
+
+
+class _WorldPublisher:
+    """A world on ~state and in TF."""
+
+    def __init__(self, frame_prefix: str) -> None:
+        self._state = rospy.Publisher("~state", WorldStateStamped, queue_size=QUEUE)
+        self._broadcaster = tf2_ros.TransformBroadcaster()
+        self._pusher = _transform(frame_prefix, "pusher", PUSHER_FRAME_HEIGHT)
+        self._tee = _transform(frame_prefix, "tee", TEE_FRAME_HEIGHT)
+        self._target = _transform(frame_prefix, "target", 0.0)
+
+    def publish(self, update: WorldStateStamped) -> None:
+        frames = [self._pusher, self._tee, self._target]
+        for frame in frames:
+            frame.header.stamp = update.header.stamp
+        self._pusher.transform.translation.x = update.state.pusher_x
+        self._pusher.transform.translation.y = update.state.pusher_y
+        self._tee.transform.translation.x = update.state.tee_x
+        self._tee.transform.translation.y = update.state.tee_y
+        self._tee.transform.rotation.z = math.sin(0.5 * update.state.tee_yaw)
+        self._tee.transform.rotation.w = math.cos(0.5 * update.state.tee_yaw)
+        self._broadcaster.sendTransform(frames)
+        self._state.publish(update)
+
+
+def _transform(frame_prefix: str, child: str, height: float) -> TransformStamped:
+    transform = TransformStamped()
+    transform.header.frame_id = f"{frame_prefix}/table"
+    transform.child_frame_id = f"{frame_prefix}/{child}"
+    transform.transform.translation.z = height
+    transform.transform.rotation.w = 1.0
+    return transform
+
+
+class _Health:
+    """How a node fares, told once a second."""
+
+    def __init__(self, identity: Identity, level: int, message: str) -> None:
+        self._identity = identity
+        self._level = level
+        self._message = message
+        self._answered = 0
+        self._refused = 0
+        self._last_refusal = ""
+        self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
+
+    def counting(self, serve: Callable[[Any], Any]) -> Callable[[Any], Any]:
+        def counted(request: Any) -> Any:
+            response = serve(request)
+            if response.success:
+                self._answered += 1
+            else:
+                self._refused += 1
+                self._last_refusal = response.message
+                rospy.logwarn("refused: %s", response.message)
+            return response
+
+        return counted
+
+    def watch(self) -> ExitCode:
+        """Returns when the node is shut down, or when the master has died: nobody would find it."""
+        misses = 0
+        try:
+            while not rospy.is_shutdown():
+                self._publish()
+                rospy.rostime.wallsleep(PERIOD)
+                misses = 0 if _master_answers() else misses + 1
+                if misses == MASTER_PATIENCE:
+                    uri = rosgraph.get_master_uri()
+                    print(
+                        f"{self._identity.name}: the ROS master at {uri} has died", file=sys.stderr
+                    )
+                    return ExitCode.RUNTIME_FAULT
+        except (KeyboardInterrupt, rospy.ROSException):  # shut down, perhaps while it publishes
+            pass
+        return ExitCode.OK
+
+    def _publish(self) -> None:
+        values: List[KeyValue] = [
+            KeyValue("answered", str(self._answered)),
+            KeyValue("refused", str(self._refused)),
+            KeyValue("last refusal", self._last_refusal),
+        ]
+        message = DiagnosticArray()
+        message.header.stamp = rospy.Time.now()
+        message.status = [
+            DiagnosticStatus(
+                level=self._level,
+                name=f"{rospy.get_name()[1:]}: requests",
+                message=self._message,
+                hardware_id=self._identity.name,
+                values=values,
+            )
+        ]
+        self._publisher.publish(message)

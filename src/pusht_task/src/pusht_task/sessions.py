@@ -1,0 +1,410 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The rules by which a Python object is served, without a node: requests in, replies out."""
+
+import hashlib
+import json
+import math
+import platform
+import threading
+import traceback
+import uuid
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any, Callable, Dict, List, Mapping, Optional, Protocol, Sequence, Union
+
+import numpy as np
+from genpy import Time  # type: ignore[import]
+from pusht_msgs.msg import Parameter, WorldStateStamped  # type: ignore[import]
+from pusht_msgs.msg import WorldState as WorldStateMessage
+from pusht_msgs.srv import (  # type: ignore[import]
+    ActResponse,
+    ConfigureResponse,
+    DescribeResponse,
+    ResetResponse,
+    StepResponse,
+)
+
+from pusht_task.task import ACTION_LIMIT, CONTROL_STEP, HORIZON, WorldState, spawn, wrap_angle
+
+NANOSECONDS = 10**9  # in a second
+STAMP_STEP = round(CONTROL_STEP * NANOSECONDS)  # [ns]
+KINDS = {bool: "true or false", int: "an integer", float: "a finite number", str: "a text"}
+NEXT = -1  # as the index of a step: the one that comes next
+
+Value = Union[bool, int, float, str]  # of a parameter
+Act = Callable[[np.ndarray], Any]  # float32 [n, 10] to [n, 2], as in Query.msg and Act.srv
+
+
+class Simulator(Protocol):
+    """One world. After an exception it is reset before it is stepped again."""
+
+    def reset(self, start: WorldState) -> WorldState:
+        """Starts from `start`, clears all hidden state; returns the start as it is represented."""
+
+    def step(self, action: np.ndarray) -> WorldState:
+        """One control step with the commanded pusher velocity [m/s], float64 [2] in [-1, 1]."""
+
+
+class ExitCode(IntEnum):
+    OK = 0
+    INVALID_INPUT = 2
+    BAD_DEPENDENCY = 3
+    RUNTIME_FAULT = 4
+    INTERNAL_ERROR = 70
+
+
+class Refusal(Exception):
+    """Why a request is not served: one line that names the thing, its value and the rule."""
+
+    def __init__(self, message: str, exit_code: ExitCode = ExitCode.INVALID_INPUT) -> None:
+        super().__init__(message)
+        self.exit_code = exit_code
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What a node says of itself."""
+
+    name: str  # of the kind of simulator or policy
+    version: str
+    instance_id: str = field(default_factory=lambda: str(uuid.uuid4()))
+
+
+class SimulatorSession:
+    """One served world: which requests it accepts, in which order, and what it answers."""
+
+    def __init__(
+        self,
+        make: Callable[..., Simulator],
+        parameters: Mapping[str, Value],
+        identity: Identity,
+        frame_prefix: str,
+        observer: Callable[[WorldStateStamped], None],
+    ) -> None:
+        """`observer` gets the world after every reset and step that was taken."""
+        self._make = make
+        self._parameters = dict(parameters)
+        self._simulator = _made(make, self._parameters)
+        self._identity = identity
+        self._frame_prefix = frame_prefix
+        self._observer = observer
+        self._lock = threading.Lock()
+        self._stamp = 0  # the last one used [ns]
+        self._closed: Optional[str] = "step before reset: call reset first"  # why no step is taken
+        self._episode = 0
+        self._horizon = 0
+        self._steps = 0  # taken in the episode
+        self._last: Any = None  # answer to the last reset or step that was taken
+
+    def reset(self, request: Any) -> ResetResponse:
+        return self._answer(self._reset, request, ResetResponse)
+
+    def step(self, request: Any) -> StepResponse:
+        return self._answer(self._step, request, StepResponse)
+
+    def configure(self, request: Any) -> ConfigureResponse:
+        return self._answer(self._configure, request, ConfigureResponse)
+
+    def describe(self, _request: Any = None) -> DescribeResponse:
+        with self._lock:
+            return DescribeResponse(
+                success=True,
+                instance_id=self._identity.instance_id,
+                name=self._identity.name,
+                version=self._identity.version,
+                parameters=_parameter_messages(self._parameters),
+                parameters_hash=_hash(self._parameters),
+                provenance=_provenance(),
+                frame_prefix=self._frame_prefix,
+                stamp=_time(self._stamp),
+            )
+
+    def _answer(self, serve: Callable[[Any], Any], request: Any, response_type: Any) -> Any:
+        with self._lock:
+            try:
+                return serve(request)
+            except Refusal as refusal:
+                return _refused(response_type, refusal, self._identity)
+
+    def _reset(self, request: Any) -> ResetResponse:
+        if (
+            isinstance(self._last, ResetResponse)
+            and request.episode == self._episode
+            and request.stamp == self._last.stamp
+        ):
+            return self._last
+        start = _start(request)
+        stamp = self._next_stamp(request.stamp)
+        state = self._simulate("reset", lambda: self._simulator.reset(start))
+        self._episode = request.episode
+        self._horizon = request.horizon or HORIZON
+        self._steps = 0
+        self._stamp = stamp
+        self._last = ResetResponse(
+            success=True,
+            instance_id=self._identity.instance_id,
+            stamp=_time(stamp),
+            state=state,
+        )
+        self._observe((0.0, 0.0))
+        return self._last
+
+    def _step(self, request: Any) -> StepResponse:
+        if self._closed is not None:
+            raise Refusal(self._closed)
+        if request.episode != self._episode:
+            raise Refusal(f"episode {request.episode}: must be {self._episode}, the one under way")
+        if isinstance(self._last, StepResponse) and request.step == self._last.step:
+            return self._last
+        if request.step not in (NEXT, self._steps):
+            raise Refusal(f"step {request.step}: expected {self._steps}")
+        if self._steps >= self._horizon:
+            raise Refusal(
+                f"step {self._steps}: the horizon of {self._horizon} control steps is reached"
+            )
+        if not all(map(math.isfinite, request.action)):
+            raise Refusal("action ({}, {}): must be finite".format(*request.action))
+        stamp = self._next_stamp(request.stamp)
+        action = [min(max(axis, -ACTION_LIMIT), ACTION_LIMIT) for axis in request.action]
+        state = self._simulate("step", lambda: self._simulator.step(np.array(action)))
+        self._stamp = stamp
+        self._last = StepResponse(
+            success=True,
+            instance_id=self._identity.instance_id,
+            stamp=_time(stamp),
+            step=self._steps,
+            state=state,
+        )
+        self._steps += 1
+        self._observe(action)
+        return self._last
+
+    def _configure(self, request: Any) -> ConfigureResponse:
+        mid_episode = self._closed is None and self._steps < self._horizon
+        if mid_episode and not request.end_episode:
+            raise Refusal(
+                f"configure in mid-episode, after {self._steps} of {self._horizon} control steps:"
+                " set end_episode to end it"
+            )
+        changes = {
+            change.name: _from_text(change.value, self._parameters.get(change.name))
+            for change in request.parameters
+        }
+        parameters = merged(self._parameters, changes)
+        self._simulator = _made(self._make, parameters)
+        self._parameters = parameters
+        self._close("step after configure: the world needs a reset")
+        return ConfigureResponse(
+            success=True,
+            instance_id=self._identity.instance_id,
+            parameters=_parameter_messages(parameters),
+        )
+
+    def _simulate(self, what: str, call: Callable[[], WorldState]) -> WorldStateMessage:
+        """The state after `call`. If that fails, the world needs a reset."""
+        self._close("step after a failure: the world needs a reset")
+        try:
+            state = _state_message(call())
+        except Exception as error:
+            raise Refusal(f"{what}: {_described(error)}", ExitCode.RUNTIME_FAULT) from error
+        self._closed = None
+        return state
+
+    def _close(self, reason: str) -> None:
+        self._closed, self._last = reason, None
+
+    def _next_stamp(self, requested: Time) -> int:
+        stamp: int = requested.to_nsec() or self._stamp + STAMP_STEP
+        if stamp <= self._stamp:
+            raise Refusal(
+                f"stamp {_seconds(stamp)}: must be above {_seconds(self._stamp)}, the last one [s]"
+            )
+        if stamp >= 2**32 * NANOSECONDS:
+            raise Refusal(f"stamp {_seconds(stamp)}: must be below 2^32 [s]")
+        return stamp
+
+    def _observe(self, action: Sequence[float]) -> None:
+        update = WorldStateStamped(
+            episode=self._episode, step=self._steps, action=action, state=self._last.state
+        )
+        update.header.stamp = self._last.stamp
+        update.header.frame_id = f"{self._frame_prefix}/table"
+        self._observer(update)
+
+
+class PolicySession:
+    """A served policy without a memory: asked again, it answers the same."""
+
+    def __init__(self, act: Act, identity: Identity) -> None:
+        self._act = act
+        self._identity = identity
+        self._lock = threading.Lock()
+
+    def act(self, request: Any) -> ActResponse:
+        with self._lock:
+            try:
+                actions = self._actions(request.queries)
+            except Refusal as refusal:
+                return _refused(ActResponse, refusal, self._identity)
+        return ActResponse(
+            success=True, instance_id=self._identity.instance_id, actions=actions.ravel().tolist()
+        )
+
+    def describe(self, _request: Any = None) -> DescribeResponse:
+        return DescribeResponse(
+            success=True,
+            instance_id=self._identity.instance_id,
+            name=self._identity.name,
+            version=self._identity.version,
+            provenance=_provenance(),
+        )
+
+    def _actions(self, queries: Sequence[Any]) -> np.ndarray:
+        if not queries:
+            return np.empty((0, 2), dtype=np.float32)
+        observations = np.array([query.observation for query in queries], dtype=np.float32)
+        for query, finite in zip(queries, np.isfinite(observations).all(axis=1)):
+            if not finite:
+                raise Refusal(f"rollout {query.rollout}: observation must be finite")
+        try:
+            actions = np.asarray(self._act(observations), dtype=np.float32)
+        except Exception as error:
+            raise Refusal(f"act: {_described(error)}", ExitCode.RUNTIME_FAULT) from error
+        if actions.shape != (len(queries), 2):
+            raise Refusal(
+                f"act: shape {list(actions.shape)} of the actions: must be [{len(queries)}, 2]",
+                ExitCode.BAD_DEPENDENCY,
+            )
+        return actions
+
+
+class FailedStart:
+    """What is left of a node that failed at start: the error, for whoever asks."""
+
+    def __init__(self, failure: Exception, identity: Identity) -> None:
+        refused = failure if isinstance(failure, Refusal) else unforeseen(failure)
+        self.message = str(refused)
+        self.exit_code = refused.exit_code
+        self._identity = identity
+
+    def describe(self, _request: Any = None) -> DescribeResponse:
+        return DescribeResponse(
+            success=False,
+            message=self.message,
+            exit_code=self.exit_code,
+            instance_id=self._identity.instance_id,
+            name=self._identity.name,
+            version=self._identity.version,
+        )
+
+
+def merged(
+    parameters: Mapping[str, Value], changes: Mapping[str, object], namespace: str = ""
+) -> Dict[str, Value]:
+    """`changes` on top of `parameters`, whose types they must have; an integer is a real too."""
+    result = dict(parameters)
+    for name, value in changes.items():
+        if name not in parameters:
+            raise Refusal(
+                f"parameter {namespace}{name}: there is none of that name;"
+                f" there are: {', '.join(parameters) or 'none'}"
+            )
+        kind = type(parameters[name])
+        if kind is float and type(value) is int:
+            value = float(value)
+        if type(value) is not kind or (isinstance(value, float) and not math.isfinite(value)):
+            raise Refusal(f"parameter {namespace}{name} {value}: must be {KINDS[kind]}")
+        result[name] = value  # type: ignore[assignment]
+    return result
+
+
+def unforeseen(failure: Exception) -> Refusal:
+    return Refusal(_described(failure), ExitCode.INTERNAL_ERROR)
+
+
+def _described(failure: Exception) -> str:
+    """What happened and where, on one line."""
+    message = " ".join(str(failure).split())
+    place = traceback.extract_tb(failure.__traceback__)[-1]
+    return f"{type(failure).__name__}: {message} ({place.name}, line {place.lineno})"
+
+
+def _made(make: Callable[..., Simulator], parameters: Mapping[str, Value]) -> Simulator:
+    try:
+        return make(**parameters)
+    except ValueError as error:
+        raise Refusal(" ".join(str(error).split())) from error
+    except Exception as error:
+        raise unforeseen(error) from error
+
+
+def _start(request: Any) -> WorldState:
+    if len(request.start) > 1:
+        raise Refusal(f"start: {len(request.start)} states; must be one, or none for the seed")
+    if not request.start:
+        return spawn(request.seed)
+    message = request.start[0]
+    numbers = {name: getattr(message, name) for name in message.__slots__}
+    for name, number in numbers.items():
+        if not math.isfinite(number):
+            raise Refusal(f"start: {name} {number}: must be finite")
+    return WorldState(**{**numbers, "tee_yaw": wrap_angle(message.tee_yaw)})
+
+
+def _state_message(state: WorldState) -> WorldStateMessage:
+    """`state` as a message, checked: it comes from foreign code."""
+    if not isinstance(state, WorldState):
+        raise TypeError(f"returned {type(state).__name__}: must be WorldState")
+    message = WorldStateMessage(**vars(state))
+    for name, number in vars(state).items():
+        if not math.isfinite(number):
+            raise ValueError(f"{name} {number}: must be finite")
+    message.tee_yaw = wrap_angle(message.tee_yaw)
+    return message
+
+
+def _from_text(text: str, default: Optional[Value]) -> object:
+    """The value that `text` stands for, if only it has the right type."""
+    if isinstance(default, str):
+        return text
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        return text
+
+
+def _to_text(value: Value) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def _parameter_messages(parameters: Mapping[str, Value]) -> List[Parameter]:
+    return [Parameter(name=name, value=_to_text(value)) for name, value in parameters.items()]
+
+
+def _hash(parameters: Mapping[str, Value]) -> str:
+    if not parameters:
+        return ""
+    key = "".join(f"{name}={_to_text(value)}|" for name, value in parameters.items())
+    return hashlib.sha256(key.encode()).hexdigest()[:12]
+
+
+def _provenance() -> str:
+    return json.dumps({"numpy": np.__version__, "python": platform.python_version()})
+
+
+def _refused(response_type: Any, refusal: Refusal, identity: Identity) -> Any:
+    return response_type(
+        success=False,
+        message=str(refusal),
+        exit_code=refusal.exit_code,
+        instance_id=identity.instance_id,
+    )
+
+
+def _time(nanoseconds: int) -> Time:
+    return Time(*divmod(nanoseconds, NANOSECONDS))
+
+
+def _seconds(nanoseconds: int) -> str:
+    seconds, rest = divmod(nanoseconds, NANOSECONDS)
+    return f"{seconds}.{rest:09}"

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What PushT is, as far as Python needs it. The numbers are those of constants.hpp, in SI units."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+CONTROL_STEP = 0.1  # [s] an action is held for ten substeps
+SUBSTEP = 0.01  # [s]
+SUBSTEPS_PER_CONTROL_STEP = 10
+HORIZON = 300  # control steps after which an episode ends
+ACTION_LIMIT = 1.0  # [m/s] per axis
+
+SPAWN_RADIUS_MIN = 0.10  # [m]
+SPAWN_RADIUS_MAX = 0.24  # [m]
+SPAWN_PUSHER_BOUND = 0.32  # [m] per axis
+SPAWN_PUSHER_CLEARANCE = 0.13  # [m] from the tee origin
+
+# The tee is a bar, centred on the tee origin, and a stem below it (body frame: stem along -y).
+PUSHER_RADIUS = 0.015  # [m]
+BAR_HALF_LENGTH = 0.06  # [m] along body x
+STEM_HALF_LENGTH = 0.045  # [m] along body y
+TEE_HALF_WIDTH = 0.015  # [m] the other half-size of bar and stem
+STEM_OFFSET = 0.06  # [m] from the bar's centre to the stem's, along body -y
+BAR_MASS = 0.06  # [kg]
+STEM_MASS = 0.045  # [kg]
+CENTER_OF_MASS_OFFSET = STEM_OFFSET * STEM_MASS / (BAR_MASS + STEM_MASS)  # [m] along body -y
+
+# Frames above the table: the middles of the bodies.
+TEE_FRAME_HEIGHT = 0.015  # [m]
+PUSHER_FRAME_HEIGHT = 0.02  # [m]
+
+
+@dataclass(frozen=True)
+class WorldState:
+    """Poses and velocities in the table frame: origin at the target, z up. As in the message."""
+
+    pusher_x: float = 0.0  # [m]
+    pusher_y: float = 0.0  # [m]
+    pusher_vx: float = 0.0  # [m/s]
+    pusher_vy: float = 0.0  # [m/s]
+    tee_x: float = 0.0  # [m] tee origin: the centre of the bar
+    tee_y: float = 0.0  # [m]
+    tee_yaw: float = 0.0  # [rad] in [-pi, pi), about z
+    tee_vx: float = 0.0  # [m/s] of the tee origin
+    tee_vy: float = 0.0  # [m/s]
+    tee_yaw_rate: float = 0.0  # [rad/s]
+
+
+def wrap_angle(angle: float) -> float:
+    """`angle` [rad] wrapped to [-pi, pi); one that lies there already keeps its bits."""
+    if -math.pi <= angle < math.pi:
+        return angle
+    wrapped = math.remainder(angle, 2.0 * math.pi)  # exact, in [-pi, pi]
+    return wrapped if wrapped < math.pi else -math.pi
+
+
+def spawn(seed: int) -> WorldState:
+    """The start drawn from a seed: tee on a ring around the target, pusher clear of it, at rest."""
+    generator = np.random.default_rng(seed)
+    radius = generator.uniform(SPAWN_RADIUS_MIN, SPAWN_RADIUS_MAX)
+    bearing = generator.uniform(0.0, 2.0 * math.pi)
+    tee = radius * np.array([np.cos(bearing), np.sin(bearing)])
+    yaw = generator.uniform(-math.pi, math.pi)
+    while True:
+        pusher = generator.uniform(-SPAWN_PUSHER_BOUND, SPAWN_PUSHER_BOUND, size=2)
+        if np.linalg.norm(pusher - tee) > SPAWN_PUSHER_CLEARANCE:
+            return WorldState(
+                pusher_x=float(pusher[0]),
+                pusher_y=float(pusher[1]),
+                tee_x=float(tee[0]),
+                tee_y=float(tee[1]),
+                tee_yaw=yaw,
+            )

@@ -1,0 +1,602 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The contract of served simulators and policies: test suites to run over yours.
+
+In a .test file, beside the node under test:
+
+    <test test-name="mine" pkg="pusht_task" type="simulator_contract">
+      <param name="simulator" value="/mine"/>
+    </test>
+
+By hand: rosrun pusht_task simulator_contract --text _simulator:=/mine
+"""
+
+import io
+import math
+import queue
+import re
+import subprocess
+import unittest
+from dataclasses import replace
+from typing import Any, Callable, Dict, List, Type
+
+import numpy as np
+import rosgraph  # type: ignore[import]
+import rospy  # type: ignore[import]
+import rostest  # type: ignore[import]
+import tf2_ros  # type: ignore[import]
+import yaml  # type: ignore[import]
+from diagnostic_msgs.msg import (  # type: ignore[import]
+    DiagnosticArray,
+    DiagnosticStatus,
+)
+from pusht_msgs.msg import Parameter, Query, WorldStateStamped  # type: ignore[import]
+from pusht_msgs.msg import WorldState as WorldStateMessage
+from pusht_msgs.srv import Act, Configure, Describe, Reset, Step  # type: ignore[import]
+
+from pusht_task.task import (
+    HORIZON,
+    PUSHER_FRAME_HEIGHT,
+    TEE_FRAME_HEIGHT,
+    WorldState,
+    spawn,
+    wrap_angle,
+)
+
+DEADLINE = 10.0  # [s] for what must happen at once
+CONTROL_STEP = rospy.Duration(0, 100_000_000)
+BAD_REQUEST = 2  # exit code
+REPRESENTED = 1e-12  # [m, rad, m/s, rad/s] how near a start must be to what was asked for
+
+
+def run(suite: Type[unittest.TestCase]) -> None:
+    """The main of a test node."""
+    rospy.init_node(re.sub(r"(?<!^)([A-Z])", r"_\1", suite.__name__).lower())
+    rostest.rosrun("pusht_task", suite.__name__, suite)
+
+
+class Inbox:
+    """What arrives on a topic, in its order."""
+
+    def __init__(self, topic: str, message_type: Any) -> None:
+        self._messages: "queue.Queue[Any]" = queue.Queue()
+        self._subscriber = rospy.Subscriber(topic, message_type, self._messages.put)
+
+    def until(self, last: Callable[[Any], bool], deadline: float = DEADLINE) -> List[Any]:
+        """All messages up to the one that is `last`. Raises queue.Empty if it does not come."""
+        messages = [self._messages.get(timeout=deadline)]
+        while not last(messages[-1]):
+            messages.append(self._messages.get(timeout=deadline))
+        return messages
+
+
+class ServedCase(unittest.TestCase):
+    """A served node, its services, and what may be said of all answers."""
+
+    namespace: str
+    instance_id: str
+    services: Dict[str, Any]
+
+    @classmethod
+    def find(cls, parameter: str, **services: Any) -> None:
+        """Connects to the `services` of the node that the private parameter names."""
+        cls.namespace = rospy.resolve_name(rospy.get_param(f"~{parameter}"))
+        cls.services = {}
+        for name, service in {**services, "describe": Describe}.items():
+            full_name = f"{cls.namespace}/{name}"
+            rospy.wait_for_service(full_name, DEADLINE)
+            cls.services[name] = rospy.ServiceProxy(full_name, service, persistent=True)
+        cls.instance_id = cls.call("describe").instance_id
+
+    @classmethod
+    def call(cls, service: str, **fields: Any) -> Any:
+        return cls.services[service](**fields)
+
+    def accepted(self, service: str, **fields: Any) -> Any:
+        response = self.call(service, **fields)
+        self.assertTrue(response.success, response.message)
+        self.assertEqual((response.message, response.exit_code), ("", 0))
+        self.assertEqual(response.instance_id, self.instance_id)
+        return response
+
+    def refused(self, pattern: str, service: str, **fields: Any) -> None:
+        response = self.call(service, **fields)
+        self.assertFalse(response.success, f"must be refused: {pattern}")
+        self.assertRegex(response.message, pattern)
+        self.assertNotIn("\n", response.message)
+        self.assertEqual(response.exit_code, BAD_REQUEST)
+        self.assertEqual(response.instance_id, self.instance_id)
+
+    def assert_described(self) -> Any:
+        description = self.accepted("describe")
+        self.assertTrue(description.name)
+        self.assertTrue(description.version)
+        self.assertIsInstance(yaml.safe_load(description.provenance), dict)
+        return description
+
+    def assert_healthy(self, level: int = DiagnosticStatus.OK) -> None:
+        """The node tells /diagnostics of itself, at `level`."""
+        node = self.namespace.strip("/")
+
+        def is_ours(message: Any) -> bool:
+            return any(node in status.name.split(":")[0] for status in message.status)
+
+        message = Inbox("/diagnostics", DiagnosticArray).until(is_ours)[-1]
+        self.assertEqual({status.level for status in message.status}, {level})
+
+
+class SimulatorContract(ServedCase):
+    """Every rule that a served simulator keeps. The node must be driven by nothing else."""
+
+    states: Inbox
+    frames: tf2_ros.Buffer
+    listener: tf2_ros.TransformListener
+    frame_prefix: str
+    before_reset: Any  # answer to a step before the first reset
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.find("simulator", reset=Reset, step=Step, configure=Configure)
+        description = cls.call("describe")
+        cls.frame_prefix = description.frame_prefix
+        cls.before_reset = None if description.stamp else cls.call("step", step=-1)
+        cls.states = Inbox(f"{cls.namespace}/state", WorldStateStamped)
+        cls.frames = tf2_ros.Buffer()
+        cls.listener = tf2_ros.TransformListener(cls.frames)
+        cls.wait_for_publications()
+
+    @classmethod
+    def wait_for_publications(cls) -> None:
+        """Resets until the world is seen: nothing else tells when a subscriber is connected."""
+        patience = 0.1  # [s]
+        for _ in range(round(DEADLINE / patience)):
+            reset = cls.call("reset")
+            try:
+                cls.updates_until(reset, patience)
+                cls.frame("target", reset.stamp, patience)
+                return
+            except (queue.Empty, tf2_ros.TransformException):
+                continue
+        raise TimeoutError(f"{cls.namespace}: no ~state or no TF within {DEADLINE} s")
+
+    @classmethod
+    def frame(cls, child: str, stamp: Any, deadline: float = DEADLINE) -> Any:
+        """The transform table -> child at exactly `stamp`."""
+        parent = f"{cls.frame_prefix}/table"
+        child = f"{cls.frame_prefix}/{child}"
+        return cls.frames.lookup_transform(parent, child, stamp, rospy.Duration(deadline))
+
+    def begin(self, **fields: Any) -> Any:
+        """A reset; what ~state held before is forgotten."""
+        response = self.accepted("reset", **fields)
+        self.updates_until(response)
+        return response
+
+    @classmethod
+    def updates_until(cls, response: Any, deadline: float = DEADLINE) -> List[Any]:
+        return cls.states.until(lambda update: update.header.stamp == response.stamp, deadline)
+
+    def trajectory(self, start: WorldState, actions: Any) -> List[bytes]:
+        states = [self.accepted("reset", start=[message_of(start)]).state]
+        for action in actions:
+            states.append(self.accepted("step", step=-1, action=action).state)
+        return [data(state) for state in states]
+
+    def number(self) -> Parameter:
+        """A parameter that is a real and not zero."""
+        for parameter in self.call("describe").parameters:
+            if re.fullmatch(r"[+-]?\d+(\.\d*)?(e[+-]?\d+)?", parameter.value):
+                if float(parameter.value) != 0.0:
+                    return parameter
+        raise unittest.SkipTest(f"{self.namespace} has no parameter that is a number")
+
+    # What a reset does.
+
+    def test_seed_is_the_spawn(self) -> None:
+        for seed in (0, 3, 10_000, 2**64 - 1):
+            self.assert_near(self.accepted("reset", seed=seed).state, spawn(seed))
+
+    def test_start_is_taken_with_its_velocities(self) -> None:
+        self.assert_near(self.begin(start=[message_of(MOVING)]).state, MOVING)
+
+    def test_yaw_is_wrapped(self) -> None:
+        turned = replace(spawn(3), tee_yaw=3.0 + 10.0 * math.pi)
+        state = self.accepted("reset", start=[message_of(turned)]).state
+        self.assertAlmostEqual(state.tee_yaw, 3.0, delta=REPRESENTED)
+
+    def test_reset_to_its_own_state_changes_no_bit(self) -> None:
+        for start in (MOVING, *map(spawn, range(20))):
+            once = self.accepted("reset", start=[message_of(start)]).state
+            again = self.accepted("reset", start=[once]).state
+            self.assertEqual(data(again), data(once))
+
+    def test_reset_clears_all_that_was_before(self) -> None:
+        alone = self.trajectory(spawn(3), PUSHES)
+        self.trajectory(spawn(7), PUSHES)
+        self.assertEqual(self.trajectory(spawn(3), PUSHES), alone)
+
+    def test_refused_resets_change_nothing(self) -> None:
+        stamp = self.begin(episode=4).stamp
+        for number in (math.nan, math.inf, -math.inf):
+            bad = message_of(replace(spawn(3), tee_vx=number))
+            self.refused("finite", "reset", start=[bad])
+        self.refused("start", "reset", start=[message_of(spawn(3)), message_of(spawn(4))])
+        for late in (rospy.Time(0, 1), stamp - CONTROL_STEP):
+            self.refused("stamp", "reset", stamp=late)
+        self.refused("stamp", "reset", stamp=stamp, episode=5)
+        step = self.accepted("step", episode=4)
+        self.assertEqual(step.stamp, stamp + CONTROL_STEP)
+        self.assertEqual(len(self.updates_until(step)), 1)
+
+    def test_repeated_reset_is_answered_again(self) -> None:
+        stamp = self.begin().stamp + CONTROL_STEP
+        request = {"seed": 5, "episode": 6, "stamp": stamp}
+        first = self.accepted("reset", **request)
+        self.assertEqual(data(self.accepted("reset", **request)), data(first))
+        step = self.accepted("step", episode=6)
+        self.assertEqual([update.step for update in self.updates_until(step)], [0, 1])
+        self.refused("stamp", "reset", **request)
+
+    # What a step does.
+
+    def test_step_before_reset(self) -> None:
+        if self.before_reset is None:
+            self.skipTest("the world had been reset before")
+        self.assertFalse(self.before_reset.success)
+        self.assertRegex(self.before_reset.message, "step before reset")
+        self.assertEqual(self.before_reset.exit_code, BAD_REQUEST)
+        self.assertEqual(self.before_reset.instance_id, self.instance_id)
+
+    def test_pushing_moves_the_tee(self) -> None:
+        state = self.accepted("reset", seed=3).state
+        start = state
+        for _ in range(40):
+            way = np.array([state.tee_x - state.pusher_x, state.tee_y - state.pusher_y])
+            action = way / np.linalg.norm(way)
+            state = self.accepted("step", step=-1, action=action).state
+        moved = math.hypot(state.tee_x - start.tee_x, state.tee_y - start.tee_y)
+        self.assertGreater(moved, 0.02)
+
+    def test_actions_are_clipped(self) -> None:
+        inside = self.trajectory(spawn(3), [(1.0, -1.0)] * 5)
+        self.assertEqual(self.trajectory(spawn(3), [(17.0, -1.5)] * 5), inside)
+
+    def test_repeated_step_is_answered_again_without_physics(self) -> None:
+        undisturbed = self.trajectory(spawn(3), PUSHES[:2])
+        self.begin(start=[message_of(spawn(3))])
+        first = self.accepted("step", step=0, action=PUSHES[0])
+        others = {"action": (math.nan, 0.0), "stamp": rospy.Time(0, 1)}
+        for fields in ({"action": PUSHES[0]}, others):
+            again = self.accepted("step", step=0, **fields)
+            self.assertEqual(data(again), data(first))
+        second = self.accepted("step", step=1, action=PUSHES[1])
+        self.assertEqual([data(first.state), data(second.state)], undisturbed[1:])
+        self.assertEqual([update.step for update in self.updates_until(second)], [1, 2])
+
+    def test_refused_steps_change_nothing(self) -> None:
+        undisturbed = self.trajectory(spawn(3), PUSHES[:2])
+        self.begin(start=[message_of(spawn(3))], episode=3)
+        first = self.accepted("step", episode=3, action=PUSHES[0])
+        self.refused("episode 7: must be 3", "step", episode=7, step=1)
+        for step in (-2, 2, 7):
+            self.refused(f"step {step}: expected 1", "step", episode=3, step=step)
+        for action in ((math.nan, 0.0), (0.0, math.inf), (-math.inf, 0.0)):
+            self.refused("action .*finite", "step", episode=3, step=1, action=action)
+        for stamp in (rospy.Time(0, 1), first.stamp):
+            self.refused("stamp", "step", episode=3, step=1, stamp=stamp)
+        second = self.accepted("step", episode=3, step=1, action=PUSHES[1])
+        self.assertEqual([data(first.state), data(second.state)], undisturbed[1:])
+        self.assertEqual([update.step for update in self.updates_until(second)], [1, 2])
+        self.refused("step 0: expected 2", "step", episode=3, step=0)
+
+    def test_order_of_the_checks(self) -> None:
+        wrong = {"step": 7, "action": (math.nan, 0.0), "stamp": rospy.Time(0, 1)}
+        self.accepted("reset", horizon=1)
+        self.refused("episode", "step", **{**wrong, "episode": 9})
+        self.refused("expected", "step", **wrong)
+        self.refused("action", "step", **{**wrong, "step": 0})
+        self.accepted("step")
+        self.refused("horizon", "step", **{**wrong, "step": 1})
+
+    def test_horizon(self) -> None:
+        for asked, horizon in ((2, 2), (0, HORIZON)):
+            self.accepted("reset", horizon=asked)
+            for step in range(horizon):
+                last = self.accepted("step", step=step)
+            message = f"step {horizon}: the horizon of {horizon} control steps is reached"
+            for step in (-1, horizon):
+                self.refused(message, "step", step=step)
+            self.assertEqual(data(self.accepted("step", step=horizon - 1)), data(last))
+
+    def test_success_never_stops_a_world(self) -> None:
+        solved = WorldState(pusher_x=0.2, pusher_y=0.2)
+        self.trajectory(solved, [(0.0, 0.0)] * 10)
+
+    def test_f21_absurd_start_is_an_error_or_stays_finite(self) -> None:
+        fast = replace(spawn(3), tee_vx=1e11, pusher_vy=-1e11)
+        inside = replace(spawn(3), pusher_x=spawn(3).tee_x, pusher_y=spawn(3).tee_y)
+        for start in (fast, inside):
+            response = self.call("reset", start=[message_of(start)])
+            steps = 0
+            while response.success and steps < 20:
+                self.assertTrue(all(map(math.isfinite, numbers_of(response.state))))
+                response = self.call("step", step=-1)
+                steps += 1
+            if not response.success:
+                self.assertTrue(response.message)
+                self.refused("needs a reset", "step", step=-1)
+            self.assert_near(self.accepted("reset", seed=3).state, spawn(3))
+
+    # What by-hand requests mean.
+
+    def test_defaults_by_hand(self) -> None:
+        reset = self.begin()
+        self.assert_near(reset.state, spawn(0))
+        for index in range(3):
+            step = self.accepted("step", step=-1)
+            self.assertEqual(step.step, index)
+            self.assertEqual(step.stamp, reset.stamp + (index + 1) * CONTROL_STEP)
+
+    def test_session_on_the_command_line(self) -> None:
+        reset = self.rosservice("reset", "{seed: 7}")
+        self.assertAlmostEqual(reset["state"]["tee_x"], spawn(7).tee_x, delta=REPRESENTED)
+        step = self.rosservice("step", "{step: -1, action: [0.5, 0.0]}")
+        self.assertEqual((step["success"], step["step"]), (True, 0))
+        self.assertEqual(step["instance_id"], self.instance_id)
+        description = self.rosservice("describe", "{}")
+        self.assertEqual(description["stamp"], step["stamp"])
+
+    def rosservice(self, service: str, request: str) -> Any:
+        process = subprocess.run(
+            ["rosservice", "call", f"{self.namespace}/{service}", request],
+            stdout=subprocess.PIPE,
+            text=True,
+            check=True,
+            timeout=DEADLINE,
+        )
+        return yaml.safe_load(process.stdout)
+
+    # What is published.
+
+    def test_stamps_grow_over_episodes(self) -> None:
+        last = self.begin().stamp
+        stamps = []
+        for episode in range(3):
+            asked = last + rospy.Duration(7, 1) if episode == 1 else rospy.Time()
+            answers = [self.accepted("reset", episode=episode, stamp=asked)]
+            answers += [self.accepted("step", episode=episode, step=k) for k in range(5)]
+            stamps += [answer.stamp for answer in answers]
+            self.assertEqual(answers[0].stamp, asked or last + CONTROL_STEP)
+            last = stamps[-1]
+        self.assertEqual(self.call("describe").stamp, last)
+        self.assertEqual(stamps, sorted(set(stamps)))
+        updates = self.updates_until(answers[-1])
+        self.assertEqual([update.header.stamp for update in updates], stamps)
+        self.assertEqual([update.step for update in updates], [0, 1, 2, 3, 4, 5] * 3)
+
+    def test_state_messages_are_the_answers(self) -> None:
+        asked = [(0.25, -0.5), (3.0, -3.0)]
+        answers = [self.begin(episode=9)]
+        answers += [self.accepted("step", episode=9, step=-1, action=action) for action in asked]
+        updates = self.updates_until(answers[-1])
+        self.assertEqual([update.step for update in updates], [1, 2])
+        self.assertEqual([update.action for update in updates], [(0.25, -0.5), (1.0, -1.0)])
+        for update, answer in zip(updates, answers[1:]):
+            self.assertEqual(update.episode, 9)
+            self.assertEqual(update.header.frame_id, f"{self.frame_prefix}/table")
+            self.assertEqual(update.header.stamp, answer.stamp)
+            self.assertEqual(data(update.state), data(answer.state))
+
+    def test_state_message_of_a_reset(self) -> None:
+        self.begin()
+        reset = self.accepted("reset", seed=4, episode=2)
+        (update,) = self.updates_until(reset)
+        self.assertEqual((update.episode, update.step, update.action), (2, 0, (0.0, 0.0)))
+        self.assertEqual(data(update.state), data(reset.state))
+
+    def test_frames(self) -> None:
+        for answer in (self.accepted("reset", seed=3), self.accepted("step", action=(0.5, 0.5))):
+            state = answer.state
+            for child, x, y, height, yaw in (
+                ("pusher", state.pusher_x, state.pusher_y, PUSHER_FRAME_HEIGHT, 0.0),
+                ("tee", state.tee_x, state.tee_y, TEE_FRAME_HEIGHT, state.tee_yaw),
+                ("target", 0.0, 0.0, 0.0, 0.0),
+            ):
+                found = self.frame(child, answer.stamp)
+                self.assertEqual(found.header.stamp, answer.stamp)
+                place, turn = found.transform.translation, found.transform.rotation
+                np.testing.assert_allclose([place.x, place.y, place.z], [x, y, height], atol=1e-12)
+                wanted = [0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]
+                np.testing.assert_allclose([turn.x, turn.y, turn.z, turn.w], wanted, atol=1e-12)
+
+    def test_diagnostics(self) -> None:
+        self.assert_healthy()
+
+    # What it says of itself, and its knobs.
+
+    def test_describe(self) -> None:
+        description = self.assert_described()
+        names = [parameter.name for parameter in description.parameters]
+        self.assertEqual(len(names), len(set(names)))
+        self.assertEqual(bool(description.parameters_hash), bool(names))
+        self.assertTrue(description.frame_prefix)
+        self.assertFalse(description.frame_prefix.startswith("/"))
+
+    def test_configure_in_mid_episode(self) -> None:
+        before = self.trajectory(spawn(3), PUSHES[:3])
+        self.trajectory(spawn(3), PUSHES[:1])
+        self.refused("mid-episode", "configure")
+        step = self.accepted("step", step=1, action=PUSHES[1])
+        self.assertEqual(data(step.state), before[2])
+        self.accepted("configure", end_episode=True)
+        self.refused("reset", "step", step=-1)
+        self.assertEqual(self.trajectory(spawn(3), PUSHES[:3]), before)
+
+    def test_configure_between_episodes(self) -> None:
+        stamp = self.accepted("reset", horizon=1).stamp
+        self.accepted("step")
+        self.accepted("configure")
+        self.refused("reset", "step", step=-1)
+        self.assertEqual(self.call("describe").stamp, stamp + CONTROL_STEP)
+        self.accepted("reset")
+
+    def test_configured_parameters(self) -> None:
+        before = self.call("describe")
+        number = self.number()
+        changed = Parameter(number.name, repr(1.01 * float(number.value)))
+        response = self.accepted("configure", parameters=[changed], end_episode=True)
+        after = self.call("describe")
+        self.assertEqual(after.parameters, response.parameters)
+        wanted = {p.name: p.value for p in [*before.parameters, changed]}
+        found = {p.name: p.value for p in after.parameters}
+        self.assertEqual(list(found), [parameter.name for parameter in before.parameters])
+        self.assertEqual(float(found.pop(number.name)), float(wanted.pop(number.name)))
+        self.assertEqual(found, wanted)
+        self.assertNotEqual(after.parameters_hash, before.parameters_hash)
+        self.accepted("configure", parameters=[number])
+        self.assertEqual(data(self.call("describe")), data(before))
+
+    def test_configuring_what_is_not_there(self) -> None:
+        before = self.call("describe")
+        stray = Parameter("no_such_knob", "1.0")
+        self.refused("no_such_knob", "configure", parameters=[stray], end_episode=True)
+        self.assertEqual(data(self.call("describe")), data(before))
+
+    def test_configuring_bad_values(self) -> None:
+        before = self.call("describe")
+        name = self.number().name
+        for value in ("nan", "inf", "-inf", "much", "", "1e400", "0x10", "1 2"):
+            bad = Parameter(name, value)
+            self.refused(name, "configure", parameters=[bad], end_episode=True)
+        self.assertEqual(data(self.call("describe")), data(before))
+
+    def test_refused_configuration_leaves_the_episode(self) -> None:
+        self.accepted("reset")
+        stray = Parameter("no_such_knob", "1.0")
+        self.refused("no_such_knob", "configure", parameters=[stray], end_episode=True)
+        self.accepted("step")
+
+    def assert_near(self, found: Any, wanted: WorldState) -> None:
+        self.assertLess(abs(wrap_angle(found.tee_yaw - wanted.tee_yaw)), REPRESENTED)
+        numbers = numbers_of(message_of(replace(wanted, tee_yaw=found.tee_yaw)))
+        np.testing.assert_allclose(numbers_of(found), numbers, rtol=0, atol=REPRESENTED)
+
+
+class PolicyContract(ServedCase):
+    """Every rule that a served policy keeps. With ~memory: those of one that has a memory."""
+
+    has_memory: bool
+    rollouts = iter(range(1_000_000))
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.find("policy", act=Act)
+        cls.has_memory = rospy.get_param("~memory", False)
+
+    def queries(self, seeds: Any) -> List[Query]:
+        """The first of a rollout for each of the spawns."""
+        return [Query(next(self.rollouts), 0, observe(spawn(seed))) for seed in seeds]
+
+    def test_two_numbers_for_each_query(self) -> None:
+        for count in (0, 1, 5):
+            actions = self.accepted("act", queries=self.queries(range(count))).actions
+            self.assertEqual(len(actions), 2 * count)
+            self.assertTrue(all(map(math.isfinite, actions)))
+
+    def test_rows_are_independent(self) -> None:
+        together = self.accepted("act", queries=self.queries(range(8))).actions
+        alone: List[float] = []
+        for query in self.queries(range(8)):
+            alone += self.accepted("act", queries=[query]).actions
+        self.assertEqual(alone, list(together))
+
+    def test_asked_again_it_answers_the_same(self) -> None:
+        queries = self.queries(range(3))
+        for step in range(3):
+            for query in queries:
+                query.step = step
+            first = self.accepted("act", queries=queries)
+            self.assertEqual(data(self.accepted("act", queries=queries)), data(first))
+
+    def test_observations_that_are_not_finite(self) -> None:
+        for number in (math.nan, math.inf):
+            queries = self.queries(range(3))
+            queries[1].observation[4] = number
+            self.refused(f"rollout {queries[1].rollout}: .*finite", "act", queries=queries)
+
+    def test_steps_of_a_rollout(self) -> None:
+        if not self.has_memory:
+            self.skipTest("the policy has no memory")
+        (query,) = self.queries([3])
+        beginning = data(self.accepted("act", queries=[query]))
+        query.step = 1
+        self.accepted("act", queries=[query])
+        query.step = 7
+        expected = f"rollout {query.rollout}: step 7: expected 2"
+        self.refused(expected, "act", queries=[query])
+        query.step = 0
+        self.assertEqual(data(self.accepted("act", queries=[query])), beginning)
+        (stranger,) = self.queries([3])
+        stranger.step = 1
+        self.refused(f"rollout {stranger.rollout}: step 1: expected 0", "act", queries=[stranger])
+
+    def test_describe(self) -> None:
+        description = self.assert_described()
+        self.assertEqual((description.parameters, description.parameters_hash), ([], ""))
+        self.assertEqual((description.frame_prefix, description.stamp), ("", rospy.Time()))
+
+    def test_diagnostics(self) -> None:
+        self.assert_healthy()
+
+
+class FailedStartContract(ServedCase):
+    """A node that fails at start stays alive to say so.
+
+    ~exit_code is the one it must tell, ~message a regular expression to be found in its message.
+    """
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.find("node")
+
+    def test_describe_tells_the_error(self) -> None:
+        description = self.call("describe")
+        self.assertFalse(description.success)
+        self.assertEqual(description.exit_code, rospy.get_param("~exit_code", BAD_REQUEST))
+        self.assertRegex(description.message, rospy.get_param("~message", "."))
+        self.assertNotIn("\n", description.message)
+        self.assertTrue(description.instance_id)
+
+    def test_nothing_else_is_served(self) -> None:
+        _, _, services = rosgraph.Master(rospy.get_name()).getSystemState()
+        served = {name for name, _ in services}
+        self.assertIn(f"{self.namespace}/describe", served)
+        for name in ("reset", "step", "configure", "act"):
+            self.assertNotIn(f"{self.namespace}/{name}", served)
+
+    def test_diagnostics(self) -> None:
+        self.assert_healthy(DiagnosticStatus.ERROR)
+
+
+PUSHES = [(0.5 * math.cos(k), 0.5 * math.sin(k)) for k in range(20)]  # [m/s]
+MOVING = replace(spawn(3), pusher_vx=0.3, pusher_vy=-0.2, tee_vx=-0.4, tee_vy=0.1, tee_yaw_rate=2.0)
+
+
+def data(message: Any) -> bytes:
+    """What travels."""
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+def message_of(state: WorldState) -> WorldStateMessage:
+    return WorldStateMessage(**vars(state))
+
+
+def numbers_of(message: WorldStateMessage) -> List[float]:
+    return [getattr(message, name) for name in message.__slots__]
+
+
+def observe(state: WorldState) -> List[float]:
+    """As in Query.msg."""
+    pose = [state.pusher_x, state.pusher_y, state.tee_x, state.tee_y]
+    return [*pose, math.sin(state.tee_yaw), math.cos(state.tee_yaw), 0.0, 0.0, 0.0, 1.0]

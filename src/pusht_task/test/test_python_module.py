@@ -1,0 +1,516 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The Python module without a master: the task, and the rules by which an object is served."""
+
+import io
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+import time
+import unittest
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Dict, List, Mapping, Tuple
+
+import numpy as np
+from genpy import Time  # type: ignore[import]
+from pusht_msgs.msg import Parameter, Query, WorldStateStamped  # type: ignore[import]
+from pusht_msgs.msg import WorldState as WorldStateMessage
+from pusht_msgs.srv import (  # type: ignore[import]
+    ActRequest,
+    ConfigureRequest,
+    ResetRequest,
+    StepRequest,
+)
+
+from pusht_task import task
+from pusht_task.sessions import (
+    ExitCode,
+    FailedStart,
+    Identity,
+    PolicySession,
+    Refusal,
+    SimulatorSession,
+    Value,
+    merged,
+)
+from pusht_task.task import WorldState, spawn, wrap_angle
+
+HERE = Path(__file__).parent
+GOLDEN = json.loads((HERE / "data" / "pusht_golden.json").read_text())
+CONSTANTS = (HERE.parent / "include" / "pusht_task" / "constants.hpp").read_text()
+
+
+class Task(unittest.TestCase):
+    def test_spawns_are_the_golden_ones(self) -> None:
+        for golden in GOLDEN["spawn"]:
+            state = spawn(golden["seed"])
+            found = [state.tee_x, state.tee_y, state.tee_yaw, state.pusher_x, state.pusher_y]
+            wanted = [*golden["tee"], golden["tee_yaw"], *golden["pusher"]]
+            np.testing.assert_allclose(found, wanted, rtol=0, atol=4e-15)
+            velocities = [state.pusher_vx, state.pusher_vy, state.tee_vx, state.tee_vy]
+            self.assertEqual([*velocities, state.tee_yaw_rate], [0.0] * 5)
+
+    def test_seeds_that_are_no_uint64(self) -> None:
+        with self.assertRaises(ValueError):
+            spawn(-1)
+
+    def test_angles(self) -> None:
+        for angle, wrapped in (
+            (math.pi, -math.pi),
+            (-math.pi, -math.pi),
+            (3.0 + 10 * math.pi, 3.0),
+            (-4.0, 2 * math.pi - 4.0),
+        ):
+            self.assertAlmostEqual(wrap_angle(angle), wrapped, delta=1e-14)
+        for angle in (0.1, -0.0, np.nextafter(math.pi, 0)):
+            self.assertEqual(wrap_angle(angle), angle)
+
+    def test_constants_are_those_of_the_cpp_header(self) -> None:
+        found = 0
+        for name, value in re.findall(r"constexpr \w+ k(\w+) = (-?[\d.]+)F?;", CONSTANTS):
+            python_name = re.sub(r"(?<!^)([A-Z])", r"_\1", name).upper()
+            if hasattr(task, python_name):
+                self.assertEqual(getattr(task, python_name), float(value), name)
+                found += 1
+        self.assertGreaterEqual(found, 18)
+
+    def test_fields_are_those_of_the_message(self) -> None:
+        self.assertEqual(list(vars(WorldState())), WorldStateMessage.__slots__)
+
+
+class Drift:
+    """The pusher goes where it is told, the tee drifts; both fail on demand."""
+
+    def __init__(self, drift: float, label: str, count: int, sticky: bool) -> None:
+        if drift < 0:
+            raise ValueError(f"drift {drift}: must be at least 0 m/s")
+        if label == "broken":
+            raise RuntimeError("no\nsuch engine")
+        self.drift = drift
+        self.fault = ""
+        self.actions: List[np.ndarray] = []
+        self.state = WorldState()
+
+    def reset(self, start: WorldState) -> WorldState:
+        if self.fault:
+            raise RuntimeError(self.fault)
+        self.state = start
+        return start
+
+    def step(self, action: np.ndarray) -> Any:
+        self.actions.append(action)
+        if self.fault == "nothing":
+            return None
+        if self.fault == "raise":
+            raise ZeroDivisionError("by\nzero")
+        self.state = replace(
+            self.state,
+            pusher_x=self.state.pusher_x + 0.1 * float(action[0]),
+            tee_x=math.nan if self.fault == "nan" else self.state.tee_x + self.drift,
+            tee_yaw=self.state.tee_yaw + 3.0,
+        )
+        return self.state
+
+
+DEFAULTS: Dict[str, Value] = {"drift": 0.5, "label": "plain", "count": 3, "sticky": False}
+
+
+class SessionCase(unittest.TestCase):
+    def setUp(self) -> None:
+        self.simulators: List[Drift] = []
+        self.updates: List[WorldStateStamped] = []
+        self.session = SimulatorSession(
+            self.make, DEFAULTS, Identity("drift", "1"), "here", self.updates.append
+        )
+
+    def make(self, **parameters: Any) -> Drift:
+        self.simulators.append(Drift(**parameters))
+        return self.simulators[-1]
+
+    def reset(self, **fields: Any) -> Any:
+        return self.accepted(self.session.reset(ResetRequest(**fields)))
+
+    def step(self, step: int = -1, action: Tuple[float, float] = (0.5, 0.0), **fields: Any) -> Any:
+        return self.accepted(self.session.step(StepRequest(step=step, action=action, **fields)))
+
+    def configure(self, values: Mapping[str, str] = {}, end_episode: bool = False) -> Any:
+        parameters = [Parameter(name, value) for name, value in values.items()]
+        return self.session.configure(ConfigureRequest(parameters, end_episode))
+
+    def accepted(self, response: Any) -> Any:
+        self.assertTrue(response.success, response.message)
+        self.assertEqual((response.message, response.exit_code), ("", ExitCode.OK))
+        self.assertEqual(response.instance_id, self.session.describe().instance_id)
+        return response
+
+    def refused(self, response: Any, pattern: str, exit_code: int = ExitCode.INVALID_INPUT) -> None:
+        self.assertFalse(response.success)
+        self.assertRegex(response.message, pattern)
+        self.assertNotIn("\n", response.message)
+        self.assertEqual(response.exit_code, exit_code)
+        self.assertEqual(response.instance_id, self.session.describe().instance_id)
+
+    def refused_step(self, pattern: str, exit_code: int = 2, **fields: Any) -> None:
+        fields = {"step": -1, **fields}
+        self.refused(self.session.step(StepRequest(**fields)), pattern, exit_code)
+
+    def refused_reset(self, pattern: str, exit_code: int = 2, **fields: Any) -> None:
+        self.refused(self.session.reset(ResetRequest(**fields)), pattern, exit_code)
+
+
+class Resets(SessionCase):
+    def test_seed(self) -> None:
+        response = self.reset(seed=7)
+        self.assertEqual(response.state, WorldStateMessage(**vars(spawn(7))))
+        self.assertEqual(response.stamp, Time(0, 100_000_000))
+
+    def test_start(self) -> None:
+        start = WorldStateMessage(*range(10))
+        response = self.reset(start=[start])
+        self.assertEqual(response.state.tee_yaw, wrap_angle(6.0))
+        start.tee_yaw = response.state.tee_yaw
+        self.assertEqual(response.state, start)
+
+    def test_refusals_change_nothing(self) -> None:
+        self.reset(stamp=Time(10))
+        self.step()
+        for number in (math.nan, math.inf):
+            bad = WorldStateMessage(tee_vx=number)
+            self.refused_reset(f"start: tee_vx {number}: must be finite", start=[bad])
+        two = [WorldStateMessage(), WorldStateMessage()]
+        self.refused_reset("start: 2 states; must be one", start=two)
+        for late in (Time(0, 1), Time(10), Time(10, 100_000_000)):
+            self.refused_reset(r"stamp .*: must be above 10\.100000000", stamp=late)
+        self.assertEqual(self.step(step=1).stamp, Time(10, 200_000_000))
+        self.assertEqual(len(self.updates), 3)
+
+    def test_stamps_grow_over_episodes(self) -> None:
+        for episode in range(3):
+            self.reset(episode=episode)
+            for _ in range(2):
+                self.step(episode=episode)
+        stamps = [update.header.stamp.to_nsec() for update in self.updates]
+        self.assertEqual(stamps, [100_000_000 * (k + 1) for k in range(9)])
+
+    def test_no_stamp_after_the_last(self) -> None:
+        last = Time(2**32 - 1, 950_000_000)
+        self.reset(stamp=last)
+        self.refused_step("must be below 2\\^32")
+        self.refused_reset("must be below 2\\^32")
+
+    def test_repeated_reset_is_answered_again(self) -> None:
+        request = ResetRequest(seed=3, episode=5, stamp=Time(4))
+        first = self.session.reset(request)
+        self.assertEqual(data(self.session.reset(request)), data(first))
+        self.assertEqual(len(self.updates), 1)
+        self.refused_reset("stamp", episode=6, stamp=Time(4))
+        self.step(episode=5)
+        self.refused(self.session.reset(request), "stamp 4.000000000: must be above 4.100000000")
+
+    def test_reset_is_not_answered_again_if_the_world_has_changed_since(self) -> None:
+        request = ResetRequest(stamp=Time(4))
+        self.session.reset(request)
+        self.simulators[0].fault = "raise"
+        self.refused_step("ZeroDivisionError", exit_code=4)
+        self.refused(self.session.reset(request), "stamp")
+        self.simulators[0].fault = ""
+        self.reset(stamp=Time(5))
+        self.accepted(self.configure(end_episode=True))
+        self.refused(self.session.reset(ResetRequest(stamp=Time(5))), "stamp")
+
+    def test_failing_reset(self) -> None:
+        self.reset()
+        self.simulators[0].fault = "engine lost"
+        self.refused_reset("reset: RuntimeError: engine lost", exit_code=4)
+        self.refused_step("needs a reset")
+        self.simulators[0].fault = ""
+        self.reset()
+        self.step()
+
+
+class Steps(SessionCase):
+    def test_before_reset(self) -> None:
+        self.refused_step("step before reset")
+
+    def test_updates_are_the_answers(self) -> None:
+        answers = [self.reset(episode=2), self.step(episode=2, action=(7.0, -0.25))]
+        self.assertEqual([update.step for update in self.updates], [0, 1])
+        self.assertEqual([list(u.action) for u in self.updates], [[0.0, 0.0], [1.0, -0.25]])
+        for answer, update in zip(answers, self.updates):
+            self.assertEqual((answer.stamp, answer.state), (update.header.stamp, update.state))
+            self.assertEqual((update.header.frame_id, update.episode), ("here/table", 2))
+            data(update)
+
+    def test_actions_are_clipped(self) -> None:
+        self.reset()
+        self.step(action=(17.0, -1.5))
+        np.testing.assert_array_equal(self.simulators[0].actions[0], [1.0, -1.0])
+        self.assertEqual(self.simulators[0].actions[0].dtype, np.float64)
+
+    def test_yaw_is_wrapped(self) -> None:
+        self.reset(start=[WorldStateMessage(tee_yaw=3.0)])
+        self.assertAlmostEqual(self.step().state.tee_yaw, 6.0 - 2 * math.pi)
+
+    def test_repeated_step_is_answered_again_whatever_else_it_holds(self) -> None:
+        self.reset()
+        first = self.step(step=0)
+        again = self.step(step=0, action=(math.nan, 0.0), stamp=Time(0, 1))
+        self.assertEqual(data(again), data(first))
+        self.assertEqual(len(self.simulators[0].actions), 1)
+        self.assertEqual(len(self.updates), 2)
+        self.assertEqual(self.step(step=1).step, 1)
+
+    def test_last_step_is_answered_again_at_the_horizon(self) -> None:
+        self.reset(horizon=1)
+        self.assertEqual(data(self.step(step=0)), data(self.step(step=0)))
+
+    def test_refusals_change_nothing(self) -> None:
+        self.reset(episode=3)
+        self.step(episode=3)
+        self.refused_step("episode 7: must be 3, the one under way", episode=7)
+        for step in (-2, 2, 7):
+            self.refused_step(f"step {step}: expected 1", episode=3, step=step)
+        for action in ((math.nan, 0.0), (0.0, -math.inf)):
+            self.refused_step("action .*: must be finite", episode=3, action=action)
+        for stamp in (Time(0, 1), Time(0, 200_000_000)):
+            self.refused_step("stamp .*: must be above 0.200000000", episode=3, stamp=stamp)
+        self.assertEqual(len(self.simulators[0].actions), 1)
+        self.assertEqual(self.step(step=1, episode=3).stamp, Time(0, 300_000_000))
+        self.refused_step("step 0: expected 2", episode=3, step=0)
+
+    def test_first_step_of_an_episode_is_not_a_repetition(self) -> None:
+        self.reset()
+        self.step(step=0)
+        self.reset()
+        self.step(step=0)
+        self.assertEqual(len(self.simulators[0].actions), 2)
+
+    def test_order_of_the_checks(self) -> None:
+        everything_wrong = {"episode": 9, "step": 7, "action": (math.nan, 0), "stamp": Time(0, 1)}
+        self.refused_step("before reset", **everything_wrong)
+        self.reset(horizon=1)
+        self.step()
+        self.refused_step("episode", **everything_wrong)
+        self.refused_step("expected", **{**everything_wrong, "episode": 0})
+        self.refused_step("horizon", **{**everything_wrong, "episode": 0, "step": 1})
+        self.reset()
+        self.refused_step("action", **{**everything_wrong, "episode": 0, "step": 0})
+
+    def test_horizon(self) -> None:
+        for asked, horizon in ((2, 2), (0, 300)):
+            self.reset(horizon=asked)
+            for _ in range(horizon):
+                self.step()
+            for step in (-1, horizon):
+                self.refused_step(
+                    f"step {horizon}: the horizon of {horizon} control steps is reached", step=step
+                )
+
+    def test_failing_simulation(self) -> None:
+        for fault, message in (
+            ("raise", r"step: ZeroDivisionError: by zero \(step, line \d+\)"),
+            ("nan", "step: ValueError: tee_x nan: must be finite"),
+            ("nothing", "step: TypeError: returned NoneType: must be WorldState"),
+        ):
+            self.simulators[0].fault = ""
+            self.reset()
+            self.step(step=0)
+            self.simulators[0].fault = fault
+            self.refused_step(message, exit_code=ExitCode.RUNTIME_FAULT)
+            self.refused_step("needs a reset")
+            self.refused_step("needs a reset", step=0, episode=9)
+        self.assertEqual(len(self.updates), 6)
+
+
+class Configurations(SessionCase):
+    def test_mid_episode(self) -> None:
+        self.reset(horizon=2)
+        self.step()
+        self.refused(self.configure({"drift": "1"}), "mid-episode, after 1 of 2 .* end_episode")
+        self.step(step=1)
+        self.accepted(self.configure({"drift": "1"}))
+        self.refused_step("needs a reset")
+        self.reset()
+        self.accepted(self.configure({"drift": "2"}, end_episode=True))
+        self.refused_step("needs a reset")
+        self.assertEqual([simulator.drift for simulator in self.simulators], [0.5, 1.0, 2.0])
+
+    def test_after_a_failure(self) -> None:
+        self.reset()
+        self.simulators[0].fault = "raise"
+        self.refused_step("ZeroDivision", exit_code=4)
+        self.accepted(self.configure())
+
+    def test_values(self) -> None:
+        response = self.accepted(self.configure({"sticky": "true", "count": "12", "label": "12"}))
+        values = {parameter.name: parameter.value for parameter in response.parameters}
+        wanted = {"drift": "0.5", "label": "12", "count": "12", "sticky": "true"}
+        self.assertEqual(values, wanted)
+        self.assertEqual(list(values), list(DEFAULTS))
+        self.assertEqual(self.session.describe().parameters, response.parameters)
+
+    def test_refusals_change_nothing(self) -> None:
+        before = self.session.describe()
+        for values, message in (
+            ({"dirft": "1"}, "dirft: there is none of that name; there are: drift, label"),
+            ({"drift": "nan"}, "drift nan: must be a finite number"),
+            ({"drift": "Infinity"}, "drift inf: must be a finite number"),
+            ({"drift": "much"}, "drift much: must be a finite number"),
+            ({"drift": "true"}, "drift True: must be a finite number"),
+            ({"drift": "1_0"}, "drift 1_0: must be a finite number"),
+            ({"drift": "[" * 100_000}, r"drift \[.*: must be a finite number"),
+            ({"drift": ""}, "drift : must be a finite number"),
+            ({"count": "1.5"}, "count 1.5: must be an integer"),
+            ({"sticky": "1"}, "sticky 1: must be true or false"),
+            ({"label": "x", "drift": "-1"}, "drift -1.0: must be at least 0 m/s"),
+        ):
+            self.refused(self.configure(values), message)
+        self.refused(
+            self.configure({"label": "broken"}),
+            r"RuntimeError: no such engine \(__init__",
+            exit_code=70,
+        )
+        self.assertEqual(data(self.session.describe()), data(before))
+
+    def test_hash_tells_values_apart(self) -> None:
+        plain = self.session.describe().parameters_hash
+        self.configure({"drift": "0.6"})
+        self.assertNotEqual(self.session.describe().parameters_hash, plain)
+        self.configure({"drift": "5e-1"})
+        self.assertEqual(self.session.describe().parameters_hash, plain)
+
+    def test_describe(self) -> None:
+        self.reset(stamp=Time(3))
+        description = self.session.describe()
+        self.assertTrue(description.success)
+        self.assertEqual((description.name, description.version), ("drift", "1"))
+        self.assertEqual((description.frame_prefix, description.stamp), ("here", Time(3)))
+        self.assertIn("numpy", json.loads(description.provenance))
+
+
+class Parameters(unittest.TestCase):
+    def test_integers_are_accepted_for_reals(self) -> None:
+        drift = merged({"drift": 0.5}, {"drift": 2})["drift"]
+        self.assertIsInstance(drift, float)
+
+    def test_refusals_name_key_value_and_rule(self) -> None:
+        cases: List[Tuple[Dict[str, Value], str]] = [
+            ({"drift": "2"}, "parameter /sim/drift 2: must be a finite number"),
+            ({"drift": math.nan}, "parameter /sim/drift nan: must be a finite number"),
+            ({"count": True}, "parameter /sim/count True: must be an integer"),
+            ({"dirft": 1}, "parameter /sim/dirft: there is none of that name; there are: drift"),
+        ]
+        for changes, message in cases:
+            with self.assertRaisesRegex(Refusal, message):
+                merged(DEFAULTS, changes, "/sim/")
+
+
+class Starts(unittest.TestCase):
+    def test_failed_start(self) -> None:
+        cases: List[Tuple[Dict[str, Value], int]] = [
+            ({"drift": -1.0}, 2),
+            ({"label": "broken"}, 70),
+        ]
+        for values, exit_code in cases:
+            identity = Identity("drift", "1")
+            try:
+                SimulatorSession(Drift, {**DEFAULTS, **values}, identity, "", lambda _: None)
+                self.fail("must raise")
+            except Refusal as failure:
+                description = FailedStart(failure, identity).describe()
+            self.assertFalse(description.success)
+            self.assertEqual(description.exit_code, exit_code)
+            self.assertNotIn("\n", description.message)
+            self.assertEqual(description.instance_id, identity.instance_id)
+        try:
+            raise MemoryError("too\nmuch")
+        except MemoryError as failure:
+            description = FailedStart(failure, identity).describe()
+        self.assertEqual(description.exit_code, ExitCode.INTERNAL_ERROR)
+        self.assertRegex(description.message, r"\AMemoryError: too much \(.*, line \d+\)\Z")
+
+    def test_instances_differ(self) -> None:
+        self.assertNotEqual(Identity("a", "1").instance_id, Identity("a", "1").instance_id)
+
+    def test_f15_no_master(self) -> None:
+        code = (
+            "import sys; from pusht_task.ros import serve_policy;"
+            " sys.exit(serve_policy(lambda rows: rows[:, :2], name='mine', version='1'))"
+        )
+        begin = time.monotonic()
+        process = subprocess.run(
+            [sys.executable, "-c", code],
+            env={**os.environ, "ROS_MASTER_URI": "http://127.0.0.1:1"},
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
+        )
+        self.assertLess(time.monotonic() - begin, 10)
+        self.assertEqual(process.returncode, ExitCode.RUNTIME_FAULT)
+        self.assertRegex(process.stderr, r"\Amine: no ROS master at .*: start roscore.*\n\Z")
+
+
+class Policies(unittest.TestCase):
+    QUERIES = [Query(rollout=5, observation=range(10)), Query(rollout=6, observation=[1] * 10)]
+
+    def session(self, act: Any) -> PolicySession:
+        return PolicySession(act, Identity("mine", "2"))
+
+    def test_rows(self) -> None:
+        seen: Dict[str, Any] = {}
+
+        def act(rows: np.ndarray) -> np.ndarray:
+            seen.update(shape=rows.shape, dtype=rows.dtype)
+            return rows[:, :2] + np.array([0.5, math.inf])
+
+        response = self.session(act).act(ActRequest(self.QUERIES))
+        self.assertTrue(response.success)
+        self.assertEqual(response.actions, [0.5, math.inf, 1.5, math.inf])
+        self.assertEqual(seen, {"shape": (2, 10), "dtype": np.float32})
+        data(response)
+
+    def test_nothing_asked(self) -> None:
+        response = self.session(None).act(ActRequest())
+        self.assertEqual((response.success, response.actions), (True, []))
+
+    def test_refusals(self) -> None:
+        def fail(rows: np.ndarray) -> None:
+            raise KeyError("weights")
+
+        def bad(number: float) -> List[Query]:
+            return [*self.QUERIES, Query(rollout=8, observation=[0] * 9 + [number])]
+
+        for act, queries, exit_code, message in (
+            (lambda rows: rows, self.QUERIES, 3, r"shape \[2, 10\] .* must be \[2, 2\]"),
+            (lambda rows: rows[0, :2], self.QUERIES, 3, r"shape \[2\] of the actions"),
+            (lambda rows: "left", self.QUERIES, 4, "act: ValueError: could not convert"),
+            (fail, self.QUERIES, 4, r"act: KeyError: 'weights' \(fail"),
+            (fail, bad(math.nan), 2, "rollout 8: observation must be finite"),
+        ):
+            session = self.session(act)
+            response = session.act(ActRequest(queries))
+            self.assertFalse(response.success)
+            self.assertRegex(response.message, message)
+            self.assertEqual(response.exit_code, exit_code)
+            self.assertEqual(response.instance_id, session.describe().instance_id)
+
+    def test_describe(self) -> None:
+        description = self.session(None).describe()
+        self.assertTrue(description.success)
+        self.assertEqual((description.name, description.version), ("mine", "2"))
+        self.assertEqual((description.parameters, description.parameters_hash), ([], ""))
+
+
+def data(message: Any) -> bytes:
+    """What travels."""
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Computes the results of a run again from its bag.
+#include <filesystem>
+#include <iostream>
+#include <string>
+
+#include "pusht_task/error.hpp"
+#include "sim2sim_eval/command_line.hpp"
+#include "sim2sim_eval/recorded_run.hpp"
+#include "sim2sim_eval/run.hpp"
+#include "sim2sim_eval/run_folder.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The episodes that a run lacks, as text: "3, 5 to 9".
+std::string missingEpisodes(const sim2sim::Run& run) {
+  const sim2sim::Protocol& protocol = run.configuration().protocol;
+  std::string text;
+  int next = protocol.first_episode;
+  const auto missUntil = [&](int end) {
+    if (next < end) {
+      text += (text.empty() ? "" : ", ") + std::to_string(next);
+      text += next < end - 1 ? " to " + std::to_string(end - 1) : "";
+    }
+    next = end + 1;
+  };
+  for (const sim2sim::EpisodeResult& episode : run.episodes()) {
+    missUntil(episode.index);
+  }
+  missUntil(protocol.lastEpisode() + 1);
+  return text;
+}
+
+/// Results that replace those in a folder replace the bag in it too.
+void refuseOwnFolder(const fs::path& bag, const fs::path& out) {
+  std::error_code ignored;
+  if (!out.empty() && fs::equivalent(fs::absolute(bag).parent_path(), out, ignored)) {
+    throw pusht::InvalidInput("out " + out.string() + ": must not be the folder that holds the bag");
+  }
+}
+
+void recompute(const fs::path& bag, const fs::path& out, bool overwrite) {
+  refuseOwnFolder(bag, out);
+  sim2sim::RunFolder folder(out, overwrite, "recompute");
+  sim2sim::RecordedRun recorded = sim2sim::readRun(bag);
+  recorded.provenance["bag"] = bag.string();
+  sim2sim::Run run(recorded.configuration, folder, recorded.provenance);
+  for (const sim2sim::EpisodeResult& episode : recorded.episodes) {
+    run.add(episode);
+  }
+  if (run.whole()) {
+    run.finish(std::cout);
+    return;
+  }
+  const pusht::RuntimeFault unfinished("bag " + bag.string() + ": episodes " + missingEpisodes(run) + " are missing");
+  run.abandon(std::cout, unfinished);
+  throw unfinished;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Computes the results of a run again from its bag; they are the same, byte for byte.", "recompute");
+  std::string bag;
+  std::string out;
+  bool overwrite = false;
+  app.add_option("bag", bag, "compare.bag of a run")->required();
+  app.add_option("--out", out, "folder for the results (default: the next free results/recompute-N)");
+  app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
+  return sim2sim::runCommand(app, argc, argv, [&] { recompute(bag, out, overwrite); });
+}

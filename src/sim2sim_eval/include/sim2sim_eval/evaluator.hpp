@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The node that runs comparisons over other nodes.
+#pragma once
+
+#include <actionlib/server/action_server.h>
+#include <pusht_msgs/CompareAction.h>
+#include <pusht_msgs/Control.h>
+#include <ros/node_handle.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "pusht_task/ros/health.hpp"
+#include "pusht_task/ros/parameters.hpp"
+#include "sim2sim_eval/broadcast.hpp"
+#include "sim2sim_eval/cast.hpp"
+#include "sim2sim_eval/live_run.hpp"
+#include "sim2sim_eval/pacer.hpp"
+#include "sim2sim_eval/run.hpp"
+#include "sim2sim_eval/run_folder.hpp"
+
+namespace sim2sim {
+
+/// One comparison that is asked for.
+struct LiveRequest {
+  Cast::Services services;
+  Protocol protocol;
+  bool smoke = false;       ///< short; the policy node should be given the untrained policy
+  double rate = 0.0;        ///< [control steps/s]; 0: as fast as possible
+  pusht::Parameters knobs;  ///< of the engine; those that are not named keep their values
+  bool record = true;       ///< write compare.bag
+  std::string out;          ///< folder for the results; empty: the next free results/compare-N
+  bool overwrite = false;   ///< replace results that are in the folder
+};
+
+struct EvaluatorParameters {
+  LiveRequest request;      ///< what a goal leaves open
+  bool start = false;       ///< run `request` at once
+  bool exit = false;        ///< and end then
+  bool respawn = false;     ///< nodes that die come back: their episode is run again
+  double deadline = 5.0;    ///< [s] for the answer to a call
+  double patience = 30.0;   ///< [s] for a node to appear, or to come back
+  std::string status_file;  ///< gets a copy of status.json, whatever becomes of the folder; empty: none
+  std::string notice;       ///< said at start; empty: nothing
+
+  /// Throws InvalidInput with key, value and rule.
+  static EvaluatorParameters load(pusht::ParameterReader& parameters);
+};
+
+/// Offers, in its private namespace, the action `compare`, the service `control`, and the topics of Broadcast.
+class Evaluator : private LiveObserver {
+ public:
+  Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters);
+
+  /// Runs what is asked for until the node ends, or the run that was asked for by parameters has ended and was to
+  /// be all. Returns the exit code of the last run. Callbacks must be served in another thread.
+  pusht::ExitCode run();
+
+ private:
+  using Server = actionlib::ActionServer<pusht_msgs::CompareAction>;
+  using Goal = Server::GoalHandle;
+
+  /// A request, and who has made it.
+  struct Job {
+    LiveRequest request;
+    std::optional<Goal> goal;
+  };
+
+  // Called in the thread of the callbacks.
+  void onGoal(Goal goal);
+  void onCancel(Goal goal);
+  bool onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response);
+  void control(const pusht_msgs::ControlRequest& request);
+  void report(pusht::DiagnosticStatusWrapper& status) const;
+
+  std::optional<Job> nextJob();
+  RunStatus execute(const Job& job);
+  void compare(const LiveRequest& request, RunFolder& folder);
+  void answer(Job& job, const RunStatus& status);
+  bool stopped() const;
+
+  void onStep(const Episode& episode, const ros::Time& stamp) override;
+  void onFinish(const EpisodeResult& episode, const ros::Time& stamp) override;
+  void onFault(int episode, const pusht::PeerFault& fault) override;
+
+  ros::NodeHandle node_;
+  const EvaluatorParameters parameters_;
+  Pacer pacer_;
+  Broadcast broadcast_;
+
+  mutable std::mutex mutex_;  // of what follows
+  std::condition_variable asked_;
+  std::optional<Job> next_job_;
+  bool busy_ = false;
+  bool cancelled_ = false;
+  std::string activity_ = "idle";
+
+  // Of the run under way; used in the thread of run() alone.
+  std::optional<Goal> goal_;
+  std::unique_ptr<Run> run_;
+  int faults_survived_ = 0;
+  std::filesystem::path folder_;
+
+  pusht::Health health_;
+  ros::ServiceServer control_;
+  Server server_;
+};
+
+/// The body of the evaluator's node. If it cannot start, status.json says why.
+pusht::ExitCode evaluate();
+
+}  // namespace sim2sim

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// A run as a picture for rviz: three tables side by side, and how far their tees are apart.
+#pragma once
+
+#include <visualization_msgs/MarkerArray.h>
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "sim2sim_eval/protocol.hpp"
+#include "sim2sim_eval/report.hpp"
+
+namespace sim2sim {
+
+/// Draws what it is told and remembers nothing. Together, scene() and update() are the whole picture; each replaces
+/// what it drew before, whichever episode or run that was of.
+class Picture {
+ public:
+  struct World {
+    std::string frame_prefix;  ///< of its TF frames
+    std::string title;         ///< e.g. "MuJoCo, closed loop"
+  };
+
+  /// The worlds by mode, which is their order on the screen; their prefixes differ.
+  explicit Picture(std::array<World, kModeCount> worlds);
+
+  /// What stays: the worlds, their titles and the axes below them.
+  visualization_msgs::MarkerArray scene() const;
+
+  /// What a control step changes: trails, divergence, figures. `policy` is the name in metrics.json; `summary` is of
+  /// the finished episodes, none before the first. At most 30 kB as a message.
+  visualization_msgs::MarkerArray update(const std::string& policy, const Episode& episode,
+                                         const std::optional<Summary>& summary) const;
+
+ private:
+  std::array<World, kModeCount> worlds_;
+};
+
+}  // namespace sim2sim

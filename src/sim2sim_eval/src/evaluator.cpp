@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/evaluator.hpp"
+
+#include <ros/ros.h>
+
+#include <iostream>
+#include <system_error>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/ros/node.hpp"
+#include "sim2sim_eval/command_line.hpp"
+#include "sim2sim_eval/messages.hpp"
+#include "sim2sim_eval/provenance.hpp"
+#include "sim2sim_eval/run.hpp"
+
+namespace sim2sim {
+namespace {
+
+std::chrono::milliseconds milliseconds(double seconds) {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(seconds));
+}
+
+std::string services(pusht::ParameterReader& parameters, const std::string& key) {
+  return ros::names::resolve(parameters.text(key, key));
+}
+
+/// A goal on top of what the parameters say. Empty and 0 mean the parameter.
+LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
+  const auto set = [](auto& field, const auto& value) {
+    if (value != std::decay_t<decltype(value)>()) {
+      field = value;
+    }
+  };
+  if (!goal.policy.empty()) {
+    request.services.policy = ros::names::resolve(goal.policy);
+  }
+  set(request.protocol.seed, goal.seed);
+  set(request.protocol.first_episode, goal.first_episode);
+  set(request.protocol.episodes, goal.episodes);
+  set(request.protocol.horizon, goal.horizon);
+  set(request.out, goal.out);
+  if (goal.rate != 0.0) {
+    request.rate = goal.rate < 0.0 ? 0.0 : goal.rate;
+  }
+  if (!goal.knobs.empty()) {
+    request.knobs = goal.knobs;
+  }
+  if (goal.record != 0) {
+    request.record = goal.record > 0;
+  }
+  request.overwrite = request.overwrite || goal.overwrite != 0;
+  return request;
+}
+
+Protocol protocolOf(const LiveRequest& request) {
+  Protocol protocol = request.smoke ? smokeRun(request.protocol) : request.protocol;
+  protocol.validate();
+  return protocol;
+}
+
+nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
+  nlohmann::json provenance = nlohmann::json::parse(node.provenance, nullptr, false);
+  if (!provenance.is_object()) {
+    throw pusht::BadDependency(node.name + ": provenance '" + node.provenance + "': must be a JSON object");
+  }
+  return provenance;
+}
+
+RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast) {
+  RunConfiguration configuration;
+  configuration.protocol = protocolOf(request);
+  configuration.smoke = request.smoke;
+  configuration.policy = cast.describePolicy().name;
+  configuration.reference = cast.describe(kReferenceClosed).name;
+  configuration.engine = cast.describe(kEngineClosed).name;
+  configuration.knobs = knobsFrom(cast.describe(kEngineClosed).parameters);
+  return configuration;
+}
+
+nlohmann::ordered_json provenanceOf(const RunConfiguration& configuration, const Cast& cast) {
+  return provenance(configuration, provenanceOf(cast.describePolicy()), provenanceOf(cast.describe(kReferenceClosed)),
+                    provenanceOf(cast.describe(kEngineClosed)));
+}
+
+/// Null if the run is not to be recorded.
+std::unique_ptr<RunBag> makeBag(const LiveRequest& request, const RunFolder& folder,
+                                const nlohmann::ordered_json& provenance, Cast& cast) {
+  if (!request.record) {
+    return nullptr;
+  }
+  WorldNames worlds;
+  for (const Mode mode : kModes) {
+    worlds[mode] = {request.services.worlds[mode] + "/state", cast.describe(mode).frame_prefix};
+  }
+  cast.stamps().advance();
+  return std::make_unique<RunBag>(folder.bagPath(), provenance, worlds, cast.stamps().now());
+}
+
+void writeStatusFile(const std::string& path, const RunStatus& status) {
+  if (!path.empty()) {
+    pusht::writeFile(path, statusText(status));
+  }
+}
+
+/// Leaves the reason why the node does not start where its results would be.
+void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failure) {
+  const RunStatus status = {pusht::exitCodeOf(failure), failure.what(), 0, 0, 0};
+  try {
+    writeStatusFile(parameters.text("status_file", ""), status);
+    RunFolder(parameters.text("out", ""), parameters.flag("overwrite", false)).refuse(status);
+  } catch (const pusht::Error&) {
+    // The failure itself is reported by whoever gets it.
+  }
+}
+
+}  // namespace
+
+EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters) {
+  EvaluatorParameters loaded;
+  LiveRequest& request = loaded.request;
+  request.services.worlds = {services(parameters, "reference"), services(parameters, "engine"),
+                             services(parameters, "replay")};
+  request.services.policy = services(parameters, "policy");
+  request.protocol.seed = parameters.seed("seed", request.protocol.seed);
+  request.protocol.first_episode = parameters.integer("first_episode", request.protocol.first_episode);
+  request.protocol.episodes = parameters.integer("episodes", request.protocol.episodes);
+  request.protocol.horizon = parameters.integer("horizon", request.protocol.horizon);
+  request.smoke = parameters.flag("smoke", request.smoke);
+  request.rate = parameters.real("rate", request.rate);
+  request.record = parameters.flag("record", request.record);
+  request.out = parameters.text("out", request.out);
+  request.overwrite = parameters.flag("overwrite", request.overwrite);
+  loaded.start = parameters.flag("start", loaded.start);
+  loaded.exit = parameters.flag("exit", loaded.exit);
+  loaded.respawn = parameters.flag("respawn", loaded.respawn);
+  loaded.deadline = parameters.positive("deadline", loaded.deadline);
+  loaded.patience = parameters.positive("patience", loaded.patience);
+  loaded.status_file = parameters.text("status_file", loaded.status_file);
+  loaded.notice = parameters.text("notice", loaded.notice);
+  return loaded;
+}
+
+Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters)
+    : node_(node),
+      parameters_(std::move(parameters)),
+      broadcast_(node_),
+      health_("none", "comparison", [this](pusht::DiagnosticStatusWrapper& status) { report(status); }),
+      control_(node_.advertiseService("control", &Evaluator::onControl, this)),
+      server_(
+          node_, "compare", [this](Goal goal) { onGoal(std::move(goal)); },
+          [this](Goal goal) { onCancel(std::move(goal)); }, false) {
+  if (!parameters_.notice.empty()) {
+    ROS_WARN_STREAM(parameters_.notice);
+  }
+  if (parameters_.start) {
+    next_job_ = Job{parameters_.request, std::nullopt};
+    busy_ = true;
+  }
+  server_.start();
+}
+
+pusht::ExitCode Evaluator::run() {
+  pusht::ExitCode code = pusht::ExitCode::kOk;
+  while (std::optional<Job> job = nextJob()) {
+    const RunStatus status = execute(*job);
+    code = status.exit_code;
+    answer(*job, status);
+    if (parameters_.exit && !job->goal) {
+      break;
+    }
+  }
+  return code;
+}
+
+std::optional<Evaluator::Job> Evaluator::nextJob() {
+  constexpr std::chrono::milliseconds kStopPeriod{50};
+  std::unique_lock<std::mutex> lock(mutex_);
+  cancelled_ = false;
+  while (!next_job_) {
+    if (!ros::ok() || interrupted()) {
+      return std::nullopt;
+    }
+    asked_.wait_for(lock, kStopPeriod);
+  }
+  return std::exchange(next_job_, std::nullopt);
+}
+
+RunStatus Evaluator::execute(const Job& job) {
+  run_.reset();
+  goal_ = job.goal;
+  folder_.clear();
+  faults_survived_ = 0;
+  std::optional<RunFolder> folder;
+  try {
+    folder.emplace(job.request.out, job.request.overwrite);
+    compare(job.request, *folder);
+    const int episodes = job.request.protocol.episodes;
+    return {pusht::ExitCode::kOk, "finished", episodes, episodes, faults_survived_};
+  } catch (const std::exception& failure) {
+    pusht::reportFailure(ros::this_node::getName(), failure);
+    const int finished = run_ ? static_cast<int>(run_->episodes().size()) : 0;
+    const RunStatus status = {pusht::exitCodeOf(failure), failure.what(), finished, job.request.protocol.episodes,
+                              faults_survived_};
+    try {
+      broadcast_.end();
+      if (run_) {
+        run_->abandon(std::cout, failure, faults_survived_);
+      } else if (folder) {
+        folder->refuse(status);
+      }
+    } catch (const pusht::Error& second) {
+      pusht::reportFailure(ros::this_node::getName(), second);
+    }
+    return status;
+  }
+}
+
+void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
+  protocolOf(request);
+  pacer_.setRate(request.rate);
+  const LiveOptions options = {request.knobs, parameters_.respawn, milliseconds(parameters_.patience)};
+  Cast cast(request.services, milliseconds(parameters_.deadline));
+  cast.connect(options.knobs, options.patience);
+
+  const RunConfiguration configuration = configurationOf(request, cast);
+  const nlohmann::ordered_json provenance = provenanceOf(configuration, cast);
+  run_ = std::make_unique<Run>(configuration, folder, provenance);
+  folder_ = std::filesystem::absolute(folder.path());
+  broadcast_.begin(configuration, cast, makeBag(request, folder, provenance, cast));
+  runLive(configuration.protocol, cast, pacer_, *this, options, [this] { return stopped(); });
+  broadcast_.end();
+  run_->finish(std::cout, faults_survived_);
+  const std::string doubt = doubtAboutPolicy(configuration, summarize(run_->episodes()));
+  if (!doubt.empty()) {
+    ROS_WARN_STREAM(doubt);
+  }
+}
+
+void Evaluator::answer(Job& job, const RunStatus& status) {
+  try {
+    writeStatusFile(parameters_.status_file, status);
+  } catch (const pusht::RuntimeFault& fault) {
+    pusht::reportFailure(ros::this_node::getName(), fault);
+  }
+  if (job.goal) {
+    pusht_msgs::CompareResult result;
+    result.exit_code = static_cast<int>(status.exit_code);
+    result.reason = status.reason;
+    result.folder = folder_.string();
+    result.faults_survived = static_cast<std::uint32_t>(status.faults_survived);
+    result.summary = broadcast_.summary();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (status.exit_code == pusht::ExitCode::kOk) {
+      job.goal->setSucceeded(result);
+    } else if (cancelled_) {
+      job.goal->setCanceled(result, status.reason);
+    } else {
+      job.goal->setAborted(result, status.reason);
+    }
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  busy_ = false;
+  activity_ = "idle";
+}
+
+bool Evaluator::stopped() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return cancelled_ || !ros::ok() || interrupted();
+}
+
+void Evaluator::onGoal(Goal goal) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (busy_) {
+    goal.setRejected({}, "a comparison is under way: cancel it, or wait for its end");
+    return;
+  }
+  goal.setAccepted();
+  busy_ = true;
+  next_job_ = Job{merged(parameters_.request, *goal.getGoal()), goal};
+  asked_.notify_one();
+}
+
+void Evaluator::onCancel(Goal /*goal*/) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  cancelled_ = true;
+}
+
+bool Evaluator::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response) {
+  try {
+    control(request);
+    response.success = 1;
+  } catch (const pusht::InvalidInput& refusal) {
+    response.success = 0;
+    response.message = refusal.what();
+  }
+  return true;
+}
+
+void Evaluator::control(const pusht_msgs::ControlRequest& request) {
+  if (request.command == pusht_msgs::ControlRequest::PAUSE) {
+    pacer_.pause();
+  } else if (request.command == pusht_msgs::ControlRequest::RESUME) {
+    pacer_.resume();
+  } else if (request.command == pusht_msgs::ControlRequest::RATE) {
+    pacer_.setRate(request.rate);
+  } else if (request.command == pusht_msgs::ControlRequest::STEP) {
+    if (!pacer_.step()) {
+      throw pusht::InvalidInput("step: only while paused");
+    }
+  } else {
+    throw pusht::InvalidInput("command '" + request.command + "': must be pause, resume, step or rate");
+  }
+}
+
+void Evaluator::onStep(const Episode& episode, const ros::Time& stamp) {
+  const pusht_msgs::Divergence divergence = broadcast_.step(episode, stamp, pacer_.rate() > 0.0 || pacer_.paused());
+  if (goal_) {
+    pusht_msgs::CompareFeedback feedback;
+    feedback.episodes_finished = static_cast<std::uint32_t>(run_->episodes().size());
+    feedback.divergence = divergence;
+    goal_->publishFeedback(feedback);
+  }
+}
+
+void Evaluator::onFinish(const EpisodeResult& episode, const ros::Time& stamp) {
+  run_->add(episode);
+  broadcast_.finish(episode, run_->episodes(), stamp);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  activity_ = run_->progress() + " finished";
+}
+
+void Evaluator::onFault(int episode, const pusht::PeerFault& fault) {
+  ++faults_survived_;
+  ROS_WARN_STREAM("episode " << episode << " is void and begins again: " << fault.what());
+}
+
+void Evaluator::report(pusht::DiagnosticStatusWrapper& status) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.summary(diagnostic_msgs::DiagnosticStatus::OK, activity_);
+  status.add("paused", pacer_.paused());
+  status.add("rate [control steps/s]", pacer_.rate());
+}
+
+pusht::ExitCode evaluate() {
+  catchInterrupts();
+  const ros::NodeHandle node("~");
+  pusht::ParameterReader parameters(node);
+  try {
+    parameters.enterWorkingDirectory();
+    const EvaluatorParameters loaded = EvaluatorParameters::load(parameters);
+    parameters.refuseUnknown();
+    Evaluator evaluator(node, loaded);
+    ros::AsyncSpinner callbacks(1);
+    callbacks.start();
+    return evaluator.run();
+  } catch (const std::exception& failure) {
+    tellRefusal(parameters, failure);
+    throw;
+  }
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/live_run.hpp"
+
+#include "pusht_task/error.hpp"
+
+namespace sim2sim {
+namespace {
+
+/// Faults in one episode after which the nodes are beyond help.
+constexpr int kMostFaults = 5;
+
+EpisodeResult runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, LiveObserver& observer,
+                         const std::function<bool()>& stop) {
+  cast.announce(index, protocol.horizon);
+  cast.stamps().advance();
+  Episode episode(protocol, index, cast.worlds(), cast.policy());
+  observer.onStep(episode, cast.stamps().now());
+  while (!episode.finished()) {
+    if (!pacer.wait(stop)) {
+      throw pusht::RuntimeFault("interrupted in episode " + std::to_string(index));
+    }
+    cast.stamps().advance();
+    episode.advance(cast.policy());
+    observer.onStep(episode, cast.stamps().now());
+  }
+  return episode.result();
+}
+
+}  // namespace
+
+void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& observer, const LiveOptions& options,
+             const std::function<bool()>& stop) {
+  int faults = 0;
+  for (int index = protocol.first_episode; index <= protocol.lastEpisode();) {
+    try {
+      observer.onFinish(runEpisode(protocol, index, cast, pacer, observer, stop), cast.stamps().now());
+      ++index;
+      faults = 0;
+    } catch (const pusht::PeerFault& fault) {
+      if (!options.respawn || stop() || ++faults == kMostFaults) {
+        throw;
+      }
+      observer.onFault(index, fault);
+      cast.connect(options.knobs, options.patience);
+    }
+  }
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/messages.hpp"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "pusht_task/error.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr Divergence kNoDivergence{kNan, kNan};
+
+/// Of the states of two rollouts after `step` control steps, if both have come that far.
+Divergence divergenceAt(const Episode& episode, Mode a, Mode b, int step) {
+  const pusht::Rollout& first = episode.rollout(a);
+  const pusht::Rollout& second = episode.rollout(b);
+  if (step > first.steps() || step > second.steps()) {
+    return kNoDivergence;
+  }
+  const auto k = static_cast<std::size_t>(step);
+  return divergence(first.trace().states[k], second.trace().states[k]);
+}
+
+pusht_msgs::SuccessRate toMessage(const SuccessRate& rate, int trials) {
+  pusht_msgs::SuccessRate message;
+  message.successes = static_cast<std::uint32_t>(rate.successes);
+  message.trials = static_cast<std::uint32_t>(trials);
+  message.rate = rate.rate;
+  message.low = rate.interval.low;
+  message.high = rate.interval.high;
+  return message;
+}
+
+pusht_msgs::Mean toMessage(const Mean& mean) {
+  const Interval interval = mean.interval.value_or(Interval{kNan, kNan});
+  pusht_msgs::Mean message;
+  message.value = mean.value;
+  message.low = interval.low;
+  message.high = interval.high;
+  return message;
+}
+
+}  // namespace
+
+pusht_msgs::Divergence divergenceMessage(const Episode& episode, int step, const ros::Time& stamp) {
+  const Divergence replay = divergenceAt(episode, kReferenceClosed, kEngineReplay, step);
+  const Divergence closed = divergenceAt(episode, kReferenceClosed, kEngineClosed, step);
+  pusht_msgs::Divergence message;
+  message.header.stamp = stamp;
+  message.episode = static_cast<std::uint64_t>(episode.index());
+  message.step = static_cast<std::uint32_t>(step);
+  message.replay_position = replay.position;
+  message.replay_angle = replay.angle;
+  message.closed_position = closed.position;
+  message.closed_angle = closed.angle;
+  return message;
+}
+
+pusht_msgs::EpisodeResult toMessage(const EpisodeResult& episode, const ros::Time& stamp) {
+  pusht_msgs::EpisodeResult message;
+  message.header.stamp = stamp;
+  message.episode = static_cast<std::uint64_t>(episode.index);
+  message.seed = episode.seed;
+  for (const Mode mode : kModes) {
+    const RolloutResult& result = episode.modes[mode];
+    const Divergence divergence = result.mean_divergence.value_or(kNoDivergence);
+    pusht_msgs::RolloutResult rollout;
+    rollout.mode = modeName(mode);
+    rollout.steps = static_cast<std::uint32_t>(result.steps);
+    rollout.success = result.success ? 1 : 0;
+    rollout.final_position_error = result.final_error.position;
+    rollout.final_angle_error = result.final_error.angle;
+    rollout.mean_position_divergence = divergence.position;
+    rollout.mean_angle_divergence = divergence.angle;
+    message.rollouts.push_back(rollout);
+  }
+  return message;
+}
+
+pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::vector<EpisodeResult>& finished,
+                                   const ros::Time& stamp) {
+  Summary summary{0, {0, kNan, {kNan, kNan}}, {0, kNan, {kNan, kNan}}, std::nullopt, {kNan, {}}, {kNan, {}}};
+  if (!finished.empty()) {
+    summary = summarize(finished);
+  }
+  pusht_msgs::Summary message;
+  message.header.stamp = stamp;
+  message.episodes = static_cast<std::uint32_t>(configuration.protocol.episodes);
+  message.episodes_finished = static_cast<std::uint32_t>(summary.episodes);
+  message.reference = toMessage(summary.reference, summary.episodes);
+  message.engine = toMessage(summary.engine, summary.episodes);
+  message.transfer = summary.transfer.value_or(kNan);
+  message.position_divergence = toMessage(summary.position_divergence);
+  message.angle_divergence = toMessage(summary.angle_divergence);
+  message.policy = configuration.policy;
+  return message;
+}
+
+nlohmann::ordered_json knobsFrom(const pusht::Parameters& parameters) {
+  nlohmann::ordered_json knobs = nlohmann::ordered_json::object();
+  for (const pusht_msgs::Parameter& parameter : parameters) {
+    knobs[parameter.name] = parameter.value;
+    try {
+      const double value = pusht::realFromText(parameter.name, parameter.value);
+      if (std::isfinite(value)) {  // JSON has no others
+        knobs[parameter.name] = value;
+      }
+    } catch (const pusht::InvalidInput&) {
+      // A word.
+    }
+  }
+  return knobs;
+}
+
+}  // namespace sim2sim

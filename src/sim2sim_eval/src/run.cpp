@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/run.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+
+namespace sim2sim {
+
+Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance)
+    : configuration_(std::move(configuration)), folder_(folder) {
+  folder_.begin(provenance);
+}
+
+void Run::add(const EpisodeResult& episode) {
+  const auto after = std::upper_bound(episodes_.begin(), episodes_.end(), episode,
+                                      [](const auto& a, const auto& b) { return a.index < b.index; });
+  episodes_.insert(after, episode);
+}
+
+std::string Run::progress() const {
+  return std::to_string(episodes_.size()) + " of " + std::to_string(configuration_.protocol.episodes) + " episodes";
+}
+
+void Run::finish(std::ostream& out, int faults_survived) {
+  out << "policy " << configuration_.policy << ", seed " << configuration_.protocol.seed << ", horizon "
+      << configuration_.protocol.horizon << " control steps\n"
+      << table(configuration_, summarize(episodes_)) << "results: " << folder_.path().string() << "\n"
+      << "config_hash: " << configurationHash(configuration_) << std::endl;
+  folder_.finish(configuration_, episodes_, faults_survived);
+}
+
+void Run::abandon(std::ostream& out, const std::exception& failure, int faults_survived) const {
+  const pusht::ExitCode code = pusht::exitCodeOf(failure);
+  if (!episodes_.empty() && code != pusht::ExitCode::kInternalError) {
+    out << "NOT A WHOLE RUN: " << progress() << "\n"
+        << table(configuration_, summarize(episodes_))
+        << "finished episodes: " << (folder_.path() / "episodes.csv").string() << std::endl;
+  }
+  try {
+    folder_.abandon(episodes_, {code, failure.what(), static_cast<int>(episodes_.size()),
+                                configuration_.protocol.episodes, faults_survived});
+  } catch (const pusht::RuntimeFault&) {
+    out << "the finished episodes could not be written" << std::endl;
+  }
+}
+
+}  // namespace sim2sim

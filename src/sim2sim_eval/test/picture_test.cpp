@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/picture.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <ros/serialization.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/ros/world_markers.hpp"
+
+namespace sim2sim {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
+using ::testing::Not;
+using ::testing::SizeIs;
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+constexpr double kTolerance = 1e-9;
+
+/// A world whose tee begins at `start`, whatever it is reset to, and drifts at constant rates, whatever the action.
+class DriftingWorld : public pusht::Simulator {
+ public:
+  DriftingWorld(Eigen::Vector2d start, double speed, double yaw_rate)
+      : start_(std::move(start)), speed_(speed), yaw_rate_(yaw_rate) {}
+
+ private:
+  void doReset(const pusht::WorldState& /*state*/) override {
+    state_ = {};
+    state_.tee_position = start_;
+  }
+  void doStep(const pusht::Action& /*action*/) override {
+    state_.tee_position.x() += speed_ * pusht::kControlStep;
+    state_.tee_yaw = pusht::wrapAngle(state_.tee_yaw + yaw_rate_ * pusht::kControlStep);
+  }
+  pusht::WorldState doState() const override { return state_; }
+
+  Eigen::Vector2d start_;
+  double speed_;
+  double yaw_rate_;
+  pusht::WorldState state_;
+};
+
+Picture picture() {
+  return Picture({{{"mujoco", "MuJoCo, closed loop"},
+                   {"engine", "engine, closed loop"},
+                   {"engine_replay", "engine, replay of MuJoCo's actions"}}});
+}
+
+class IdlePolicy : public pusht::Policy {
+ public:
+  void act(pusht::Span<const Query> /*queries*/, pusht::Span<pusht::Action> actions) override {
+    std::fill(actions.begin(), actions.end(), pusht::Action{0.0F, 0.0F});
+  }
+};
+
+/// Episode 7, in which the tee of the reference rests and the engine's drift away.
+class DriftingEpisode {
+ public:
+  DriftingEpisode(const Eigen::Vector2d& start, double replay_speed, double replay_yaw_rate)
+      : worlds_{std::make_unique<DriftingWorld>(start, 0.0, 0.0), std::make_unique<DriftingWorld>(start, -0.02, 0.1),
+                std::make_unique<DriftingWorld>(start, replay_speed, replay_yaw_rate)},
+        episode_(Protocol(), 7, worlds_, policy_) {}
+
+  void advance(int steps) {
+    for (int k = 0; k < steps; ++k) {
+      episode_.advance(policy_);
+    }
+  }
+
+  MarkerArray update(const std::optional<Summary>& summary = std::nullopt) const {
+    return picture().update("bc", episode_, summary);
+  }
+
+ private:
+  IdlePolicy policy_;
+  Worlds worlds_;
+  Episode episode_;
+};
+
+const Eigen::Vector2d kAway(0.2, 0.1);
+const Eigen::Vector2d kOnTarget(0.0, 0.0);
+
+Summary someSummary() {
+  return {20,        {12, 0.6, wilsonInterval(12, 20)},  {4, 0.2, wilsonInterval(4, 20)},
+          1.0 / 3.0, {0.0821, Interval{0.0682, 0.0953}}, {0.948, Interval{0.771, 1.126}}};
+}
+
+std::vector<Marker> all(const MarkerArray& scene, const MarkerArray& update) {
+  std::vector<Marker> markers = scene.markers;
+  markers.insert(markers.end(), update.markers.begin(), update.markers.end());
+  return markers;
+}
+
+/// The markers of one type that are drawn, not deleted, in the frame of a table.
+std::vector<Marker> drawn(const MarkerArray& array, const std::string& prefix, int type) {
+  std::vector<Marker> found;
+  for (const Marker& marker : array.markers) {
+    if (marker.header.frame_id == prefix + "/table" && marker.type == type && marker.action == Marker::ADD) {
+      found.push_back(marker);
+    }
+  }
+  return found;
+}
+
+std::vector<std::string> texts(const MarkerArray& array, const std::string& prefix) {
+  std::vector<std::string> texts;
+  for (const Marker& marker : drawn(array, prefix, Marker::TEXT_VIEW_FACING)) {
+    texts.push_back(marker.text);
+  }
+  return texts;
+}
+
+std::set<std::pair<std::string, int>> names(const std::vector<Marker>& markers) {
+  std::set<std::pair<std::string, int>> names;
+  for (const Marker& marker : markers) {
+    names.emplace(marker.ns, marker.id);
+  }
+  return names;
+}
+
+/// The rectangle between two axes: LINE_STRIPs of the scene from the top along the left to the right.
+struct Axes {
+  double left, right, bottom, top;
+};
+std::vector<Axes> axesBelow(const std::string& prefix) {
+  std::vector<Axes> axes;
+  for (const Marker& strip : drawn(picture().scene(), prefix, Marker::LINE_STRIP)) {
+    const auto& points = strip.points;
+    axes.push_back({points.at(1).x, points.at(2).x, points.at(1).y, points.at(0).y});
+  }
+  return axes;
+}
+
+/// The curves below a table: lines of an update that start at the lower left of some axes.
+std::vector<Marker> curvesBelow(const MarkerArray& update, const std::string& prefix) {
+  std::vector<Marker> curves;
+  for (const Marker& strip : drawn(update, prefix, Marker::LINE_STRIP)) {
+    for (const Axes& axes : axesBelow(prefix)) {
+      if (strip.points.front().x == axes.left && strip.points.front().y == axes.bottom) {
+        curves.push_back(strip);
+      }
+    }
+  }
+  return curves;
+}
+
+TEST(WorldMarkers, TheOutlineOfTheTeeHasTheCornersOfBarAndStem) {
+  const std::vector<geometry_msgs::Point> outline = pusht::teeOutline();
+  std::vector<std::pair<double, double>> corners;
+  corners.reserve(outline.size());
+  for (const geometry_msgs::Point& corner : outline) {
+    corners.emplace_back(corner.x, corner.y);
+  }
+  EXPECT_EQ(corners.front(), corners.back()) << "closed";
+  EXPECT_THAT(corners, SizeIs(9));
+  for (const double side : {-1.0, 1.0}) {
+    EXPECT_THAT(corners, IsSupersetOf(std::vector<std::pair<double, double>>{
+                             {side * pusht::kBarHalfLength, pusht::kTeeHalfWidth},
+                             {side * pusht::kBarHalfLength, -pusht::kTeeHalfWidth},
+                             {side * pusht::kTeeHalfWidth, -pusht::kTeeHalfWidth},
+                             {side * pusht::kTeeHalfWidth, -pusht::kStemOffset - pusht::kStemHalfLength}}));
+  }
+}
+
+TEST(WorldMarkers, TheSurfaceOfTheTeeIsThatOfBarAndStem) {
+  const std::vector<geometry_msgs::Point> corners = pusht::teeSurface();
+  ASSERT_EQ(corners.size() % 3, 0U);
+  double area = 0.0;
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    const auto& [a, b, c] = std::tie(corners[i], corners[i + 1], corners[i + 2]);
+    const double twice = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    EXPECT_GT(twice, 0.0) << "counterclockwise: it is seen from above";
+    area += 0.5 * twice;
+  }
+  EXPECT_NEAR(area, 4.0 * pusht::kTeeHalfWidth * (pusht::kBarHalfLength + pusht::kStemHalfLength), kTolerance);
+}
+
+TEST(WorldMarkers, TheBodiesHaveTheSizesOfTheTaskAndStandOnTheTable) {
+  const MarkerArray world = pusht::worldMarkers("mujoco");
+  std::vector<Marker> tee;
+  std::vector<Marker> pusher;
+  for (const Marker& marker : world.markers) {
+    if (marker.header.frame_id == "mujoco/tee") {
+      tee.push_back(marker);
+    } else if (marker.header.frame_id == "mujoco/pusher") {
+      pusher.push_back(marker);
+    }
+  }
+  ASSERT_THAT(tee, SizeIs(2));
+  EXPECT_EQ(tee[0].scale.x, 2.0 * pusht::kBarHalfLength);
+  EXPECT_EQ(tee[0].scale.y, 2.0 * pusht::kTeeHalfWidth);
+  EXPECT_EQ(tee[0].scale.z, 2.0 * pusht::kTeeFrameHeight);
+  EXPECT_EQ(tee[1].scale.x, 2.0 * pusht::kTeeHalfWidth);
+  EXPECT_EQ(tee[1].scale.y, 2.0 * pusht::kStemHalfLength);
+  EXPECT_EQ(tee[1].pose.position.y, -pusht::kStemOffset);
+  ASSERT_THAT(pusher, SizeIs(1));
+  EXPECT_EQ(pusher[0].type, static_cast<int>(Marker::CYLINDER));
+  EXPECT_EQ(pusher[0].scale.x, 2.0 * pusht::kPusherRadius);
+  EXPECT_EQ(pusher[0].scale.z, 2.0 * pusht::kPusherFrameHeight);
+}
+
+TEST(Picture, NoTwoMarkersShareAName) {
+  DriftingEpisode episode(kAway, 0.02, 0.1);
+  episode.advance(10);
+  const std::vector<Marker> markers = all(picture().scene(), episode.update());
+  EXPECT_EQ(names(markers).size(), markers.size());
+}
+
+TEST(Picture, EveryMarkerMovesWithAFrameOfAWorld) {
+  std::set<std::string> frames;
+  for (const char* prefix : {"mujoco", "engine", "engine_replay"}) {
+    for (const char* frame : {"/table", "/pusher", "/tee", "/target"}) {
+      frames.insert(std::string(prefix) + frame);
+    }
+  }
+  DriftingEpisode episode(kAway, 0.02, 0.1);
+  episode.advance(10);
+  std::set<std::string> used;
+  for (const Marker& marker : all(picture().scene(), episode.update())) {
+    used.insert(marker.header.frame_id);
+    EXPECT_TRUE(marker.frame_locked);
+    EXPECT_TRUE(marker.header.stamp.isZero());
+  }
+  EXPECT_EQ(used, frames);
+}
+
+TEST(Picture, AnUpdateIsSmallHoweverLongTheEpisode) {
+  DriftingEpisode episode(kAway, 0.1, 0.1);
+  for (int step = 0; step <= pusht::kHorizon; ++step) {
+    EXPECT_LT(ros::serialization::serializationLength(episode.update(someSummary())), 30'000U) << "step " << step;
+    episode.advance(1);
+  }
+}
+
+TEST(Picture, CurvesRunFromCornerToCornerOfTheirAxes) {
+  // After 4 s, the full width of the axes, the replay is 0.3 m and pi off, their full heights.
+  DriftingEpisode episode(kAway, 0.3 / 4.0, -pusht::kPi / 4.0);
+  episode.advance(40);
+  const std::vector<Marker> curves = curvesBelow(episode.update(), "engine_replay");
+  const std::vector<Axes> axes = axesBelow("engine_replay");
+  ASSERT_THAT(curves, SizeIs(2));
+  ASSERT_THAT(axes, SizeIs(2));
+  for (std::size_t i = 0; i < 2; ++i) {
+    ASSERT_THAT(curves[i].points, SizeIs(41));
+    for (std::size_t k = 0; k <= 40; ++k) {
+      const double part = static_cast<double>(k) / 40.0;
+      EXPECT_NEAR(curves[i].points[k].x, axes[i].left + part * (axes[i].right - axes[i].left), kTolerance);
+      EXPECT_NEAR(curves[i].points[k].y, axes[i].bottom + part * (axes[i].top - axes[i].bottom), kTolerance);
+    }
+  }
+}
+
+TEST(Picture, CurvesStayInTheirAxes) {
+  DriftingEpisode episode(kAway, 1.0, 1.0);
+  for (const int steps : {1, 40, 1, 59, 199}) {
+    episode.advance(steps);
+    const MarkerArray update = episode.update();
+    for (const char* prefix : {"mujoco", "engine", "engine_replay"}) {
+      const std::vector<Axes> axes = axesBelow(prefix);
+      for (const Marker& curve : curvesBelow(update, prefix)) {
+        for (const geometry_msgs::Point& point : curve.points) {
+          EXPECT_GE(point.x, axes[0].left);
+          EXPECT_LE(point.x, axes[0].right + kTolerance);
+          EXPECT_LE(point.y, axes[0].top);
+          EXPECT_GE(point.y, axes[1].bottom);
+        }
+      }
+    }
+  }
+}
+
+TEST(Picture, ALongCurveKeepsItsEnd) {
+  DriftingEpisode episode(kAway, 0.01, 0.0);
+  episode.advance(pusht::kHorizon);
+  const Marker curve = curvesBelow(episode.update(), "engine_replay").at(0);
+  const Axes axes = axesBelow("engine_replay").at(0);
+  EXPECT_NEAR(curve.points.back().x, axes.right, kTolerance);
+  EXPECT_NEAR(curve.points.back().y, axes.top, kTolerance) << "0.01 m/s for 30 s";
+}
+
+TEST(Picture, TheReferenceHasTheCurvesOfBothOthers) {
+  DriftingEpisode episode(kAway, 0.02, 0.1);
+  episode.advance(10);
+  const MarkerArray update = episode.update();
+  EXPECT_THAT(curvesBelow(update, "mujoco"), SizeIs(4));
+  EXPECT_THAT(curvesBelow(update, "engine"), SizeIs(2));
+  EXPECT_THAT(curvesBelow(update, "engine_replay"), SizeIs(2));
+}
+
+TEST(Picture, TheGhostIsTheTeeOfTheReference) {
+  const MarkerArray update = DriftingEpisode(kAway, 0.02, 0.1).update();
+  EXPECT_THAT(drawn(update, "mujoco", Marker::TRIANGLE_LIST), IsEmpty());
+  EXPECT_THAT(drawn(update, "engine", Marker::TRIANGLE_LIST), IsEmpty());
+  const std::vector<Marker> ghost = drawn(update, "engine_replay", Marker::TRIANGLE_LIST);
+  ASSERT_THAT(ghost, SizeIs(1));
+  EXPECT_EQ(ghost[0].pose.position.x, kAway.x());
+  EXPECT_EQ(ghost[0].pose.position.y, kAway.y());
+  EXPECT_EQ(ghost[0].pose.orientation.w, 1.0);
+}
+
+TEST(Picture, SaysWhatTheFinishedEpisodesSay) {
+  const DriftingEpisode episode(kAway, 0.02, 0.1);
+  EXPECT_THAT(texts(episode.update(), "mujoco"), Not(Contains(HasSubstr("success"))));
+  const MarkerArray update = episode.update(someSummary());
+  EXPECT_THAT(texts(update, "mujoco"), IsSupersetOf({"success 12/20 = 0.60", "95% interval [0.39, 0.78]"}));
+  EXPECT_THAT(texts(update, "engine"), IsSupersetOf({"success 4/20 = 0.20", "95% interval [0.08, 0.42]"}));
+  EXPECT_THAT(texts(update, "engine_replay"),
+              IsSupersetOf({"divergence 0.082 m, 0.95 rad", "95% intervals [0.068, 0.095] m, [0.77, 1.13] rad"}));
+}
+
+TEST(Picture, SaysWhereTheRunIs) {
+  DriftingEpisode episode(kAway, 0.02, 0.1);
+  episode.advance(143);
+  const MarkerArray update = episode.update();
+  EXPECT_THAT(texts(update, "engine"), Contains("policy bc, episode 7, 14.3 s"));
+  EXPECT_THAT(texts(update, "mujoco"), IsSupersetOf({"0.224 m, 0.00 rad off target", "0", "10", "20 s"}));
+  EXPECT_THAT(texts(update, "engine_replay"), Contains("0.286"));
+}
+
+TEST(Picture, MarksSuccess) {
+  DriftingEpisode episode(kOnTarget, 0.02, 0.0);
+  episode.advance(pusht::kSuccessHold);
+  const MarkerArray update = episode.update();
+  EXPECT_THAT(texts(update, "mujoco"), Contains("success: 0.000 m, 0.00 rad off target"));
+}
+
+TEST(Picture, ANewEpisodeClearsWhatTheOldOneLeft) {
+  DriftingEpisode old_episode(kOnTarget, 0.02, 0.0);
+  old_episode.advance(pusht::kSuccessHold);
+  const MarkerArray before = old_episode.update(someSummary());
+  const MarkerArray after = DriftingEpisode(kAway, 0.02, 0.1).update();
+
+  EXPECT_EQ(names(after.markers), names(before.markers)) << "each marker is replaced, or deleted";
+  for (const char* prefix : {"mujoco", "engine"}) {
+    EXPECT_THAT(drawn(before, prefix, Marker::LINE_STRIP), Not(IsEmpty()));
+    EXPECT_THAT(drawn(after, prefix, Marker::LINE_STRIP), IsEmpty());
+  }
+  EXPECT_THAT(drawn(after, "engine_replay", Marker::LINE_STRIP), SizeIs(1)) << "the ghost's outline";
+}
+
+TEST(Picture, DrawsTheWorldsOfTheUser) {
+  const Picture mine({{{"sim", "My simulator"}, {"b", "B"}, {"c", "C"}}});
+  EXPECT_THAT(texts(mine.scene(), "sim"), Contains("My simulator"));
+}
+
+}  // namespace
+}  // namespace sim2sim

@@ -196,13 +196,13 @@ RunStatus Evaluator::execute(const Job& job) {
   try {
     folder.emplace(job.request.out, job.request.overwrite);
     compare(job.request, *folder);
-    const int episodes = job.request.protocol.episodes;
+    const int episodes = run_->configuration().protocol.episodes;
     return {pusht::ExitCode::kOk, "finished", episodes, episodes, faults_survived_};
   } catch (const std::exception& failure) {
     pusht::reportFailure(ros::this_node::getName(), failure);
     const int finished = run_ ? static_cast<int>(run_->episodes().size()) : 0;
-    const RunStatus status = {pusht::exitCodeOf(failure), failure.what(), finished, job.request.protocol.episodes,
-                              faults_survived_};
+    const int episodes = run_ ? run_->configuration().protocol.episodes : job.request.protocol.episodes;
+    const RunStatus status = {pusht::exitCodeOf(failure), failure.what(), finished, episodes, faults_survived_};
     try {
       broadcast_.end();
       if (run_) {

@@ -5,6 +5,7 @@
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <algorithm>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -59,7 +60,7 @@ RunBag::RunBag(const std::filesystem::path& path, const nlohmann::ordered_json& 
   }
   std_msgs::String message;
   message.data = run.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
-  file_.writeLatched(kConfigurationTopic, stamp, message);
+  file_.writeLatched(kConfigurationTopic, std::max(stamp, ros::TIME_MIN), message);
 }
 
 RunBag::~RunBag() {

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/worker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+namespace sim2sim {
+namespace {
+
+constexpr int kMany = 25'000;  // more than are queued at once
+
+TEST(Worker, RunsTasksInTheirOrder) {
+  std::vector<int> done;
+  Worker worker;
+  for (int i = 0; i < kMany; ++i) {
+    worker.post([&done, i] { done.push_back(i); });
+  }
+  worker.wait();
+  std::vector<int> expected(kMany);
+  std::iota(expected.begin(), expected.end(), 0);
+  EXPECT_EQ(done, expected);
+}
+
+TEST(Worker, RunsWhatIsLeftAtItsEnd) {
+  int done = 0;
+  {
+    Worker worker;
+    for (int i = 0; i < 100; ++i) {
+      worker.post([&done] { ++done; });
+    }
+  }
+  EXPECT_EQ(done, 100);
+}
+
+TEST(Worker, TellsOfAFailureAndDropsTheRest) {
+  int done = 0;
+  Worker worker;
+  worker.post([] { throw std::runtime_error("no"); });
+  worker.post([&done] { ++done; });
+  EXPECT_THROW(worker.wait(), std::runtime_error);
+  EXPECT_THROW(worker.post([&done] { ++done; }), std::runtime_error);
+  EXPECT_EQ(done, 0);
+}
+
+}  // namespace
+}  // namespace sim2sim

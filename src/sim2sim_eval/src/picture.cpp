@@ -140,11 +140,11 @@ Points curveOf(const std::vector<Divergence>& steps, const Strip& strip, int tim
   return curve;
 }
 
-/// Along the tops of the walls.
+/// Along the tops of the walls; it closes where there is no corner to be seen.
 Points wallEdges() {
   constexpr double kEdge = pusht::kWallInnerFace + kEdgeWidth;
-  return {point(-kEdge, -kEdge, kEdgeZ), point(kEdge, -kEdge, kEdgeZ), point(kEdge, kEdge, kEdgeZ),
-          point(-kEdge, kEdge, kEdgeZ), point(-kEdge, -kEdge, kEdgeZ)};
+  return {point(0.0, kEdge, kEdgeZ),    point(-kEdge, kEdge, kEdgeZ), point(-kEdge, -kEdge, kEdgeZ),
+          point(kEdge, -kEdge, kEdgeZ), point(kEdge, kEdge, kEdgeZ),  point(0.0, kEdge, kEdgeZ)};
 }
 
 /// Whose divergence is drawn below a table, from the right: its own, and below the reference both others'.

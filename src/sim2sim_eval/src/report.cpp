@@ -181,14 +181,18 @@ std::string episodesCsv(const std::vector<EpisodeResult>& episodes) {
   return csv;
 }
 
+std::string displayName(const std::string& simulator) {
+  return simulator == "mujoco" ? "MuJoCo" : simulator == "two_mass" ? "two-mass engine" : simulator;
+}
+
 std::string table(const RunConfiguration& configuration, const Summary& summary) {
   constexpr std::size_t kFirst = 24;
   constexpr std::size_t kColumn = 30;
   const std::string transfer = summary.transfer ? fixedText(100.0 * *summary.transfer, 0) + " %" : "undefined";
-  return padded("", kFirst) + padded(configuration.reference + " (reference)", kColumn) + configuration.engine + "\n" +
-         padded("success, closed loop", kFirst) + padded(cell(summary.reference), kColumn) + cell(summary.engine) +
-         "\n" + padded("transfer", kFirst) + padded("", kColumn) + transfer + "\n" +
-         padded("divergence, open loop", kFirst) + padded("position", kColumn) +
+  return padded("", kFirst) + padded(displayName(configuration.reference) + " (reference)", kColumn) +
+         displayName(configuration.engine) + "\n" + padded("success, closed loop", kFirst) +
+         padded(cell(summary.reference), kColumn) + cell(summary.engine) + "\n" + padded("transfer", kFirst) +
+         padded("", kColumn) + transfer + "\n" + padded("divergence, open loop", kFirst) + padded("position", kColumn) +
          cell(summary.position_divergence, "m") + "\n" + padded("", kFirst) + padded("angle", kColumn) +
          cell(summary.angle_divergence, "rad") + "\n" + "(" + std::to_string(summary.episodes) +
          " episodes; in brackets " + fixedText(100.0 * kConfidence, 0) +

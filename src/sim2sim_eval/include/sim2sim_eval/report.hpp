@@ -63,6 +63,9 @@ std::string jsonText(const nlohmann::json& json);
 /// episodes.csv: one row per episode and mode, reals in shortest round-trip form.
 std::string episodesCsv(const std::vector<EpisodeResult>& episodes);
 
+/// What people call a simulator: "MuJoCo" for "mujoco"; others by the name they give themselves.
+std::string displayName(const std::string& simulator);
+
 /// The figures of a run for people.
 std::string table(const RunConfiguration& configuration, const Summary& summary);
 

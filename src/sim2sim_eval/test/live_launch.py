@@ -1,0 +1,287 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""compare.launch as its user meets it: results, notices, and the outcome of every fault.
+
+The numbers of the faults are those of the project's list.
+"""
+
+import json
+import os
+import signal
+import time
+from pathlib import Path
+from typing import Any
+
+import rosbag  # type: ignore[import]
+
+from live_support import (
+    DEADLINE,
+    RECORDED_RESULTS,
+    RESULTS,
+    Launch,
+    LiveCase,
+    Process,
+    answers,
+    files,
+    free_port,
+    kill,
+    metrics_of,
+    result_bytes,
+    rows,
+    status_of,
+    until,
+)
+
+LONG = {"policy": "expert", "episodes": 100, "rate": 300}  # a run that a fault can find under way
+
+
+class Runs(LiveCase):
+    def test_smoke_run_without_a_display(self) -> None:
+        launch = Launch(self, smoke=True)
+        self.assertEqual(launch.ended(), 0)
+        self.assertIn("no display (DISPLAY is not set): running headless", launch.output)
+        self.assertEqual(launch.status()["exit_code"], 0, launch.output)
+        self.assertEqual(files(launch.out), RECORDED_RESULTS)
+        self.assertEqual(result_bytes(launch.out), self.batch_bytes("--smoke"))
+        self.assert_recomputed(launch.out)
+
+    def test_arguments_mean_what_they_mean_to_the_command(self) -> None:
+        launch = Launch(
+            self, policy="expert", episodes=2, seed=4, block_damp=20, record=False, rviz=False
+        )
+        launch.ended()
+        self.assertNotIn("no display", launch.output)
+        self.assertEqual(files(launch.out), RESULTS)
+        wanted = "--policy expert --episodes 2 --seed 4 --block_damp 20".split()
+        self.assertEqual(result_bytes(launch.out), self.batch_bytes(*wanted))
+
+    def test_status_is_copied(self) -> None:
+        launch = Launch(self, smoke=True, status_file="copy.json", out="auto")
+        launch.ended()
+        out = self.folder / "results" / "compare-1"
+        self.assertEqual((self.folder / "copy.json").read_bytes(), (out / "status.json").read_bytes())
+        self.assertEqual(files(out), RECORDED_RESULTS)
+
+
+class Refusals(LiveCase):
+    """Runs that never begin."""
+
+    def assert_refused(self, reason: str, code: int = 2, **arguments: Any) -> None:
+        launch = Launch(self, status_file="copy.json", **arguments)
+        launch.ended()
+        status = launch.status()
+        self.assertEqual(status["exit_code"], code, launch.output)
+        self.assertRegex(status["reason"], reason)
+        self.assertEqual(status_of_file(self.folder / "copy.json"), status)
+        self.assertIn(status["reason"], launch.output)
+        self.assertEqual(files(launch.out), {"status.json"})
+
+    def test_f19_no_episodes(self) -> None:
+        self.assert_refused("episodes 0: must be from 1 to", episodes=0)
+
+    def test_f19_knob_that_is_no_number(self) -> None:
+        self.assert_refused("block_damp 'abc': must be a", block_damp="abc")
+
+    def test_f19_negative_mass(self) -> None:
+        self.assert_refused("pusher_mass -1.*: must be > 0", pusher_mass=-1)
+
+    def test_f19_unknown_parameter(self) -> None:
+        self.assert_refused(
+            "/sim2sim/horizont 40: there is none of that name; there are: .*horizon",
+            parameters={"sim2sim/horizont": 40},
+        )
+
+    def test_f19_parameter_of_the_wrong_type(self) -> None:
+        self.assert_refused(
+            "/sim2sim/deadline soon: must be a number", parameters={"sim2sim/deadline": "soon"}
+        )
+
+    def test_f5_policy_that_is_no_torchscript(self) -> None:
+        policy = self.folder / "policy.pt"
+        policy.write_text("not a policy")
+        self.assert_refused("policy.pt", policy="policy.pt")
+
+    def test_f6_policy_that_is_not_the_one_in_its_provenance(self) -> None:
+        (self.folder / "policy.pt").write_text("not a policy")
+        expected = {"checkpoint": {"sha256": "0" * 64}}
+        (self.folder / "policy.pt.provenance.json").write_text(json.dumps(expected))
+        self.assert_refused("policy.pt.*SHA-256", code=3, policy="policy.pt")
+
+    def test_results_are_not_overwritten(self) -> None:
+        (self.folder / "out").mkdir()
+        (self.folder / "out" / "metrics.json").write_text("mine")
+        launch = Launch(self, smoke=True, status_file="copy.json")
+        launch.ended()
+        status = status_of_file(self.folder / "copy.json")
+        self.assertEqual(status["exit_code"], 2)
+        self.assertRegex(status["reason"], r"out .*: holds results \(metrics.json\)")
+        self.assertEqual(files(launch.out), {"metrics.json"})
+        self.assertEqual((launch.out / "metrics.json").read_text(), "mine")
+
+
+class LostNodes(LiveCase):
+    """F13 and F14 without respawn; F16."""
+
+    def under_way(self, **more: Any) -> Launch:
+        """A run that has finished an episode and is in another one."""
+        launch = Launch(self, **{**LONG, **more})
+        launch.first("/sim2sim/episode")
+        return launch
+
+    def assert_ended_by(self, launch: Launch, reason: str, since: float, patience: float) -> None:
+        """The fault of the time `since` ended the run; it was noticed within `patience` seconds."""
+        noticed, _ = launch.line(f"sim2sim: .*{reason}")
+        self.assertLess(noticed - since, patience)
+        launch.ended()
+        status = self.assert_not_whole(launch.out, reason)
+        self.assertGreaterEqual(status["episodes_finished"], 1)
+
+    def test_f13_killed_node(self) -> None:
+        for node in ("engine", "mujoco", "policy"):
+            with self.subTest(node):
+                launch = self.under_way(out=node)
+                since = time.monotonic()
+                os.kill(launch.node(f"/{node}"), signal.SIGKILL)
+                self.assert_ended_by(launch, f"/{node}/.*: the node has died", since, 1.0)
+
+    def test_f14_stopped_node(self) -> None:
+        launch = self.under_way(parameters={"sim2sim/deadline": 0.5})
+        pid = launch.node("/engine_replay")
+        self.addCleanup(kill, pid, signal.SIGCONT)
+        since = time.monotonic()
+        os.kill(pid, signal.SIGSTOP)
+        reason = "/engine_replay/step: no answer within 500 ms"
+        self.assert_ended_by(launch, reason, since, 2.0)
+
+    def test_f16_services_that_another_node_takes_over(self) -> None:
+        launch = self.under_way()
+        services = ("reset", "step", "configure", "describe")
+        remappings = [f"/impostor/{service}:=/engine/{service}" for service in services]
+        command = ["rosrun", "pusht_engine", "engine_node", "__name:=impostor", *remappings]
+        since = time.monotonic()
+        Process(self, *command, environment=launch.environment)
+        reason = "/engine: its services belong to another node .* second node of that name"
+        self.assert_ended_by(launch, reason, since, DEADLINE)
+
+    def test_f16_second_node_of_a_name(self) -> None:
+        launch = self.under_way()
+        since = time.monotonic()
+        command = ("rosrun", "sim2sim_eval", "quasi_static_simulator", "__name:=engine")
+        Process(self, *command, environment=launch.environment)
+        self.assert_ended_by(launch, "/engine", since, DEADLINE)
+
+
+class LostRuns(LiveCase):
+    """F22 and F23."""
+
+    def test_f22_folder_that_cannot_be_made(self) -> None:
+        launch = Launch(self, smoke=True, out="/proc/none/out", status_file="copy.json")
+        launch.ended()
+        status = status_of_file(self.folder / "copy.json")
+        self.assertEqual(status["exit_code"], 4)
+        self.assertIn("/proc/none/out", status["reason"])
+
+    def test_f22_bag_that_cannot_be_written(self) -> None:
+        launch = Launch(self, smoke=True, file_limit=100_000)
+        launch.ended()
+        self.assert_not_whole(launch.out, "cannot write .*compare.bag", bag=False)
+
+    def test_f22_metrics_that_cannot_be_written(self) -> None:
+        out = self.folder / "out"
+        out.mkdir()
+        (out / "metrics.json.part").symlink_to("/dev/full")
+        Launch(self, smoke=True).ended()
+        self.assertEqual(status_of(out)["exit_code"], 4)
+        self.assertIn("metrics.json: No space left on device", status_of(out)["reason"])
+        self.assertEqual(files(out), RECORDED_RESULTS - {"metrics.json"})
+
+    def test_f22_interrupted(self) -> None:
+        launch = Launch(self, **LONG)
+        launch.first("/sim2sim/episode")
+        launch.interrupt()
+        launch.ended()
+        self.assertNotIn("escalating", launch.output)
+        status = self.assert_not_whole(launch.out, "interrupted in episode")
+        with rosbag.Bag(str(launch.out / "compare.bag")) as bag:
+            recorded = bag.get_message_count("/sim2sim/episode")
+        self.assertEqual(recorded, status["episodes_finished"])
+
+    def test_f23_killed_evaluator(self) -> None:
+        launch = Launch(self, **{**LONG, "rate": 0, "episodes": 1000})
+        part = launch.out / "compare.bag.part"
+        launch.first("/sim2sim/episode")
+        os.kill(launch.node("/sim2sim"), signal.SIGKILL)
+        launch.ended()
+        self.assertEqual(files(launch.out), {"provenance.json", part.name})
+        recovered = self.folder / "recovered.bag"
+        part.rename(recovered)
+        self.succeed("rosbag", "reindex", str(recovered))
+        command = ("rosrun", "sim2sim_eval", "recompute", str(recovered), "--out", "again")
+        process = self.run_command(*command)
+        self.assertEqual(process.returncode, 4, process.stderr)
+        self.assertRegex(process.stderr, r"episodes \d+ to 999 are missing")
+        again = self.folder / "again"
+        self.assertEqual(files(again), RESULTS - {"metrics.json"})
+        finished = status_of(again)["episodes_finished"]
+        self.assertGreaterEqual(finished, 1)
+        self.assertEqual(len(rows(again)), 3 * finished)
+
+
+class LostMaster(LiveCase):
+    """F15 and F17."""
+
+    NODES = (
+        ("pusht_engine", "engine_node"),
+        ("pusht_mujoco", "mujoco_node"),
+        ("pusht_policy", "policy_node"),
+        ("sim2sim_eval", "evaluator_node"),
+        ("sim2sim_eval", "quasi_static_simulator"),
+        ("sim2sim_eval", "python_policy"),
+    )
+
+    def assert_every_node_ends(self, uri: str, reason: str) -> None:
+        environment = {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1"}
+        nodes = [Process(self, "rosrun", *node, environment=environment) for node in self.NODES]
+        for name, node in zip(self.NODES, nodes):
+            with self.subTest(name):
+                self.assertEqual(node.ended(10.0), 4, node.output)
+                self.assertRegex(node.output, reason)
+
+    def start_master(self) -> "tuple[Process, str]":
+        port = str(free_port())
+        uri = f"http://127.0.0.1:{port}"
+        environment = {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1"}
+        master = Process(self, "rosmaster", "--core", "-p", port, environment=environment)
+        until(lambda: answers(uri), "a master")
+        return master, uri
+
+    def test_f15_no_master(self) -> None:
+        uri = f"http://127.0.0.1:{free_port()}"
+        self.assert_every_node_ends(uri, f"no ROS master at {uri}: start roscore")
+
+    def test_f15_master_that_dies(self) -> None:
+        master, uri = self.start_master()
+        launch = Launch(self, master_uri=uri, **LONG)
+        launch.first("/sim2sim/episode")
+        since = time.monotonic()
+        os.kill(master.pid, signal.SIGKILL)
+        noticed, _ = launch.line("sim2sim: .*master")
+        self.assertLess(noticed - since, 10.0)
+        launch.ended()
+        self.assert_not_whole(launch.out, "")
+
+    def test_f17_no_clock(self) -> None:
+        _, uri = self.start_master()
+        environment = {"ROS_MASTER_URI": uri}
+        self.succeed("rosparam", "set", "/use_sim_time", "true", environment=environment)
+        self.assert_every_node_ends(uri, "/use_sim_time is set, but nobody publishes /clock")
+
+    def test_f17_launch_without_a_clock(self) -> None:
+        launch = Launch(self, parameters={"/use_sim_time": True}, smoke=True)
+        launch.ended()
+        self.assertIn("sim2sim: /use_sim_time is set, but nobody publishes /clock", launch.output)
+        self.assertFalse((launch.out / "metrics.json").exists())
+
+
+def status_of_file(path: Path) -> Any:
+    return json.loads(path.read_text())

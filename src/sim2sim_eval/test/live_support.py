@@ -1,0 +1,319 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the tests of live runs share: commands, launches, results, and ways to wait for events."""
+
+import csv
+import json
+import os
+import queue
+import re
+import resource
+import signal
+import socket
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+import xmlrpc.client
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Optional, Set, Tuple
+
+import rosgraph  # type: ignore[import]
+
+DEADLINE = 60.0  # [s] for what must happen
+RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
+RECORDED_RESULTS = RESULTS | {"compare.bag"}
+CALLER = "/live_test"
+
+
+class LiveCase(unittest.TestCase):
+    """Has a folder of its own, and runs commands there."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def run_command(
+        self, *command: str, environment: Optional[Dict[str, str]] = None, deadline: float = DEADLINE
+    ) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run(
+            command,
+            cwd=self.folder,
+            env={**os.environ, **(environment or {})},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=deadline,
+        )
+
+    def succeed(self, *command: str, **named: Any) -> str:
+        """What a command that must succeed prints."""
+        process = self.run_command(*command, **named)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        return process.stdout
+
+    def batch_bytes(self, *arguments: str) -> bytes:
+        """The results of `compare`, which needs no nodes."""
+        out = self.folder / "batch"
+        self.succeed("rosrun", "sim2sim_eval", "compare", *arguments, "--out", str(out))
+        return result_bytes(out)
+
+    def assert_recomputed(self, out: Path) -> None:
+        """The results in `out` are those of the bag beside them."""
+        again = Path(tempfile.mkdtemp(dir=self.folder))
+        bag = str(out / "compare.bag")
+        self.succeed("rosrun", "sim2sim_eval", "recompute", bag, "--out", str(again))
+        self.assertEqual(result_bytes(again), result_bytes(out))
+
+    def assert_not_whole(self, out: Path, reason: str, bag: bool = True) -> Dict[str, Any]:
+        """What a run leaves that a fault ended: the finished episodes, and why; its status."""
+        status = status_of(out)
+        self.assertEqual(status["exit_code"], 4)
+        self.assertRegex(status["reason"], reason)
+        wanted = RECORDED_RESULTS if bag else RESULTS
+        self.assertEqual(files(out), wanted - {"metrics.json"})
+        episodes = [int(row["episode"]) for row in rows(out)]
+        self.assertEqual(sorted(set(episodes)), list(range(status["episodes_finished"])))
+        self.assertEqual(len(episodes), 3 * status["episodes_finished"])
+        self.assertLess(status["episodes_finished"], status["episodes"])
+        return status
+
+
+def result_bytes(out: Path) -> bytes:
+    """What the determinism contract covers."""
+    return b"".join((out / name).read_bytes() for name in ("metrics.json", "episodes.csv"))
+
+
+def status_of(out: Path) -> Dict[str, Any]:
+    status: Dict[str, Any] = json.loads((out / "status.json").read_text())
+    return status
+
+
+def metrics_of(out: Path) -> Dict[str, Any]:
+    metrics: Dict[str, Any] = json.loads((out / "metrics.json").read_text())
+    return metrics
+
+
+def rows(out: Path) -> List[Dict[str, str]]:
+    """Of episodes.csv."""
+    with (out / "episodes.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+def files(out: Path) -> Set[str]:
+    return {file.name for file in out.iterdir()}
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+def pid_of(node: str, master_uri: Optional[str] = None) -> int:
+    """The process id of a node."""
+    uri = rosgraph.Master(CALLER, master_uri=master_uri).lookupNode(node)
+    with xmlrpc.client.ServerProxy(uri) as proxy:
+        answer: Any = proxy.getPid(CALLER)
+        return int(answer[2])
+
+
+def answers(master_uri: str) -> bool:
+    """Whether there is a master."""
+    try:
+        return bool(rosgraph.Master(CALLER, master_uri=master_uri).getPid())
+    except OSError:
+        return False
+
+
+def until(holds: Callable[[], bool], what: str, deadline: float = DEADLINE) -> None:
+    """Waits for what nothing tells of: asks again and again."""
+    expiry = time.monotonic() + deadline
+    pause = threading.Event()
+    while not holds():
+        if time.monotonic() > expiry:
+            raise TimeoutError(f"{what}: not within {deadline} s")
+        pause.wait(0.01)
+
+
+class Process:
+    """A process whose lines can be waited for. Ended with the test."""
+
+    def __init__(
+        self,
+        test: LiveCase,
+        *command: str,
+        environment: Optional[Dict[str, str]] = None,
+        file_limit: Optional[int] = None,  # [bytes]
+    ) -> None:
+        def prepare() -> None:
+            if file_limit is not None:
+                resource.setrlimit(resource.RLIMIT_FSIZE, (file_limit, file_limit))
+
+        self._lines: List[Tuple[float, str]] = []
+        self._changed = threading.Condition()
+        self._ended = False
+        self._process = subprocess.Popen(
+            command,
+            cwd=test.folder,
+            env={**os.environ, **(environment or {})},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            preexec_fn=prepare,
+        )
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+        test.addCleanup(self._clean_up)
+
+    def _read(self) -> None:
+        assert self._process.stdout
+        for line in self._process.stdout:
+            with self._changed:
+                self._lines.append((time.monotonic(), line))
+                self._changed.notify_all()
+        with self._changed:
+            self._ended = True
+            self._changed.notify_all()
+
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
+    @property
+    def output(self) -> str:
+        with self._changed:
+            return "".join(line for _, line in self._lines)
+
+    def line(self, pattern: str, deadline: float = DEADLINE) -> Tuple[float, str]:
+        """The first line that matches, and when [s, monotonic] it came."""
+
+        def found() -> Optional[Tuple[float, str]]:
+            return next((line for line in self._lines if re.search(pattern, line[1])), None)
+
+        with self._changed:
+            self._changed.wait_for(lambda: found() or self._ended, deadline)
+            line = found()
+        if line is None:
+            raise TimeoutError(f"'{pattern}' is not in:\n{self.output}")
+        return line
+
+    def ended(self, deadline: float = DEADLINE) -> int:
+        """Waits for the end; the exit code."""
+        try:
+            code = self._process.wait(deadline)
+        except subprocess.TimeoutExpired as late:
+            raise TimeoutError(f"runs on after {deadline} s:\n{self.output}") from late
+        self._reader.join(deadline)
+        return code
+
+    def interrupt(self) -> None:
+        self._process.send_signal(signal.SIGINT)
+
+    def _clean_up(self) -> None:
+        if self._process.poll() is None:
+            children = children_of(self.pid)
+            self.interrupt()
+            try:
+                self._process.wait(DEADLINE)
+            except subprocess.TimeoutExpired:
+                for pid in [self.pid, *children]:
+                    kill(pid, signal.SIGKILL)
+                self._process.wait(DEADLINE)
+        self._reader.join(DEADLINE)
+        assert self._process.stdout
+        self._process.stdout.close()
+
+
+def children_of(pid: int) -> List[int]:
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def kill(pid: int, number: int) -> None:
+    try:
+        os.kill(pid, number)
+    except ProcessLookupError:
+        pass
+
+
+class Launch(Process):
+    """The user's own launch, with a master of its own; headless, with the results in `out`."""
+
+    def __init__(
+        self,
+        test: LiveCase,
+        parameters: Optional[Dict[str, Any]] = None,  # set beside those of compare.launch
+        master_uri: str = "",  # of a master that runs already; empty: the launch's own
+        file_limit: Optional[int] = None,
+        **arguments: Any,
+    ) -> None:
+        self.out = test.folder / str(arguments.setdefault("out", "out"))
+        self.uri = master_uri or f"http://127.0.0.1:{free_port()}"
+        self.environment = {
+            "ROS_MASTER_URI": self.uri,
+            "ROS_IP": "127.0.0.1",
+            "ROS_HOME": str(test.folder / "ros"),
+            "ROS_LOG_DIR": str(test.folder / "ros"),
+            "DISPLAY": "",
+            "PWD": str(test.folder),
+        }
+        self._test = test
+        launch = ["sim2sim_eval", "compare.launch"]
+        if parameters is not None:
+            launch = [extended_launch(test.folder, arguments, parameters)]
+        given = [f"{name}:={text_of(value)}" for name, value in arguments.items()]
+        port = [] if master_uri else ["-p", self.uri.split(":")[-1]]
+        super().__init__(
+            test,
+            "roslaunch",
+            *port,
+            *launch,
+            *given,
+            environment=self.environment,
+            file_limit=file_limit,
+        )
+
+    def tool(self, *command: str) -> str:
+        """What a command prints that must succeed in the launch's environment."""
+        return self._test.succeed(*command, environment=self.environment)
+
+    def first(self, topic: str) -> None:
+        """Waits for a message."""
+        self.line(r"process\[sim2sim-\d+\]: started")
+        self.tool("rostopic", "echo", "-n1", topic)
+
+    def node(self, name: str) -> int:
+        return pid_of(name, self.uri)
+
+    def status(self) -> Dict[str, Any]:
+        return status_of(self.out)
+
+
+def text_of(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def extended_launch(folder: Path, arguments: Dict[str, Any], parameters: Dict[str, Any]) -> str:
+    """A launch file of a user who wants more than compare.launch has arguments for."""
+    lines = ["<launch>"]
+    lines += [f'<arg name="{name}"/>' for name in arguments]
+    lines += ['<include file="$(find sim2sim_eval)/launch/compare.launch" pass_all_args="true"/>']
+    lines += [f'<param name="{k}" value="{text_of(v)}"/>' for k, v in parameters.items()]
+    path = folder / "mine.launch"
+    path.write_text("\n".join([*lines, "</launch>"]))
+    return str(path)
+
+
+def drained(messages: "queue.Queue[Any]") -> List[Any]:
+    """What is in a queue by now."""
+    found = []
+    while True:
+        try:
+            found.append(messages.get_nowait())
+        except queue.Empty:
+            return found

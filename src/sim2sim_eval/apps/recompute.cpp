@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Computes the results of a run again from its bag.
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <system_error>
 
 #include "pusht_task/error.hpp"
 #include "sim2sim_eval/command_line.hpp"
@@ -19,7 +21,7 @@ std::string missingEpisodes(const sim2sim::Run& run) {
   const sim2sim::Protocol& protocol = run.configuration().protocol;
   std::string text;
   int next = protocol.first_episode;
-  const auto missUntil = [&](int end) {
+  const auto miss_until = [&](int end) {
     if (next < end) {
       text += (text.empty() ? "" : ", ") + std::to_string(next);
       text += next < end - 1 ? " to " + std::to_string(end - 1) : "";
@@ -27,10 +29,16 @@ std::string missingEpisodes(const sim2sim::Run& run) {
     next = end + 1;
   };
   for (const sim2sim::EpisodeResult& episode : run.episodes()) {
-    missUntil(episode.index);
+    miss_until(episode.index);
   }
-  missUntil(protocol.lastEpisode() + 1);
+  miss_until(protocol.lastEpisode() + 1);
   return text;
+}
+
+void requireWhole(const sim2sim::Run& run, const fs::path& bag) {
+  if (!run.whole()) {
+    throw pusht::RuntimeFault("bag " + bag.string() + ": episodes " + missingEpisodes(run) + " are missing");
+  }
 }
 
 /// Results that replace those in a folder replace the bag in it too.
@@ -50,13 +58,13 @@ void recompute(const fs::path& bag, const fs::path& out, bool overwrite) {
   for (const sim2sim::EpisodeResult& episode : recorded.episodes) {
     run.add(episode);
   }
-  if (run.whole()) {
-    run.finish(std::cout);
-    return;
+  try {
+    requireWhole(run, bag);
+  } catch (const std::exception& failure) {
+    run.abandon(std::cout, failure);
+    throw;
   }
-  const pusht::RuntimeFault unfinished("bag " + bag.string() + ": episodes " + missingEpisodes(run) + " are missing");
-  run.abandon(std::cout, unfinished);
-  throw unfinished;
+  run.finish(std::cout);
 }
 
 }  // namespace

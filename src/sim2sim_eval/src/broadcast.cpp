@@ -47,7 +47,7 @@ void Broadcast::begin(const RunConfiguration& configuration, const Cast& cast, s
 }
 
 pusht_msgs::Divergence Broadcast::step(const Episode& episode, const ros::Time& stamp, bool paced) {
-  const pusht_msgs::Divergence divergence = divergenceMessage(episode, episode.steps(), stamp);
+  pusht_msgs::Divergence divergence = divergenceMessage(episode, episode.steps(), stamp);
   divergence_.publish(divergence);
   if (bag_) {
     bag_->writeWorlds(episode, episode.steps(), stamp);

@@ -149,8 +149,8 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
       health_("none", "comparison", [this](pusht::DiagnosticStatusWrapper& status) { report(status); }),
       control_(node_.advertiseService("control", &Evaluator::onControl, this)),
       server_(
-          node_, "compare", [this](Goal goal) { onGoal(std::move(goal)); },
-          [this](Goal goal) { onCancel(std::move(goal)); }, false) {
+          node_, "compare", [this](const Goal& goal) { onGoal(goal); }, [this](const Goal& goal) { onCancel(goal); },
+          false) {
   if (!parameters_.notice.empty()) {
     ROS_WARN_STREAM(parameters_.notice);
   }
@@ -202,9 +202,13 @@ RunStatus Evaluator::execute(const Job& job) {
     pusht::reportFailure(ros::this_node::getName(), failure);
     const int finished = run_ ? static_cast<int>(run_->episodes().size()) : 0;
     const int episodes = run_ ? run_->configuration().protocol.episodes : job.request.protocol.episodes;
-    const RunStatus status = {pusht::exitCodeOf(failure), failure.what(), finished, episodes, faults_survived_};
+    RunStatus status = {pusht::exitCodeOf(failure), failure.what(), finished, episodes, faults_survived_};
     try {
       broadcast_.end();
+    } catch (const pusht::RuntimeFault&) {
+      // The bag cannot be written; perhaps that is the failure.
+    }
+    try {
       if (run_) {
         run_->abandon(std::cout, failure, faults_survived_);
       } else if (folder) {
@@ -282,7 +286,7 @@ void Evaluator::onGoal(Goal goal) {
   asked_.notify_one();
 }
 
-void Evaluator::onCancel(Goal /*goal*/) {
+void Evaluator::onCancel(const Goal& /*goal*/) {
   const std::lock_guard<std::mutex> lock(mutex_);
   cancelled_ = true;
 }

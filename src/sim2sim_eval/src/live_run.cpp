@@ -9,6 +9,10 @@ namespace {
 /// Faults in one episode after which the nodes are beyond help.
 constexpr int kMostFaults = 5;
 
+pusht::RuntimeFault interruptedIn(int episode) {
+  return pusht::RuntimeFault("interrupted in episode " + std::to_string(episode));
+}
+
 EpisodeResult runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, LiveObserver& observer,
                          const std::function<bool()>& stop) {
   cast.announce(index, protocol.horizon);
@@ -17,7 +21,7 @@ EpisodeResult runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer&
   observer.onStep(episode, cast.stamps().now());
   while (!episode.finished()) {
     if (!pacer.wait(stop)) {
-      throw pusht::RuntimeFault("interrupted in episode " + std::to_string(index));
+      throw interruptedIn(index);
     }
     cast.stamps().advance();
     episode.advance(cast.policy());
@@ -37,7 +41,10 @@ void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& o
       ++index;
       faults = 0;
     } catch (const pusht::PeerFault& fault) {
-      if (!options.respawn || stop() || ++faults == kMostFaults) {
+      if (stop()) {  // what ends the run may end the nodes too, and a little earlier
+        throw interruptedIn(index);
+      }
+      if (!options.respawn || ++faults == kMostFaults) {
         throw;
       }
       observer.onFault(index, fault);

@@ -140,11 +140,13 @@ Points curveOf(const std::vector<Divergence>& steps, const Strip& strip, int tim
   return curve;
 }
 
-/// Along the tops of the walls; it closes where there is no corner to be seen.
+/// Along the tops of the walls, as a LINE_LIST: a LINE_STRIP gets thin at corners.
 Points wallEdges() {
   constexpr double kEdge = pusht::kWallInnerFace + kEdgeWidth;
-  return {point(0.0, kEdge, kEdgeZ),    point(-kEdge, kEdge, kEdgeZ), point(-kEdge, -kEdge, kEdgeZ),
-          point(kEdge, -kEdge, kEdgeZ), point(kEdge, kEdge, kEdgeZ),  point(0.0, kEdge, kEdgeZ)};
+  constexpr double kEnd = kEdge + 0.5 * kEdgeWidth;
+  return {point(-kEnd, kEdge, kEdgeZ),  point(kEnd, kEdge, kEdgeZ),  point(-kEnd, -kEdge, kEdgeZ),
+          point(kEnd, -kEdge, kEdgeZ),  point(kEdge, -kEnd, kEdgeZ), point(kEdge, kEnd, kEdgeZ),
+          point(-kEdge, -kEnd, kEdgeZ), point(-kEdge, kEnd, kEdgeZ)};
 }
 
 /// Whose divergence is drawn below a table, from the right: its own, and below the reference both others'.
@@ -283,10 +285,10 @@ void drawStatus(Sheet& sheet, Mode mode, const pusht::Rollout& rollout) {
   const std::string off_target = fixedText(error.position, 3) + " m, " + fixedText(error.angle, 2) + " rad off target";
   if (rollout.success()) {
     sheet.text("success: " + off_target, 0.0, kStatusY, kSmallSize, colorOf(mode));
-    sheet.line(Marker::LINE_STRIP, colorOf(mode), kEdgeWidth, wallEdges());
+    sheet.line(Marker::LINE_LIST, colorOf(mode), kEdgeWidth, wallEdges());
   } else {
     sheet.text(off_target, 0.0, kStatusY, kSmallSize, color(kDim));
-    sheet.line(Marker::LINE_STRIP, colorOf(mode), kEdgeWidth, {});
+    sheet.line(Marker::LINE_LIST, colorOf(mode), kEdgeWidth, {});
   }
 }
 

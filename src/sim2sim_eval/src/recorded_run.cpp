@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/recorded_run.hpp"
 
+#include <console_bridge/console.h>
 #include <pusht_msgs/EpisodeResult.h>
 #include <pusht_msgs/WorldStateStamped.h>
 #include <ros/serialization.h>
@@ -54,11 +55,13 @@ class RecordedPolicy : public pusht::Policy {
   }
 
  private:
+  /// Where a rollout is in its record. Past the end of that, the world refuses to go on.
   struct Cursor : Memory {
-    explicit Cursor(const pusht::Trace& trace) : trace_(trace) {}
-    pusht::Action next() { return step_ < trace_.steps() ? trace_.actions[step_++] : pusht::Action{}; }
-    const pusht::Trace& trace_;
-    std::size_t step_ = 0;
+    explicit Cursor(const pusht::Trace& recorded) : trace(recorded) {}
+    pusht::Action next() { return step < trace.steps() ? trace.actions[step++] : pusht::Action{}; }
+
+    const pusht::Trace& trace;
+    std::size_t step = 0;
   };
 
   const RecordedEpisode& record_;
@@ -159,6 +162,15 @@ Message messageIn(const rosbag::MessageInstance& instance) {
   return *message;
 }
 
+/// rosbag's libraries print some of the errors that they throw; one line is enough.
+class QuietLibraries {
+ public:
+  QuietLibraries() { console_bridge::noOutputHandler(); }
+  QuietLibraries(const QuietLibraries&) = delete;
+  QuietLibraries& operator=(const QuietLibraries&) = delete;
+  ~QuietLibraries() { console_bridge::restorePreviousOutputHandler(); }
+};
+
 /// The run's description, from the one message that holds it.
 nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
   rosbag::View view(bag, rosbag::TopicQuery(kConfigurationTopic));
@@ -246,8 +258,9 @@ RecordedRun readRun(const fs::path& path) {
   if (!fs::is_regular_file(path, ignored)) {
     throw pusht::InvalidInput(name + ": must be a readable file");
   }
+  const QuietLibraries quiet;
   try {
-    rosbag::Bag bag(path.string());
+    const rosbag::Bag bag(path.string());
     return runIn(bag);
   } catch (pusht::Error& error) {
     error.addContext(name);

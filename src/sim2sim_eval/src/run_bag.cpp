@@ -46,9 +46,9 @@ pusht_msgs::WorldStateStamped toMessage(const WorldMoment& moment, int episode, 
 }  // namespace
 
 const WorldNames& defaultWorldNames() {
-  static const WorldNames kNames = {WorldName{"/mujoco/state", "mujoco"}, WorldName{"/engine/state", "engine"},
-                                    WorldName{"/engine_replay/state", "engine_replay"}};
-  return kNames;
+  static const WorldNames names = {WorldName{"/mujoco/state", "mujoco"}, WorldName{"/engine/state", "engine"},
+                                   WorldName{"/engine_replay/state", "engine_replay"}};
+  return names;
 }
 
 RunBag::RunBag(const std::filesystem::path& path, const nlohmann::ordered_json& provenance, WorldNames worlds,

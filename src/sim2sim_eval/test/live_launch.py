@@ -10,7 +10,7 @@ import os
 import signal
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, Dict, Tuple
 
 import rosbag  # type: ignore[import]
 
@@ -25,14 +25,13 @@ from live_support import (
     files,
     free_port,
     kill,
-    metrics_of,
     result_bytes,
     rows,
     status_of,
     until,
 )
 
-LONG = {"policy": "expert", "episodes": 100, "rate": 300}  # a run that a fault can find under way
+LONG: Dict[str, Any] = {"policy": "expert", "episodes": 100, "rate": 300}  # a run that a fault can find under way
 
 
 class Runs(LiveCase):
@@ -59,7 +58,9 @@ class Runs(LiveCase):
         launch = Launch(self, smoke=True, status_file="copy.json", out="auto")
         launch.ended()
         out = self.folder / "results" / "compare-1"
-        self.assertEqual((self.folder / "copy.json").read_bytes(), (out / "status.json").read_bytes())
+        self.assertEqual(
+            (self.folder / "copy.json").read_bytes(), (out / "status.json").read_bytes()
+        )
         self.assertEqual(files(out), RECORDED_RESULTS)
 
 
@@ -83,7 +84,7 @@ class Refusals(LiveCase):
         self.assert_refused("block_damp 'abc': must be a", block_damp="abc")
 
     def test_f19_negative_mass(self) -> None:
-        self.assert_refused("pusher_mass -1.*: must be > 0", pusher_mass=-1)
+        self.assert_refused("pusher_mass -1.0: must be finite and >", pusher_mass=-1)
 
     def test_f19_unknown_parameter(self) -> None:
         self.assert_refused(
@@ -150,7 +151,9 @@ class LostNodes(LiveCase):
         self.addCleanup(kill, pid, signal.SIGCONT)
         since = time.monotonic()
         os.kill(pid, signal.SIGSTOP)
-        reason = "/engine_replay/step: no answer within 500 ms"
+        reason = "/engine_replay/[a-z]+: no answer within 500 ms"
+        launch.line("sim2sim-.* has died")
+        os.kill(pid, signal.SIGCONT)
         self.assert_ended_by(launch, reason, since, 2.0)
 
     def test_f16_services_that_another_node_takes_over(self) -> None:
@@ -247,7 +250,7 @@ class LostMaster(LiveCase):
                 self.assertEqual(node.ended(10.0), 4, node.output)
                 self.assertRegex(node.output, reason)
 
-    def start_master(self) -> "tuple[Process, str]":
+    def start_master(self) -> Tuple[Process, str]:
         port = str(free_port())
         uri = f"http://127.0.0.1:{port}"
         environment = {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1"}

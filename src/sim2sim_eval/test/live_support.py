@@ -18,7 +18,13 @@ import xmlrpc.client
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 
+import actionlib  # type: ignore[import]
 import rosgraph  # type: ignore[import]
+import rospy  # type: ignore[import]
+from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
+from pusht_msgs.msg import CompareAction, CompareGoal  # type: ignore[import]
+from pusht_msgs.srv import Control  # type: ignore[import]
+from pusht_task.testing import Inbox
 
 DEADLINE = 60.0  # [s] for what must happen
 RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
@@ -35,7 +41,10 @@ class LiveCase(unittest.TestCase):
         self.folder = Path(folder.name)
 
     def run_command(
-        self, *command: str, environment: Optional[Dict[str, str]] = None, deadline: float = DEADLINE
+        self,
+        *command: str,
+        environment: Optional[Dict[str, str]] = None,
+        deadline: float = DEADLINE,
     ) -> "subprocess.CompletedProcess[str]":
         return subprocess.run(
             command,
@@ -56,7 +65,7 @@ class LiveCase(unittest.TestCase):
 
     def batch_bytes(self, *arguments: str) -> bytes:
         """The results of `compare`, which needs no nodes."""
-        out = self.folder / "batch"
+        out = Path(tempfile.mkdtemp(dir=self.folder))
         self.succeed("rosrun", "sim2sim_eval", "compare", *arguments, "--out", str(out))
         return result_bytes(out)
 
@@ -119,6 +128,14 @@ def pid_of(node: str, master_uri: Optional[str] = None) -> int:
     with xmlrpc.client.ServerProxy(uri) as proxy:
         answer: Any = proxy.getPid(CALLER)
         return int(answer[2])
+
+
+def connections(node: str, topic: str) -> int:
+    """Those of a node for a topic, in or out."""
+    uri = rosgraph.Master(CALLER).lookupNode(node)
+    with xmlrpc.client.ServerProxy(uri) as proxy:
+        answer: Any = proxy.getBusInfo(CALLER)
+        return sum(connection[4] == topic for connection in answer[2])
 
 
 def answers(master_uri: str) -> bool:
@@ -317,3 +334,65 @@ def drained(messages: "queue.Queue[Any]") -> List[Any]:
             found.append(messages.get_nowait())
         except queue.Empty:
             return found
+
+
+class Topic(Inbox):
+    """All messages from now on."""
+
+    def __init__(self, name: str, message_type: Any) -> None:
+        super().__init__(name, message_type)
+        until(lambda: self._subscriber.get_num_connections() > 0, f"a publisher of {name}")
+
+    def forget(self) -> None:
+        drained(self._messages)
+
+
+class GoalCase(LiveCase):
+    """Sends goals to an evaluator that runs already."""
+
+    client: Any
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.client = actionlib.SimpleActionClient("/sim2sim/compare", CompareAction)
+        if not cls.client.wait_for_server(rospy.Duration(DEADLINE)):
+            raise TimeoutError("/sim2sim/compare: no action server")
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.out = self.folder / "out"
+        self.feedback: "queue.Queue[Any]" = queue.Queue()
+        self.addCleanup(self.end_run)
+
+    def end_run(self) -> None:
+        """Whatever a failed test has left under way."""
+        self.control("resume")
+        if self.client.get_state() in (GoalStatus.PENDING, GoalStatus.ACTIVE):
+            self.client.cancel_goal()
+            self.client.wait_for_result(rospy.Duration(DEADLINE))
+
+    def control(self, command: str, rate: float = 0.0) -> Any:
+        rospy.wait_for_service("/sim2sim/control", DEADLINE)
+        return rospy.ServiceProxy("/sim2sim/control", Control)(command, rate)
+
+    def send(self, **fields: Any) -> None:
+        goal = CompareGoal(**{"out": str(self.out), **fields})
+        self.client.send_goal(goal, feedback_cb=self.feedback.put)
+
+    def result(self, state: int = GoalStatus.SUCCEEDED) -> Any:
+        self.assertTrue(self.client.wait_for_result(rospy.Duration(DEADLINE)))
+        result = self.client.get_result()
+        self.assertEqual(self.client.get_state(), state, result.reason)
+        return result
+
+    def compare(self, **fields: Any) -> Any:
+        self.send(**fields)
+        return self.result()
+
+    def feedback_of(self, episode: int, step: int) -> Any:
+        """Waits until the run has come that far."""
+        while True:
+            feedback = self.feedback.get(timeout=DEADLINE)
+            at = feedback.divergence
+            if (at.episode, at.step) >= (episode, step):
+                return feedback

@@ -336,6 +336,7 @@ TEST(Picture, MarksSuccess) {
   episode.advance(pusht::kSuccessHold);
   const MarkerArray update = episode.update();
   EXPECT_THAT(texts(update, "mujoco"), Contains("success: 0.000 m, 0.00 rad off target"));
+  EXPECT_THAT(drawn(update, "mujoco", Marker::LINE_LIST), SizeIs(1)) << "around the table";
 }
 
 TEST(Picture, ANewEpisodeClearsWhatTheOldOneLeft) {
@@ -346,8 +347,10 @@ TEST(Picture, ANewEpisodeClearsWhatTheOldOneLeft) {
 
   EXPECT_EQ(names(after.markers), names(before.markers)) << "each marker is replaced, or deleted";
   for (const char* prefix : {"mujoco", "engine"}) {
-    EXPECT_THAT(drawn(before, prefix, Marker::LINE_STRIP), Not(IsEmpty()));
-    EXPECT_THAT(drawn(after, prefix, Marker::LINE_STRIP), IsEmpty());
+    for (const int type : {Marker::LINE_STRIP, Marker::LINE_LIST}) {
+      EXPECT_THAT(drawn(before, prefix, type), Not(IsEmpty()));
+      EXPECT_THAT(drawn(after, prefix, type), IsEmpty());
+    }
   }
   EXPECT_THAT(drawn(after, "engine_replay", Marker::LINE_STRIP), SizeIs(1)) << "the ghost's outline";
 }

@@ -13,7 +13,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Set
+from typing import Any, Callable, Dict, List, Optional, Set
 
 import rosbag  # type: ignore[import]
 import rospkg  # type: ignore[import]
@@ -35,6 +35,7 @@ def executable(package: str, name: str) -> str:
 
 COMPARE = executable("sim2sim_eval", "compare")
 DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
+RECOMPUTE = executable("sim2sim_eval", "recompute")
 TRAIN = executable("pusht_policy", "train")
 PRELOAD = "libraise_mujoco_error.so"  # found in the workspace by the loader
 
@@ -278,6 +279,175 @@ class ResultsFolder(CommandCase):
     def test_nothing_but_the_table_is_printed_without_a_terminal(self) -> None:
         process = self.compare("--smoke", "--out", "out")
         self.assertEqual(process.stderr, "")
+
+
+class Recompute(CommandCase):
+    """A run again from its bag."""
+
+    def recompute(self, bag: str, *arguments: str) -> "subprocess.CompletedProcess[str]":
+        return self.run_command(RECOMPUTE, bag, *arguments)
+
+    def refused_bag(self, code: int, bag: str) -> str:
+        """The one line with which a bag is refused."""
+        process = self.recompute(bag, "--out", "again")
+        self.assert_one_line(process, code, "recompute")
+        self.assertFalse((self.folder / "again").exists(), "a refused bag leaves no folder")
+        return process.stderr
+
+    def unfinished(self, bag: str, *, out: str = "again") -> str:
+        """The one line that tells what a run lacks; what it has is kept."""
+        process = self.recompute(bag, "--out", out)
+        self.assert_one_line(process, 4, "recompute")
+        self.assertEqual(self.files(out), RESULTS - {"metrics.json"})
+        self.assertIn(self.load(out, "status.json")["reason"], process.stderr)
+        return process.stderr
+
+    def edited(self, edit: Callable[[str, Any], bool]) -> str:
+        """A copy of out/compare.bag: the messages for which `edit` holds, as it leaves them."""
+        name = str(self.folder / "edited.bag")
+        with rosbag.Bag(str(self.folder / "out" / "compare.bag")) as bag:
+            with rosbag.Bag(name, "w") as copy:
+                for topic, message, time in bag.read_messages():
+                    if edit(topic, message):
+                        copy.write(topic, message, time)
+        return name
+
+    def test_gives_the_bytes_of_the_run(self) -> None:
+        for number, arguments in enumerate(
+            (["--smoke"], ["--policy", "expert", "--episodes", "12", "--first-episode", "3"])
+        ):
+            out = f"out-{number}"
+            self.finished(*arguments, "--record", out=out)
+            self.finished(*arguments, out=f"{out}-unrecorded")
+            process = self.recompute(f"{out}/compare.bag")
+            self.assertEqual(process.returncode, 0, process.stderr)
+            again = f"results/recompute-{number + 1}"
+            self.assertEqual(self.files(again), RESULTS)
+            self.assertEqual(self.result_bytes(again), self.result_bytes(out))
+            self.assertEqual(self.result_bytes(again), self.result_bytes(f"{out}-unrecorded"))
+            provenance = self.load(again, "provenance.json")
+            self.assertEqual(provenance.pop("bag"), f"{out}/compare.bag")
+            self.assertEqual(provenance, self.load(out, "provenance.json"))
+
+    def test_bag_that_was_tampered_with_is_refused(self) -> None:
+        self.finished("--smoke", "--record")
+
+        def other_state(topic: str, message: Any) -> bool:
+            if (topic, getattr(message, "step", 0)) == ("/engine_replay/state", 17):
+                message.state.tee_x += 1e-9
+            return True
+
+        def other_action(topic: str, message: Any) -> bool:
+            if (topic, getattr(message, "step", 0)) == ("/engine_replay/state", 17):
+                message.action = [0.25, 0.0]
+            return True
+
+        def other_start(topic: str, message: Any) -> bool:
+            if (topic, getattr(message, "step", -1)) == ("/mujoco/state", 0):
+                message.state.pusher_y += 0.001
+            return True
+
+        def lost_state(topic: str, message: Any) -> bool:
+            return (topic, getattr(message, "step", 0)) != ("/engine/state", 5)
+
+        for edit, named in (
+            (other_state, "episode 0: its result is not what comes of the states"),
+            (other_action, "engine_replay, step 16: the action that is recorded is (0.25"),
+            (other_start, "reference_closed, step 0: the start that is recorded is not the spawn"),
+            (lost_state, "engine_closed: step 6 is recorded, must be 5"),
+        ):
+            self.assertIn(named, self.refused_bag(3, self.edited(edit)))
+
+    def test_episodes_that_did_not_finish_are_named(self) -> None:
+        self.finished("--policy", "expert", "--episodes", "7", "--record")
+        bag = self.edited(
+            lambda topic, message: topic != "/sim2sim/episode" or message.episode not in (1, 4, 5)
+        )
+        self.assertIn("episodes 1, 4 to 5 are missing", self.unfinished(bag))
+        rows = {
+            out: (self.folder / out / "episodes.csv").read_text().splitlines()
+            for out in ("out", "again")
+        }
+        kept = [row for row in rows["out"] if row.split(",")[0] not in ("1", "4", "5")]
+        self.assertEqual(rows["again"], kept)
+
+    def test_run_that_was_interrupted_keeps_its_bag(self) -> None:
+        terminal, side = pty.openpty()
+        command = [COMPARE, "--policy", "expert", "--episodes", "100000", "--out", "out"]
+        with subprocess.Popen(
+            [*command, "--record"], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=side
+        ) as process:
+            os.close(side)
+            shown = b""
+            while b"/100000" not in shown:
+                shown += os.read(terminal, 1000)
+            process.send_signal(signal.SIGINT)
+            self.assertEqual(process.wait(DEADLINE), 4)
+        os.close(terminal)
+        finished = self.load("out", "status.json")["episodes_finished"]
+        self.assertGreater(finished, 0)
+        self.assertIn("are missing", self.unfinished("out/compare.bag"))
+        self.assertEqual(self.load("again", "status.json")["episodes_finished"], finished)
+        rows = [(self.folder / out / "episodes.csv").read_bytes() for out in ("out", "again")]
+        self.assertEqual(rows[0], rows[1])
+
+    def test_recorder_that_was_killed(self) -> None:
+        part = self.folder / "out" / "compare.bag.part"
+        command = [COMPARE, "--policy", "expert", "--episodes", "100000", "--out", "out"]
+        terminal, side = pty.openpty()
+        with subprocess.Popen(
+            [*command, "--record"], cwd=self.folder, stdout=subprocess.DEVNULL, stderr=side
+        ) as process:
+            os.close(side)
+            shown = b""
+            while b" 20/100000" not in shown:  # more than one chunk of the bag
+                shown += os.read(terminal, 1000)
+            process.kill()
+        os.close(terminal)
+        self.assertEqual(self.files("out"), {"provenance.json", part.name})
+        self.assertIn(f"`rosbag reindex {part}`", self.refused_bag(2, str(part)))
+        reindex = self.run_command("rosbag", "reindex", str(part))
+        self.assertEqual(reindex.returncode, 0, reindex.stderr)
+        self.assertRegex(self.unfinished(str(part)), r"episodes .*to 99999 are missing")
+        self.assertGreater(self.load("again", "status.json")["episodes_finished"], 0)
+
+    def test_what_is_no_bag_of_a_run_is_refused(self) -> None:
+        self.finished("--smoke", "--record")
+        whole = (self.folder / "out" / "compare.bag").read_bytes()
+        self.write("half.bag", whole[: len(whole) // 2])
+        self.write("text.bag", b"no bag")
+        self.write("empty.bag", b"")
+        os.mkfifo(self.folder / "pipe.bag")
+        for name, named in (
+            ("half.bag", "`rosbag reindex half.bag` recovers what is left"),
+            ("text.bag", "must be a whole bag"),
+            ("empty.bag", "must be a whole bag"),
+            ("pipe.bag", "must be a readable file"),
+            ("none.bag", "must be a readable file"),
+            ("out", "must be a readable file"),
+        ):
+            self.assertIn(f"bag {name}: ", self.refused_bag(2, name))
+            self.assertIn(named, self.refused_bag(2, name))
+
+        self.assertIn(
+            "holds 0 messages on /sim2sim/configuration",
+            self.refused_bag(2, self.edited(lambda topic, _: topic != "/sim2sim/configuration")),
+        )
+
+        def other_configuration(topic: str, message: Any) -> bool:
+            if topic == "/sim2sim/configuration":
+                message.data = message.data.replace("4.0", "5.0")
+            return True
+
+        self.assertIn("config_hash", self.refused_bag(2, self.edited(other_configuration)))
+
+    def test_bag_is_not_replaced_by_what_comes_of_it(self) -> None:
+        self.finished("--smoke", "--record")
+        before = (self.folder / "out" / "compare.bag").read_bytes()
+        process = self.recompute("out/compare.bag", "--out", "out", "--overwrite")
+        self.assert_one_line(process, 2, "recompute")
+        self.assertIn("must not be the folder that holds the bag", process.stderr)
+        self.assertEqual((self.folder / "out" / "compare.bag").read_bytes(), before)
 
 
 class Faults(CommandCase):

@@ -4,6 +4,7 @@
 
 #include <exception>
 #include <string>
+#include <utility>
 
 namespace pusht {
 
@@ -18,7 +19,7 @@ enum class ExitCode {
 /// An error with a message of one line that names the thing, its value and the rule it breaks.
 class Error : public std::exception {
  public:
-  Error(ExitCode exit_code, const std::string& message) : exit_code_(exit_code), message_(message) {}
+  Error(ExitCode exit_code, std::string message) : exit_code_(exit_code), message_(std::move(message)) {}
   ExitCode exitCode() const { return exit_code_; }
   const char* what() const noexcept override { return message_.c_str(); }
 

@@ -30,7 +30,6 @@ void requireMaster() {
 }
 
 void requireClock() {
-  ros::Time::init();
   if (ros::param::param("/use_sim_time", false) && !ros::Time::waitForValid(ros::WallDuration(kClockPatience))) {
     throw RuntimeFault(
         "/use_sim_time is set, but nobody publishes /clock: unset it, or start what publishes the clock");

@@ -2,6 +2,7 @@
 #include "pusht_task/ros/parameters.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -17,7 +18,7 @@ namespace {
 using XmlRpc::XmlRpcValue;
 
 /// Read by libraries from the private namespace of every node.
-constexpr const char* kOfLibraries[] = {"diagnostic_period", "tf"};
+constexpr std::array<const char*, 2> kOfLibraries = {"diagnostic_period", "tf"};
 
 template <class Number>
 bool parse(const std::string& text, Number& number) {
@@ -25,7 +26,7 @@ bool parse(const std::string& text, Number& number) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-std::string shown(XmlRpcValue value) {
+std::string shown(const XmlRpcValue& value) {
   std::ostringstream text;
   text << value;
   return text.str();
@@ -92,7 +93,7 @@ ParameterReader::ParameterReader(const ros::NodeHandle& private_handle) : namesp
   if (private_handle.getParam(namespace_, all) && all.getType() == XmlRpcValue::TypeStruct) {
     values_.insert(all.begin(), all.end());
   }
-  known_.insert(std::begin(kOfLibraries), std::end(kOfLibraries));
+  known_.insert(kOfLibraries.begin(), kOfLibraries.end());
 }
 
 const XmlRpcValue* ParameterReader::find(const std::string& key) {

@@ -84,11 +84,8 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
     response.instance_id = instance_id_;
     response.stamp = stamp;
     response.state = toMessage(configured_.simulator->state());
-    episode_.emplace();
-    episode_->index = request.episode;
-    episode_->horizon = request.horizon == 0 ? kHorizon : request.horizon;
-    episode_->start = stamp;
-    episode_->begun = response;
+    const std::uint32_t horizon = request.horizon == 0 ? kHorizon : request.horizon;
+    episode_ = Episode{request.episode, horizon, 0, false, stamp, response, {}};
     observe({});
   });
 }
@@ -147,8 +144,8 @@ pusht_msgs::DescribeResponse SimulatorSession::describe() const {
 }
 
 bool SimulatorSession::isRepeated(const pusht_msgs::ResetRequest& request) const {
-  return episode_ && !episode_->failed && episode_->steps == 0 && !request.stamp.isZero() && request.stamp == episode_->start &&
-         request.episode == episode_->index;
+  return episode_ && !episode_->failed && episode_->steps == 0 && !request.stamp.isZero() &&
+         request.stamp == episode_->start && request.episode == episode_->index;
 }
 
 bool SimulatorSession::isRepeated(const pusht_msgs::StepRequest& request) const {

@@ -73,7 +73,7 @@ class Evaluator : private LiveObserver {
 
   // Called in the thread of the callbacks.
   void onGoal(Goal goal);
-  void onCancel(Goal goal);
+  void onCancel(const Goal& goal);
   bool onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response);
   void control(const pusht_msgs::ControlRequest& request);
   void report(pusht::DiagnosticStatusWrapper& status) const;

@@ -53,11 +53,11 @@ class SimulatorSession {
  private:
   /// The episode under way.
   struct Episode {
-    std::uint64_t index = 0;
-    std::uint32_t horizon = 0;  // [control steps]
-    std::uint32_t steps = 0;    // taken
-    bool failed = false;        // the simulation did, in the last step
-    ros::Time start;            // stamp of the reset
+    std::uint64_t index;
+    std::uint32_t horizon;  // [control steps]
+    std::uint32_t steps;    // taken
+    bool failed;            // the simulation did, in the last step
+    ros::Time start;        // stamp of the reset
     pusht_msgs::ResetResponse begun;
     pusht_msgs::StepResponse last;  // of step `steps` - 1
   };

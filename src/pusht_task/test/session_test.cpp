@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the contract suites cannot reach over a node: simulations that fail, and policies with a memory.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/ros/conversions.hpp"
+#include "pusht_task/ros/policy_session.hpp"
+#include "pusht_task/ros/simulator_session.hpp"
+#include "pusht_task/spawn.hpp"
+
+namespace pusht {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// The pusher goes where it is told; after `steps_to_failure` steps since the start the simulation fails.
+class Brittle : public Simulator {
+ public:
+  explicit Brittle(int steps_to_failure) : steps_to_failure_(steps_to_failure) {}
+
+ private:
+  void doReset(const WorldState& state) override {
+    state_ = state;
+    steps_ = 0;
+  }
+  void doStep(const Action& action) override {
+    if (++steps_ > steps_to_failure_) {
+      throw RuntimeFault("broken on purpose");
+    }
+    state_.pusher_position += 0.1 * Eigen::Vector2d(action[0], action[1]);
+  }
+  WorldState doState() const override { return state_; }
+
+  int steps_to_failure_;
+  int steps_ = 0;
+  WorldState state_;
+};
+
+class SimulatorSessions : public ::testing::Test {
+ protected:
+  SimulatorSessions() : session_(model(), {}, "brittle", [this](const auto& update) { seen_.push_back(update); }) {}
+
+  static SimulatorModel model() {
+    return {"brittle", "1", {parameter("steps", "2")}, nlohmann::json::object(), [](const Parameters& parameters) {
+              const double steps = realFromText("steps", parameters[0].value);
+              return ConfiguredSimulator{std::make_unique<Brittle>(static_cast<int>(steps)), parameters};
+            }};
+  }
+
+  pusht_msgs::ResetResponse reset(std::uint64_t episode = 0, const ros::Time& stamp = {}) {
+    pusht_msgs::ResetRequest request;
+    request.episode = episode;
+    request.stamp = stamp;
+    return session_.reset(request);
+  }
+  pusht_msgs::StepResponse step(std::int32_t index) {
+    pusht_msgs::StepRequest request;
+    request.step = index;
+    request.action = {1.0F, 0.0F};
+    return session_.step(request);
+  }
+
+  std::vector<pusht_msgs::WorldStateStamped> seen_;
+  SimulatorSession session_;
+};
+
+TEST_F(SimulatorSessions, AFailedStepNeedsAReset) {
+  reset();
+  step(0);
+  const auto last = step(1);
+  const auto failed = step(2);
+  EXPECT_EQ(failed.success, 0);
+  EXPECT_EQ(failed.exit_code, static_cast<int>(ExitCode::kRuntimeFault));
+  EXPECT_THAT(failed.message, HasSubstr("broken on purpose"));
+  for (const int index : {-1, 1, 2, 3}) {
+    const auto refused = step(index);
+    EXPECT_EQ(refused.success, 0);
+    EXPECT_EQ(refused.exit_code, static_cast<int>(ExitCode::kInvalidInput));
+    EXPECT_THAT(refused.message, HasSubstr("needs a reset"));
+  }
+  EXPECT_EQ(session_.describe().stamp, last.stamp) << "a step that fails takes no stamp";
+  EXPECT_THAT(seen_, SizeIs(3));
+  EXPECT_EQ(reset().success, 1);
+  EXPECT_EQ(step(0).success, 1);
+}
+
+TEST_F(SimulatorSessions, AResetIsNotAnsweredAgainAfterAFailure) {
+  pusht_msgs::ConfigureRequest request;
+  request.parameters = {parameter("steps", "0")};
+  ASSERT_EQ(session_.configure(request).success, 1);
+  const auto begun = reset(3, ros::Time(10.0));
+  ASSERT_EQ(reset(3, ros::Time(10.0)).success, 1);
+  EXPECT_THAT(seen_, SizeIs(1));
+  pusht_msgs::StepRequest failing;
+  failing.episode = 3;
+  ASSERT_EQ(session_.step(failing).success, 0);
+  EXPECT_EQ(reset(3, ros::Time(10.0)).success, 0);
+  EXPECT_EQ(reset(3, begun.stamp + ros::Duration(0.1)).success, 1);
+}
+
+TEST_F(SimulatorSessions, ARefusedConfigurationKeepsTheSimulator) {
+  reset();
+  const auto first = step(0);
+  pusht_msgs::ConfigureRequest request;
+  request.end_episode = 1;
+  request.parameters = {parameter("steps", "many")};
+  EXPECT_EQ(session_.configure(request).success, 0);
+  const auto second = step(1);
+  EXPECT_EQ(second.success, 1);
+  EXPECT_DOUBLE_EQ(second.state.pusher_x, first.state.pusher_x + 0.1);
+}
+
+TEST_F(SimulatorSessions, EveryAnswerNamesTheInstance) {
+  const std::string instance = session_.describe().instance_id;
+  EXPECT_FALSE(instance.empty());
+  EXPECT_EQ(step(0).instance_id, instance) << "refused";
+  EXPECT_EQ(reset().instance_id, instance);
+  EXPECT_EQ(session_.configure({}).instance_id, instance) << "refused";
+  const SimulatorSession other(model(), {}, "brittle", [](const auto&) {});
+  EXPECT_NE(other.describe().instance_id, instance);
+  EXPECT_EQ(other.describe().parameters_hash, session_.describe().parameters_hash);
+}
+
+TEST(SimulatorStarts, WithParametersThatTheModelRefuses) {
+  SimulatorModel model{
+      "picky", "1", {parameter("mass", "1")}, nlohmann::json::object(), [](const Parameters&) -> ConfiguredSimulator {
+        throw InvalidInput("mass -1: must be > 0");
+      }};
+  EXPECT_THROW(SimulatorSession(std::move(model), {}, "picky", [](const auto&) {}), InvalidInput);
+}
+
+/// Answers with how often the rollout has asked.
+class Counting : public Policy {
+ public:
+  std::unique_ptr<Memory> begin() const override { return std::make_unique<Count>(); }
+  void act(Span<const Query> queries, Span<Action> actions) override {
+    if (fails) {
+      throw RuntimeFault("broken on purpose");
+    }
+    for (std::size_t row = 0; row < queries.size(); ++row) {
+      actions[row] = {static_cast<float>(++static_cast<Count*>(queries[row].memory)->asked), 0.0F};
+    }
+  }
+
+  bool fails = false;
+
+ private:
+  struct Count : Memory {
+    int asked = 0;
+  };
+};
+
+class PolicySessions : public ::testing::Test {
+ protected:
+  PolicySessions() : session_(model()) {}
+
+  PolicyModel model() {
+    auto policy = std::make_unique<Counting>();
+    policy_ = policy.get();
+    return {"counting", "1", std::move(policy), nlohmann::json::object()};
+  }
+
+  pusht_msgs::ActResponse act(const std::vector<std::pair<std::uint64_t, std::uint32_t>>& rollouts) {
+    pusht_msgs::ActRequest request;
+    for (const auto& [rollout, step] : rollouts) {
+      pusht_msgs::Query query;
+      query.rollout = rollout;
+      query.step = step;
+      request.queries.push_back(query);
+    }
+    return session_.act(request);
+  }
+
+  Counting* policy_ = nullptr;
+  PolicySession session_;
+};
+
+TEST_F(PolicySessions, RememberEachRolloutApart) {
+  EXPECT_THAT(act({{7, 0}, {9, 0}}).actions, ElementsAre(1, 0, 1, 0));
+  EXPECT_THAT(act({{9, 1}}).actions, ElementsAre(2, 0));
+  EXPECT_THAT(act({{9, 2}, {7, 1}}).actions, ElementsAre(3, 0, 2, 0));
+}
+
+TEST_F(PolicySessions, AnswerTheLastStepAgain) {
+  act({{7, 0}});
+  act({{7, 1}});
+  EXPECT_THAT(act({{7, 1}, {9, 0}}).actions, ElementsAre(2, 0, 1, 0));
+  EXPECT_THAT(act({{7, 2}}).actions, ElementsAre(3, 0));
+}
+
+TEST_F(PolicySessions, BeginARolloutAnewAtStepZero) {
+  act({{7, 0}});
+  act({{7, 1}});
+  EXPECT_THAT(act({{7, 0}}).actions, ElementsAre(1, 0));
+  EXPECT_THAT(act({{7, 1}}).actions, ElementsAre(2, 0));
+}
+
+TEST_F(PolicySessions, RefuseOtherStepsAndChangeNothing) {
+  act({{7, 0}});
+  const auto refused = act({{9, 0}, {7, 2}});
+  EXPECT_EQ(refused.success, 0);
+  EXPECT_EQ(refused.message, "rollout 7: step 2: expected 1");
+  EXPECT_EQ(refused.exit_code, static_cast<int>(ExitCode::kInvalidInput));
+  EXPECT_EQ(act({{9, 1}}).message, "rollout 9: step 1: expected 0");
+  EXPECT_EQ(act({{7, 1}, {7, 1}}).message, "rollout 7: must be asked for once in a request");
+  EXPECT_THAT(act({{7, 1}}).actions, ElementsAre(2, 0));
+}
+
+TEST_F(PolicySessions, TellThatThePolicyFailed) {
+  policy_->fails = true;
+  const auto failed = act({{7, 0}});
+  EXPECT_EQ(failed.success, 0);
+  EXPECT_EQ(failed.exit_code, static_cast<int>(ExitCode::kRuntimeFault));
+  EXPECT_EQ(failed.instance_id, session_.describe().instance_id);
+  policy_->fails = false;
+  EXPECT_THAT(act({{7, 0}}).actions, ElementsAre(1, 0));
+}
+
+TEST_F(PolicySessions, RefuseObservationsThatAreNotFinite) {
+  pusht_msgs::ActRequest request;
+  request.queries.resize(1);
+  request.queries[0].observation[3] = static_cast<float>(kNan);
+  EXPECT_EQ(session_.act(request).message, "rollout 0: observation must be finite");
+}
+
+}  // namespace
+}  // namespace pusht

@@ -1,0 +1,383 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""One set of nodes, many goals: the evaluator's action, its ~control, its topics, the bytes."""
+
+import math
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+import actionlib  # type: ignore[import]
+import numpy as np
+import rosbag  # type: ignore[import]
+import rospy  # type: ignore[import]
+import tf2_ros  # type: ignore[import]
+from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
+from geometry_msgs.msg import TransformStamped  # type: ignore[import]
+from pusht_msgs.msg import (  # type: ignore[import]
+    CompareAction,
+    CompareGoal,
+    Divergence,
+    EpisodeResult,
+    Parameter,
+    Summary,
+    WorldStateStamped,
+)
+from pusht_msgs.srv import Describe, Reset, Step  # type: ignore[import]
+from pusht_task.task import wrap_angle
+from pusht_task.testing import run
+from tf2_msgs.msg import TFMessage  # type: ignore[import]
+
+from live_support import (
+    DEADLINE,
+    RECORDED_RESULTS,
+    RESULTS,
+    GoalCase,
+    Process,
+    Topic,
+    connections,
+    drained,
+    files,
+    metrics_of,
+    pid_of,
+    result_bytes,
+    rows,
+    status_of,
+    until,
+)
+
+CONTROL_STEP = rospy.Duration(0, 100_000_000)
+WORLDS = ["mujoco", "engine", "engine_replay"]
+PACED = {"rate": 300.0}  # a run that can be caught under way
+EPISODES = 3
+KNOBS = [Parameter("block_damp", "6.0")]  # the default: another goal may have set another value
+BATCH = ("--policy", "expert", "--episodes", str(EPISODES))
+
+
+class LiveSession(GoalCase):
+    divergence: Topic
+    episode: Topic
+    states: Dict[str, Topic]
+    frames: tf2_ros.Buffer
+    listener: tf2_ros.TransformListener
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        super().setUpClass()
+        cls.divergence = Topic("/sim2sim/divergence", Divergence)
+        cls.episode = Topic("/sim2sim/episode", EpisodeResult)
+        cls.states = {name: Topic(f"/{name}/state", WorldStateStamped) for name in WORLDS}
+        cls.frames = tf2_ros.Buffer(rospy.Duration(3600), debug=False)
+        cls.listener = tf2_ros.TransformListener(cls.frames)
+
+    def setUp(self) -> None:
+        super().setUp()
+        for inbox in (self.divergence, self.episode, *self.states.values()):
+            inbox.forget()
+
+    def send(self, **fields: Any) -> None:
+        super().send(**{"episodes": EPISODES, "knobs": KNOBS, **fields})
+
+    def accepted(self, command: str, rate: float = 0.0) -> None:
+        response = self.control(command, rate)
+        self.assertTrue(response.success, response.message)
+
+    # The bytes.
+
+    def test_bytes_are_those_of_the_command(self) -> None:
+        expected = self.batch_bytes(*BATCH)
+        cases: Dict[str, Dict[str, Any]] = {
+            "recorded": {},
+            "not recorded": {"record": -1},
+            "paced": {"rate": 400.0, "record": -1},
+        }
+        for name, fields in cases.items():
+            with self.subTest(name):
+                self.out = self.folder / name
+                result = self.compare(**fields)
+                self.assertEqual((result.exit_code, result.folder), (0, str(self.out)))
+                wanted = RESULTS if "record" in fields else RECORDED_RESULTS
+                self.assertEqual(files(self.out), wanted)
+                self.assertEqual(result_bytes(self.out), expected)
+        self.assert_recomputed(self.folder / "recorded")
+
+    def test_knobs_of_a_goal(self) -> None:
+        before = describe("engine")
+        for value in ("20", "6.0"):
+            knobs = [Parameter("block_damp", value)]
+            self.out = self.folder / value
+            self.compare(knobs=knobs, episodes=2, record=-1)
+            self.assertEqual(metrics_of(self.out)["knobs"]["block_damp"], float(value))
+        command = ("--policy", "expert", "--episodes", "2")
+        expected = self.batch_bytes(*command, "--block_damp", "20")
+        self.assertEqual(result_bytes(self.folder / "20"), expected)
+        self.assertEqual(result_bytes(self.folder / "6.0"), self.batch_bytes(*command))
+        self.assertEqual(describe("engine").parameters_hash, before.parameters_hash)
+
+    def test_part_of_a_run(self) -> None:
+        self.compare(seed=4, first_episode=2, episodes=1, horizon=25)
+        metrics = metrics_of(self.out)
+        wanted = {"seed": 4, "first_episode": 2, "episodes": 1, "horizon": 25}
+        self.assertEqual({key: metrics[key] for key in wanted}, wanted)
+        self.assertEqual({row["seed"] for row in rows(self.out)}, {"10006"})
+        self.assertEqual({row["episode"] for row in rows(self.out)}, {"2"})
+        self.assertEqual(rows(self.out)[2]["steps"], "25")
+
+    def test_refused_goal_tells_why(self) -> None:
+        cases: List[Tuple[Dict[str, Any], str]] = [
+            ({"knobs": [Parameter("block_dump", "6")]}, "block_dump.*there is none of that name"),
+            ({"knobs": [Parameter("pusher_mass", "-1")]}, "pusher_mass -1.0: must be"),
+            ({"episodes": 1_000_000_000}, "episodes 1000000000: must be from 1 to"),
+            ({"seed": 2**64 - 1}, "seed"),
+            ({"rate": math.nan}, "rate nan: must be finite"),
+        ]
+        for fields, reason in cases:
+            with self.subTest(reason):
+                self.out = self.folder / reason[:10]
+                self.send(**fields)
+                result = self.result(GoalStatus.ABORTED)
+                self.assertEqual(result.exit_code, 2)
+                self.assertRegex(result.reason, reason)
+                self.assertEqual(files(self.out), {"status.json"})
+                self.assertEqual(status_of(self.out)["reason"], result.reason)
+
+    def test_policy_that_nobody_serves(self) -> None:
+        self.send(policy="nobody")
+        result = self.result(GoalStatus.ABORTED)
+        self.assertEqual(result.exit_code, 4)
+        self.assertRegex(result.reason, "/nobody/describe: nobody answers within")
+
+    # The action.
+
+    def test_feedback_and_result(self) -> None:
+        self.send(episodes=2, horizon=30, **PACED)
+        result = self.result()
+        steps = [
+            (f.episodes_finished, f.divergence.episode, f.divergence.step)
+            for f in drained(self.feedback)
+        ]
+        self.assertEqual(steps, [(e, e, k) for e in range(2) for k in range(31)])
+        self.assertEqual(
+            (result.exit_code, result.reason, result.faults_survived), (0, "finished", 0)
+        )
+        metrics = metrics_of(self.out)
+        summary = result.summary
+        self.assertEqual((summary.episodes, summary.episodes_finished), (2, 2))
+        self.assertEqual(summary.reference.successes, metrics["mj_successes"])
+        self.assertAlmostEqual(
+            summary.angle_divergence.value, metrics["mean_ang_divergence_rad"], delta=1e-6
+        )
+
+    def test_second_goal_is_rejected(self) -> None:
+        self.send(**PACED)
+        self.feedback_of(0, 5)
+        second = actionlib.SimpleActionClient("/sim2sim/compare", CompareAction)
+        self.assertTrue(second.wait_for_server(rospy.Duration(DEADLINE)))
+        second.send_goal_and_wait(CompareGoal(), rospy.Duration(DEADLINE))
+        self.assertEqual(second.get_state(), GoalStatus.REJECTED)
+        self.assertIn("a comparison is under way", second.get_goal_status_text())
+        self.control("rate", 0.0)
+        self.result()
+        self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
+
+    def test_cancel_in_mid_episode_and_go_on(self) -> None:
+        self.send(**PACED)
+        self.feedback_of(1, 5)
+        self.client.cancel_goal()
+        result = self.result(GoalStatus.PREEMPTED)
+        self.assertEqual((result.exit_code, result.summary.episodes_finished), (4, 1))
+        self.assert_not_whole(self.out, "interrupted in episode 1")
+        with rosbag.Bag(str(self.out / "compare.bag")) as bag:
+            self.assertEqual(bag.get_message_count("/sim2sim/episode"), 1)
+        last = max(describe(world).stamp for world in WORLDS)
+
+        self.out = self.folder / "again"
+        self.divergence.forget()
+        self.compare()
+        self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
+        first = self.divergence.until(lambda message: message.step == 0)[0]
+        self.assertGreater(first.header.stamp, last)
+
+    # ~control.
+
+    def test_paused_run_goes_step_by_step(self) -> None:
+        self.accepted("pause")
+        self.send()
+        for step in range(6):
+            (message,) = self.divergence.until(lambda message: True)
+            self.assertEqual((message.episode, message.step), (0, step))
+            self.assertEqual(describe("engine_replay").stamp, message.header.stamp)
+            self.accepted("step")
+        self.accepted("resume")
+        self.result()
+        self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
+
+    def test_pause_in_mid_episode_changes_no_byte(self) -> None:
+        self.send(**PACED)
+        self.feedback_of(0, 20)
+        self.accepted("pause")
+        self.accepted("rate", 0.0)  # all would be over at once
+        self.accepted("step")
+        self.assertFalse(self.client.wait_for_result(rospy.Duration(0.5)))
+        self.accepted("resume")
+        self.result()
+        self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
+
+    def test_refused_control(self) -> None:
+        self.send(**PACED)
+        self.feedback_of(0, 5)
+        for command, rate, reason in (
+            ("step", 0.0, "step: only while paused"),
+            ("faster", 0.0, "command 'faster': must be pause, resume, step or rate"),
+            ("rate", -1.0, "rate -1.0: must be finite and >= 0"),
+            ("rate", math.inf, "rate inf: must be finite"),
+        ):
+            response = self.control(command, rate)
+            self.assertFalse(response.success)
+            self.assertIn(reason, response.message)
+        self.accepted("rate", 0.0)
+        self.result()
+        self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
+
+    # The topics.
+
+    def test_topics_tell_the_run(self) -> None:
+        self.compare()
+        results = self.episode.until(lambda message: message.episode == EPISODES - 1)
+        found = [
+            (str(result.episode), str(result.seed), rollout)
+            for result in results
+            for rollout in result.rollouts
+        ]
+        for row, (episode, seed, rollout) in zip(rows(self.out), found, strict=True):
+            self.assertEqual((row["episode"], row["seed"]), (episode, seed))
+            self.assertEqual((row["mode"], row["steps"]), (rollout.mode, str(rollout.steps)))
+            self.assertEqual(row["success"] == "true", rollout.success)
+            self.assertEqual(float(row["final_angle_error_rad"]), rollout.final_angle_error)
+            if rollout.mode != "reference_closed":
+                divergence = float(row["mean_position_divergence_m"])
+                self.assertEqual(divergence, rollout.mean_position_divergence)
+
+        last = results[-1].header.stamp
+        states = {
+            name: {s.header.stamp: s for s in inbox.until(lambda s: s.episode == 2 and s.step == 1)}
+            for name, inbox in self.states.items()
+        }
+        messages = self.divergence.until(lambda message: message.header.stamp == last)
+        compared = 0
+        for message in messages:
+            stamp = message.header.stamp
+            tees = [states[name][stamp].state for name in WORLDS if stamp in states[name]]
+            if len(tees) == len(WORLDS):
+                compared += 1
+                self.assertEqual(states["mujoco"][stamp].step, message.step)
+                self.assert_apart(tees[0], tees[1], message.closed_position, message.closed_angle)
+                self.assert_apart(tees[0], tees[2], message.replay_position, message.replay_angle)
+        self.assertGreater(compared, 50)
+        stamps = [message.header.stamp for message in messages]
+        growth = {b - a for a, b in zip(stamps, stamps[1:])}
+        self.assertEqual(growth, {CONTROL_STEP})
+
+    def assert_apart(self, a: Any, b: Any, position: float, angle: float) -> None:
+        self.assertAlmostEqual(
+            math.hypot(a.tee_x - b.tee_x, a.tee_y - b.tee_y), position, delta=1e-12
+        )
+        self.assertAlmostEqual(abs(wrap_angle(a.tee_yaw - b.tee_yaw)), angle, delta=1e-12)
+
+    def test_summary_is_latched(self) -> None:
+        self.compare(record=-1)
+        summary = rospy.wait_for_message("/sim2sim/summary", Summary, DEADLINE)
+        metrics = metrics_of(self.out)
+        self.assertEqual((summary.episodes_finished, summary.policy), (EPISODES, "expert"))
+        self.assertEqual(summary.reference.rate, metrics["mj_success_rate"])
+        self.assertEqual(summary.engine.rate, metrics["engine_success_rate"])
+
+    def test_tables_stand_side_by_side(self) -> None:
+        self.send(horizon=20, episodes=1)
+        self.result()
+        for place, name in zip((-0.96, 0.0, 0.96), WORLDS):
+            stamp = describe(name).stamp
+            state = self.states[name].until(lambda s: s.header.stamp == stamp)[-1].state
+            tee = self.frames.lookup_transform(
+                "world", f"{name}/tee", stamp, rospy.Duration(DEADLINE)
+            ).transform.translation
+            np.testing.assert_allclose([tee.x, tee.y], [place + state.tee_x, state.tee_y])
+
+    # Bags.
+
+    def test_bag_of_a_plain_recorder(self) -> None:
+        names = [f"/{world}/state" for world in WORLDS] + ["/sim2sim/divergence"]
+        names += ["/sim2sim/episode", "/sim2sim/summary"]
+        publishers = {name: "/" + name.split("/")[1] for name in names}
+        before = {name: connections(publishers[name], name) for name in names}
+        recorder = Process(self, "rosbag", "record", "--output-name", "plain.bag", *names)
+        for name in names:
+            until(lambda: connections(publishers[name], name) > before[name], f"a record of {name}")
+        self.send(**PACED)
+        self.result()
+        # What has arrived here has been sent to the recorder, which ends when it has written it.
+        self.episode.until(lambda message: message.episode == EPISODES - 1)
+        recorder.interrupt()
+        recorder.ended()
+        with rosbag.Bag(str(self.folder / "plain.bag")) as plain, rosbag.Bag(
+            str(self.out / "compare.bag")
+        ) as ours:
+            for name in names:
+                if name != "/sim2sim/summary":  # one was latched before, one says that it begins
+                    with self.subTest(name):
+                        self.assertEqual(stamps_in(plain, name), stamps_in(ours, name))
+            self.assertGreaterEqual(plain.get_message_count("/sim2sim/summary"), EPISODES)
+
+    # F18.
+
+    def test_f18_a_thousand_resets(self) -> None:
+        before = connections("/engine", "/tf")
+        listener = Process(self, "rosrun", "tf2_ros", "buffer_server", "__name:=f18_listener")
+        until(lambda: connections("/engine", "/tf") > before, "a listener")
+        pid = pid_of("/engine")
+        services = {
+            name: rospy.ServiceProxy(f"/engine/{name}", service, persistent=True)
+            for name, service in {"reset": Reset, "step": Step}.items()
+        }
+        services["reset"](seed=0, horizon=1)
+        stamps = []
+        memory = []  # [kB]
+        for index in range(1000):
+            stamps.append(services["reset"](seed=index, horizon=5).stamp)
+            stamps.append(services["step"](step=-1, action=(0.5, 0.5)).stamp)
+            if index in (200, 999):
+                memory.append(resident_memory(pid))
+        growth = {b - a for a, b in zip(stamps, stamps[1:])}
+        self.assertEqual(growth, {CONTROL_STEP})
+        self.assertLess(memory[1] - memory[0], 300)
+        self.assertEqual(self.complaints_of(listener), [])
+
+    def complaints_of(self, listener: Process) -> List[str]:
+        """Those of a tf2 listener. It is given a reason for one, to know when it has heard all."""
+        publisher = rospy.Publisher("/tf", TFMessage, queue_size=10)
+        until(lambda: publisher.get_num_connections() == 2, "the listener and this node")
+        repeated = TransformStamped(child_frame_id="f18")
+        repeated.header.frame_id = "world"
+        repeated.transform.rotation.w = 1.0
+        for _ in range(2):
+            publisher.publish([repeated])
+        listener.line("TF_REPEATED_DATA.*f18")
+        return [
+            line for line in listener.output.splitlines() if "TF_" in line and "f18" not in line
+        ]
+
+
+def describe(node: str) -> Any:
+    return rospy.ServiceProxy(f"/{node}/describe", Describe)()
+
+
+def resident_memory(pid: int) -> int:
+    """[kB]"""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("VmRSS"))
+
+
+def stamps_in(bag: Any, topic: str) -> List[Any]:
+    return [message.header.stamp for _, message, _ in bag.read_messages(topics=[topic])]
+
+
+run(LiveSession)

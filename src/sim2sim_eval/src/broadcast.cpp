@@ -70,7 +70,10 @@ void Broadcast::draw(const Episode& episode, const ros::Time& stamp, bool every_
     markers_.publish(update_);
   }
   if (recorded) {
-    bag_->write(episode.steps() == 0 ? scene_ : update_, stamp);
+    if (episode.steps() == 0) {
+      bag_->write(scene_, stamp);
+    }
+    bag_->write(update_, stamp);
   }
 }
 

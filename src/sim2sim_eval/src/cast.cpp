@@ -32,9 +32,10 @@ Cast::Cast(const Services& services, std::chrono::milliseconds deadline)
              Part{{services.worlds[kEngineReplay], watchdog_}, {}, nullptr}},
       policy_peer_(services.policy, watchdog_) {}
 
-void Cast::connect(const pusht::Parameters& knobs, std::chrono::milliseconds patience) {
-  connectWorlds(knobs, patience);
-  policy_peer_.connect(patience);
+void Cast::connect(const pusht::Parameters& knobs, std::chrono::milliseconds patience,
+                   const std::function<bool()>& stop) {
+  connectWorlds(knobs, patience, stop);
+  policy_peer_.connect(patience, stop);
   policy_ = std::make_unique<pusht::ServedPolicy>(policy_peer_);
   requireThreeWorlds();
   requireOneEngine();
@@ -49,11 +50,12 @@ void Cast::connect(const pusht::Parameters& knobs, std::chrono::milliseconds pat
   identity_ = std::move(identity);
 }
 
-void Cast::connectWorlds(const pusht::Parameters& knobs, std::chrono::milliseconds patience) {
+void Cast::connectWorlds(const pusht::Parameters& knobs, std::chrono::milliseconds patience,
+                         const std::function<bool()>& stop) {
   std::array<std::unique_ptr<pusht::Simulator>, kModeCount> worlds;
   for (std::size_t mode = 0; mode < kModeCount; ++mode) {
     Part& part = parts_.at(mode);
-    part.peer.connect(patience);
+    part.peer.connect(patience, stop);
     part.description = part.peer.description();
     stamps_.startAbove(part.description.stamp);
     auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_);

@@ -177,7 +177,6 @@ pusht::ExitCode Evaluator::run() {
 std::optional<Evaluator::Job> Evaluator::nextJob() {
   constexpr std::chrono::milliseconds kStopPeriod{50};
   std::unique_lock<std::mutex> lock(mutex_);
-  cancelled_ = false;
   while (!next_job_) {
     if (!ros::ok() || interrupted()) {
       return std::nullopt;
@@ -226,14 +225,15 @@ void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
   pacer_.setRate(request.rate);
   const LiveOptions options = {request.knobs, parameters_.respawn, milliseconds(parameters_.patience)};
   Cast cast(request.services, milliseconds(parameters_.deadline));
-  cast.connect(options.knobs, options.patience);
+  const auto stop = [this] { return stopped(); };
+  cast.connect(options.knobs, options.patience, stop);
 
   const RunConfiguration configuration = configurationOf(request, cast);
   const nlohmann::ordered_json provenance = provenanceOf(configuration, cast);
   run_ = std::make_unique<Run>(configuration, folder, provenance);
   folder_ = std::filesystem::absolute(folder.path());
   broadcast_.begin(configuration, cast, makeBag(request, folder, provenance, cast));
-  runLive(configuration.protocol, cast, pacer_, *this, options, [this] { return stopped(); });
+  runLive(configuration.protocol, cast, pacer_, *this, options, stop);
   broadcast_.end();
   run_->finish(std::cout, faults_survived_);
   const std::string doubt = doubtAboutPolicy(configuration, summarize(run_->episodes()));
@@ -248,25 +248,28 @@ void Evaluator::answer(Job& job, const RunStatus& status) {
   } catch (const pusht::RuntimeFault& fault) {
     pusht::reportFailure(ros::this_node::getName(), fault);
   }
-  if (job.goal) {
+  bool cancelled = false;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    cancelled = cancelled_;
+    busy_ = false;  // who has the result may send the next goal
+    activity_ = "idle";
+  }
+  if (job.goal) {  // without the lock: the server calls onGoal under its own
     pusht_msgs::CompareResult result;
     result.exit_code = static_cast<int>(status.exit_code);
     result.reason = status.reason;
     result.folder = folder_.string();
     result.faults_survived = static_cast<std::uint32_t>(status.faults_survived);
     result.summary = broadcast_.summary();
-    const std::lock_guard<std::mutex> lock(mutex_);
     if (status.exit_code == pusht::ExitCode::kOk) {
       job.goal->setSucceeded(result);
-    } else if (cancelled_) {
+    } else if (cancelled) {
       job.goal->setCanceled(result, status.reason);
     } else {
       job.goal->setAborted(result, status.reason);
     }
   }
-  const std::lock_guard<std::mutex> lock(mutex_);
-  busy_ = false;
-  activity_ = "idle";
 }
 
 bool Evaluator::stopped() const {
@@ -282,6 +285,7 @@ void Evaluator::onGoal(Goal goal) {
   }
   goal.setAccepted();
   busy_ = true;
+  cancelled_ = false;
   next_job_ = Job{merged(parameters_.request, *goal.getGoal()), goal};
   asked_.notify_one();
 }
@@ -341,8 +345,11 @@ void Evaluator::onFault(int episode, const pusht::PeerFault& fault) {
 }
 
 void Evaluator::report(pusht::DiagnosticStatusWrapper& status) const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  status.summary(diagnostic_msgs::DiagnosticStatus::OK, activity_);
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    status.summary(diagnostic_msgs::DiagnosticStatus::OK, activity_);
+  }
+  // Without the lock: the pacer calls stopped() under its own.
   status.add("paused", pacer_.paused());
   status.add("rate [control steps/s]", pacer_.rate());
 }

@@ -48,7 +48,7 @@ void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& o
         throw;
       }
       observer.onFault(index, fault);
-      cast.connect(options.knobs, options.patience);
+      cast.connect(options.knobs, options.patience, stop);
     }
   }
 }

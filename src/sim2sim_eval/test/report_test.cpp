@@ -146,11 +146,15 @@ TEST(Table, ShowsRatesWithIntervals) {
   RunConfiguration configuration;
   configuration.reference = "mujoco";
   configuration.engine = "two_mass";
-  const std::string text = table(configuration, summarize(episodesWith(50, 31, 10)));
-  EXPECT_THAT(text, HasSubstr("mujoco (reference)"));
+  const Summary summary = summarize(episodesWith(50, 31, 10));
+  const std::string text = table(configuration, summary);
+  EXPECT_THAT(text, HasSubstr("MuJoCo (reference)"));
+  EXPECT_THAT(text, HasSubstr("two-mass engine"));
   EXPECT_THAT(text, HasSubstr("31  0.620 [0.482, 0.741]"));
   EXPECT_THAT(text, HasSubstr("10  0.200 [0.112, 0.330]"));
   EXPECT_THAT(text, HasSubstr("32 %"));
+  configuration.engine = "mine";
+  EXPECT_THAT(table(configuration, summary), HasSubstr("mine\n"));
 }
 
 }  // namespace

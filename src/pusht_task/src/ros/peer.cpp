@@ -55,14 +55,15 @@ void Watchdog::watch() {
 
 Peer::Peer(std::string services, Watchdog& watchdog) : services_(std::move(services)), watchdog_(watchdog) {}
 
-void Peer::connect(std::chrono::milliseconds patience) {
+void Peer::connect(std::chrono::milliseconds patience, const std::function<bool()>& stop) {
   const auto expiry = std::chrono::steady_clock::now() + patience;
   const std::string service = services_ + "/describe";
   pusht_msgs::Describe describe;
   bool answered = false;
   while (!answered) {
-    if (!ros::ok() || std::chrono::steady_clock::now() >= expiry) {
-      throw PeerFault(service + ": nobody answers within " + std::to_string(patience.count()) + " ms");
+    if (stop() || std::chrono::steady_clock::now() >= expiry) {
+      throw PeerFault(service + ": nobody answers" +
+                      (stop() ? "" : " within " + std::to_string(patience.count()) + " ms"));
     }
     owner_ = ownerOf(service);
     ros::ServiceClient client = ros::NodeHandle().serviceClient<pusht_msgs::Describe>(service, true);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,9 +29,9 @@ class Cast {
   Cast(const Services& services, std::chrono::milliseconds deadline);
 
   /// Connects to all, the first time or after a fault, and sets the engine's knobs. Each may take `patience` to
-  /// appear. Throws PeerFault if one does not; the error of one that failed at start; InvalidInput if the two
-  /// worlds of the engine differ or two worlds are one; BadDependency if one has come back as another.
-  void connect(const pusht::Parameters& knobs, std::chrono::milliseconds patience);
+  /// appear, unless `stop` holds. Throws PeerFault if one does not; the error of one that failed at start; InvalidInput
+  /// if the two worlds of the engine differ or two worlds are one; BadDependency if one has come back as another.
+  void connect(const pusht::Parameters& knobs, std::chrono::milliseconds patience, const std::function<bool()>& stop);
 
   /// Makes ready for an episode. Throws PeerFault if a node has been replaced.
   void announce(int episode, int horizon);
@@ -50,7 +51,8 @@ class Cast {
     pusht::ServedSimulator* world = nullptr;
   };
 
-  void connectWorlds(const pusht::Parameters& knobs, std::chrono::milliseconds patience);
+  void connectWorlds(const pusht::Parameters& knobs, std::chrono::milliseconds patience,
+                     const std::function<bool()>& stop);
   void requireThreeWorlds() const;
   void requireOneEngine() const;
 

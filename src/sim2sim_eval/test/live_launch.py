@@ -31,7 +31,11 @@ from live_support import (
     until,
 )
 
-LONG: Dict[str, Any] = {"policy": "expert", "episodes": 100, "rate": 300}  # a run that a fault can find under way
+LONG: Dict[str, Any] = {
+    "policy": "expert",
+    "episodes": 100,
+    "rate": 300,
+}  # a run that a fault can find under way
 
 
 class Runs(LiveCase):
@@ -210,7 +214,7 @@ class LostRuns(LiveCase):
         self.assertEqual(recorded, status["episodes_finished"])
 
     def test_f23_killed_evaluator(self) -> None:
-        launch = Launch(self, **{**LONG, "rate": 0, "episodes": 1000})
+        launch = Launch(self, policy="expert", episodes=1000)
         part = launch.out / "compare.bag.part"
         launch.first("/sim2sim/episode")
         os.kill(launch.node("/sim2sim"), signal.SIGKILL)

@@ -26,7 +26,7 @@ from pusht_msgs.msg import CompareAction, CompareGoal  # type: ignore[import]
 from pusht_msgs.srv import Control  # type: ignore[import]
 from pusht_task.testing import Inbox
 
-DEADLINE = 60.0  # [s] for what must happen
+DEADLINE = 30.0  # [s] for what must happen
 RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
 RECORDED_RESULTS = RESULTS | {"compare.bag"}
 CALLER = "/live_test"

@@ -66,8 +66,10 @@ void Peer::connect(std::chrono::milliseconds patience, const std::function<bool(
                       (stop() ? "" : " within " + std::to_string(patience.count()) + " ms"));
     }
     owner_ = ownerOf(service);
-    ros::ServiceClient client = ros::NodeHandle().serviceClient<pusht_msgs::Describe>(service, true);
-    watchdog_.run([&] { answered = client.isValid() && client.call(describe); }, [&] { client.shutdown(); });
+    if (!owner_.empty()) {
+      ros::ServiceClient client = ros::NodeHandle().serviceClient<pusht_msgs::Describe>(service, true);
+      watchdog_.run([&] { answered = client.isValid() && client.call(describe); }, [&] { client.shutdown(); });
+    }
     if (!answered) {
       ros::WallDuration(std::chrono::duration<double>(kConnectPeriod).count()).sleep();
     }

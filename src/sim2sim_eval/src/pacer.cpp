@@ -53,6 +53,7 @@ bool Pacer::paused() const {
 }
 
 bool Pacer::wait(const std::function<bool()>& stop) {
+  using Seconds = std::chrono::duration<double>;
   constexpr std::chrono::milliseconds kStopPeriod{50};
   std::unique_lock<std::mutex> lock(mutex_);
   while (!stop()) {
@@ -70,12 +71,13 @@ bool Pacer::wait(const std::function<bool()>& stop) {
       return true;
     }
     // Steps are due one period after the last; time that was lost is not made up for.
-    const auto due = last_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / rate_));
-    if (now >= due) {
+    const Seconds period(1.0 / rate_);  // in double: that of a tiny rate is beyond what a clock can tell
+    const Seconds elapsed = last_ ? Seconds(now - *last_) : period;
+    if (elapsed >= period) {
       last_ = now;
       return true;
     }
-    changed_.wait_until(lock, std::min(due, now + kStopPeriod));
+    changed_.wait_for(lock, std::min(period - elapsed, Seconds(kStopPeriod)));
   }
   return false;
 }

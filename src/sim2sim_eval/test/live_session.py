@@ -197,6 +197,18 @@ class LiveSession(GoalCase):
         first = self.divergence.until(lambda message: message.step == 0)[0]
         self.assertGreater(first.header.stamp, last)
 
+    def test_cancel_at_any_moment(self) -> None:
+        states = set()
+        for steps in range(1, 31):
+            self.out = self.folder / str(steps)
+            self.send(episodes=1, horizon=steps, record=-1)
+            self.feedback_of(0, steps // 2)
+            self.client.cancel_goal()
+            self.assertTrue(self.client.wait_for_result(rospy.Duration(DEADLINE)))
+            states.add(self.client.get_state())
+            self.assertEqual(status_of(self.out)["exit_code"], self.client.get_result().exit_code)
+        self.assertLessEqual(states, {GoalStatus.PREEMPTED, GoalStatus.SUCCEEDED})
+
     # ~control.
 
     def test_paused_run_goes_step_by_step(self) -> None:

@@ -351,6 +351,7 @@ class GoalCase(LiveCase):
     """Sends goals to an evaluator that runs already."""
 
     client: Any
+    feedback: "queue.Queue[Any]"  # of the last goal
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -361,7 +362,6 @@ class GoalCase(LiveCase):
     def setUp(self) -> None:
         super().setUp()
         self.out = self.folder / "out"
-        self.feedback: "queue.Queue[Any]" = queue.Queue()
         self.addCleanup(self.end_run)
 
     def end_run(self) -> None:
@@ -377,6 +377,7 @@ class GoalCase(LiveCase):
 
     def send(self, **fields: Any) -> None:
         goal = CompareGoal(**{"out": str(self.out), **fields})
+        self.feedback = queue.Queue()
         self.client.send_goal(goal, feedback_cb=self.feedback.put)
 
     def result(self, state: int = GoalStatus.SUCCEEDED) -> Any:

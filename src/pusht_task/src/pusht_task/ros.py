@@ -30,6 +30,7 @@ from pusht_msgs.msg import WorldStateStamped  # type: ignore[import]
 from pusht_msgs.srv import Act as ActService  # type: ignore[import]
 from pusht_msgs.srv import Configure, Describe, Reset, Step
 
+from rosgraph_msgs.msg import Clock  # type: ignore[import]
 from pusht_task.sessions import (
     Act,
     ExitCode,
@@ -46,6 +47,7 @@ from pusht_task.task import PUSHER_FRAME_HEIGHT, TEE_FRAME_HEIGHT
 QUEUE = 1000  # messages to a slow subscriber
 PERIOD = 1.0  # [s] of the diagnostics and of the checks of the master
 MASTER_DEADLINE = 2.0  # [s] for its answer
+CLOCK_PATIENCE = 5.0  # [s]
 MASTER_PATIENCE = 3  # checks in a row that fail
 
 
@@ -98,6 +100,13 @@ def _serve(
         print(f"{identity.name}: no ROS master at {uri}: {hint}", file=sys.stderr)
         return ExitCode.RUNTIME_FAULT
     rospy.init_node(identity.name)
+    if not _clock_runs():
+        hint = "unset it, or start what publishes the clock"
+        print(
+            f"{identity.name}: /use_sim_time is set, but nobody publishes /clock: {hint}",
+            file=sys.stderr,
+        )
+        return ExitCode.RUNTIME_FAULT
     session: Any
     try:
         session = start(identity)
@@ -128,6 +137,17 @@ def _master_answers() -> bool:
         with xmlrpc.client.ServerProxy(rosgraph.get_master_uri(), _Impatient()) as master:
             return bool(master.getPid("/pusht_task"))
     except (OSError, xmlrpc.client.Error, ValueError):
+        return False
+
+
+def _clock_runs() -> bool:
+    """Whether the node's time passes."""
+    if not rospy.get_param("/use_sim_time", False):
+        return True
+    try:
+        rospy.wait_for_message("/clock", Clock, CLOCK_PATIENCE)
+        return True
+    except rospy.ROSException:
         return False
 
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_task/ros/peer.hpp"
 
+#include <ros/master.h>
 #include <ros/service_manager.h>
 
 #include <utility>
@@ -82,6 +83,10 @@ void Peer::connect(std::chrono::milliseconds patience, const std::function<bool(
 
 void Peer::requireSameOwner() const {
   const std::string owner = ownerOf(services_ + "/describe");
+  if (owner.empty()) {
+    throw PeerFault(services_ + (ros::master::check() ? ": the node has gone"
+                                                      : ": the ROS master at " + ros::master::getURI() + " has died"));
+  }
   if (owner != owner_) {
     throw PeerFault(services_ + ": its services belong to another node (" + owner + ") than the one connected to (" +
                     owner_ + "); is there a second node of that name?");

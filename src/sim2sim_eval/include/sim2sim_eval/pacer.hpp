@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <functional>
 #include <mutex>
+#include <optional>
 
 namespace sim2sim {
 
@@ -34,7 +35,7 @@ class Pacer {
   double rate_ = 0.0;
   bool paused_ = false;
   int steps_granted_ = 0;
-  Clock::time_point last_{};  // when the last control step was let through
+  std::optional<Clock::time_point> last_;  // when the last control step was let through
 };
 
 }  // namespace sim2sim

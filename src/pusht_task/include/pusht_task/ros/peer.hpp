@@ -56,7 +56,7 @@ class Peer {
   /// PeerFault if nobody does within `patience` or before `stop` holds; the peer's own error if it failed at start.
   void connect(std::chrono::milliseconds patience, const std::function<bool()>& stop);
 
-  /// Throws PeerFault if by now the services belong to another node than the one that was connected to.
+  /// Throws PeerFault if by now the services belong to another node than the one that was connected to, or to none.
   void requireSameOwner() const;
 
   const pusht_msgs::DescribeResponse& description() const { return description_; }
@@ -88,6 +88,7 @@ class ServiceCaller {
     service.request = request;
     // A connection may break while the peer lives on. It recognises a request that it has seen.
     if (!attempt(service) && !attempt(service)) {
+      peer_.requireSameOwner();
       throw PeerFault(name_ + ": the node has died or is out of reach");
     }
     peer_.requireInstance(service.response.instance_id);

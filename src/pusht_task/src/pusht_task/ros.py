@@ -29,8 +29,8 @@ from geometry_msgs.msg import TransformStamped  # type: ignore[import]
 from pusht_msgs.msg import WorldStateStamped  # type: ignore[import]
 from pusht_msgs.srv import Act as ActService  # type: ignore[import]
 from pusht_msgs.srv import Configure, Describe, Reset, Step
-
 from rosgraph_msgs.msg import Clock  # type: ignore[import]
+
 from pusht_task.sessions import (
     Act,
     ExitCode,

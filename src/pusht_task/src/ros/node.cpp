@@ -2,6 +2,7 @@
 #include "pusht_task/ros/node.hpp"
 
 #include <ros/ros.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <atomic>
@@ -22,6 +23,14 @@ namespace {
 constexpr std::chrono::seconds kMasterPeriod{1};
 constexpr int kMasterPatience = 3;      // checks in a row that fail
 constexpr double kClockPatience = 5.0;  // [s]
+
+/// roscpp's poll thread is woken by every message that another thread begins to send, and spins until it is sent. As it
+/// usually preempts the very thread that sends, both wait for the scheduler. Batch threads do not preempt: on two cores
+/// a run over five nodes takes a third of the time. Inherited by the threads that are started from here on.
+void schedulePatiently() {
+  const sched_param none{};
+  sched_setscheduler(0, SCHED_BATCH, &none);  // only speed depends on it: whether it is allowed does not matter
+}
 
 void requireMaster() {
   if (!ros::master::check()) {
@@ -78,6 +87,7 @@ class MasterWatch {
 
 int runNode(int argc, char** argv, const std::string& name, const std::function<ExitCode()>& body) {
   try {
+    schedulePatiently();
     ros::init(argc, argv, name);
     requireMaster();
     const ros::NodeHandle keeps_node_started;

@@ -64,17 +64,18 @@ void Broadcast::draw(const Episode& episode, const ros::Time& stamp, bool every_
   if (!recorded && !seen) {
     return;
   }
-  const std::lock_guard<std::mutex> lock(mutex_);
-  update_ = picture_->update(configuration_.policy, episode, finished_);
+  const visualization_msgs::MarkerArray update = picture_->update(configuration_.policy, episode, finished_);
   if (seen) {
-    markers_.publish(update_);
+    markers_.publish(update);
   }
   if (recorded) {
     if (episode.steps() == 0) {
       bag_->write(scene_, stamp);
     }
-    bag_->write(update_, stamp);
+    bag_->write(update, stamp);
   }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  update_ = update;
 }
 
 void Broadcast::greet(const ros::SingleSubscriberPublisher& subscriber) const {

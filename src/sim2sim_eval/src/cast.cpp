@@ -55,12 +55,14 @@ void Cast::connectWorlds(const pusht::Parameters& knobs, std::chrono::millisecon
   std::array<std::unique_ptr<pusht::Simulator>, kModeCount> worlds;
   for (std::size_t mode = 0; mode < kModeCount; ++mode) {
     Part& part = parts_.at(mode);
+    const pusht::Parameters& wanted = identity_ ? part.description.parameters : knobs;  // as it was before the fault
+    const pusht::Parameters parameters = mode == kReferenceClosed ? pusht::Parameters() : wanted;
     part.peer.connect(patience, stop);
     part.description = part.peer.description();
     stamps_.startAbove(part.description.stamp);
     auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_);
-    if (mode != kReferenceClosed && !knobs.empty()) {
-      part.description.parameters = world->configure(knobs);
+    if (!parameters.empty()) {
+      part.description.parameters = world->configure(parameters);
     }
     part.world = world.get();
     worlds.at(mode) = std::move(world);

@@ -54,12 +54,6 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   return request;
 }
 
-Protocol protocolOf(const LiveRequest& request) {
-  Protocol protocol = request.smoke ? smokeRun(request.protocol) : request.protocol;
-  protocol.validate();
-  return protocol;
-}
-
 nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
   nlohmann::json provenance = nlohmann::json::parse(node.provenance, nullptr, false);
   if (!provenance.is_object()) {
@@ -70,7 +64,7 @@ nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
 
 RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast) {
   RunConfiguration configuration;
-  configuration.protocol = protocolOf(request);
+  configuration.protocol = request.protocol;
   configuration.smoke = request.smoke;
   configuration.policy = cast.describePolicy().name;
   configuration.reference = cast.describe(kReferenceClosed).name;
@@ -128,6 +122,9 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   request.protocol.episodes = parameters.integer("episodes", request.protocol.episodes);
   request.protocol.horizon = parameters.integer("horizon", request.protocol.horizon);
   request.smoke = parameters.flag("smoke", request.smoke);
+  if (request.smoke) {
+    request.protocol = smokeRun(request.protocol);
+  }
   request.rate = parameters.real("rate", request.rate);
   request.record = parameters.flag("record", request.record);
   request.out = parameters.text("out", request.out);
@@ -156,6 +153,7 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
   }
   if (parameters_.start) {
     next_job_ = Job{parameters_.request, std::nullopt};
+    activity_ = "beginning";
     busy_ = true;
   }
   server_.start();
@@ -188,6 +186,7 @@ std::optional<Evaluator::Job> Evaluator::nextJob() {
 
 RunStatus Evaluator::execute(const Job& job) {
   run_.reset();
+  broadcast_.clear();
   goal_ = job.goal;
   folder_.clear();
   faults_survived_ = 0;
@@ -204,7 +203,7 @@ RunStatus Evaluator::execute(const Job& job) {
     RunStatus status = {pusht::exitCodeOf(failure), failure.what(), finished, episodes, faults_survived_};
     try {
       broadcast_.end();
-    } catch (const pusht::RuntimeFault&) {
+    } catch (const std::exception&) {
       // The bag cannot be written; perhaps that is the failure.
     }
     try {
@@ -213,7 +212,7 @@ RunStatus Evaluator::execute(const Job& job) {
       } else if (folder) {
         folder->refuse(status);
       }
-    } catch (const pusht::Error& second) {
+    } catch (const std::exception& second) {
       pusht::reportFailure(ros::this_node::getName(), second);
     }
     return status;
@@ -221,7 +220,7 @@ RunStatus Evaluator::execute(const Job& job) {
 }
 
 void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
-  protocolOf(request);
+  request.protocol.validate();
   pacer_.setRate(request.rate);
   const LiveOptions options = {request.knobs, parameters_.respawn, milliseconds(parameters_.patience)};
   Cast cast(request.services, milliseconds(parameters_.deadline));
@@ -253,9 +252,10 @@ void Evaluator::answer(Job& job, const RunStatus& status) {
     const std::lock_guard<std::mutex> lock(mutex_);
     cancelled = cancelled_;
     busy_ = false;  // who has the result may send the next goal
+    failure_ = status.exit_code == pusht::ExitCode::kOk ? "" : status.reason;
     activity_ = "idle";
   }
-  if (job.goal) {  // without the lock: the server calls onGoal under its own
+  if (job.goal) {
     pusht_msgs::CompareResult result;
     result.exit_code = static_cast<int>(status.exit_code);
     result.reason = status.reason;
@@ -286,13 +286,15 @@ void Evaluator::onGoal(Goal goal) {
   goal.setAccepted();
   busy_ = true;
   cancelled_ = false;
+  accepted_ = goal;
+  activity_ = "beginning";
   next_job_ = Job{merged(parameters_.request, *goal.getGoal()), goal};
   asked_.notify_one();
 }
 
-void Evaluator::onCancel(const Goal& /*goal*/) {
+void Evaluator::onCancel(const Goal& goal) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  cancelled_ = true;
+  cancelled_ = cancelled_ || goal == accepted_;
 }
 
 bool Evaluator::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response) {
@@ -347,7 +349,9 @@ void Evaluator::onFault(int episode, const pusht::PeerFault& fault) {
 void Evaluator::report(pusht::DiagnosticStatusWrapper& status) const {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    status.summary(diagnostic_msgs::DiagnosticStatus::OK, activity_);
+    const bool well = failure_.empty();
+    status.summary(well ? diagnostic_msgs::DiagnosticStatus::OK : diagnostic_msgs::DiagnosticStatus::WARN,
+                   well ? activity_ : activity_ + "; the last run failed: " + failure_);
   }
   // Without the lock: the pacer calls stopped() under its own.
   status.add("paused", pacer_.paused());

@@ -34,9 +34,14 @@ EpisodeResult runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer&
 
 void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& observer, const LiveOptions& options,
              const std::function<bool()>& stop) {
-  int faults = 0;
+  bool lost = false;  // a node
+  int faults = 0;     // in this episode
   for (int index = protocol.first_episode; index <= protocol.lastEpisode();) {
     try {
+      if (lost) {
+        cast.connect(options.knobs, options.patience, stop);
+        lost = false;
+      }
       observer.onFinish(runEpisode(protocol, index, cast, pacer, observer, stop), cast.stamps().now());
       ++index;
       faults = 0;
@@ -48,7 +53,7 @@ void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& o
         throw;
       }
       observer.onFault(index, fault);
-      cast.connect(options.knobs, options.patience, stop);
+      lost = true;
     }
   }
 }

@@ -66,7 +66,7 @@ RunBag::RunBag(const std::filesystem::path& path, const nlohmann::ordered_json& 
 RunBag::~RunBag() {
   try {
     finish();
-  } catch (const pusht::RuntimeFault&) {
+  } catch (const std::exception&) {
     // Nothing is left of the bag; who wanted to know has called finish().
   }
 }

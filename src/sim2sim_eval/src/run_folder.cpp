@@ -137,9 +137,7 @@ void RunFolder::abandon(const std::vector<EpisodeResult>& episodes, const RunSta
 void RunFolder::refuse(const RunStatus& status) {
   create();
   lock();
-  if (!overwrite_) {
-    refuseResults(path_);
-  }
+  refuseResults(path_);  // they stay, even if a run might have replaced them
   writeStatus(status);
 }
 

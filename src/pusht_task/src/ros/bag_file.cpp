@@ -17,10 +17,18 @@ BagFile::BagFile(fs::path path)
   if (path_.filename().empty() || fs::symlink_status(path_, error).type() != fs::file_type::not_found) {
     throw InvalidInput("bag '" + path_.string() + "': must be the name of a file that does not exist yet");
   }
-  attempt([this] { bag_->open(aside_.string(), rosbag::bagmode::Write); });
+  try {
+    attempt([this] { bag_->open(aside_.string(), rosbag::bagmode::Write); });
+  } catch (const RuntimeFault&) {
+    discard();
+    throw;
+  }
+  bag_->setCompression(rosbag::compression::LZ4);  // faster than none: what is not compressed is written in small bits
 }
 
-BagFile::~BagFile() {
+BagFile::~BagFile() { discard(); }
+
+void BagFile::discard() {
   try {
     bag_->close();
   } catch (const rosbag::BagException&) {

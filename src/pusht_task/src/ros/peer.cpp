@@ -4,6 +4,7 @@
 #include <ros/master.h>
 #include <ros/service_manager.h>
 
+#include <gsl/util>
 #include <utility>
 
 namespace pusht {
@@ -37,9 +38,11 @@ void Watchdog::run(const std::function<void()>& call, const std::function<void()
     interrupt_ = &interrupt;
     expiry_ = std::chrono::steady_clock::now() + deadline_;
   }
+  const auto disarm = gsl::finally([this] {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    interrupt_ = nullptr;
+  });
   call();
-  const std::lock_guard<std::mutex> lock(mutex_);
-  interrupt_ = nullptr;
 }
 
 void Watchdog::watch() {
@@ -77,7 +80,7 @@ void Peer::connect(std::chrono::milliseconds patience, const std::function<bool(
   }
   description_ = describe.response;
   if (description_.success == 0) {
-    throw Error(static_cast<ExitCode>(description_.exit_code), services_ + ": " + description_.message);
+    raise(description_.exit_code, description_.message);
   }
 }
 
@@ -91,6 +94,16 @@ void Peer::requireSameOwner() const {
     throw PeerFault(services_ + ": its services belong to another node (" + owner + ") than the one connected to (" +
                     owner_ + "); is there a second node of that name?");
   }
+}
+
+void Peer::raise(int exit_code, const std::string& message) const {
+  const auto code = static_cast<ExitCode>(exit_code);
+  for (const ExitCode known : {ExitCode::kInvalidInput, ExitCode::kRuntimeFault, ExitCode::kInternalError}) {
+    if (code == known) {
+      throw Error(code, services_ + ": " + message);
+    }
+  }
+  throw BadDependency(services_ + ": " + message);  // of a node that knows no exit codes, too
 }
 
 void Peer::requireInstance(const std::string& instance_id) const {

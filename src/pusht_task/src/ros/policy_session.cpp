@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -12,9 +13,9 @@
 namespace pusht {
 namespace {
 
-/// Rollouts that are remembered. Nobody says when one has ended; all are forgotten when there are more, so that
-/// a policy of many thousand rollouts under way at once is refused, not wrong.
-constexpr std::size_t kMostRollouts = 65'536;
+/// Nobody says when a rollout has ended. When there are many, those are forgotten that were not asked for lately.
+constexpr std::size_t kManyRollouts = 65'536;
+constexpr std::uint64_t kLately = 1'000;  // requests
 
 }  // namespace
 
@@ -25,9 +26,7 @@ pusht_msgs::ActResponse PolicySession::act(const pusht_msgs::ActRequest& request
   pusht_msgs::ActResponse response;
   response.instance_id = instance_id_;
   try {
-    if (rollouts_.size() + request.queries.size() > kMostRollouts) {
-      rollouts_.clear();
-    }
+    forgetEnded();
     require(request);
     queries_.clear();
     for (const pusht_msgs::Query& query : request.queries) {
@@ -50,6 +49,7 @@ pusht_msgs::ActResponse PolicySession::act(const pusht_msgs::ActRequest& request
     if (has_memory_) {
       Remembered& rollout = rollouts_.at(query.rollout);
       rollout.step = query.step;
+      rollout.last_request = requests_;
       rollout.action = action;
     }
     response.actions.insert(response.actions.end(), action.begin(), action.end());
@@ -99,6 +99,16 @@ Policy::Query PolicySession::begun(const pusht_msgs::Query& query) {
     rollout.step = -1;
   }
   return {observation, rollouts_.at(query.rollout).memory.get()};
+}
+
+void PolicySession::forgetEnded() {
+  ++requests_;
+  if (rollouts_.size() < kManyRollouts) {
+    return;
+  }
+  for (auto rollout = rollouts_.begin(); rollout != rollouts_.end();) {
+    rollout = rollout->second.last_request + kLately < requests_ ? rollouts_.erase(rollout) : std::next(rollout);
+  }
 }
 
 pusht_msgs::DescribeResponse PolicySession::describe() const {

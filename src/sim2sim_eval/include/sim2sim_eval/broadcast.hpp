@@ -26,6 +26,9 @@ class Broadcast {
  public:
   explicit Broadcast(const ros::NodeHandle& node);
 
+  /// Forgets the last run.
+  void clear() { summary_ = {}; }
+
   /// A run begins. `bag` may be null: the run is not recorded.
   void begin(const RunConfiguration& configuration, const Cast& cast, std::unique_ptr<RunBag> bag);
 

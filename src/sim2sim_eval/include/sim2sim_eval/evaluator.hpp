@@ -98,6 +98,8 @@ class Evaluator : private LiveObserver {
   std::optional<Job> next_job_;
   bool busy_ = false;
   bool cancelled_ = false;
+  Goal accepted_;        // the last one
+  std::string failure_;  // of the last run; empty: none
   std::string activity_ = "idle";
 
   // Of the run under way; used in the thread of run() alone.

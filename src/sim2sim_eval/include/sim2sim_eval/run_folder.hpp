@@ -46,7 +46,7 @@ class RunFolder {
   /// The finished episodes of a run that ended early.
   void abandon(const std::vector<EpisodeResult>& episodes, const RunStatus& status) const;
 
-  /// Only says why there was no run. Throws as begin() does.
+  /// Only says why there was no run. Throws as begin() does, and InvalidInput if the folder holds results, which stay.
   void refuse(const RunStatus& status);
 
   const std::filesystem::path& path() const { return path_; }

@@ -45,6 +45,7 @@ class BagFile {
   void finish();
 
  private:
+  void discard();
   void attempt(const std::function<void()>& action) const;
 
   std::filesystem::path path_;

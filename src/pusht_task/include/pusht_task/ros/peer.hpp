@@ -67,6 +67,7 @@ class Peer {
   friend class ServiceCaller;
 
   void requireInstance(const std::string& instance_id) const;
+  [[noreturn]] void raise(int exit_code, const std::string& message) const;
 
   std::string services_;
   Watchdog& watchdog_;
@@ -93,8 +94,7 @@ class ServiceCaller {
     }
     peer_.requireInstance(service.response.instance_id);
     if (service.response.success == 0) {
-      throw Error(static_cast<ExitCode>(service.response.exit_code),
-                  peer_.services() + ": " + service.response.message);
+      peer_.raise(service.response.exit_code, service.response.message);
     }
     return service.response;
   }

@@ -35,17 +35,20 @@ class PolicySession {
  private:
   struct Remembered {
     std::unique_ptr<Policy::Memory> memory;
-    std::int64_t step = -1;  // last one answered
-    Action action{};         // the answer
+    std::int64_t step = -1;          // last one answered
+    std::uint64_t last_request = 0;  // that asked for it
+    Action action{};                 // the answer
   };
 
   bool isRepeated(const pusht_msgs::Query& query) const;
   void require(const pusht_msgs::ActRequest& request) const;
   Policy::Query begun(const pusht_msgs::Query& query);
+  void forgetEnded();
 
   PolicyModel model_;
   std::string instance_id_;
   bool has_memory_;
+  std::uint64_t requests_ = 0;
   std::unordered_map<std::uint64_t, Remembered> rollouts_;  // only of a policy with a memory
   std::vector<Policy::Query> queries_;
   std::vector<Action> actions_;

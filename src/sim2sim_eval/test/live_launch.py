@@ -8,13 +8,15 @@ The numbers of the faults are those of the project's list.
 import json
 import os
 import signal
+import sys
 import time
 from pathlib import Path
 from typing import Any, Dict, Tuple
 
 import rosbag  # type: ignore[import]
 
-from live_support import (
+sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
+from live_support import (  # noqa: E402
     DEADLINE,
     RECORDED_RESULTS,
     RESULTS,

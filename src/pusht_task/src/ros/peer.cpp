@@ -66,8 +66,8 @@ void Peer::connect(std::chrono::milliseconds patience, const std::function<bool(
   bool answered = false;
   while (!answered) {
     if (stop() || std::chrono::steady_clock::now() >= expiry) {
-      throw PeerFault(service + ": nobody answers" +
-                      (stop() ? "" : " within " + std::to_string(patience.count()) + " ms"));
+      throw RuntimeFault(service + ": nobody answers" +
+                         (stop() ? "" : " within " + std::to_string(patience.count()) + " ms"));
     }
     owner_ = ownerOf(service);
     if (!owner_.empty()) {

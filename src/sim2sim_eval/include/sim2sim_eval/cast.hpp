@@ -29,8 +29,9 @@ class Cast {
   Cast(const Services& services, std::chrono::milliseconds deadline);
 
   /// Connects to all, the first time or after a fault, and sets the engine's knobs. Each may take `patience` to
-  /// appear, unless `stop` holds. Throws PeerFault if one does not; the error of one that failed at start; InvalidInput
-  /// if the two worlds of the engine differ or two worlds are one; BadDependency if one has come back as another.
+  /// appear, unless `stop` holds. Throws RuntimeFault if one does not, PeerFault if one is lost meanwhile; the error of
+  /// one that failed at start; InvalidInput if the two worlds of the engine differ or two worlds are one; BadDependency
+  /// if one has come back as another.
   void connect(const pusht::Parameters& knobs, std::chrono::milliseconds patience, const std::function<bool()>& stop);
 
   /// Makes ready for an episode. Throws PeerFault if a node has been replaced.

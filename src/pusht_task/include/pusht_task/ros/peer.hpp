@@ -53,7 +53,7 @@ class Peer {
   Peer(std::string services, Watchdog& watchdog);
 
   /// Waits until the peer describes itself; the instance that does is the one that has to answer from now on. Throws
-  /// PeerFault if nobody does within `patience` or before `stop` holds; the peer's own error if it failed at start.
+  /// RuntimeFault if nobody does within `patience` or before `stop` holds; the peer's own error if it failed at start.
   void connect(std::chrono::milliseconds patience, const std::function<bool()>& stop);
 
   /// Throws PeerFault if by now the services belong to another node than the one that was connected to, or to none.

@@ -87,8 +87,9 @@ void Peer::connect(std::chrono::milliseconds patience, const std::function<bool(
 void Peer::requireSameOwner() const {
   const std::string owner = ownerOf(services_ + "/describe");
   if (owner.empty()) {
-    throw PeerFault(services_ + (ros::master::check() ? ": the node has gone"
-                                                      : ": the ROS master at " + ros::master::getURI() + " has died"));
+    throw PeerFault(ros::master::check()
+                        ? services_ + ": the node has gone: it was shut down, or put out by a second one of that name"
+                        : "the ROS master at " + ros::master::getURI() + " has died");
   }
   if (owner != owner_) {
     throw PeerFault(services_ + ": its services belong to another node (" + owner + ") than the one connected to (" +

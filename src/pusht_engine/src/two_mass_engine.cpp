@@ -32,15 +32,15 @@ Eigen::Vector2d turnLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 }  // namespace
 
 void TwoMassParameters::validate() const {
+  if (!(pusher_mass > 0.0) || !std::isfinite(1.0 / pusher_mass)) {
+    throw InvalidInput("pusher_mass " + shortestText(pusher_mass) + ": must be > 0 and finite, as its inverse [kg]");
+  }
   for (const two_mass::Knob& knob : two_mass::kKnobs) {
     const double value = this->*knob.value;
     if (!std::isfinite(value) || value < 0.0) {
       throw InvalidInput(std::string(knob.name) + " " + shortestText(value) + ": must be finite and >= 0 [" +
                          knob.unit + "]");
     }
-  }
-  if (!std::isfinite(1.0 / pusher_mass)) {
-    throw InvalidInput("pusher_mass " + shortestText(pusher_mass) + ": must be > 0 with a finite inverse [kg]");
   }
 }
 

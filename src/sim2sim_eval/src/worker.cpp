@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/worker.hpp"
 
-#include <sched.h>
-
 #include <chrono>
 #include <cstddef>
 #include <utility>
@@ -49,8 +47,6 @@ void Worker::waitUntilDone(std::unique_lock<std::mutex>& lock) {
 }
 
 void Worker::work() {
-  const sched_param none{};
-  sched_setscheduler(0, SCHED_IDLE, &none);  // of this thread: it takes what time the others leave
   std::vector<std::function<void()>> batch;
   std::unique_lock<std::mutex> lock(mutex_);
   while (true) {

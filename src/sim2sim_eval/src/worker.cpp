@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/worker.hpp"
 
+#include <sched.h>
+
 #include <chrono>
 #include <cstddef>
 #include <utility>
@@ -9,7 +11,7 @@ namespace sim2sim {
 namespace {
 
 constexpr std::chrono::milliseconds kPause(20);
-constexpr std::size_t kMaxQueued = 10'000;  // a disk that is too slow slows the run down, instead of filling memory
+constexpr std::size_t kMuch = 2'000;  // tasks
 
 }  // namespace
 
@@ -17,64 +19,70 @@ Worker::Worker() : thread_([this] { work(); }) {}
 
 Worker::~Worker() {
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
     ending_ = true;
   }
-  changed_.notify_all();
+  ending_changed_.notify_one();
+  while (runNext()) {
+  }
   thread_.join();
 }
 
 void Worker::post(std::function<void()> task) {
-  std::unique_lock<std::mutex> lock(mutex_);
-  if (tasks_.size() >= kMaxQueued || failure_) {
-    waitUntilDone(lock);
+  std::size_t queued = 0;
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    tasks_.push_back(std::move(task));
+    queued = tasks_.size();
   }
-  tasks_.push_back(std::move(task));
+  if (queued > kMuch || failed_) {
+    wait();
+  }
 }
 
 void Worker::wait() {
-  std::unique_lock<std::mutex> lock(mutex_);
-  waitUntilDone(lock);
-}
-
-void Worker::waitUntilDone(std::unique_lock<std::mutex>& lock) {
-  awaited_ = true;
-  changed_.notify_all();
-  changed_.wait(lock, [this] { return !awaited_; });
+  while (runNext()) {
+  }
+  const std::lock_guard<std::mutex> lock(running_);
   if (failure_) {
     std::rethrow_exception(failure_);
   }
 }
 
 void Worker::work() {
-  std::vector<std::function<void()>> batch;
-  std::unique_lock<std::mutex> lock(mutex_);
-  while (true) {
-    if (tasks_.empty()) {
-      awaited_ = false;
-      changed_.notify_all();
-      if (ending_) {
-        return;
-      }
-    }
-    changed_.wait_for(lock, kPause, [this] { return awaited_ || ending_; });
-    batch.clear();
-    batch.swap(tasks_);
-    if (failure_) {
-      continue;
-    }
+  const sched_param none{};
+  sched_setscheduler(0, SCHED_IDLE, &none);  // of this thread
+  std::unique_lock<std::mutex> lock(queue_mutex_);
+  while (!ending_) {
+    ending_changed_.wait_for(lock, kPause);
     lock.unlock();
-    std::exception_ptr failure;
-    try {
-      for (const std::function<void()>& task : batch) {
-        task();
-      }
-    } catch (...) {
-      failure = std::current_exception();
+    while (runNext()) {
     }
     lock.lock();
-    failure_ = failure;
   }
+}
+
+/// False if there is no task.
+bool Worker::runNext() {
+  const std::lock_guard<std::mutex> run(running_);
+  std::function<void()> task;
+  {
+    const std::lock_guard<std::mutex> lock(queue_mutex_);
+    if (tasks_.empty()) {
+      return false;
+    }
+    task = std::move(tasks_.front());
+    tasks_.pop_front();
+  }
+  try {
+    if (!failed_) {
+      task();
+    }
+  } catch (...) {
+    failure_ = std::current_exception();
+    failed_ = true;
+  }
+  return true;
 }
 
 }  // namespace sim2sim

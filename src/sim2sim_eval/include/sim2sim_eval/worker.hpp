@@ -2,17 +2,19 @@
 /// Work that nobody waits for.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
+#include <deque>
 #include <exception>
 #include <functional>
 #include <mutex>
 #include <thread>
-#include <vector>
 
 namespace sim2sim {
 
-/// Runs tasks one after the other in a thread of its own, which looks for them every 20 ms: to be woken for each would
-/// cost the caller more than many a task. After one that throws, the others are dropped.
+/// Runs tasks one after the other in a thread of its own, in the time that all others leave. It looks for them every
+/// 20 ms: to be woken for each would cost the caller more than many a task. Who waits for it works himself, so that it
+/// does not starve on a busy machine. After a task that throws, the others are dropped.
 class Worker {
  public:
   Worker();
@@ -21,22 +23,24 @@ class Worker {
   /// Runs what is left.
   ~Worker();
 
-  /// Queues `task`; waits while very many are queued. Throws what a task has thrown.
+  /// Queues `task`; runs what is queued if that is much. Throws what a task has thrown.
   void post(std::function<void()> task);
 
-  /// Waits until everything is done. Throws what a task has thrown.
+  /// Runs what is left. Throws what a task has thrown.
   void wait();
 
  private:
-  void waitUntilDone(std::unique_lock<std::mutex>& lock);
   void work();
+  bool runNext();
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<std::function<void()>> tasks_;
-  std::exception_ptr failure_;
-  bool awaited_ = false;  // someone waits until everything is done
+  std::mutex queue_mutex_;
+  std::condition_variable ending_changed_;
+  std::deque<std::function<void()>> tasks_;
   bool ending_ = false;
+
+  std::mutex running_;  // held while a task is taken and run: they run in order
+  std::exception_ptr failure_;
+  std::atomic<bool> failed_{false};
   std::thread thread_;
 };
 

@@ -3,8 +3,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <csignal>
@@ -13,6 +11,7 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/ros/node.hpp"
 
 namespace sim2sim {
 namespace {
@@ -24,14 +23,6 @@ void countInterrupt(int number) {
   if (++interrupts_received >= kPatience) {
     std::signal(number, SIG_DFL);
   }
-}
-
-/// One line on stderr, whatever the message holds.
-int report(const std::string& command, std::string message, pusht::ExitCode code) {
-  std::replace_if(
-      message.begin(), message.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
-  std::cerr << command << ": " << message << std::endl;
-  return static_cast<int>(code);
 }
 
 template <class Number>
@@ -59,9 +50,9 @@ int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
   } catch (const CLI::Success& request) {  // --help
     return app.exit(request);
   } catch (const CLI::ParseError& error) {
-    return report(app.get_name(), error.what(), pusht::ExitCode::kInvalidInput);
+    return pusht::reportFailure(app.get_name(), pusht::InvalidInput(error.what()));
   } catch (const std::exception& failure) {
-    return report(app.get_name(), failure.what(), pusht::exitCodeOf(failure));
+    return pusht::reportFailure(app.get_name(), failure);
   }
 }
 

@@ -31,7 +31,7 @@ TwoMassParameters parameters(const nlohmann::json& knobs) {
   return result;
 }
 
-void expectRow(const two_mass::BodyVectors& found, const nlohmann::json& row) {
+void expectRow(const two_mass::BodyVectors<double>& found, const nlohmann::json& row) {
   constexpr double kTolerance = 1e-9;
   for (std::size_t i = 0; i < 6; ++i) {
     EXPECT_NEAR(found[i / 2][static_cast<Eigen::Index>(i % 2)], row.at(i).get<double>(), kTolerance);
@@ -46,16 +46,16 @@ TEST(TwoMassEngine, MatchesTheGoldenTrajectories) {
     for (const auto& expected : golden.at("engine")) {
       SCOPED_TRACE("seed " + golden.at("seed").dump() + " knobs " + expected.at("knobs").dump());
       TwoMassEngine engine(parameters(expected.at("knobs")));
-      Rollout rollout(engine, spawn(golden.at("seed").get<std::uint64_t>()));
+      Rollout rollout = begin(engine, spawn(golden.at("seed").get<std::uint64_t>()));
       for (std::size_t step = 0;; ++step) {
-        expectRow(engine.positions(), expected.at("q_pusher_bar_stem").at(step));
-        expectRow(engine.velocities(), expected.at("v_pusher_bar_stem").at(step));
+        expectRow(engine.bodies().positions, expected.at("q_pusher_bar_stem").at(step));
+        expectRow(engine.bodies().velocities, expected.at("v_pusher_bar_stem").at(step));
         EXPECT_NEAR(wrapAngle(engine.state().tee_yaw - expected.at("yaw").at(step).get<double>()), 0.0, 1e-9);
         ASSERT_FALSE(HasFailure()) << "first at step " << step;
         if (step == actions.size()) {
           break;
         }
-        rollout.advance(testing::action(actions.at(step)));
+        advance(rollout, engine, testing::action(actions.at(step)));
         EXPECT_EQ(rollout.success(), expected.at("success").at(step).get<bool>());
       }
       successes += rollout.success() ? 1 : 0;
@@ -102,7 +102,7 @@ double worstLinkError(bool chased) {
     engine.reset(start);
     for (int i = 0; i < kHorizon; ++i) {
       engine.step(chased ? testing::chase(engine.state()) : Action{});
-      const double length = (engine.positions()[kBar] - engine.positions()[kStem]).norm();
+      const double length = (engine.bodies().positions[kBar] - engine.bodies().positions[kStem]).norm();
       worst = std::max(worst, std::abs(length - kStemOffset));
     }
   }

@@ -45,9 +45,9 @@ TEST(MujocoWorld, MatchesTheGoldenTrajectoriesBitForBit) {
   for (const auto& golden : testing::loadGolden("pusht_golden.json", "cases")) {
     const auto& rows = golden.at("mujoco").at("qpos_qvel");
     MujocoWorld world(scene());
-    Rollout rollout(world, testing::worldState(rows.at(0)));
+    Rollout rollout = begin(world, testing::worldState(rows.at(0)));
     for (std::size_t step = 0; step < golden.at("actions").size(); ++step) {
-      rollout.advance(testing::action(golden.at("actions").at(step)));
+      advance(rollout, world, testing::action(golden.at("actions").at(step)));
       WorldState expected = testing::worldState(rows.at(step + 1));
       expected.tee_yaw = wrapAngle(expected.tee_yaw);
       ASSERT_EQ(world.state(), expected) << "seed " << golden.at("seed") << " step " << step;
@@ -63,9 +63,9 @@ TEST(MujocoWorld, MatchesTheExpertEpisodes) {
   }
   MujocoWorld world(scene());
   for (const auto& golden : testing::loadGolden("expert_actions.json", "cases")) {
-    Rollout rollout(world, testing::worldPose(golden.at("start_tee_xyyaw_pusher_xy")));
+    Rollout rollout = begin(world, testing::worldPose(golden.at("start_tee_xyyaw_pusher_xy")));
     for (std::size_t step = 0; step < golden.at("actions").size(); ++step) {
-      rollout.advance(testing::action(golden.at("actions").at(step)));
+      advance(rollout, world, testing::action(golden.at("actions").at(step)));
       ASSERT_LE(distance(world.state(), testing::worldPose(golden.at("tee_xyyaw_pusher_xy").at(step))), 1e-15)
           << "seed " << golden.at("seed") << " step " << step;
     }

@@ -23,7 +23,7 @@ pusht::PolicyModel load(pusht::ParameterReader& parameters) {
   pusht::PolicyModel model;
   model.name = std::move(chosen.name);
   model.version = PUSHT_POLICY_VERSION;
-  model.policy = std::move(chosen.policy);
+  model.policy = chosen.make();
   model.provenance = std::move(chosen.provenance);
   return model;
 }

@@ -74,8 +74,7 @@ DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, Simulator
   DemonstrationTally tally;
   while (tally.episodes < plan.episodes) {
     const std::uint64_t seed = plan.seed + static_cast<std::uint64_t>(tally.episodes);
-    Rollout rollout(world, spawn(seed), demonstrator.begin());
-    runClosedLoop(rollout, demonstrator, kHorizon);
+    const Rollout rollout = runClosedLoop(world, spawn(seed), demonstrator, kHorizon);
     write(bag, stamps, seed, rollout);
     ++tally.episodes;
     tally.successes += rollout.success() ? 1 : 0;

@@ -211,12 +211,14 @@ std::vector<InstructionSet> availableInstructionSets() {
 
 NetworkKernel::NetworkKernel(int inputs, const std::vector<Operation>& operations, InstructionSet instruction_set)
     : inputs_(inputs), outputs_(inputs), instruction_set_(instruction_set), lines_per_row_(linesFor(inputs)) {
+  std::vector<Step> steps;
   for (const Operation& operation : operations) {
     requireFit(operation, outputs_);
     outputs_ = operation.columns;
-    steps_.push_back({operation.kind, outputs_, padded(operation.operand, outputs_)});
+    steps.push_back({operation.kind, outputs_, padded(operation.operand, outputs_)});
     lines_per_row_ = std::max(lines_per_row_, linesFor(outputs_));
   }
+  steps_ = std::make_shared<const std::vector<Step>>(std::move(steps));
   block_.resize(kBlockRows * lines_per_row_);
   product_ = block_;
 }
@@ -233,7 +235,7 @@ NetworkKernel::Lines NetworkKernel::padded(const std::vector<float>& operand, in
 
 std::string NetworkKernel::operations() const {
   std::string text = std::to_string(inputs_);
-  for (const Step& step : steps_) {
+  for (const Step& step : *steps_) {
     text += ", " + toString(step.kind);
     if (step.kind == Operation::Kind::kMatrix) {
       text += " " + std::to_string(step.columns);
@@ -259,7 +261,7 @@ void NetworkKernel::runBlock(const float* inputs, int rows, float* outputs) {
     std::copy_n(inputs + i * inputs_, inputs_, row(block_, i));
   }
   int columns = inputs_;
-  for (const Step& step : steps_) {
+  for (const Step& step : *steps_) {
     const float* operand = step.operand.empty() ? nullptr : step.operand.front().values.data();
     if (step.kind == Operation::Kind::kMatrix) {
       multiply({row(block_, 0), operand, row(product_, 0), rows, columns, linesFor(step.columns) * kLineValues,

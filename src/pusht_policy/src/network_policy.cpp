@@ -105,7 +105,17 @@ NetworkPolicy::NetworkPolicy(std::string sha256, std::unique_ptr<TorchNetwork> n
   info_.why_not_on_kernel = std::move(why_not_on_kernel);
 }
 
+NetworkPolicy::NetworkPolicy(NetworkInfo info, std::unique_ptr<NetworkKernel> kernel,
+                             std::unique_ptr<TorchNetwork> network)
+    : info_(std::move(info)), kernel_(std::move(kernel)), network_(std::move(network)) {}
+
 NetworkPolicy::~NetworkPolicy() = default;
+
+std::unique_ptr<NetworkPolicy> NetworkPolicy::clone() const {
+  return std::unique_ptr<NetworkPolicy>(
+      new NetworkPolicy(info_, kernel_ != nullptr ? std::make_unique<NetworkKernel>(*kernel_) : nullptr,
+                        network_ != nullptr ? std::make_unique<TorchNetwork>(*network_) : nullptr));
+}
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& path) {
   const std::string name = "policy " + path.string();

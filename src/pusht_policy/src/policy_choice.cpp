@@ -26,33 +26,51 @@ nlohmann::json provenanceOf(const NetworkInfo& info) {
   return provenance;
 }
 
-ChosenPolicy network(std::unique_ptr<NetworkPolicy> policy, const std::string& name, const std::string& warning = "") {
-  nlohmann::json provenance = provenanceOf(policy->info());
-  return {std::move(policy), name, std::move(provenance), warning};
+/// What its bits depend on: the kernel computes the same everywhere, libtorch does not.
+nlohmann::json identityOf(const NetworkInfo& info) {
+  if (info.runsOnKernel()) {
+    return {{"sha256", info.sha256}, {"operations", info.operations}};
+  }
+  return {{"sha256", info.sha256}, {"libtorch", info.libtorch_version}, {"blas", info.blas}};
+}
+
+ChosenPolicy trained(const fs::path& path, const std::string& name) {
+  const std::shared_ptr<const NetworkPolicy> policy = NetworkPolicy::load(path);
+  return {[policy] { return policy->clone(); }, name, identityOf(policy->info()), provenanceOf(policy->info()), ""};
+}
+
+ChosenPolicy untrained(std::uint64_t seed, const std::string& warning = "") {
+  const std::shared_ptr<const NetworkPolicy> policy = NetworkPolicy::untrained(seed);
+  const nlohmann::json identity = {{"untrained_seed", seed}, {"libtorch", policy->info().libtorch_version}};
+  return {[policy] { return policy->clone(); }, kUntrainedPolicy, identity, provenanceOf(policy->info()), warning};
 }
 
 }  // namespace
 
 ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped) {
   if (choice.policy == kExpertPolicy) {
-    return {std::make_unique<ScriptedExpert>(), kExpertPolicy, {{"runs_on", "scripted"}}, ""};
+    return {[] { return std::make_unique<ScriptedExpert>(); },
+            kExpertPolicy,
+            {{"scripted", kExpertPolicy}},
+            {{"runs_on", "scripted"}},
+            ""};
   }
   if (choice.policy == kUntrainedPolicy) {
-    return network(NetworkPolicy::untrained(choice.untrained_seed), kUntrainedPolicy);
+    return untrained(choice.untrained_seed);
   }
   if (choice.policy == kShippedPolicy) {
-    return network(NetworkPolicy::load(shipped), kShippedPolicy);
+    return trained(shipped, kShippedPolicy);
   }
   std::error_code ignored;
   const bool missing = fs::status(choice.policy, ignored).type() == fs::file_type::not_found;
   if (choice.require_policy || choice.policy.empty() || !missing) {
-    return network(NetworkPolicy::load(choice.policy), choice.policy);
+    return trained(choice.policy, choice.policy);
   }
   // The course's guard, the one place where a measurement goes on with something else than was asked for.
-  return network(NetworkPolicy::untrained(choice.untrained_seed), kUntrainedPolicy,
-                 "policy " + choice.policy +
-                     ": there is no such file. Running an UNTRAINED policy instead: success and transfer say nothing "
-                     "until a trained one is named.");
+  return untrained(choice.untrained_seed,
+                   "policy " + choice.policy +
+                       ": there is no such file. Running an UNTRAINED policy instead: success and transfer say nothing "
+                       "until a trained one is named.");
 }
 
 }  // namespace pusht

@@ -19,7 +19,8 @@ struct UnfitForKernel : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A TorchScript module that maps one observation to one action. libtorch gets one thread.
+/// A TorchScript module that maps one observation to one action. libtorch gets one thread of its own for each thread
+/// that asks. Copies share the module, which several threads may run at once.
 class TorchNetwork {
  public:
   /// From the bytes of a checkpoint; `name` is for messages. Throws InvalidInput if they are no TorchScript,

@@ -17,7 +17,8 @@ const std::filesystem::path kShippedFile = std::filesystem::path(PUSHT_POLICIES_
 TEST(ChoosePolicy, KnowsThePoliciesThatHaveAName) {
   for (const char* name : {kShippedPolicy, kExpertPolicy, kUntrainedPolicy}) {
     const ChosenPolicy chosen = choosePolicy({name, true, 0}, kShippedFile);
-    ASSERT_TRUE(chosen.policy) << name;
+    ASSERT_TRUE(chosen.make()) << name;
+    EXPECT_FALSE(chosen.identity.empty());
     EXPECT_EQ(chosen.name, name);
     EXPECT_EQ(chosen.warning, "");
     EXPECT_FALSE(chosen.provenance.at("runs_on").get<std::string>().empty());
@@ -40,8 +41,10 @@ TEST(ChoosePolicy, AMissingFileIsReplacedWithAWarning) {
   const auto observations = testing::observations();
   const ChosenPolicy same = choosePolicy({kUntrainedPolicy, false, 7}, kShippedFile);
   const ChosenPolicy other = choosePolicy({kUntrainedPolicy, false, 8}, kShippedFile);
-  EXPECT_EQ(testing::act(*chosen.policy, observations), testing::act(*same.policy, observations));
-  EXPECT_NE(testing::act(*chosen.policy, observations), testing::act(*other.policy, observations));
+  EXPECT_EQ(testing::act(*chosen.make(), observations), testing::act(*same.make(), observations));
+  EXPECT_NE(testing::act(*chosen.make(), observations), testing::act(*other.make(), observations));
+  EXPECT_EQ(chosen.identity, same.identity);
+  EXPECT_NE(chosen.identity, other.identity);
 }
 
 TEST(ChoosePolicy, AMissingFileIsAnErrorWhereThePolicyIsRequired) {

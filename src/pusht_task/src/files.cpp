@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <random>
 #include <sstream>
 #include <system_error>
 
@@ -33,7 +34,23 @@ bool writeAll(int file, const std::string& content) {
     }
     written += count > 0 ? static_cast<std::size_t>(count) : 0;
   }
-  return ::fsync(file) == 0;
+  return true;
+}
+
+void write(const fs::path& path, const fs::path& aside, const std::string& content, bool to_disk) {
+  constexpr mode_t kMode = 0644;
+  const int file = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode);
+  if (file < 0) {
+    failToWrite(path, errno);
+  }
+  const bool written = writeAll(file, content) && (!to_disk || ::fsync(file) == 0);
+  const int error_number = errno;
+  ::close(file);
+  if (!written) {
+    ::unlink(aside.c_str());
+    failToWrite(path, error_number);
+  }
+  moveIntoPlace(aside, path);
 }
 
 std::string digest(const EVP_MD* algorithm, const std::string& bytes) {
@@ -81,21 +98,10 @@ void moveIntoPlace(const fs::path& aside, const fs::path& path) {
   }
 }
 
-void writeFile(const fs::path& path, const std::string& content) {
-  const fs::path aside = asidePath(path);
-  constexpr mode_t kMode = 0644;
-  const int file = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode);
-  if (file < 0) {
-    failToWrite(path, errno);
-  }
-  const bool written = writeAll(file, content);
-  const int error_number = errno;
-  ::close(file);
-  if (!written) {
-    ::unlink(aside.c_str());
-    failToWrite(path, error_number);
-  }
-  moveIntoPlace(aside, path);
+void writeFile(const fs::path& path, const std::string& content) { write(path, asidePath(path), content, true); }
+
+void writeCacheFile(const fs::path& path, const std::string& content) {
+  write(path, asidePath(path.string() + "." + std::to_string(std::random_device()())), content, false);
 }
 
 std::string sha256(const std::string& bytes) { return digest(EVP_sha256(), bytes); }

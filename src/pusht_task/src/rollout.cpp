@@ -5,28 +5,43 @@
 
 namespace pusht {
 
-Rollout::Rollout(Simulator& world, const WorldState& start, std::unique_ptr<Policy::Memory> memory)
-    : world_(&world), memory_(std::move(memory)) {
+Rollout::Rollout(const WorldState& start, std::unique_ptr<Policy::Memory> memory) : memory_(std::move(memory)) {
   trace_.states.reserve(kHorizon + 1);
   trace_.actions.reserve(kHorizon);
-  world_->reset(start);
-  trace_.states.push_back(world_->state());
+  trace_.states.push_back(start);
 }
 
-void Rollout::advance(const Action& action) {
-  world_->step(action);
+Rollout::Rollout(const Trace& trace) : Rollout(trace.states.front()) {
+  for (std::size_t step = 0; step < trace.steps(); ++step) {
+    record(trace.actions[step], trace.states[step + 1]);
+  }
+}
+
+void Rollout::record(const Action& action, const WorldState& state) {
   trace_.actions.push_back(clip(action));
-  trace_.states.push_back(world_->state());
+  trace_.states.push_back(state);
   latch_.update(error());
 }
 
-void runClosedLoop(Rollout& rollout, Policy& policy, int horizon) {
+Rollout begin(Simulator& world, const WorldState& start, std::unique_ptr<Policy::Memory> memory) {
+  world.reset(start);
+  return Rollout(world.state(), std::move(memory));
+}
+
+void advance(Rollout& rollout, Simulator& world, const Action& action) {
+  world.step(action);
+  rollout.record(action, world.state());
+}
+
+Rollout runClosedLoop(Simulator& world, const WorldState& start, Policy& policy, int horizon) {
+  Rollout rollout = begin(world, start, policy.begin());
   while (!rollout.finished(horizon)) {
     const Policy::Query query = rollout.query();
     Action action{};
     policy.act({&query, 1}, {&action, 1});
-    rollout.advance(action);
+    advance(rollout, world, action);
   }
+  return rollout;
 }
 
 }  // namespace pusht

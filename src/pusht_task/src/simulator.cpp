@@ -8,14 +8,33 @@
 
 namespace pusht {
 
-void Simulator::reset(const WorldState& state) {
+WorldState checkedStart(const WorldState& state) {
   if (!isFinite(state)) {
     throw InvalidInput("reset: every number of a world state must be finite");
   }
-  ready_ = false;
   WorldState wrapped = state;
   wrapped.tee_yaw = wrapAngle(state.tee_yaw);
-  doReset(wrapped);
+  return wrapped;
+}
+
+Action checkedAction(const Action& action) {
+  if (!isFinite(action)) {
+    throw InvalidInput("step: action (" + std::to_string(action[0]) + ", " + std::to_string(action[1]) +
+                       ") must be finite");
+  }
+  return clip(action);
+}
+
+void requireFiniteStep(const WorldState& state) {
+  if (!isFinite(state)) {
+    throw RuntimeFault("step: the simulation left the finite numbers");
+  }
+}
+
+void Simulator::reset(const WorldState& state) {
+  const WorldState start = checkedStart(state);
+  ready_ = false;
+  doReset(start);
   ready_ = true;
 }
 
@@ -23,15 +42,10 @@ void Simulator::step(const Action& action) {
   if (!ready_) {
     throw InvalidInput("step: the world must be reset first");
   }
-  if (!isFinite(action)) {
-    throw InvalidInput("step: action (" + std::to_string(action[0]) + ", " + std::to_string(action[1]) +
-                       ") must be finite");
-  }
+  const Action clipped = checkedAction(action);
   ready_ = false;
-  doStep(clip(action));
-  if (!isFinite(state())) {
-    throw RuntimeFault("step: the simulation left the finite numbers");
-  }
+  doStep(clipped);
+  requireFiniteStep(state());
   ready_ = true;
 }
 

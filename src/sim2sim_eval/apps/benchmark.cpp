@@ -16,6 +16,7 @@
 #include "pusht_task/spawn.hpp"
 #include "sim2sim_eval/command_line.hpp"
 #include "sim2sim_eval/protocol.hpp"
+#include "sim2sim_eval/setup.hpp"
 
 namespace {
 
@@ -39,9 +40,8 @@ std::vector<pusht::Trace> referenceTraces(const sim2sim::Protocol& protocol, con
   pusht::MujocoWorld world(scene);
   std::vector<pusht::Trace> traces;
   for (int episode = 0; episode < protocol.episodes; ++episode) {
-    pusht::Rollout rollout(world, pusht::spawn(protocol.spawnSeed(episode)), policy.begin());
-    pusht::runClosedLoop(rollout, policy, protocol.horizon);
-    traces.push_back(rollout.trace());
+    traces.push_back(
+        pusht::runClosedLoop(world, pusht::spawn(protocol.spawnSeed(episode)), policy, protocol.horizon).trace());
   }
   return traces;
 }
@@ -72,10 +72,7 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
   const auto policy = pusht::NetworkPolicy::load(pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"));
   const std::vector<pusht::Trace> traces = referenceTraces(protocol, scene, *policy);
   const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(&scene->model()), mj_deleteData);
-  const auto make_worlds = [&scene] {
-    return sim2sim::Worlds{std::make_unique<pusht::MujocoWorld>(scene), std::make_unique<pusht::TwoMassEngine>(),
-                           std::make_unique<pusht::TwoMassEngine>()};
-  };
+  const sim2sim::Players players = sim2sim::Setup({}, "").players({});
 
   std::vector<double> bare;
   std::vector<double> whole;
@@ -88,7 +85,7 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
     }));
     whole.push_back(timed([&] {
       sim2sim::runProtocol(
-          protocol, make_worlds, *policy, [](const sim2sim::Episode&) {}, [] { return false; });
+          protocol, players, 1, nullptr, [](const sim2sim::Episode&) {}, [] { return false; });
     }));
     ratios.push_back(whole.back() / bare.back());
   }

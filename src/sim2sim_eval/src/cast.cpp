@@ -67,7 +67,8 @@ void Cast::connectWorlds(const pusht::Parameters& knobs, std::chrono::millisecon
     part.world = world.get();
     worlds.at(mode) = std::move(world);
   }
-  worlds_ = {std::move(worlds[kReferenceClosed]), std::move(worlds[kEngineClosed]), std::move(worlds[kEngineReplay])};
+  worlds_ =
+      worldsOf(std::move(worlds[kReferenceClosed]), std::move(worlds[kEngineClosed]), std::move(worlds[kEngineReplay]));
 }
 
 void Cast::requireThreeWorlds() const {

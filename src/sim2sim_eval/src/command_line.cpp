@@ -74,6 +74,12 @@ void catchInterrupts() {
 
 bool interrupted() { return interrupts_received != 0; }
 
+void warn(const std::string& warning) {
+  if (!warning.empty()) {
+    std::cerr << "WARNING: " << warning << std::endl;
+  }
+}
+
 ProgressBar::ProgressBar(std::string title, int total)
     : title_(std::move(title)),
       total_(total),

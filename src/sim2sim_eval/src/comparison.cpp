@@ -5,35 +5,22 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
-#include <memory>
 #include <optional>
 #include <utility>
 
-#include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/ros/installed_file.hpp"
 #include "pusht_task/ros/served_simulator.hpp"
 #include "sim2sim_eval/command_line.hpp"
 #include "sim2sim_eval/messages.hpp"
-#include "sim2sim_eval/provenance.hpp"
 #include "sim2sim_eval/run.hpp"
 #include "sim2sim_eval/run_bag.hpp"
 #include "sim2sim_eval/run_folder.hpp"
+#include "sim2sim_eval/setup.hpp"
 
 namespace sim2sim {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path scenePath(const CompareOptions& options) {
-  return options.scene.empty() ? pusht::installedFile("pusht_mujoco", "scenes/pusht.xml") : fs::path(options.scene);
-}
-
-void warn(const std::string& warning) {
-  if (!warning.empty()) {
-    std::cerr << "WARNING: " << warning << std::endl;
-  }
-}
 
 /// Writes a run into its bag, one finished episode after the other.
 class Recorder {
@@ -64,28 +51,6 @@ class Recorder {
   RunBag bag_;
 };
 
-/// Runs the episodes of `run` in this process. `recorder` may be null.
-void runEpisodes(Run& run, const std::function<Worlds()>& make_worlds, pusht::Policy& policy, Recorder* recorder) {
-  ProgressBar bar("episodes", run.configuration().protocol.episodes);
-  int reference_successes = 0;
-  int engine_successes = 0;
-  const auto deliver = [&](const Episode& episode) {
-    const EpisodeResult result = episode.result();
-    run.add(result);
-    if (recorder != nullptr) {
-      recorder->record(episode, run);
-    }
-    reference_successes += result.modes[kReferenceClosed].success ? 1 : 0;
-    engine_successes += result.modes[kEngineClosed].success ? 1 : 0;
-    bar.update(static_cast<int>(run.episodes().size()),
-               "success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
-  };
-  runProtocol(run.configuration().protocol, make_worlds, policy, deliver, interrupted);
-  if (!run.whole()) {
-    throw pusht::RuntimeFault("interrupted after " + run.progress());
-  }
-}
-
 }  // namespace
 
 void CompareOptions::declare(CLI::App& app) {
@@ -114,6 +79,7 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option("--out", out, "folder for the results (default: the next free results/compare-N)");
   app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
   app.add_flag("--record", record, "write the run into compare.bag");
+  batch.declare(app);
 }
 
 RunConfiguration CompareOptions::configuration() const {
@@ -121,11 +87,7 @@ RunConfiguration CompareOptions::configuration() const {
   configuration.protocol = smoke ? smokeRun(protocol) : protocol;
   configuration.smoke = smoke;
   configuration.policy = smoke ? pusht::kUntrainedPolicy : policy;
-  configuration.reference = "mujoco";
-  configuration.engine = "two_mass";
-  for (const pusht::two_mass::Knob& knob : pusht::two_mass::kKnobs) {
-    configuration.knobs[knob.name] = knobs.*knob.value;
-  }
+  describeSimulators(configuration, knobs);
   return configuration;
 }
 
@@ -137,27 +99,31 @@ void compare(const CompareOptions& options) {
   configuration.protocol.validate();
   options.knobs.validate();
   RunFolder folder(options.out, options.overwrite);
-  const auto scene = std::make_shared<const pusht::MujocoScene>(scenePath(options));
-  const pusht::ChosenPolicy chosen =
-      pusht::choosePolicy({configuration.policy, options.require_policy, configuration.protocol.seed},
-                          pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"));
-  warn(chosen.warning);
-  configuration.policy = chosen.name;
-  const auto make_worlds = [&] {
-    return Worlds{std::make_unique<pusht::MujocoWorld>(scene), std::make_unique<pusht::TwoMassEngine>(options.knobs),
-                  std::make_unique<pusht::TwoMassEngine>(options.knobs)};
-  };
+  const Setup setup({configuration.policy, options.require_policy, configuration.protocol.seed}, options.scene);
+  configuration.policy = setup.policyName();
+  const auto references = options.batch.references(setup, configuration.protocol.horizon);
 
-  const nlohmann::ordered_json origin = provenance(
-      configuration, chosen.provenance, {{"scene", {{"file", scene->path().string()}, {"sha256", scene->sha256()}}}},
-      nlohmann::json::object());
+  const nlohmann::ordered_json origin = setup.provenance(configuration);
   Run run(configuration, folder, origin);
   try {
     std::optional<Recorder> recorder;
     if (options.record) {
       recorder.emplace(folder.bagPath(), origin);
     }
-    runEpisodes(run, make_worlds, *chosen.policy, recorder ? &*recorder : nullptr);
+    ProgressBar bar("episodes", configuration.protocol.episodes);
+    int reference_successes = 0;
+    int engine_successes = 0;
+    const auto report = [&](const Episode& episode) {
+      if (recorder) {
+        recorder->record(episode, run);
+      }
+      reference_successes += episode.rollout(kReferenceClosed).success() ? 1 : 0;
+      engine_successes += episode.rollout(kEngineClosed).success() ? 1 : 0;
+      bar.update(static_cast<int>(run.episodes().size()),
+                 "success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
+    };
+    runEpisodes(run, setup.players(options.knobs), options.batch.threadCount(), references ? &*references : nullptr,
+                report);
     if (recorder) {
       recorder->finish();
     }

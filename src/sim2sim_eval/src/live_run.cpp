@@ -17,14 +17,15 @@ EpisodeResult runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer&
                          const std::function<bool()>& stop) {
   cast.announce(index, protocol.horizon);
   cast.stamps().advance();
-  Episode episode(protocol, index, cast.worlds(), cast.policy());
+  Flight flight(protocol, cast.worlds(), cast.policy());
+  const Episode& episode = flight.begin(index);
   observer.onStep(episode, cast.stamps().now());
   while (!episode.finished()) {
     if (!pacer.wait(stop)) {
       throw interruptedIn(index);
     }
     cast.stamps().advance();
-    episode.advance(cast.policy());
+    flight.advance();
     observer.onStep(episode, cast.stamps().now());
   }
   return episode.result();

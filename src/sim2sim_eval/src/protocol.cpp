@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/protocol.hpp"
 
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
+#include <atomic>
 #include <limits>
+#include <mutex>
 #include <string>
 #include <utility>
 
@@ -45,12 +51,6 @@ auto located(int episode, std::uint64_t seed, Mode mode, int step, const Functio
   }
 }
 
-/// An episode and the worlds it runs in, for one episode after the other.
-struct Slot {
-  Worlds worlds;
-  std::optional<Episode> episode;
-};
-
 }  // namespace
 
 const char* modeName(Mode mode) {
@@ -79,20 +79,15 @@ Protocol smokeRun(Protocol protocol) {
   return protocol;
 }
 
-Episode::Episode(const Protocol& protocol, int index, const Worlds& worlds, const pusht::Policy& policy)
-    : index_(index),
-      seed_(protocol.spawnSeed(index)),
-      horizon_(protocol.horizon),
-      rollouts_{begin(kReferenceClosed, *worlds.reference, policy.begin()),
-                begin(kEngineClosed, *worlds.engine, policy.begin()), begin(kEngineReplay, *worlds.replay, nullptr)} {}
-
-pusht::Rollout Episode::begin(Mode mode, pusht::Simulator& world, std::unique_ptr<pusht::Policy::Memory> memory) const {
-  return located(index_, seed_, mode, 0, [&] { return pusht::Rollout(world, pusht::spawn(seed_), std::move(memory)); });
+Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pusht::Simulator> engine,
+                std::unique_ptr<pusht::Simulator> replay) {
+  return {std::make_unique<pusht::SimulatorLanes>(std::move(reference)),
+          std::make_unique<pusht::SimulatorLanes>(std::move(engine)),
+          std::make_unique<pusht::SimulatorLanes>(std::move(replay))};
 }
 
-bool Episode::loopGoesOn(Mode mode) const { return !rollouts_[mode].finished(horizon_); }
-
-bool Episode::replayGoesOn() const { return rollouts_[kEngineReplay].steps() < rollouts_[kReferenceClosed].steps(); }
+Episode::Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts)
+    : index_(index), seed_(protocol.spawnSeed(index)), horizon_(protocol.horizon), rollouts_(std::move(rollouts)) {}
 
 int Episode::steps() const {
   return std::max_element(rollouts_.begin(), rollouts_.end(),
@@ -100,44 +95,17 @@ int Episode::steps() const {
       ->steps();
 }
 
+bool Episode::goesOn(Mode mode) const {
+  return mode == kEngineReplay ? rollouts_[kEngineReplay].steps() < rollouts_[kReferenceClosed].steps()
+                               : !rollouts_[mode].finished(horizon_);
+}
+
 bool Episode::finished() const {
-  return !loopGoesOn(kReferenceClosed) && !loopGoesOn(kEngineClosed) && !replayGoesOn();
+  return std::none_of(kModes.begin(), kModes.end(), [this](Mode mode) { return goesOn(mode); });
 }
 
-void Episode::appendQueries(std::vector<pusht::Policy::Query>& queries) const {
-  for (const Mode mode : {kReferenceClosed, kEngineClosed}) {
-    if (loopGoesOn(mode)) {
-      queries.push_back(rollouts_[mode].query());
-    }
-  }
-}
-
-void Episode::advance(const std::vector<pusht::Action>& actions, std::size_t& next) {
-  for (const Mode mode : {kReferenceClosed, kEngineClosed}) {
-    if (loopGoesOn(mode)) {
-      advance(mode, actions.at(next++));
-    }
-  }
-  if (replayGoesOn()) {
-    const auto step = static_cast<std::size_t>(rollouts_[kEngineReplay].steps());
-    advance(kEngineReplay, rollouts_[kReferenceClosed].trace().actions[step]);
-  }
-}
-
-void Episode::advance(Mode mode, const pusht::Action& action) {
-  located(index_, seed_, mode, rollouts_[mode].steps(), [&] {
-    requireFinite(action);
-    rollouts_[mode].advance(action);
-  });
-}
-
-void Episode::advance(pusht::Policy& policy) {
-  std::vector<pusht::Policy::Query> queries;
-  appendQueries(queries);
-  std::vector<pusht::Action> actions(queries.size());
-  policy.act(queries, actions);
-  std::size_t next = 0;
-  advance(actions, next);
+const pusht::Action& Episode::nextReplayed() const {
+  return rollouts_[kReferenceClosed].trace().actions.at(rollouts_[kEngineReplay].trace().steps());
 }
 
 EpisodeResult Episode::result() const {
@@ -153,51 +121,165 @@ EpisodeResult Episode::result() const {
   return result;
 }
 
-void runProtocol(const Protocol& protocol, const std::function<Worlds()>& make_worlds, pusht::Policy& policy,
+Flight::Flight(const Protocol& protocol, const Worlds& worlds, pusht::Policy& policy)
+    : protocol_(protocol), worlds_(worlds), policy_(policy), episodes_(worlds[kEngineClosed]->lanes()) {}
+
+bool Flight::full() const {
+  return std::all_of(episodes_.begin(), episodes_.end(), [](const auto& episode) { return episode.has_value(); });
+}
+
+bool Flight::empty() const {
+  return std::none_of(episodes_.begin(), episodes_.end(), [](const auto& episode) { return episode.has_value(); });
+}
+
+const Episode& Flight::begin(int index, const pusht::Trace* reference) {
+  const auto free = std::find(episodes_.begin(), episodes_.end(), std::nullopt);
+  const auto lane = static_cast<std::size_t>(free - episodes_.begin());
+  pusht::Rollout rolled_out =
+      reference != nullptr ? pusht::Rollout(*reference) : start(kReferenceClosed, lane, index, policy_.begin());
+  pusht::Rollout engine = start(kEngineClosed, lane, index, policy_.begin());
+  pusht::Rollout replay = start(kEngineReplay, lane, index, nullptr);
+  return episodes_.at(lane).emplace(
+      protocol_, index,
+      std::array<pusht::Rollout, kModeCount>{std::move(rolled_out), std::move(engine), std::move(replay)});
+}
+
+pusht::Rollout Flight::start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory) {
+  const std::uint64_t seed = protocol_.spawnSeed(index);
+  return located(index, seed, mode, 0, [&] {
+    pusht::BatchSimulator& world = *worlds_[mode];
+    world.reset(static_cast<int>(lane), pusht::spawn(seed));
+    return pusht::Rollout(world.state(static_cast<int>(lane)), std::move(memory));
+  });
+}
+
+void Flight::advance() {
+  askPolicy();
+  std::size_t next_answer = 0;
+  for (const Mode mode : kModes) {  // the replay follows the reference
+    advance(mode, next_answer);
+  }
+}
+
+void Flight::askPolicy() {
+  queries_.clear();
+  for (const Mode mode : {kReferenceClosed, kEngineClosed}) {
+    for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
+      if (steps(mode, lane)) {
+        queries_.push_back(episodes_[lane]->rollout(mode).query());
+      }
+    }
+  }
+  answers_.resize(queries_.size());
+  if (!queries_.empty()) {
+    policy_.act(queries_, answers_);
+  }
+}
+
+void Flight::advance(Mode mode, std::size_t& next_answer) {
+  actions_.assign(episodes_.size(), std::nullopt);
+  bool any = false;
+  for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
+    if (!steps(mode, lane)) {
+      continue;
+    }
+    const Episode& episode = *episodes_[lane];
+    const pusht::Action& action = mode == kEngineReplay ? episode.nextReplayed() : answers_.at(next_answer++);
+    located(episode.index(), episode.seed(), mode, episode.rollout(mode).steps(), [&] { requireFinite(action); });
+    actions_[lane] = action;
+    any = true;
+  }
+  if (!any) {
+    return;
+  }
+  worlds_[mode]->step(actions_);
+  for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
+    if (actions_[lane]) {
+      Episode& episode = *episodes_[lane];
+      located(episode.index(), episode.seed(), mode, episode.rollout(mode).steps(),
+              [&] { episode.record(mode, *actions_[lane], worlds_[mode]->state(static_cast<int>(lane))); });
+    }
+  }
+}
+
+std::vector<Episode> Flight::land() {
+  std::vector<Episode> landed;
+  for (std::optional<Episode>& episode : episodes_) {
+    if (episode && episode->finished()) {
+      landed.push_back(std::move(*episode));
+      episode.reset();
+    }
+  }
+  return landed;
+}
+
+Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy) {
+  Flight flight(protocol, worlds, policy);
+  flight.begin(index);
+  std::vector<Episode> landed = flight.land();
+  while (landed.empty()) {
+    flight.advance();
+    landed = flight.land();
+  }
+  return std::move(landed.front());
+}
+
+void runProtocol(const Protocol& protocol, const Players& players, int threads, const ReferenceCache* references,
                  const std::function<void(const Episode&)>& deliver, const std::function<bool()>& stop) {
   protocol.validate();
-  std::vector<Slot> slots(static_cast<std::size_t>(std::min(kEpisodesInFlight, protocol.episodes)));
-  for (Slot& slot : slots) {
-    slot.worlds = make_worlds();
-  }
-  int next_episode = protocol.first_episode;
-  std::vector<pusht::Policy::Query> queries;
-  std::vector<pusht::Action> actions;
-  while (!stop()) {
-    // Fill the empty slots.
-    for (Slot& slot : slots) {
-      if (!slot.episode && next_episode <= protocol.lastEpisode()) {
-        slot.episode.emplace(protocol, next_episode++, slot.worlds, policy);
-      }
-    }
+  const int in_flight = std::min(kEpisodesInFlight, protocol.episodes);
+  std::atomic<int> next_episode = protocol.first_episode;
+  std::atomic<bool> failed = false;
+  std::mutex delivery;
 
-    // Ask the policy once for all rollouts.
-    queries.clear();
-    for (const Slot& slot : slots) {
-      if (slot.episode) {
-        slot.episode->appendQueries(queries);
-      }
+  const auto begin = [&](Flight& flight, int index) {
+    const auto recalled = references != nullptr ? references->find(protocol.spawnSeed(index)) : std::nullopt;
+    flight.begin(index, recalled ? &*recalled : nullptr);
+  };
+  const auto finish = [&](const Episode& episode) {
+    if (references != nullptr) {
+      references->keep(episode.seed(), episode.rollout(kReferenceClosed).trace());
     }
-    actions.resize(queries.size());
-    policy.act(queries, actions);
-
-    // One control step of every episode.
-    std::size_t next_action = 0;
-    bool any_left = next_episode <= protocol.lastEpisode();
-    for (Slot& slot : slots) {
-      if (slot.episode) {
-        slot.episode->advance(actions, next_action);
-        if (slot.episode->finished()) {
-          deliver(*slot.episode);
-          slot.episode.reset();
+    const std::lock_guard<std::mutex> one_at_a_time(delivery);
+    deliver(episode);
+  };
+  const auto work = [&] {
+    const Worlds worlds = players.make_worlds(in_flight);
+    const auto policy = players.make_policy();
+    Flight flight(protocol, worlds, *policy);
+    while (!stop() && !failed) {
+      while (!flight.full() && next_episode <= protocol.lastEpisode()) {
+        if (const int index = next_episode++; index <= protocol.lastEpisode()) {
+          begin(flight, index);
         }
-        any_left = any_left || slot.episode;
+      }
+      if (flight.empty()) {
+        return;
+      }
+      flight.advance();
+      for (const Episode& episode : flight.land()) {
+        finish(episode);
       }
     }
-    if (!any_left) {
-      return;
-    }
+  };
+
+  if (threads == 1) {
+    return work();
   }
+  const tbb::global_control as_many_as_asked(tbb::global_control::max_allowed_parallelism, threads);
+  tbb::task_arena(threads).execute([&] {
+    tbb::parallel_for(
+        0, threads,
+        [&](int) {
+          try {
+            work();
+          } catch (...) {
+            failed = true;  // ends the other threads
+            throw;
+          }
+        },
+        tbb::simple_partitioner());
+  });
 }
 
 }  // namespace sim2sim

@@ -2,10 +2,17 @@
 #include "sim2sim_eval/provenance.hpp"
 
 #include <gnu/libc-version.h>
+#include <link.h>
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Core>
+#include <array>
+#include <cstring>
+#include <filesystem>
 #include <string>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
 
 namespace sim2sim {
 namespace {
@@ -32,6 +39,26 @@ nlohmann::json cpuFeatures() {
   return features;
 }
 
+/// glibc chooses other code for sin, cos, atan2 and others then, which rounds otherwise.
+bool libmUsesFma() {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("fma") != 0 && __builtin_cpu_supports("avx2") != 0;
+#else
+  return true;
+#endif
+}
+
+/// Calls function(path) for every library that is loaded.
+template <class Function>
+void forEachLibrary(Function function) {
+  dl_iterate_phdr(
+      [](dl_phdr_info* info, std::size_t /*size*/, void* data) {
+        (*static_cast<Function*>(data))(std::filesystem::path(info->dlpi_name));
+        return 0;
+      },
+      &function);
+}
+
 }  // namespace
 
 nlohmann::ordered_json provenance(const RunConfiguration& configuration, const nlohmann::json& policy,
@@ -51,6 +78,24 @@ nlohmann::json buildAndMachine() {
           {"eigen", eigenVersion()},
           {"libc", std::string("glibc ") + gnu_get_libc_version()},
           {"cpu_features", cpuFeatures()}};
+}
+
+nlohmann::json codeFingerprint() {
+  constexpr std::array<const char*, 6> kComputing = {"libm.so",          "libmujoco.so",       "libpusht_mujoco.so",
+                                                     "libpusht_task.so", "libpusht_policy.so", "libsim2sim_eval.so"};
+  nlohmann::json fingerprint = {{"libm_uses_fma", libmUsesFma()}};
+  forEachLibrary([&](const std::filesystem::path& path) {
+    const std::string name = path.filename();
+    for (const char* computing : kComputing) {
+      if (name.compare(0, std::strlen(computing), computing) == 0) {
+        fingerprint[computing] = pusht::sha256(pusht::readFile(path, "library"));
+      }
+    }
+  });
+  if (fingerprint.size() != kComputing.size() + 1) {
+    throw pusht::InternalError("the libraries that compute a rollout are not all loaded: " + fingerprint.dump());
+  }
+  return fingerprint;
 }
 
 }  // namespace sim2sim

@@ -234,14 +234,11 @@ void RecordedWorld::doStep(const pusht::Action& action) {
 }
 
 EpisodeResult replay(const Protocol& protocol, int index, const RecordedEpisode& record) {
-  const Worlds worlds = {std::make_unique<RecordedWorld>(record[kReferenceClosed]),
-                         std::make_unique<RecordedWorld>(record[kEngineClosed]),
-                         std::make_unique<RecordedWorld>(record[kEngineReplay])};
+  const Worlds worlds = worldsOf(std::make_unique<RecordedWorld>(record[kReferenceClosed]),
+                                 std::make_unique<RecordedWorld>(record[kEngineClosed]),
+                                 std::make_unique<RecordedWorld>(record[kEngineReplay]));
   RecordedPolicy policy(record);
-  Episode episode(protocol, index, worlds, policy);
-  while (!episode.finished()) {
-    episode.advance(policy);
-  }
+  const Episode episode = runEpisode(protocol, index, worlds, policy);
   for (const Mode mode : kModes) {
     if (episode.rollout(mode).trace().steps() != record.at(mode).steps()) {
       throw pusht::BadDependency("episode " + std::to_string(index) + ", " + modeName(mode) + ": " +

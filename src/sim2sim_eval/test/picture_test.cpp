@@ -71,13 +71,15 @@ class IdlePolicy : public pusht::Policy {
 class DriftingEpisode {
  public:
   DriftingEpisode(const Eigen::Vector2d& start, double replay_speed, double replay_yaw_rate)
-      : worlds_{std::make_unique<DriftingWorld>(start, 0.0, 0.0), std::make_unique<DriftingWorld>(start, -0.02, 0.1),
-                std::make_unique<DriftingWorld>(start, replay_speed, replay_yaw_rate)},
-        episode_(Protocol(), 7, worlds_, policy_) {}
+      : worlds_(worldsOf(std::make_unique<DriftingWorld>(start, 0.0, 0.0),
+                         std::make_unique<DriftingWorld>(start, -0.02, 0.1),
+                         std::make_unique<DriftingWorld>(start, replay_speed, replay_yaw_rate))),
+        flight_(protocol_, worlds_, policy_),
+        episode_(flight_.begin(7)) {}
 
   void advance(int steps) {
     for (int k = 0; k < steps; ++k) {
-      episode_.advance(policy_);
+      flight_.advance();
     }
   }
 
@@ -87,8 +89,10 @@ class DriftingEpisode {
 
  private:
   IdlePolicy policy_;
+  Protocol protocol_;
   Worlds worlds_;
-  Episode episode_;
+  Flight flight_;
+  const Episode& episode_;
 };
 
 const Eigen::Vector2d kAway(0.2, 0.1);

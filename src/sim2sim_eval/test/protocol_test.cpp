@@ -5,11 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pusht_engine/two_mass_engine.hpp"
@@ -17,6 +20,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
+#include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_eval/report.hpp"
 
 namespace sim2sim {
@@ -44,28 +48,63 @@ class LedWorld : public pusht::Simulator {
   pusht::WorldState state_;
 };
 
-/// Answers every query with the same action, and counts how many rows it was asked at once.
+/// Answers every query with the same action, and notes how many rows it was asked at once.
 class ConstantPolicy : public pusht::Policy {
  public:
-  explicit ConstantPolicy(pusht::Action action) : action_(action) {}
+  explicit ConstantPolicy(pusht::Action action, std::size_t* largest_batch = nullptr)
+      : action_(action), largest_batch_(largest_batch) {}
   void act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) override {
-    largest_batch = std::max(largest_batch, queries.size());
+    if (largest_batch_ != nullptr) {
+      *largest_batch_ = std::max(*largest_batch_, queries.size());
+    }
     std::fill(actions.begin(), actions.end(), action_);
   }
-  std::size_t largest_batch = 0;
 
  private:
   pusht::Action action_;
+  std::size_t* largest_batch_;
 };
+
+std::unique_ptr<pusht::Policy> idlePolicy() { return std::make_unique<ConstantPolicy>(pusht::Action{0.0F, 0.0F}); }
+std::unique_ptr<pusht::Policy> expert() { return std::make_unique<pusht::ScriptedExpert>(); }
+
+/// Lanes that are worlds of their own.
+std::unique_ptr<pusht::BatchSimulator> lanesOf(int count,
+                                               const std::function<std::unique_ptr<pusht::Simulator>()>& make) {
+  std::vector<std::unique_ptr<pusht::Simulator>> worlds(count);
+  std::generate(worlds.begin(), worlds.end(), make);
+  return std::make_unique<pusht::SimulatorLanes>(std::move(worlds));
+}
+
+std::function<Worlds(int)> ledWorlds(double reference_speed, double engine_speed) {
+  return [=](int lanes) {
+    const auto led = [lanes](double speed) {
+      return lanesOf(lanes, [=] { return std::make_unique<LedWorld>(speed); });
+    };
+    return Worlds{led(reference_speed), led(engine_speed), led(engine_speed)};
+  };
+}
+
+pusht::TwoMassParameters draggy() {
+  pusht::TwoMassParameters knobs;
+  knobs.block_damp = 20.0;
+  return knobs;
+}
+
+/// The engine against itself with other knobs.
+Worlds enginePairs(int lanes) {
+  return {std::make_unique<pusht::TwoMassLanes>(lanes, draggy()), std::make_unique<pusht::TwoMassLanes>(lanes),
+          std::make_unique<pusht::TwoMassLanes>(lanes)};
+}
 
 const std::function<bool()> kNeverStop = [] { return false; };
 
-std::vector<EpisodeResult> run(const Protocol& protocol, const std::function<Worlds()>& make_worlds,
-                               pusht::Policy& policy) {
+std::vector<EpisodeResult> run(const Protocol& protocol, const Players& players, int threads = 1,
+                               const ReferenceCache* references = nullptr) {
   std::vector<EpisodeResult> episodes(static_cast<std::size_t>(protocol.episodes));
   int delivered = 0;
   runProtocol(
-      protocol, make_worlds, policy,
+      protocol, players, threads, references,
       [&](const Episode& episode) {
         episodes.at(static_cast<std::size_t>(episode.index() - protocol.first_episode)) = episode.result();
         ++delivered;
@@ -73,18 +112,6 @@ std::vector<EpisodeResult> run(const Protocol& protocol, const std::function<Wor
       kNeverStop);
   EXPECT_EQ(delivered, protocol.episodes);
   return episodes;
-}
-
-Worlds ledWorlds(double reference_speed, double engine_speed) {
-  return {std::make_unique<LedWorld>(reference_speed), std::make_unique<LedWorld>(engine_speed),
-          std::make_unique<LedWorld>(engine_speed)};
-}
-
-Worlds enginePairs() {
-  pusht::TwoMassParameters draggy;
-  draggy.block_damp = 20.0;
-  return {std::make_unique<pusht::TwoMassEngine>(draggy), std::make_unique<pusht::TwoMassEngine>(),
-          std::make_unique<pusht::TwoMassEngine>()};
 }
 
 /// Steps until the tee, led at `speed` from `distance`, has been in tolerance for five control steps.
@@ -96,9 +123,7 @@ int stepsToSuccess(double distance, double speed) {
 TEST(Protocol, EndsAtSuccessOrAtTheHorizon) {
   Protocol protocol;
   protocol.episodes = 20;
-  ConstantPolicy policy({0.0F, 0.0F});
-  for (const EpisodeResult& episode : run(
-           protocol, [] { return ledWorlds(0.05, 0.001); }, policy)) {
+  for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.05, 0.001), idlePolicy})) {
     const double distance = pusht::spawn(episode.seed).tee_position.norm();
     const RolloutResult& reference = episode.modes[kReferenceClosed];
     EXPECT_TRUE(reference.success);
@@ -114,9 +139,7 @@ TEST(Protocol, DivergenceIsTheMeanOverCommonStepsStartIncluded) {
   Protocol protocol;
   protocol.episodes = 3;
   protocol.horizon = 10;
-  ConstantPolicy policy({0.0F, 0.0F});
-  for (const EpisodeResult& episode : run(
-           protocol, [] { return ledWorlds(0.04, 0.01); }, policy)) {
+  for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.04, 0.01), idlePolicy})) {
     const auto& divergence = episode.modes[kEngineReplay].mean_divergence;
     ASSERT_TRUE(divergence);
     const double mean_step = (0.0 + 10.0) / 2.0;  // over steps 0 to 10
@@ -130,9 +153,7 @@ TEST(Protocol, HeldOutSeeds) {
   Protocol protocol;
   protocol.seed = 7;
   protocol.episodes = 3;
-  ConstantPolicy policy({0.0F, 0.0F});
-  const auto episodes = run(
-      protocol, [] { return ledWorlds(0.1, 0.1); }, policy);
+  const auto episodes = run(protocol, {ledWorlds(0.1, 0.1), idlePolicy});
   EXPECT_EQ(episodes[0].seed, 10007U);
   EXPECT_EQ(episodes[2].seed, 10009U);
 }
@@ -142,13 +163,12 @@ TEST(Protocol, PartsOfARunAreTheRun) {
   Protocol protocol;
   protocol.seed = 7;
   protocol.episodes = 10;
-  pusht::ScriptedExpert expert;
-  const auto whole = run(protocol, enginePairs, expert);
+  const auto whole = run(protocol, {enginePairs, expert});
   protocol.episodes = 4;
-  auto parts = run(protocol, enginePairs, expert);
+  auto parts = run(protocol, {enginePairs, expert});
   protocol.first_episode = 4;
   protocol.episodes = 6;
-  const auto rest = run(protocol, enginePairs, expert);
+  const auto rest = run(protocol, {enginePairs, expert});
   parts.insert(parts.end(), rest.begin(), rest.end());
   EXPECT_EQ(episodesCsv(parts), episodesCsv(whole));
 }
@@ -157,12 +177,11 @@ TEST(Protocol, PartsOfARunAreTheRun) {
 TEST(Protocol, ReplayInTheSameSimulatorDoesNotDiverge) {
   Protocol protocol;
   protocol.episodes = 10;
-  pusht::ScriptedExpert expert;
-  const auto make_worlds = [] {
-    return Worlds{std::make_unique<pusht::TwoMassEngine>(), std::make_unique<pusht::TwoMassEngine>(),
-                  std::make_unique<pusht::TwoMassEngine>()};
+  const auto make_worlds = [](int lanes) {
+    return Worlds{std::make_unique<pusht::TwoMassLanes>(lanes), std::make_unique<pusht::TwoMassLanes>(lanes),
+                  std::make_unique<pusht::TwoMassLanes>(lanes)};
   };
-  for (const EpisodeResult& episode : run(protocol, make_worlds, expert)) {
+  for (const EpisodeResult& episode : run(protocol, {make_worlds, expert})) {
     EXPECT_EQ(episode.modes[kEngineReplay].mean_divergence->position, 0.0);
     EXPECT_EQ(episode.modes[kEngineReplay].mean_divergence->angle, 0.0);
     EXPECT_EQ(episode.modes[kEngineClosed].steps, episode.modes[kReferenceClosed].steps);
@@ -174,57 +193,102 @@ TEST(Protocol, ReplayInTheSameSimulatorDoesNotDiverge) {
 TEST(Protocol, EpisodesInFlightDoNotDisturbEachOther) {
   Protocol protocol;
   protocol.episodes = 2 * kEpisodesInFlight + 3;
-  pusht::ScriptedExpert expert;
-  const auto episodes = run(protocol, enginePairs, expert);
-  for (const EpisodeResult& episode : episodes) {
-    const Worlds worlds = enginePairs();
-    pusht::Rollout reference(*worlds.reference, pusht::spawn(episode.seed), expert.begin());
-    pusht::runClosedLoop(reference, expert, protocol.horizon);
-    EXPECT_EQ(episode.modes[kReferenceClosed].steps, reference.steps());
-    EXPECT_EQ(episode.modes[kReferenceClosed].success, reference.success());
-    EXPECT_EQ(episode.modes[kReferenceClosed].final_error.position, reference.error().position);
-    pusht::Rollout replay(*worlds.replay, pusht::spawn(episode.seed));
-    for (const pusht::Action& action : reference.trace().actions) {
-      replay.advance(action);
+  for (const EpisodeResult& episode : run(protocol, {enginePairs, expert})) {
+    const pusht::WorldState start = pusht::spawn(episode.seed);
+    pusht::TwoMassEngine reference(draggy());
+    pusht::TwoMassEngine engine;
+    const pusht::Rollout expected = pusht::runClosedLoop(reference, start, *expert(), protocol.horizon);
+    EXPECT_EQ(episode.modes[kReferenceClosed].steps, expected.steps());
+    EXPECT_EQ(episode.modes[kReferenceClosed].success, expected.success());
+    EXPECT_EQ(episode.modes[kReferenceClosed].final_error.position, expected.error().position);
+    pusht::Rollout replay = pusht::begin(engine, start);
+    for (const pusht::Action& action : expected.trace().actions) {
+      pusht::advance(replay, engine, action);
     }
     EXPECT_EQ(episode.modes[kEngineReplay].mean_divergence->position,
-              meanDivergence(reference.trace(), replay.trace()).position);
+              meanDivergence(expected.trace(), replay.trace()).position);
   }
+}
+
+TEST(Protocol, ResultsDoNotDependOnTheNumberOfThreads) {
+  Protocol protocol;
+  protocol.episodes = 37;
+  const std::string alone = episodesCsv(run(protocol, {enginePairs, expert}));
+  for (const int threads : {2, 3, 4, 16}) {
+    EXPECT_EQ(episodesCsv(run(protocol, {enginePairs, expert}, threads)), alone) << threads << " threads";
+  }
+}
+
+/// All threads take part, however few cores there are: each brings a policy of its own.
+TEST(Protocol, EveryThreadHasItsOwnPlayers) {
+  Protocol protocol;
+  protocol.episodes = 400;
+  std::atomic<int> policies = 0;
+  const auto make_policy = [&] {
+    ++policies;
+    return expert();
+  };
+  run(protocol, {enginePairs, make_policy}, 4);
+  EXPECT_EQ(policies, 4);
 }
 
 TEST(Protocol, AsksThePolicyForManyRolloutsAtOnce) {
   Protocol protocol;
   protocol.episodes = 3 * kEpisodesInFlight;
-  ConstantPolicy policy({0.0F, 0.0F});
-  run(
-      protocol, [] { return ledWorlds(0.05, 0.05); }, policy);
-  EXPECT_EQ(policy.largest_batch, 2U * kEpisodesInFlight);
+  std::size_t largest_batch = 0;
+  const auto make_policy = [&] { return std::make_unique<ConstantPolicy>(pusht::Action{0.0F, 0.0F}, &largest_batch); };
+  run(protocol, {ledWorlds(0.05, 0.05), make_policy});
+  EXPECT_EQ(largest_batch, 2U * kEpisodesInFlight);
 }
 
 TEST(Protocol, StopsWhenAsked) {
-  Protocol protocol;
-  protocol.episodes = 1000;
-  ConstantPolicy policy({0.0F, 0.0F});
-  int delivered = 0;
-  runProtocol(
-      protocol, [] { return ledWorlds(0.05, 0.05); }, policy, [&](const Episode&) { ++delivered; },
-      [&] { return delivered >= 5; });
-  EXPECT_GE(delivered, 5);
-  EXPECT_LT(delivered, 5 + kEpisodesInFlight);
+  for (const int threads : {1, 3}) {
+    Protocol protocol;
+    protocol.episodes = 1000;
+    std::atomic<int> delivered = 0;
+    runProtocol(
+        protocol, {ledWorlds(0.05, 0.05), idlePolicy}, threads, nullptr, [&](const Episode&) { ++delivered; },
+        [&] { return delivered >= 5; });
+    EXPECT_GE(delivered, 5);
+    EXPECT_LT(delivered, 5 + threads * kEpisodesInFlight);
+  }
 }
 
 /// F7: never data, and the message says where.
 TEST(Protocol, AnActionThatIsNotFiniteFailsTheEpisodeByName) {
   Protocol protocol;
   protocol.episodes = 1;
-  ConstantPolicy policy({std::numeric_limits<float>::quiet_NaN(), 0.0F});
-  try {
-    run(
-        protocol, [] { return ledWorlds(0.05, 0.05); }, policy);
-    FAIL();
-  } catch (const pusht::Error& error) {
-    EXPECT_EQ(error.exitCode(), pusht::ExitCode::kBadDependency);
-    EXPECT_THAT(error.what(), HasSubstr("episode 0 (spawn seed 10000), reference_closed, step 0: the policy's action"));
+  const auto make_policy = [] {
+    return std::make_unique<ConstantPolicy>(pusht::Action{std::numeric_limits<float>::quiet_NaN(), 0.0F});
+  };
+  for (const int threads : {1, 2}) {
+    try {
+      run(protocol, {ledWorlds(0.05, 0.05), make_policy}, threads);
+      FAIL();
+    } catch (const pusht::Error& error) {
+      EXPECT_EQ(error.exitCode(), pusht::ExitCode::kBadDependency);
+      EXPECT_THAT(error.what(),
+                  HasSubstr("episode 0 (spawn seed 10000), reference_closed, step 0: the policy's action"));
+    }
+  }
+}
+
+/// The reference of a second run is read, not rolled out, and the results are the same.
+TEST(Protocol, TheReferenceIsRolledOutOnce) {
+  const pusht::testing::TemporaryFolder folder;
+  const ReferenceCache references(folder.path(), {{"reference", "draggy"}});
+  Protocol protocol;
+  protocol.episodes = 20;
+  const std::string without = episodesCsv(run(protocol, {enginePairs, expert}));
+  EXPECT_EQ(episodesCsv(run(protocol, {enginePairs, expert}, 2, &references)), without);
+
+  const auto no_reference = [](int lanes) {
+    Worlds worlds = enginePairs(lanes);
+    worlds[kReferenceClosed] = nullptr;
+    return worlds;
+  };
+  for (const int threads : {1, 2}) {
+    EXPECT_EQ(episodesCsv(run(protocol, {no_reference, expert}, threads, &references)), without);
   }
 }
 

@@ -44,8 +44,8 @@ class Play {
     configuration_.knobs = {{"pusher_mass", 4.0}, {"block_damp", 6.0}, {"baumgarte", 40.0}};
     pusht::TwoMassParameters draggy;
     draggy.block_damp = 60.0;
-    worlds_ = {std::make_unique<pusht::TwoMassEngine>(draggy), std::make_unique<pusht::TwoMassEngine>(),
-               std::make_unique<pusht::TwoMassEngine>()};
+    worlds_ = worldsOf(std::make_unique<pusht::TwoMassEngine>(draggy), std::make_unique<pusht::TwoMassEngine>(),
+                       std::make_unique<pusht::TwoMassEngine>());
   }
 
   const RunConfiguration& configuration() const { return configuration_; }
@@ -53,15 +53,7 @@ class Play {
     return provenance(configuration_, {{"runs_on", "scripted"}}, {{"scene", "none"}}, nlohmann::json::object());
   }
 
-  Episode begin(int index) { return Episode(configuration_.protocol, index, worlds_, expert_); }
-
-  Episode run(int index) {
-    Episode episode = begin(index);
-    while (!episode.finished()) {
-      episode.advance(expert_);
-    }
-    return episode;
-  }
+  Episode run(int index) { return runEpisode(configuration_.protocol, index, worlds_, expert_); }
 
  private:
   RunConfiguration configuration_;

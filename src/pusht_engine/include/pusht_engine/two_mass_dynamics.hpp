@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The physics of the two-mass engine, one function a law. Units are SI, vectors in table axes.
+/// The physics of the two-mass engine, one function a law, for one world or many. Units are SI, vectors in table axes.
 /// Source: chapters 3.3 to 3.6 of the zero2robot course; the order of operations is theirs.
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <cstddef>
+
+#include "pusht_engine/lanes.hpp"
+#include "pusht_task/constants.hpp"
+#include "pusht_task/types.hpp"
 
 namespace pusht::two_mass {
 
@@ -19,44 +24,159 @@ constexpr double kCoincident = 1.0e-12;    ///< [m] discs closer than this have 
 constexpr int kContactSweeps = 10;         ///< Gauss-Seidel sweeps
 
 enum Body : std::size_t { kPusher, kBar, kStem, kBodyCount };
+constexpr std::array<Body, 2> kBlocks = {kBar, kStem};  ///< the masses of the tee
 
-using BodyVectors = std::array<Eigen::Vector2d, kBodyCount>;
+constexpr std::array<double, kBodyCount> kRadii = {kPusherRadius, kBarRadius, kStemRadius};  // [m]
+
+// Real is double for one world, Lanes for several.
+template <class Real>
+using Vector2 = Eigen::Matrix<Real, 2, 1>;
+template <class Real>
+using BodyVectors = std::array<Vector2<Real>, kBodyCount>;
 using BodyScalars = std::array<double, kBodyCount>;
 
 /// The pusher against one mass of the tee.
+template <class Real>
 struct Contact {
-  Body block;              ///< kBar or kStem
-  Eigen::Vector2d normal;  ///< from the mass to the pusher, of length 1
-  double depth;            ///< [m] overlap; slightly negative inside the margin
+  Body block;  ///< kBar or kStem
+  Condition<Real> touching;
+  Vector2<Real> normal;  ///< from the mass to the pusher, of length 1
+  Real depth;            ///< [m] overlap; slightly negative inside the margin
 };
 
-/// At most one contact per mass of the tee, bar first.
-class Contacts {
- public:
-  void add(const Contact& contact) { contacts_[size_++] = contact; }
-  const Contact* begin() const { return contacts_.data(); }
-  const Contact* end() const { return contacts_.data() + size_; }
-  std::size_t size() const { return size_; }
-  bool empty() const { return size_ == 0; }
-  const Contact& operator[](std::size_t i) const { return contacts_[i]; }
-
- private:
-  std::array<Contact, 2> contacts_{};
-  std::size_t size_ = 0;
-};
+/// With bar, then stem. Where they do not touch, the rest says nothing.
+template <class Real>
+using Contacts = std::array<Contact<Real>, kBlocks.size()>;
 
 /// [rad] in [-pi, pi): yaw of the tee, read from the line bar to stem, which is body -y.
-double yaw(const Eigen::Vector2d& bar, const Eigen::Vector2d& stem);
+inline double yaw(const Eigen::Vector2d& bar, const Eigen::Vector2d& stem) {
+  const Eigen::Vector2d line = stem - bar;
+  return wrapAngle(std::atan2(line.y(), line.x()) + kPi / 2.0);
+}
 
 /// Force [N] on the bar (the stem gets its opposite) that holds the masses at rest length, as a Lagrange
 /// multiplier with Baumgarte stabilisation of frequency `baumgarte` [rad/s].
-Eigen::Vector2d linkForce(const BodyVectors& positions, const BodyVectors& velocities, const BodyScalars& masses,
-                          double baumgarte);
+template <class Real>
+Vector2<Real> linkForce(const BodyVectors<Real>& positions, const BodyVectors<Real>& velocities,
+                        const BodyScalars& masses, double baumgarte) {
+  const Vector2<Real> d = positions[kBar] - positions[kStem];
+  const Vector2<Real> d_rate = velocities[kBar] - velocities[kStem];
+  // Constraint g = (d.d - L^2) / 2 with rate d.d_rate; its Jacobian is d on the bar and -d on the stem.
+  const Real g = 0.5 * (d.dot(d) - kStemOffset * kStemOffset);
+  const Real g_rate = d.dot(d_rate);
+  const Real effective_inverse_mass = (1.0 / masses[kBar] + 1.0 / masses[kStem]) * d.dot(d);
+  const Real wanted = -d_rate.dot(d_rate) - (2.0 * baumgarte * g_rate + baumgarte * baumgarte * g);
+  return d * Real(wanted / effective_inverse_mass);
+}
 
-/// Contacts of the pusher with bar, then stem.
-Contacts findContacts(const BodyVectors& positions);
+template <class Real>
+Contacts<Real> findContacts(const BodyVectors<Real>& positions) {
+  using std::sqrt;
+  Contacts<Real> contacts;
+  for (std::size_t i = 0; i < kBlocks.size(); ++i) {
+    const Vector2<Real> d = positions[kPusher] - positions[kBlocks[i]];
+    const Real distance = sqrt(d.dot(d));
+    const Real depth = kRadii[kPusher] + kRadii[kBlocks[i]] - distance;
+    contacts[i] = {kBlocks[i], depth > -kContactMargin && distance > kCoincident, d / distance, depth};
+  }
+  return contacts;
+}
+
+/// Relative velocity [m/s] of the pusher along the normal; negative while they approach.
+template <class Real>
+Real normalVelocity(const Contact<Real>& contact, const BodyVectors<Real>& velocities) {
+  return velocities[kPusher].dot(contact.normal) - velocities[contact.block].dot(contact.normal);
+}
+
+/// `velocity` changed by `change` where the contact touches.
+template <class Real>
+Vector2<Real> changedWhereTouching(const Contact<Real>& contact, const Vector2<Real>& velocity,
+                                   const Vector2<Real>& change) {
+  return {select(contact.touching, velocity.x() + change.x(), velocity.x()),
+          select(contact.touching, velocity.y() + change.y(), velocity.y())};
+}
 
 /// Projected Gauss-Seidel on the accumulated normal impulses, frictionless; changes `velocities`.
-void solveContacts(const Contacts& contacts, const BodyScalars& inverse_masses, BodyVectors& velocities);
+template <class Real>
+void solveContacts(const Contacts<Real>& contacts, const BodyScalars& inverse_masses, BodyVectors<Real>& velocities) {
+  const Real zero(0.0);
+  if (!any(contacts[0].touching || contacts[1].touching)) {
+    return;
+  }
+  std::array<Real, kBlocks.size()> target;                  // normal velocities [m/s]
+  std::array<Real, kBlocks.size()> impulse = {zero, zero};  // accumulated normal impulses [N s], never negative
+  for (std::size_t i = 0; i < kBlocks.size(); ++i) {
+    const Real velocity = normalVelocity(contacts[i], velocities);
+    const Real approach = select(zero < velocity, zero, velocity);
+    target[i] = -kRestitution * approach + (kContactBaumgarte / kSubstep) * contacts[i].depth;
+  }
+  for (int sweep = 0; sweep < kContactSweeps; ++sweep) {
+    Condition<Real> changed(false);
+    for (std::size_t i = 0; i < kBlocks.size(); ++i) {
+      const Contact<Real>& contact = contacts[i];
+      if (!any(contact.touching)) {
+        continue;
+      }
+      const Body block = contact.block;
+      const double inverse_mass = inverse_masses[kPusher] + inverse_masses[block];
+      const Real wanted = (target[i] - normalVelocity(contact, velocities)) / inverse_mass;
+      const Real sum = impulse[i] + wanted;
+      const Real total = select(zero < sum, sum, zero);
+      const Real change = total - impulse[i];
+      impulse[i] = total;
+      changed = changed || (contact.touching && change != zero);
+      const Vector2<Real> push = Real(change * inverse_masses[kPusher]) * contact.normal;
+      const Vector2<Real> recoil = Real(change * inverse_masses[block]) * contact.normal;
+      velocities[kPusher] = changedWhereTouching(contact, velocities[kPusher], push);
+      velocities[block] = changedWhereTouching<Real>(contact, velocities[block], -recoil);
+    }
+    // A sweep that changed no impulse would be repeated by all that follow.
+    if (!any(changed)) {
+      return;
+    }
+  }
+}
+
+/// Positions [m] and velocities [m/s].
+template <class Real>
+struct Bodies {
+  BodyVectors<Real> positions;
+  BodyVectors<Real> velocities;
+};
+
+/// What the physics depends on, besides the state.
+struct Model {
+  BodyScalars masses;          ///< [kg]
+  BodyScalars inverse_masses;  ///< [1/kg]
+  double block_damp;           ///< [1/s]
+  double baumgarte;            ///< [rad/s]
+};
+
+/// One substep in which the pusher is to move with velocity `command` [m/s].
+template <class Real>
+void substep(const Model& model, const Vector2<Real>& command, Bodies<Real>& bodies) {
+  auto& [positions, velocities] = bodies;
+
+  // Forces on the tee: the link between its masses, and drag.
+  const Vector2<Real> link = linkForce(positions, velocities, model.masses, model.baumgarte);
+  std::array<Vector2<Real>, kBlocks.size()> forces = {link, -link};
+  for (std::size_t i = 0; i < kBlocks.size(); ++i) {
+    const Body block = kBlocks[i];
+    forces[i] -= Real(model.block_damp) * velocities[block] * Real(model.masses[block]);
+  }
+
+  // Velocities: the tee by its forces, the pusher by its servo.
+  for (std::size_t i = 0; i < kBlocks.size(); ++i) {
+    const Body block = kBlocks[i];
+    velocities[block] += Real(kSubstep) * forces[i] * Real(model.inverse_masses[block]);
+  }
+  velocities[kPusher] += Real(kSubstep * kServoGain) * (command - velocities[kPusher]);
+
+  // Contacts change velocities, velocities change positions (semi-implicit Euler).
+  solveContacts(findContacts(positions), model.inverse_masses, velocities);
+  for (std::size_t body = 0; body < kBodyCount; ++body) {
+    positions[body] += Real(kSubstep) * velocities[body];
+  }
+}
 
 }  // namespace pusht::two_mass

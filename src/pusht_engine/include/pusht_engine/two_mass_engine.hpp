@@ -3,8 +3,11 @@
 #pragma once
 
 #include <array>
+#include <exception>
+#include <vector>
 
 #include "pusht_engine/two_mass_dynamics.hpp"
+#include "pusht_task/batch_simulator.hpp"
 #include "pusht_task/simulator.hpp"
 
 namespace pusht {
@@ -44,21 +47,37 @@ class TwoMassEngine : public Simulator {
   /// Throws InvalidInput if a knob is out of range.
   explicit TwoMassEngine(const TwoMassParameters& parameters = {});
 
-  const two_mass::BodyVectors& positions() const { return positions_; }
-  const two_mass::BodyVectors& velocities() const { return velocities_; }
+  const two_mass::Bodies<double>& bodies() const { return bodies_; }
 
  private:
   void doReset(const WorldState& state) override;
   void doStep(const Action& action) override;
   WorldState doState() const override;
 
-  void substep(const Eigen::Vector2d& command);
+  two_mass::Model model_;
+  two_mass::Bodies<double> bodies_;
+};
 
-  TwoMassParameters parameters_;
-  two_mass::BodyScalars masses_;
-  two_mass::BodyScalars inverse_masses_;
-  two_mass::BodyVectors positions_;
-  two_mass::BodyVectors velocities_;
+/// The same engine for many worlds: they step together in SIMD lanes.
+class TwoMassLanes : public BatchSimulator {
+ public:
+  /// Throws InvalidInput if a knob is out of range.
+  TwoMassLanes(int lanes, const TwoMassParameters& parameters = {});
+
+  int lanes() const override { return static_cast<int>(states_.size()); }
+  void reset(int lane, const WorldState& state) override;
+  void step(Actions actions) override;
+  WorldState state(int lane) const override;
+
+ private:
+  using Group = two_mass::Bodies<two_mass::Lanes>;
+
+  void stepGroup(std::size_t group, Actions actions);
+
+  two_mass::Model model_;
+  std::vector<Group> groups_;  // lane i is lane i % kLaneCount of group i / kLaneCount
+  std::vector<WorldState> states_;
+  std::vector<std::exception_ptr> errors_;  // why a lane must be reset before it can go on
 };
 
 }  // namespace pusht

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,7 @@ const char* toString(InstructionSet instruction_set);
 std::vector<InstructionSet> availableInstructionSets();
 
 /// A network as a straight line of operations. Rows are independent, to the last bit, of each other and of
-/// their number. Not to be used from two threads at once.
+/// their number. Not to be used from two threads at once; copies, which share the weights, may be.
 class NetworkKernel {
  public:
   /// For rows of `inputs` numbers. Throws InternalError if an operation does not fit the one before it.
@@ -74,7 +75,7 @@ class NetworkKernel {
   int inputs_;
   int outputs_;
   InstructionSet instruction_set_;
-  std::vector<Step> steps_;
+  std::shared_ptr<const std::vector<Step>> steps_;
   int lines_per_row_;  // of the blocks
   Lines block_;        // the rows that are on their way through the network, as they are now
   Lines product_;      // where a matrix puts them

@@ -46,6 +46,9 @@ class NetworkPolicy : public Policy {
   /// `seed`. Seeds torch's global generator.
   static std::unique_ptr<NetworkPolicy> untrained(std::uint64_t seed);
 
+  /// The same policy for another thread; they share the weights.
+  std::unique_ptr<NetworkPolicy> clone() const;
+
   ~NetworkPolicy() override;
 
   void act(Span<const Query> queries, Span<Action> actions) override;
@@ -53,6 +56,7 @@ class NetworkPolicy : public Policy {
   const NetworkInfo& info() const { return info_; }
 
  private:
+  NetworkPolicy(NetworkInfo info, std::unique_ptr<NetworkKernel> kernel, std::unique_ptr<TorchNetwork> network);
   NetworkPolicy(std::string sha256, std::unique_ptr<NetworkKernel> kernel);
   NetworkPolicy(std::string sha256, std::unique_ptr<TorchNetwork> network, std::string why_not_on_kernel);
 

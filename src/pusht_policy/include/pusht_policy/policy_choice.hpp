@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -23,10 +24,11 @@ struct PolicyChoice {
 };
 
 struct ChosenPolicy {
-  std::unique_ptr<Policy> policy;
-  std::string name;           ///< the string given, or "fresh-untrained"
-  nlohmann::json provenance;  ///< what its numbers depend on
-  std::string warning;        ///< says that something else runs than was asked for; else empty
+  std::function<std::unique_ptr<Policy>()> make;  ///< the policy, for one thread after the other
+  std::string name;                               ///< the string given, or "fresh-untrained"
+  nlohmann::json identity;                        ///< two policies with the same one act the same, to the last bit
+  nlohmann::json provenance;                      ///< where it comes from and what it runs on
+  std::string warning;                            ///< says that something else runs than was asked for; else empty
 };
 
 /// `shipped` is the checkpoint that "bc" names. Throws as NetworkPolicy::load does.

@@ -20,6 +20,9 @@ void moveIntoPlace(const std::filesystem::path& aside, const std::filesystem::pa
 /// Throws RuntimeFault if that fails (disk full, folder not writable); nothing is left behind.
 void writeFile(const std::filesystem::path& path, const std::string& content);
 
+/// The same for what can be made again: it is not forced onto the disk, and several processes may write one file.
+void writeCacheFile(const std::filesystem::path& path, const std::string& content);
+
 /// Digest in lower-case hex.
 std::string sha256(const std::string& bytes);
 std::string md5(const std::string& bytes);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// One world on its way through an episode.
+/// What a world does in an episode.
 #pragma once
 
 #include <cstddef>
@@ -20,17 +20,21 @@ struct Trace {
   std::size_t steps() const { return actions.size(); }
 };
 
-/// A world, what the policy remembers of it, its success latch and its trace. In closed loop the caller
-/// answers query() with the policy's action; in open loop it takes the actions of another trace.
+/// The record of a world on its way through an episode: its trace, its success latch and what the policy remembers
+/// of it. Whoever steps the world records what it did. In closed loop the world is given the policy's answer to
+/// query(); in open loop the actions of another trace.
 class Rollout {
  public:
-  /// Resets `world` to `start`. The world must outlive the rollout, and be driven by nothing else.
-  Rollout(Simulator& world, const WorldState& start, std::unique_ptr<Policy::Memory> memory = nullptr);
+  /// `start` is the world's state after its reset.
+  explicit Rollout(const WorldState& start, std::unique_ptr<Policy::Memory> memory = nullptr);
+
+  /// One that took place before.
+  explicit Rollout(const Trace& trace);
 
   Policy::Query query() const { return {observe(trace_.states.back()), memory_.get()}; }
 
-  /// One control step. Throws as Simulator::step does.
-  void advance(const Action& action);
+  /// One control step: the world was given `action` and is in `state` now.
+  void record(const Action& action, const WorldState& state);
 
   /// Whether a closed loop ends here: success, or `horizon` control steps.
   bool finished(int horizon) const { return success() || steps() >= horizon; }
@@ -41,13 +45,18 @@ class Rollout {
   const Trace& trace() const { return trace_; }
 
  private:
-  Simulator* world_;
   std::unique_ptr<Policy::Memory> memory_;
   SuccessLatch latch_;
   Trace trace_;
 };
 
-/// Drives `rollout` with `policy` until it is finished.
-void runClosedLoop(Rollout& rollout, Policy& policy, int horizon);
+/// Resets `world` to `start`.
+Rollout begin(Simulator& world, const WorldState& start, std::unique_ptr<Policy::Memory> memory = nullptr);
+
+/// Steps `world` and records it. Throws as Simulator::step does.
+void advance(Rollout& rollout, Simulator& world, const Action& action);
+
+/// Resets `world` to `start` and drives it with `policy` until the rollout is finished.
+Rollout runClosedLoop(Simulator& world, const WorldState& start, Policy& policy, int horizon);
 
 }  // namespace pusht

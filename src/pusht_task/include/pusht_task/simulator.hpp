@@ -6,6 +6,15 @@
 
 namespace pusht {
 
+/// The rules of every reset and step, for whoever implements them without Simulator.
+
+/// `state` with its yaw wrapped. Throws InvalidInput if a number is not finite.
+WorldState checkedStart(const WorldState& state);
+/// `action` clipped as the task says. Throws InvalidInput if it is not finite.
+Action checkedAction(const Action& action);
+/// Throws RuntimeFault if the world was left with a `state` that is not finite.
+void requireFiniteStep(const WorldState& state);
+
 /// One world. What is PushT and not physics (checking and clipping of actions, finite states) happens
 /// here, once; a simulator only implements the three `do` functions. After an exception a world
 /// must be reset.

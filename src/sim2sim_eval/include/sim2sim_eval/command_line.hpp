@@ -21,6 +21,9 @@ CLI::Validator decimalReal();
 void catchInterrupts();
 bool interrupted();
 
+/// Says so on stderr, unless `warning` is empty.
+void warn(const std::string& warning);
+
 /// A bar on stderr that shows done, total and time left; silent unless stderr is a terminal.
 class ProgressBar {
  public:

@@ -7,6 +7,7 @@
 
 #include "pusht_engine/two_mass_engine.hpp"
 #include "pusht_policy/policy_choice.hpp"
+#include "sim2sim_eval/batch_run.hpp"
 #include "sim2sim_eval/protocol.hpp"
 #include "sim2sim_eval/report.hpp"
 
@@ -22,6 +23,7 @@ struct CompareOptions {
   std::string out;     ///< results folder; empty: the next free results/compare-N
   bool overwrite = false;
   bool record = false;  ///< write compare.bag
+  BatchOptions batch;
 
   /// Declares the options on a command line.
   void declare(CLI::App& app);

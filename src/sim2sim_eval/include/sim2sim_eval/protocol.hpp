@@ -10,11 +10,13 @@
 #include <optional>
 #include <vector>
 
+#include "pusht_task/batch_simulator.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/policy.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/simulator.hpp"
 #include "sim2sim_eval/divergence.hpp"
+#include "sim2sim_eval/reference_cache.hpp"
 
 namespace sim2sim {
 
@@ -63,59 +65,99 @@ struct EpisodeResult {
   std::array<RolloutResult, kModeCount> modes;
 };
 
-/// The worlds in which episodes run, one after the other.
-struct Worlds {
-  std::unique_ptr<pusht::Simulator> reference;
-  std::unique_ptr<pusht::Simulator> engine;
-  std::unique_ptr<pusht::Simulator> replay;  ///< another world of the engine
-};
+/// The worlds in which episodes run: for each mode a lane for each episode in flight.
+using Worlds = std::array<std::unique_ptr<pusht::BatchSimulator>, kModeCount>;
 
-/// One episode: three rollouts from one start, advanced in lockstep.
+/// For one episode at a time.
+Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pusht::Simulator> engine,
+                std::unique_ptr<pusht::Simulator> replay);
+
+/// One episode: three rollouts from one start, advanced in lockstep by a Flight.
 class Episode {
  public:
-  /// Resets the worlds, which are driven by this episode alone while it lasts. The policy only gives memories.
-  /// Throws as advance() does.
-  Episode(const Protocol& protocol, int index, const Worlds& worlds, const pusht::Policy& policy);
+  Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts);
 
   int index() const { return index_; }
+  std::uint64_t seed() const { return seed_; }  ///< spawn seed
   const pusht::Rollout& rollout(Mode mode) const { return rollouts_[mode]; }
 
   /// Control steps taken, those of the rollout that has taken most.
   int steps() const;
+
+  /// A closed loop ends at success or the horizon, the replay with the reference.
+  bool goesOn(Mode mode) const;
   bool finished() const;
 
-  /// Appends the queries of the rollouts that need an action of the policy now.
-  void appendQueries(std::vector<pusht::Policy::Query>& queries) const;
+  /// The action of the reference that the replay is to take next.
+  const pusht::Action& nextReplayed() const;
 
-  /// One control step of every rollout that goes on. `actions` holds the answers from `next` on, in the order
-  /// of the queries; `next` moves past them. Throws the error of a world or BadDependency for an action that
-  /// is not finite; its message begins with episode, mode and step.
-  void advance(const std::vector<pusht::Action>& actions, std::size_t& next);
-
-  /// The same where this is the only episode under way: asks `policy` itself.
-  void advance(pusht::Policy& policy);
+  void record(Mode mode, const pusht::Action& action, const pusht::WorldState& state) {
+    rollouts_[mode].record(action, state);
+  }
 
   EpisodeResult result() const;
 
  private:
-  pusht::Rollout begin(Mode mode, pusht::Simulator& world, std::unique_ptr<pusht::Policy::Memory> memory) const;
-  bool loopGoesOn(Mode mode) const;
-  bool replayGoesOn() const;
-  void advance(Mode mode, const pusht::Action& action);
-
   int index_;
   std::uint64_t seed_;
   int horizon_;
   std::array<pusht::Rollout, kModeCount> rollouts_;
 };
 
-/// Episodes in flight at once, so that the policy sees batches.
+/// Episodes in flight: they advance together, so that the policy sees batches and worlds step in lanes. What becomes
+/// of an episode does not depend on the others.
+class Flight {
+ public:
+  /// `worlds` and `policy` must outlive it, and are driven by it alone.
+  Flight(const Protocol& protocol, const Worlds& worlds, pusht::Policy& policy);
+
+  bool full() const;
+  bool empty() const;
+
+  /// Resets worlds to the start of an episode. `reference` is what the reference did in it; without, the reference is
+  /// rolled out. The episode stays where it is until it lands. Throws the error of a world; its message begins with
+  /// episode, mode and step.
+  const Episode& begin(int index, const pusht::Trace* reference = nullptr);
+
+  /// One control step of every rollout that goes on. Throws as begin(), and BadDependency for an action that is not
+  /// finite.
+  void advance();
+
+  /// Takes out the episodes that have finished.
+  std::vector<Episode> land();
+
+ private:
+  void askPolicy();
+  pusht::Rollout start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory);
+  bool steps(Mode mode, std::size_t lane) const { return episodes_[lane] && episodes_[lane]->goesOn(mode); }
+  void advance(Mode mode, std::size_t& next_action);
+
+  const Protocol& protocol_;
+  const Worlds& worlds_;
+  pusht::Policy& policy_;
+  std::vector<std::optional<Episode>> episodes_;  // by lane
+  std::vector<pusht::Policy::Query> queries_;     // of the closed loops, by mode and lane
+  std::vector<pusht::Action> answers_;
+  std::vector<std::optional<pusht::Action>> actions_;  // of one mode, by lane
+};
+
+/// Runs one episode.
+Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy);
+
+/// Episodes in flight at once in each thread of a run: enough for the lanes of the engine and the policy's batches.
 constexpr int kEpisodesInFlight = 8;
 
-/// Runs the protocol. `policy` answers all rollouts in flight at once; `deliver` gets every episode when it has
-/// finished, not in order; `stop` is asked before every control step and ends the run early when true.
-/// Results do not depend on how many episodes are in flight.
-void runProtocol(const Protocol& protocol, const std::function<Worlds()>& make_worlds, pusht::Policy& policy,
+/// Who plays in a run. Every thread has its own.
+struct Players {
+  std::function<Worlds(int lanes)> make_worlds;
+  std::function<std::unique_ptr<pusht::Policy>()> make_policy;
+};
+
+/// Runs the protocol in `threads` threads. `deliver` gets every episode when it has finished, not in order but one at a
+/// time; `stop` is asked before every control step and ends the run early when true. The reference is not rolled out
+/// for episodes that are in `references`, and kept there for the others. Results depend neither on the number of
+/// threads nor on `references`.
+void runProtocol(const Protocol& protocol, const Players& players, int threads, const ReferenceCache* references,
                  const std::function<void(const Episode&)>& deliver, const std::function<bool()>& stop);
 
 }  // namespace sim2sim

@@ -15,4 +15,8 @@ nlohmann::ordered_json provenance(const RunConfiguration& configuration, const n
 /// Version of the suite, compiler, libraries, CPU features.
 nlohmann::json buildAndMachine();
 
+/// What decides the bits of a rollout: SHA-256 of the libraries that compute it, as they are loaded, by name, and
+/// whether libm uses FMA.
+nlohmann::json codeFingerprint();
+
 }  // namespace sim2sim

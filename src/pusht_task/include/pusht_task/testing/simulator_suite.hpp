@@ -17,6 +17,7 @@
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/simulator.hpp"
 #include "pusht_task/spawn.hpp"
+#include "pusht_task/testing/scenarios.hpp"
 
 namespace pusht::testing {
 
@@ -26,24 +27,6 @@ class SimulatorSuite : public ::testing::TestWithParam<SimulatorFactory> {
  protected:
   static std::unique_ptr<Simulator> make() { return GetParam()(); }
 };
-
-/// A spawn that moves and turns, as no episode starts but a world may be set to.
-inline WorldState movingState(std::uint64_t seed) {
-  NumpyGenerator generator(seed + 1'000'000);
-  WorldState state = spawn(seed);
-  for (double* velocity :
-       {&state.pusher_velocity.x(), &state.pusher_velocity.y(), &state.tee_velocity.x(), &state.tee_velocity.y()}) {
-    *velocity = generator.uniform(-0.5, 0.5);
-  }
-  state.tee_yaw_rate = generator.uniform(-3.0, 3.0);
-  return state;
-}
-
-/// Drives the pusher at the tee and through it, so that there is contact: reaction, not memory.
-inline Action chase(const WorldState& state) {
-  const Eigen::Vector2d way = (state.tee_position - state.pusher_position).normalized();
-  return {static_cast<float>(way.x()), static_cast<float>(way.y())};
-}
 
 /// The states after the reset and after each of `steps` chasing control steps.
 inline std::vector<WorldState> chaseFrom(Simulator& world, const WorldState& start, int steps) {
@@ -191,9 +174,9 @@ TEST_P(SimulatorSuite, LatchAndHorizon) {
   const auto world = make();
   WorldState solved;
   solved.pusher_position = {0.2, 0.2};
-  Rollout rollout(*world, solved);
+  Rollout rollout = begin(*world, solved);
   for (int step = 1; step <= kSuccessHold + 2; ++step) {
-    rollout.advance({0.0F, 0.0F});
+    advance(rollout, *world, {0.0F, 0.0F});
     EXPECT_EQ(rollout.success(), step >= kSuccessHold);
     EXPECT_EQ(rollout.finished(kHorizon), step >= kSuccessHold);
     EXPECT_EQ(rollout.finished(3), step >= 3);

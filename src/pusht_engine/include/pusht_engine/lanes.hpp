@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Numbers that stand for several worlds at once, so that one text of the physics serves one world (double) and
+/// many (Lanes): every operation is done in each lane as IEEE 754 has it, hence to the same bits.
+#pragma once
+
+#include <Eigen/Core>
+#include <experimental/simd>
+
+namespace pusht::two_mass {
+
+constexpr int kLaneCount = 8;  ///< worlds in one Lanes: enough to hide the latency of a division
+using Lanes = std::experimental::fixed_size_simd<double, kLaneCount>;
+
+/// `a` where `condition` holds, else `b`.
+inline double select(bool condition, double a, double b) { return condition ? a : b; }
+inline Lanes select(const Lanes::mask_type& condition, const Lanes& a, Lanes b) {
+  std::experimental::where(condition, b) = a;
+  return b;
+}
+
+/// Whether a condition holds in any of the worlds.
+inline bool any(bool condition) { return condition; }
+inline bool any(const Lanes::mask_type& condition) { return std::experimental::any_of(condition); }
+
+/// What a comparison gives: one truth value for each world.
+template <class Real>
+using Condition = decltype(Real() < Real());
+
+}  // namespace pusht::two_mass
+
+/// What Eigen must know of a number.
+template <>
+struct Eigen::NumTraits<pusht::two_mass::Lanes> : Eigen::GenericNumTraits<pusht::two_mass::Lanes> {
+  enum {
+    IsComplex = 0,
+    IsInteger = 0,
+    IsSigned = 1,
+    RequireInitialization = 0,
+    ReadCost = 1,
+    AddCost = 1,
+    MulCost = 1
+  };
+};

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The seam behind which many worlds step together.
+#pragma once
+
+#include <exception>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pusht_task/simulator.hpp"
+#include "pusht_task/types.hpp"
+
+namespace pusht {
+
+/// Worlds of one kind, each in a lane. What a lane does is what a Simulator of that kind does, bit for bit, and
+/// never depends on the other lanes.
+class BatchSimulator {
+ public:
+  /// For each lane the action of its next control step. A lane without one stays as it is.
+  using Actions = Span<const std::optional<Action>>;
+
+  BatchSimulator() = default;
+  BatchSimulator(const BatchSimulator&) = delete;
+  BatchSimulator& operator=(const BatchSimulator&) = delete;
+  virtual ~BatchSimulator() = default;
+
+  virtual int lanes() const = 0;
+
+  /// As Simulator::reset.
+  virtual void reset(int lane, const WorldState& state) = 0;
+
+  /// As Simulator::step in every lane that has an action. The error of a lane does not keep the others from stepping:
+  /// state() throws it.
+  virtual void step(Actions actions) = 0;
+
+  /// As Simulator::state. Throws what kept the lane from doing its last step.
+  virtual WorldState state(int lane) const = 0;
+};
+
+/// Any simulators, one a lane, stepped one after the other.
+class SimulatorLanes : public BatchSimulator {
+ public:
+  explicit SimulatorLanes(std::vector<std::unique_ptr<Simulator>> worlds);
+
+  /// A single lane.
+  explicit SimulatorLanes(std::unique_ptr<Simulator> world);
+
+  int lanes() const override { return static_cast<int>(worlds_.size()); }
+  void reset(int lane, const WorldState& state) override;
+  void step(Actions actions) override;
+  WorldState state(int lane) const override;
+
+ private:
+  std::vector<std::unique_ptr<Simulator>> worlds_;
+  std::vector<std::exception_ptr> errors_;  // of the last step, by lane
+};
+
+}  // namespace pusht

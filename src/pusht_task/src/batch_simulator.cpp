@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/batch_simulator.hpp"
+
+#include <utility>
+
+namespace pusht {
+
+SimulatorLanes::SimulatorLanes(std::vector<std::unique_ptr<Simulator>> worlds)
+    : worlds_(std::move(worlds)), errors_(worlds_.size()) {}
+
+SimulatorLanes::SimulatorLanes(std::unique_ptr<Simulator> world) : errors_(1) { worlds_.push_back(std::move(world)); }
+
+void SimulatorLanes::reset(int lane, const WorldState& state) {
+  worlds_.at(lane)->reset(state);
+  errors_.at(lane) = nullptr;
+}
+
+void SimulatorLanes::step(Actions actions) {
+  for (std::size_t lane = 0; lane < worlds_.size(); ++lane) {
+    if (actions[lane]) {
+      try {
+        worlds_[lane]->step(*actions[lane]);
+      } catch (...) {
+        errors_[lane] = std::current_exception();
+      }
+    }
+  }
+}
+
+WorldState SimulatorLanes::state(int lane) const {
+  if (errors_.at(lane) != nullptr) {
+    std::rethrow_exception(errors_.at(lane));
+  }
+  return worlds_.at(lane)->state();
+}
+
+}  // namespace pusht

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Rollouts of the reference, kept on disk: they depend on no knob of the engine.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "pusht_task/rollout.hpp"
+
+namespace sim2sim {
+
+/// A file for each rollout: FOLDER/<hash of the key>/<spawn seed>.reference, a line of JSON and the numbers of the
+/// trace as they are in memory. Several threads and runs may share a folder.
+class ReferenceCache {
+ public:
+  /// `key` is all that a rollout depends on, besides its spawn seed. Throws RuntimeFault if the folder cannot be
+  /// created.
+  ReferenceCache(const std::filesystem::path& folder, nlohmann::json key);
+
+  /// What the reference did from a start, if that is kept. Throws BadDependency, naming the file, if it is damaged or
+  /// belongs to another key or seed.
+  std::optional<pusht::Trace> find(std::uint64_t seed) const;
+
+  /// Keeps a rollout that is not kept yet. Throws RuntimeFault if it cannot be written.
+  void keep(std::uint64_t seed, const pusht::Trace& trace) const;
+
+ private:
+  std::filesystem::path fileOf(std::uint64_t seed) const;
+
+  nlohmann::json key_;
+  std::filesystem::path folder_;
+};
+
+}  // namespace sim2sim

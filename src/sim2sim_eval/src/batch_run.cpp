@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch_run.hpp"
+
+#include <tbb/info.h>
+
+#include "pusht_task/error.hpp"
+#include "sim2sim_eval/command_line.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr int kMostThreads = 1024;
+
+}  // namespace
+
+void BatchOptions::declare(CLI::App& app) {
+  app.add_option("--threads", threads, "threads that run episodes; results do not depend on it (default: the cores)")
+      ->check(decimalInteger() & CLI::Range(1, kMostThreads));
+  app.add_option("--reference-cache", reference_cache,
+                 "folder that keeps what the reference did, for every later run of the same policy and scene");
+}
+
+int BatchOptions::threadCount() const { return threads > 0 ? threads : tbb::info::default_concurrency(); }
+
+std::optional<ReferenceCache> BatchOptions::references(const Setup& setup, int horizon) const {
+  if (reference_cache.empty()) {
+    return std::nullopt;
+  }
+  return ReferenceCache(reference_cache, setup.referenceKey(horizon));
+}
+
+void runEpisodes(Run& run, const Players& players, int threads, const ReferenceCache* references,
+                 const std::function<void(const Episode&)>& deliver) {
+  const auto add = [&](const Episode& episode) {
+    run.add(episode.result());
+    if (deliver != nullptr) {
+      deliver(episode);
+    }
+  };
+  runProtocol(run.configuration().protocol, players, threads, references, add, interrupted);
+  if (!run.whole()) {
+    throw pusht::RuntimeFault("interrupted after " + run.progress());
+  }
+}
+
+}  // namespace sim2sim

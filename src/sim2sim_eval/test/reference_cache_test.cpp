@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/reference_cache.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "pusht_engine/two_mass_engine.hpp"
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/spawn.hpp"
+#include "pusht_task/testing/scenarios.hpp"
+#include "pusht_task/testing/temporary_folder.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+constexpr std::uint64_t kSeed = 10'007;
+const nlohmann::json kKey = {{"policy", "one"}};
+
+pusht::Trace someTrace() {
+  pusht::TwoMassEngine engine;
+  pusht::Rollout rollout = pusht::begin(engine, pusht::spawn(kSeed));
+  for (int step = 0; step < 20; ++step) {
+    pusht::advance(rollout, engine, pusht::testing::chase(engine.state()));
+  }
+  return rollout.trace();
+}
+
+class ReferenceCacheTest : public ::testing::Test {
+ protected:
+  /// The one file in the folder.
+  fs::path file() const {
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
+      if (entry.is_regular_file()) {
+        return entry.path();
+      }
+    }
+    return {};
+  }
+
+  /// What find() says of the file after a change to its text.
+  std::string refusalAfter(const std::function<void(std::string&)>& change) {
+    std::string text = pusht::readFile(file(), "file");
+    change(text);
+    pusht::writeFile(file(), text);
+    try {
+      cache_.find(kSeed);
+      return "";
+    } catch (const pusht::BadDependency& error) {
+      return error.what();
+    }
+  }
+
+  pusht::testing::TemporaryFolder folder_;
+  ReferenceCache cache_{folder_.path() / "cache", kKey};
+};
+
+TEST_F(ReferenceCacheTest, KeepsARolloutBitForBit) {
+  const pusht::Trace trace = someTrace();
+  EXPECT_FALSE(cache_.find(kSeed));
+  cache_.keep(kSeed, trace);
+  const auto found = ReferenceCache(folder_.path() / "cache", kKey).find(kSeed);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->states, trace.states);
+  EXPECT_EQ(found->actions, trace.actions);
+  EXPECT_FALSE(cache_.find(kSeed + 1));
+  EXPECT_FALSE(ReferenceCache(folder_.path() / "cache", {{"policy", "another"}}).find(kSeed));
+}
+
+TEST_F(ReferenceCacheTest, RefusesADamagedFileByName) {
+  cache_.keep(kSeed, someTrace());
+  EXPECT_THAT(refusalAfter([](std::string& text) { text[text.size() - 5] ^= 1; }),
+              HasSubstr("10007.reference: is damaged"));
+  EXPECT_THAT(refusalAfter([](std::string& text) { text.resize(text.size() / 2); }), HasSubstr("is damaged"));
+  EXPECT_THAT(refusalAfter([](std::string& text) { text.resize(10); }), HasSubstr("must begin as"));
+  EXPECT_THAT(refusalAfter([](std::string& text) { text.clear(); }), HasSubstr("must begin as"));
+}
+
+TEST_F(ReferenceCacheTest, RefusesAFileOfAnotherKeyOrSeed) {
+  ReferenceCache other(folder_.path() / "other", {{"policy", "another"}});
+  other.keep(kSeed, someTrace());
+  const fs::path foreign = file();
+  cache_.keep(kSeed, someTrace());
+  const auto refusal = [&](std::uint64_t seed) -> std::string {
+    try {
+      cache_.find(seed);
+      return "";
+    } catch (const pusht::BadDependency& error) {
+      return error.what();
+    }
+  };
+  const fs::path folder = folder_.path() / "cache" / pusht::sha256(kKey.dump()).substr(0, 16);
+  fs::copy_file(folder / "10007.reference", folder / "10008.reference");
+  EXPECT_THAT(refusal(kSeed + 1), HasSubstr("10008.reference: belongs to another run"));
+  fs::copy_file(foreign, folder / "10007.reference", fs::copy_options::overwrite_existing);
+  EXPECT_THAT(refusal(kSeed), HasSubstr("10007.reference: belongs to another run"));
+}
+
+TEST_F(ReferenceCacheTest, AFolderThatCannotBeWrittenIsARuntimeFault) {
+  std::ofstream(folder_.path() / "file") << "no folder";
+  EXPECT_THROW(ReferenceCache(folder_.path() / "file", kKey), pusht::RuntimeFault);
+  fs::remove_all(folder_.path() / "cache");
+  EXPECT_THROW(cache_.keep(kSeed, someTrace()), pusht::RuntimeFault);
+}
+
+}  // namespace
+}  // namespace sim2sim

@@ -117,7 +117,7 @@ std::unique_ptr<NetworkPolicy> NetworkPolicy::clone() const {
                         network_ != nullptr ? std::make_unique<TorchNetwork>(*network_) : nullptr));
 }
 
-std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& path) {
+std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& path, InstructionSet instruction_set) {
   const std::string name = "policy " + path.string();
   const std::string bytes = readFile(path, "policy");
   const std::string hash = sha256(bytes);
@@ -128,7 +128,7 @@ std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& 
     throw BadDependency(name + ": must act the same on the same observation, but has a memory or is random");
   }
   try {
-    auto kernel = std::make_unique<NetworkKernel>(kInputs, network->operations());
+    auto kernel = std::make_unique<NetworkKernel>(kInputs, network->operations(), instruction_set);
     requireAgreement(*kernel, actions);
     return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(hash, std::move(kernel)));
   } catch (const UnfitForKernel& error) {

@@ -19,7 +19,7 @@ void demonstrate(const pusht::DemonstrationPlan& plan, const std::string& out) {
   pusht::ScriptedExpert expert;
   sim2sim::ProgressBar bar("demonstrations", plan.episodes);
   const auto tally = pusht::recordDemonstrations(plan, world, expert, out, [&](const auto& so_far) {
-    bar.update(so_far.episodes, std::to_string(so_far.successes) + " solved");
+    bar.advance(std::to_string(so_far.successes) + " solved");
     return !sim2sim::interrupted();
   });
   std::cout << tally.episodes << " demonstrations, " << tally.successes << " solved, " << tally.frames

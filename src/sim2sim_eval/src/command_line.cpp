@@ -80,7 +80,7 @@ void warn(const std::string& warning) {
   }
 }
 
-ProgressBar::ProgressBar(std::string title, int total)
+ProgressBar::ProgressBar(std::string title, std::int64_t total)
     : title_(std::move(title)),
       total_(total),
       shown_(isatty(STDERR_FILENO) != 0),
@@ -92,16 +92,18 @@ ProgressBar::~ProgressBar() {
   }
 }
 
-void ProgressBar::update(int done, const std::string& note) {
-  if (!shown_ || done == 0) {
+void ProgressBar::advance(const std::string& note) {
+  ++done_;
+  if (!shown_) {
     return;
   }
   constexpr int kWidth = 30;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
-  const auto seconds_left = std::lround(elapsed.count() / done * (total_ - done));
-  const auto filled = static_cast<std::size_t>(kWidth * done / total_);
+  const auto seconds_left =
+      std::lround(elapsed.count() / static_cast<double>(done_) * static_cast<double>(total_ - done_));
+  const auto filled = static_cast<std::size_t>(kWidth * done_ / total_);
   std::cerr << "\r\033[K" << title_ << " [" << std::string(filled, '#') << std::string(kWidth - filled, '.') << "] "
-            << done << "/" << total_ << "  " << seconds_left << " s left  " << note << std::flush;
+            << done_ << "/" << total_ << "  " << seconds_left << " s left  " << note << std::flush;
 }
 
 }  // namespace sim2sim

@@ -113,17 +113,20 @@ void compare(const CompareOptions& options) {
     ProgressBar bar("episodes", configuration.protocol.episodes);
     int reference_successes = 0;
     int engine_successes = 0;
-    const auto report = [&](const Episode& episode) {
+    const auto deliver = [&](const Episode& episode) {
+      run.add(episode.result());
       if (recorder) {
         recorder->record(episode, run);
       }
       reference_successes += episode.rollout(kReferenceClosed).success() ? 1 : 0;
       engine_successes += episode.rollout(kEngineClosed).success() ? 1 : 0;
-      bar.update(static_cast<int>(run.episodes().size()),
-                 "success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
+      bar.advance("success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
     };
-    runEpisodes(run, setup.players(options.knobs), options.batch.threadCount(), references ? &*references : nullptr,
-                report);
+    runProtocol(configuration.protocol, setup.players(options.knobs), options.batch.threadCount(),
+                references ? &*references : nullptr, deliver, interrupted);
+    if (!run.whole()) {
+      throw pusht::RuntimeFault("interrupted after " + run.progress());
+    }
     if (recorder) {
       recorder->finish();
     }
@@ -132,7 +135,7 @@ void compare(const CompareOptions& options) {
     throw;
   }
   run.finish(std::cout);
-  warn(doubtAboutPolicy(configuration, summarize(run.episodes())));
+  warn(doubtAboutPolicy(metrics(configuration, summarize(run.episodes()))));
 }
 
 }  // namespace sim2sim

@@ -235,7 +235,7 @@ void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
   runLive(configuration.protocol, cast, pacer_, *this, options, stop);
   broadcast_.end();
   run_->finish(std::cout, faults_survived_);
-  const std::string doubt = doubtAboutPolicy(configuration, summarize(run_->episodes()));
+  const std::string doubt = doubtAboutPolicy(metrics(configuration, summarize(run_->episodes())));
   if (!doubt.empty()) {
     ROS_WARN_STREAM(doubt);
   }

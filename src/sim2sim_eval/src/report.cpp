@@ -2,7 +2,9 @@
 #include "sim2sim_eval/report.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstddef>
+#include <sstream>
 
 #include "pusht_policy/policy_choice.hpp"
 #include "pusht_task/error.hpp"
@@ -39,6 +41,10 @@ json rounded(const std::optional<Interval>& interval) {
   return interval ? json{roundToMicro(interval->low), roundToMicro(interval->high)} : json();
 }
 
+constexpr const char* kCsvHead =
+    "episode,seed,mode,steps,success,final_position_error_m,final_angle_error_rad,"
+    "mean_position_divergence_m,mean_angle_divergence_rad\n";
+
 std::string csvRow(const EpisodeResult& episode, Mode mode) {
   const RolloutResult& result = episode.modes[mode];
   const std::string success = result.success ? "true" : "false";
@@ -53,18 +59,39 @@ std::string csvRow(const EpisodeResult& episode, Mode mode) {
   return row + "\n";
 }
 
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) {
+    parts.push_back(part);
+  }
+  return parts;
+}
+
+template <class Number>
+Number numberFrom(const std::string& text) {
+  Number number{};
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;  // what is not all of a number does not give the same text again
+}
+
+/// The row that csvRow() wrote, as far as it can be read.
+void readCsvRow(const std::string& row, Mode mode, EpisodeResult& episode) {
+  std::vector<std::string> cells = split(row, ',');
+  cells.resize(9);
+  episode.index = numberFrom<int>(cells[0]);
+  episode.seed = numberFrom<std::uint64_t>(cells[1]);
+  RolloutResult& result = episode.modes[mode];
+  result.steps = numberFrom<int>(cells[3]);
+  result.success = cells[4] == "true";
+  result.final_error = {numberFrom<double>(cells[5]), numberFrom<double>(cells[6])};
+  if (mode != kReferenceClosed) {
+    result.mean_divergence = Divergence{numberFrom<double>(cells[7]), numberFrom<double>(cells[8])};
+  }
+}
+
 std::string bracketed(const Interval& interval, int digits) {
   return "[" + fixedText(interval.low, digits) + ", " + fixedText(interval.high, digits) + "]";
-}
-
-std::string cell(const SuccessRate& rate) {
-  return std::to_string(rate.successes) + "  " + fixedText(rate.rate, 3) + " " + bracketed(rate.interval, 3);
-}
-
-std::string cell(const Mean& mean, const std::string& unit) {
-  constexpr int kDigits = 4;
-  const std::string value = fixedText(mean.value, kDigits) + " " + unit;
-  return mean.interval ? value + " " + bracketed(*mean.interval, kDigits) : value;
 }
 
 std::string padded(const std::string& text, std::size_t width) {
@@ -155,11 +182,12 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
   return metrics;
 }
 
-std::string doubtAboutPolicy(const RunConfiguration& configuration, const Summary& summary) {
-  if (configuration.policy == pusht::kUntrainedPolicy || summary.reference.successes > 0) {
+std::string doubtAboutPolicy(const json& metrics) {
+  const auto policy = metrics.at("policy").get<std::string>();
+  if (policy == pusht::kUntrainedPolicy || metrics.at("mj_successes").get<int>() > 0) {
     return "";
   }
-  return "policy " + configuration.policy +
+  return "policy " + policy +
          " never succeeds in the reference, the simulator it was trained in. It looks untrained or stale: the figures "
          "measure the policy, not the gap between the simulators.";
 }
@@ -170,15 +198,41 @@ std::string jsonText(const json& json) {
 }
 
 std::string episodesCsv(const std::vector<EpisodeResult>& episodes) {
-  std::string csv =
-      "episode,seed,mode,steps,success,final_position_error_m,final_angle_error_rad,"
-      "mean_position_divergence_m,mean_angle_divergence_rad\n";
+  std::string csv = kCsvHead;
   for (const EpisodeResult& episode : episodes) {
     for (const Mode mode : kModes) {
       csv += csvRow(episode, mode);
     }
   }
   return csv;
+}
+
+std::vector<EpisodeResult> episodesFromCsv(const std::string& text) {
+  const std::vector<std::string> lines = split(text, '\n');
+  const std::size_t count = lines.empty() ? 0 : (lines.size() - 1) / kModeCount;
+  std::vector<EpisodeResult> episodes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const Mode mode : kModes) {
+      readCsvRow(lines[1 + i * kModeCount + mode], mode, episodes[i]);
+    }
+  }
+  const std::vector<std::string> expected = split(episodesCsv(episodes), '\n');
+  const auto [found, wanted] = std::mismatch(lines.begin(), lines.end(), expected.begin(), expected.end());
+  if (found != lines.end() || wanted != expected.end()) {
+    throw pusht::InvalidInput("line " + std::to_string(found - lines.begin() + 1) +
+                              ": must be a line of episodes.csv as it was written");
+  }
+  return episodes;
+}
+
+std::string cell(const SuccessRate& rate) {
+  return std::to_string(rate.successes) + "  " + fixedText(rate.rate, 3) + " " + bracketed(rate.interval, 3);
+}
+
+std::string cell(const Mean& mean, const std::string& unit) {
+  constexpr int kDigits = 4;
+  const std::string value = fixedText(mean.value, kDigits) + " " + unit;
+  return mean.interval ? value + " " + bracketed(*mean.interval, kDigits) : value;
 }
 
 std::string displayName(const std::string& simulator) {

@@ -13,7 +13,6 @@ import subprocess
 import tempfile
 import threading
 import time
-import unittest
 import xmlrpc.client
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Set, Tuple
@@ -22,6 +21,7 @@ import actionlib  # type: ignore[import]
 import rosgraph  # type: ignore[import]
 import rospy  # type: ignore[import]
 from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
+from command_case import CommandCase
 from pusht_msgs.msg import CompareAction, CompareGoal  # type: ignore[import]
 from pusht_msgs.srv import Control  # type: ignore[import]
 from pusht_task.testing import Inbox
@@ -32,30 +32,10 @@ RECORDED_RESULTS = RESULTS | {"compare.bag"}
 CALLER = "/live_test"
 
 
-class LiveCase(unittest.TestCase):
-    """Has a folder of its own, and runs commands there."""
+class LiveCase(CommandCase):
+    """Commands and launches."""
 
-    def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-    def run_command(
-        self,
-        *command: str,
-        environment: Optional[Dict[str, str]] = None,
-        deadline: float = DEADLINE,
-    ) -> "subprocess.CompletedProcess[str]":
-        return subprocess.run(
-            command,
-            cwd=self.folder,
-            env={**os.environ, **(environment or {})},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            timeout=deadline,
-        )
+    deadline = DEADLINE
 
     def succeed(self, *command: str, **named: Any) -> str:
         """What a command that must succeed prints."""

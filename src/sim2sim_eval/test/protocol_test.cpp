@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "pusht_engine/two_mass_engine.hpp"
+#include "pusht_policy/network_policy.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/rollout.hpp"
@@ -270,6 +271,19 @@ TEST(Protocol, AnActionThatIsNotFiniteFailsTheEpisodeByName) {
       EXPECT_THAT(error.what(),
                   HasSubstr("episode 0 (spawn seed 10000), reference_closed, step 0: the policy's action"));
     }
+  }
+}
+
+TEST(Protocol, ResultsDoNotDependOnTheKernelsInstructionSet) {
+  Protocol protocol;
+  protocol.episodes = 6;
+  const auto rows_with = [&](pusht::InstructionSet instruction_set) {
+    const auto make_policy = [&] { return pusht::NetworkPolicy::load(PUSHT_SHIPPED_POLICY, instruction_set); };
+    return episodesCsv(run(protocol, {enginePairs, make_policy}));
+  };
+  const std::string baseline = rows_with(pusht::InstructionSet::kBaseline);
+  for (const pusht::InstructionSet instruction_set : pusht::availableInstructionSets()) {
+    EXPECT_EQ(rows_with(instruction_set), baseline) << toString(instruction_set);
   }
 }
 

@@ -88,11 +88,11 @@ TEST(Summarize, TransferIsUndefinedWithoutReferenceSuccess) {
 TEST(DoubtAboutPolicy, IsRaisedWhereATrainedOneNeverSucceedsAtHome) {
   RunConfiguration configuration;
   configuration.policy = "stale.pt";
-  EXPECT_THAT(doubtAboutPolicy(configuration, summarize(episodesWith(5, 0, 1))),
+  EXPECT_THAT(doubtAboutPolicy(metrics(configuration, summarize(episodesWith(5, 0, 1)))),
               HasSubstr("policy stale.pt never succeeds in the reference"));
-  EXPECT_EQ(doubtAboutPolicy(configuration, summarize(episodesWith(5, 1, 0))), "");
+  EXPECT_EQ(doubtAboutPolicy(metrics(configuration, summarize(episodesWith(5, 1, 0)))), "");
   configuration.policy = "fresh-untrained";
-  EXPECT_EQ(doubtAboutPolicy(configuration, summarize(episodesWith(5, 0, 0))), "");
+  EXPECT_EQ(doubtAboutPolicy(metrics(configuration, summarize(episodesWith(5, 0, 0)))), "");
 }
 
 TEST(Metrics, HasTheCoursesKeysAtTheTopSortedAndRounded) {

@@ -10,27 +10,18 @@ import pickle
 import pty
 import signal
 import subprocess
-import tempfile
 import unittest
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Set
+from typing import Any, Callable, Dict, Optional
 
 import rosbag  # type: ignore[import]
 import rospkg  # type: ignore[import]
 import torch
-from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
+from command_case import DEADLINE, CommandCase, executable
 
-DEADLINE = 120  # s, for one command
 PACKAGES = rospkg.RosPack()
 SCENE = Path(PACKAGES.get_path("pusht_mujoco"), "scenes", "pusht.xml")
 RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
-
-
-def executable(package: str, name: str) -> str:
-    """An executable of a package, in the devel or the install space."""
-    found: List[str] = find_in_workspaces(["libexec"], package, name, first_match_only=True)
-    assert found, f"{package} has no executable {name}"
-    return found[0]
 
 
 COMPARE = executable("sim2sim_eval", "compare")
@@ -40,27 +31,8 @@ TRAIN = executable("pusht_policy", "train")
 PRELOAD = "libraise_mujoco_error.so"  # found in the workspace by the loader
 
 
-class CommandCase(unittest.TestCase):
-    """Runs commands in a folder of its own."""
-
-    def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-    def run_command(
-        self, *command: str, environment: Optional[Dict[str, str]] = None
-    ) -> "subprocess.CompletedProcess[str]":
-        return subprocess.run(
-            command,
-            cwd=self.folder,
-            env={**os.environ, **(environment or {})},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            timeout=DEADLINE,
-        )
+class CompareCase(CommandCase):
+    """Runs comparisons."""
 
     def compare(
         self, *arguments: str, environment: Optional[Dict[str, str]] = None
@@ -95,30 +67,10 @@ class CommandCase(unittest.TestCase):
     def assert_one_line(
         self, process: "subprocess.CompletedProcess[str]", code: int, command: str = "compare"
     ) -> None:
-        self.assertEqual(process.returncode, code, process.stderr)
-        self.assertEqual(process.stderr.count("\n"), 1, process.stderr)
-        self.assertTrue(process.stderr.startswith(f"{command}: "), process.stderr)
-
-    def files(self, out: str) -> Set[str]:
-        return {file.name for file in (self.folder / out).iterdir()}
-
-    def load(self, out: str, name: str) -> Dict[str, Any]:
-        content: Dict[str, Any] = json.loads((self.folder / out / name).read_text())
-        return content
-
-    def result_bytes(self, out: str) -> bytes:
-        """What the determinism contract covers."""
-        return b"".join(
-            (self.folder / out / f).read_bytes() for f in ("metrics.json", "episodes.csv")
-        )
-
-    def write(self, name: str, content: bytes) -> str:
-        path = self.folder / name
-        path.write_bytes(content)
-        return str(path)
+        super().assert_one_line(process, code, command)
 
 
-class Measurement(CommandCase):
+class Measurement(CompareCase):
     def test_smoke_run_meets_the_courses_figures_and_repeats_its_bytes(self) -> None:
         metrics = self.finished("--smoke", out="a")
         self.finished("--smoke", out="b")
@@ -220,7 +172,7 @@ class Measurement(CommandCase):
         )
 
 
-class ResultsFolder(CommandCase):
+class ResultsFolder(CompareCase):
     def test_default_is_the_next_free_folder(self) -> None:
         for number in (1, 2):
             process = self.compare("--smoke")
@@ -281,7 +233,7 @@ class ResultsFolder(CommandCase):
         self.assertEqual(process.stderr, "")
 
 
-class Recompute(CommandCase):
+class Recompute(CompareCase):
     """A run again from its bag."""
 
     def recompute(self, bag: str, *arguments: str) -> "subprocess.CompletedProcess[str]":
@@ -450,7 +402,7 @@ class Recompute(CommandCase):
         self.assertEqual((self.folder / "out" / "compare.bag").read_bytes(), before)
 
 
-class Faults(CommandCase):
+class Faults(CompareCase):
     """The numbers are those of the project's list of faults."""
 
     def test_f1_scene_that_does_not_load(self) -> None:

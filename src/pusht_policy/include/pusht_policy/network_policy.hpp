@@ -40,7 +40,8 @@ class NetworkPolicy : public Policy {
   /// Loads a checkpoint. Throws InvalidInput if it cannot be read or is no TorchScript; BadDependency if it is not
   /// the one that the file PATH.provenance.json beside it names (checked before libtorch sees it; no such file, no
   /// check), if its numbers are not finite, or if it does not map float32 [1, 10] to finite float32 [1, 2].
-  static std::unique_ptr<NetworkPolicy> load(const std::filesystem::path& path);
+  static std::unique_ptr<NetworkPolicy> load(const std::filesystem::path& path,
+                                             InstructionSet instruction_set = availableInstructionSets().back());
 
   /// The course's stand-in where there is no checkpoint: 10-64-64-2, ReLU, tanh, with torch's initial weights for
   /// `seed`. Seeds torch's global generator.

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -27,16 +28,21 @@ void warn(const std::string& warning);
 /// A bar on stderr that shows done, total and time left; silent unless stderr is a terminal.
 class ProgressBar {
  public:
-  ProgressBar(std::string title, int total);
+  ProgressBar(std::string title, std::int64_t total);
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar();
 
-  void update(int done, const std::string& note);
+  /// One more is done.
+  void advance(const std::string& note);
+
+  /// `count` need not be done.
+  void skip(std::int64_t count) { total_ -= count; }
 
  private:
   std::string title_;
-  int total_;
+  std::int64_t total_;
+  std::int64_t done_ = 0;
   bool shown_;
   std::chrono::steady_clock::time_point start_;
 };

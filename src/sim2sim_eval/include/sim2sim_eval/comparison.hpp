@@ -7,7 +7,7 @@
 
 #include "pusht_engine/two_mass_engine.hpp"
 #include "pusht_policy/policy_choice.hpp"
-#include "sim2sim_eval/batch_run.hpp"
+#include "sim2sim_eval/batch_options.hpp"
 #include "sim2sim_eval/protocol.hpp"
 #include "sim2sim_eval/report.hpp"
 

@@ -55,7 +55,7 @@ RunConfiguration configurationFrom(const nlohmann::ordered_json& description);
 nlohmann::json metrics(const RunConfiguration& configuration, const Summary& summary);
 
 /// Says that the policy looks untrained or stale, if it does; else empty. The course's guard.
-std::string doubtAboutPolicy(const RunConfiguration& configuration, const Summary& summary);
+std::string doubtAboutPolicy(const nlohmann::json& metrics);
 
 /// The text of a JSON file: sorted keys, indent 2, ASCII.
 std::string jsonText(const nlohmann::json& json);
@@ -63,8 +63,15 @@ std::string jsonText(const nlohmann::json& json);
 /// episodes.csv: one row per episode and mode, reals in shortest round-trip form.
 std::string episodesCsv(const std::vector<EpisodeResult>& episodes);
 
+/// The episodes that episodesCsv() has written. Throws InvalidInput, naming the line, if the text is anything else.
+std::vector<EpisodeResult> episodesFromCsv(const std::string& text);
+
 /// What people call a simulator: "MuJoCo" for "mujoco"; others by the name they give themselves.
 std::string displayName(const std::string& simulator);
+
+/// "0.0817 m [0.0700, 0.0934]", "11  0.220 [0.128, 0.352]": figures with their intervals, for people.
+std::string cell(const SuccessRate& rate);
+std::string cell(const Mean& mean, const std::string& unit);
 
 /// The figures of a run for people.
 std::string table(const RunConfiguration& configuration, const Summary& summary);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
+#include "sim2sim_eval/output_folder.hpp"
 #include "sim2sim_eval/protocol.hpp"
 #include "sim2sim_eval/report.hpp"
 
@@ -28,13 +29,8 @@ std::string statusText(const RunStatus& status);
 /// Every file in it is complete or absent. metrics.json speaks for a whole run: it is only written by finish().
 class RunFolder {
  public:
-  /// An empty `path` means the first of results/COMMAND-1, -2, ... below the current folder that is not there yet.
-  /// Throws InvalidInput if `path` holds results already and must not be overwritten, or is no folder.
-  /// Creates nothing.
+  /// As OutputFolder; throws InvalidInput, too, if `path` holds results already and must not be overwritten.
   RunFolder(std::filesystem::path path, bool overwrite, std::string command = "compare");
-  RunFolder(const RunFolder&) = delete;
-  RunFolder& operator=(const RunFolder&) = delete;
-  ~RunFolder();
 
   /// Creates the folder, without results of an earlier run, and writes what the run depends on. From here on the
   /// folder is locked. Throws InvalidInput if another run has locked it, RuntimeFault if it cannot be written.
@@ -49,21 +45,17 @@ class RunFolder {
   /// Only says why there was no run. Throws as begin() does, and InvalidInput if the folder holds results, which stay.
   void refuse(const RunStatus& status);
 
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return folder_.path(); }
 
   /// Where the run's bag belongs; whoever records writes it.
   std::filesystem::path bagPath() const;
 
  private:
+  void refuseResults() const;
   void writeStatus(const RunStatus& status) const;
 
-  void create();
-  void lock();
-
-  std::filesystem::path path_;
+  OutputFolder folder_;
   bool overwrite_;
-  std::string command_;
-  int lock_ = -1;  // file descriptor of the folder
 };
 
 }  // namespace sim2sim

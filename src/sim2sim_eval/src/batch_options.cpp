@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch_run.hpp"
+#include "sim2sim_eval/batch_options.hpp"
 
 #include <tbb/info.h>
 
-#include "pusht_task/error.hpp"
 #include "sim2sim_eval/command_line.hpp"
 
 namespace sim2sim {
@@ -27,20 +26,6 @@ std::optional<ReferenceCache> BatchOptions::references(const Setup& setup, int h
     return std::nullopt;
   }
   return ReferenceCache(reference_cache, setup.referenceKey(horizon));
-}
-
-void runEpisodes(Run& run, const Players& players, int threads, const ReferenceCache* references,
-                 const std::function<void(const Episode&)>& deliver) {
-  const auto add = [&](const Episode& episode) {
-    run.add(episode.result());
-    if (deliver != nullptr) {
-      deliver(episode);
-    }
-  };
-  runProtocol(run.configuration().protocol, players, threads, references, add, interrupted);
-  if (!run.whole()) {
-    throw pusht::RuntimeFault("interrupted after " + run.progress());
-  }
 }
 
 }  // namespace sim2sim

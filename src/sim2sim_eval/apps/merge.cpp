@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/command_line.hpp"
+#include "sim2sim_eval/sweep.hpp"
+
+int main(int argc, char** argv) {
+  CLI::App app("Joins the shards of a sweep; the results are those of the sweep in one piece, byte for byte.", "merge");
+  sim2sim::MergeOptions options;
+  options.declare(app);
+  return sim2sim::runCommand(app, argc, argv, [&] { sim2sim::merge(options); });
+}

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The folder that holds a sweep, or a shard of one.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pusht_task/error.hpp"
+#include "sim2sim_eval/output_folder.hpp"
+#include "sim2sim_eval/protocol.hpp"
+#include "sim2sim_eval/report.hpp"
+
+namespace sim2sim {
+
+/// A sweep that is on disk: rows/000/metrics.json and episodes.csv (those of a run with its knobs), rows/001/..., and
+/// sweep.json, which says what the sweep is. Files are complete or absent.
+class SweepOnDisk {
+ public:
+  /// Throws InvalidInput if there is no sweep in the folder.
+  explicit SweepOnDisk(std::filesystem::path folder);
+
+  const std::filesystem::path& folder() const { return folder_; }
+  const nlohmann::json& description() const { return description_; }
+  const nlohmann::json& provenance() const { return provenance_; }
+
+  /// The episodes of a row; none if it is not finished. Throws BadDependency, naming the file, if they are not as they
+  /// were written or not those of `configuration`.
+  std::optional<std::vector<EpisodeResult>> row(std::size_t index, const RunConfiguration& configuration) const;
+
+ private:
+  std::filesystem::path folder_;
+  nlohmann::json description_;
+  nlohmann::json provenance_;
+};
+
+/// Writes a sweep.
+class SweepFolder {
+ public:
+  /// As OutputFolder.
+  SweepFolder(std::filesystem::path path, bool overwrite, std::string command);
+
+  /// Begins the sweep that `description` says, or goes on with it: then it is returned as it is on disk. Throws
+  /// InvalidInput if the folder holds anything else and must not be overwritten; as OutputFolder::open() otherwise.
+  std::optional<SweepOnDisk> begin(const nlohmann::json& description, const nlohmann::json& provenance);
+
+  /// The next row. Throws RuntimeFault if it cannot be written.
+  void keep(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes);
+
+  /// Says how the sweep ended: status.json, and sweep.csv and sweep.json with the rows that there are. Throws
+  /// RuntimeFault if they cannot be written.
+  void finish(pusht::ExitCode code, const std::string& reason);
+
+  const std::vector<nlohmann::json>& rows() const { return rows_; }
+
+  /// Where the sweep keeps its reference until it is finished, if it has no other cache.
+  std::filesystem::path referencePath() const { return path() / "reference"; }
+
+  const std::filesystem::path& path() const { return folder_.path(); }
+
+ private:
+  bool holdsResults() const;
+  void clear() const;
+  void writeTables() const;
+
+  OutputFolder folder_;
+  bool overwrite_;
+  nlohmann::json description_;
+  std::vector<nlohmann::json> rows_;  // metrics.json of each
+};
+
+/// Where two objects differ first, with both values: "/seed is 1, must be 0". Empty if they do not.
+std::string firstDifference(const nlohmann::json& found, const nlohmann::json& wanted);
+
+}  // namespace sim2sim

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/sweep_folder.hpp"
+
+#include <array>
+#include <system_error>
+#include <utility>
+
+#include "pusht_task/files.hpp"
+#include "pusht_task/numbers.hpp"
+#include "sim2sim_eval/statistics.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kSweepJson = "sweep.json";
+constexpr const char* kSweepCsv = "sweep.csv";
+constexpr const char* kRows = "rows";
+constexpr const char* kMetrics = "metrics.json";
+constexpr const char* kEpisodes = "episodes.csv";
+constexpr const char* kProvenance = "provenance.json";
+constexpr const char* kStatus = "status.json";
+constexpr std::array<const char*, 8> kResults = {kSweepJson, kSweepCsv, kRows,       kMetrics,
+                                                 kEpisodes,  kStatus,   "reference", kProvenance};
+
+constexpr std::size_t kTablesWritten = 100;  // in the course of a sweep, about
+
+/// rows/007
+fs::path rowPath(const fs::path& folder, std::size_t index) {
+  constexpr std::size_t kDigits = 3;
+  std::string name = std::to_string(index);
+  name.insert(0, kDigits - std::min(name.size(), kDigits), '0');
+  return folder / kRows / name;
+}
+
+json parsedFile(const fs::path& path, const std::string& what) {
+  json parsed = json::parse(pusht::readFile(path, what), nullptr, false);
+  if (!parsed.is_object()) {
+    throw pusht::InvalidInput(what + " " + path.string() + ": must be a JSON object");
+  }
+  return parsed;
+}
+
+/// A cell of sweep.csv.
+std::string csvCell(const json& value) {
+  return value.is_number_float() ? pusht::shortestText(value.get<double>()) : value.is_null() ? "" : value.dump();
+}
+
+/// The columns of sweep.csv after the row's number: each a name and a value of the row's metrics.
+std::vector<std::pair<std::string, json>> columns(const json& metrics) {
+  std::vector<std::pair<std::string, json>> columns;
+  for (const auto& [knob, value] : metrics.at("knobs").items()) {
+    columns.emplace_back(knob, value);
+  }
+  columns.emplace_back("episodes", metrics.at("episodes"));
+  const auto add = [&](const char* name, const char* interval = nullptr) {
+    columns.emplace_back(name, metrics.at(name));
+    if (interval != nullptr) {
+      const json& bounds = metrics.at(interval);
+      columns.emplace_back(std::string(name) + "_low", bounds.is_null() ? json() : bounds.at(0));
+      columns.emplace_back(std::string(name) + "_high", bounds.is_null() ? json() : bounds.at(1));
+    }
+  };
+  add("mj_successes");
+  add("mj_success_rate", "mj_success_interval");
+  add("engine_successes");
+  add("engine_success_rate", "engine_success_interval");
+  add("transfer");
+  add("mean_pos_divergence_m", "mean_pos_divergence_interval_m");
+  add("mean_ang_divergence_rad", "mean_ang_divergence_interval_rad");
+  return columns;
+}
+
+std::string sweepCsv(const std::vector<json>& rows) {
+  std::string csv;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::string head = "row";
+    std::string line = std::to_string(i);
+    for (const auto& [name, value] : columns(rows[i])) {
+      head += "," + name;
+      line += "," + csvCell(value);
+    }
+    csv += (i == 0 ? head + "\n" : "") + line + "\n";
+  }
+  return csv;
+}
+
+}  // namespace
+
+SweepOnDisk::SweepOnDisk(fs::path folder) : folder_(std::move(folder)) {
+  const fs::path file = folder_ / kSweepJson;
+  description_ = parsedFile(file, "sweep").value("sweep", json());
+  if (!description_.is_object()) {
+    throw pusht::InvalidInput("sweep " + file.string() + ": must say what it is under \"sweep\"");
+  }
+  provenance_ = parsedFile(folder_ / kProvenance, "provenance");
+}
+
+std::optional<std::vector<EpisodeResult>> SweepOnDisk::row(std::size_t index,
+                                                           const RunConfiguration& configuration) const {
+  const fs::path path = rowPath(folder_, index);
+  std::error_code ignored;
+  if (!fs::exists(path / kMetrics, ignored)) {  // it is written last
+    return std::nullopt;
+  }
+  const auto refuse = [&](const char* file, const std::string& why) {
+    throw pusht::BadDependency("row " + (path / file).string() + ": " + why + "; delete the row to have it run again");
+  };
+  std::vector<EpisodeResult> episodes;
+  try {
+    episodes = episodesFromCsv(pusht::readFile(path / kEpisodes, "row"));
+  } catch (const pusht::InvalidInput& error) {
+    refuse(kEpisodes, error.what());
+  }
+  const Protocol& protocol = configuration.protocol;
+  bool as_asked = static_cast<int>(episodes.size()) == protocol.episodes;
+  for (std::size_t i = 0; as_asked && i < episodes.size(); ++i) {
+    const int episode = protocol.first_episode + static_cast<int>(i);
+    as_asked = episodes[i].index == episode && episodes[i].seed == protocol.spawnSeed(episode);
+  }
+  if (!as_asked) {
+    refuse(kEpisodes, "must hold episodes " + std::to_string(protocol.first_episode) + " to " +
+                          std::to_string(protocol.lastEpisode()) + " of seed " + std::to_string(protocol.seed));
+  }
+  if (pusht::readFile(path / kMetrics, "row") != jsonText(metrics(configuration, summarize(episodes)))) {
+    refuse(kMetrics, "does not say what its episodes say");
+  }
+  return episodes;
+}
+
+SweepFolder::SweepFolder(fs::path path, bool overwrite, std::string command)
+    : folder_(std::move(path), std::move(command)), overwrite_(overwrite) {}
+
+std::optional<SweepOnDisk> SweepFolder::begin(const json& description, const json& provenance) {
+  description_ = description;
+  folder_.open();
+  std::error_code ignored;
+  if (overwrite_) {
+    clear();
+  } else if (fs::exists(path() / kSweepJson, ignored)) {
+    SweepOnDisk begun(path());
+    std::string difference = firstDifference(begun.description(), description);
+    if (difference.empty()) {
+      difference = firstDifference(begun.provenance().value("software", json()), provenance.at("software"));
+    }
+    if (!difference.empty()) {
+      throw pusht::InvalidInput("out " + path().string() + ": holds another sweep (" + difference +
+                                "); name another folder or allow to overwrite");
+    }
+    return begun;
+  } else if (holdsResults()) {
+    throw pusht::InvalidInput("out " + path().string() +
+                              ": holds results of something else; name another folder or allow to overwrite");
+  }
+  pusht::writeFile(path() / kProvenance, jsonText(provenance));
+  writeTables();
+  return std::nullopt;
+}
+
+void SweepFolder::keep(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes) {
+  const fs::path row = rowPath(path(), rows_.size());
+  const json row_metrics = metrics(configuration, summarize(episodes));
+  std::error_code ignored;
+  if (!fs::exists(row / kMetrics, ignored)) {
+    std::error_code error;
+    fs::create_directories(row, error);
+    if (error) {
+      throw pusht::RuntimeFault("cannot create " + row.string() + ": " + error.message());
+    }
+    pusht::writeFile(row / kEpisodes, episodesCsv(episodes));
+    pusht::writeFile(row / kMetrics, jsonText(row_metrics));
+  }
+  rows_.push_back(row_metrics);
+  const std::size_t rows = description_.at("rows").size();
+  if (rows_.size() % (rows / kTablesWritten + 1) == 0) {
+    writeTables();
+  }
+}
+
+void SweepFolder::finish(pusht::ExitCode code, const std::string& reason) {
+  writeTables();
+  pusht::writeFile(path() / kStatus, jsonText({{"exit_code", static_cast<int>(code)},
+                                               {"reason", reason},
+                                               {"rows_finished", rows_.size()},
+                                               {"rows", description_.at("rows").size()}}));
+}
+
+bool SweepFolder::holdsResults() const {
+  return std::any_of(kResults.begin(), kResults.end(), [&](const char* name) {
+    std::error_code ignored;
+    return fs::exists(path() / name, ignored);
+  });
+}
+
+void SweepFolder::clear() const {
+  for (const char* name : kResults) {
+    std::error_code error;
+    fs::remove_all(path() / name, error);
+    if (error) {
+      throw pusht::RuntimeFault("cannot replace " + (path() / name).string() + ": " + error.message());
+    }
+  }
+}
+
+void SweepFolder::writeTables() const {
+  pusht::writeFile(path() / kSweepCsv, sweepCsv(rows_));
+  pusht::writeFile(path() / kSweepJson, jsonText({{"sweep", description_}, {"rows", rows_}}));
+}
+
+std::string firstDifference(const json& found, const json& wanted) {
+  const json difference = json::diff(found, wanted);
+  if (difference.empty()) {
+    return "";
+  }
+  const json::json_pointer place(difference[0].at("path").get<std::string>());
+  const auto textAt = [&](const json& object) { return object.contains(place) ? object.at(place).dump() : "nothing"; };
+  return place.to_string() + " is " + textAt(found) + ", must be " + textAt(wanted);
+}
+
+}  // namespace sim2sim

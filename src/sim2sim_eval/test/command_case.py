@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs commands as a user does, for tests."""
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Set
+
+from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
+
+DEADLINE = 120.0  # s, for one command
+
+
+def executable(package: str, name: str) -> str:
+    """An executable of a package, in the devel or the install space."""
+    found: List[str] = find_in_workspaces(["libexec"], package, name, first_match_only=True)
+    assert found, f"{package} has no executable {name}"
+    return found[0]
+
+
+class CommandCase(unittest.TestCase):
+    """Runs commands in a folder of its own."""
+
+    deadline = DEADLINE
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def run_command(
+        self,
+        *command: str,
+        environment: Optional[Dict[str, str]] = None,
+        deadline: Optional[float] = None,
+    ) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run(
+            command,
+            cwd=self.folder,
+            env={**os.environ, **(environment or {})},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=deadline or self.deadline,
+        )
+
+    def assert_one_line(
+        self, process: "subprocess.CompletedProcess[str]", code: int, command: str
+    ) -> None:
+        self.assertEqual(process.returncode, code, process.stderr)
+        self.assertEqual(process.stderr.count("\n"), 1, process.stderr)
+        self.assertTrue(process.stderr.startswith(f"{command}: "), process.stderr)
+
+    def files(self, out: str) -> Set[str]:
+        return {file.name for file in (self.folder / out).iterdir()}
+
+    def load(self, out: str, name: str) -> Dict[str, Any]:
+        content: Dict[str, Any] = json.loads((self.folder / out / name).read_text())
+        return content
+
+    def result_bytes(self, out: str) -> bytes:
+        """What the determinism contract covers."""
+        return b"".join(
+            (self.folder / out / f).read_bytes() for f in ("metrics.json", "episodes.csv")
+        )
+
+    def write(self, name: str, content: bytes) -> str:
+        path = self.folder / name
+        path.write_bytes(content)
+        return str(path)

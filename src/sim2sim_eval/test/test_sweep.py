@@ -1,0 +1,317 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Sweeps, their shards and the reference they share, as a user meets them."""
+
+import fcntl
+import json
+import os
+import shutil
+import signal
+import subprocess
+import unittest
+from pathlib import Path
+from typing import Dict, List
+
+from command_case import CommandCase, executable
+
+SWEEP = executable("sim2sim_eval", "sweep")
+MERGE = executable("sim2sim_eval", "merge")
+COMPARE = executable("sim2sim_eval", "compare")
+PLOT = executable("sim2sim_eval", "plot_sweep")
+
+# Short, and yet with successes in both worlds: the expert solves the task in about half the horizon.
+PLAN = """
+policy: expert
+episodes: 7
+horizon: 150
+grid:
+  block_damp: [6, 20]
+  pusher_mass: [4, 1.5]
+"""
+
+
+class SweepCase(CommandCase):
+    def sweep(self, *arguments: str, plan: str = PLAN) -> "subprocess.CompletedProcess[str]":
+        return self.run_command(SWEEP, self.plan(plan), *arguments)
+
+    def plan(self, text: str) -> str:
+        return self.write("plan.yaml", text.encode())
+
+    def finished(self, out: str, *arguments: str, plan: str = PLAN) -> Dict[str, bytes]:
+        """What a sweep that must succeed has written, its provenance aside."""
+        process = self.sweep(*arguments, "--out", out, plan=plan)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        return self.results(out)
+
+    def results(self, out: str) -> Dict[str, bytes]:
+        files = [file for file in (self.folder / out).rglob("*") if file.is_file()]
+        return {
+            str(file.relative_to(self.folder / out)): file.read_bytes()
+            for file in files
+            if file.name != "provenance.json"
+        }
+
+    def refused(self, code: int, process: "subprocess.CompletedProcess[str]", name: str) -> str:
+        self.assert_one_line(process, code, name)
+        return process.stderr
+
+    def shards(self, count: int, plan: str = PLAN) -> List[str]:
+        folders = [f"shard-{number}-of-{count}" for number in range(1, count + 1)]
+        for number, folder in enumerate(folders, 1):
+            self.finished(folder, "--shard", f"{number}/{count}", plan=plan)
+        return folders
+
+    def merge(self, *folders: str, out: str = "merged") -> "subprocess.CompletedProcess[str]":
+        return self.run_command(MERGE, *folders, "--out", out)
+
+
+class Rows(SweepCase):
+    def test_rows_are_the_runs_of_compare(self) -> None:
+        plan = "{policy: expert, seed: 3, episodes: 4, rows: [{block_damp: 20}, {pusher_mass: 2}]}"
+        results = self.finished("out", plan=plan)
+        rows = {"rows/000": ["--block_damp", "20"], "rows/001": ["--pusher_mass", "2"]}
+        for row, knobs in rows.items():
+            command = [COMPARE, "--policy", "expert", "--seed", "3", "--episodes", "4", *knobs]
+            self.run_command(*command, "--out", row)
+            self.assertEqual(self.result_bytes(row), self.result_bytes("out/" + row))
+        self.assertEqual(set(self.load("out", "sweep.json")), {"sweep", "rows"})
+        table = results["sweep.csv"].decode().splitlines()
+        self.assertEqual(len(table), 3)
+        self.assertTrue(table[1].startswith("0,40.0,20.0,4.0,4,"), table[1])
+
+    def test_grid_has_every_combination_the_last_knob_fastest(self) -> None:
+        self.finished("out")
+        rows = [row["knobs"] for row in self.load("out", "sweep.json")["rows"]]
+        self.assertEqual(
+            [(row["block_damp"], row["pusher_mass"]) for row in rows],
+            [(6.0, 4.0), (6.0, 1.5), (20.0, 4.0), (20.0, 1.5)],
+        )
+        successes = [row["mj_successes"] for row in self.load("out", "sweep.json")["rows"]]
+        self.assertEqual(len(set(successes)), 1, "the reference knows no knobs")
+        self.assertGreater(successes[0], 0)
+
+    def test_bytes_do_not_depend_on_threads_cache_or_shards(self) -> None:
+        expected = self.finished("one", "--threads", "1")
+        for threads in ("2", "4"):
+            self.assertEqual(self.finished(f"threads-{threads}", "--threads", threads), expected)
+        for temperature in ("cold", "warm"):
+            self.assertEqual(self.finished(temperature, "--reference-cache", "cache"), expected)
+        for count in (1, 3):
+            process = self.merge(*self.shards(count), out=f"merged-{count}")
+            self.assertEqual(process.returncode, 0, process.stderr)
+            self.assertEqual(self.results(f"merged-{count}"), expected)
+
+    def test_compare_and_sweeps_share_their_reference(self) -> None:
+        plan = "{policy: expert, episodes: 3, rows: [{block_damp: 6}]}"
+        self.finished("out", "--reference-cache", "cache", plan=plan)
+        kept = {
+            file: file.stat().st_mtime_ns for file in (self.folder / "cache").rglob("*.reference")
+        }
+        self.assertEqual(len(kept), 3)
+        command = [COMPARE, "--policy", "expert", "--episodes", "3"]
+        self.run_command(*command, "--out", "without")
+        self.run_command(*command, "--out", "with", "--reference-cache", "cache")
+        self.assertEqual(self.result_bytes("with"), self.result_bytes("without"))
+        self.assertEqual(self.result_bytes("with"), self.result_bytes("out/rows/000"))
+        for file, time in kept.items():
+            self.assertEqual(file.stat().st_mtime_ns, time, "rolled out once")
+        next(iter(kept)).write_bytes(b"damaged")
+        process = self.run_command(*command, "--out", "damaged", "--reference-cache", "cache")
+        self.assert_one_line(process, 3, "compare")
+        self.assertIn(next(iter(kept)).name, process.stderr)
+        self.assertFalse((self.folder / "damaged" / "metrics.json").exists())
+
+    def test_plot_shows_a_sweep(self) -> None:
+        self.finished("out")
+        process = self.run_command(PLOT, "out")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertTrue((self.folder / "out" / "sweep.png").read_bytes().startswith(b"\x89PNG"))
+        self.finished("flat", plan="{policy: expert, episodes: 2, horizon: 5, rows: [{}]}")
+        self.assertIn("no knob", self.refused(2, self.run_command(PLOT, "flat"), "plot_sweep"))
+        self.refused(2, self.run_command(PLOT, "none"), "plot_sweep")
+
+
+class Resuming(SweepCase):
+    def test_rows_that_are_finished_are_not_run_again(self) -> None:
+        expected = self.finished("whole")
+        # A row that cannot be written ends the sweep in its midst.
+        blocked = self.folder / "out" / "rows" / "002"
+        blocked.parent.mkdir(parents=True)
+        process = self.sweep("--out", "out")
+        self.assertIn("something else", self.refused(2, process, "sweep"))
+        shutil.rmtree(self.folder / "out")
+        shutil.copytree(self.folder / "whole", self.folder / "out")
+        shutil.rmtree(blocked)
+        blocked.write_text("no folder")
+        self.assertIn("rows/002", self.refused(4, self.sweep("--out", "out"), "sweep"))
+        status = self.load("out", "status.json")
+        self.assertEqual((status["exit_code"], status["rows_finished"]), (4, 2))
+        self.assertEqual(len(self.load("out", "sweep.json")["rows"]), 2)
+
+        blocked.unlink()
+        times = {row: self.time_of(row) for row in ("000", "001", "003")}
+        self.assertEqual(self.finished("out"), expected)
+        self.assertEqual({row: self.time_of(row) for row in times}, times)
+
+    def time_of(self, row: str) -> int:
+        return (self.folder / "out" / "rows" / row / "metrics.json").stat().st_mtime_ns
+
+    def test_interrupted_sweep_goes_on(self) -> None:
+        damps = [1 + row / 2 for row in range(150)]
+        plan = json.dumps({"policy": "expert", "episodes": 4, "grid": {"block_damp": damps}})
+        command = [SWEEP, self.plan(plan), "--out", "out"]
+        with subprocess.Popen(
+            command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        ) as process:
+            assert process.stdout is not None
+            self.assertTrue(process.stdout.readline().startswith("block_damp 1.0: "))
+            process.send_signal(signal.SIGINT)
+            _, said = process.communicate(timeout=self.deadline)
+        self.assertEqual(process.returncode, 4, said)
+        self.assertIn("the same command goes on with it", said)
+        status = self.load("out", "status.json")
+        self.assertEqual((status["exit_code"], status["rows"]), (4, 150))
+        self.assertGreater(status["rows_finished"], 0)
+        self.assertLess(status["rows_finished"], 150)
+        self.assertEqual(self.finished("out", plan=plan), self.finished("whole", plan=plan))
+
+    def test_row_that_is_not_as_it_was_written_is_refused_by_name(self) -> None:
+        self.finished("out")
+        episodes = self.folder / "out" / "rows" / "001" / "episodes.csv"
+        whole = episodes.read_text()
+        for text in (
+            whole.replace("true", "false", 1),
+            whole[:-20],
+            whole.replace("10003", "10004"),
+        ):
+            episodes.write_text(text)
+            refusal = self.refused(3, self.sweep("--out", "out"), "sweep")
+            self.assertIn("rows/001/", refusal)
+            self.assertIn("delete the row", refusal)
+
+    def test_folder_of_another_sweep_is_refused(self) -> None:
+        self.finished("out")
+        other = PLAN.replace("episodes: 7", "episodes: 8")
+        refusal = self.refused(2, self.sweep("--out", "out", plan=other), "sweep")
+        self.assertIn("/episodes is 7, must be 8", refusal)
+        again = self.finished("out", "--overwrite", plan=other)
+        self.assertEqual(again, self.finished("fresh", plan=other))
+
+    def test_folder_of_a_comparison_is_refused(self) -> None:
+        self.run_command(COMPARE, "--smoke", "--out", "out")
+        self.assertIn("something else", self.refused(2, self.sweep("--out", "out"), "sweep"))
+
+
+class Shards(SweepCase):
+    def test_missing_and_double_shards_are_named(self) -> None:
+        folders = self.shards(3)
+        self.assertIn("2/3: are missing", self.bad_merge(folders[0], folders[2]))
+        self.assertIn("are both 2/3", self.bad_merge(*folders, folders[1]))
+        self.assertFalse((self.folder / "merged").exists())
+
+    def test_foreign_shards_are_named(self) -> None:
+        first, second = self.shards(2)
+        foreign = PLAN.replace("policy: expert", "policy: fresh-untrained")
+        self.finished("foreign", "--shard", "2/2", plan=foreign)
+        refusal = self.bad_merge(first, "foreign")
+        self.assertIn("foreign: is of another sweep", refusal)
+        self.assertIn("inputs/policy", refusal)
+        self.finished("third", "--shard", "3/3")
+        self.assertIn("third: is of another sweep", self.bad_merge(first, second, "third"))
+        self.finished("whole")
+        self.assertIn("whole: is a sweep in one piece", self.bad_merge("whole"))
+
+        provenance = self.folder / second / "provenance.json"
+        changed = json.loads(provenance.read_text())
+        changed["software"]["mujoco"] = "9.9.9"
+        provenance.write_text(json.dumps(changed))
+        self.assertIn('/mujoco is "9.9.9"', self.bad_merge(first, second))
+
+    def test_unfinished_and_damaged_shards_are_named(self) -> None:
+        first, second = self.shards(2)
+        row = self.folder / second / "rows" / "003"
+        episodes = (row / "episodes.csv").read_text()
+        (row / "episodes.csv").write_text(episodes.replace("true", "false", 1))
+        self.assertIn(f"{second}/rows/003/", self.bad_merge(first, second))
+        shutil.rmtree(row)
+        shutil.rmtree(self.folder / "merged")
+        self.assertIn(f"shard {second}: row 3 is not finished", self.bad_merge(first, second))
+
+    def bad_merge(self, *folders: str) -> str:
+        return self.refused(3, self.merge(*folders), "merge")
+
+    def test_more_shards_than_episodes_are_refused(self) -> None:
+        refusal = self.refused(2, self.sweep("--out", "out", "--shard", "8/8"), "sweep")
+        self.assertIn("at least as many episodes as shards", refusal)
+        for text in ("0/3", "4/3", "1", "a/b", "1/3x", "-1/3"):
+            refusal = self.refused(2, self.sweep("--out", "out", f"--shard={text}"), "sweep")
+            self.assertIn(f"shard '{text}': must be I/N", refusal)
+
+
+class BadPlans(SweepCase):
+    def test_refused_by_name_line_and_rule(self) -> None:
+        plans: Dict[str, str] = {
+            "": "must map keys to values",
+            "grid: [": "must be YAML",
+            "episodes: 5": "must have either grid or rows",
+            "{grid: {block_damp: [1]}, rows: [{}]}": "must have either grid or rows",
+            "grid:\n  block_dump: [1]": "line 2, block_dump: there is no such knob; there are pusher",
+            "grid:\n  block_damp: 1": "line 2, block_damp: must be a list",
+            "grid:\n  block_damp: [1, -2]": "line 2: block_damp -2.0: must be finite and >= 0",
+            "grid:\n  block_damp: [1, .nan]": "line 2, block_damp",
+            "grid:\n  block_damp: [010x]": "line 2, block_damp",
+            "grid: {}": "line 1, grid: must map knobs to lists",
+            "rows: []": "line 1, rows: must be a list of settings",
+            "rows: [{}, {block_damp: 6.0}]": "block_damp 6.0, baumgarte 40.0 must be there once only",
+            "episodez: 5\nrows: [{}]": "line 1, episodez: there is no such key; there are policy",
+            "episodes: 5\nepisodes: 6\nrows: [{}]": "line 2, episodes: must be there once only",
+            "episodes: 0\nrows: [{}]": "episodes 0: must be from 1 to 1000000",
+            "episodes: 5.5\nrows: [{}]": "line 1, episodes: '5.5' must be a decimal integer",
+            "seed: -1\nrows: [{}]": "line 1, seed: '-1' must be a decimal integer",
+            "horizon: 301\nrows: [{}]": "horizon 301: must be from 1 to 300",
+            "policy: none.pt\nrows: [{}]": "policy none.pt: must be a readable file",
+            "scene: none.xml\nrows: [{}]": "none.xml",
+            "policy: [a]\nrows: [{}]": "line 1, policy: must be a single value",
+        }
+        for plan, rule in plans.items():
+            with self.subTest(plan=plan):
+                refusal = self.refused(2, self.sweep("--out", "out", plan=plan), "sweep")
+                self.assertIn(rule, refusal)
+                self.assertFalse((self.folder / "out").exists(), "nothing is begun")
+
+    def test_no_plan_and_bad_options(self) -> None:
+        self.refused(2, self.run_command(SWEEP), "sweep")
+        self.refused(2, self.run_command(SWEEP, "none.yaml"), "sweep")
+        for threads in ("0", "-1", "two", "1.5"):
+            self.refused(2, self.sweep("--threads", threads, "--out", "out"), "sweep")
+        self.refused(2, self.run_command(MERGE), "merge")
+        self.refused(2, self.merge("none"), "merge")
+
+
+class Faults(SweepCase):
+    def test_disk_full(self) -> None:
+        """A file that cannot grow beyond 2 kB stands for a full disk."""
+        command = f'ulimit -f 2; exec "{SWEEP}" "{self.plan(PLAN)}" --out out'
+        process = self.run_command("bash", "-c", command)
+        self.assertIn("cannot write", self.refused(4, process, "sweep"))
+        left: List[Path] = list((self.folder / "out").rglob("*.part"))
+        self.assertEqual(left, [])
+
+    def test_knob_that_makes_the_engine_leave_the_finite_numbers(self) -> None:
+        plan = "{policy: expert, episodes: 2, rows: [{baumgarte: 40}, {baumgarte: 1.0e200}]}"
+        process = self.sweep("--out", "out", plan=plan)
+        refusal = self.refused(4, process, "sweep")
+        self.assertIn("engine_closed", refusal)
+        self.assertIn("left the finite numbers", refusal)
+        self.assertEqual(self.load("out", "status.json")["rows_finished"], 1)
+
+    def test_two_at_once_in_one_folder(self) -> None:
+        (self.folder / "out").mkdir()
+        descriptor = os.open(self.folder / "out", os.O_RDONLY)
+        self.addCleanup(os.close, descriptor)
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        self.assertIn("in use", self.refused(2, self.sweep("--out", "out"), "sweep"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""sweep_dask as a user meets it: the bytes of a plain sweep, whatever happens to its workers."""
+
+import os
+import select
+import shutil
+import signal
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Dict, List
+
+from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
+
+DEADLINE = 120  # s, for one command
+SHARDS = 6
+
+CONFIG = """
+policy: fresh-untrained
+episodes: 6
+horizon: 40
+grid: {block_damp: [2, 6]}
+"""
+
+# Instead of rosrun: the first shard tells which worker runs it, and ends only with it.
+STOP_FIRST_SHARD = """#!/bin/sh
+if [ "$2" = sweep ] && mkdir {folder}/begun 2>/dev/null; then
+  exec 3>{folder}/started
+  echo $PPID >&3
+  read -r _ <{folder}/never
+fi
+exec {rosrun} "$@"
+"""
+
+# The same: shard 1 fails so many times.
+FAIL_SHARD = """#!/bin/sh
+case "$*" in
+  *"--shard 1/"*)
+    for try in {tries}; do
+      mkdir {folder}/try-$try 2>/dev/null && echo "sweep: disk full" >&2 && exit 4
+    done
+esac
+exec {rosrun} "$@"
+"""
+
+
+def executable(name: str) -> str:
+    """An executable of the package, in the devel or the install space."""
+    found: List[str] = find_in_workspaces(["libexec"], "sim2sim_eval", name, first_match_only=True)
+    assert found, f"sim2sim_eval has no executable {name}"
+    return found[0]
+
+
+SWEEP = executable("sweep")
+SWEEP_DASK = executable("sweep_dask")
+
+
+class SweepDask(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name, "results")
+        self.hooks = Path(folder.name, "hooks")
+        self.folder.mkdir()
+        self.hooks.mkdir()
+        self.config(CONFIG)
+
+    def test_bytes_are_those_of_a_plain_sweep(self) -> None:
+        self.finish(self.start())
+        self.assert_plain_bytes()
+
+    def test_worker_that_is_killed(self) -> None:
+        started = self.stop_first_shard()
+        process = self.start()
+        worker = int(self.read(started))
+        os.kill(worker, signal.SIGKILL)
+        self.assertEqual(self.read(started), b"", "the command must end with its worker")
+        self.finish(process)
+        self.assert_plain_bytes()
+
+    def test_interrupt(self) -> None:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            started = self.stop_first_shard()
+            process = self.start()
+            self.read(started)
+            process.send_signal(number)
+            self.assertIn("interrupted", self.fail_with(4, process))
+            self.assertEqual(self.read(started), b"", "no command may be left")
+            self.hooks.joinpath("begun").rmdir()
+
+    def test_command_that_refuses_its_input(self) -> None:
+        self.config("rows: [{block_damp: -1}]")
+        line = self.fail_with(2, self.start())
+        self.assertRegex(line, r"shard \d/6: sweep: .*block_damp -1")
+
+    def test_transient_failure_is_tried_again_twice(self) -> None:
+        self.hook(FAIL_SHARD, tries="1 2")
+        self.finish(self.start())
+        self.assert_plain_bytes()
+        shutil.rmtree(self.folder / "out")
+        self.hook(FAIL_SHARD, tries="3 4 5")
+        line = self.fail_with(4, self.start())
+        self.assertEqual(line, "sweep-dask: shard 1/6: sweep: disk full\n")
+
+    def test_bad_arguments(self) -> None:
+        for arguments, named in (
+            (["--shards", "0"], "'0': must be an integer of at least 1"),
+            (["--workers", "two"], "'two': must be an integer"),
+            (["--scheduler", "nowhere"], "'nowhere': must be tcp://HOST:PORT"),
+        ):
+            self.assertIn(named, self.fail_with(2, self.start(*arguments)))
+        self.folder.joinpath("sweep.yaml").unlink()
+        self.assertIn("sweep.yaml: No such file", self.fail_with(2, self.start()))
+
+    def test_results_are_not_overwritten_unless_told_to(self) -> None:
+        self.finish(self.start())
+        before = self.result_bytes("out")
+        process = self.start()
+        _, line = process.communicate(timeout=DEADLINE)
+        self.assertEqual(process.returncode, 2, line)
+        self.assertIn("holds results (sweep.csv)", line)
+        self.assertEqual(self.result_bytes("out"), before)
+        self.config(CONFIG + "seed: 1\n")
+        self.finish(self.start("--overwrite"))
+        self.assertNotEqual(self.result_bytes("out"), before)
+
+    def config(self, text: str) -> None:
+        self.folder.joinpath("sweep.yaml").write_text(text)
+
+    def hook(self, script: str, **values: str) -> None:
+        """Puts `script` before rosrun."""
+        rosrun = self.hooks / "rosrun"
+        rosrun.write_text(script.format(folder=self.hooks, rosrun=shutil.which("rosrun"), **values))
+        rosrun.chmod(0o755)
+
+    def stop_first_shard(self) -> int:
+        """Gives what tells its worker, and then its end."""
+        self.hook(STOP_FIRST_SHARD)
+        for name in ("started", "never"):
+            if not self.hooks.joinpath(name).exists():
+                os.mkfifo(self.hooks / name)
+        started = os.open(self.hooks / "started", os.O_RDONLY | os.O_NONBLOCK)
+        self.addCleanup(os.close, started)
+        return started
+
+    def read(self, pipe: int) -> bytes:
+        readable, _, _ = select.select([pipe], [], [], DEADLINE)
+        self.assertTrue(readable, "nothing came in time")
+        return os.read(pipe, 100)
+
+    def start(self, *arguments: str) -> "subprocess.Popen[str]":
+        command = [SWEEP_DASK, "sweep.yaml", "--out", "out", *arguments]
+        for name, value in (("--workers", "2"), ("--shards", str(SHARDS))):
+            if name not in command and "--scheduler" not in command:
+                command += [name, value]
+        process = subprocess.Popen(
+            command,
+            cwd=self.folder,
+            env={**os.environ, "PATH": f"{self.hooks}:{os.environ['PATH']}"},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        return process
+
+    def finish(self, process: "subprocess.Popen[str]") -> None:
+        """A sweep that must succeed, and leave nothing but its results."""
+        _, said = process.communicate(timeout=DEADLINE)
+        self.assertEqual((process.returncode, said), (0, ""))
+        self.assert_files("out", "sweep.yaml")
+
+    def fail_with(self, code: int, process: "subprocess.Popen[str]") -> str:
+        """The one line of a sweep that must fail, and leave nothing."""
+        _, line = process.communicate(timeout=DEADLINE)
+        self.assertEqual(process.returncode, code, line)
+        self.assertEqual(line.count("\n"), 1, line)
+        self.assertTrue(line.startswith("sweep-dask: "), line)
+        self.assert_files("sweep.yaml")
+        return line
+
+    def assert_files(self, *names: str) -> None:
+        found = {path.name for path in self.folder.iterdir()} | {"sweep.yaml"}
+        self.assertEqual(found, {*names, "sweep.yaml"})
+
+    def assert_plain_bytes(self) -> None:
+        plain = self.folder / "plain"
+        subprocess.run(
+            [SWEEP, "sweep.yaml", "--out", "plain", "--threads", "1"],
+            cwd=self.folder,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            timeout=DEADLINE,
+            check=True,
+        )
+        self.assertEqual(self.result_bytes("out"), self.result_bytes("plain"))
+        shutil.rmtree(plain)
+
+    def result_bytes(self, out: str) -> Dict[str, bytes]:
+        """What the determinism contract covers."""
+        folder = self.folder / out
+        files = [folder / "sweep.csv", folder / "sweep.json", *folder.glob("rows/*/*")]
+        self.assertGreater(len(files), 4)
+        return {str(file.relative_to(folder)): file.read_bytes() for file in files}
+
+
+if __name__ == "__main__":
+    unittest.main()

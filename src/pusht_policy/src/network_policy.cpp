@@ -75,6 +75,25 @@ void requireProvenance(const std::filesystem::path& path, const std::string& nam
   }
 }
 
+/// A checkpoint that has been read and tried out. Throws as NetworkPolicy::load() does.
+struct Checkpoint {
+  explicit Checkpoint(const std::filesystem::path& path) {
+    const std::string name = "policy " + path.string();
+    const std::string bytes = readFile(path, "policy");
+    hash = sha256(bytes);
+    requireProvenance(path, name, hash);
+    network = std::make_unique<TorchNetwork>(bytes, name);
+    actions = tryOut(*network, name);
+    if (tryOut(*network, name) != actions) {
+      throw BadDependency(name + ": must act the same on the same observation, but has a memory or is random");
+    }
+  }
+
+  std::string hash;
+  std::unique_ptr<TorchNetwork> network;
+  std::vector<Action> actions;  // on the probes
+};
+
 /// Throws UnfitForKernel unless the kernel does to the probes what libtorch did.
 void requireAgreement(NetworkKernel& kernel, const std::vector<Action>& expected) {
   const std::vector<Observation> inputs = probes();
@@ -118,22 +137,21 @@ std::unique_ptr<NetworkPolicy> NetworkPolicy::clone() const {
 }
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& path, InstructionSet instruction_set) {
-  const std::string name = "policy " + path.string();
-  const std::string bytes = readFile(path, "policy");
-  const std::string hash = sha256(bytes);
-  requireProvenance(path, name, hash);
-  auto network = std::make_unique<TorchNetwork>(bytes, name);
-  const std::vector<Action> actions = tryOut(*network, name);
-  if (tryOut(*network, name) != actions) {
-    throw BadDependency(name + ": must act the same on the same observation, but has a memory or is random");
-  }
+  Checkpoint checkpoint(path);
   try {
-    auto kernel = std::make_unique<NetworkKernel>(kInputs, network->operations(), instruction_set);
-    requireAgreement(*kernel, actions);
-    return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(hash, std::move(kernel)));
+    auto kernel = std::make_unique<NetworkKernel>(kInputs, checkpoint.network->operations(), instruction_set);
+    requireAgreement(*kernel, checkpoint.actions);
+    return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(checkpoint.hash, std::move(kernel)));
   } catch (const UnfitForKernel& error) {
-    return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(hash, std::move(network), error.what()));
+    return std::unique_ptr<NetworkPolicy>(
+        new NetworkPolicy(checkpoint.hash, std::move(checkpoint.network), error.what()));
   }
+}
+
+std::unique_ptr<NetworkPolicy> NetworkPolicy::loadOnLibtorch(const std::filesystem::path& path) {
+  Checkpoint checkpoint(path);
+  return std::unique_ptr<NetworkPolicy>(
+      new NetworkPolicy(checkpoint.hash, std::move(checkpoint.network), "asked for on libtorch"));
 }
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::untrained(std::uint64_t seed) {

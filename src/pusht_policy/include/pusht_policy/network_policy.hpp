@@ -43,6 +43,9 @@ class NetworkPolicy : public Policy {
   static std::unique_ptr<NetworkPolicy> load(const std::filesystem::path& path,
                                              InstructionSet instruction_set = availableInstructionSets().back());
 
+  /// The same on libtorch, even if the kernel could run it: a yardstick.
+  static std::unique_ptr<NetworkPolicy> loadOnLibtorch(const std::filesystem::path& path);
+
   /// The course's stand-in where there is no checkpoint: 10-64-64-2, ReLU, tanh, with torch's initial weights for
   /// `seed`. Seeds torch's global generator.
   static std::unique_ptr<NetworkPolicy> untrained(std::uint64_t seed);

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Times the pieces of the protocol, each alone: engine, reference, policy, service, bag.
+#include <benchmark/benchmark.h>
+#include <pusht_msgs/Describe.h>
+#include <pusht_msgs/Divergence.h>
+#include <ros/ros.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bare_mujoco.hpp"
+#include "pusht_engine/two_mass_engine.hpp"
+#include "pusht_mujoco/mujoco_world.hpp"
+#include "pusht_policy/network_policy.hpp"
+#include "pusht_task/constants.hpp"
+#include "pusht_task/error.hpp"
+#include "pusht_task/rollout.hpp"
+#include "pusht_task/ros/bag_file.hpp"
+#include "pusht_task/ros/installed_file.hpp"
+#include "pusht_task/spawn.hpp"
+#include "pusht_task/testing/temporary_folder.hpp"
+#include "sim2sim_eval/protocol.hpp"
+
+namespace {
+
+using benchmark::State;
+using pusht::two_mass::kLaneCount;
+
+// ---- Engine
+
+/// Into the notch between bar and stem, where the pusher stays: two contacts, nearly always.
+pusht::Action push(const pusht::WorldState& state) {
+  constexpr double kCentre = pusht::kStemOffset * pusht::kStemMass / (pusht::kBarMass + pusht::kStemMass);  // [m]
+  const Eigen::Vector2d centre =
+      state.tee_position + kCentre * Eigen::Vector2d(std::sin(state.tee_yaw), -std::cos(state.tee_yaw));
+  const Eigen::Vector2d way = (centre - state.pusher_position).normalized();
+  return {static_cast<float>(way.x()), static_cast<float>(way.y())};
+}
+
+/// What a world is put through: pushed all the time, or the pusher at rest and out of reach.
+pusht::Trace scenario(bool contact, std::uint64_t seed) {
+  pusht::WorldState start = pusht::spawn(seed);
+  if (!contact) {
+    start.pusher_position.x() = 10.0;
+  }
+  pusht::TwoMassEngine engine;
+  pusht::Rollout rollout = pusht::begin(engine, start);
+  while (rollout.steps() < pusht::kHorizon) {
+    pusht::advance(rollout, engine, contact ? push(engine.state()) : pusht::Action{});
+  }
+  return rollout.trace();
+}
+
+void engineSteps(State& state) {
+  const pusht::Trace trace = scenario(state.range(0) != 0, 0);
+  pusht::TwoMassEngine engine;
+  for ([[maybe_unused]] auto _ : state) {
+    engine.reset(trace.states.front());
+    for (const pusht::Action& action : trace.actions) {
+      engine.step(action);
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * pusht::kHorizon);
+}
+BENCHMARK(engineSteps)->Name("engine/free")->Arg(0);
+BENCHMARK(engineSteps)->Name("engine/contact")->Arg(1);
+
+void engineLanes(State& state) {
+  std::vector<pusht::Trace> traces;
+  for (int lane = 0; lane < kLaneCount; ++lane) {
+    traces.push_back(scenario(state.range(0) != 0, lane));
+  }
+  pusht::TwoMassLanes engine(kLaneCount);
+  std::vector<std::optional<pusht::Action>> actions(kLaneCount);
+  for ([[maybe_unused]] auto _ : state) {
+    for (int lane = 0; lane < kLaneCount; ++lane) {
+      engine.reset(lane, traces[lane].states.front());
+    }
+    for (int step = 0; step < pusht::kHorizon; ++step) {
+      for (int lane = 0; lane < kLaneCount; ++lane) {
+        actions[lane] = traces[lane].actions[step];
+      }
+      engine.step(actions);
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * pusht::kHorizon * kLaneCount);
+}
+BENCHMARK(engineLanes)->Name("engine_lanes/free")->Arg(0);
+BENCHMARK(engineLanes)->Name("engine_lanes/contact")->Arg(1);
+
+// ---- Reference: what the shipped policy does, by MuJoCo's own calls and through our world
+
+std::shared_ptr<const pusht::MujocoScene> scene() {
+  static const auto scene =
+      std::make_shared<const pusht::MujocoScene>(pusht::installedFile("pusht_mujoco", "scenes/pusht.xml"));
+  return scene;
+}
+
+std::filesystem::path shippedPolicy() { return pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"); }
+
+const std::vector<pusht::Trace>& referenceTraces() {
+  static const std::vector<pusht::Trace> traces = [] {
+    constexpr int kEpisodes = 5;
+    const auto policy = pusht::NetworkPolicy::load(shippedPolicy());
+    pusht::MujocoWorld world(scene());
+    std::vector<pusht::Trace> recorded;
+    for (int seed = 0; seed < kEpisodes; ++seed) {
+      recorded.push_back(pusht::runClosedLoop(world, pusht::spawn(seed), *policy, pusht::kHorizon).trace());
+    }
+    return recorded;
+  }();
+  return traces;
+}
+
+std::int64_t stepsOf(const std::vector<pusht::Trace>& traces) {
+  std::int64_t steps = 0;
+  for (const pusht::Trace& trace : traces) {
+    steps += static_cast<std::int64_t>(trace.steps());
+  }
+  return steps;
+}
+
+void bareMujoco(State& state) {
+  const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(&scene()->model()), mj_deleteData);
+  for ([[maybe_unused]] auto _ : state) {
+    for (const pusht::Trace& trace : referenceTraces()) {
+      sim2sim::stepBareMujoco(scene()->model(), *data, trace);
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * stepsOf(referenceTraces()));
+}
+BENCHMARK(bareMujoco)->Name("mujoco/bare");
+
+void mujocoWorld(State& state) {
+  pusht::MujocoWorld world(scene());
+  for ([[maybe_unused]] auto _ : state) {
+    for (const pusht::Trace& trace : referenceTraces()) {
+      world.reset(trace.states.front());
+      for (const pusht::Action& action : trace.actions) {
+        world.step(action);
+      }
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * stepsOf(referenceTraces()));
+}
+BENCHMARK(mujocoWorld)->Name("mujoco/world");
+
+// ---- Policy
+
+void policyRows(State& state, const std::function<std::unique_ptr<pusht::NetworkPolicy>()>& load) {
+  const auto policy = load();
+  std::vector<pusht::Policy::Query> queries(state.range(0));
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    queries[i] = {pusht::observe(pusht::spawn(i)), nullptr};
+  }
+  std::vector<pusht::Action> actions(queries.size());
+  for ([[maybe_unused]] auto _ : state) {
+    policy->act(queries, actions);
+    benchmark::DoNotOptimize(actions.data());
+  }
+  state.SetItemsProcessed(state.iterations() * state.range(0));
+}
+
+void registerPolicies() {
+  for (const pusht::InstructionSet instruction_set : pusht::availableInstructionSets()) {
+    const auto load = [=] { return pusht::NetworkPolicy::load(shippedPolicy(), instruction_set); };
+    benchmark::RegisterBenchmark((std::string("policy/") + toString(instruction_set)).c_str(), policyRows, load)
+        ->Arg(1)
+        ->Arg(2 * sim2sim::kEpisodesInFlight);
+  }
+  benchmark::RegisterBenchmark("policy/libtorch", policyRows, [] {
+    return pusht::NetworkPolicy::loadOnLibtorch(shippedPolicy());
+  })->Arg(1);
+}
+
+// ---- Bag and service
+
+void bagWrite(State& state) {
+  const pusht::testing::TemporaryFolder folder;
+  pusht::BagFile bag(folder / "messages.bag");
+  pusht_msgs::Divergence message;
+  ros::Time stamp(1.0);
+  for ([[maybe_unused]] auto _ : state) {
+    stamp += ros::Duration(pusht::kControlStep);
+    message.header.stamp = stamp;
+    bag.write("/sim2sim/divergence", stamp, message);
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(bagWrite)->Name("bag/write");
+
+/// Of a node that runs: the smallest service that the engine has.
+void serviceRoundTrip(State& state) {
+  auto client = ros::NodeHandle().serviceClient<pusht_msgs::Describe>("/engine/describe", true);
+  pusht_msgs::Describe describe;
+  for ([[maybe_unused]] auto _ : state) {
+    if (!client.call(describe)) {
+      return state.SkipWithError("no answer from /engine/describe");
+    }
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "pieces", ros::init_options::AnonymousName | ros::init_options::NoSigintHandler);
+  registerPolicies();
+  if (ros::master::check()) {
+    benchmark::RegisterBenchmark("service/round_trip", serviceRoundTrip)->UseRealTime();
+  }
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
+    return static_cast<int>(pusht::ExitCode::kInvalidInput);
+  }
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}

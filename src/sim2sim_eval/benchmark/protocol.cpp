@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Times the whole protocol beside the bare mj_step calls that it contains, in turn, on the same episodes, and what
+// threads, a kept reference and our policy kernel change.
+#include "sim2sim_eval/protocol.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bare_mujoco.hpp"
+#include "pusht_mujoco/mujoco_world.hpp"
+#include "pusht_policy/network_policy.hpp"
+#include "pusht_task/ros/installed_file.hpp"
+#include "pusht_task/spawn.hpp"
+#include "pusht_task/testing/temporary_folder.hpp"
+#include "sim2sim_eval/command_line.hpp"
+#include "sim2sim_eval/provenance.hpp"
+#include "sim2sim_eval/report.hpp"
+#include "sim2sim_eval/setup.hpp"
+
+namespace {
+
+using Scene = std::shared_ptr<const pusht::MujocoScene>;
+
+/// [s] of wall-clock time that `work` takes.
+double timed(const std::function<void()>& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double median(std::vector<double> samples) {
+  std::nth_element(samples.begin(), samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2), samples.end());
+  return samples[samples.size() / 2];
+}
+
+/// The reference rollouts of the protocol: what bare MuJoCo is then made to repeat.
+std::vector<pusht::Trace> referenceTraces(const sim2sim::Protocol& protocol, const Scene& scene,
+                                          pusht::Policy& policy) {
+  pusht::MujocoWorld world(scene);
+  std::vector<pusht::Trace> traces;
+  for (int episode = 0; episode < protocol.episodes; ++episode) {
+    traces.push_back(
+        pusht::runClosedLoop(world, pusht::spawn(protocol.spawnSeed(episode)), policy, protocol.horizon).trace());
+  }
+  return traces;
+}
+
+void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
+  protocol.validate();
+  const auto scene =
+      std::make_shared<const pusht::MujocoScene>(pusht::installedFile("pusht_mujoco", "scenes/pusht.xml"));
+  const auto shipped = pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt");
+  const auto policy = pusht::NetworkPolicy::load(shipped);
+  const auto on_libtorch = pusht::NetworkPolicy::loadOnLibtorch(shipped);
+  const std::vector<pusht::Trace> traces = referenceTraces(protocol, scene, *policy);
+  const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(&scene->model()), mj_deleteData);
+
+  const sim2sim::Setup setup({}, "");
+  pusht::TwoMassParameters other_knobs;
+  other_knobs.block_damp = 20.0;
+  sim2sim::Players with_libtorch = setup.players({});
+  with_libtorch.make_policy = [&] { return on_libtorch->clone(); };
+  const pusht::testing::TemporaryFolder folder;
+  const sim2sim::ReferenceCache references(folder.path(), setup.referenceKey(protocol.horizon));
+  const auto run = [&](const sim2sim::Players& players, int threads, const sim2sim::ReferenceCache* cache) {
+    sim2sim::runProtocol(
+        protocol, players, threads, cache, [](const sim2sim::Episode&) {}, [] { return false; });
+  };
+  run(setup.players({}), 1, &references);  // from here on the reference is kept
+
+  const std::map<std::string, std::function<void()>> works = {
+      {"bare_mj_step",
+       [&] {
+         for (const pusht::Trace& trace : traces) {
+           sim2sim::stepBareMujoco(scene->model(), *data, trace);
+         }
+       }},
+      {"one_thread", [&] { run(setup.players({}), 1, nullptr); }},
+      {"two_threads", [&] { run(setup.players({}), 2, nullptr); }},
+      {"further_knob_value", [&] { run(setup.players(other_knobs), 1, &references); }},
+      {"libtorch", [&] { run(with_libtorch, 1, nullptr); }},
+  };
+  std::map<std::string, std::vector<double>> seconds;
+  for (int i = 0; i < repetitions; ++i) {
+    for (const auto& [name, work] : works) {
+      seconds[name].push_back(timed(work));
+    }
+  }
+  const auto ratio = [&](const char* a, const char* b) {  // of what was timed one after the other
+    std::vector<double> ratios(repetitions);
+    std::transform(seconds[a].begin(), seconds[a].end(), seconds[b].begin(), ratios.begin(), std::divides<>());
+    return median(ratios);
+  };
+
+  nlohmann::json result = {{"episodes", protocol.episodes},
+                           {"repetitions", repetitions},
+                           {"software", sim2sim::buildAndMachine()},
+                           {"blas", policy->info().blas},
+                           {"instruction_set", policy->info().instruction_set},
+                           {"ratios",
+                            {{"protocol_over_bare_mj_step", ratio("one_thread", "bare_mj_step")},
+                             {"one_thread_over_two", ratio("one_thread", "two_threads")},
+                             {"further_knob_value_over_first", ratio("further_knob_value", "one_thread")},
+                             {"libtorch_over_kernel", ratio("libtorch", "one_thread")}}}};
+  for (const auto& [name, samples] : seconds) {
+    result["seconds"][name] = median(samples);
+  }
+  std::size_t steps = 0;
+  for (const pusht::Trace& trace : traces) {
+    steps += trace.steps();
+  }
+  result["reference_control_steps"] = steps;
+  std::cout << sim2sim::jsonText(result);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Times the protocol with the shipped policy beside the bare mj_step calls that it contains; prints JSON.",
+      "benchmark_protocol");
+  sim2sim::Protocol protocol;
+  int repetitions = 7;
+  app.add_option("--episodes", protocol.episodes, "number of episodes")
+      ->check(sim2sim::decimalInteger())
+      ->capture_default_str();
+  app.add_option("--repetitions", repetitions, "timed runs of each")->check(CLI::PositiveNumber)->capture_default_str();
+  return sim2sim::runCommand(app, argc, argv, [&] { benchmark(protocol, repetitions); });
+}

@@ -131,6 +131,8 @@ TEST(TwoMassLanes, LeavingTheFiniteNumbersIsARuntimeFault) {
   const std::vector<std::optional<Action>> actions = {Action{}, std::nullopt};
   batch.step(actions);
   EXPECT_THROW(batch.state(0), RuntimeFault);
+  batch.step(actions);
+  EXPECT_THROW(batch.state(0), RuntimeFault) << "still the first error";
 }
 
 TEST(TwoMassLanes, RefusesKnobsOutOfRange) {

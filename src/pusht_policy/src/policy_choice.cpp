@@ -31,7 +31,10 @@ nlohmann::json identityOf(const NetworkInfo& info) {
   if (info.runsOnKernel()) {
     return {{"sha256", info.sha256}, {"operations", info.operations}};
   }
-  return {{"sha256", info.sha256}, {"libtorch", info.libtorch_version}, {"blas", info.blas}};
+  return {{"sha256", info.sha256},
+          {"libtorch", info.libtorch_version},
+          {"cpu", toString(availableInstructionSets().back())},
+          {"blas", info.blas}};
 }
 
 ChosenPolicy trained(const fs::path& path, const std::string& name) {

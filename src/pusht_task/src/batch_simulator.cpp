@@ -17,7 +17,7 @@ void SimulatorLanes::reset(int lane, const WorldState& state) {
 
 void SimulatorLanes::step(Actions actions) {
   for (std::size_t lane = 0; lane < worlds_.size(); ++lane) {
-    if (actions[lane]) {
+    if (actions[lane] && errors_[lane] == nullptr) {
       try {
         worlds_[lane]->step(*actions[lane]);
       } catch (...) {

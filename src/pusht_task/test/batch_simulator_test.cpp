@@ -60,6 +60,8 @@ TEST(SimulatorLanes, TheErrorOfALaneIsItsOwnUntilItIsReset) {
   lanes.step(actions);
   EXPECT_THROW(lanes.state(0), RuntimeFault);
   EXPECT_EQ(lanes.state(1).pusher_position.x(), 0.1);
+  lanes.step(actions);
+  EXPECT_THROW(lanes.state(0), RuntimeFault) << "still the first error";
   lanes.reset(0, WorldState());
   lanes.step(actions);
   EXPECT_EQ(lanes.state(0).pusher_position.x(), 0.1);

@@ -15,13 +15,13 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional
 
 PATIENCE = 60.0  # [s] for nodes to appear
-LIVE_EPISODES = 10
-HORIZON = 300  # [control steps]
+LIVE_EPISODES = 50
 
 
 class Figure(NamedTuple):
@@ -118,14 +118,13 @@ def peak_memory(episodes: int) -> int:
 
 
 @contextlib.contextmanager
-def nodes() -> Iterator[None]:
-    """The launch file's nodes, with a master of their own, waiting for goals."""
+def nodes(*arguments: str) -> Iterator[None]:
+    """The launch file without rviz, with a master of its own."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = str(free.getsockname()[1])
     os.environ.update(ROS_MASTER_URI=f"http://127.0.0.1:{port}", ROS_IP="127.0.0.1")
-    launch = ["roslaunch", "--port", port, "sim2sim_eval", "compare.launch"]
-    arguments = ["start:=false", "rviz:=false", "policy:=fresh-untrained"]
+    launch = ["roslaunch", "--port", port, "sim2sim_eval", "compare.launch", "rviz:=false"]
     process = subprocess.Popen(
         [*launch, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
     )
@@ -136,33 +135,43 @@ def nodes() -> Iterator[None]:
         process.wait()
 
 
+def live_episode(record: bool) -> float:
+    """[s] for an episode of the whole horizon through the nodes."""
+    with tempfile.TemporaryDirectory() as out:
+        run = ["policy:=fresh-untrained", f"episodes:={LIVE_EPISODES}", f"record:={record}"]
+        with nodes(*run, f"out:={out}", "overwrite:=true"):
+            watcher = subprocess.run([sys.executable, __file__, "--watch"], stdout=-1, check=True)
+    return float(watcher.stdout)
+
+
+def watch() -> float:
+    """[s] between the ends of two episodes of the run that is under way."""
+    import rospy  # type: ignore[import]
+    from pusht_msgs.msg import EpisodeResult  # type: ignore[import]
+
+    ends: Dict[int, float] = {}
+    done = threading.Event()
+
+    def note(result: EpisodeResult) -> None:
+        ends[result.episode] = time.perf_counter()
+        if result.episode == LIVE_EPISODES - 1:
+            done.set()
+
+    until_master_answers()
+    rospy.init_node("watcher", anonymous=True, disable_signals=True)
+    rospy.Subscriber("/sim2sim/episode", EpisodeResult, note)
+    if not done.wait(PATIENCE):
+        raise RuntimeError("the live run does not end")
+    first, last = min(ends), max(ends)
+    return (ends[last] - ends[first]) / (last - first)
+
+
 def live() -> Dict[str, float]:
     """Seconds of an episode through the nodes; the share that recording takes; a service call."""
-    import actionlib  # type: ignore[import]
-    import rospy  # type: ignore[import]
-    from pusht_msgs.msg import CompareAction, CompareGoal  # type: ignore[import]
-
-    with nodes(), tempfile.TemporaryDirectory() as folder:
-        until_master_answers()
-        rospy.init_node("benchmark", anonymous=True, disable_signals=True, log_level=rospy.ERROR)
-        client = actionlib.SimpleActionClient("/sim2sim/compare", CompareAction)
-        if not client.wait_for_server(rospy.Duration(PATIENCE)):
-            raise RuntimeError("no action /sim2sim/compare")
-
-        def run(record: int) -> float:
-            goal = CompareGoal(episodes=LIVE_EPISODES, rate=-1.0, record=record, overwrite=True)
-            goal.out = folder
-            begin = time.perf_counter()
-            client.send_goal_and_wait(goal)
-            seconds = time.perf_counter() - begin
-            if client.get_result().exit_code != 0:
-                raise RuntimeError(client.get_result().reason)
-            return seconds / LIVE_EPISODES
-
-        run(-1)
-        pairs = [(run(-1), run(1)) for _ in range(5)]
+    pairs = [(live_episode(record=False), live_episode(record=True)) for _ in range(3)]
+    with nodes("start:=false"):
+        until_node_answers("/engine")
         call = pieces("service/round_trip")["service/round_trip"]
-        rospy.signal_shutdown("done")
     return {
         "episode_seconds": statistics.median(bare for bare, _ in pairs),
         "recording_share": statistics.median(recorded / bare - 1.0 for bare, recorded in pairs),
@@ -170,13 +179,24 @@ def live() -> Dict[str, float]:
     }
 
 
+def until(holds: Callable[[], bool], what: str) -> None:
+    begin = time.monotonic()
+    while not holds():
+        if time.monotonic() - begin > PATIENCE:
+            raise RuntimeError(f"no {what}")
+        time.sleep(0.05)
+
+
 def until_master_answers() -> None:
     import rosgraph  # type: ignore[import]
 
-    begin = time.monotonic()
-    while not rosgraph.is_master_online():
-        if time.monotonic() - begin > PATIENCE:
-            raise RuntimeError("no master")
+    until(rosgraph.is_master_online, "master")
+
+
+def until_node_answers(name: str) -> None:
+    info = ["rosservice", "info", f"{name}/describe"]
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    until(lambda: subprocess.run(info, **silent).returncode == 0, name)
 
 
 def measure(episodes: int) -> Dict[str, Any]:
@@ -319,7 +339,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="bench", description=__doc__)
     parser.add_argument("--episodes", type=int, default=50, help="of the protocol (default: 50)")
     parser.add_argument("--out", type=Path, default=Path("benchmark.json"), help="JSON file")
+    parser.add_argument("--watch", action="store_true", help=argparse.SUPPRESS)
     args = parser.parse_args()
+    if args.watch:
+        print(watch())
+        return 0
     try:
         result = measure(args.episodes)
         rows = figures(result)

@@ -198,7 +198,8 @@ BENCHMARK(bagWrite)->Name("bag/write");
 
 /// Of a node that runs: the smallest service that the engine has.
 void serviceRoundTrip(State& state) {
-  auto client = ros::NodeHandle().serviceClient<pusht_msgs::Describe>("/engine/describe", true);
+  ros::NodeHandle node;
+  auto client = node.serviceClient<pusht_msgs::Describe>("/engine/describe", true);
   pusht_msgs::Describe describe;
   for ([[maybe_unused]] auto _ : state) {
     if (!client.call(describe)) {

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <charconv>
 #include <cmath>
 #include <csignal>
@@ -16,7 +17,8 @@
 namespace sim2sim {
 namespace {
 
-volatile std::sig_atomic_t interrupts_received = 0;
+std::atomic<int> interrupts_received = 0;
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch nothing else");
 
 void countInterrupt(int number) {
   constexpr int kPatience = 2;  // what is asked to end may hang in code that is not ours

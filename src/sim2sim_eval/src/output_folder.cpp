@@ -5,6 +5,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -15,6 +16,17 @@
 namespace sim2sim {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Of every command, so that no two of them mix in a folder.
+constexpr std::array<const char*, 10> kResults = {"metrics.json",     "episodes.csv", "provenance.json",
+                                                  "status.json",      "compare.bag",
+                                                  "compare.bag.part",  // of a run that was killed
+                                                  "sweep.json",       "sweep.csv",    "rows",
+                                                  "reference"};
+
+}  // namespace
 
 OutputFolder::OutputFolder(fs::path path, std::string command) : path_(std::move(path)), command_(std::move(command)) {
   std::error_code ignored;
@@ -32,6 +44,33 @@ OutputFolder::~OutputFolder() {
 void OutputFolder::open() {
   create();
   lock();
+}
+
+std::string OutputFolder::heldResult() const {
+  for (const char* name : kResults) {
+    std::error_code ignored;
+    if (!path_.empty() && fs::exists(path_ / name, ignored)) {
+      return name;
+    }
+  }
+  return "";
+}
+
+void OutputFolder::refuseResults() const {
+  if (const std::string name = heldResult(); !name.empty()) {
+    throw pusht::InvalidInput("out " + path_.string() + ": holds results (" + name +
+                              "); name another folder or allow to overwrite");
+  }
+}
+
+void OutputFolder::removeResults() const {
+  for (const char* name : kResults) {
+    std::error_code error;
+    fs::remove_all(path_ / name, error);
+    if (error) {
+      throw pusht::RuntimeFault("cannot replace " + (path_ / name).string() + ": " + error.message());
+    }
+  }
 }
 
 void OutputFolder::create() {

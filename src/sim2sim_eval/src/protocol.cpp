@@ -227,7 +227,8 @@ Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pu
 void runProtocol(const Protocol& protocol, const Players& players, int threads, const ReferenceCache* references,
                  const std::function<void(const Episode&)>& deliver, const std::function<bool()>& stop) {
   protocol.validate();
-  const int in_flight = std::min(kEpisodesInFlight, protocol.episodes);
+  threads = std::min(threads, protocol.episodes);
+  const int in_flight = std::min(kEpisodesInFlight, (protocol.episodes + threads - 1) / threads);
   std::atomic<int> next_episode = protocol.first_episode;
   std::atomic<bool> failed = false;
   std::mutex delivery;
@@ -244,6 +245,9 @@ void runProtocol(const Protocol& protocol, const Players& players, int threads, 
     deliver(episode);
   };
   const auto work = [&] {
+    if (next_episode > protocol.lastEpisode()) {
+      return;  // others have begun them all
+    }
     const Worlds worlds = players.make_worlds(in_flight);
     const auto policy = players.make_policy();
     Flight flight(protocol, worlds, *policy);

@@ -6,8 +6,6 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Core>
-#include <array>
-#include <cstring>
 #include <filesystem>
 #include <string>
 
@@ -80,20 +78,20 @@ nlohmann::json buildAndMachine() {
           {"cpu_features", cpuFeatures()}};
 }
 
-nlohmann::json codeFingerprint() {
-  constexpr std::array<const char*, 6> kComputing = {"libm.so",          "libmujoco.so",       "libpusht_mujoco.so",
-                                                     "libpusht_task.so", "libpusht_policy.so", "libsim2sim_eval.so"};
+nlohmann::json codeFingerprint(const std::vector<std::string>& libraries) {
   nlohmann::json fingerprint = {{"libm_uses_fma", libmUsesFma()}};
   forEachLibrary([&](const std::filesystem::path& path) {
-    const std::string name = path.filename();
-    for (const char* computing : kComputing) {
-      if (name.compare(0, std::strlen(computing), computing) == 0) {
-        fingerprint[computing] = pusht::sha256(pusht::readFile(path, "library"));
+    const std::string file = path.filename();
+    for (const std::string& library : libraries) {
+      if (file.compare(0, library.size(), library) == 0) {  // a version may follow
+        fingerprint[library] = pusht::sha256(pusht::readFile(path, "library"));
       }
     }
   });
-  if (fingerprint.size() != kComputing.size() + 1) {
-    throw pusht::InternalError("the libraries that compute a rollout are not all loaded: " + fingerprint.dump());
+  for (const std::string& library : libraries) {
+    if (!fingerprint.contains(library)) {
+      throw pusht::InternalError("library " + library + ": is not loaded");
+    }
   }
   return fingerprint;
 }

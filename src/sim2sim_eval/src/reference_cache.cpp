@@ -74,11 +74,16 @@ std::optional<pusht::Trace> ReferenceCache::find(std::uint64_t seed) const {
   if (fs::symlink_status(file, ignored).type() == fs::file_type::not_found) {
     return std::nullopt;
   }
-  const std::string text = pusht::readFile(file, "reference cache");
   const auto refuse = [&](const std::string& why) {
     throw pusht::BadDependency("reference cache " + file.string() + ": " + why +
                                "; delete it to have the reference rolled out again");
   };
+  std::string text;
+  try {
+    text = pusht::readFile(file, "file");
+  } catch (const pusht::InvalidInput&) {
+    refuse("must be a readable file");
+  }
   const std::size_t end_of_head = std::min(text.find('\n'), text.size());
   const auto head = nlohmann::json::parse(text.substr(0, end_of_head), nullptr, false);
   if (!head.is_object() || head.value("format", nlohmann::json()) != kFormat ||

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/run_folder.hpp"
 
-#include <array>
 #include <system_error>
 #include <utility>
 
@@ -17,40 +16,22 @@ constexpr const char* kEpisodes = "episodes.csv";
 constexpr const char* kProvenance = "provenance.json";
 constexpr const char* kStatus = "status.json";
 constexpr const char* kBag = "compare.bag";
-constexpr const char* kKilledBag = "compare.bag.part";  // of a run that was killed
-constexpr std::array<const char*, 6> kResults = {kMetrics, kEpisodes, kProvenance, kStatus, kBag, kKilledBag};
 
 }  // namespace
 
 RunFolder::RunFolder(fs::path path, bool overwrite, std::string command)
     : folder_(std::move(path), std::move(command)), overwrite_(overwrite) {
   if (!overwrite_) {
-    refuseResults();
-  }
-}
-
-void RunFolder::refuseResults() const {
-  for (const char* name : kResults) {
-    std::error_code ignored;
-    if (!path().empty() && fs::exists(path() / name, ignored)) {
-      throw pusht::InvalidInput("out " + path().string() + ": holds results (" + name +
-                                "); name another folder or allow to overwrite");
-    }
+    folder_.refuseResults();
   }
 }
 
 void RunFolder::begin(const nlohmann::json& provenance) {
   folder_.open();
   if (!overwrite_) {
-    refuseResults();  // another run may have been quicker
+    folder_.refuseResults();  // another run may have been quicker
   }
-  for (const char* name : kResults) {
-    std::error_code error;
-    fs::remove(path() / name, error);
-    if (error) {
-      throw pusht::RuntimeFault("cannot replace " + (path() / name).string() + ": " + error.message());
-    }
-  }
+  folder_.removeResults();
   pusht::writeFile(path() / kProvenance, jsonText(provenance));
 }
 
@@ -84,7 +65,7 @@ void RunFolder::abandon(const std::vector<EpisodeResult>& episodes, const RunSta
 
 void RunFolder::refuse(const RunStatus& status) {
   folder_.open();
-  refuseResults();  // they stay, even if a run might have replaced them
+  folder_.refuseResults();  // they stay, even if a run might have replaced them
   writeStatus(status);
 }
 

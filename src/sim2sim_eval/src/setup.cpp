@@ -2,6 +2,7 @@
 #include "sim2sim_eval/setup.hpp"
 
 #include <filesystem>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,10 @@ namespace sim2sim {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Those that compute a rollout of the reference.
+const std::vector<std::string> kReferenceLibraries = {"libm.so",          "libmujoco.so",       "libpusht_mujoco.so",
+                                                      "libpusht_task.so", "libpusht_policy.so", "libsim2sim_eval.so"};
 
 std::shared_ptr<const pusht::MujocoScene> loadScene(const std::string& file) {
   return std::make_shared<const pusht::MujocoScene>(
@@ -51,15 +56,19 @@ Players Setup::players(const pusht::TwoMassParameters& knobs) const {
 }
 
 nlohmann::ordered_json Setup::provenance(const RunConfiguration& configuration) const {
-  return sim2sim::provenance(configuration, policy_.provenance,
-                             {{"scene", {{"file", scene_->path().string()}, {"sha256", scene_->sha256()}}}},
-                             nlohmann::json::object());
+  nlohmann::ordered_json result = sim2sim::provenance(
+      configuration, policy_.provenance, {{"scene", {{"file", scene_->path().string()}, {"sha256", scene_->sha256()}}}},
+      nlohmann::json::object());
+  std::vector<std::string> libraries = kReferenceLibraries;
+  libraries.emplace_back("libpusht_engine.so");
+  result["code"] = codeFingerprint(libraries);
+  return result;
 }
 
 nlohmann::json Setup::identity() const { return {{"policy", policy_.identity}, {"scene", scene_->sha256()}}; }
 
 nlohmann::json Setup::referenceKey(int horizon) const {
-  return {{"inputs", identity()}, {"horizon", horizon}, {"code", codeFingerprint()}};
+  return {{"inputs", identity()}, {"horizon", horizon}, {"code", codeFingerprint(kReferenceLibraries)}};
 }
 
 }  // namespace sim2sim

@@ -47,36 +47,36 @@ json descriptionOf(const SweepPlan& plan, const Setup& setup) {
   return description;
 }
 
-/// The configuration of row `index` of a sweep on disk, over `episodes` from `first_episode` on.
+/// The configuration of a row of a sweep on disk. Throws json::exception if `description` is none of a sweep.
 RunConfiguration rowOf(const json& description, std::size_t index) {
-  json row = description;
   RunConfiguration configuration;
-  row.at("policy").get_to(configuration.policy);
-  row.at("seed").get_to(configuration.protocol.seed);
-  row.at("first_episode").get_to(configuration.protocol.first_episode);
-  row.at("episodes").get_to(configuration.protocol.episodes);
-  row.at("horizon").get_to(configuration.protocol.horizon);
-  row.at("reference_simulator").get_to(configuration.reference);
-  row.at("engine_simulator").get_to(configuration.engine);
-  const json& knobs = row.at("rows").at(index);
+  description.at("policy").get_to(configuration.policy);
+  description.at("seed").get_to(configuration.protocol.seed);
+  description.at("first_episode").get_to(configuration.protocol.first_episode);
+  description.at("episodes").get_to(configuration.protocol.episodes);
+  description.at("horizon").get_to(configuration.protocol.horizon);
+  description.at("reference_simulator").get_to(configuration.reference);
+  description.at("engine_simulator").get_to(configuration.engine);
+  const json& knobs = description.at("rows").at(index);
   for (const pusht::two_mass::Knob& knob : pusht::two_mass::kKnobs) {
-    configuration.knobs[knob.name] = knobs.at(knob.name);
+    configuration.knobs[knob.name] = knobs.at(knob.name).get<double>();
   }
+  configuration.protocol.validate();
   return configuration;
 }
 
-/// "block_damp 2.0": the knobs that vary.
-std::string settingText(const std::vector<pusht::TwoMassParameters>& rows, const pusht::TwoMassParameters& row) {
-  std::string text;
+/// The knobs that take more than one value; all of them for a single row.
+std::vector<pusht::two_mass::Knob> varyingKnobs(const std::vector<pusht::TwoMassParameters>& rows) {
+  std::vector<pusht::two_mass::Knob> varying;
   for (const pusht::two_mass::Knob& knob : pusht::two_mass::kKnobs) {
-    const bool varies = std::any_of(rows.begin(), rows.end(), [&](const pusht::TwoMassParameters& other) {
-      return other.*knob.value != rows.front().*knob.value;
+    const bool varies = std::any_of(rows.begin(), rows.end(), [&](const pusht::TwoMassParameters& row) {
+      return row.*knob.value != rows.front().*knob.value;
     });
     if (varies || rows.size() == 1) {
-      text += (text.empty() ? "" : ", ") + std::string(knob.name) + " " + pusht::shortestText(row.*knob.value);
+      varying.push_back(knob);
     }
   }
-  return text;
+  return varying;
 }
 
 void printRow(const RunConfiguration& configuration, const std::string& setting, const Summary& summary) {
@@ -89,45 +89,88 @@ void printRow(const RunConfiguration& configuration, const std::string& setting,
 class Sweeper {
  public:
   Sweeper(const SweepOptions& options, const SweepPlan& plan, const Protocol& protocol, const Setup& setup,
-          SweepFolder& folder, std::optional<SweepOnDisk> begun)
-      : options_(options), plan_(plan), protocol_(protocol), setup_(setup), folder_(folder), begun_(std::move(begun)) {}
+          SweepFolder& folder)
+      : options_(options),
+        plan_(plan),
+        protocol_(protocol),
+        setup_(setup),
+        folder_(folder),
+        varying_(varyingKnobs(plan.rows)),
+        bar_("episodes", static_cast<std::int64_t>(plan.rows.size()) * protocol.episodes) {}
 
+  /// Throws RuntimeFault if it is interrupted, or at the end if there were rows that failed.
   void run() {
     const auto cached = options_.batch.references(setup_, protocol_.horizon);
+    if (!cached) {
+      folder_.removeReference();  // of an attempt that was cut short, perhaps in the midst of a file
+    }
     const ReferenceCache references =
         cached ? *cached : ReferenceCache(folder_.referencePath(), setup_.referenceKey(protocol_.horizon));
-    const auto total = static_cast<int>(plan_.rows.size()) * static_cast<std::int64_t>(protocol_.episodes);
-    ProgressBar bar("episodes", total);
-    for (std::size_t row = 0; row < plan_.rows.size(); ++row) {
-      const RunConfiguration configuration = rowConfiguration(protocol_, setup_.policyName(), plan_.rows[row]);
-      std::optional<std::vector<EpisodeResult>> episodes = begun_ ? begun_->row(row, configuration) : std::nullopt;
-      if (!episodes) {
-        episodes = runRow(row, references, bar);
-      } else {
-        bar.skip(protocol_.episodes);
+    std::string failures;
+    for (std::size_t index = 0; index < plan_.rows.size(); ++index) {
+      try {
+        finishRow(index, references);
+      } catch (const SimulationFault& fault) {  // other knobs may do better
+        failures += std::string(failures.empty() ? "" : "; ") + fault.what();
       }
-      const Summary summary = summarize(*episodes);
-      folder_.keep(configuration, *episodes);
-      printRow(configuration, settingText(plan_.rows, plan_.rows[row]), summary);
+    }
+    if (!failures.empty()) {
+      throw pusht::RuntimeFault(failures);
+    }
+    if (!cached) {
+      folder_.removeReference();
     }
   }
 
  private:
-  std::vector<EpisodeResult> runRow(std::size_t row, const ReferenceCache& references, ProgressBar& bar) {
+  /// In a row, not of the sweep.
+  struct SimulationFault : pusht::RuntimeFault {
+    using RuntimeFault::RuntimeFault;
+  };
+
+  void finishRow(std::size_t index, const ReferenceCache& references) {
+    const RunConfiguration configuration = rowConfiguration(protocol_, setup_.policyName(), plan_.rows[index]);
+    auto episodes = readRow(folder_.path(), index, configuration);
+    if (episodes) {
+      bar_.skip(protocol_.episodes);
+      folder_.resume(index, configuration, *episodes);
+    } else {
+      episodes = runRow(index, references);
+      folder_.keep(index, configuration, *episodes);
+    }
+    printRow(configuration, settingText(index), summarize(*episodes));
+  }
+
+  std::vector<EpisodeResult> runRow(std::size_t index, const ReferenceCache& references) {
     std::vector<EpisodeResult> episodes(protocol_.episodes);
     int finished = 0;
     const auto deliver = [&](const Episode& episode) {
       episodes.at(episode.index() - protocol_.first_episode) = episode.result();
       ++finished;
-      bar.advance("row " + std::to_string(row + 1) + " of " + std::to_string(plan_.rows.size()));
+      bar_.advance("row " + std::to_string(index + 1) + " of " + std::to_string(plan_.rows.size()));
     };
-    runProtocol(protocol_, setup_.players(plan_.rows[row]), options_.batch.threadCount(), &references, deliver,
-                interrupted);
+    try {
+      runProtocol(protocol_, setup_.players(plan_.rows[index]), options_.batch.threadCount(), &references, deliver,
+                  interrupted);
+    } catch (const pusht::RuntimeFault& fault) {
+      throw SimulationFault("row " + std::to_string(index) + " (" + settingText(index) + "): " + fault.what());
+    }
     if (finished < protocol_.episodes) {
-      throw pusht::RuntimeFault("interrupted in row " + std::to_string(row) + " of " +
-                                std::to_string(plan_.rows.size()) + "; the same command goes on with it");
+      throw pusht::RuntimeFault("interrupted in row " + std::to_string(index) + " of " +
+                                std::to_string(plan_.rows.size()) + "; with --out " + folder_.path().string() +
+                                " the same command goes on with it");
     }
     return episodes;
+  }
+
+  /// "block_damp 2.0"
+  std::string settingText(std::size_t index) const {
+    std::string text;
+    for (const pusht::two_mass::Knob& knob : varying_) {
+      text += (text.empty() ? "" : ", ") + std::string(knob.name) + " " +
+              pusht::shortestText(plan_.rows[index].*knob.value);
+    }
+    return text;
   }
 
   const SweepOptions& options_;
@@ -135,7 +178,8 @@ class Sweeper {
   const Protocol& protocol_;
   const Setup& setup_;
   SweepFolder& folder_;
-  std::optional<SweepOnDisk> begun_;
+  std::vector<pusht::two_mass::Knob> varying_;
+  ProgressBar bar_;
 };
 
 /// Runs `body`; whatever its end, status.json tells it.
@@ -169,38 +213,41 @@ Shard shardOf(const SweepOnDisk& sweep) {
   return Shard::from(shard.get<std::string>());
 }
 
-/// The shards by number. Throws BadDependency unless they are all those of one sweep.
-std::map<int, SweepOnDisk> requireShards(const std::vector<std::string>& folders) {
-  std::map<int, SweepOnDisk> shards;
-  std::optional<SweepOnDisk> first;
+/// All shards of one sweep.
+struct Shards {
+  std::map<int, fs::path> folders;  // by number
+  int of;
+  json description;  // of the whole
+  json provenance;
+};
+
+/// Throws BadDependency unless the folders hold all shards of one sweep.
+Shards requireShards(const std::vector<std::string>& folders) {
+  const SweepOnDisk first(folders.front());
+  Shards shards{{}, shardOf(first).of, withoutShard(first.description()), first.provenance()};
   for (const std::string& folder : folders) {
     const SweepOnDisk sweep(folder);
     const Shard shard = shardOf(sweep);
-    if (!first) {
-      first = sweep;
-    }
-    std::string difference = firstDifference(withoutShard(sweep.description()), withoutShard(first->description()));
+    std::string difference = firstDifference(withoutShard(sweep.description()), shards.description);
     if (difference.empty()) {
-      difference =
-          firstDifference(sweep.provenance().value("software", json()), first->provenance().value("software", json()));
+      difference = firstDifference(sweep.provenance().value("code", json()), shards.provenance.value("code", json()));
     }
-    if (difference.empty() && shard.of != shardOf(*first).of) {
+    if (difference.empty() && shard.of != shards.of) {
       difference = "it is " + shard.text();
     }
     if (!difference.empty()) {
-      throw pusht::BadDependency("shard " + folder + ": is of another sweep than " + first->folder().string() + ": " +
+      throw pusht::BadDependency("shard " + folder + ": is of another sweep than " + folders.front() + ": " +
                                  difference);
     }
-    const auto [place, is_new] = shards.emplace(shard.number, sweep);
+    const auto [place, is_new] = shards.folders.emplace(shard.number, folder);
     if (!is_new) {
-      throw pusht::BadDependency("shards " + place->second.folder().string() + " and " + folder + ": are both " +
-                                 shard.text());
+      throw pusht::BadDependency("shards " + place->second.string() + " and " + folder + ": are both " + shard.text());
     }
   }
   std::string missing;
-  for (int number = 1; number <= shardOf(*first).of; ++number) {
-    if (shards.count(number) == 0) {
-      missing += (missing.empty() ? "" : ", ") + Shard{number, shardOf(*first).of}.text();
+  for (int number = 1; number <= shards.of; ++number) {
+    if (shards.folders.count(number) == 0) {
+      missing += (missing.empty() ? "" : ", ") + Shard{number, shards.of}.text();
     }
   }
   if (!missing.empty()) {
@@ -210,20 +257,28 @@ std::map<int, SweepOnDisk> requireShards(const std::vector<std::string>& folders
 }
 
 /// The episodes of a row, from all shards.
-std::vector<EpisodeResult> joinRow(const std::map<int, SweepOnDisk>& shards, const RunConfiguration& whole,
-                                   std::size_t row) {
+std::vector<EpisodeResult> joinRow(const Shards& shards, const RunConfiguration& whole, std::size_t row) {
   std::vector<EpisodeResult> episodes;
-  for (const auto& [number, sweep] : shards) {
+  for (const auto& [number, folder] : shards.folders) {
     RunConfiguration part = whole;
-    part.protocol = shardOf(sweep).share(whole.protocol);
-    const auto found = sweep.row(row, part);
+    part.protocol = Shard{number, shards.of}.share(whole.protocol);
+    const auto found = readRow(folder, row, part);
     if (!found) {
-      throw pusht::BadDependency("shard " + sweep.folder().string() + ": row " + std::to_string(row) +
-                                 " is not finished");
+      throw pusht::BadDependency("shard " + folder.string() + ": row " + std::to_string(row) + " is not finished");
     }
     episodes.insert(episodes.end(), found->begin(), found->end());
   }
   return episodes;
+}
+
+/// What is joined must not be replaced by the join.
+void refuseOwnShard(const MergeOptions& options) {
+  for (const std::string& shard : options.shards) {
+    std::error_code ignored;
+    if (!options.out.empty() && fs::equivalent(options.out, shard, ignored)) {
+      throw pusht::InvalidInput("out " + options.out + ": must not be one of the shards");
+    }
+  }
 }
 
 }  // namespace
@@ -252,13 +307,11 @@ void sweep(const SweepOptions& options) {
   }
   json origin = setup.provenance(rowConfiguration(protocol, setup.policyName(), plan.rows.front()));
   origin.erase("configuration");
-  std::optional<SweepOnDisk> begun = folder.begin(description, origin);
-  withStatus(folder, [&] { Sweeper(options, plan, protocol, setup, folder, std::move(begun)).run(); });
+  folder.begin(description, origin);
+  withStatus(folder, [&] { Sweeper(options, plan, protocol, setup, folder).run(); });
   if (options.shard.empty()) {  // the other shards may have the successes
     warn(doubtAboutPolicy(folder.rows().front()));
   }
-  std::error_code ignored;
-  fs::remove_all(folder.referencePath(), ignored);
 }
 
 void MergeOptions::declare(CLI::App& app) {
@@ -268,17 +321,22 @@ void MergeOptions::declare(CLI::App& app) {
 }
 
 void merge(const MergeOptions& options) {
-  const std::map<int, SweepOnDisk> shards = requireShards(options.shards);
-  const json description = withoutShard(shards.begin()->second.description());
-  const json& provenance = shards.begin()->second.provenance();
+  refuseOwnShard(options);
+  const Shards shards = requireShards(options.shards);
   SweepFolder folder(options.out, options.overwrite, "merge");
-  folder.begin(description, provenance);
-  withStatus(folder, [&] {
-    for (std::size_t row = 0; row < description.at("rows").size(); ++row) {
-      const RunConfiguration configuration = rowOf(description, row);
-      folder.keep(configuration, joinRow(shards, configuration, row));
-    }
-  });
+  try {
+    const std::size_t rows = shards.description.at("rows").size();
+    folder.begin(shards.description, shards.provenance);
+    withStatus(folder, [&] {
+      for (std::size_t row = 0; row < rows; ++row) {
+        const RunConfiguration configuration = rowOf(shards.description, row);
+        folder.keep(row, configuration, joinRow(shards, configuration, row));
+      }
+    });
+  } catch (const json::exception& error) {
+    throw pusht::BadDependency("shard " + options.shards.front() +
+                               ": its sweep.json must be as it was written: " + error.what());
+  }
   warn(doubtAboutPolicy(folder.rows().front()));
 }
 

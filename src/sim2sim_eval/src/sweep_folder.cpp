@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/sweep_folder.hpp"
 
-#include <array>
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -22,8 +22,6 @@ constexpr const char* kMetrics = "metrics.json";
 constexpr const char* kEpisodes = "episodes.csv";
 constexpr const char* kProvenance = "provenance.json";
 constexpr const char* kStatus = "status.json";
-constexpr std::array<const char*, 8> kResults = {kSweepJson, kSweepCsv, kRows,       kMetrics,
-                                                 kEpisodes,  kStatus,   "reference", kProvenance};
 
 constexpr std::size_t kTablesWritten = 100;  // in the course of a sweep, about
 
@@ -77,7 +75,7 @@ std::string sweepCsv(const std::vector<json>& rows) {
   std::string csv;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::string head = "row";
-    std::string line = std::to_string(i);
+    std::string line = rows[i].at("row").dump();
     for (const auto& [name, value] : columns(rows[i])) {
       head += "," + name;
       line += "," + csvCell(value);
@@ -98,9 +96,9 @@ SweepOnDisk::SweepOnDisk(fs::path folder) : folder_(std::move(folder)) {
   provenance_ = parsedFile(folder_ / kProvenance, "provenance");
 }
 
-std::optional<std::vector<EpisodeResult>> SweepOnDisk::row(std::size_t index,
-                                                           const RunConfiguration& configuration) const {
-  const fs::path path = rowPath(folder_, index);
+std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::size_t index,
+                                                  const RunConfiguration& configuration) {
+  const fs::path path = rowPath(folder, index);
   std::error_code ignored;
   if (!fs::exists(path / kMetrics, ignored)) {  // it is written last
     return std::nullopt;
@@ -133,50 +131,57 @@ std::optional<std::vector<EpisodeResult>> SweepOnDisk::row(std::size_t index,
 SweepFolder::SweepFolder(fs::path path, bool overwrite, std::string command)
     : folder_(std::move(path), std::move(command)), overwrite_(overwrite) {}
 
-std::optional<SweepOnDisk> SweepFolder::begin(const json& description, const json& provenance) {
+void SweepFolder::begin(const json& description, const json& provenance) {
   description_ = description;
   folder_.open();
-  std::error_code ignored;
+  std::error_code error;
   if (overwrite_) {
-    clear();
-  } else if (fs::exists(path() / kSweepJson, ignored)) {
-    SweepOnDisk begun(path());
+    folder_.removeResults();
+  } else if (fs::exists(path() / kSweepJson, error)) {
+    const SweepOnDisk begun(path());
     std::string difference = firstDifference(begun.description(), description);
     if (difference.empty()) {
-      difference = firstDifference(begun.provenance().value("software", json()), provenance.at("software"));
+      difference = firstDifference(begun.provenance().value("code", json()), provenance.at("code"));
     }
     if (!difference.empty()) {
       throw pusht::InvalidInput("out " + path().string() + ": holds another sweep (" + difference +
                                 "); name another folder or allow to overwrite");
     }
-    return begun;
-  } else if (holdsResults()) {
-    throw pusht::InvalidInput("out " + path().string() +
-                              ": holds results of something else; name another folder or allow to overwrite");
+    fs::remove(path() / kStatus, error);  // it speaks for an earlier attempt
+    return;
+  } else {
+    folder_.refuseResults();
   }
   pusht::writeFile(path() / kProvenance, jsonText(provenance));
   writeTables();
-  return std::nullopt;
 }
 
-void SweepFolder::keep(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes) {
-  const fs::path row = rowPath(path(), rows_.size());
-  const json row_metrics = metrics(configuration, summarize(episodes));
-  std::error_code ignored;
-  if (!fs::exists(row / kMetrics, ignored)) {
-    std::error_code error;
-    fs::create_directories(row, error);
-    if (error) {
-      throw pusht::RuntimeFault("cannot create " + row.string() + ": " + error.message());
-    }
-    pusht::writeFile(row / kEpisodes, episodesCsv(episodes));
-    pusht::writeFile(row / kMetrics, jsonText(row_metrics));
+void SweepFolder::keep(std::size_t index, const RunConfiguration& configuration,
+                       const std::vector<EpisodeResult>& episodes) {
+  const fs::path row = rowPath(path(), index);
+  std::error_code error;
+  fs::create_directories(row, error);
+  if (error) {
+    throw pusht::RuntimeFault("cannot create " + row.string() + ": " + error.message());
   }
-  rows_.push_back(row_metrics);
-  const std::size_t rows = description_.at("rows").size();
-  if (rows_.size() % (rows / kTablesWritten + 1) == 0) {
+  pusht::writeFile(row / kEpisodes, episodesCsv(episodes));
+  pusht::writeFile(row / kMetrics, jsonText(metrics(configuration, summarize(episodes))));
+  resume(index, configuration, episodes);
+}
+
+void SweepFolder::resume(std::size_t index, const RunConfiguration& configuration,
+                         const std::vector<EpisodeResult>& episodes) {
+  json row = metrics(configuration, summarize(episodes));
+  row["row"] = index;
+  rows_.push_back(std::move(row));
+  if (rows_.size() % (description_.at("rows").size() / kTablesWritten + 1) == 0) {
     writeTables();
   }
+}
+
+void SweepFolder::removeReference() const {
+  std::error_code ignored;
+  fs::remove_all(referencePath(), ignored);
 }
 
 void SweepFolder::finish(pusht::ExitCode code, const std::string& reason) {
@@ -185,23 +190,6 @@ void SweepFolder::finish(pusht::ExitCode code, const std::string& reason) {
                                                {"reason", reason},
                                                {"rows_finished", rows_.size()},
                                                {"rows", description_.at("rows").size()}}));
-}
-
-bool SweepFolder::holdsResults() const {
-  return std::any_of(kResults.begin(), kResults.end(), [&](const char* name) {
-    std::error_code ignored;
-    return fs::exists(path() / name, ignored);
-  });
-}
-
-void SweepFolder::clear() const {
-  for (const char* name : kResults) {
-    std::error_code error;
-    fs::remove_all(path() / name, error);
-    if (error) {
-      throw pusht::RuntimeFault("cannot replace " + (path() / name).string() + ": " + error.message());
-    }
-  }
 }
 
 void SweepFolder::writeTables() const {

@@ -41,7 +41,8 @@ Integer integerAt(const YAML::Node& node, const std::string& key) {
   const std::string text = textAt(node, key);
   Integer value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
+  const bool octal = text.size() > 1 && text.front() == '0';  // in some YAML, not in ours
+  if (error != std::errc() || end != text.data() + text.size() || octal) {
     refuse(node, key, "'" + text + "' must be a decimal integer in range");
   }
   return value;
@@ -62,7 +63,8 @@ const pusht::two_mass::Knob& knobAt(const YAML::Node& node) {
 }
 
 void setKnob(pusht::TwoMassParameters& row, const pusht::two_mass::Knob& knob, const YAML::Node& value) {
-  row.*knob.value = pusht::realFromText(placeOf(value, knob.name), textAt(value, knob.name));
+  const double real = pusht::realFromText(placeOf(value, knob.name), textAt(value, knob.name));
+  row.*knob.value = real + 0.0;  // -0.0 is 0.0
   try {
     row.validate();
   } catch (pusht::InvalidInput& error) {
@@ -77,10 +79,22 @@ void requireRoom(const YAML::Node& node, const std::string& key, std::size_t row
   }
 }
 
+/// Each key once; YAML itself would take the last.
+void requireDistinctKeys(const YAML::Node& map) {
+  std::set<std::string> seen;
+  for (const auto& entry : map) {
+    const std::string key = textAt(entry.first, "key");
+    if (!seen.insert(key).second) {
+      refuse(entry.first, key, "must be there once only");
+    }
+  }
+}
+
 std::vector<pusht::TwoMassParameters> rowsOfGrid(const YAML::Node& grid) {
   if (!grid.IsMap() || grid.size() == 0) {
     refuse(grid, "grid", "must map knobs to lists of values");
   }
+  requireDistinctKeys(grid);
   std::vector<pusht::TwoMassParameters> rows(1);
   for (const auto& entry : grid) {
     const auto& knob = knobAt(entry.first);
@@ -110,6 +124,7 @@ std::vector<pusht::TwoMassParameters> rowsOfList(const YAML::Node& list) {
     if (!setting.IsMap()) {
       refuse(setting, "rows", "each must map knobs to values");
     }
+    requireDistinctKeys(setting);
     rows.emplace_back();
     for (const auto& entry : setting) {
       setKnob(rows.back(), knobAt(entry.first), entry.second);
@@ -135,20 +150,6 @@ void requireEachOnce(const std::vector<pusht::TwoMassParameters>& rows) {
         setting += (setting.empty() ? "" : ", ") + std::string(knob.name) + " " + pusht::shortestText(row.*knob.value);
       }
       throw pusht::InvalidInput("rows: " + setting + " must be there once only");
-    }
-  }
-}
-
-/// Each key once; YAML itself would take the last.
-void requireDistinctKeys(const YAML::Node& map) {
-  std::set<std::string> seen;
-  for (const auto& entry : map) {
-    const std::string key = textAt(entry.first, "key");
-    if (!seen.insert(key).second) {
-      refuse(entry.first, key, "must be there once only");
-    }
-    if (entry.second.IsMap()) {
-      requireDistinctKeys(entry.second);
     }
   }
 }
@@ -196,7 +197,11 @@ SweepPlan planFrom(const YAML::Node& root) {
 SweepPlan readSweepPlan(const std::filesystem::path& path) {
   const std::string text = pusht::readFile(path, "sweep");
   try {
-    return planFrom(YAML::Load(text));
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      throw pusht::InvalidInput("must be one YAML document");
+    }
+    return planFrom(documents.empty() ? YAML::Node() : documents.front());
   } catch (const YAML::Exception& error) {
     throw pusht::InvalidInput("sweep " + path.string() + ": line " + std::to_string(error.mark.line + 1) +
                               ": must be YAML: " + error.msg);

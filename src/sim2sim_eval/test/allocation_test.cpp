@@ -42,6 +42,18 @@ void* malloc(std::size_t size) {
   note();
   return next(size);
 }
+void* calloc(std::size_t count, std::size_t size) {
+  // dlsym itself may ask for memory here, before the hidden function is known: that comes from the stock.
+  static thread_local bool asking = false;
+  if (asking) {
+    return nullptr;
+  }
+  asking = true;
+  static auto* const next = hidden<void*(std::size_t, std::size_t)>("calloc");
+  asking = false;
+  note();
+  return next(count, size);
+}
 void* realloc(void* memory, std::size_t size) {
   static auto* const next = hidden<void*(void*, std::size_t)>("realloc");
   note();
@@ -114,7 +126,7 @@ TEST(Allocations, NoneInAStepOfTheWholeProtocol) {
       flight.begin(index);
     }
     EXPECT_EQ(allocationsOf([&] { flight.advance(); }), 0) << policy_name;
-    EXPECT_TRUE(flight.full());
+    EXPECT_TRUE(flight.land().empty()) << "all were under way all the time";
   }
 }
 

@@ -6,11 +6,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <functional>
 #include <limits>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -220,17 +223,51 @@ TEST(Protocol, ResultsDoNotDependOnTheNumberOfThreads) {
   }
 }
 
-/// All threads take part, however few cores there are: each brings a policy of its own.
-TEST(Protocol, EveryThreadHasItsOwnPlayers) {
+/// Where threads wait for each other.
+class Meeting {
+ public:
+  explicit Meeting(int expected) : expected_(expected) {}
+
+  /// Whether all came.
+  bool join() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    ++arrived_;
+    all_here_.notify_all();
+    return all_here_.wait_for(lock, std::chrono::seconds(30), [this] { return arrived_ >= expected_; });
+  }
+
+ private:
+  const int expected_;
+  int arrived_ = 0;
+  std::mutex mutex_;
+  std::condition_variable all_here_;
+};
+
+/// Acts only once all threads have a policy that acts.
+class MeetingPolicy : public pusht::Policy {
+ public:
+  explicit MeetingPolicy(Meeting& meeting) : meeting_(meeting) {}
+  void act(pusht::Span<const Query> /*queries*/, pusht::Span<pusht::Action> actions) override {
+    if (!met_) {
+      met_ = meeting_.join();
+      EXPECT_TRUE(met_) << "a thread did not take part";
+    }
+    std::fill(actions.begin(), actions.end(), pusht::Action{});
+  }
+
+ private:
+  Meeting& meeting_;
+  bool met_ = false;
+};
+
+/// However few cores there are, and however few episodes.
+TEST(Protocol, AllThreadsTakePart) {
+  constexpr int kThreads = 4;
+  Meeting meeting(kThreads);
   Protocol protocol;
-  protocol.episodes = 400;
-  std::atomic<int> policies = 0;
-  const auto make_policy = [&] {
-    ++policies;
-    return expert();
-  };
-  run(protocol, {enginePairs, make_policy}, 4);
-  EXPECT_EQ(policies, 4);
+  protocol.episodes = kThreads;
+  protocol.horizon = 5;
+  run(protocol, {enginePairs, [&] { return std::make_unique<MeetingPolicy>(meeting); }}, kThreads);
 }
 
 TEST(Protocol, AsksThePolicyForManyRolloutsAtOnce) {

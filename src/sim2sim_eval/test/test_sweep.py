@@ -19,7 +19,7 @@ MERGE = executable("sim2sim_eval", "merge")
 COMPARE = executable("sim2sim_eval", "compare")
 PLOT = executable("sim2sim_eval", "plot_sweep")
 
-# Short, and yet with successes in both worlds: the expert solves the task in about half the horizon.
+# Short, and yet with successes in both worlds: the expert needs about half the horizon.
 PLAN = """
 policy: expert
 episodes: 7
@@ -138,7 +138,7 @@ class Resuming(SweepCase):
         blocked = self.folder / "out" / "rows" / "002"
         blocked.parent.mkdir(parents=True)
         process = self.sweep("--out", "out")
-        self.assertIn("something else", self.refused(2, process, "sweep"))
+        self.assertIn("holds results (rows)", self.refused(2, process, "sweep"))
         shutil.rmtree(self.folder / "out")
         shutil.copytree(self.folder / "whole", self.folder / "out")
         shutil.rmtree(blocked)
@@ -168,7 +168,7 @@ class Resuming(SweepCase):
             process.send_signal(signal.SIGINT)
             _, said = process.communicate(timeout=self.deadline)
         self.assertEqual(process.returncode, 4, said)
-        self.assertIn("the same command goes on with it", said)
+        self.assertIn("with --out out the same command goes on with it", said)
         status = self.load("out", "status.json")
         self.assertEqual((status["exit_code"], status["rows"]), (4, 150))
         self.assertGreater(status["rows_finished"], 0)
@@ -199,7 +199,9 @@ class Resuming(SweepCase):
 
     def test_folder_of_a_comparison_is_refused(self) -> None:
         self.run_command(COMPARE, "--smoke", "--out", "out")
-        self.assertIn("something else", self.refused(2, self.sweep("--out", "out"), "sweep"))
+        self.assertIn(
+            "holds results (metrics.json)", self.refused(2, self.sweep("--out", "out"), "sweep")
+        )
 
 
 class Shards(SweepCase):
@@ -208,6 +210,33 @@ class Shards(SweepCase):
         self.assertIn("2/3: are missing", self.bad_merge(folders[0], folders[2]))
         self.assertIn("are both 2/3", self.bad_merge(*folders, folders[1]))
         self.assertFalse((self.folder / "merged").exists())
+
+    def test_shards_are_not_replaced_by_what_comes_of_them(self) -> None:
+        first, second = self.shards(2)
+        before = self.results(first)
+        process = self.run_command(MERGE, first, second, "--out", first, "--overwrite")
+        self.assertIn("must not be one of the shards", self.refused(2, process, "merge"))
+        self.assertEqual(self.results(first), before)
+
+    def test_merging_again_writes_every_row(self) -> None:
+        folders = self.shards(2)
+        self.assertEqual(self.merge(*folders).returncode, 0)
+        expected = self.results("merged")
+        (self.folder / "merged" / "rows" / "000" / "metrics.json").write_text("{}")
+        self.assertEqual(self.merge(*folders).returncode, 0)
+        self.assertEqual(self.results("merged"), expected)
+
+    def test_sweep_json_that_is_none_is_refused_by_name(self) -> None:
+        folders = self.shards(2)
+        for rows in (None, [1, 2, 3, 4]):
+            for folder in folders:
+                path = self.folder / folder / "sweep.json"
+                content = json.loads(path.read_text())
+                content["sweep"].pop("rows", None)
+                if rows is not None:
+                    content["sweep"]["rows"] = rows
+                path.write_text(json.dumps(content))
+            self.assertIn(f"shard {folders[0]}: its sweep.json", self.bad_merge(*folders))
 
     def test_foreign_shards_are_named(self) -> None:
         first, second = self.shards(2)
@@ -223,9 +252,9 @@ class Shards(SweepCase):
 
         provenance = self.folder / second / "provenance.json"
         changed = json.loads(provenance.read_text())
-        changed["software"]["mujoco"] = "9.9.9"
+        changed["code"]["libmujoco.so"] = "another"
         provenance.write_text(json.dumps(changed))
-        self.assertIn('/mujoco is "9.9.9"', self.bad_merge(first, second))
+        self.assertIn('/libmujoco.so is "another"', self.bad_merge(first, second))
 
     def test_unfinished_and_damaged_shards_are_named(self) -> None:
         first, second = self.shards(2)
@@ -255,14 +284,14 @@ class BadPlans(SweepCase):
             "grid: [": "must be YAML",
             "episodes: 5": "must have either grid or rows",
             "{grid: {block_damp: [1]}, rows: [{}]}": "must have either grid or rows",
-            "grid:\n  block_dump: [1]": "line 2, block_dump: there is no such knob; there are pusher",
+            "grid:\n  block_dump: [1]": "line 2, block_dump: there is no such knob; there are",
             "grid:\n  block_damp: 1": "line 2, block_damp: must be a list",
             "grid:\n  block_damp: [1, -2]": "line 2: block_damp -2.0: must be finite and >= 0",
             "grid:\n  block_damp: [1, .nan]": "line 2, block_damp",
             "grid:\n  block_damp: [010x]": "line 2, block_damp",
             "grid: {}": "line 1, grid: must map knobs to lists",
             "rows: []": "line 1, rows: must be a list of settings",
-            "rows: [{}, {block_damp: 6.0}]": "block_damp 6.0, baumgarte 40.0 must be there once only",
+            "rows: [{}, {block_damp: 6.0}]": "baumgarte 40.0 must be there once only",
             "episodez: 5\nrows: [{}]": "line 1, episodez: there is no such key; there are policy",
             "episodes: 5\nepisodes: 6\nrows: [{}]": "line 2, episodes: must be there once only",
             "episodes: 0\nrows: [{}]": "episodes 0: must be from 1 to 1000000",
@@ -272,6 +301,10 @@ class BadPlans(SweepCase):
             "policy: none.pt\nrows: [{}]": "policy none.pt: must be a readable file",
             "scene: none.xml\nrows: [{}]": "none.xml",
             "policy: [a]\nrows: [{}]": "line 1, policy: must be a single value",
+            "&a {grid: *a}": "grid",
+            "rows: [{block_damp: 1, block_damp: 2}]": "block_damp: must be there once only",
+            "rows: [{}]\n---\nepisodes: 6": "must be one YAML document",
+            "episodes: 010\nrows: [{}]": "'010' must be a decimal integer",
         }
         for plan, rule in plans.items():
             with self.subTest(plan=plan):
@@ -298,12 +331,13 @@ class Faults(SweepCase):
         self.assertEqual(left, [])
 
     def test_knob_that_makes_the_engine_leave_the_finite_numbers(self) -> None:
-        plan = "{policy: expert, episodes: 2, rows: [{baumgarte: 40}, {baumgarte: 1.0e200}]}"
+        plan = "{policy: expert, episodes: 2, grid: {baumgarte: [40, 1.0e200, 20]}}"
         process = self.sweep("--out", "out", plan=plan)
         refusal = self.refused(4, process, "sweep")
-        self.assertIn("engine_closed", refusal)
+        self.assertIn("row 1 (baumgarte 1e+200): episode 0 (spawn seed 10000), engine_", refusal)
         self.assertIn("left the finite numbers", refusal)
-        self.assertEqual(self.load("out", "status.json")["rows_finished"], 1)
+        self.assertEqual(self.load("out", "status.json")["rows_finished"], 2)
+        self.assertEqual([row["row"] for row in self.load("out", "sweep.json")["rows"]], [0, 2])
 
     def test_two_at_once_in_one_folder(self) -> None:
         (self.folder / "out").mkdir()

@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """sweep_dask as a user meets it: the bytes of a plain sweep, whatever happens to its workers."""
 
+import json
 import os
+import re
 import select
 import shutil
 import signal
@@ -102,7 +104,7 @@ class SweepDask(unittest.TestCase):
         shutil.rmtree(self.folder / "out")
         self.hook(FAIL_SHARD, tries="3 4 5")
         line = self.fail_with(4, self.start())
-        self.assertEqual(line, "sweep-dask: shard 1/6: sweep: disk full\n")
+        self.assertRegex(line, "sweep-dask: shard 1/6: sweep: disk full; finished shards are kept")
 
     def test_bad_arguments(self) -> None:
         for arguments, named in (
@@ -120,7 +122,7 @@ class SweepDask(unittest.TestCase):
         process = self.start()
         _, line = process.communicate(timeout=DEADLINE)
         self.assertEqual(process.returncode, 2, line)
-        self.assertIn("holds results (sweep.csv)", line)
+        self.assertIn("holds results (provenance.json)", line)
         self.assertEqual(self.result_bytes("out"), before)
         self.config(CONFIG + "seed: 1\n")
         self.finish(self.start("--overwrite"))
@@ -175,11 +177,16 @@ class SweepDask(unittest.TestCase):
         self.assert_files("out", "sweep.yaml")
 
     def fail_with(self, code: int, process: "subprocess.Popen[str]") -> str:
-        """The one line of a sweep that must fail, and leave nothing."""
+        """The one line of a sweep that must fail, and leave nothing but finished shards."""
         _, line = process.communicate(timeout=DEADLINE)
         self.assertEqual(process.returncode, code, line)
         self.assertEqual(line.count("\n"), 1, line)
         self.assertTrue(line.startswith("sweep-dask: "), line)
+        kept = re.search(r"; finished shards are kept for `merge` in (.*)\n", line)
+        if kept:
+            for shard in Path(kept[1]).iterdir():
+                self.assertEqual(json.loads((shard / "status.json").read_text())["exit_code"], 0)
+            shutil.rmtree(kept[1])
         self.assert_files("sweep.yaml")
         return line
 

@@ -30,10 +30,10 @@ class BatchSimulator {
   virtual void reset(int lane, const WorldState& state) = 0;
 
   /// As Simulator::step in every lane that has an action. The error of a lane does not keep the others from stepping:
-  /// state() throws it.
+  /// its state() throws it, and it stays as it is until it is reset.
   virtual void step(Actions actions) = 0;
 
-  /// As Simulator::state. Throws what kept the lane from doing its last step.
+  /// As Simulator::state. Throws what kept the lane from a step since its reset.
   virtual WorldState state(int lane) const = 0;
 };
 
@@ -52,7 +52,7 @@ class SimulatorLanes : public BatchSimulator {
 
  private:
   std::vector<std::unique_ptr<Simulator>> worlds_;
-  std::vector<std::exception_ptr> errors_;  // of the last step, by lane
+  std::vector<std::exception_ptr> errors_;  // since the reset, by lane
 };
 
 }  // namespace pusht

@@ -20,6 +20,15 @@ class OutputFolder {
   /// it, RuntimeFault if it cannot be written.
   void open();
 
+  /// The name of something in the folder that a command has written; empty if there is none.
+  std::string heldResult() const;
+
+  /// Throws InvalidInput if there is any such thing.
+  void refuseResults() const;
+
+  /// Removes all of it. Throws RuntimeFault if that fails.
+  void removeResults() const;
+
   const std::filesystem::path& path() const { return path_; }
 
  private:

@@ -114,9 +114,9 @@ class Flight {
   bool full() const;
   bool empty() const;
 
-  /// Resets worlds to the start of an episode. `reference` is what the reference did in it; without, the reference is
-  /// rolled out. The episode stays where it is until it lands. Throws the error of a world; its message begins with
-  /// episode, mode and step.
+  /// Resets worlds to the start of an episode; the flight must not be full. `reference` is what the reference did in
+  /// it; without, the reference is rolled out. The episode stays where it is until it lands. Throws the error of a
+  /// world; its message begins with episode, mode and step.
   const Episode& begin(int index, const pusht::Trace* reference = nullptr);
 
   /// One control step of every rollout that goes on. Throws as begin(), and BadDependency for an action that is not
@@ -132,7 +132,7 @@ class Flight {
   bool steps(Mode mode, std::size_t lane) const { return episodes_[lane] && episodes_[lane]->goesOn(mode); }
   void advance(Mode mode, std::size_t& next_action);
 
-  const Protocol& protocol_;
+  Protocol protocol_;
   const Worlds& worlds_;
   pusht::Policy& policy_;
   std::vector<std::optional<Episode>> episodes_;  // by lane

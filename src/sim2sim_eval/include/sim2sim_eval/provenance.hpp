@@ -3,6 +3,8 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "sim2sim_eval/report.hpp"
 
@@ -15,8 +17,8 @@ nlohmann::ordered_json provenance(const RunConfiguration& configuration, const n
 /// Version of the suite, compiler, libraries, CPU features.
 nlohmann::json buildAndMachine();
 
-/// What decides the bits of a rollout: SHA-256 of the libraries that compute it, as they are loaded, by name, and
-/// whether libm uses FMA.
-nlohmann::json codeFingerprint();
+/// What decides the bits that code computes: SHA-256 of `libraries` as they are loaded, by name (e.g. "libm.so"), and
+/// whether libm uses FMA. Throws InternalError if one of them is not loaded.
+nlohmann::json codeFingerprint(const std::vector<std::string>& libraries);
 
 }  // namespace sim2sim

@@ -51,7 +51,6 @@ class RunFolder {
   std::filesystem::path bagPath() const;
 
  private:
-  void refuseResults() const;
   void writeStatus(const RunStatus& status) const;
 
   OutputFolder folder_;

@@ -29,7 +29,7 @@ class Setup {
 
   Players players(const pusht::TwoMassParameters& knobs) const;
 
-  /// provenance.json of a run.
+  /// provenance.json of a run; its "code" says which machine code decides the results.
   nlohmann::ordered_json provenance(const RunConfiguration& configuration) const;
 
   /// Fingerprints of policy and scene, wherever they lie.

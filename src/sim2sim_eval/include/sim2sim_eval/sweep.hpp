@@ -22,7 +22,8 @@ struct SweepOptions {
 };
 
 /// Runs a sweep, or goes on with it: rows that the folder holds are not run again. The reference is rolled out once for
-/// all rows. Throws an Error of its kind on failure; finished rows are kept then.
+/// all rows. A row in which a simulation fails does not keep the others from running. Throws an Error of its kind on
+/// failure; finished rows are kept then.
 void sweep(const SweepOptions& options);
 
 struct MergeOptions {

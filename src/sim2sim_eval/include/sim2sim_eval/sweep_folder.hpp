@@ -27,15 +27,16 @@ class SweepOnDisk {
   const nlohmann::json& description() const { return description_; }
   const nlohmann::json& provenance() const { return provenance_; }
 
-  /// The episodes of a row; none if it is not finished. Throws BadDependency, naming the file, if they are not as they
-  /// were written or not those of `configuration`.
-  std::optional<std::vector<EpisodeResult>> row(std::size_t index, const RunConfiguration& configuration) const;
-
  private:
   std::filesystem::path folder_;
   nlohmann::json description_;
   nlohmann::json provenance_;
 };
+
+/// The episodes of a row of the sweep in `folder`; none if it is not finished. Throws BadDependency, naming the file,
+/// if they are not as they were written or not those of `configuration`.
+std::optional<std::vector<EpisodeResult>> readRow(const std::filesystem::path& folder, std::size_t index,
+                                                  const RunConfiguration& configuration);
 
 /// Writes a sweep.
 class SweepFolder {
@@ -43,33 +44,36 @@ class SweepFolder {
   /// As OutputFolder.
   SweepFolder(std::filesystem::path path, bool overwrite, std::string command);
 
-  /// Begins the sweep that `description` says, or goes on with it: then it is returned as it is on disk. Throws
-  /// InvalidInput if the folder holds anything else and must not be overwritten; as OutputFolder::open() otherwise.
-  std::optional<SweepOnDisk> begin(const nlohmann::json& description, const nlohmann::json& provenance);
+  /// Begins the sweep that `description` says, or goes on with it if the folder holds it. Throws InvalidInput if the
+  /// folder holds anything else and must not be overwritten; as OutputFolder::open() otherwise.
+  void begin(const nlohmann::json& description, const nlohmann::json& provenance);
 
-  /// The next row. Throws RuntimeFault if it cannot be written.
-  void keep(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes);
+  /// Writes a row; rows come in order. Throws RuntimeFault if it cannot be written.
+  void keep(std::size_t index, const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes);
+
+  /// The same for a row that is on disk already.
+  void resume(std::size_t index, const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes);
 
   /// Says how the sweep ended: status.json, and sweep.csv and sweep.json with the rows that there are. Throws
   /// RuntimeFault if they cannot be written.
   void finish(pusht::ExitCode code, const std::string& reason);
 
+  /// The metrics of the finished rows, each with its number as "row".
   const std::vector<nlohmann::json>& rows() const { return rows_; }
 
   /// Where the sweep keeps its reference until it is finished, if it has no other cache.
   std::filesystem::path referencePath() const { return path() / "reference"; }
+  void removeReference() const;
 
   const std::filesystem::path& path() const { return folder_.path(); }
 
  private:
-  bool holdsResults() const;
-  void clear() const;
   void writeTables() const;
 
   OutputFolder folder_;
   bool overwrite_;
   nlohmann::json description_;
-  std::vector<nlohmann::json> rows_;  // metrics.json of each
+  std::vector<nlohmann::json> rows_;
 };
 
 /// Where two objects differ first, with both values: "/seed is 1, must be 0". Empty if they do not.

@@ -285,6 +285,8 @@ void refuseOwnShard(const MergeOptions& options) {
 
 void SweepOptions::declare(CLI::App& app) {
   app.add_option("plan", plan, "YAML file: policy, seed, episodes, and a grid or a list of knob settings")->required();
+  app.add_option("--episodes", episodes, "number of episodes, instead of the plan's")
+      ->check(decimalInteger() & CLI::PositiveNumber);
   app.add_option("--shard", shard, "only a share of the episodes, for `merge`: I/N, e.g. 2/5");
   app.add_option("--out", out,
                  "folder for the results (default: the next free results/sweep-N); a sweep that it holds is gone on "
@@ -295,7 +297,11 @@ void SweepOptions::declare(CLI::App& app) {
 
 void sweep(const SweepOptions& options) {
   catchInterrupts();
-  const SweepPlan plan = readSweepPlan(options.plan);
+  SweepPlan plan = readSweepPlan(options.plan);
+  if (options.episodes > 0) {
+    plan.protocol.episodes = options.episodes;
+    plan.protocol.validate();
+  }
   const Shard shard = options.shard.empty() ? Shard() : Shard::from(options.shard);
   const Protocol protocol = shard.share(plan.protocol);
   SweepFolder folder(options.out, options.overwrite, "sweep");

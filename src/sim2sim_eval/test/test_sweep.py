@@ -77,6 +77,9 @@ class Rows(SweepCase):
         self.assertEqual(set(self.load("out", "sweep.json")), {"sweep", "rows"})
         table = results["sweep.csv"].decode().splitlines()
         self.assertEqual(len(table), 3)
+        self.assertEqual(
+            self.finished("same", "--episodes", "4", plan=plan.replace("4", "9")), results
+        )
         self.assertTrue(table[1].startswith("0,40.0,20.0,4.0,4,"), table[1])
 
     def test_grid_has_every_combination_the_last_knob_fastest(self) -> None:

@@ -12,6 +12,7 @@ namespace sim2sim {
 
 struct SweepOptions {
   std::string plan;   ///< YAML file, as readSweepPlan()
+  int episodes = 0;   ///< instead of those of the plan; 0: as there
   std::string shard;  ///< "I/N"; empty: the whole sweep
   std::string out;    ///< folder; empty: the next free results/sweep-N
   bool overwrite = false;

@@ -21,6 +21,7 @@ namespace {
 /// Bitwise, so that -0.0 is not 0.0.
 template <class T>
 bool sameBits(const T& a, const T& b) {
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison,cert-exp42-c,cert-flp37-c)
   return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 

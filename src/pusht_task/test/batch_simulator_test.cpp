@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -30,10 +31,8 @@ class Glider : public Simulator {
 };
 
 SimulatorLanes gliders(int count) {
-  std::vector<std::unique_ptr<Simulator>> worlds;
-  for (int i = 0; i < count; ++i) {
-    worlds.push_back(std::make_unique<Glider>());
-  }
+  std::vector<std::unique_ptr<Simulator>> worlds(count);
+  std::generate(worlds.begin(), worlds.end(), [] { return std::make_unique<Glider>(); });
   return SimulatorLanes(std::move(worlds));
 }
 

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Measures the suite against what it is to reach, in one run on one machine, and says what was met.
 
@@ -48,7 +47,9 @@ def tool(name: str) -> List[str]:
 
 
 def json_of(command: List[str]) -> Dict[str, Any]:
-    content: Dict[str, Any] = json.loads(subprocess.run(command, check=True, stdout=-1).stdout)
+    content: Dict[str, Any] = json.loads(
+        subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
+    )
     return content
 
 
@@ -140,7 +141,9 @@ def live_episode(record: bool) -> float:
     with tempfile.TemporaryDirectory() as out:
         run = ["policy:=fresh-untrained", f"episodes:={LIVE_EPISODES}", f"record:={record}"]
         with nodes(*run, f"out:={out}", "overwrite:=true"):
-            watcher = subprocess.run([sys.executable, __file__, "--watch"], stdout=-1, check=True)
+            watcher = subprocess.run(
+                [sys.executable, __file__, "--watch"], stdout=subprocess.PIPE, check=True
+            )
     return float(watcher.stdout)
 
 
@@ -195,8 +198,14 @@ def until_master_answers() -> None:
 
 def until_node_answers(name: str) -> None:
     info = ["rosservice", "info", f"{name}/describe"]
-    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    until(lambda: subprocess.run(info, **silent).returncode == 0, name)
+
+    def answers() -> bool:
+        return (
+            subprocess.run(info, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode
+            == 0
+        )
+
+    until(answers, name)
 
 
 def measure(episodes: int) -> Dict[str, Any]:

@@ -43,10 +43,10 @@ double median(std::vector<double> samples) {
 std::vector<pusht::Trace> referenceTraces(const sim2sim::Protocol& protocol, const Scene& scene,
                                           pusht::Policy& policy) {
   pusht::MujocoWorld world(scene);
-  std::vector<pusht::Trace> traces;
+  std::vector<pusht::Trace> traces(protocol.episodes);
   for (int episode = 0; episode < protocol.episodes; ++episode) {
-    traces.push_back(
-        pusht::runClosedLoop(world, pusht::spawn(protocol.spawnSeed(episode)), policy, protocol.horizon).trace());
+    traces[episode] =
+        pusht::runClosedLoop(world, pusht::spawn(protocol.spawnSeed(episode)), policy, protocol.horizon).trace();
   }
   return traces;
 }

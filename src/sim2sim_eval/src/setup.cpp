@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/setup.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -44,10 +45,8 @@ Setup::Setup(const pusht::PolicyChoice& policy, const std::string& scene)
 
 Players Setup::players(const pusht::TwoMassParameters& knobs) const {
   const auto make_worlds = [scene = scene_, knobs](int lanes) {
-    std::vector<std::unique_ptr<pusht::Simulator>> references;
-    for (int lane = 0; lane < lanes; ++lane) {
-      references.push_back(std::make_unique<pusht::MujocoWorld>(scene));
-    }
+    std::vector<std::unique_ptr<pusht::Simulator>> references(lanes);
+    std::generate(references.begin(), references.end(), [&] { return std::make_unique<pusht::MujocoWorld>(scene); });
     return Worlds{std::make_unique<pusht::SimulatorLanes>(std::move(references)),
                   std::make_unique<pusht::TwoMassLanes>(lanes, knobs),
                   std::make_unique<pusht::TwoMassLanes>(lanes, knobs)};

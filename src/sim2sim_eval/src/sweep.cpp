@@ -236,8 +236,8 @@ Shards requireShards(const std::vector<std::string>& folders) {
       difference = "it is " + shard.text();
     }
     if (!difference.empty()) {
-      throw pusht::BadDependency("shard " + folder + ": is of another sweep than " + folders.front() + ": " +
-                                 difference);
+      difference.insert(0, "is of another sweep than the first one: ");
+      throw pusht::BadDependency("shard " + folder + ": " + difference);
     }
     const auto [place, is_new] = shards.folders.emplace(shard.number, folder);
     if (!is_new) {

@@ -77,10 +77,10 @@ std::string sweepCsv(const std::vector<json>& rows) {
     std::string head = "row";
     std::string line = rows[i].at("row").dump();
     for (const auto& [name, value] : columns(rows[i])) {
-      head += "," + name;
-      line += "," + csvCell(value);
+      head.append(",").append(name);
+      line.append(",").append(csvCell(value));
     }
-    csv += (i == 0 ? head + "\n" : "") + line + "\n";
+    csv.append(i == 0 ? head + "\n" : "").append(line).append("\n");
   }
   return csv;
 }
@@ -203,8 +203,8 @@ std::string firstDifference(const json& found, const json& wanted) {
     return "";
   }
   const json::json_pointer place(difference[0].at("path").get<std::string>());
-  const auto textAt = [&](const json& object) { return object.contains(place) ? object.at(place).dump() : "nothing"; };
-  return place.to_string() + " is " + textAt(found) + ", must be " + textAt(wanted);
+  const auto text_at = [&](const json& object) { return object.contains(place) ? object.at(place).dump() : "nothing"; };
+  return place.to_string() + " is " + text_at(found) + ", must be " + text_at(wanted);
 }
 
 }  // namespace sim2sim

@@ -134,10 +134,9 @@ std::vector<pusht::TwoMassParameters> rowsOfList(const YAML::Node& list) {
 }
 
 std::vector<double> valuesOf(const pusht::TwoMassParameters& row) {
-  std::vector<double> values;
-  for (const auto& knob : pusht::two_mass::kKnobs) {
-    values.push_back(row.*knob.value);
-  }
+  std::vector<double> values(pusht::two_mass::kKnobs.size());
+  std::transform(pusht::two_mass::kKnobs.begin(), pusht::two_mass::kKnobs.end(), values.begin(),
+                 [&](const pusht::two_mass::Knob& knob) { return row.*knob.value; });
   return values;
 }
 

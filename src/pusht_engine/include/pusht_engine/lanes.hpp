@@ -28,7 +28,8 @@ using Condition = decltype(Real() < Real());
 
 }  // namespace pusht::two_mass
 
-/// What Eigen must know of a number.
+/// What Eigen must know of a number, by Eigen's names.
+// NOLINTBEGIN(readability-identifier-naming)
 template <>
 struct Eigen::NumTraits<pusht::two_mass::Lanes> : Eigen::GenericNumTraits<pusht::two_mass::Lanes> {
   enum {
@@ -41,3 +42,4 @@ struct Eigen::NumTraits<pusht::two_mass::Lanes> : Eigen::GenericNumTraits<pusht:
     MulCost = 1
   };
 };
+// NOLINTEND(readability-identifier-naming)

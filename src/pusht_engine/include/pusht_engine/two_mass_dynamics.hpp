@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <type_traits>
 
 #include "pusht_engine/lanes.hpp"
 #include "pusht_task/constants.hpp"
@@ -28,9 +29,15 @@ constexpr std::array<Body, 2> kBlocks = {kBar, kStem};  ///< the masses of the t
 
 constexpr std::array<double, kBodyCount> kRadii = {kPusherRadius, kBarRadius, kStemRadius};  // [m]
 
-// Real is double for one world, Lanes for several.
+// Real is double for one world, Lanes for several, which bring an alignment of their own.
 template <class Real>
-using Vector2 = Eigen::Matrix<Real, 2, 1>;
+using Vector2 = Eigen::Matrix<Real, 2, 1, std::is_same_v<Real, double> ? Eigen::AutoAlign : Eigen::DontAlign>;
+/// Factor times vector. (Eigen's own operators would give Lanes an alignment that is less than they need.)
+template <class Real>
+[[gnu::always_inline]] inline Vector2<Real> scaled(const Real& factor, const Vector2<Real>& vector) {
+  return Vector2<Real>(factor * vector.x(), factor * vector.y());
+}
+
 template <class Real>
 using BodyVectors = std::array<Vector2<Real>, kBodyCount>;
 using BodyScalars = std::array<double, kBodyCount>;
@@ -66,7 +73,7 @@ Vector2<Real> linkForce(const BodyVectors<Real>& positions, const BodyVectors<Re
   const Real g_rate = d.dot(d_rate);
   const Real effective_inverse_mass = (1.0 / masses[kBar] + 1.0 / masses[kStem]) * d.dot(d);
   const Real wanted = -d_rate.dot(d_rate) - (2.0 * baumgarte * g_rate + baumgarte * baumgarte * g);
-  return d * Real(wanted / effective_inverse_mass);
+  return scaled<Real>(wanted / effective_inverse_mass, d);
 }
 
 template <class Real>
@@ -77,7 +84,8 @@ Contacts<Real> findContacts(const BodyVectors<Real>& positions) {
     const Vector2<Real> d = positions[kPusher] - positions[kBlocks[i]];
     const Real distance = sqrt(d.dot(d));
     const Real depth = kRadii[kPusher] + kRadii[kBlocks[i]] - distance;
-    contacts[i] = {kBlocks[i], depth > -kContactMargin && distance > kCoincident, d / distance, depth};
+    contacts[i] = {
+        kBlocks[i], depth > -kContactMargin && distance > kCoincident, {d.x() / distance, d.y() / distance}, depth};
   }
   return contacts;
 }
@@ -125,8 +133,8 @@ void solveContacts(const Contacts<Real>& contacts, const BodyScalars& inverse_ma
       const Real change = total - impulse[i];
       impulse[i] = total;
       changed = changed || (contact.touching && change != zero);
-      const Vector2<Real> push = Real(change * inverse_masses[kPusher]) * contact.normal;
-      const Vector2<Real> recoil = Real(change * inverse_masses[block]) * contact.normal;
+      const Vector2<Real> push = scaled<Real>(change * inverse_masses[kPusher], contact.normal);
+      const Vector2<Real> recoil = scaled<Real>(change * inverse_masses[block], contact.normal);
       velocities[kPusher] = changedWhereTouching(contact, velocities[kPusher], push);
       velocities[block] = changedWhereTouching<Real>(contact, velocities[block], -recoil);
     }
@@ -162,20 +170,20 @@ void substep(const Model& model, const Vector2<Real>& command, Bodies<Real>& bod
   std::array<Vector2<Real>, kBlocks.size()> forces = {link, -link};
   for (std::size_t i = 0; i < kBlocks.size(); ++i) {
     const Body block = kBlocks[i];
-    forces[i] -= Real(model.block_damp) * velocities[block] * Real(model.masses[block]);
+    forces[i] -= scaled<Real>(model.masses[block], scaled<Real>(model.block_damp, velocities[block]));
   }
 
   // Velocities: the tee by its forces, the pusher by its servo.
   for (std::size_t i = 0; i < kBlocks.size(); ++i) {
     const Body block = kBlocks[i];
-    velocities[block] += Real(kSubstep) * forces[i] * Real(model.inverse_masses[block]);
+    velocities[block] += scaled<Real>(model.inverse_masses[block], scaled<Real>(kSubstep, forces[i]));
   }
-  velocities[kPusher] += Real(kSubstep * kServoGain) * (command - velocities[kPusher]);
+  velocities[kPusher] += scaled<Real>(kSubstep * kServoGain, command - velocities[kPusher]);
 
   // Contacts change velocities, velocities change positions (semi-implicit Euler).
   solveContacts(findContacts(positions), model.inverse_masses, velocities);
   for (std::size_t body = 0; body < kBodyCount; ++body) {
-    positions[body] += Real(kSubstep) * velocities[body];
+    positions[body] += scaled<Real>(kSubstep, velocities[body]);
   }
 }
 

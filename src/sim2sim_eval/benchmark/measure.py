@@ -339,6 +339,7 @@ def say(what: str) -> None:
 
 
 def write(path: Path, content: Dict[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
     aside = path.with_name(path.name + ".part")
     aside.write_text(json.dumps(content, indent=2, sort_keys=True) + "\n", encoding="utf-8")
     aside.replace(path)
@@ -347,7 +348,9 @@ def write(path: Path, content: Dict[str, Any]) -> None:
 def main() -> int:
     parser = argparse.ArgumentParser(prog="bench", description=__doc__)
     parser.add_argument("--episodes", type=int, default=50, help="of the protocol (default: 50)")
-    parser.add_argument("--out", type=Path, default=Path("benchmark.json"), help="JSON file")
+    parser.add_argument(
+        "--out", type=Path, default=Path("results", "benchmark.json"), help="JSON file"
+    )
     parser.add_argument("--watch", action="store_true", help=argparse.SUPPRESS)
     args = parser.parse_args()
     if args.watch:

@@ -3,6 +3,7 @@
 """The numpy engine against the golden vectors, with the tolerances of the C++ tests."""
 
 import json
+import os
 import subprocess
 import sys
 import unittest
@@ -13,8 +14,15 @@ from typing import Any, Dict, List, Tuple
 import numpy as np
 from pusht_task.task import spawn, wrap_angle
 
-import numpy_two_mass
-from numpy_two_mass import BAR, NumpyTwoMass, find_contacts, link_force, solve_contacts
+sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
+import numpy_two_mass  # noqa: E402
+from numpy_two_mass import (  # noqa: E402
+    BAR,
+    NumpyTwoMass,
+    find_contacts,
+    link_force,
+    solve_contacts,
+)
 
 GOLDEN_FILE = Path(__file__).parents[2] / "pusht_task" / "test" / "data" / "pusht_golden.json"
 GOLDEN = json.loads(GOLDEN_FILE.read_text())

@@ -156,7 +156,8 @@ class Process:
         self._process = subprocess.Popen(
             command,
             cwd=test.folder,
-            env={**os.environ, **(environment or {})},
+            # roslaunch would keep its lines to itself until there are many.
+            env={**os.environ, "PYTHONUNBUFFERED": "1", **(environment or {})},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,

@@ -10,6 +10,7 @@ import pickle
 import pty
 import signal
 import subprocess
+import sys
 import unittest
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional
@@ -17,13 +18,13 @@ from typing import Any, Callable, Dict, Optional
 import rosbag  # type: ignore[import]
 import rospkg  # type: ignore[import]
 import torch
-from command_case import DEADLINE, CommandCase, executable
+
+sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
+from command_case import DEADLINE, CommandCase, executable  # noqa: E402
 
 PACKAGES = rospkg.RosPack()
 SCENE = Path(PACKAGES.get_path("pusht_mujoco"), "scenes", "pusht.xml")
 RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
-
-
 COMPARE = executable("sim2sim_eval", "compare")
 DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
 RECOMPUTE = executable("sim2sim_eval", "recompute")

@@ -8,11 +8,13 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import unittest
 from pathlib import Path
 from typing import Dict, List
 
-from command_case import CommandCase, executable
+sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
+from command_case import CommandCase, executable  # noqa: E402
 
 SWEEP = executable("sim2sim_eval", "sweep")
 MERGE = executable("sim2sim_eval", "merge")

@@ -230,6 +230,9 @@ class LostRuns(LiveCase):
         launch = Launch(self, policy="expert", episodes=1000)
         part = launch.out / "compare.bag.part"
         launch.first("/sim2sim/episode")
+        until(
+            lambda: part.stat().st_size > 2**20, "an episode on the disk"
+        )  # written when there is time
         os.kill(launch.node("/sim2sim"), signal.SIGKILL)
         launch.ended()
         self.assertEqual(files(launch.out), {"provenance.json", part.name})

@@ -107,7 +107,7 @@ int reportFailure(const std::string& reporter, const std::exception& failure) {
   std::string message = failure.what();
   std::replace_if(
       message.begin(), message.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
-  std::cerr << reporter << ": " << message << std::endl;
+  std::cerr << reporter + ": " + message + "\n" << std::flush;  // at once: other processes write there too
   return static_cast<int>(exitCodeOf(failure));
 }
 

@@ -73,9 +73,9 @@ BENCHMARK(engineSteps)->Name("engine/free")->Arg(0);
 BENCHMARK(engineSteps)->Name("engine/contact")->Arg(1);
 
 void engineLanes(State& state) {
-  std::vector<pusht::Trace> traces;
+  std::vector<pusht::Trace> traces(kLaneCount);
   for (int lane = 0; lane < kLaneCount; ++lane) {
-    traces.push_back(scenario(state.range(0) != 0, lane));
+    traces[lane] = scenario(state.range(0) != 0, lane);
   }
   pusht::TwoMassLanes engine(kLaneCount);
   std::vector<std::optional<pusht::Action>> actions(kLaneCount);
@@ -110,9 +110,9 @@ const std::vector<pusht::Trace>& referenceTraces() {
     constexpr int kEpisodes = 5;
     const auto policy = pusht::NetworkPolicy::load(shippedPolicy());
     pusht::MujocoWorld world(scene());
-    std::vector<pusht::Trace> recorded;
+    std::vector<pusht::Trace> recorded(kEpisodes);
     for (int seed = 0; seed < kEpisodes; ++seed) {
-      recorded.push_back(pusht::runClosedLoop(world, pusht::spawn(seed), *policy, pusht::kHorizon).trace());
+      recorded[seed] = pusht::runClosedLoop(world, pusht::spawn(seed), *policy, pusht::kHorizon).trace();
     }
     return recorded;
   }();

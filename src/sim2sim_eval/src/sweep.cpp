@@ -236,8 +236,8 @@ Shards requireShards(const std::vector<std::string>& folders) {
       difference = "it is " + shard.text();
     }
     if (!difference.empty()) {
-      difference.insert(0, "is of another sweep than the first one: ");
-      throw pusht::BadDependency("shard " + folder + ": " + difference);
+      throw pusht::BadDependency(
+          std::string("shard ").append(folder).append(": is of another sweep than the first one: ").append(difference));
     }
     const auto [place, is_new] = shards.folders.emplace(shard.number, folder);
     if (!is_new) {

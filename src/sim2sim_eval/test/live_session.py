@@ -182,7 +182,7 @@ class LiveSession(GoalCase):
     def test_cancel_in_mid_episode_and_go_on(self) -> None:
         self.send(**PACED)
         self.feedback_of(1, 5)
-        self.client.cancel_goal()
+        self.cancel()
         result = self.result(GoalStatus.PREEMPTED)
         self.assertEqual((result.exit_code, result.summary.episodes_finished), (4, 1))
         self.assert_not_whole(self.out, "interrupted in episode 1")
@@ -203,7 +203,7 @@ class LiveSession(GoalCase):
             self.out = self.folder / str(steps)
             self.send(episodes=1, horizon=steps, record=-1)
             self.feedback_of(0, steps // 2)
-            self.client.cancel_goal()
+            self.cancel()
             self.assertTrue(self.client.wait_for_result(rospy.Duration(DEADLINE)))
             states.add(self.client.get_state())
             self.assertEqual(status_of(self.out)["exit_code"], self.client.get_result().exit_code)

@@ -361,6 +361,11 @@ class GoalCase(LiveCase):
         self.feedback = queue.Queue()
         self.client.send_goal(goal, feedback_cb=self.feedback.put)
 
+    def cancel(self) -> None:
+        """actionlib gives a goal up for lost if it is cancelled before its acknowledgement came."""
+        until(lambda: self.client.get_state() != GoalStatus.PENDING, "an acknowledgement")
+        self.client.cancel_goal()
+
     def result(self, state: int = GoalStatus.SUCCEEDED) -> Any:
         self.assertTrue(self.client.wait_for_result(rospy.Duration(DEADLINE)))
         result = self.client.get_result()

@@ -70,7 +70,7 @@ def pieces(pattern: str = "") -> Dict[str, float]:
     return {
         entry["run_name"].replace("/real_time", ""): entry["items_per_second"]
         for entry in found
-        if entry.get("aggregate_name") == "median"
+        if entry.get("aggregate_name") == "median" and "items_per_second" in entry
     }
 
 

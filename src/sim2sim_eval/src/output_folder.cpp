@@ -46,20 +46,13 @@ void OutputFolder::open() {
   lock();
 }
 
-std::string OutputFolder::heldResult() const {
+void OutputFolder::refuseResults() const {
   for (const char* name : kResults) {
     std::error_code ignored;
     if (!path_.empty() && fs::exists(path_ / name, ignored)) {
-      return name;
+      throw pusht::InvalidInput("out " + path_.string() + ": holds results (" + name +
+                                "); name another folder or allow to overwrite");
     }
-  }
-  return "";
-}
-
-void OutputFolder::refuseResults() const {
-  if (const std::string name = heldResult(); !name.empty()) {
-    throw pusht::InvalidInput("out " + path_.string() + ": holds results (" + name +
-                              "); name another folder or allow to overwrite");
   }
 }
 

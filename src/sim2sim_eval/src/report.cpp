@@ -139,19 +139,24 @@ ordered_json describe(const RunConfiguration& configuration) {
           {"config_hash", configurationHash(configuration)}};
 }
 
+RunConfiguration configurationWithoutKnobs(const ordered_json& description) {
+  RunConfiguration configuration;
+  description.at("policy").get_to(configuration.policy);
+  description.at("seed").get_to(configuration.protocol.seed);
+  description.at("first_episode").get_to(configuration.protocol.first_episode);
+  description.at("episodes").get_to(configuration.protocol.episodes);
+  description.at("horizon").get_to(configuration.protocol.horizon);
+  description.at("smoke").get_to(configuration.smoke);
+  description.at("reference_simulator").get_to(configuration.reference);
+  description.at("engine_simulator").get_to(configuration.engine);
+  configuration.protocol.validate();
+  return configuration;
+}
+
 RunConfiguration configurationFrom(const ordered_json& description) {
   try {
-    RunConfiguration configuration;
-    description.at("policy").get_to(configuration.policy);
-    description.at("seed").get_to(configuration.protocol.seed);
-    description.at("first_episode").get_to(configuration.protocol.first_episode);
-    description.at("episodes").get_to(configuration.protocol.episodes);
-    description.at("horizon").get_to(configuration.protocol.horizon);
-    description.at("smoke").get_to(configuration.smoke);
-    description.at("reference_simulator").get_to(configuration.reference);
-    description.at("engine_simulator").get_to(configuration.engine);
+    RunConfiguration configuration = configurationWithoutKnobs(description);
     configuration.knobs = description.at("knobs");
-    configuration.protocol.validate();
     if (describe(configuration) != description) {
       throw pusht::InvalidInput("its config_hash or one of its values does not fit the others");
     }

@@ -39,7 +39,6 @@ json descriptionOf(const SweepPlan& plan, const Setup& setup) {
   json description = describe(first);
   description.erase("knobs");
   description.erase("config_hash");
-  description.erase("smoke");
   description["inputs"] = setup.identity();
   for (const pusht::TwoMassParameters& knobs : plan.rows) {
     description["rows"].push_back(json(rowConfiguration(plan.protocol, setup.policyName(), knobs).knobs));
@@ -47,22 +46,13 @@ json descriptionOf(const SweepPlan& plan, const Setup& setup) {
   return description;
 }
 
-/// The configuration of a row of a sweep on disk. Throws json::exception if `description` is none of a sweep.
-RunConfiguration rowOf(const json& description, std::size_t index) {
-  RunConfiguration configuration;
-  description.at("policy").get_to(configuration.policy);
-  description.at("seed").get_to(configuration.protocol.seed);
-  description.at("first_episode").get_to(configuration.protocol.first_episode);
-  description.at("episodes").get_to(configuration.protocol.episodes);
-  description.at("horizon").get_to(configuration.protocol.horizon);
-  description.at("reference_simulator").get_to(configuration.reference);
-  description.at("engine_simulator").get_to(configuration.engine);
-  const json& knobs = description.at("rows").at(index);
+/// The run that a row on disk is: `sweep` with the `knobs` of the row. Throws json::exception if there are others.
+RunConfiguration rowOf(const RunConfiguration& sweep, const json& knobs) {
+  RunConfiguration row = sweep;
   for (const pusht::two_mass::Knob& knob : pusht::two_mass::kKnobs) {
-    configuration.knobs[knob.name] = knobs.at(knob.name).get<double>();
+    row.knobs[knob.name] = knobs.at(knob.name).get<double>();
   }
-  configuration.protocol.validate();
-  return configuration;
+  return row;
 }
 
 /// The knobs that take more than one value; all of them for a single row.
@@ -106,16 +96,18 @@ class Sweeper {
     }
     const ReferenceCache references =
         cached ? *cached : ReferenceCache(folder_.referencePath(), setup_.referenceKey(protocol_.horizon));
-    std::string failures;
+    std::size_t failures = 0;
+    std::string first_failure;
     for (std::size_t index = 0; index < plan_.rows.size(); ++index) {
       try {
         finishRow(index, references);
       } catch (const SimulationFault& fault) {  // other knobs may do better
-        failures += std::string(failures.empty() ? "" : "; ") + fault.what();
+        first_failure = ++failures == 1 ? fault.what() : first_failure;
       }
     }
-    if (!failures.empty()) {
-      throw pusht::RuntimeFault(failures);
+    if (failures > 0) {
+      throw pusht::RuntimeFault(std::to_string(failures) + " of " + std::to_string(plan_.rows.size()) +
+                                " rows failed, first " + first_failure);
     }
     if (!cached) {
       folder_.removeReference();
@@ -199,17 +191,13 @@ void withStatus(SweepFolder& folder, const Body& body) {
   std::cout << "results: " << folder.path().string() << std::endl;
 }
 
-/// What a shard is a part of.
-json withoutShard(json description) {
-  description.erase("shard");
-  return description;
-}
-
-Shard shardOf(const SweepOnDisk& sweep) {
-  const json shard = sweep.description().value("shard", json());
+/// Which shard a sweep is; it is then described as the whole. Throws BadDependency if it is none.
+Shard takeShard(SweepOnDisk& sweep) {
+  const json shard = sweep.description.value("shard", json());
   if (!shard.is_string()) {
-    throw pusht::BadDependency("shard " + sweep.folder().string() + ": is a sweep in one piece");
+    throw pusht::BadDependency("shard " + sweep.folder.string() + ": is a sweep in one piece");
   }
+  sweep.description.erase("shard");
   return Shard::from(shard.get<std::string>());
 }
 
@@ -223,15 +211,12 @@ struct Shards {
 
 /// Throws BadDependency unless the folders hold all shards of one sweep.
 Shards requireShards(const std::vector<std::string>& folders) {
-  const SweepOnDisk first(folders.front());
-  Shards shards{{}, shardOf(first).of, withoutShard(first.description()), first.provenance()};
+  SweepOnDisk first = readSweep(folders.front());
+  Shards shards{{}, takeShard(first).of, first.description, first.provenance};
   for (const std::string& folder : folders) {
-    const SweepOnDisk sweep(folder);
-    const Shard shard = shardOf(sweep);
-    std::string difference = firstDifference(withoutShard(sweep.description()), shards.description);
-    if (difference.empty()) {
-      difference = firstDifference(sweep.provenance().value("code", json()), shards.provenance.value("code", json()));
-    }
+    SweepOnDisk sweep = readSweep(folder);
+    const Shard shard = takeShard(sweep);
+    std::string difference = differenceOf(sweep, first);
     if (difference.empty() && shard.of != shards.of) {
       difference = "it is " + shard.text();
     }
@@ -331,11 +316,12 @@ void merge(const MergeOptions& options) {
   const Shards shards = requireShards(options.shards);
   SweepFolder folder(options.out, options.overwrite, "merge");
   try {
-    const std::size_t rows = shards.description.at("rows").size();
+    const RunConfiguration whole = configurationWithoutKnobs(shards.description);
+    const json& rows = shards.description.at("rows");
     folder.begin(shards.description, shards.provenance);
     withStatus(folder, [&] {
-      for (std::size_t row = 0; row < rows; ++row) {
-        const RunConfiguration configuration = rowOf(shards.description, row);
+      for (std::size_t row = 0; row < rows.size(); ++row) {
+        const RunConfiguration configuration = rowOf(whole, rows.at(row));
         folder.keep(row, configuration, joinRow(shards, configuration, row));
       }
     });

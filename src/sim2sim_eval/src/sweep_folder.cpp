@@ -85,15 +85,33 @@ std::string sweepCsv(const std::vector<json>& rows) {
   return csv;
 }
 
+/// "/seed is 1, must be 0"
+std::string firstDifference(const json& found, const json& wanted) {
+  const json difference = json::diff(found, wanted);
+  if (difference.empty()) {
+    return "";
+  }
+  const json::json_pointer place(difference[0].at("path").get<std::string>());
+  const auto text_at = [&](const json& object) { return object.contains(place) ? object.at(place).dump() : "nothing"; };
+  return place.to_string() + " is " + text_at(found) + ", must be " + text_at(wanted);
+}
+
 }  // namespace
 
-SweepOnDisk::SweepOnDisk(fs::path folder) : folder_(std::move(folder)) {
-  const fs::path file = folder_ / kSweepJson;
-  description_ = parsedFile(file, "sweep").value("sweep", json());
-  if (!description_.is_object()) {
+SweepOnDisk readSweep(const fs::path& folder) {
+  const fs::path file = folder / kSweepJson;
+  const json description = parsedFile(file, "sweep").value("sweep", json());
+  if (!description.is_object()) {
     throw pusht::InvalidInput("sweep " + file.string() + ": must say what it is under \"sweep\"");
   }
-  provenance_ = parsedFile(folder_ / kProvenance, "provenance");
+  return {folder, description, parsedFile(folder / kProvenance, "provenance")};
+}
+
+std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted) {
+  const std::string difference = firstDifference(found.description, wanted.description);
+  return difference.empty()
+             ? firstDifference(found.provenance.value("code", json()), wanted.provenance.value("code", json()))
+             : difference;
 }
 
 std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::size_t index,
@@ -138,11 +156,7 @@ void SweepFolder::begin(const json& description, const json& provenance) {
   if (overwrite_) {
     folder_.removeResults();
   } else if (fs::exists(path() / kSweepJson, error)) {
-    const SweepOnDisk begun(path());
-    std::string difference = firstDifference(begun.description(), description);
-    if (difference.empty()) {
-      difference = firstDifference(begun.provenance().value("code", json()), provenance.at("code"));
-    }
+    const std::string difference = differenceOf(readSweep(path()), {path(), description, provenance});
     if (!difference.empty()) {
       throw pusht::InvalidInput("out " + path().string() + ": holds another sweep (" + difference +
                                 "); name another folder or allow to overwrite");
@@ -195,16 +209,6 @@ void SweepFolder::finish(pusht::ExitCode code, const std::string& reason) {
 void SweepFolder::writeTables() const {
   pusht::writeFile(path() / kSweepCsv, sweepCsv(rows_));
   pusht::writeFile(path() / kSweepJson, jsonText({{"sweep", description_}, {"rows", rows_}}));
-}
-
-std::string firstDifference(const json& found, const json& wanted) {
-  const json difference = json::diff(found, wanted);
-  if (difference.empty()) {
-    return "";
-  }
-  const json::json_pointer place(difference[0].at("path").get<std::string>());
-  const auto text_at = [&](const json& object) { return object.contains(place) ? object.at(place).dump() : "nothing"; };
-  return place.to_string() + " is " + text_at(found) + ", must be " + text_at(wanted);
 }
 
 }  // namespace sim2sim

@@ -32,6 +32,7 @@ constexpr std::array<double, kBodyCount> kRadii = {kPusherRadius, kBarRadius, kS
 // Real is double for one world, Lanes for several, which bring an alignment of their own.
 template <class Real>
 using Vector2 = Eigen::Matrix<Real, 2, 1, std::is_same_v<Real, double> ? Eigen::AutoAlign : Eigen::DontAlign>;
+
 /// Factor times vector. (Eigen's own operators would give Lanes an alignment that is less than they need.)
 template <class Real>
 [[gnu::always_inline]] inline Vector2<Real> scaled(const Real& factor, const Vector2<Real>& vector) {

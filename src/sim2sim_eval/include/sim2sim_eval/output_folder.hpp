@@ -20,13 +20,10 @@ class OutputFolder {
   /// it, RuntimeFault if it cannot be written.
   void open();
 
-  /// The name of something in the folder that a command has written; empty if there is none.
-  std::string heldResult() const;
-
-  /// Throws InvalidInput if there is any such thing.
+  /// Throws InvalidInput if the folder holds something that a command has written.
   void refuseResults() const;
 
-  /// Removes all of it. Throws RuntimeFault if that fails.
+  /// Removes all such things. Throws RuntimeFault if that fails.
   void removeResults() const;
 
   const std::filesystem::path& path() const { return path_; }

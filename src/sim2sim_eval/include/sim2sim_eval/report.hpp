@@ -48,6 +48,10 @@ Summary summarize(const std::vector<EpisodeResult>& episodes);
 /// The configuration as JSON; part of metrics.json and of provenance.json.
 nlohmann::ordered_json describe(const RunConfiguration& configuration);
 
+/// What `description` says of protocol, policy and simulators. Throws json::exception if it does not, InvalidInput as
+/// Protocol::validate().
+RunConfiguration configurationWithoutKnobs(const nlohmann::ordered_json& description);
+
 /// The configuration that `description` describes. Throws InvalidInput if it describes none.
 RunConfiguration configurationFrom(const nlohmann::ordered_json& description);
 

@@ -18,20 +18,18 @@ namespace sim2sim {
 
 /// A sweep that is on disk: rows/000/metrics.json and episodes.csv (those of a run with its knobs), rows/001/..., and
 /// sweep.json, which says what the sweep is. Files are complete or absent.
-class SweepOnDisk {
- public:
-  /// Throws InvalidInput if there is no sweep in the folder.
-  explicit SweepOnDisk(std::filesystem::path folder);
-
-  const std::filesystem::path& folder() const { return folder_; }
-  const nlohmann::json& description() const { return description_; }
-  const nlohmann::json& provenance() const { return provenance_; }
-
- private:
-  std::filesystem::path folder_;
-  nlohmann::json description_;
-  nlohmann::json provenance_;
+struct SweepOnDisk {
+  std::filesystem::path folder;
+  nlohmann::json description;
+  nlohmann::json provenance;  ///< its "code" is that of the build
 };
+
+/// Throws InvalidInput if there is no sweep in the folder.
+SweepOnDisk readSweep(const std::filesystem::path& folder);
+
+/// In what two sweeps, or the builds that run them, differ first, with both values: "/seed is 1, must be 0". Empty if
+/// in nothing.
+std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted);
 
 /// The episodes of a row of the sweep in `folder`; none if it is not finished. Throws BadDependency, naming the file,
 /// if they are not as they were written or not those of `configuration`.
@@ -75,8 +73,5 @@ class SweepFolder {
   nlohmann::json description_;
   std::vector<nlohmann::json> rows_;
 };
-
-/// Where two objects differ first, with both values: "/seed is 1, must be 0". Empty if they do not.
-std::string firstDifference(const nlohmann::json& found, const nlohmann::json& wanted);
 
 }  // namespace sim2sim

@@ -72,20 +72,20 @@ class ConstantPolicy : public pusht::Policy {
 std::unique_ptr<pusht::Policy> idlePolicy() { return std::make_unique<ConstantPolicy>(pusht::Action{0.0F, 0.0F}); }
 std::unique_ptr<pusht::Policy> expert() { return std::make_unique<pusht::ScriptedExpert>(); }
 
-/// Lanes that are worlds of their own.
-std::unique_ptr<pusht::BatchSimulator> lanesOf(int count,
-                                               const std::function<std::unique_ptr<pusht::Simulator>()>& make) {
-  std::vector<std::unique_ptr<pusht::Simulator>> worlds(count);
-  std::generate(worlds.begin(), worlds.end(), make);
+/// As many worlds as lanes, each with its tee at this speed.
+std::unique_ptr<pusht::BatchSimulator> ledLanes(int lanes, double speed) {
+  std::vector<std::unique_ptr<pusht::Simulator>> worlds(lanes);
+  std::generate(worlds.begin(), worlds.end(), [speed] { return std::make_unique<LedWorld>(speed); });
   return std::make_unique<pusht::SimulatorLanes>(std::move(worlds));
 }
 
 std::function<Worlds(int)> ledWorlds(double reference_speed, double engine_speed) {
   return [=](int lanes) {
-    const auto led = [lanes](double speed) {
-      return lanesOf(lanes, [=] { return std::make_unique<LedWorld>(speed); });
-    };
-    return Worlds{led(reference_speed), led(engine_speed), led(engine_speed)};
+    Worlds worlds;
+    worlds[kReferenceClosed] = ledLanes(lanes, reference_speed);
+    worlds[kEngineClosed] = ledLanes(lanes, engine_speed);
+    worlds[kEngineReplay] = ledLanes(lanes, engine_speed);
+    return worlds;
   };
 }
 

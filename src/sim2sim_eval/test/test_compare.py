@@ -285,23 +285,26 @@ class Recompute(CompareCase):
     def test_bag_that_was_tampered_with_is_refused(self) -> None:
         self.finished("--smoke", "--record")
 
+        def at(topic: str, message: Any, world: str, step: int) -> bool:
+            return topic == f"{world}/state" and (message.episode, message.step) == (0, step)
+
         def other_state(topic: str, message: Any) -> bool:
-            if (topic, getattr(message, "step", 0)) == ("/engine_replay/state", 17):
+            if at(topic, message, "/engine_replay", 17):
                 message.state.tee_x += 1e-9
             return True
 
         def other_action(topic: str, message: Any) -> bool:
-            if (topic, getattr(message, "step", 0)) == ("/engine_replay/state", 17):
+            if at(topic, message, "/engine_replay", 17):
                 message.action = [0.25, 0.0]
             return True
 
         def other_start(topic: str, message: Any) -> bool:
-            if (topic, getattr(message, "step", -1)) == ("/mujoco/state", 0):
+            if at(topic, message, "/mujoco", 0):
                 message.state.pusher_y += 0.001
             return True
 
         def lost_state(topic: str, message: Any) -> bool:
-            return (topic, getattr(message, "step", 0)) != ("/engine/state", 5)
+            return not at(topic, message, "/engine", 5)
 
         for edit, named in (
             (other_state, "episode 0: its result is not what comes of the states"),

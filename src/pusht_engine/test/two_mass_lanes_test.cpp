@@ -121,17 +121,17 @@ TEST(TwoMassLanes, ALaneThatFailsLeavesTheOthersAlone) {
   EXPECT_TRUE(sameBits(batch.state(1), engine.state()));
 }
 
-TEST(TwoMassLanes, LeavingTheFiniteNumbersIsARuntimeFault) {
+TEST(TwoMassLanes, LeavingTheFiniteNumbersIsASimulationFault) {
   TwoMassParameters stiff;
   stiff.baumgarte = 1e200;
   TwoMassLanes batch(2, stiff);
   TwoMassEngine engine(stiff);
   engine.reset(testing::movingState(1));
   batch.reset(0, testing::movingState(1));
-  EXPECT_THROW(engine.step({0.0F, 0.0F}), RuntimeFault);
+  EXPECT_THROW(engine.step({0.0F, 0.0F}), SimulationFault);
   const std::vector<std::optional<Action>> actions = {Action{}, std::nullopt};
   batch.step(actions);
-  EXPECT_THROW(batch.state(0), RuntimeFault);
+  EXPECT_THROW(batch.state(0), SimulationFault);
   batch.step(actions);
   EXPECT_THROW(batch.state(0), RuntimeFault) << "still the first error";
 }

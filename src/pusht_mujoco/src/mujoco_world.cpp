@@ -61,8 +61,8 @@ void MujocoWorld::doStep(const Action& action) {
   });
   refuseWarnings();
   if (!(data->time > start)) {
-    throw RuntimeFault("MuJoCo: time went from " + std::to_string(start) + " to " + std::to_string(data->time) +
-                       " s: must grow in a step");
+    throw SimulationFault("MuJoCo: time went from " + std::to_string(start) + " to " + std::to_string(data->time) +
+                          " s: must grow in a step");
   }
 }
 
@@ -80,7 +80,7 @@ WorldState MujocoWorld::doState() const {
 void MujocoWorld::refuseWarnings() const {
   for (int i = 0; i < mjNWARNING; ++i) {
     if (data_->warning[i].number > 0) {
-      throw RuntimeFault(std::string("MuJoCo: ") + mju_warningText(i, data_->warning[i].lastinfo));
+      throw SimulationFault(std::string("MuJoCo: ") + mju_warningText(i, data_->warning[i].lastinfo));
     }
   }
 }

@@ -27,7 +27,7 @@ Action checkedAction(const Action& action) {
 
 void requireFiniteStep(const WorldState& state) {
   if (!isFinite(state)) {
-    throw RuntimeFault("step: the simulation left the finite numbers");
+    throw SimulationFault("step: the simulation left the finite numbers");
   }
 }
 

@@ -101,7 +101,7 @@ class Sweeper {
     for (std::size_t index = 0; index < plan_.rows.size(); ++index) {
       try {
         finishRow(index, references);
-      } catch (const SimulationFault& fault) {  // other knobs may do better
+      } catch (const pusht::SimulationFault& fault) {  // other knobs may do better
         first_failure = ++failures == 1 ? fault.what() : first_failure;
       }
     }
@@ -115,11 +115,6 @@ class Sweeper {
   }
 
  private:
-  /// In a row, not of the sweep.
-  struct SimulationFault : pusht::RuntimeFault {
-    using RuntimeFault::RuntimeFault;
-  };
-
   void finishRow(std::size_t index, const ReferenceCache& references) {
     const RunConfiguration configuration = rowConfiguration(protocol_, setup_.policyName(), plan_.rows[index]);
     auto episodes = readRow(folder_.path(), index, configuration);
@@ -144,8 +139,9 @@ class Sweeper {
     try {
       runProtocol(protocol_, setup_.players(plan_.rows[index]), options_.batch.threadCount(), &references, deliver,
                   interrupted);
-    } catch (const pusht::RuntimeFault& fault) {
-      throw SimulationFault("row " + std::to_string(index) + " (" + settingText(index) + "): " + fault.what());
+    } catch (pusht::Error& error) {
+      error.addContext("row " + std::to_string(index) + " (" + settingText(index) + ")");
+      throw;
     }
     if (finished < protocol_.episodes) {
       throw pusht::RuntimeFault("interrupted in row " + std::to_string(index) + " of " +

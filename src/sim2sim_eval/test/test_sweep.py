@@ -331,7 +331,10 @@ class Faults(SweepCase):
         """A file that cannot grow beyond 2 kB stands for a full disk."""
         command = f'ulimit -f 2; exec "{SWEEP}" "{self.plan(PLAN)}" --out out'
         process = self.run_command("bash", "-c", command)
-        self.assertIn("cannot write", self.refused(4, process, "sweep"))
+        refusal = self.refused(4, process, "sweep")
+        self.assertIn("row 0", refusal)
+        self.assertIn("cannot write", refusal)
+        self.assertNotIn("rows failed", refusal, "a full disk is no fault of a row")
         left: List[Path] = list((self.folder / "out").rglob("*.part"))
         self.assertEqual(left, [])
 

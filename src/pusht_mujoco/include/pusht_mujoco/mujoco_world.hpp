@@ -20,7 +20,7 @@ class MujocoWorld : public Simulator {
   };
 
   void doReset(const WorldState& state) override;
-  /// Throws RuntimeFault on any warning of MuJoCo (it may have reset the state on its own), InternalError
+  /// Throws SimulationFault on any warning of MuJoCo (it may have reset the state on its own), InternalError
   /// on an error of MuJoCo.
   void doStep(const Action& action) override;
   WorldState doState() const override;

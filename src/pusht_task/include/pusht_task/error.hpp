@@ -40,6 +40,10 @@ struct BadDependency : Error {
 struct RuntimeFault : Error {
   explicit RuntimeFault(const std::string& message) : Error(ExitCode::kRuntimeFault, message) {}
 };
+/// The physics of a world failed, so with other parameters it may do better.
+struct SimulationFault : RuntimeFault {
+  using RuntimeFault::RuntimeFault;
+};
 struct InternalError : Error {
   explicit InternalError(const std::string& message) : Error(ExitCode::kInternalError, message) {}
 };

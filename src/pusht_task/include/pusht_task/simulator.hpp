@@ -12,7 +12,7 @@ namespace pusht {
 WorldState checkedStart(const WorldState& state);
 /// `action` clipped as the task says. Throws InvalidInput if it is not finite.
 Action checkedAction(const Action& action);
-/// Throws RuntimeFault if the world was left with a `state` that is not finite.
+/// Throws SimulationFault if the world was left with a `state` that is not finite.
 void requireFiniteStep(const WorldState& state);
 
 /// One world. What is PushT and not physics (checking and clipping of actions, finite states) happens
@@ -31,7 +31,7 @@ class Simulator {
 
   /// One control step with `action`, clipped as the task says. Success never stops a world.
   /// Throws InvalidInput before the first reset or if the action is not finite, with the world as it was;
-  /// RuntimeFault if the simulation itself fails or leaves the finite numbers.
+  /// SimulationFault if the simulation itself fails or leaves the finite numbers.
   void step(const Action& action);
 
   /// After reset(s): s to 1e-12 where s can be represented; a reset to that changes nothing, bit for bit.

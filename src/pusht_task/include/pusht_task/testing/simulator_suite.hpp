@@ -161,7 +161,7 @@ TEST_P(SimulatorSuite, AbsurdStatesAreAnErrorOrStayFinite) {
         ASSERT_TRUE(isFinite(world->state()));
         ASSERT_NE(world->state(), WorldState()) << "reset to the origin on its own";
       }
-    } catch (const RuntimeFault&) {
+    } catch (const SimulationFault&) {
       EXPECT_THROW(world->step({0.0F, 0.0F}), InvalidInput) << "a failed world must be reset first";
     }
     world->reset(spawn(3));

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <torch/script.h>
+
 #include <map>
 #include <utility>
 
@@ -271,7 +273,7 @@ void GraphReader::readCopy(const Node& node) { requireRows(node, "self"); }
 
 }  // namespace
 
-std::vector<float> toVector(const torch::Tensor& tensor) {
+std::vector<float> toVector(const at::Tensor& tensor) {
   const torch::Tensor values = tensor.contiguous();
   return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
 }

@@ -5,7 +5,9 @@
 #include <torch/csrc/jit/passes/constant_propagation.h>
 #include <torch/csrc/jit/passes/peephole.h>
 #include <torch/csrc/jit/runtime/graph_executor.h>
-#include <torch/torch.h>
+#include <torch/nn/modules/linear.h>
+#include <torch/script.h>
+#include <torch/version.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -89,10 +91,10 @@ std::string describe(const torch::jit::IValue& value) {
 }  // namespace
 
 TorchNetwork::TorchNetwork(const std::string& bytes, std::string name)
-    : name_(std::move(name)), module_(loadModule(bytes, name_)) {
+    : name_(std::move(name)), module_(std::make_shared<torch::jit::Module>(loadModule(bytes, name_))) {
   torch::set_num_threads(1);
-  requireFinite(module_.named_parameters(), name_);
-  requireFinite(module_.named_buffers(), name_);
+  requireFinite(module_->named_parameters(), name_);
+  requireFinite(module_->named_buffers(), name_);
 }
 
 Action TorchNetwork::act(const Observation& observation) {
@@ -102,7 +104,7 @@ Action TorchNetwork::act(const Observation& observation) {
   std::copy(observation.begin(), observation.end(), row.data_ptr<float>());
   torch::jit::IValue result;
   try {
-    result = module_.forward({row});
+    result = module_->forward({row});
   } catch (const std::exception& error) {
     throw BadDependency(name_ + ": must map float [1, 10] to float [1, 2], but fails: " + firstLine(error));
   }
@@ -119,7 +121,7 @@ Action TorchNetwork::act(const Observation& observation) {
 
 std::vector<Operation> TorchNetwork::operations() const {
   try {
-    return readGraph(*straightened(module_), kColumns);
+    return readGraph(*straightened(*module_), kColumns);
   } catch (const UnfitForKernel&) {
     throw;
   } catch (const std::exception& error) {

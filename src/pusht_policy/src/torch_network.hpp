@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Networks as libtorch has them. The only header of the package that includes libtorch's.
+/// Networks as libtorch has them, without libtorch's headers, which cost whoever includes them ten seconds.
 #pragma once
 
-#include <torch/script.h>
-
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "pusht_policy/network_kernel.hpp"
 #include "pusht_task/types.hpp"
+
+namespace at {
+class Tensor;
+}  // namespace at
+namespace torch::jit {
+struct Graph;
+struct Module;
+}  // namespace torch::jit
 
 namespace pusht {
 
@@ -35,7 +42,7 @@ class TorchNetwork {
 
  private:
   std::string name_;
-  torch::jit::Module module_;
+  std::shared_ptr<torch::jit::Module> module_;
 };
 
 /// The operations of a graph whose first input is the module and whose second is rows of `inputs` numbers.
@@ -46,6 +53,6 @@ std::vector<Operation> readGraph(const torch::jit::Graph& graph, int inputs);
 std::vector<Operation> untrainedOperations(std::uint64_t seed);
 
 /// The values of a float32 tensor, row-major.
-std::vector<float> toVector(const torch::Tensor& tensor);
+std::vector<float> toVector(const at::Tensor& tensor);
 
 }  // namespace pusht

@@ -2,7 +2,6 @@
 #include "pusht_policy/network_kernel.hpp"
 
 #include <gtest/gtest.h>
-#include <torch/torch.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "libtorch_testing.hpp"
 #include "network_testing.hpp"
 #include "pusht_task/error.hpp"
 

@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <torch/script.h>
 
 #include <array>
 #include <atomic>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "../src/torch_network.hpp"
+#include "libtorch_testing.hpp"
 #include "network_testing.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"

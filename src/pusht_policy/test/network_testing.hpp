@@ -3,7 +3,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <torch/script.h>
 
 #include <algorithm>
 #include <array>
@@ -66,21 +65,6 @@ inline std::vector<Action> act(Policy& policy, const std::vector<Observation>& o
     policy.act({queries.data() + first, count}, {actions.data() + first, count});
   }
   return actions;
-}
-
-/// What libtorch itself makes of float32 rows, one at a time, in the order in which the module was written.
-template <class Forward>
-std::vector<float> onLibtorch(Forward forward, Span<const float> rows, std::int64_t columns) {
-  const torch::NoGradGuard no_gradients;
-  const torch::jit::GraphOptimizerEnabledGuard as_written(false);
-  std::vector<float> results;
-  for (std::size_t first = 0; first < rows.size(); first += columns) {
-    const torch::Tensor row = torch::empty({1, columns});
-    std::copy_n(rows.data() + first, columns, row.data_ptr<float>());
-    const torch::Tensor result = torch::Tensor(forward(row)).contiguous();
-    results.insert(results.end(), result.data_ptr<float>(), result.data_ptr<float>() + result.numel());
-  }
-  return results;
 }
 
 template <class Array>

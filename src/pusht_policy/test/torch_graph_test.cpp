@@ -2,13 +2,13 @@
 // Which spellings of a network are recognised, and as what.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <torch/script.h>
 
 #include <map>
 #include <ostream>
 #include <string>
 #include <vector>
 
+#include "libtorch_testing.hpp"
 #include "network_testing.hpp"
 #include "pusht_policy/network_policy.hpp"
 

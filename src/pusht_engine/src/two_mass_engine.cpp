@@ -85,16 +85,26 @@ Bodies<double> laneOf(const Bodies<Lanes>& group, std::size_t lane) {
 
 }  // namespace
 
-void TwoMassParameters::validate() const {
-  if (!(pusher_mass > 0.0) || !std::isfinite(1.0 / pusher_mass)) {
-    throw InvalidInput("pusher_mass " + shortestText(pusher_mass) + ": must be > 0 and finite, as its inverse [kg]");
+void two_mass::Knob::requireInRange(double number) const {
+  // Written so that a NaN fails.
+  if (!(least <= number && number <= greatest)) {
+    throw InvalidInput(std::string(name) + " " + shortestText(number) + ": must be from " + shortestText(least) +
+                       " to " + shortestText(greatest) + " [" + unit + "]: " + reason);
   }
+}
+
+double two_mass::greatestBaumgarte(double block_damp) {
+  return (std::sqrt(8.0 - 2.0 * kSubstep * block_damp) - 2.0) / kSubstep;
+}
+
+void TwoMassParameters::validate() const {
   for (const two_mass::Knob& knob : two_mass::kKnobs) {
-    const double value = this->*knob.value;
-    if (!std::isfinite(value) || value < 0.0) {
-      throw InvalidInput(std::string(knob.name) + " " + shortestText(value) + ": must be finite and >= 0 [" +
-                         knob.unit + "]");
-    }
+    knob.requireInRange(this->*knob.value);
+  }
+  const double greatest = two_mass::greatestBaumgarte(block_damp);
+  if (!(baumgarte < greatest)) {
+    throw InvalidInput("baumgarte " + shortestText(baumgarte) + ": must be below " + fixedText(greatest, 2) +
+                       " [rad/s] with block_damp " + shortestText(block_damp) + ": a stiffer link shakes itself apart");
   }
 }
 

@@ -4,10 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string>
 
+#include "pusht_task/numbers.hpp"
 #include "pusht_task/testing/golden.hpp"
 #include "pusht_task/testing/simulator_suite.hpp"
 
@@ -169,23 +172,142 @@ INSTANTIATE_TEST_SUITE_P(TwoMassEngine, Symmetry,
                          ::testing::Values(Image{(Eigen::Matrix2d() << -1.0, 0.0, 0.0, 1.0).finished(), 0.0, -1.0},
                                            rotation(kPi / 2.0), rotation(0.4)));
 
-TEST(TwoMassParameters, RefusesBadKnobsByName) {
-  const auto refusal = [](double TwoMassParameters::*knob, double value) -> std::string {
-    TwoMassParameters bad;
-    bad.*knob = value;
-    try {
-      TwoMassEngine engine(bad);
-    } catch (const InvalidInput& error) {
-      return error.what();
+/// The message with which the knobs are refused; empty if they are not.
+std::string refusal(const TwoMassParameters& knobs) {
+  try {
+    TwoMassEngine engine(knobs);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(TwoMassParameters, RefusesWhatIsOutsideTheRangeOfAKnobByName) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const two_mass::Knob& knob : two_mass::kKnobs) {
+    TwoMassParameters knobs;
+    knobs.block_damp = 0.0;  // leaves the link its whole range
+    for (const double inside : {knob.least, knob.greatest}) {
+      knobs.*knob.value = inside;
+      EXPECT_EQ(refusal(knobs), "");
     }
-    return "";
+    for (const double outside : {std::nextafter(knob.least, -kInfinity), std::nextafter(knob.greatest, kInfinity), -1.0,
+                                 kInfinity, std::numeric_limits<double>::quiet_NaN()}) {
+      knobs.*knob.value = outside;
+      EXPECT_THAT(refusal(knobs),
+                  ::testing::AllOf(::testing::StartsWith(knob.name + (" " + shortestText(outside)) + ": must be from "),
+                                   ::testing::HasSubstr(knob.unit), ::testing::HasSubstr(knob.reason)));
+    }
+  }
+}
+
+TEST(TwoMassParameters, RefusesALinkThatIsTooStiffForItsDrag) {
+  for (const double damp : {0.0, 6.0, 60.0, 100.0}) {
+    TwoMassParameters knobs;
+    knobs.block_damp = damp;
+    const double greatest = std::min(two_mass::greatestBaumgarte(damp), two_mass::kKnobs[2].greatest);
+    knobs.baumgarte = 0.999 * greatest;
+    EXPECT_EQ(refusal(knobs), "");
+    knobs.baumgarte = 1.001 * greatest;
+    EXPECT_THAT(refusal(knobs), ::testing::StartsWith("baumgarte " + shortestText(knobs.baumgarte) + ": must be "));
+  }
+}
+
+// The ranges are those in which the integration itself is stable: just inside it is, just outside it is not.
+
+two_mass::Model modelWith(const TwoMassParameters& knobs) {
+  return {{knobs.pusher_mass, kBarMass, kStemMass},
+          {1.0 / knobs.pusher_mass, 1.0 / kBarMass, 1.0 / kStemMass},
+          knobs.block_damp,
+          knobs.baumgarte};
+}
+
+/// A tee at the origin with its stem on +x, `stretch` [m] longer than it should be; the pusher is far away.
+two_mass::Bodies<double> stretchedTee(double stretch) {
+  two_mass::Bodies<double> bodies;
+  bodies.velocities.fill(Eigen::Vector2d::Zero());
+  bodies.positions = {Eigen::Vector2d(-1.0, 0.0), Eigen::Vector2d(0.0, 0.0),
+                      Eigen::Vector2d(kStemOffset + stretch, 0.0)};
+  return bodies;
+}
+
+TEST(StableRange, DragSlowsTheTeeAndNeverTurnsIt) {
+  const auto speed_after_a_substep = [](double damp) {
+    TwoMassParameters knobs;
+    knobs.block_damp = damp;
+    two_mass::Bodies<double> bodies = stretchedTee(0.0);
+    bodies.velocities[kBar] = bodies.velocities[kStem] = {1.0, 0.0};
+    two_mass::substep<double>(modelWith(knobs), {0.0, 0.0}, bodies);
+    return bodies.velocities[kBar].x();
   };
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(refusal(&TwoMassParameters::pusher_mass, 0.0), ::testing::HasSubstr("pusher_mass"));
-  EXPECT_THAT(refusal(&TwoMassParameters::pusher_mass, nan), ::testing::HasSubstr("pusher_mass"));
-  EXPECT_THAT(refusal(&TwoMassParameters::block_damp, -1.0), ::testing::HasSubstr("block_damp -1"));
-  EXPECT_THAT(refusal(&TwoMassParameters::baumgarte, -1.0), ::testing::HasSubstr("baumgarte"));
-  EXPECT_EQ(refusal(&TwoMassParameters::block_damp, 0.0), "");
+  const double greatest = two_mass::kKnobs[1].greatest;
+  EXPECT_GE(speed_after_a_substep(greatest), 0.0);
+  EXPECT_LT(speed_after_a_substep(1.01 * greatest), 0.0);
+}
+
+TEST(StableRange, AnErrorOfTheLinkDecaysUpToItsGreatestStiffness) {
+  constexpr double kStretch = 1e-9;  // [m]
+  // After 30 s, or once it is a thousand times as large.
+  const auto error_after_a_while = [](double damp, double baumgarte) {
+    TwoMassParameters knobs;
+    knobs.block_damp = damp;
+    knobs.baumgarte = baumgarte;
+    two_mass::Bodies<double> bodies = stretchedTee(kStretch);
+    double error = kStretch;
+    for (int i = 0; i < kHorizon * kSubstepsPerControlStep && error < 1e3 * kStretch; ++i) {
+      two_mass::substep<double>(modelWith(knobs), {0.0, 0.0}, bodies);
+      error = std::abs((bodies.positions[kStem] - bodies.positions[kBar]).norm() - kStemOffset);
+    }
+    return error;
+  };
+  for (const double damp : {0.0, 6.0, 60.0, 100.0}) {
+    const double greatest = two_mass::greatestBaumgarte(damp);
+    EXPECT_LT(error_after_a_while(damp, 0.99 * greatest), 1e-3 * kStretch) << damp;
+    EXPECT_GE(error_after_a_while(damp, 1.01 * greatest), 1e3 * kStretch) << damp;
+  }
+}
+
+/// [m/s] How fast the tee gets when a pusher at full speed chases it for 30 s.
+double fastestTee(const TwoMassParameters& knobs) {
+  double fastest = 0.0;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    TwoMassEngine engine(knobs);
+    engine.reset(testing::movingState(seed));
+    for (int i = 0; i < kHorizon; ++i) {
+      engine.step(testing::chase(engine.state()));
+      fastest = std::max(fastest, engine.state().tee_velocity.norm());
+    }
+  }
+  return fastest;
+}
+
+TEST(StableRange, TheTeeIsNeverMuchFasterThanThePusher) {
+  constexpr double kBound = 2.0;  // [m/s]; the pusher's 1 m/s and what contacts add to remove an overlap
+  for (const double mass : {two_mass::kKnobs[0].least, 0.05, 4.0, two_mass::kKnobs[0].greatest}) {
+    for (const double damp : {0.0, 6.0, 100.0}) {
+      for (const double stiffness : {40.0, 0.99 * two_mass::greatestBaumgarte(damp)}) {
+        EXPECT_LT(fastestTee({mass, damp, stiffness}), kBound) << mass << " " << damp << " " << stiffness;
+      }
+    }
+  }
+}
+
+/// What holds a soft link is too slow for a pusher at full speed: that ends a world, and by name.
+TEST(StableRange, ALinkThatCloses) {
+  TwoMassParameters soft;
+  soft.baumgarte = two_mass::kKnobs[2].least;
+  TwoMassEngine engine(soft);
+  WorldState start;
+  start.tee_yaw = kPi / 2.0;  // the stem is on +x
+  start.pusher_position = {-0.05, 0.0};
+  start.pusher_velocity = {1.0, 0.0};
+  engine.reset(start);
+  const auto push = [&] {
+    for (int i = 0; i < kHorizon; ++i) {
+      engine.step({1.0F, 0.0F});
+    }
+  };
+  EXPECT_THROW(push(), SimulationFault);
 }
 
 }  // namespace

@@ -62,15 +62,21 @@ const pusht::two_mass::Knob& knobAt(const YAML::Node& node) {
   return *knob;
 }
 
+/// Calls check(); what it refuses is in the line of `node`.
+template <class Check>
+void inLineOf(const YAML::Node& node, Check check) {
+  try {
+    check();
+  } catch (pusht::InvalidInput& error) {
+    error.addContext("line " + std::to_string(node.Mark().line + 1));
+    throw;
+  }
+}
+
 void setKnob(pusht::TwoMassParameters& row, const pusht::two_mass::Knob& knob, const YAML::Node& value) {
   const double real = pusht::realFromText(placeOf(value, knob.name), textAt(value, knob.name));
   row.*knob.value = real + 0.0;  // -0.0 is 0.0
-  try {
-    row.validate();
-  } catch (pusht::InvalidInput& error) {
-    error.addContext("line " + std::to_string(value.Mark().line + 1));
-    throw;
-  }
+  inLineOf(value, [&] { knob.requireInRange(real); });
 }
 
 void requireRoom(const YAML::Node& node, const std::string& key, std::size_t rows) {
@@ -111,6 +117,9 @@ std::vector<pusht::TwoMassParameters> rowsOfGrid(const YAML::Node& grid) {
     }
     rows = std::move(combined);
   }
+  for (const pusht::TwoMassParameters& row : rows) {
+    inLineOf(grid, [&] { row.validate(); });
+  }
   return rows;
 }
 
@@ -129,6 +138,7 @@ std::vector<pusht::TwoMassParameters> rowsOfList(const YAML::Node& list) {
     for (const auto& entry : setting) {
       setKnob(rows.back(), knobAt(entry.first), entry.second);
     }
+    inLineOf(setting, [&] { rows.back().validate(); });
   }
   return rows;
 }

@@ -9,6 +9,7 @@ import unittest
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Set
 
+import torch
 from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
 
 DEADLINE = 120.0  # s, for one command
@@ -19,6 +20,11 @@ def executable(package: str, name: str) -> str:
     found: List[str] = find_in_workspaces(["libexec"], package, name, first_match_only=True)
     assert found, f"{package} has no executable {name}"
     return found[0]
+
+
+class Charge(torch.nn.Module):
+    def forward(self, obs: torch.Tensor) -> torch.Tensor:
+        return torch.clamp(100.0 * (obs[:, 2:4] - obs[:, 0:2]), -1.0, 1.0)
 
 
 class CommandCase(unittest.TestCase):
@@ -67,6 +73,12 @@ class CommandCase(unittest.TestCase):
         return b"".join(
             (self.folder / out / f).read_bytes() for f in ("metrics.json", "episodes.csv")
         )
+
+    def charging_policy(self) -> str:
+        """Drives into the tee at full speed, which a soft link does not survive."""
+        path = str(self.folder / "charge.pt")
+        torch.jit.script(Charge()).save(path)
+        return path
 
     def write(self, name: str, content: bytes) -> str:
         path = self.folder / name

@@ -90,7 +90,7 @@ class Refusals(LiveCase):
         self.assert_refused("block_damp 'abc': must be a", block_damp="abc")
 
     def test_f19_negative_mass(self) -> None:
-        self.assert_refused("pusher_mass -1.0: must be > 0", pusher_mass=-1)
+        self.assert_refused("pusher_mass -1.0: must be from", pusher_mass=-1)
 
     def test_f19_unknown_parameter(self) -> None:
         self.assert_refused(

@@ -126,6 +126,7 @@ class LiveSession(GoalCase):
         cases: List[Tuple[Dict[str, Any], str]] = [
             ({"knobs": [Parameter("block_dump", "6")]}, "block_dump.*there is none of that name"),
             ({"knobs": [Parameter("pusher_mass", "-1")]}, "pusher_mass -1.0: must be"),
+            ({"knobs": [Parameter("block_damp", "110")]}, "block_damp 110.0: must be from 0.0 to"),
             ({"episodes": 1_000_000_000}, "episodes 1000000000: must be from 1 to"),
             ({"seed": 2**64 - 1}, "seed"),
             ({"rate": math.nan}, "rate nan: must be finite"),

@@ -517,9 +517,19 @@ class Faults(CompareCase):
         for seed in (-1, 2**64 - 1, 2**64):
             self.assertIn("seed", self.refused(2, "--smoke", "--seed", str(seed)))
 
-    def test_f21_engine_that_leaves_the_finite_numbers(self) -> None:
-        line = self.failed(4, "--policy", "expert", "--episodes", "2", "--block_damp", "1e6")
-        self.assertRegex(line, r"episode \d+ .*engine_\w+, step \d+: .*finite")
+    def test_f21_engine_that_flies_apart(self) -> None:
+        charge = ["--policy", self.charging_policy(), "--first-episode", "3", "--episodes", "1"]
+        line = self.failed(4, *charge, "--baumgarte", "10")
+        self.assertRegex(line, r"episode 3 .*engine_closed, step \d+: .*the simulation left the ")
+
+    def test_f31_knobs_outside_the_stable_range(self) -> None:
+        for arguments, rule in (
+            (["--block_damp", "110"], "block_damp 110.0: must be from 0.0 to 100.0 [1/s]: "),
+            (["--baumgarte", "5"], "baumgarte 5.0: must be from 10.0 to 82.8 [rad/s]: "),
+            (["--baumgarte", "60", "--block_damp", "100"], "60.0: must be below 44.95 [rad/s]"),
+            (["--pusher_mass", "1e7"], "pusher_mass 10000000.0: must be from 1e-06 to "),
+        ):
+            self.assertIn(rule, self.refused(2, *arguments))
 
     def test_f22_disk_full(self) -> None:
         out = self.folder / "out"

@@ -291,7 +291,9 @@ class BadPlans(SweepCase):
             "{grid: {block_damp: [1]}, rows: [{}]}": "must have either grid or rows",
             "grid:\n  block_dump: [1]": "line 2, block_dump: there is no such knob; there are",
             "grid:\n  block_damp: 1": "line 2, block_damp: must be a list",
-            "grid:\n  block_damp: [1, -2]": "line 2: block_damp -2.0: must be finite and >= 0",
+            "grid:\n  block_damp: [1, -2]": "line 2: block_damp -2.0: must be from 0.0 to",
+            "rows:\n- {}\n- {baumgarte: 60, block_damp: 90}": "line 3: baumgarte 60.0: must be",
+            "grid:\n  block_damp: [6, 90]\n  baumgarte: [60]": "line 2: baumgarte 60.0: must",
             "grid:\n  block_damp: [1, .nan]": "line 2, block_damp",
             "grid:\n  block_damp: [010x]": "line 2, block_damp",
             "grid: {}": "line 1, grid: must map knobs to lists",
@@ -338,12 +340,14 @@ class Faults(SweepCase):
         left: List[Path] = list((self.folder / "out").rglob("*.part"))
         self.assertEqual(left, [])
 
-    def test_knob_that_makes_the_engine_leave_the_finite_numbers(self) -> None:
-        plan = "{policy: expert, episodes: 2, grid: {baumgarte: [40, 1.0e200, 20]}}"
+    def test_knob_that_lets_the_engine_fly_apart(self) -> None:
+        policy = self.charging_policy()
+        grid = "grid: {baumgarte: [40, 10, 20]}"
+        plan = f"{{policy: {policy}, first_episode: 3, episodes: 1, {grid}}}"
         process = self.sweep("--out", "out", plan=plan)
         refusal = self.refused(4, process, "sweep")
-        self.assertIn("row 1 (baumgarte 1e+200): episode 0 (spawn seed 10000), engine_", refusal)
-        self.assertIn("left the finite numbers", refusal)
+        self.assertIn("row 1 (baumgarte 10.0): episode 3 (spawn seed 10003), engine_", refusal)
+        self.assertIn("the simulation left the ", refusal)
         self.assertEqual(self.load("out", "status.json")["rows_finished"], 2)
         self.assertEqual([row["row"] for row in self.load("out", "sweep.json")["rows"]], [0, 2])
 

@@ -64,10 +64,11 @@ class SimulatorSessions : public ::testing::Test {
     request.stamp = stamp;
     return session_.reset(request);
   }
-  pusht_msgs::StepResponse step(std::int32_t index) {
+  pusht_msgs::StepResponse step(std::int32_t index, const ros::Time& stamp = {}) {
     pusht_msgs::StepRequest request;
     request.step = index;
     request.action = {1.0F, 0.0F};
+    request.stamp = stamp;
     return session_.step(request);
   }
 
@@ -107,6 +108,33 @@ TEST_F(SimulatorSessions, AResetIsNotAnsweredAgainAfterAFailure) {
   ASSERT_EQ(session_.step(failing).success, 0);
   EXPECT_EQ(reset(3, ros::Time(10.0)).success, 0);
   EXPECT_EQ(reset(3, begun.stamp + ros::Duration(0.1)).success, 1);
+}
+
+TEST_F(SimulatorSessions, LateStampsDoNotSpoilTheWorld) {
+  constexpr std::uint32_t kLimit = 1U << 31U;
+  for (const ros::Time late : {ros::Time(kLimit, 0), ros::TIME_MAX}) {
+    const auto refused = reset(0, late);
+    EXPECT_EQ(refused.exit_code, static_cast<int>(ExitCode::kInvalidInput));
+    EXPECT_THAT(refused.message, HasSubstr("must be below 2^31 [s]"));
+  }
+  EXPECT_EQ(reset(0, ros::Time(kLimit - 1, 999'999'999)).success, 1);
+  EXPECT_THAT(step(0, ros::Time(kLimit, 0)).message, HasSubstr("must be below 2^31 [s]"));
+  EXPECT_EQ(step(0).stamp, ros::Time(kLimit, 99'999'999)) << "it counts on from there";
+  EXPECT_EQ(reset().success, 1);
+}
+
+TEST_F(SimulatorSessions, AFailedStepLeavesTheHold) {
+  pusht_msgs::ResetRequest mine;
+  mine.token = "mine";
+  ASSERT_EQ(session_.reset(mine).success, 1);
+  pusht_msgs::StepRequest next;
+  next.step = -1;
+  next.token = "mine";
+  ASSERT_EQ(session_.step(next).success, 1);
+  ASSERT_EQ(session_.step(next).success, 1);
+  ASSERT_THAT(session_.step(next).message, HasSubstr("broken on purpose"));
+  EXPECT_THAT(step(-1).message, HasSubstr("held by another caller"));
+  EXPECT_THAT(session_.step(next).message, HasSubstr("needs a reset"));
 }
 
 TEST_F(SimulatorSessions, ARefusedConfigurationKeepsTheSimulator) {
@@ -197,6 +225,18 @@ TEST_F(PolicySessions, AnswerTheLastStepAgain) {
   act({{7, 1}});
   EXPECT_THAT(act({{7, 1}, {9, 0}}).actions, ElementsAre(2, 0, 1, 0));
   EXPECT_THAT(act({{7, 2}}).actions, ElementsAre(3, 0));
+}
+
+TEST_F(PolicySessions, TakeAnotherObservationForAnotherCaller) {
+  act({{7, 0}});
+  act({{7, 1}});
+  pusht_msgs::ActRequest other;
+  other.queries.resize(1);
+  other.queries[0].rollout = 7;
+  other.queries[0].step = 1;
+  other.queries[0].observation[2] = 0.5F;
+  EXPECT_EQ(session_.act(other).message, "rollout 7: step 1: was answered for another observation");
+  EXPECT_THAT(act({{7, 1}}).actions, ElementsAre(2, 0));
 }
 
 TEST_F(PolicySessions, BeginARolloutAnewAtStepZero) {

@@ -137,9 +137,11 @@ class SessionCase(unittest.TestCase):
     def step(self, step: int = -1, action: Tuple[float, float] = (0.5, 0.0), **fields: Any) -> Any:
         return self.accepted(self.session.step(StepRequest(step=step, action=action, **fields)))
 
-    def configure(self, values: Mapping[str, str] = {}, end_episode: bool = False) -> Any:
+    def configure(
+        self, values: Mapping[str, str] = {}, end_episode: bool = False, token: str = ""
+    ) -> Any:
         parameters = [Parameter(name, value) for name, value in values.items()]
-        return self.session.configure(ConfigureRequest(parameters, end_episode))
+        return self.session.configure(ConfigureRequest(parameters, end_episode, token))
 
     def accepted(self, response: Any) -> Any:
         self.assertTrue(response.success, response.message)
@@ -196,11 +198,13 @@ class Resets(SessionCase):
         stamps = [update.header.stamp.to_nsec() for update in self.updates]
         self.assertEqual(stamps, [100_000_000 * (k + 1) for k in range(9)])
 
-    def test_no_stamp_after_the_last(self) -> None:
-        last = Time(2**32 - 1, 950_000_000)
-        self.reset(stamp=last)
-        self.refused_step("must be below 2\\^32")
-        self.refused_reset("must be below 2\\^32")
+    def test_late_stamps_do_not_spoil_the_world(self) -> None:
+        for late in (Time(2**31), Time(2**32 - 1, 999_999_999)):
+            self.refused_reset("must be below 2\\^31", stamp=late)
+        self.reset(stamp=Time(2**31 - 1, 999_999_999))
+        self.refused_step("must be below 2\\^31", stamp=Time(2**31))
+        self.assertEqual(self.step().stamp, Time(2**31, 99_999_999))
+        self.reset()
 
     def test_repeated_reset_is_answered_again(self) -> None:
         request = ResetRequest(seed=3, episode=5, stamp=Time(4))
@@ -208,6 +212,9 @@ class Resets(SessionCase):
         self.assertEqual(data(self.session.reset(request)), data(first))
         self.assertEqual(len(self.updates), 1)
         self.refused_reset("stamp", episode=6, stamp=Time(4))
+        for other in ({"seed": 4}, {"horizon": 7}, {"token": "other"}):
+            fields = {"seed": 3, "episode": 5, "stamp": Time(4), **other}
+            self.refused_reset("stamp", **fields)
         self.step(episode=5)
         self.refused(self.session.reset(request), "stamp 4.000000000: must be above 4.100000000")
 
@@ -255,14 +262,17 @@ class Steps(SessionCase):
         self.reset(start=[WorldStateMessage(tee_yaw=3.0)])
         self.assertAlmostEqual(self.step().state.tee_yaw, 6.0 - 2 * math.pi)
 
-    def test_repeated_step_is_answered_again_whatever_else_it_holds(self) -> None:
-        self.reset()
-        first = self.step(step=0)
-        again = self.step(step=0, action=(math.nan, 0.0), stamp=Time(0, 1))
-        self.assertEqual(data(again), data(first))
+    def test_repeated_step_is_answered_again(self) -> None:
+        self.reset(token="mine")
+        first = self.step(step=0, token="mine")
+        self.assertEqual(data(self.step(step=0, token="mine")), data(first))
+        message = "step 0: was taken with another action or stamp"
+        for other in ({"action": (0.5, 0.1)}, {"action": (math.nan, 0)}, {"stamp": Time(0, 1)}):
+            fields = {"step": 0, "action": (0.5, 0.0), "token": "mine", **other}
+            self.refused_step(message, **fields)
         self.assertEqual(len(self.simulators[0].actions), 1)
         self.assertEqual(len(self.updates), 2)
-        self.assertEqual(self.step(step=1).step, 1)
+        self.assertEqual(self.step(step=1, token="mine").step, 1)
 
     def test_last_step_is_answered_again_at_the_horizon(self) -> None:
         self.reset(horizon=1)
@@ -324,6 +334,59 @@ class Steps(SessionCase):
             self.refused_step("needs a reset")
             self.refused_step("needs a reset", step=0, episode=9)
         self.assertEqual(len(self.updates), 6)
+
+
+class Holds(SessionCase):
+    """Who may step and configure a world that was reset with a token."""
+
+    def refused_without(self, pattern: str, token: str) -> None:
+        """Every request but a reset."""
+        before = data(self.session.describe())
+        self.refused_step(pattern, exit_code=4, token=token)
+        for end_episode in (False, True):
+            answer = self.configure({"drift": "1"}, end_episode, token)
+            self.refused(answer, pattern, exit_code=4)
+        self.assertEqual(data(self.session.describe()), before)
+
+    def test_only_the_holder_is_served(self) -> None:
+        self.reset(token="mine", horizon=1)
+        self.refused_without("held by another caller", "")
+        self.refused_without("was reset by another caller", "other")
+        self.step(token="mine")
+        self.refused_without("held by another caller", "")  # past the horizon, too
+        self.assertEqual(len(self.simulators[0].actions), 1)
+
+    def test_a_reset_takes_the_world_over(self) -> None:
+        for token in ("other", ""):
+            self.reset(token="mine")
+            self.step(token="mine")
+            self.reset(token=token)
+            self.refused_without("was reset by another caller", "mine")
+            self.step(token=token)
+
+    def test_configuring_ends_the_hold(self) -> None:
+        self.reset(token="mine")
+        self.accepted(self.configure({}, end_episode=True, token="mine"))
+        self.refused_without("was reset by another caller, or its episode has ended", "mine")
+        self.accepted(self.configure({"drift": "1"}))
+
+    def test_refused_reset_leaves_the_hold(self) -> None:
+        self.reset(token="mine", stamp=Time(7))
+        self.refused_reset("stamp", stamp=Time(6))
+        self.step(token="mine")
+
+    def test_failed_simulation_leaves_the_hold(self) -> None:
+        self.reset(token="mine")
+        self.simulators[0].fault = "raise"
+        self.refused_step("ZeroDivision", exit_code=4, token="mine")
+        self.refused_step("held by another caller", exit_code=4)
+        self.refused_step("needs a reset", token="mine")
+
+    def test_answers_name_the_parameters(self) -> None:
+        self.assertEqual(self.reset().parameters_hash, self.session.describe().parameters_hash)
+        configured = self.accepted(self.configure({"drift": "0.6"}, end_episode=True))
+        self.assertEqual(configured.parameters_hash, self.session.describe().parameters_hash)
+        self.assertEqual(self.reset().parameters_hash, configured.parameters_hash)
 
 
 class Configurations(SessionCase):

@@ -52,6 +52,7 @@ void Cast::connect(const pusht::Parameters& knobs, std::chrono::milliseconds pat
 
 void Cast::connectWorlds(const pusht::Parameters& knobs, std::chrono::milliseconds patience,
                          const std::function<bool()>& stop) {
+  worlds_ = {};  // leaves those that have not been lost
   std::array<std::unique_ptr<pusht::Simulator>, kModeCount> worlds;
   for (std::size_t mode = 0; mode < kModeCount; ++mode) {
     Part& part = parts_.at(mode);
@@ -59,11 +60,12 @@ void Cast::connectWorlds(const pusht::Parameters& knobs, std::chrono::millisecon
     const pusht::Parameters parameters = mode == kReferenceClosed ? pusht::Parameters() : wanted;
     part.peer.connect(patience, stop);
     part.description = part.peer.description();
-    stamps_.startAbove(part.description.stamp);
     auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_);
     if (!parameters.empty()) {
-      part.description.parameters = world->configure(parameters);
+      world->configure(parameters);
     }
+    part.description.parameters = world->parameters();
+    part.description.parameters_hash = world->parametersHash();
     part.world = world.get();
     worlds.at(mode) = std::move(world);
   }
@@ -96,6 +98,12 @@ void Cast::announce(int episode, int horizon) {
   for (Part& part : parts_) {
     part.peer.requireSameOwner();
     part.world->announce(static_cast<std::uint64_t>(episode), horizon);
+  }
+}
+
+void Cast::requireUndisturbed() {
+  for (Part& part : parts_) {
+    part.world->requireUndisturbed();
   }
 }
 

@@ -62,6 +62,19 @@ nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
   return provenance;
 }
 
+/// Which node took part, as what.
+nlohmann::ordered_json identityOf(const pusht_msgs::DescribeResponse& node) {
+  nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
+  for (const pusht_msgs::Parameter& parameter : node.parameters) {
+    parameters[parameter.name] = parameter.value;
+  }
+  return {{"name", node.name},
+          {"version", node.version},
+          {"instance_id", node.instance_id},
+          {"parameters", parameters},
+          {"parameters_hash", node.parameters_hash}};
+}
+
 RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast) {
   RunConfiguration configuration;
   configuration.protocol = request.protocol;
@@ -74,8 +87,14 @@ RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast) {
 }
 
 nlohmann::ordered_json provenanceOf(const RunConfiguration& configuration, const Cast& cast) {
-  return provenance(configuration, provenanceOf(cast.describePolicy()), provenanceOf(cast.describe(kReferenceClosed)),
-                    provenanceOf(cast.describe(kEngineClosed)));
+  nlohmann::ordered_json result =
+      provenance(configuration, provenanceOf(cast.describePolicy()), provenanceOf(cast.describe(kReferenceClosed)),
+                 provenanceOf(cast.describe(kEngineClosed)));
+  result["nodes"]["policy"] = identityOf(cast.describePolicy());
+  for (const Mode mode : kModes) {
+    result["nodes"][modeName(mode)] = identityOf(cast.describe(mode));
+  }
+  return result;
 }
 
 /// Null if the run is not to be recorded.

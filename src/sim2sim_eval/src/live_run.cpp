@@ -28,6 +28,12 @@ EpisodeResult runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer&
     flight.advance();
     observer.onStep(episode, cast.stamps().now());
   }
+  try {
+    cast.requireUndisturbed();
+  } catch (pusht::Error& error) {
+    error.addContext("end of episode " + std::to_string(index));
+    throw;
+  }
   return episode.result();
 }
 

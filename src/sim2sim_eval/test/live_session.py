@@ -337,7 +337,10 @@ class LiveSession(GoalCase):
             for name in names:
                 if name != "/sim2sim/summary":  # one was latched before, one says that it begins
                     with self.subTest(name):
-                        self.assertEqual(stamps_in(plain, name), stamps_in(ours, name))
+                        # The reset by which a world is taken over is no episode.
+                        before_run = 1 if name.endswith("/state") else 0
+                        found = stamps_in(plain, name)[before_run:]
+                        self.assertEqual(found, stamps_in(ours, name))
             self.assertGreaterEqual(plain.get_message_count("/sim2sim/summary"), EPISODES)
 
     # F18.

@@ -28,6 +28,9 @@ from pusht_task.task import ACTION_LIMIT, CONTROL_STEP, HORIZON, WorldState, spa
 
 NANOSECONDS = 10**9  # in a second
 STAMP_STEP = round(CONTROL_STEP * NANOSECONDS)  # [ns]
+STAMP_LIMIT = (
+    2**31
+)  # [s] of what a caller may ask for; as much again is left to count on from there
 KINDS = {bool: "true or false", int: "an integer", float: "a finite number", str: "a text"}
 NEXT = -1  # as the index of a step: the one that comes next
 
@@ -94,7 +97,9 @@ class SimulatorSession:
         self._episode = 0
         self._horizon = 0
         self._steps = 0  # taken in the episode
-        self._last: Any = None  # answer to the last reset or step that was taken
+        self._token = ""  # of who holds the world; empty: nobody
+        self._last_request: Any = None  # the last reset or step that was taken
+        self._last: Any = None  # answer to it
 
     def reset(self, request: Any) -> ResetResponse:
         return self._answer(self._reset, request, ResetResponse)
@@ -127,15 +132,13 @@ class SimulatorSession:
                 return _refused(response_type, refusal, self._identity)
 
     def _reset(self, request: Any) -> ResetResponse:
-        if (
-            isinstance(self._last, ResetResponse)
-            and request.episode == self._episode
-            and request.stamp == self._last.stamp
-        ):
+        if self._last is not None and request.stamp and request == self._last_request:
             return self._last
         start = _start(request)
         stamp = self._next_stamp(request.stamp)
+        self._token = ""
         state = self._simulate("reset", lambda: self._simulator.reset(start))
+        self._token = request.token
         self._episode = request.episode
         self._horizon = request.horizon or HORIZON
         self._steps = 0
@@ -145,16 +148,22 @@ class SimulatorSession:
             instance_id=self._identity.instance_id,
             stamp=_time(stamp),
             state=state,
+            parameters_hash=_hash(self._parameters),
         )
+        self._last_request = request
         self._observe((0.0, 0.0))
         return self._last
 
     def _step(self, request: Any) -> StepResponse:
+        self._require_hold(request.token)
         if self._closed is not None:
             raise Refusal(self._closed)
         if request.episode != self._episode:
             raise Refusal(f"episode {request.episode}: must be {self._episode}, the one under way")
         if isinstance(self._last, StepResponse) and request.step == self._last.step:
+            taken = self._last_request
+            if (request.action, request.stamp) != (taken.action, taken.stamp):
+                raise Refusal(f"step {request.step}: was taken with another action or stamp")
             return self._last
         if request.step not in (NEXT, self._steps):
             raise Refusal(f"step {request.step}: expected {self._steps}")
@@ -176,10 +185,12 @@ class SimulatorSession:
             state=state,
         )
         self._steps += 1
+        self._last_request = request
         self._observe(action)
         return self._last
 
     def _configure(self, request: Any) -> ConfigureResponse:
+        self._require_hold(request.token)
         mid_episode = self._closed is None and self._steps < self._horizon
         if mid_episode and not request.end_episode:
             raise Refusal(
@@ -193,12 +204,28 @@ class SimulatorSession:
         parameters = merged(self._parameters, changes)
         self._simulator = _made(self._make, parameters)
         self._parameters = parameters
+        self._token = ""
         self._close("step after configure: the world needs a reset")
         return ConfigureResponse(
             success=True,
             instance_id=self._identity.instance_id,
             parameters=_parameter_messages(parameters),
+            parameters_hash=_hash(parameters),
         )
+
+    def _require_hold(self, token: str) -> None:
+        if token == self._token:
+            return
+        if token:
+            message = (
+                "the world was reset by another caller, or its episode has ended: reset it to go on"
+            )
+        else:
+            message = (
+                "the world is held by another caller:"
+                " wait for its end, or take the world over by a reset"
+            )
+        raise Refusal(message, ExitCode.RUNTIME_FAULT)
 
     def _simulate(self, what: str, call: Callable[[], WorldState]) -> WorldStateMessage:
         """The state after `call`. If that fails, the world needs a reset."""
@@ -219,8 +246,8 @@ class SimulatorSession:
             raise Refusal(
                 f"stamp {_seconds(stamp)}: must be above {_seconds(self._stamp)}, the last one [s]"
             )
-        if stamp >= 2**32 * NANOSECONDS:
-            raise Refusal(f"stamp {_seconds(stamp)}: must be below 2^32 [s]")
+        if requested.secs >= STAMP_LIMIT:
+            raise Refusal(f"stamp {_seconds(stamp)}: must be below 2^31 [s]")
         return stamp
 
     def _observe(self, action: Sequence[float]) -> None:

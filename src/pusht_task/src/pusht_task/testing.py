@@ -11,8 +11,10 @@ By hand: rosrun pusht_task simulator_contract --text _simulator:=/mine
 """
 
 import io
+import itertools
 import math
 import queue
+import random
 import re
 import subprocess
 import unittest
@@ -45,6 +47,7 @@ from pusht_task.task import (
 DEADLINE = 10.0  # [s] for what must happen at once
 CONTROL_STEP = rospy.Duration(0, 100_000_000)
 BAD_REQUEST = 2  # exit code
+HELD = 4  # exit code: by another caller
 REPRESENTED = 1e-12  # [m, rad, m/s, rad/s] how near a start must be to what was asked for
 
 
@@ -98,12 +101,14 @@ class ServedCase(unittest.TestCase):
         self.assertEqual(response.instance_id, self.instance_id)
         return response
 
-    def refused(self, pattern: str, service: str, **fields: Any) -> None:
+    def refused(
+        self, pattern: str, service: str, exit_code: int = BAD_REQUEST, **fields: Any
+    ) -> None:
         response = self.call(service, **fields)
         self.assertFalse(response.success, f"must be refused: {pattern}")
         self.assertRegex(response.message, pattern)
         self.assertNotIn("\n", response.message)
-        self.assertEqual(response.exit_code, BAD_REQUEST)
+        self.assertEqual(response.exit_code, exit_code)
         self.assertEqual(response.instance_id, self.instance_id)
 
     def assert_described(self) -> Any:
@@ -223,6 +228,8 @@ class SimulatorContract(ServedCase):
         for late in (rospy.Time(0, 1), stamp - CONTROL_STEP):
             self.refused("stamp", "reset", stamp=late)
         self.refused("stamp", "reset", stamp=stamp, episode=5)
+        for beyond in (rospy.Time(2**31), rospy.Time(2**32 - 1, 999_999_999)):
+            self.refused("stamp", "reset", stamp=beyond)
         step = self.accepted("step", episode=4)
         self.assertEqual(step.stamp, stamp + CONTROL_STEP)
         self.assertEqual(len(self.updates_until(step)), 1)
@@ -232,6 +239,8 @@ class SimulatorContract(ServedCase):
         request = {"seed": 5, "episode": 6, "stamp": stamp}
         first = self.accepted("reset", **request)
         self.assertEqual(data(self.accepted("reset", **request)), data(first))
+        for other in ({"seed": 6}, {"horizon": 7}, {"token": "other"}):
+            self.refused("stamp", "reset", **{**request, **other})
         step = self.accepted("step", episode=6)
         self.assertEqual([update.step for update in self.updates_until(step)], [0, 1])
         self.refused("stamp", "reset", **request)
@@ -264,10 +273,15 @@ class SimulatorContract(ServedCase):
         undisturbed = self.trajectory(spawn(3), PUSHES[:2])
         self.begin(start=[message_of(spawn(3))])
         first = self.accepted("step", step=0, action=PUSHES[0])
-        others = {"action": (math.nan, 0.0), "stamp": rospy.Time(0, 1)}
-        for fields in ({"action": PUSHES[0]}, others):
-            again = self.accepted("step", step=0, **fields)
-            self.assertEqual(data(again), data(first))
+        again = self.accepted("step", step=0, action=PUSHES[0])
+        self.assertEqual(data(again), data(first))
+        others: List[Dict[str, Any]] = [
+            {"action": PUSHES[1]},
+            {"action": (math.nan, 0.0)},
+            {"action": PUSHES[0], "stamp": first.stamp},
+        ]
+        for fields in others:
+            self.refused("step 0: was taken with another action or stamp", "step", step=0, **fields)
         second = self.accepted("step", step=1, action=PUSHES[1])
         self.assertEqual([data(first.state), data(second.state)], undisturbed[1:])
         self.assertEqual([update.step for update in self.updates_until(second)], [1, 2])
@@ -325,6 +339,57 @@ class SimulatorContract(ServedCase):
                 self.assertTrue(response.message)
                 self.refused("needs a reset", "step", step=-1)
             self.assert_near(self.accepted("reset", seed=3).state, spawn(3))
+
+    # Who may step and configure a world that is held.
+
+    def refused_without_hold(self, pattern: str, token: str) -> None:
+        """Every request but a reset; the world stays as it is."""
+        before = data(self.call("describe"))
+        for fields in ({"step": -1}, {"step": 0}):
+            self.refused(pattern, "step", HELD, token=token, **fields)
+        for end_episode in (False, True):
+            self.refused(pattern, "configure", HELD, token=token, end_episode=end_episode)
+        self.assertEqual(data(self.call("describe")), before)
+
+    def test_only_the_holder_is_served(self) -> None:
+        undisturbed = self.trajectory(spawn(3), PUSHES[:2])
+        self.begin(start=[message_of(spawn(3))], token="mine", horizon=2)
+        self.refused_without_hold("held by another caller", "")
+        self.refused_without_hold("was reset by another caller", "other")
+        first = self.accepted("step", step=0, action=PUSHES[0], token="mine")
+        self.refused_without_hold("held by another caller", "")
+        self.refused("held", "step", HELD, step=0, action=PUSHES[0])
+        second = self.accepted("step", step=1, action=PUSHES[1], token="mine")
+        self.assertEqual([data(first.state), data(second.state)], undisturbed[1:])
+        self.assertEqual([update.step for update in self.updates_until(second)], [1, 2])
+        self.refused_without_hold("held by another caller", "")  # past the horizon, too
+
+    def test_a_reset_takes_the_world_over(self) -> None:
+        for token in ("other", ""):
+            self.accepted("reset", token="mine")
+            self.accepted("step", token="mine")
+            self.accepted("reset", token=token)
+            self.refused_without_hold("was reset by another caller", "mine")
+            self.accepted("step", token=token)
+
+    def test_configuring_ends_the_hold(self) -> None:
+        self.accepted("reset", token="mine")
+        self.refused("mid-episode", "configure", token="mine")
+        self.accepted("configure", token="mine", end_episode=True)
+        self.refused_without_hold("was reset by another caller, or its episode has ended", "mine")
+        self.accepted("configure")
+
+    def test_refused_reset_leaves_the_hold(self) -> None:
+        self.accepted("reset", token="mine")
+        self.refused("stamp", "reset", stamp=rospy.Time(0, 1))
+        self.refused("held", "step", HELD)
+        self.accepted("step", token="mine")
+
+    def test_answers_name_the_parameters(self) -> None:
+        parameters_hash = self.call("describe").parameters_hash
+        self.assertEqual(self.accepted("reset").parameters_hash, parameters_hash)
+        configured = self.accepted("configure", end_episode=True)
+        self.assertEqual(configured.parameters_hash, parameters_hash)
 
     # What by-hand requests mean.
 
@@ -452,6 +517,7 @@ class SimulatorContract(ServedCase):
         self.assertEqual(float(found.pop(number.name)), float(wanted.pop(number.name)))
         self.assertEqual(found, wanted)
         self.assertNotEqual(after.parameters_hash, before.parameters_hash)
+        self.assertEqual(after.parameters_hash, response.parameters_hash)
         self.accepted("configure", parameters=[number])
         self.assertEqual(data(self.call("describe")), data(before))
 
@@ -485,7 +551,7 @@ class PolicyContract(ServedCase):
     """Every rule that a served policy keeps. With ~memory: those of one that has a memory."""
 
     has_memory: bool
-    rollouts = iter(range(1_000_000))
+    rollouts = itertools.count(random.getrandbits(63))
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -530,6 +596,8 @@ class PolicyContract(ServedCase):
         beginning = data(self.accepted("act", queries=[query]))
         query.step = 1
         self.accepted("act", queries=[query])
+        other = Query(query.rollout, 1, observe(spawn(4)))
+        self.refused("step 1: was answered for another observation", "act", queries=[other])
         query.step = 7
         expected = f"rollout {query.rollout}: step 7: expected 2"
         self.refused(expected, "act", queries=[query])

@@ -78,6 +78,7 @@ void Peer::connect(std::chrono::milliseconds patience, const std::function<bool(
       ros::WallDuration(std::chrono::duration<double>(kConnectPeriod).count()).sleep();
     }
   }
+  lost_ = false;
   description_ = describe.response;
   if (description_.success == 0) {
     raise(description_.exit_code, description_.message);
@@ -87,13 +88,13 @@ void Peer::connect(std::chrono::milliseconds patience, const std::function<bool(
 void Peer::requireSameOwner() const {
   const std::string owner = ownerOf(services_ + "/describe");
   if (owner.empty()) {
-    throw PeerFault(ros::master::check()
-                        ? services_ + ": the node has gone: it was shut down, or put out by a second one of that name"
-                        : "the ROS master at " + ros::master::getURI() + " has died");
+    lose(ros::master::check()
+             ? services_ + ": the node has gone: it was shut down, or put out by a second one of that name"
+             : "the ROS master at " + ros::master::getURI() + " has died");
   }
   if (owner != owner_) {
-    throw PeerFault(services_ + ": its services belong to another node (" + owner + ") than the one connected to (" +
-                    owner_ + "); is there a second node of that name?");
+    lose(services_ + ": its services belong to another node (" + owner + ") than the one connected to (" + owner_ +
+         "); is there a second node of that name?");
   }
 }
 
@@ -109,9 +110,14 @@ void Peer::raise(int exit_code, const std::string& message) const {
 
 void Peer::requireInstance(const std::string& instance_id) const {
   if (instance_id != description_.instance_id) {
-    throw PeerFault(services_ + ": another instance (" + instance_id + ") answers than the one connected to (" +
-                    description_.instance_id + "): it was restarted, or there are two");
+    lose(services_ + ": another instance (" + instance_id + ") answers than the one connected to (" +
+         description_.instance_id + "): it was restarted, or there are two");
   }
+}
+
+void Peer::lose(const std::string& how) const {
+  lost_ = true;
+  throw PeerFault(how);
 }
 
 }  // namespace pusht

@@ -49,6 +49,7 @@ pusht_msgs::ActResponse PolicySession::act(const pusht_msgs::ActRequest& request
     if (has_memory_) {
       Remembered& rollout = rollouts_.at(query.rollout);
       rollout.step = query.step;
+      rollout.observation = query.observation;
       rollout.last_request = requests_;
       rollout.action = action;
     }
@@ -63,7 +64,8 @@ bool PolicySession::isRepeated(const pusht_msgs::Query& query) const {
     return false;  // asked again, it answers the same
   }
   const auto rollout = rollouts_.find(query.rollout);
-  return rollout != rollouts_.end() && query.step > 0 && rollout->second.step == query.step;
+  return rollout != rollouts_.end() && query.step > 0 && rollout->second.step == query.step &&
+         rollout->second.observation == query.observation;
 }
 
 void PolicySession::require(const pusht_msgs::ActRequest& request) const {
@@ -81,6 +83,9 @@ void PolicySession::require(const pusht_msgs::ActRequest& request) const {
     }
     const auto rollout = rollouts_.find(query.rollout);
     const std::int64_t expected = rollout == rollouts_.end() ? 0 : rollout->second.step + 1;
+    if (query.step != 0 && query.step + 1 == expected && !isRepeated(query)) {
+      throw InvalidInput(who + ": step " + std::to_string(query.step) + ": was answered for another observation");
+    }
     if (query.step != 0 && query.step != expected && !isRepeated(query)) {
       throw InvalidInput(who + ": step " + std::to_string(query.step) + ": expected " + std::to_string(expected));
     }

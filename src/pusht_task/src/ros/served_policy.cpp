@@ -2,6 +2,7 @@
 #include "pusht_task/ros/served_policy.hpp"
 
 #include <algorithm>
+#include <random>
 #include <string>
 
 namespace pusht {
@@ -14,11 +15,16 @@ struct ServedRollout : Policy::Memory {
   std::uint32_t next_step = 0;
 };
 
+std::uint64_t randomNumber() {
+  std::random_device source;
+  return std::uniform_int_distribution<std::uint64_t>()(source);
+}
+
 }  // namespace
 
-ServedPolicy::ServedPolicy(const Peer& peer) : act_(peer, "act") {}
+ServedPolicy::ServedPolicy(const Peer& peer) : act_(peer, "act"), next_rollout_(randomNumber()) {}
 
-std::unique_ptr<Policy::Memory> ServedPolicy::begin() const { return std::make_unique<ServedRollout>(rollouts_++); }
+std::unique_ptr<Policy::Memory> ServedPolicy::begin() const { return std::make_unique<ServedRollout>(next_rollout_++); }
 
 void ServedPolicy::act(Span<const Query> queries, Span<Action> actions) {
   if (queries.empty()) {

@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "pusht_task/constants.hpp"
+#include "pusht_task/error.hpp"
 #include "pusht_task/ros/conversions.hpp"
+#include "pusht_task/ros/node.hpp"
 
 namespace pusht {
 
@@ -12,28 +14,52 @@ void StampSource::advance() { now_ += ros::Duration(kControlStep); }
 
 void StampSource::startAbove(const ros::Time& stamp) { now_ = std::max(now_, stamp); }
 
-ServedSimulator::ServedSimulator(const Peer& peer, const StampSource& stamps)
-    : stamps_(stamps), configure_(peer, "configure"), reset_(peer, "reset"), step_(peer, "step") {}
+ServedSimulator::ServedSimulator(const Peer& peer, StampSource& stamps)
+    : peer_(peer),
+      stamps_(stamps),
+      describe_(peer, "describe"),
+      configure_(peer, "configure"),
+      reset_(peer, "reset"),
+      step_(peer, "step"),
+      parameters_(peer.description().parameters),
+      parameters_hash_(peer.description().parameters_hash) {
+  stamps.startAbove(peer.description().stamp);
+  stamps.advance();
+  requireParameters(take({}).parameters_hash);
+}
+
+ServedSimulator::~ServedSimulator() {
+  pusht_msgs::ConfigureRequest request;
+  request.end_episode = 1;
+  request.token = token_;
+  configure_.tell(request);
+}
 
 void ServedSimulator::announce(std::uint64_t episode, int horizon) {
   episode_ = episode;
   horizon_ = horizon;
 }
 
-Parameters ServedSimulator::configure(const Parameters& changes) {
+void ServedSimulator::configure(const Parameters& changes) {
   pusht_msgs::ConfigureRequest request;
   request.parameters = changes;
   request.end_episode = 1;
-  return configure_.call(request).parameters;
+  request.token = token_;
+  const pusht_msgs::ConfigureResponse response = configure_.call(request);
+  parameters_ = response.parameters;
+  parameters_hash_ = response.parameters_hash;
 }
+
+void ServedSimulator::requireUndisturbed() { requireParameters(describe_.call({}).parameters_hash); }
 
 void ServedSimulator::doReset(const WorldState& state) {
   pusht_msgs::ResetRequest request;
   request.start = {toMessage(state)};
   request.episode = episode_;
   request.horizon = static_cast<std::uint32_t>(horizon_);
-  request.stamp = stamps_.now();
-  state_ = fromMessage(reset_.call(request).state);
+  const pusht_msgs::ResetResponse response = take(request);
+  requireParameters(response.parameters_hash);
+  state_ = fromMessage(response.state);
   next_step_ = 0;
 }
 
@@ -43,8 +69,23 @@ void ServedSimulator::doStep(const Action& action) {
   request.step = next_step_;
   request.action = {action[0], action[1]};
   request.stamp = stamps_.now();
+  request.token = token_;
   state_ = fromMessage(step_.call(request).state);
   ++next_step_;
+}
+
+pusht_msgs::ResetResponse ServedSimulator::take(pusht_msgs::ResetRequest request) {
+  token_ = newInstanceId();
+  request.token = token_;
+  request.stamp = stamps_.now();
+  return reset_.call(request);
+}
+
+void ServedSimulator::requireParameters(const std::string& hash) const {
+  if (hash != parameters_hash_) {
+    throw RuntimeFault(peer_.services() + ": parameters with the hash '" + hash + "': must be those with '" +
+                       parameters_hash_ + "'; another caller has configured the world");
+  }
 }
 
 }  // namespace pusht

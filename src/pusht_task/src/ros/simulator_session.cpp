@@ -18,6 +18,9 @@ namespace {
 
 const ros::Duration kStampStep(kControlStep);
 
+/// [s] What a caller may ask for. As much again is left to count on from there.
+constexpr std::uint32_t kStampLimit = 1U << 31U;
+
 std::string hashOf(const Parameters& parameters) {
   if (parameters.empty()) {
     return "";
@@ -84,17 +87,19 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
     response.instance_id = instance_id_;
     response.stamp = stamp;
     response.state = toMessage(configured_.simulator->state());
+    response.parameters_hash = hashOf(configured_.parameters);
     const std::uint32_t horizon = request.horizon == 0 ? kHorizon : request.horizon;
-    episode_ = Episode{request.episode, horizon, 0, false, stamp, response, {}};
+    episode_ = Episode{request.episode, horizon, 0, false, request, response, {}, {}};
     observe({});
   });
 }
 
 pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& request) {
   if (isRepeated(request)) {
-    return episode_->last;
+    return episode_->taken;
   }
   return answer<pusht_msgs::StepResponse>(instance_id_, [&](pusht_msgs::StepResponse& response) {
+    requireHold(request.token);
     requireStep(request);
     const Action action = {request.action[0], request.action[1]};
     const ros::Time stamp = nextStamp(request.stamp);
@@ -112,13 +117,15 @@ pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& r
     response.stamp = stamp;
     response.step = episode_->steps++;
     response.state = toMessage(configured_.simulator->state());
-    episode_->last = response;
+    episode_->last = request;
+    episode_->taken = response;
     observe(clip(action));
   });
 }
 
 pusht_msgs::ConfigureResponse SimulatorSession::configure(const pusht_msgs::ConfigureRequest& request) {
   return answer<pusht_msgs::ConfigureResponse>(instance_id_, [&](pusht_msgs::ConfigureResponse& response) {
+    requireHold(request.token);
     if (inEpisode() && request.end_episode == 0) {
       throw InvalidInput("configure in mid-episode, after " + std::to_string(episode_->steps) + " of " +
                          std::to_string(episode_->horizon) + " control steps: set end_episode to end it");
@@ -126,6 +133,7 @@ pusht_msgs::ConfigureResponse SimulatorSession::configure(const pusht_msgs::Conf
     configured_ = model_.make(merged(configured_.parameters, request.parameters));
     episode_.reset();
     response.parameters = configured_.parameters;
+    response.parameters_hash = hashOf(configured_.parameters);
   });
 }
 
@@ -144,13 +152,24 @@ pusht_msgs::DescribeResponse SimulatorSession::describe() const {
 }
 
 bool SimulatorSession::isRepeated(const pusht_msgs::ResetRequest& request) const {
-  return episode_ && !episode_->failed && episode_->steps == 0 && !request.stamp.isZero() &&
-         request.stamp == episode_->start && request.episode == episode_->index;
+  return episode_ && !episode_->failed && episode_->steps == 0 && !request.stamp.isZero() && request == episode_->begin;
 }
 
 bool SimulatorSession::isRepeated(const pusht_msgs::StepRequest& request) const {
-  return episode_ && !episode_->failed && request.episode == episode_->index && episode_->steps > 0 &&
-         request.step == static_cast<std::int64_t>(episode_->steps) - 1;
+  return episode_ && !episode_->failed && episode_->steps > 0 &&
+         request.step == static_cast<std::int64_t>(episode_->steps) - 1 && request.episode == episode_->index &&
+         request.token == episode_->last.token && request.action == episode_->last.action &&
+         request.stamp == episode_->last.stamp;
+}
+
+void SimulatorSession::requireHold(const std::string& token) const {
+  const std::string holder = episode_ ? episode_->begin.token : "";
+  if (token == holder) {
+    return;
+  }
+  throw RuntimeFault(token.empty()
+                         ? "the world is held by another caller: wait for its end, or take the world over by a reset"
+                         : "the world was reset by another caller, or its episode has ended: reset it to go on");
 }
 
 void SimulatorSession::requireStep(const pusht_msgs::StepRequest& request) const {
@@ -163,6 +182,9 @@ void SimulatorSession::requireStep(const pusht_msgs::StepRequest& request) const
   if (request.episode != episode_->index) {
     throw InvalidInput("episode " + std::to_string(request.episode) + ": must be " + std::to_string(episode_->index) +
                        ", the one under way");
+  }
+  if (episode_->steps > 0 && request.step == static_cast<std::int64_t>(episode_->steps) - 1) {
+    throw InvalidInput("step " + std::to_string(request.step) + ": was taken with another action or stamp");
   }
   if (request.step != -1 && request.step != static_cast<std::int64_t>(episode_->steps)) {
     throw InvalidInput("step " + std::to_string(request.step) + ": expected " + std::to_string(episode_->steps));
@@ -184,6 +206,9 @@ ros::Time SimulatorSession::nextStamp(const ros::Time& requested) const {
   if (requested <= stamp_) {
     throw InvalidInput("stamp " + std::to_string(requested.toSec()) + ": must be above " +
                        std::to_string(stamp_.toSec()) + ", the last one [s]");
+  }
+  if (requested.sec >= kStampLimit) {
+    throw InvalidInput("stamp " + std::to_string(requested.toSec()) + ": must be below 2^31 [s]");
   }
   return requested;
 }

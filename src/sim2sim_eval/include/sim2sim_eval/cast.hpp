@@ -28,14 +28,18 @@ class Cast {
   /// A call that is not answered within `deadline` is a PeerFault.
   Cast(const Services& services, std::chrono::milliseconds deadline);
 
-  /// Connects to all, the first time or after a fault, and sets the engine's knobs. Each may take `patience` to
-  /// appear, unless `stop` holds. Throws RuntimeFault if one does not, PeerFault if one is lost meanwhile; the error of
-  /// one that failed at start; InvalidInput if the two worlds of the engine differ or two worlds are one; BadDependency
-  /// if one has come back as another.
+  /// Connects to all, the first time or after a fault, takes the worlds over, and sets the engine's knobs. Each may
+  /// take `patience` to appear, unless `stop` holds. Throws RuntimeFault if one does not, PeerFault if one is lost
+  /// meanwhile; the error of one that failed at start; InvalidInput if the two worlds of the engine differ or two
+  /// worlds are one; BadDependency if one has come back as another.
   void connect(const pusht::Parameters& knobs, std::chrono::milliseconds patience, const std::function<bool()>& stop);
 
   /// Makes ready for an episode. Throws PeerFault if a node has been replaced.
   void announce(int episode, int horizon);
+
+  /// An episode counts if this does not throw at its end: PeerFault if a world has been replaced, RuntimeFault if
+  /// another caller has configured one.
+  void requireUndisturbed();
 
   const pusht_msgs::DescribeResponse& describe(Mode mode) const { return parts_.at(mode).description; }
   const pusht_msgs::DescribeResponse& describePolicy() const { return policy_peer_.description(); }
@@ -48,7 +52,7 @@ class Cast {
   /// One world.
   struct Part {
     pusht::Peer peer;
-    pusht_msgs::DescribeResponse description;  // with the knobs as set
+    pusht_msgs::DescribeResponse description;  // with the parameters as set
     pusht::ServedSimulator* world = nullptr;
   };
 

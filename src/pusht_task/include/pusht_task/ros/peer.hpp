@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pusht_msgs/Describe.h>
+#include <ros/init.h>
 #include <ros/node_handle.h>
 
 #include <chrono>
@@ -67,12 +68,14 @@ class Peer {
   friend class ServiceCaller;
 
   void requireInstance(const std::string& instance_id) const;
+  [[noreturn]] void lose(const std::string& how) const;
   [[noreturn]] void raise(int exit_code, const std::string& message) const;
 
   std::string services_;
   Watchdog& watchdog_;
   pusht_msgs::DescribeResponse description_;
-  std::string owner_;  // address of the node that serves
+  std::string owner_;          // address of the node that serves
+  mutable bool lost_ = false;  // since it was connected to
 };
 
 /// One service of a peer, over a persistent connection.
@@ -90,13 +93,26 @@ class ServiceCaller {
     // A connection may break while the peer lives on. It recognises a request that it has seen.
     if (!attempt(service) && !attempt(service)) {
       peer_.requireSameOwner();
-      throw PeerFault(name_ + ": the node has died or is out of reach");
+      peer_.lose(name_ + ": the node has died or is out of reach");
     }
     peer_.requireInstance(service.response.instance_id);
     if (service.response.success == 0) {
       peer_.raise(service.response.exit_code, service.response.message);
     }
     return service.response;
+  }
+
+  /// Asks once, whatever becomes of it; not at all if the peer was lost.
+  void tell(const typename Service::Request& request) noexcept {
+    try {
+      Service service;
+      service.request = request;
+      if (!peer_.lost_ && ros::ok()) {
+        attempt(service);
+      }
+    } catch (const std::exception&) {
+      // The peer is lost now.
+    }
   }
 
  private:
@@ -112,7 +128,7 @@ class ServiceCaller {
                           client_.shutdown();
                         });
     if (!answered && interrupted) {
-      throw PeerFault(name_ + ": no answer within " + std::to_string(peer_.watchdog_.deadline().count()) + " ms");
+      peer_.lose(name_ + ": no answer within " + std::to_string(peer_.watchdog_.deadline().count()) + " ms");
     }
     return answered;
   }

@@ -35,7 +35,8 @@ class PolicySession {
  private:
   struct Remembered {
     std::unique_ptr<Policy::Memory> memory;
-    std::int64_t step = -1;          // last one answered
+    std::int64_t step = -1;  // last one answered
+    pusht_msgs::Query::_observation_type observation{};
     std::uint64_t last_request = 0;  // that asked for it
     Action action{};                 // the answer
   };

@@ -26,7 +26,7 @@ class ServedPolicy : public Policy {
 
  private:
   ServiceCaller<pusht_msgs::Act> act_;
-  mutable std::uint64_t rollouts_ = 0;
+  mutable std::uint64_t next_rollout_;  // from a random number on: the node may have other callers
 };
 
 }  // namespace pusht

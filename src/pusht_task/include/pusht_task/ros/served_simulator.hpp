@@ -7,6 +7,7 @@
 #include <pusht_msgs/Step.h>
 
 #include <cstdint>
+#include <string>
 
 #include "pusht_task/ros/parameters.hpp"
 #include "pusht_task/ros/peer.hpp"
@@ -26,28 +27,47 @@ class StampSource {
   ros::Time now_;
 };
 
-/// A world that is reset and stepped by services; beyond what Simulator says, it throws PeerFault. A step request is
+/// A world that is reset and stepped by services, and held meanwhile: others are refused. Beyond what Simulator says,
+/// it throws PeerFault, and RuntimeFault if another caller has reset the world or set its parameters. A step request is
 /// stamped with the time of `stamps`, which whoever drives the worlds advances before each reset and step.
 class ServedSimulator : public Simulator {
  public:
-  /// The peer must be connected before the first reset. All must outlive the simulator.
-  ServedSimulator(const Peer& peer, const StampSource& stamps);
+  /// Takes the world over, whoever holds it. The peer must be connected; all must outlive the simulator.
+  ServedSimulator(const Peer& peer, StampSource& stamps);
+
+  /// Leaves the world to others, if it still answers.
+  ~ServedSimulator() override;
 
   /// The episode that the next reset begins.
   void announce(std::uint64_t episode, int horizon);
 
-  /// Sets parameters, and ends the episode under way. Returns all of them as they are now.
-  Parameters configure(const Parameters& changes);
+  /// Sets parameters, and ends the episode under way. From now on the world must have those that come of it.
+  void configure(const Parameters& changes);
+
+  /// All, as they must be.
+  const Parameters& parameters() const { return parameters_; }
+  const std::string& parametersHash() const { return parameters_hash_; }
+
+  /// Throws PeerFault if the node is another one by now, RuntimeFault if its parameters are others.
+  void requireUndisturbed();
 
  private:
   void doReset(const WorldState& state) override;
   void doStep(const Action& action) override;
   WorldState doState() const override { return state_; }
 
+  pusht_msgs::ResetResponse take(pusht_msgs::ResetRequest request);
+  void requireParameters(const std::string& hash) const;
+
+  const Peer& peer_;
   const StampSource& stamps_;
+  ServiceCaller<pusht_msgs::Describe> describe_;
   ServiceCaller<pusht_msgs::Configure> configure_;
   ServiceCaller<pusht_msgs::Reset> reset_;
   ServiceCaller<pusht_msgs::Step> step_;
+  Parameters parameters_;
+  std::string parameters_hash_;
+  std::string token_;  // of the hold; another one for each reset
   std::uint64_t episode_ = 0;
   int horizon_ = 0;
   int next_step_ = 0;

@@ -57,13 +57,15 @@ class SimulatorSession {
     std::uint32_t horizon;  // [control steps]
     std::uint32_t steps;    // taken
     bool failed;            // the simulation did, in the last step
-    ros::Time start;        // stamp of the reset
+    pusht_msgs::ResetRequest begin;
     pusht_msgs::ResetResponse begun;
-    pusht_msgs::StepResponse last;  // of step `steps` - 1
+    pusht_msgs::StepRequest last;    // of step `steps` - 1
+    pusht_msgs::StepResponse taken;  // its answer
   };
 
   bool isRepeated(const pusht_msgs::ResetRequest& request) const;
   bool isRepeated(const pusht_msgs::StepRequest& request) const;
+  void requireHold(const std::string& token) const;
   void requireStep(const pusht_msgs::StepRequest& request) const;
   ros::Time nextStamp(const ros::Time& requested) const;
   void observe(const Action& action) const;

@@ -5,7 +5,8 @@
 
 namespace pusht {
 
-/// Throws InvalidInput with the first field of `model` that is not what PushT expects: name, value, rule.
+/// Throws InvalidInput with the first field of `model` that differs from the shipped scene's, bit for bit: name, value,
+/// rule. Only how a scene looks is free: what does not collide, lights, cameras, colours.
 void checkScene(const mjModel& model);
 
 }  // namespace pusht

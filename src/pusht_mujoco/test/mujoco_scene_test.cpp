@@ -5,16 +5,24 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <regex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pusht_mujoco/mujoco_guard.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
+#include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/numbers.hpp"
 #include "pusht_task/spawn.hpp"
+#include "pusht_task/testing/scenarios.hpp"
 #include "pusht_task/testing/temporary_folder.hpp"
 
 namespace pusht {
@@ -78,35 +86,171 @@ TEST_F(Scene, F2EveryFieldOfTheTaskIsChecked) {
     const char* named;
   };
   const std::vector<Case> cases = {
-      {"timestep=\"0.01\"", "timestep=\"0.02\"", "timestep is 0.02"},
-      {"timestep=\"0.01\"", "timestep=\"-1\"", "timestep is -1"},
-      {"timestep=\"0.01\"", "timestep=\"nan\"", "timestep is"},
+      {"timestep=\"0.01\"", "timestep=\"0.02\"", "option timestep is 0.02: must be 0.01"},
+      {"timestep=\"0.01\"", "timestep=\"-1\"", "option timestep is -1.0"},
+      {"timestep=\"0.01\"", "timestep=\"nan\"", "option timestep is"},
       {"timestep=\"0.01\"", "timestep=\"0.01\" collision=\"predefined\"", "option collision"},
       {"timestep=\"0.01\"", "timestep=\"0.01\" jacobian=\"sparse\"", "option jacobian"},
       {"timestep=\"0.01\"", "timestep=\"0.01\" mpr_iterations=\"1\"", "option mpr_iterations"},
       {"<worldbody>", "<include file=\"other.xml\"/><worldbody>", "must not include"},
       {"integrator=\"implicit\"", "integrator=\"RK4\"", "integrator"},
-      {"damping=\"4\"", "damping=\"3\"", "joint tee_x damping is 3"},
-      {"frictionloss=\"0.006\"", "frictionloss=\"0\"", "joint tee_yaw frictionloss"},
-      {"axis=\"0 1 0\" damping", "axis=\"1 0 0\" damping", "joint tee_y axis"},
+      {"damping=\"4\"", "damping=\"3\"", "joint tee_x dof_damping is 3.0: must be 4.0"},
+      {"frictionloss=\"0.006\"", "frictionloss=\"0\"", "joint tee_yaw dof_frictionloss"},
+      {"axis=\"0 1 0\" damping", "axis=\"1 0 0\" damping", "joint tee_y jnt_axis[0]"},
       {"name=\"tee_x\" type", "name=\"tea_x\" type", "'tea_x': must be 'tee_x'"},
-      {"mass=\"0.06\"", "mass=\"0.07\"", "body tee centre of mass"},
-      {"mass=\"0.2\"", "mass=\"0.3\"", "joint pusher_x inertia"},
-      {"size=\"0.015 0.02\"", "size=\"0.016 0.02\"", "geom pusher size"},
+      {"mass=\"0.06\"", "mass=\"0.07\"", "body tee body_ipos[1]"},
+      {"mass=\"0.2\"", "mass=\"0.3\"", "body pusher body_mass is 0.3"},
+      {"size=\"0.015 0.02\"", "size=\"0.016 0.02\"", "body pusher body_inertia[0]"},
       {"name=\"stem\" type=\"box\" pos=\"0 -0.06 0\"", "name=\"stem\" type=\"box\" pos=\"0 -0.05 0\"",
-       "centre of mass"},
-      {"pos=\"0 0.41 0.03\"", "pos=\"0 0.42 0.03\"", "geom wall_y_plus pos"},
+       "body tee body_ipos[1]"},
+      {"pos=\"0 0.41 0.03\"", "pos=\"0 0.42 0.03\"", "geom wall_y_plus geom_pos[1]"},
       {"contype=\"0\" conaffinity=\"0\"", "", "colliding geom 4 is 'table'"},
-      {"kv=\"20\"", "kv=\"21\"", "gainprm"},
-      {"forcerange=\"-30 30\"", "forcerange=\"-3 3\"", "forcerange"},
-      {"ctrlrange=\"-1 1\"", "", "ctrllimited"},
-      {"<actuator>", "<actuator><motor name=\"more\" joint=\"tee_yaw\"/>", "number of actuators is 3"},
-      {"<actuator>", "<contact><exclude body1=\"tee\" body2=\"pusher\"/></contact><actuator>", "exclusions"},
+      {"kv=\"20\"", "kv=\"21\"", "actuator pusher_x actuator_gainprm[0]"},
+      {"forcerange=\"-30 30\"", "forcerange=\"-3 3\"", "actuator pusher_x actuator_forcerange[0]"},
+      {"ctrlrange=\"-1 1\"", "", "actuator_ctrllimited"},
+      {"<actuator>", "<actuator><motor name=\"more\" joint=\"tee_yaw\"/>", "actuator 0 is 'more': must be 'pusher_x'"},
+      {"<worldbody>", "<statistic meaninertia=\"5\"/><worldbody>", "statistic meaninertia is 5.0"},
+      {"<geom name=\"bar\"",
+       "<geom type=\"sphere\" size=\"0.001\" mass=\"1e-12\" contype=\"0\" conaffinity=\"0\"/><geom name=\"bar\"",
+       "body tee body_mass"},
+      {"<actuator>", "<contact><exclude body1=\"tee\" body2=\"pusher\"/></contact><actuator>",
+       "nexclude is 1: must be 0"},
   };
   for (const Case& test : cases) {
     EXPECT_THAT(refusal(changed(test.from, test.to)), AllOf(HasSubstr("scene.xml"), HasSubstr(test.named)))
         << test.from << " -> " << test.to;
   }
+}
+
+/// The check holds other scenes against the shipped one; this holds the shipped one against the task.
+TEST_F(Scene, TheShippedOneIsTheTask) {
+  const MujocoScene scene(PUSHT_SCENE);
+  const mjModel& model = scene.model();
+  const auto geom = [&](const char* name) { return mj_name2id(&model, mjOBJ_GEOM, name); };
+  EXPECT_EQ(model.opt.timestep, kSubstep);
+  EXPECT_DOUBLE_EQ(model.body_mass[1], kBarMass + kStemMass);
+  EXPECT_DOUBLE_EQ(model.body_ipos[4], -kCenterOfMassOffset);
+  EXPECT_EQ(model.geom_size[3 * geom("bar")], kBarHalfLength);
+  EXPECT_EQ(model.geom_size[3 * geom("bar") + 1], kTeeHalfWidth);
+  EXPECT_EQ(model.geom_size[3 * geom("stem")], kTeeHalfWidth);
+  EXPECT_EQ(model.geom_size[3 * geom("stem") + 1], kStemHalfLength);
+  EXPECT_EQ(model.geom_pos[3 * geom("stem") + 1], -kStemOffset);
+  EXPECT_EQ(model.geom_size[3 * geom("pusher")], kPusherRadius);
+  EXPECT_DOUBLE_EQ(model.geom_pos[3 * geom("wall_y_plus") + 1] - model.geom_size[3 * geom("wall_y_plus") + 1],
+                   kWallInnerFace);
+  EXPECT_EQ(model.actuator_ctrlrange[1], kActionLimit);
+}
+
+/// All positions and velocities of a pusher that chases the tee.
+std::vector<double> chase(const std::shared_ptr<const MujocoScene>& scene) {
+  MujocoWorld world(scene);
+  std::vector<double> trajectory;
+  for (const std::uint64_t seed : {0U, 1U}) {
+    world.reset(spawn(seed));
+    for (int step = 0; step < 60; ++step) {
+      world.step(testing::chase(world.state()));
+      const WorldState state = world.state();
+      for (const Eigen::Vector2d& v :
+           {state.pusher_position, state.pusher_velocity, state.tee_position, state.tee_velocity}) {
+        trajectory.insert(trajectory.end(), {v.x(), v.y()});
+      }
+      trajectory.insert(trajectory.end(), {state.tee_yaw, state.tee_yaw_rate});
+    }
+  }
+  return trajectory;
+}
+
+/// The scene with each number of each attribute changed in turn, a little and much.
+std::vector<std::string> withOneNumberChanged(const std::string& xml) {
+  const std::regex attribute("([a-z]+)=\"(-?[0-9][^\"]*)\"");
+  const std::regex number("[-0-9.]+");
+  std::vector<std::string> changed;
+  const std::size_t body = xml.find("<mujoco");  // after the comment
+  for (std::sregex_iterator a(xml.begin() + static_cast<std::ptrdiff_t>(body), xml.end(), attribute), end; a != end;
+       ++a) {
+    const std::string values = a->str(2);
+    for (std::sregex_iterator n(values.begin(), values.end(), number); n != end; ++n) {
+      for (const double change : {1e-12, 0.1}) {
+        const std::string text = shortestText(std::stod(n->str()) + change);
+        const std::size_t place = body + static_cast<std::size_t>(a->position(2) + n->position());
+        changed.push_back(std::string(xml).replace(place, static_cast<std::size_t>(n->length()), text));
+      }
+    }
+  }
+  return changed;
+}
+
+/// Pieces that MJCF allows, each put behind a tag of the scene.
+std::vector<std::string> withOnePieceMore(const std::string& xml) {
+  const std::string bar = R"(<joint name="tee_yaw" type="hinge" axis="0 0 1" damping="0.02" frictionloss="0.006"/>)";
+  const std::vector<std::pair<std::string, std::string>> pieces = {
+      {"<mujoco model=\"pusht\">", "<statistic meaninertia=\"5\"/>"},
+      {"<mujoco model=\"pusht\">", "<statistic extent=\"5\" meansize=\"2\"/>"},
+      {"<mujoco model=\"pusht\">", "<size njmax=\"500\" nconmax=\"100\"/>"},
+      {"<mujoco model=\"pusht\">", "<size nuserdata=\"3\"/>"},
+      {"<mujoco model=\"pusht\">", "<visual><map znear=\"0.1\"/></visual>"},
+      {"<mujoco model=\"pusht\">", "<option><flag warmstart=\"disable\"/></option>"},
+      {"<mujoco model=\"pusht\">", "<option><flag refsafe=\"disable\"/></option>"},
+      {"<mujoco model=\"pusht\">", "<compiler inertiafromgeom=\"true\" balanceinertia=\"true\"/>"},
+      {"<mujoco model=\"pusht\">", "<compiler boundmass=\"0.11\"/>"},
+      {"<mujoco model=\"pusht\">", "<compiler settotalmass=\"0.305\"/>"},
+      {"<mujoco model=\"pusht\">", "<default><joint armature=\"1e-15\"/></default>"},
+      {"<mujoco model=\"pusht\">", "<default><joint stiffness=\"1e-15\" springref=\"1\"/></default>"},
+      {"<mujoco model=\"pusht\">", "<default><joint solreffriction=\"0.03 1\"/></default>"},
+      {"<mujoco model=\"pusht\">", "<default><geom friction=\"0.9 0.005 0.0001\"/></default>"},
+      {"<mujoco model=\"pusht\">", "<default><geom solimp=\"0.9 0.95 0.002\"/></default>"},
+      {"<mujoco model=\"pusht\">", "<default><geom fluidshape=\"ellipsoid\"/></default>"},
+      {"<mujoco model=\"pusht\">", "<default><geom group=\"3\"/></default>"},
+      {bar, "<geom type=\"sphere\" size=\"0.001\" mass=\"1e-12\" contype=\"0\" conaffinity=\"0\"/>"},
+      {bar, "<geom type=\"sphere\" size=\"0.001\" mass=\"0\" contype=\"0\" conaffinity=\"0\"/>"},
+      {bar, "<geom type=\"sphere\" size=\"0.001\" contype=\"0\" conaffinity=\"0\"/>"},
+      {bar, "<geom type=\"sphere\" size=\"0.001\" mass=\"1e-12\"/>"},
+      {bar, "<site name=\"grip\" pos=\"0 0.1 0\"/>"},
+      {bar, "<light pos=\"0 0 1\"/><camera pos=\"0 0 1\"/>"},
+      {bar, "<body><geom type=\"sphere\" size=\"0.001\" mass=\"1e-12\"/></body>"},
+      {"<worldbody>", "<geom type=\"box\" size=\"1 1 1\" contype=\"0\" conaffinity=\"0\"/>"},
+      {"<worldbody>", "<geom type=\"plane\" size=\"1 1 1\"/>"},
+      {"<worldbody>", "<body name=\"ghost\" mocap=\"true\"/>"},
+      {"</worldbody>", "<keyframe><key qpos=\"1 0 0 0 0\"/></keyframe>"},
+      {"</worldbody>", "<sensor><jointpos joint=\"tee_x\"/></sensor>"},
+      {"</worldbody>", "<contact><pair geom1=\"bar\" geom2=\"pusher\"/></contact>"},
+      {"</worldbody>", "<equality><joint joint1=\"tee_x\" joint2=\"tee_y\"/></equality>"},
+      {"</worldbody>", "<custom><numeric name=\"n\" data=\"3\"/></custom>"},
+      {"</worldbody>", "<asset><material name=\"m\" rgba=\"1 0 0 1\"/></asset>"},
+  };
+  std::vector<std::string> changed;
+  for (const auto& [tag, piece] : pieces) {
+    const std::size_t place = xml.find(tag);
+    EXPECT_NE(place, std::string::npos) << tag;
+    changed.push_back(std::string(xml).insert(place + tag.size(), piece));
+  }
+  return changed;
+}
+
+TEST_F(Scene, WhateverChangesIsRefusedByNameOrChangesNoBit) {
+  const std::string xml = readFile(PUSHT_SCENE, "scene");
+  const std::vector<double> expected = chase(std::make_shared<const MujocoScene>(PUSHT_SCENE));
+  std::vector<std::string> changed = withOneNumberChanged(xml);
+  const std::vector<std::string> more = withOnePieceMore(xml);
+  changed.insert(changed.end(), more.begin(), more.end());
+  int refused = 0;
+  int accepted = 0;
+  for (const std::string& scene : changed) {
+    const auto difference = std::mismatch(scene.begin(), scene.end(), xml.begin(), xml.end());
+    const std::string at(
+        std::max(scene.begin(), difference.first - std::min<std::ptrdiff_t>(40, difference.first - scene.begin())),
+        difference.first + std::min<std::ptrdiff_t>(60, scene.end() - difference.first));
+    const std::string why = refusal(scene);
+    if (why.empty()) {
+      EXPECT_TRUE(chase(std::make_shared<const MujocoScene>(folder_ / "scene.xml")) == expected) << at;
+      ++accepted;
+    } else {
+      EXPECT_THAT(why, HasSubstr("scene.xml: ")) << at;
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 100);
+  EXPECT_GT(accepted, 50) << "what only looks different is free";
 }
 
 TEST_F(Scene, F3AnErrorOfMujocoIsAnExceptionNotAPrompt) {

@@ -606,15 +606,26 @@ class Faults(CompareCase):
         ]
         environments += [
             {"OMP_NUM_THREADS": "1"},
-            {"OMP_NUM_THREADS": "2", "LC_ALL": "de_DE.UTF-8"},
+            {"OMP_NUM_THREADS": "2"},
+            self.decimal_comma(),
         ]
         self.assertGreaterEqual(len(folders), 2, "two BLAS must be installed to tell")
         used = set()
         for number, environment in enumerate(environments):
-            self.finished("--episodes", "5", out=str(number), environment=environment)
+            run = ("--episodes", "5", "--block_damp", "6.5")
+            self.finished(*run, out=str(number), environment=environment)
             self.assertEqual(self.result_bytes(str(number)), self.result_bytes("0"), environment)
             used.add(self.load(str(number), "provenance.json")["policy"]["blas"])
         self.assertEqual(len(used), len(folders), used)
+
+    def decimal_comma(self) -> Dict[str, str]:
+        """The environment of a user who writes 6,5; the locale is made for it."""
+        environment = {"LOCPATH": str(self.folder), "LC_ALL": "de_DE.UTF-8"}
+        made = self.folder / environment["LC_ALL"]
+        self.run_command("localedef", "-i", "de_DE", "-f", "UTF-8", str(made))
+        point = self.run_command("locale", "decimal_point", environment=environment).stdout
+        self.assertEqual(point, ",\n")
+        return environment
 
     def test_trained_policy_that_never_succeeds_is_pointed_out(self) -> None:
         process = self.compare(

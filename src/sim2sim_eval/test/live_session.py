@@ -22,33 +22,32 @@ from pusht_msgs.msg import (  # type: ignore[import]
     Summary,
     WorldStateStamped,
 )
-from pusht_msgs.srv import Describe, Reset, Step  # type: ignore[import]
+from pusht_msgs.srv import Reset, Step  # type: ignore[import]
 from pusht_task.task import wrap_angle
-from pusht_task.testing import run
+from pusht_task.testing import run, sends, until
 from tf2_msgs.msg import TFMessage  # type: ignore[import]
 
 from live_support import (
     DEADLINE,
     RECORDED_RESULTS,
     RESULTS,
+    WORLDS,
     GoalCase,
     Process,
     Topic,
-    connections,
-    drained,
+    connected,
+    describe,
     files,
     metrics_of,
     pid_of,
     result_bytes,
     rows,
     status_of,
-    until,
 )
 
 CONTROL_STEP = rospy.Duration(0, 100_000_000)
-WORLDS = ["mujoco", "engine", "engine_replay"]
-PACED = {"rate": 300.0}  # a run that can be caught under way
-EPISODES = 3
+PACED = {"rate": 150.0}  # a run that can be followed
+EPISODES = 3  # with fewer steps than messages wait in a publisher
 KNOBS = [Parameter("block_damp", "6.0")]  # the default: another goal may have set another value
 BATCH = ("--policy", "expert", "--episodes", str(EPISODES))
 
@@ -65,21 +64,26 @@ class LiveSession(GoalCase):
         super().setUpClass()
         cls.divergence = Topic("/sim2sim/divergence", Divergence)
         cls.episode = Topic("/sim2sim/episode", EpisodeResult)
-        cls.states = {name: Topic(f"/{name}/state", WorldStateStamped) for name in WORLDS}
+        cls.states = {
+            name: Topic(f"/{name}/state", WorldStateStamped, f"/{name}") for name in WORLDS
+        }
         cls.frames = tf2_ros.Buffer(rospy.Duration(3600), debug=False)
         cls.listener = tf2_ros.TransformListener(cls.frames)
+        for name in WORLDS:
+            until(lambda: sends(f"/{name}", "/tf"), f"TF of {name}")
 
     def setUp(self) -> None:
         super().setUp()
-        for inbox in (self.divergence, self.episode, *self.states.values()):
-            inbox.forget()
+        self.forget_runs()
+
+    def forget_runs(self) -> None:
+        """What the topics have told of until now."""
+        last = max(describe(world).stamp for world in WORLDS)
+        for topic in (self.divergence, self.episode, *self.states.values()):
+            topic.forget(last)
 
     def send(self, **fields: Any) -> None:
         super().send(**{"episodes": EPISODES, "knobs": KNOBS, **fields})
-
-    def accepted(self, command: str, rate: float = 0.0) -> None:
-        response = self.control(command, rate)
-        self.assertTrue(response.success, response.message)
 
     # The bytes.
 
@@ -152,11 +156,13 @@ class LiveSession(GoalCase):
     def test_feedback_and_result(self) -> None:
         self.send(episodes=2, horizon=30, **PACED)
         result = self.result()
-        steps = [
-            (f.episodes_finished, f.divergence.episode, f.divergence.step)
-            for f in drained(self.feedback)
-        ]
-        self.assertEqual(steps, [(e, e, k) for e in range(2) for k in range(31)])
+        expected = [(e, e, k) for e in range(2) for k in range(31)]
+        steps = []
+        for _ in expected:
+            (message,) = self.feedback.until(lambda _: True)
+            at = message.feedback.divergence
+            steps.append((message.feedback.episodes_finished, at.episode, at.step))
+        self.assertEqual(steps, expected)
         self.assertEqual(
             (result.exit_code, result.reason, result.faults_survived), (0, "finished", 0)
         )
@@ -169,20 +175,18 @@ class LiveSession(GoalCase):
         )
 
     def test_second_goal_is_rejected(self) -> None:
-        self.send(**PACED)
-        self.feedback_of(0, 5)
+        self.send_and_hold(0, 5)
         second = actionlib.SimpleActionClient("/sim2sim/compare", CompareAction)
         self.assertTrue(second.wait_for_server(rospy.Duration(DEADLINE)))
         second.send_goal_and_wait(CompareGoal(), rospy.Duration(DEADLINE))
         self.assertEqual(second.get_state(), GoalStatus.REJECTED)
         self.assertIn("a comparison is under way", second.get_goal_status_text())
-        self.control("rate", 0.0)
+        self.accepted("resume")
         self.result()
         self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
 
     def test_cancel_in_mid_episode_and_go_on(self) -> None:
-        self.send(**PACED)
-        self.feedback_of(1, 5)
+        self.send_and_hold(1, 5)
         self.cancel()
         result = self.result(GoalStatus.PREEMPTED)
         self.assertEqual((result.exit_code, result.summary.episodes_finished), (4, 1))
@@ -190,9 +194,10 @@ class LiveSession(GoalCase):
         with rosbag.Bag(str(self.out / "compare.bag")) as bag:
             self.assertEqual(bag.get_message_count("/sim2sim/episode"), 1)
         last = max(describe(world).stamp for world in WORLDS)
+        self.divergence.until(lambda message: message.header.stamp == last)
 
+        self.accepted("resume")
         self.out = self.folder / "again"
-        self.divergence.forget()
         self.compare()
         self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
         first = self.divergence.until(lambda message: message.step == 0)[0]
@@ -202,8 +207,9 @@ class LiveSession(GoalCase):
         states = set()
         for steps in range(1, 31):
             self.out = self.folder / str(steps)
-            self.send(episodes=1, horizon=steps, record=-1)
-            self.feedback_of(0, steps // 2)
+            self.send(episodes=1, horizon=steps, record=-1, **PACED)
+            while self.next_feedback() < (0, steps // 2):
+                pass
             self.cancel()
             self.assertTrue(self.client.wait_for_result(rospy.Duration(DEADLINE)))
             states.add(self.client.get_state())
@@ -225,8 +231,9 @@ class LiveSession(GoalCase):
         self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
 
     def test_pause_in_mid_episode_changes_no_byte(self) -> None:
-        self.send(**PACED)
-        self.feedback_of(0, 20)
+        self.send(rate=10.0)  # slow enough for any machine
+        while self.next_feedback() < (0, 3):
+            pass
         self.accepted("pause")
         self.accepted("rate", 0.0)  # all would be over at once
         self.accepted("step")
@@ -236,8 +243,8 @@ class LiveSession(GoalCase):
         self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
 
     def test_refused_control(self) -> None:
-        self.send(**PACED)
-        self.feedback_of(0, 5)
+        self.send(rate=10.0)
+        self.next_feedback()
         for command, rate, reason in (
             ("step", 0.0, "step: only while paused"),
             ("faster", 0.0, "command 'faster': must be pause, resume, step or rate"),
@@ -320,11 +327,11 @@ class LiveSession(GoalCase):
     def test_bag_of_a_plain_recorder(self) -> None:
         names = [f"/{world}/state" for world in WORLDS] + ["/sim2sim/divergence"]
         names += ["/sim2sim/episode", "/sim2sim/summary"]
-        publishers = {name: "/" + name.split("/")[1] for name in names}
-        before = {name: connections(publishers[name], name) for name in names}
-        recorder = Process(self, "rosbag", "record", "--output-name", "plain.bag", *names)
+        command = ("rosbag", "record", "--output-name", "plain.bag", "__name:=recorder", *names)
+        recorder = Process(self, *command)
         for name in names:
-            until(lambda: connections(publishers[name], name) > before[name], f"a record of {name}")
+            publisher = "/" + name.split("/")[1]
+            until(lambda: sends(publisher, name, "/recorder"), f"a record of {name}")
         self.send(**PACED)
         self.result()
         # What has arrived here has been sent to the recorder, which ends when it has written it.
@@ -346,12 +353,11 @@ class LiveSession(GoalCase):
     # F18.
 
     def test_f18_a_thousand_resets(self) -> None:
-        before = connections("/engine", "/tf")
         listener = Process(self, "rosrun", "tf2_ros", "buffer_server", "__name:=f18_listener")
-        until(lambda: connections("/engine", "/tf") > before, "a listener")
+        until(lambda: sends("/engine", "/tf", "/f18_listener"), "a listener")
         pid = pid_of("/engine")
         services = {
-            name: rospy.ServiceProxy(f"/engine/{name}", service, persistent=True)
+            name: connected(f"/engine/{name}", service)
             for name, service in {"reset": Reset, "step": Step}.items()
         }
         services["reset"](seed=0, horizon=1)
@@ -370,7 +376,7 @@ class LiveSession(GoalCase):
     def complaints_of(self, listener: Process) -> List[str]:
         """Those of a tf2 listener. It is given a reason for one, to know when it has heard all."""
         publisher = rospy.Publisher("/tf", TFMessage, queue_size=10)
-        until(lambda: publisher.get_num_connections() == 2, "the listener and this node")
+        until(lambda: sends(rospy.get_name(), "/tf", "/f18_listener"), "the listener")
         repeated = TransformStamped(child_frame_id="f18")
         repeated.header.frame_id = "world"
         repeated.transform.rotation.w = 1.0
@@ -380,10 +386,6 @@ class LiveSession(GoalCase):
         return [
             line for line in listener.output.splitlines() if "TF_" in line and "f18" not in line
         ]
-
-
-def describe(node: str) -> Any:
-    return rospy.ServiceProxy(f"/{node}/describe", Describe)()
 
 
 def resident_memory(pid: int) -> int:

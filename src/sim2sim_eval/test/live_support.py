@@ -4,7 +4,7 @@
 import csv
 import json
 import os
-import queue
+import random
 import re
 import resource
 import signal
@@ -22,14 +22,15 @@ import rosgraph  # type: ignore[import]
 import rospy  # type: ignore[import]
 from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
 from command_case import CommandCase
-from pusht_msgs.msg import CompareAction, CompareGoal  # type: ignore[import]
-from pusht_msgs.srv import Control  # type: ignore[import]
-from pusht_task.testing import Inbox
+from pusht_msgs.msg import CompareAction, CompareActionFeedback, CompareGoal  # type: ignore[import]
+from pusht_msgs.srv import Control, Describe  # type: ignore[import]
+from pusht_task.testing import DEADLINE, Inbox, sends, until
 
-DEADLINE = 30.0  # [s] for what must happen
 RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
 RECORDED_RESULTS = RESULTS | {"compare.bag"}
 CALLER = "/live_test"
+WORLDS = ["mujoco", "engine", "engine_replay"]
+NODES = [*WORLDS, "policy"]
 
 
 class LiveCase(CommandCase):
@@ -96,10 +97,13 @@ def files(out: Path) -> Set[str]:
 
 
 def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
+    """One below those that the system hands out by itself: it is still free when it is used."""
+    first = int(Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split()[0])
+    while True:
+        port = random.randrange(first // 2, first)
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) != 0:
+                return port
 
 
 def pid_of(node: str, master_uri: Optional[str] = None) -> int:
@@ -110,30 +114,12 @@ def pid_of(node: str, master_uri: Optional[str] = None) -> int:
         return int(answer[2])
 
 
-def connections(node: str, topic: str) -> int:
-    """Those of a node for a topic, in or out."""
-    uri = rosgraph.Master(CALLER).lookupNode(node)
-    with xmlrpc.client.ServerProxy(uri) as proxy:
-        answer: Any = proxy.getBusInfo(CALLER)
-        return sum(connection[4] == topic for connection in answer[2])
-
-
 def answers(master_uri: str) -> bool:
     """Whether there is a master."""
     try:
         return bool(rosgraph.Master(CALLER, master_uri=master_uri).getPid())
     except OSError:
         return False
-
-
-def until(holds: Callable[[], bool], what: str, deadline: float = DEADLINE) -> None:
-    """Waits for what nothing tells of: asks again and again."""
-    expiry = time.monotonic() + deadline
-    pause = threading.Event()
-    while not holds():
-        if time.monotonic() > expiry:
-            raise TimeoutError(f"{what}: not within {deadline} s")
-        pause.wait(0.01)
 
 
 class Process:
@@ -307,38 +293,57 @@ def extended_launch(folder: Path, arguments: Dict[str, Any], parameters: Dict[st
     return str(path)
 
 
-def drained(messages: "queue.Queue[Any]") -> List[Any]:
-    """What is in a queue by now."""
-    found = []
-    while True:
-        try:
-            found.append(messages.get_nowait())
-        except queue.Empty:
-            return found
+def connected(service: str, service_type: Any) -> Any:
+    """A service that is there. The connection lasts: others may break (ros_comm issue 1976)."""
+    rospy.wait_for_service(service, DEADLINE)
+    return rospy.ServiceProxy(service, service_type, persistent=True)
+
+
+def describe(node: str) -> Any:
+    service = connected(f"/{node}/describe", Describe)
+    try:
+        return service()
+    finally:
+        service.close()
 
 
 class Topic(Inbox):
-    """All messages from now on."""
+    """Every message of a node from now on."""
 
-    def __init__(self, name: str, message_type: Any) -> None:
+    def __init__(self, name: str, message_type: Any, publisher: str = "/sim2sim") -> None:
         super().__init__(name, message_type)
-        until(lambda: self._subscriber.get_num_connections() > 0, f"a publisher of {name}")
+        self._last = rospy.Time()
+        until(lambda: sends(publisher, name), f"{name} from {publisher}")
 
-    def forget(self) -> None:
-        drained(self._messages)
+    def forget(self, last: Any) -> None:
+        """What is stamped `last` or before, though it may arrive later."""
+        self._last = last
+
+    def until(self, last: Callable[[Any], bool], deadline: float = DEADLINE) -> List[Any]:
+        def fresh(message: Any) -> bool:
+            return bool(message.header.stamp > self._last)
+
+        messages = super().until(lambda message: fresh(message) and last(message), deadline)
+        return list(filter(fresh, messages))
 
 
 class GoalCase(LiveCase):
     """Sends goals to an evaluator that runs already."""
 
     client: Any
-    feedback: "queue.Queue[Any]"  # of the last goal
+    control: Any
+    # Not by the client: it drops what comes before the goal is known to it, or after the result.
+    feedback: Topic
 
     @classmethod
     def setUpClass(cls) -> None:
+        for node in NODES:
+            describe(node)  # all have started
         cls.client = actionlib.SimpleActionClient("/sim2sim/compare", CompareAction)
         if not cls.client.wait_for_server(rospy.Duration(DEADLINE)):
             raise TimeoutError("/sim2sim/compare: no action server")
+        cls.control = connected("/sim2sim/control", Control)
+        cls.feedback = Topic("/sim2sim/compare/feedback", CompareActionFeedback)
 
     def setUp(self) -> None:
         super().setUp()
@@ -347,19 +352,29 @@ class GoalCase(LiveCase):
 
     def end_run(self) -> None:
         """Whatever a failed test has left under way."""
-        self.control("resume")
+        self.accepted("resume")
         if self.client.get_state() in (GoalStatus.PENDING, GoalStatus.ACTIVE):
             self.client.cancel_goal()
             self.client.wait_for_result(rospy.Duration(DEADLINE))
 
-    def control(self, command: str, rate: float = 0.0) -> Any:
-        rospy.wait_for_service("/sim2sim/control", DEADLINE)
-        return rospy.ServiceProxy("/sim2sim/control", Control)(command, rate)
+    def accepted(self, command: str, rate: float = 0.0) -> None:
+        response = self.control(command, rate)
+        self.assertTrue(response.success, response.message)
 
     def send(self, **fields: Any) -> None:
-        goal = CompareGoal(**{"out": str(self.out), **fields})
-        self.feedback = queue.Queue()
-        self.client.send_goal(goal, feedback_cb=self.feedback.put)
+        self.feedback.forget(rospy.Time.now())
+        self.client.send_goal(CompareGoal(**{"out": str(self.out), **fields}))
+
+    def send_and_hold(self, episode: int, step: int, **fields: Any) -> None:
+        """Sends a goal whose run stands still at that step, however long the test takes."""
+        self.accepted("pause")
+        self.send(**fields)
+        self.go_on_to(episode, step)
+
+    def go_on_to(self, episode: int, step: int) -> None:
+        """Lets a paused run, whose last step has been heard of, take steps until it is there."""
+        while self.next_feedback() < (episode, step):
+            self.accepted("step")
 
     def cancel(self) -> None:
         """actionlib gives a goal up for lost if it is cancelled before its acknowledgement came."""
@@ -376,10 +391,8 @@ class GoalCase(LiveCase):
         self.send(**fields)
         return self.result()
 
-    def feedback_of(self, episode: int, step: int) -> Any:
-        """Waits until the run has come that far."""
-        while True:
-            feedback = self.feedback.get(timeout=DEADLINE)
-            at = feedback.divergence
-            if (at.episode, at.step) >= (episode, step):
-                return feedback
+    def next_feedback(self) -> Tuple[int, int]:
+        """The next episode and step that the run tells of. It must be paced, lest some are lost."""
+        (message,) = self.feedback.until(lambda _: True)
+        at = message.feedback.divergence
+        return at.episode, at.step

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/broadcast.hpp"
 
-#include <ros/single_subscriber_publisher.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <utility>
 
@@ -30,17 +30,23 @@ Broadcast::Broadcast(const ros::NodeHandle& node)
       divergence_(node_.advertise<pusht_msgs::Divergence>("divergence", kQueue)),
       episode_(node_.advertise<pusht_msgs::EpisodeResult>("episode", kQueue)),
       summary_topic_(node_.advertise<pusht_msgs::Summary>("summary", 1, true)),
-      markers_(node_.advertise<visualization_msgs::MarkerArray>(
-          "markers", kQueue, [this](const ros::SingleSubscriberPublisher& subscriber) { greet(subscriber); })) {}
+      markers_(node_.advertise<visualization_msgs::MarkerArray>("markers", kQueue)),
+      repeating_(node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { repeat(); })) {}
 
-void Broadcast::begin(const RunConfiguration& configuration, const Cast& cast, std::unique_ptr<RunBag> bag) {
+void Broadcast::begin(const RunConfiguration& configuration, Cast& cast, std::unique_ptr<RunBag> bag) {
   configuration_ = configuration;
   bag_ = std::move(bag);
   finished_.reset();
   summary_ = summaryMessage(configuration_, {}, ros::Time());
   summary_topic_.publish(summary_);
-  const std::lock_guard<std::mutex> lock(mutex_);
   picture_ = makePicture(cast);
+  fixed_frames_.sendTransform(picture_->frames());
+  if (bag_) {
+    tf2_msgs::TFMessage frames;
+    frames.transforms = picture_->frames();
+    bag_->write(frames, cast.stamps().now());
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
   scene_ = picture_->scene();
   update_ = {};
   markers_.publish(scene_);
@@ -53,48 +59,41 @@ pusht_msgs::Divergence Broadcast::step(const Episode& episode, const ros::Time& 
     bag_->writeWorlds(episode, episode.steps(), stamp);
     bag_->write(divergence);
   }
-  draw(episode, stamp, paced);
+  const bool in_turn = episode.steps() % kStepsPerPicture == 0;
+  if (paced || in_turn) {
+    draw(episode, stamp, in_turn);
+  }
   return divergence;
 }
 
-void Broadcast::draw(const Episode& episode, const ros::Time& stamp, bool every_step) {
-  const bool in_turn = episode.steps() % kStepsPerPicture == 0 || episode.finished();
-  const bool recorded = bag_ && in_turn;
-  const bool seen = markers_.getNumSubscribers() > 0 && (every_step || in_turn);
-  if (!recorded && !seen) {
-    return;
-  }
-  const visualization_msgs::MarkerArray update = picture_->update(configuration_.policy, episode, finished_);
-  if (seen) {
-    markers_.publish(update);
-  }
-  if (recorded) {
-    if (episode.steps() == 0) {
-      bag_->write(scene_, stamp);
-    }
+void Broadcast::draw(const Episode& episode, const ros::Time& stamp, bool recorded) {
+  const visualization_msgs::MarkerArray update = picture_->update(configuration_, episode, finished_);
+  if (bag_ && recorded) {
+    bag_->write(scene_, stamp);  // again: a player may begin anywhere
     bag_->write(update, stamp);
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   update_ = update;
+  markers_.publish(update_);
 }
 
-void Broadcast::greet(const ros::SingleSubscriberPublisher& subscriber) const {
+void Broadcast::repeat() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  subscriber.publish(scene_);
-  subscriber.publish(update_);
+  markers_.publish(scene_);
+  markers_.publish(update_);
 }
 
-void Broadcast::finish(const EpisodeResult& episode, const std::vector<EpisodeResult>& finished,
-                       const ros::Time& stamp) {
+void Broadcast::finish(const Episode& episode, const std::vector<EpisodeResult>& finished, const ros::Time& stamp) {
   finished_ = summarize(finished);
   summary_ = summaryMessage(configuration_, finished, stamp);
-  const pusht_msgs::EpisodeResult result = toMessage(episode, stamp);
+  const pusht_msgs::EpisodeResult result = toMessage(episode.result(), stamp);
   episode_.publish(result);
   summary_topic_.publish(summary_);
   if (bag_) {
     bag_->write(result);
     bag_->write(summary_);
   }
+  draw(episode, stamp, true);
 }
 
 void Broadcast::end() {

@@ -353,8 +353,8 @@ void Evaluator::onStep(const Episode& episode, const ros::Time& stamp) {
   }
 }
 
-void Evaluator::onFinish(const EpisodeResult& episode, const ros::Time& stamp) {
-  run_->add(episode);
+void Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
+  run_->add(episode.result());
   broadcast_.finish(episode, run_->episodes(), stamp);
   const std::lock_guard<std::mutex> lock(mutex_);
   activity_ = run_->progress() + " finished";

@@ -13,8 +13,8 @@ pusht::RuntimeFault interruptedIn(int episode) {
   return pusht::RuntimeFault("interrupted in episode " + std::to_string(episode));
 }
 
-EpisodeResult runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, LiveObserver& observer,
-                         const std::function<bool()>& stop) {
+void runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, LiveObserver& observer,
+                const std::function<bool()>& stop) {
   cast.announce(index, protocol.horizon);
   cast.stamps().advance();
   Flight flight(protocol, cast.worlds(), cast.policy());
@@ -34,7 +34,7 @@ EpisodeResult runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer&
     error.addContext("end of episode " + std::to_string(index));
     throw;
   }
-  return episode.result();
+  observer.onFinish(episode, cast.stamps().now());
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& o
         cast.connect(options.knobs, options.patience, stop);
         lost = false;
       }
-      observer.onFinish(runEpisode(protocol, index, cast, pacer, observer, stop), cast.stamps().now());
+      runEpisode(protocol, index, cast, pacer, observer, stop);
       ++index;
       faults = 0;
     } catch (const pusht::PeerFault& fault) {

@@ -10,6 +10,7 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/ros/transforms.hpp"
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
 
@@ -26,7 +27,8 @@ namespace {
 
 using Points = std::vector<geometry_msgs::Point>;
 
-constexpr Mode kHeadlineOver = kEngineClosed;  // the table in the middle
+constexpr Mode kMiddle = kEngineClosed;
+constexpr double kTableSpacing = 0.96;  // [m] between the centres of neighbouring tables
 
 // Three colours that stay far apart in all common colour-vision deficiencies, on a dark background.
 constexpr std::array<std::uint32_t, kModeCount> kWorldColors = {0x5AAAFF, 0xF0DC46, 0xEE6677};
@@ -35,6 +37,7 @@ constexpr std::uint32_t kDim = 0xA7B0C0;
 constexpr std::uint32_t kAxis = 0x7A8496;
 constexpr std::uint32_t kGrid = 0x3A4150;
 constexpr std::uint32_t kPaper = 0x1F242E;
+constexpr std::uint32_t kCard = 0x14171D;  // as the background of rviz
 
 // The layout in the frame of a table, whose walls end at +-0.43; all in metres.
 constexpr double kHeadlineY = 0.70;
@@ -42,6 +45,8 @@ constexpr double kTitleY = 0.615;
 constexpr double kResultY = 0.545;
 constexpr double kCertaintyY = 0.485;
 constexpr double kStatusY = -0.475;
+constexpr double kEndY = -0.995;
+constexpr std::array<std::pair<double, double>, 2> kCards = {{{-1.03, -0.445}, {0.445, 0.75}}};  // from y to y
 constexpr double kAxisLeft = -0.34;
 constexpr double kAxisRight = 0.43;
 constexpr double kAxisHeight = 0.13;
@@ -63,14 +68,17 @@ constexpr double kTrailWidth = 0.006;
 constexpr double kOutlineWidth = 0.005;
 constexpr double kEdgeWidth = 0.012;
 
-// What covers what: heights above the table.
-constexpr double kPaperZ = -0.004;
-constexpr double kGridZ = -0.002;
-constexpr double kAxisZ = 0.0;
-constexpr double kCurveZ = 0.002;
-constexpr double kTrailZ = 0.002;
-constexpr double kGhostZ = 2.0 * pusht::kTeeFrameHeight + 0.001;
-constexpr double kEdgeZ = pusht::kWallHeight + 0.005;
+// What covers what: heights above the table, far enough apart for rviz to tell (see world_markers.cpp).
+constexpr double kLayer = 0.015;
+constexpr double kTrailZ = 0.0;
+constexpr double kGhostZ = 2.0 * pusht::kTeeFrameHeight + kLayer;
+constexpr double kEdgeZ = pusht::kWallHeight + kLayer;
+constexpr double kCardZ = 2.0 * pusht::kPusherFrameHeight + kLayer;  // an engine's pusher may leave the table: below it
+constexpr double kPaperZ = kCardZ + kLayer;
+constexpr double kGridZ = kPaperZ + kLayer;
+constexpr double kAxisZ = kGridZ + kLayer;
+constexpr double kCurveZ = kAxisZ + kLayer;
+constexpr double kTextZ = kCurveZ + kLayer;
 constexpr float kGhostOpacity = 0.35F;
 
 constexpr std::size_t kMaxLinePoints = 75;  // of a trail or curve: bounds the size of an update
@@ -172,7 +180,7 @@ class Sheet {
 
   void text(const std::string& text, double x, double y, double size, const ColorRGBA& color) {
     Marker& marker = add(Marker::TEXT_VIEW_FACING, color);
-    marker.pose.position = point(x, y, 0.0);
+    marker.pose.position = point(x, y, kTextZ);
     marker.scale.z = size;
     marker.action = text.empty() ? Marker::DELETE : Marker::ADD;
     marker.text = text;
@@ -189,11 +197,22 @@ class Sheet {
   std::vector<Marker> markers_;
 };
 
+/// What texts and axes above and below a table are written on.
+void drawCards(Sheet& sheet) {
+  for (const auto& [bottom, top] : kCards) {
+    Marker& card = sheet.add(Marker::CUBE, color(kCard));
+    card.pose.position = point(0.0, 0.5 * (bottom + top), kCardZ);
+    card.scale.x = kTableSpacing;
+    card.scale.y = top - bottom;
+    card.scale.z = 0.001;
+  }
+}
+
 void drawAxes(Sheet& sheet, const Strip& strip) {
-  constexpr double kMiddle = 0.5 * (kAxisLeft + kAxisRight);
+  constexpr double kCenter = 0.5 * (kAxisLeft + kAxisRight);
   const double top = strip.bottom + kAxisHeight;
   Marker& paper = sheet.add(Marker::CUBE, color(kPaper));
-  paper.pose.position = point(kMiddle, 0.5 * (strip.bottom + top), kPaperZ);
+  paper.pose.position = point(kCenter, 0.5 * (strip.bottom + top), kPaperZ);
   paper.scale.x = kAxisRight - kAxisLeft;
   paper.scale.y = kAxisHeight;
   paper.scale.z = 0.001;
@@ -217,7 +236,7 @@ void drawTimeLabels(Sheet& sheet, int time_scale) {
   const double seconds = time_scale * pusht::kControlStep;
   sheet.text("0", kAxisLeft, y, kSmallSize, color(kDim));
   sheet.text(fixedText(0.5 * seconds, 0), 0.5 * (kAxisLeft + kAxisRight), y, kSmallSize, color(kDim));
-  sheet.text(fixedText(seconds, 0) + " s", kAxisRight - 0.01, y, kSmallSize, color(kDim));
+  sheet.text(fixedText(seconds, 0) + " s", kAxisRight - 0.03, y, kSmallSize, color(kDim));
 }
 
 /// The tee of another world, over this one's.
@@ -301,6 +320,31 @@ void drawCurves(Sheet& sheet, Mode mode, const std::vector<Divergence>& steps, i
   }
 }
 
+std::string secondsText(int steps) { return fixedText(steps * pusht::kControlStep, 1) + " s"; }
+
+/// Why curves below a table end while the episode goes on; empty while all go on.
+std::string endOfCurves(const Episode& episode, Mode mode) {
+  std::vector<Mode> ends = {kReferenceClosed};
+  for (const Mode other : curvesBelow(mode)) {
+    ends.push_back(other);
+  }
+  for (const Mode end : ends) {
+    const int steps = episode.rollout(end).steps();
+    if (steps < episode.steps()) {
+      return "from " + secondsText(steps) + ": " + (end == kReferenceClosed ? "the reference" : "the engine") +
+             " has succeeded";
+    }
+  }
+  return "";
+}
+
+std::string headline(const RunConfiguration& run, const Episode& episode, const std::optional<Summary>& summary) {
+  if (summary && summary->episodes == run.protocol.episodes) {
+    return "policy " + run.policy + ": finished, " + std::to_string(summary->episodes) + " episodes";
+  }
+  return "policy " + run.policy + ", episode " + std::to_string(episode.index()) + ", " + secondsText(episode.steps());
+}
+
 /// The full width of the time axes [control steps].
 int timeScale(int steps) {
   return *std::find_if(kTimeScales.begin(), kTimeScales.end() - 1, [steps](int scale) { return steps <= scale; });
@@ -309,6 +353,21 @@ int timeScale(int steps) {
 }  // namespace
 
 Picture::Picture(std::array<World, kModeCount> worlds) : worlds_(std::move(worlds)) {}
+
+std::vector<geometry_msgs::TransformStamped> Picture::frames() const {
+  std::vector<geometry_msgs::TransformStamped> frames;
+  for (const Mode mode : kModes) {
+    const std::string& prefix = worlds_[mode].frame_prefix;
+    geometry_msgs::TransformStamped table;
+    table.header.frame_id = "world";
+    table.child_frame_id = prefix + "/table";
+    table.transform.translation.x = kTableSpacing * (static_cast<double>(mode) - static_cast<double>(kMiddle));
+    table.transform.rotation.w = 1.0;
+    frames.push_back(table);
+    frames.push_back(pusht::targetFrame(prefix));
+  }
+  return frames;
+}
 
 MarkerArray Picture::scene() const {
   MarkerArray scene;
@@ -321,6 +380,7 @@ MarkerArray Picture::scene() const {
 
     Sheet sheet(world.frame_prefix);
     sheet.text(world.title, 0.0, kTitleY, kTitleSize, colorOf(mode));
+    drawCards(sheet);
     for (const Strip& strip : kStrips) {
       drawAxes(sheet, strip);
     }
@@ -329,7 +389,7 @@ MarkerArray Picture::scene() const {
   return scene;
 }
 
-MarkerArray Picture::update(const std::string& policy, const Episode& episode,
+MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode,
                             const std::optional<Summary>& summary) const {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
   const int time_scale = timeScale(episode.steps());
@@ -349,10 +409,9 @@ MarkerArray Picture::update(const std::string& policy, const Episode& episode,
       drawCurves(sheet, other, divergenceBySteps(reference, episode.rollout(other).trace()), time_scale, place++);
     }
     drawTimeLabels(sheet, time_scale);
-    if (mode == kHeadlineOver) {
-      sheet.text("policy " + policy + ", episode " + std::to_string(episode.index()) + ", " +
-                     fixedText(episode.steps() * pusht::kControlStep, 1) + " s",
-                 0.0, kHeadlineY, kHeadlineSize, color(kBright));
+    sheet.text(endOfCurves(episode, mode), 0.0, kEndY, kSmallSize, color(kDim));
+    if (mode == kMiddle) {
+      sheet.text(headline(run, episode, summary), 0.0, kHeadlineY, kHeadlineSize, color(kBright));
     }
     sheet.appendTo(update, "episode");
   }

@@ -3,7 +3,6 @@
 
 #include <pusht_msgs/WorldStateStamped.h>
 #include <std_msgs/String.h>
-#include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
 #include <iterator>
@@ -82,12 +81,16 @@ void RunBag::writeWorlds(const Episode& episode, int step, const ros::Time& stam
       if (moments[mode]) {
         const WorldName& world = worlds_[mode];
         file_.write(world.state_topic, stamp, toMessage(*moments[mode], episode, step, stamp, world.frame_prefix));
-        auto transforms = pusht::toTransforms(world.frame_prefix, moments[mode]->state, stamp);
+        auto transforms = pusht::movingFrames(world.frame_prefix, moments[mode]->state, stamp);
         std::move(transforms.begin(), transforms.end(), std::back_inserter(frames.transforms));
       }
     }
     file_.write(kTfTopic, stamp, frames);
   });
+}
+
+void RunBag::write(const tf2_msgs::TFMessage& fixed_frames, const ros::Time& stamp) {
+  worker_.post([this, fixed_frames, stamp] { file_.writeLatched(kFixedTfTopic, stamp, fixed_frames); });
 }
 
 void RunBag::write(const pusht_msgs::Divergence& message) {

@@ -4,7 +4,7 @@
 
 import math
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Set, Tuple
 
 import actionlib  # type: ignore[import]
 import numpy as np
@@ -26,6 +26,7 @@ from pusht_msgs.srv import Reset, Step  # type: ignore[import]
 from pusht_task.task import wrap_angle
 from pusht_task.testing import run, sends, until
 from tf2_msgs.msg import TFMessage  # type: ignore[import]
+from visualization_msgs.msg import MarkerArray  # type: ignore[import]
 
 from live_support import (
     DEADLINE,
@@ -322,7 +323,56 @@ class LiveSession(GoalCase):
             ).transform.translation
             np.testing.assert_allclose([tee.x, tee.y], [place + state.tee_x, state.tee_y])
 
+    def test_whoever_comes_late_sees_everything(self) -> None:
+        self.send(**PACED)
+        self.feedback_of(0, 20)
+        self.accepted("pause")
+        markers = Topic("/sim2sim/markers", MarkerArray)
+        scene = markers.until(lambda message: "mujoco/axes" in namespaces(message))[-1]
+        self.assertIn("engine_replay", namespaces(scene))
+        shown = markers.until(lambda message: "mujoco/episode" in namespaces(message))[-1]
+        markers.until(lambda message: message == scene)  # again: rviz's Reset forgets
+        markers.until(lambda message: message == shown)
+
+        frames = tf2_ros.Buffer(debug=False)
+        listener = tf2_ros.TransformListener(frames)
+        for name in WORLDS:
+            state = self.states[name].until(lambda s, n=name: s.header.stamp == describe(n).stamp)
+            tee = frames.lookup_transform(
+                f"{name}/table", f"{name}/tee", rospy.Time(), rospy.Duration(DEADLINE)
+            ).transform.translation
+            self.assertEqual((tee.x, tee.y), (state[-1].state.tee_x, state[-1].state.tee_y))
+            frames.lookup_transform(
+                "world", f"{name}/target", rospy.Time(), rospy.Duration(DEADLINE)
+            )
+        listener.unregister()
+        self.accepted("resume")
+        self.result()
+
+    def test_last_picture_is_that_of_the_result(self) -> None:
+        markers = Topic("/sim2sim/markers", MarkerArray)
+        self.compare()
+        wanted = f"policy expert: finished, {EPISODES} episodes"
+        last = markers.until(lambda message: wanted in texts(message))[-1]
+        metrics = metrics_of(self.out)
+        counts = [
+            f"success {metrics[key]}/{EPISODES}" for key in ("mj_successes", "engine_successes")
+        ]
+        for count in counts:
+            self.assertTrue(any(text.startswith(count) for text in texts(last)), texts(last))
+        with rosbag.Bag(str(self.out / "compare.bag")) as bag:
+            recorded = [m for _, m, _ in bag.read_messages(topics=["/sim2sim/markers"])]
+            self.assertEqual(texts(recorded[-1]), texts(last))
+
     # Bags.
+
+    def test_bag_holds_the_frames_that_never_move(self) -> None:
+        self.compare(episodes=1)
+        with rosbag.Bag(str(self.out / "compare.bag")) as bag:
+            ((_, message, _),) = bag.read_messages(topics=["/tf_static"])
+        found = {(f.header.frame_id, f.child_frame_id) for f in message.transforms}
+        wanted = {("world", f"{name}/table") for name in WORLDS}
+        self.assertEqual(found, wanted | {(f"{name}/table", f"{name}/target") for name in WORLDS})
 
     def test_bag_of_a_plain_recorder(self) -> None:
         names = [f"/{world}/state" for world in WORLDS] + ["/sim2sim/divergence"]
@@ -396,6 +446,14 @@ def resident_memory(pid: int) -> int:
 
 def stamps_in(bag: Any, topic: str) -> List[Any]:
     return [message.header.stamp for _, message, _ in bag.read_messages(topics=[topic])]
+
+
+def namespaces(markers: Any) -> Set[str]:
+    return {marker.ns for marker in markers.markers}
+
+
+def texts(markers: Any) -> List[str]:
+    return [marker.text for marker in markers.markers if marker.text]
 
 
 run(LiveSession)

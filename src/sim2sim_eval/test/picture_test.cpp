@@ -6,6 +6,7 @@
 #include <ros/serialization.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <set>
@@ -21,6 +22,7 @@ namespace sim2sim {
 namespace {
 
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::IsSupersetOf;
@@ -30,6 +32,7 @@ using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
 constexpr double kTolerance = 1e-9;
+constexpr double kSeen = 0.006;  // [m] by which one thing must be over another for rviz to tell from above
 
 /// A world whose tee begins at `start`, whatever it is reset to, and drifts at constant rates, whatever the action.
 class DriftingWorld : public pusht::Simulator {
@@ -70,9 +73,10 @@ class IdlePolicy : public pusht::Policy {
 /// Episode 7, in which the tee of the reference rests and the engine's drift away.
 class DriftingEpisode {
  public:
-  DriftingEpisode(const Eigen::Vector2d& start, double replay_speed, double replay_yaw_rate)
+  DriftingEpisode(const Eigen::Vector2d& start, double replay_speed, double replay_yaw_rate,
+                  double engine_speed = -0.02)
       : worlds_(worldsOf(std::make_unique<DriftingWorld>(start, 0.0, 0.0),
-                         std::make_unique<DriftingWorld>(start, -0.02, 0.1),
+                         std::make_unique<DriftingWorld>(start, engine_speed, 0.1),
                          std::make_unique<DriftingWorld>(start, replay_speed, replay_yaw_rate))),
         flight_(protocol_, worlds_, policy_),
         episode_(flight_.begin(7)) {}
@@ -84,7 +88,10 @@ class DriftingEpisode {
   }
 
   MarkerArray update(const std::optional<Summary>& summary = std::nullopt) const {
-    return picture().update("bc", episode_, summary);
+    RunConfiguration run;
+    run.policy = "bc";
+    run.protocol = protocol_;
+    return picture().update(run, episode_, summary);
   }
 
  private:
@@ -333,6 +340,56 @@ TEST(Picture, SaysWhereTheRunIs) {
   EXPECT_THAT(texts(update, "engine"), Contains("policy bc, episode 7, 14.3 s"));
   EXPECT_THAT(texts(update, "mujoco"), IsSupersetOf({"0.224 m, 0.00 rad off target", "0", "10", "20 s"}));
   EXPECT_THAT(texts(update, "engine_replay"), Contains("0.286"));
+}
+
+TEST(Picture, SaysThatTheRunHasFinishedOnceAllEpisodesCount) {
+  DriftingEpisode episode(kAway, 0.02, 0.1);
+  Summary summary = someSummary();
+  EXPECT_THAT(texts(episode.update(summary), "engine"), Contains("policy bc, episode 7, 0.0 s")) << "20 of 50";
+  summary.episodes = Protocol().episodes;
+  EXPECT_THAT(texts(episode.update(summary), "engine"), Contains("policy bc: finished, 50 episodes"));
+}
+
+TEST(Picture, SaysWhyCurvesEnd) {
+  DriftingEpisode episode(kOnTarget, 0.02, 0.0, -1.0);
+  episode.advance(pusht::kSuccessHold);
+  EXPECT_THAT(texts(episode.update(), "engine"), Not(Contains(HasSubstr("has succeeded"))));
+  episode.advance(1);
+  for (const char* prefix : {"mujoco", "engine", "engine_replay"}) {
+    EXPECT_THAT(texts(episode.update(), prefix), Contains("from 0.5 s: the reference has succeeded"));
+  }
+}
+
+TEST(Picture, APusherThatLeavesItsTablePassesBelowTheTexts) {
+  const MarkerArray update = DriftingEpisode(kAway, 0.02, 0.1).update(someSummary());
+  for (const char* prefix : {"mujoco", "engine", "engine_replay"}) {
+    std::vector<Marker> cards;
+    for (const Marker& cube : drawn(picture().scene(), prefix, Marker::CUBE)) {
+      if (cube.pose.position.z >= 2.0 * pusht::kPusherFrameHeight + kSeen) {
+        cards.push_back(cube);
+      }
+    }
+    MarkerArray whole;
+    whole.markers = all(picture().scene(), update);
+    for (const Marker& text : drawn(whole, prefix, Marker::TEXT_VIEW_FACING)) {
+      const auto& at = text.pose.position;
+      EXPECT_TRUE(std::any_of(cards.begin(), cards.end(), [&](const Marker& card) {
+        const auto& center = card.pose.position;
+        return std::abs(at.x - center.x) <= 0.5 * card.scale.x &&
+               std::abs(at.y - center.y) + 0.5 * text.scale.z <= 0.5 * card.scale.y && at.z >= center.z + kSeen;
+      })) << text.text;
+    }
+  }
+}
+
+TEST(Picture, TheTablesStandSideBySideAndTheirTargetsDoNotMove) {
+  std::vector<std::string> children;
+  for (const geometry_msgs::TransformStamped& frame : picture().frames()) {
+    children.push_back(frame.child_frame_id);
+    EXPECT_EQ(frame.transform.rotation.w, 1.0);
+  }
+  EXPECT_THAT(children, ElementsAre("mujoco/table", "mujoco/target", "engine/table", "engine/target",
+                                    "engine_replay/table", "engine_replay/target"));
 }
 
 TEST(Picture, MarksSuccess) {

@@ -13,6 +13,7 @@ It then has the services, topics and frames of every other simulator, and keeps 
 
 import math
 import sys
+import threading
 import xmlrpc.client
 from types import MappingProxyType
 from typing import Any, Callable, Dict, List, Mapping
@@ -45,7 +46,7 @@ from pusht_task.sessions import (
 from pusht_task.task import PUSHER_FRAME_HEIGHT, TEE_FRAME_HEIGHT
 
 QUEUE = 1000  # messages to a slow subscriber
-PERIOD = 1.0  # [s] of the diagnostics and of the checks of the master
+PERIOD = 1.0  # [s] of the diagnostics, of repeated frames and of the checks of the master
 MASTER_DEADLINE = 2.0  # [s] for its answer
 CLOCK_PATIENCE = 5.0  # [s]
 MASTER_PATIENCE = 3  # checks in a row that fail
@@ -159,27 +160,44 @@ class _Impatient(xmlrpc.client.Transport):
 
 
 class _WorldPublisher:
-    """A world on ~state and in TF."""
+    """A world on ~state and in TF, where its frames come again once a second."""
 
     def __init__(self, frame_prefix: str) -> None:
         self._state = rospy.Publisher("~state", WorldStateStamped, queue_size=QUEUE)
         self._broadcaster = tf2_ros.TransformBroadcaster()
         self._pusher = _transform(frame_prefix, "pusher", PUSHER_FRAME_HEIGHT)
         self._tee = _transform(frame_prefix, "tee", TEE_FRAME_HEIGHT)
-        self._target = _transform(frame_prefix, "target", 0.0)
+        self._fixed_broadcaster = tf2_ros.StaticTransformBroadcaster()
+        self._fixed_broadcaster.sendTransform(_transform(frame_prefix, "target", 0.0))
+        self._lock = threading.Lock()  # of the frames
+        self._repeating = threading.Event()
+        threading.Thread(target=self._repeat, daemon=True).start()
 
     def publish(self, update: WorldStateStamped) -> None:
-        frames = [self._pusher, self._tee, self._target]
-        for frame in frames:
-            frame.header.stamp = update.header.stamp
-        self._pusher.transform.translation.x = update.state.pusher_x
-        self._pusher.transform.translation.y = update.state.pusher_y
-        self._tee.transform.translation.x = update.state.tee_x
-        self._tee.transform.translation.y = update.state.tee_y
-        self._tee.transform.rotation.z = math.sin(0.5 * update.state.tee_yaw)
-        self._tee.transform.rotation.w = math.cos(0.5 * update.state.tee_yaw)
-        self._broadcaster.sendTransform(frames)
+        with self._lock:
+            self._pusher.transform.translation.x = update.state.pusher_x
+            self._pusher.transform.translation.y = update.state.pusher_y
+            self._tee.transform.translation.x = update.state.tee_x
+            self._tee.transform.translation.y = update.state.tee_y
+            self._tee.transform.rotation.z = math.sin(0.5 * update.state.tee_yaw)
+            self._tee.transform.rotation.w = math.cos(0.5 * update.state.tee_yaw)
+            self._send(update.header.stamp)
+        self._repeating.set()
         self._state.publish(update)
+
+    def _send(self, stamp: rospy.Time) -> None:
+        frames = [self._pusher, self._tee]
+        for frame in frames:
+            frame.header.stamp = stamp
+        self._broadcaster.sendTransform(frames)
+
+    def _repeat(self) -> None:
+        """For whoever came after the last step. tf2 warns of what has the same stamp twice."""
+        self._repeating.wait()
+        while not rospy.is_shutdown():
+            rospy.rostime.wallsleep(PERIOD)
+            with self._lock:
+                self._send(self._tee.header.stamp + rospy.Duration(0, 1))
 
 
 def _transform(frame_prefix: str, child: str, height: float) -> TransformStamped:

@@ -2,10 +2,13 @@
 #include "pusht_task/ros/serve.hpp"
 
 #include <ros/ros.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_broadcaster.h>
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/ros/conversions.hpp"
@@ -56,11 +59,14 @@ class SimulatorNode {
                   node_.advertiseService("step", &SimulatorNode::step, this),
                   node_.advertiseService("configure", &SimulatorNode::configure, this),
                   node_.advertiseService("describe", &SimulatorNode::describe, this)} {
+    fixed_frames_.sendTransform(targetFrame(frame_prefix_));
     markers_.publish(worldMarkers(frame_prefix_));
+    repeating_ = node_.createSteadyTimer(kRepeatPeriod, [this](const ros::SteadyTimerEvent&) { repeat(); });
   }
 
  private:
   static constexpr std::uint32_t kQueue = 1000;
+  const ros::WallDuration kRepeatPeriod{1.0};
 
   bool reset(pusht_msgs::ResetRequest& request, pusht_msgs::ResetResponse& response) {
     response = tally_.count(session_.reset(request));
@@ -80,19 +86,32 @@ class SimulatorNode {
   }
 
   void publish(const pusht_msgs::WorldStateStamped& update) {
-    frames_.sendTransform(toTransforms(frame_prefix_, fromMessage(update.state), update.header.stamp));
+    moving_ = movingFrames(frame_prefix_, fromMessage(update.state), update.header.stamp);
+    frames_.sendTransform(moving_);
     state_.publish(update);
+  }
+
+  /// For whoever came after the last step, or has forgotten (rviz's Reset). tf2 warns of what has the same stamp twice.
+  void repeat() {
+    for (geometry_msgs::TransformStamped& frame : moving_) {
+      frame.header.stamp += ros::Duration(0, 1);
+    }
+    frames_.sendTransform(moving_);
+    markers_.publish(worldMarkers(frame_prefix_));
   }
 
   std::string frame_prefix_;
   ros::NodeHandle node_;
   tf2_ros::TransformBroadcaster frames_;
+  tf2_ros::StaticTransformBroadcaster fixed_frames_;
+  std::vector<geometry_msgs::TransformStamped> moving_;  // as sent last; empty before the first reset
   ros::Publisher state_;
   ros::Publisher markers_;
   Tally tally_;
   Health health_;
   SimulatorSession session_;
   std::array<ros::ServiceServer, 4> services_;
+  ros::SteadyTimer repeating_;
 };
 
 class PolicyNode {

@@ -13,10 +13,12 @@ using visualization_msgs::MarkerArray;
 
 namespace {
 
-// Seen only. The bodies stand on the table, so that the height of a frame is half a body's.
+// Seen only. The bodies stand at height 0, so that the height of a frame is half a body's. From above, rviz cannot tell
+// apart what is less than 0.006 m over the other (24 bits of depth down to its far plane, 100 km away).
 constexpr double kTableThickness = 0.01;       // [m]
+constexpr double kTableHeight = -0.03;         // [m] of its top
+constexpr double kTargetHeight = -0.015;       // [m]
 constexpr double kWallThickness = 0.04;        // [m]
-constexpr double kTargetHeight = 0.001;        // [m] above the table, to be seen
 constexpr double kTargetLineWidth = 0.004;     // [m]
 constexpr float kTargetSurfaceOpacity = 0.2F;  // of its line's
 
@@ -119,7 +121,8 @@ MarkerArray worldMarkers(const std::string& frame_prefix, const WorldColors& col
 
   MarkerArray world;
   world.markers = {
-      body(table, Marker::CUBE, colors.table, {0.0, 0.0, -0.5 * kTableThickness}, {kInner, kInner, kTableThickness}),
+      body(table, Marker::CUBE, colors.table, {0.0, 0.0, kTableHeight - 0.5 * kTableThickness},
+           {kInner, kInner, kTableThickness}),
       body(table, Marker::CUBE, colors.walls, {0.0, kWall, 0.5 * kWallHeight}, {kOuter, kWallThickness, kWallHeight}),
       body(table, Marker::CUBE, colors.walls, {0.0, -kWall, 0.5 * kWallHeight}, {kOuter, kWallThickness, kWallHeight}),
       body(table, Marker::CUBE, colors.walls, {kWall, 0.0, 0.5 * kWallHeight}, {kWallThickness, kInner, kWallHeight}),

@@ -6,6 +6,8 @@
 #include <pusht_msgs/Summary.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
+#include <ros/steady_timer.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <memory>
@@ -21,7 +23,7 @@
 namespace sim2sim {
 
 /// Topics in the node's private namespace: `divergence` (every control step), `episode`, `summary` (latched) and
-/// `markers`, whose static part every new subscriber gets.
+/// `markers`, which come again once a second, for whoever came late or has forgotten; the static frames of the tables.
 class Broadcast {
  public:
   explicit Broadcast(const ros::NodeHandle& node);
@@ -30,13 +32,13 @@ class Broadcast {
   void clear() { summary_ = {}; }
 
   /// A run begins. `bag` may be null: the run is not recorded.
-  void begin(const RunConfiguration& configuration, const Cast& cast, std::unique_ptr<RunBag> bag);
+  void begin(const RunConfiguration& configuration, Cast& cast, std::unique_ptr<RunBag> bag);
 
   /// The start of an episode, or a control step. `paced`: at a rate that eyes can follow.
   pusht_msgs::Divergence step(const Episode& episode, const ros::Time& stamp, bool paced);
 
   /// An episode has finished; `finished` are all that have, by index.
-  void finish(const EpisodeResult& episode, const std::vector<EpisodeResult>& finished, const ros::Time& stamp);
+  void finish(const Episode& episode, const std::vector<EpisodeResult>& finished, const ros::Time& stamp);
 
   /// The run has ended, well or not: the bag is put in its place. Throws RuntimeFault if that fails.
   void end();
@@ -45,8 +47,8 @@ class Broadcast {
   const pusht_msgs::Summary& summary() const { return summary_; }
 
  private:
-  void draw(const Episode& episode, const ros::Time& stamp, bool every_step);
-  void greet(const ros::SingleSubscriberPublisher& subscriber) const;
+  void draw(const Episode& episode, const ros::Time& stamp, bool recorded);
+  void repeat() const;
 
   ros::NodeHandle node_;
   ros::Publisher divergence_;
@@ -58,11 +60,14 @@ class Broadcast {
   pusht_msgs::Summary summary_;
   std::optional<Summary> finished_;
 
-  mutable std::mutex mutex_;  // of what a new subscriber to the markers gets
+  tf2_ros::StaticTransformBroadcaster fixed_frames_;
   std::optional<Picture> picture_;
+  ros::Publisher markers_;
+
+  mutable std::mutex mutex_;  // of what is repeated from another thread
   visualization_msgs::MarkerArray scene_;
   visualization_msgs::MarkerArray update_;
-  ros::Publisher markers_;  // last: new subscribers are greeted from another thread
+  ros::SteadyTimer repeating_;  // last
 };
 
 }  // namespace sim2sim

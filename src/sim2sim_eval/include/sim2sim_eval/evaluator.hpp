@@ -85,7 +85,7 @@ class Evaluator : private LiveObserver {
   bool stopped() const;
 
   void onStep(const Episode& episode, const ros::Time& stamp) override;
-  void onFinish(const EpisodeResult& episode, const ros::Time& stamp) override;
+  void onFinish(const Episode& episode, const ros::Time& stamp) override;
   void onFault(int episode, const pusht::PeerFault& fault) override;
 
   ros::NodeHandle node_;

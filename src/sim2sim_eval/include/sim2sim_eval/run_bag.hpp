@@ -6,6 +6,7 @@
 #include <pusht_msgs/EpisodeResult.h>
 #include <pusht_msgs/Summary.h>
 #include <ros/time.h>
+#include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <array>
@@ -25,6 +26,7 @@ constexpr const char* kEpisodeTopic = "/sim2sim/episode";              ///< push
 constexpr const char* kSummaryTopic = "/sim2sim/summary";              ///< pusht_msgs/Summary; latched
 constexpr const char* kMarkersTopic = "/sim2sim/markers";              ///< visualization_msgs/MarkerArray
 constexpr const char* kTfTopic = "/tf";                                ///< tf2_msgs/TFMessage: the worlds' frames
+constexpr const char* kFixedTfTopic = "/tf_static";                    ///< tf2_msgs/TFMessage: those that never move
 
 /// How a world appears in a bag.
 struct WorldName {
@@ -51,6 +53,7 @@ class RunBag {
   /// What the worlds said and where their frames were after `step` control steps.
   void writeWorlds(const Episode& episode, int step, const ros::Time& stamp);
 
+  void write(const tf2_msgs::TFMessage& fixed_frames, const ros::Time& stamp);
   void write(const pusht_msgs::Divergence& message);
   void write(const pusht_msgs::EpisodeResult& message);
   void write(const pusht_msgs::Summary& message);

@@ -12,8 +12,11 @@
 
 namespace pusht {
 
-/// From `<prefix>/table` to `<prefix>/pusher`, `<prefix>/tee` and `<prefix>/target`.
-std::vector<geometry_msgs::TransformStamped> toTransforms(const std::string& prefix, const WorldState& state,
+/// From `<prefix>/table` to what moves: `<prefix>/pusher` and `<prefix>/tee`.
+std::vector<geometry_msgs::TransformStamped> movingFrames(const std::string& prefix, const WorldState& state,
                                                           const ros::Time& stamp);
+
+/// From `<prefix>/table` to `<prefix>/target`, which never moves.
+geometry_msgs::TransformStamped targetFrame(const std::string& prefix);
 
 }  // namespace pusht

@@ -9,9 +9,9 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <random>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include "pusht_task/error.hpp"
 
@@ -19,10 +19,6 @@ namespace pusht {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void failToWrite(const fs::path& path, int error_number) {
-  throw RuntimeFault("cannot write " + path.string() + ": " + std::strerror(error_number));
-}
 
 /// Writes all of `content` to the open file; false with errno set if that fails.
 bool writeAll(int file, const std::string& content) {
@@ -37,20 +33,10 @@ bool writeAll(int file, const std::string& content) {
   return true;
 }
 
-void write(const fs::path& path, const fs::path& aside, const std::string& content, bool to_disk) {
-  constexpr mode_t kMode = 0644;
-  const int file = ::open(aside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode);
-  if (file < 0) {
-    failToWrite(path, errno);
-  }
-  const bool written = writeAll(file, content) && (!to_disk || ::fsync(file) == 0);
-  const int error_number = errno;
-  ::close(file);
-  if (!written) {
-    ::unlink(aside.c_str());
-    failToWrite(path, error_number);
-  }
-  moveIntoPlace(aside, path);
+void write(const fs::path& path, const std::string& content, bool to_disk) {
+  AsideFile file(path);
+  file.write(content, to_disk);
+  file.moveIntoPlace();
 }
 
 std::string digest(const EVP_MD* algorithm, const std::string& bytes) {
@@ -84,25 +70,42 @@ std::string readFile(const fs::path& path, const std::string& what) {
   return bytes.str();
 }
 
-fs::path asidePath(const fs::path& path) {
-  fs::path aside = path;
-  aside += ".part";
-  return aside;
-}
-
-void moveIntoPlace(const fs::path& aside, const fs::path& path) {
-  if (std::rename(aside.c_str(), path.c_str()) != 0) {
-    const int error_number = errno;
-    ::unlink(aside.c_str());
-    failToWrite(path, error_number);
+AsideFile::AsideFile(fs::path path) : path_(std::move(path)) {
+  constexpr mode_t kMode = 0644;
+  for (int number = 1; descriptor_ < 0; ++number) {
+    aside_ = path_.string() + (number == 1 ? "" : "." + std::to_string(number)) + ".part";
+    descriptor_ = ::open(aside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kMode);
+    if (descriptor_ < 0 && errno != EEXIST) {
+      fail();
+    }
   }
 }
 
-void writeFile(const fs::path& path, const std::string& content) { write(path, asidePath(path), content, true); }
-
-void writeCacheFile(const fs::path& path, const std::string& content) {
-  write(path, asidePath(path.string() + "." + std::to_string(std::random_device()())), content, false);
+AsideFile::~AsideFile() {
+  ::close(descriptor_);
+  if (!aside_.empty()) {
+    ::unlink(aside_.c_str());
+  }
 }
+
+void AsideFile::write(const std::string& content, bool to_disk) {
+  if (!writeAll(descriptor_, content) || (to_disk && ::fsync(descriptor_) != 0)) {
+    fail();
+  }
+}
+
+void AsideFile::moveIntoPlace() {
+  if (std::rename(aside_.c_str(), path_.c_str()) != 0) {
+    fail();
+  }
+  aside_.clear();
+}
+
+void AsideFile::fail() const { throw RuntimeFault("cannot write " + path_.string() + ": " + std::strerror(errno)); }
+
+void writeFile(const fs::path& path, const std::string& content) { write(path, content, true); }
+
+void writeCacheFile(const fs::path& path, const std::string& content) { write(path, content, false); }
 
 std::string sha256(const std::string& bytes) { return digest(EVP_sha256(), bytes); }
 

@@ -2,7 +2,9 @@
 #include "pusht_task/files.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
@@ -15,6 +17,26 @@ namespace pusht {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// No file of the process may grow beyond `bytes` for as long as the object lives.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit = {bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
 
 class Files : public ::testing::Test {
  protected:
@@ -33,12 +55,43 @@ TEST_F(Files, WriteReplacesAndLeavesNothingAside) {
 }
 
 TEST_F(Files, AFailedWriteKeepsTheOldFile) {
-  // /dev/full takes the open and fails the write, as a full disk does.
   writeFile(folder_ / "a", "old");
-  fs::create_symlink("/dev/full", asidePath(folder_ / "a"));
-  EXPECT_THROW(writeFile(folder_ / "a", "new"), RuntimeFault);
+  {
+    const FileSizeLimit as_a_full_disk(2);
+    EXPECT_THROW(writeFile(folder_ / "a", "new"), RuntimeFault);
+  }
   EXPECT_EQ(readFile(folder_ / "a", "file"), "old");
   EXPECT_EQ(fileCount(), 1);
+}
+
+TEST_F(Files, WhatLiesUnderTheNameAsideIsNotTouched) {
+  writeFile(folder_ / "mine", "mine");
+  fs::create_symlink(folder_ / "mine", folder_ / "a.part");
+  writeFile(folder_ / "a.2.part", "mine too");
+  fs::create_directory(folder_ / "a.3.part");
+  writeFile(folder_ / "a", "new");
+  writeCacheFile(folder_ / "a", "newer");
+  EXPECT_EQ(readFile(folder_ / "a", "file"), "newer");
+  EXPECT_EQ(readFile(folder_ / "a.part", "link"), "mine");
+  EXPECT_EQ(readFile(folder_ / "a.2.part", "file"), "mine too");
+  EXPECT_EQ(fileCount(), 5);
+}
+
+TEST_F(Files, ALinkIsReplacedAndNotFollowed) {
+  writeFile(folder_ / "mine", "mine");
+  fs::create_symlink(folder_ / "mine", folder_ / "a");
+  writeFile(folder_ / "a", "new");
+  EXPECT_EQ(readFile(folder_ / "mine", "file"), "mine");
+  EXPECT_FALSE(fs::is_symlink(folder_ / "a"));
+}
+
+TEST_F(Files, AFileThatIsNotMovedLeavesNothing) {
+  {
+    AsideFile file(folder_ / "a");
+    file.write("half", false);
+    EXPECT_EQ(readFile(folder_ / "a.part", "file"), "half");
+  }
+  EXPECT_EQ(fileCount(), 0);
 }
 
 TEST_F(Files, AMissingFolderIsNamed) {

@@ -10,17 +10,39 @@ namespace pusht {
 /// The bytes of `path`. Throws InvalidInput, naming `what` and the path, if it cannot be read.
 std::string readFile(const std::filesystem::path& path, const std::string& what);
 
-/// Where a file is written before it is complete; beside `path`, so that a rename moves it there.
-std::filesystem::path asidePath(const std::filesystem::path& path);
+/// A file that is written beside its `path` until it is complete. It is new: what lies under its name already is
+/// neither written to nor followed.
+class AsideFile {
+ public:
+  /// Creates PATH.part, or PATH.2.part, PATH.3.part, ... where there is such a thing. Throws RuntimeFault if it cannot.
+  explicit AsideFile(std::filesystem::path path);
+  AsideFile(const AsideFile&) = delete;
+  AsideFile& operator=(const AsideFile&) = delete;
 
-/// Puts the complete file at `aside` in place of `path`. Throws RuntimeFault and removes `aside` on failure.
-void moveIntoPlace(const std::filesystem::path& aside, const std::filesystem::path& path);
+  /// Removes the file unless it has been moved.
+  ~AsideFile();
+
+  const std::filesystem::path& aside() const { return aside_; }
+
+  /// Throws RuntimeFault if that fails. `to_disk`: returns when the disk has it.
+  void write(const std::string& content, bool to_disk);
+
+  /// Puts the file in place of `path`. Throws RuntimeFault if that fails.
+  void moveIntoPlace();
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::filesystem::path path_;
+  std::filesystem::path aside_;  // empty: moved
+  int descriptor_ = -1;
+};
 
 /// Writes `content` aside, to the disk, and renames it: `path` holds the old bytes or all the new ones.
 /// Throws RuntimeFault if that fails (disk full, folder not writable); nothing is left behind.
 void writeFile(const std::filesystem::path& path, const std::string& content);
 
-/// The same for what can be made again: it is not forced onto the disk, and several processes may write one file.
+/// The same for what can be made again: it is not forced onto the disk. Several processes may write one file.
 void writeCacheFile(const std::filesystem::path& path, const std::string& content);
 
 /// Digest in lower-case hex.

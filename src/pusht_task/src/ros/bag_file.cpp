@@ -5,43 +5,49 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/files.hpp"
 
 namespace pusht {
 
 namespace fs = std::filesystem;
 
-BagFile::BagFile(fs::path path)
-    : path_(std::move(path)), aside_(asidePath(path_)), bag_(std::make_unique<rosbag::Bag>()) {
+namespace {
+
+/// Throws InvalidInput if there is something at `path` already.
+const fs::path& requireFree(const fs::path& path) {
   std::error_code error;
-  if (path_.filename().empty() || fs::symlink_status(path_, error).type() != fs::file_type::not_found) {
-    throw InvalidInput("bag '" + path_.string() + "': must be the name of a file that does not exist yet");
+  if (path.filename().empty() || fs::symlink_status(path, error).type() != fs::file_type::not_found) {
+    throw InvalidInput("bag '" + path.string() + "': must be the name of a file that does not exist yet");
   }
+  return path;
+}
+
+}  // namespace
+
+BagFile::BagFile(fs::path path)
+    : path_(std::move(path)), file_(requireFree(path_)), bag_(std::make_unique<rosbag::Bag>()) {
   try {
-    attempt([this] { bag_->open(aside_.string(), rosbag::bagmode::Write); });
+    attempt([this] { bag_->open(file_.aside().string(), rosbag::bagmode::Write); });
   } catch (const RuntimeFault&) {
-    discard();
+    close();
     throw;
   }
   bag_->setCompression(rosbag::compression::LZ4);  // faster than none: what is not compressed is written in small bits
 }
 
-BagFile::~BagFile() { discard(); }
+BagFile::~BagFile() { close(); }
 
-void BagFile::discard() {
+void BagFile::close() {
   try {
     bag_->close();
   } catch (const rosbag::BagException&) {
     // On a full disk a bag cannot be closed, and one that is destroyed while open ends the process.
     (void)bag_.release();  // NOLINT(bugprone-unused-return-value)
   }
-  std::error_code ignored;
-  fs::remove(aside_, ignored);
 }
 
 void BagFile::finish() {
   attempt([this] { bag_->close(); });
-  moveIntoPlace(aside_, path_);
+  file_.moveIntoPlace();
 }
 
 void BagFile::attempt(const std::function<void()>& action) const {

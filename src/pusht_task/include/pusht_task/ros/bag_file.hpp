@@ -12,10 +12,12 @@
 #include <memory>
 #include <string>
 
+#include "pusht_task/files.hpp"
+
 namespace pusht {
 
-/// A bag that is written to PATH.part and appears at its path when it is finished, or not at all. Of a process that
-/// is killed PATH.part stays: `rosbag reindex` recovers what was written of it.
+/// A bag that is written aside, as AsideFile, and appears at its path when it is finished, or not at all. Of a process
+/// that is killed PATH.part stays: `rosbag reindex` recovers what was written of it.
 class BagFile {
  public:
   /// Throws InvalidInput if there is something at `path` already, RuntimeFault if the bag cannot be written.
@@ -45,11 +47,11 @@ class BagFile {
   void finish();
 
  private:
-  void discard();
+  void close();
   void attempt(const std::function<void()>& action) const;
 
   std::filesystem::path path_;
-  std::filesystem::path aside_;
+  AsideFile file_;  // the bag opens it by its name
   std::unique_ptr<rosbag::Bag> bag_;
 };
 

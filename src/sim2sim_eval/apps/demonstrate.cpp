@@ -13,7 +13,6 @@
 namespace {
 
 void demonstrate(const pusht::DemonstrationPlan& plan, const std::string& out) {
-  sim2sim::catchInterrupts();
   pusht::MujocoWorld world(
       std::make_shared<const pusht::MujocoScene>(pusht::installedFile("pusht_mujoco", "scenes/pusht.xml")));
   pusht::ScriptedExpert expert;

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iostream>
 #include <string>
-#include <system_error>
 
 #include "pusht_task/error.hpp"
 #include "sim2sim_eval/command_line.hpp"
@@ -41,18 +40,20 @@ void requireWhole(const sim2sim::Run& run, const fs::path& bag) {
   }
 }
 
-/// Results that replace those in a folder replace the bag in it too.
-void refuseOwnFolder(const fs::path& bag, const fs::path& out) {
-  std::error_code ignored;
-  if (!out.empty() && fs::equivalent(fs::absolute(bag).parent_path(), out, ignored)) {
-    throw pusht::InvalidInput("out " + out.string() + ": must not be the folder that holds the bag");
+/// Throws as readRun() does; a refusal in `folder` tells of an interrupt.
+sim2sim::RecordedRun readInto(sim2sim::RunFolder& folder, const fs::path& bag) {
+  try {
+    return sim2sim::readRun(bag, sim2sim::interrupted);
+  } catch (const pusht::RuntimeFault& fault) {
+    folder.refuse({fault.exitCode(), fault.what(), 0, 0, 0});
+    throw;
   }
 }
 
 void recompute(const fs::path& bag, const fs::path& out, bool overwrite) {
-  refuseOwnFolder(bag, out);
   sim2sim::RunFolder folder(out, overwrite, "recompute");
-  sim2sim::RecordedRun recorded = sim2sim::readRun(bag);
+  folder.refuseInputs({{"bag", bag}});
+  sim2sim::RecordedRun recorded = readInto(folder, bag);
   recorded.provenance["bag"] = bag.string();
   sim2sim::Run run(recorded.configuration, folder, recorded.provenance);
   for (const sim2sim::EpisodeResult& episode : recorded.episodes) {

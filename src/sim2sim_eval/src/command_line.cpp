@@ -20,11 +20,20 @@ namespace {
 std::atomic<int> interrupts_received = 0;
 static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch nothing else");
 
-void countInterrupt(int number) {
-  constexpr int kPatience = 2;  // what is asked to end may hang in code that is not ours
-  if (++interrupts_received >= kPatience) {
-    std::signal(number, SIG_DFL);
+constexpr unsigned int kPatience = 10;  // [s] for an end in order
+
+std::string last_words;  // written by a signal handler
+
+[[noreturn]] void endAtOnce(int /*number*/) {
+  [[maybe_unused]] const ssize_t count = ::write(STDERR_FILENO, last_words.data(), last_words.size());
+  ::_exit(static_cast<int>(pusht::ExitCode::kRuntimeFault));
+}
+
+void onInterrupt(int number) {
+  if (++interrupts_received > 1) {
+    endAtOnce(number);
   }
+  ::alarm(kPatience);
 }
 
 template <class Number>
@@ -44,6 +53,7 @@ CLI::Validator decimal(const char* name) {
 int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body) {
   try {
     app.parse(argc, argv);
+    catchInterrupts(app.get_name());
     body();
     if (!std::cout.flush()) {
       throw pusht::RuntimeFault("cannot write to stdout");
@@ -62,13 +72,16 @@ CLI::Validator decimalInteger() { return decimal<std::uint64_t>("integer"); }
 
 CLI::Validator decimalReal() { return decimal<double>("number"); }
 
-void catchInterrupts() {
+void catchInterrupts(const std::string& name) {
+  last_words = name + ": interrupted, and ended before it had stopped in order; what it was writing is lost\n";
   struct sigaction action {};
-  action.sa_handler = countInterrupt;
   action.sa_flags = SA_RESTART;
+  action.sa_handler = onInterrupt;
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     sigaction(number, &action, nullptr);
   }
+  action.sa_handler = endAtOnce;
+  sigaction(SIGALRM, &action, nullptr);
   // A file that grows beyond its limit and a reader that has gone are then errors of write(): results still get out.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);

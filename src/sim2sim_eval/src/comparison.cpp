@@ -92,13 +92,13 @@ RunConfiguration CompareOptions::configuration() const {
 }
 
 void compare(const CompareOptions& options) {
-  catchInterrupts();
-
   // All that can be refused is refused before anything is written.
   RunConfiguration configuration = options.configuration();
   configuration.protocol.validate();
   options.knobs.validate();
   RunFolder folder(options.out, options.overwrite);
+  folder.refuseInputs(
+      {{"policy", options.policy}, {"scene", options.scene}, {"reference cache", options.batch.reference_cache}});
   const Setup setup({configuration.policy, options.require_policy, configuration.protocol.seed}, options.scene);
   configuration.policy = setup.policyName();
   const auto references = options.batch.references(setup, configuration.protocol.horizon);

@@ -378,7 +378,7 @@ void Evaluator::report(pusht::DiagnosticStatusWrapper& status) const {
 }
 
 pusht::ExitCode evaluate() {
-  catchInterrupts();
+  catchInterrupts(ros::this_node::getName());
   const ros::NodeHandle node("~");
   pusht::ParameterReader parameters(node);
   try {

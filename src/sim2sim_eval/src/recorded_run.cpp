@@ -181,7 +181,7 @@ nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
   return nlohmann::ordered_json::parse(messageIn<std_msgs::String>(*view.begin()).data);
 }
 
-RecordedRun runIn(const rosbag::Bag& bag) {
+RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop) {
   RecordedRun run;
   run.provenance = descriptionIn(bag);
   run.configuration = configurationFrom(run.provenance.at("configuration"));
@@ -198,6 +198,9 @@ RecordedRun runIn(const rosbag::Bag& bag) {
   Reader reader(run.configuration.protocol);
   rosbag::View view(bag, rosbag::TopicQuery(topics));
   for (const rosbag::MessageInstance& instance : view) {
+    if (stop()) {
+      throw pusht::RuntimeFault("interrupted while it was read");
+    }
     reader.moveOnTo(instance.getTime());
     const auto mode = modes.find(instance.getTopic());
     if (mode == modes.end()) {
@@ -249,7 +252,7 @@ EpisodeResult replay(const Protocol& protocol, int index, const RecordedEpisode&
   return episode.result();
 }
 
-RecordedRun readRun(const fs::path& path) {
+RecordedRun readRun(const fs::path& path, const std::function<bool()>& stop) {
   const std::string name = "bag " + path.string();
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) {
@@ -258,7 +261,7 @@ RecordedRun readRun(const fs::path& path) {
   const QuietLibraries quiet;
   try {
     const rosbag::Bag bag(path.string());
-    return runIn(bag);
+    return runIn(bag, stop);
   } catch (pusht::Error& error) {
     error.addContext(name);
     throw;

@@ -11,7 +11,7 @@ namespace sim2sim {
 
 Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance)
     : configuration_(std::move(configuration)), folder_(folder) {
-  folder_.begin(provenance);
+  folder_.begin(provenance, configuration_.protocol.episodes);
 }
 
 void Run::add(const EpisodeResult& episode) {

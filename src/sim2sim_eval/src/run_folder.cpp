@@ -20,17 +20,14 @@ constexpr const char* kBag = "compare.bag";
 }  // namespace
 
 RunFolder::RunFolder(fs::path path, bool overwrite, std::string command)
-    : folder_(std::move(path), std::move(command)), overwrite_(overwrite) {
-  if (!overwrite_) {
-    folder_.refuseResults();
-  }
+    : folder_(std::move(path), std::move(command), Results::kRun), overwrite_(overwrite) {
+  folder_.refuseResults(overwrite_);
 }
 
-void RunFolder::begin(const nlohmann::json& provenance) {
+void RunFolder::begin(const nlohmann::json& provenance, int episodes) {
   folder_.open();
-  if (!overwrite_) {
-    folder_.refuseResults();  // another run may have been quicker
-  }
+  folder_.refuseResults(overwrite_);  // another run may have been quicker
+  writeStatus(underWay(episodes));    // first, or the status of an earlier run would speak for this one
   folder_.removeResults();
   pusht::writeFile(path() / kProvenance, jsonText(provenance));
 }
@@ -63,20 +60,27 @@ void RunFolder::abandon(const std::vector<EpisodeResult>& episodes, const RunSta
   writeStatus(status);
 }
 
-void RunFolder::refuse(const RunStatus& status) {
+void RunFolder::refuse(RunStatus status) {
   folder_.open();
-  folder_.refuseResults();  // they stay, even if a run might have replaced them
+  folder_.refuseResults(overwrite_);
+  status.beside_earlier_results = folder_.holdsResults();
   writeStatus(status);
 }
 
 void RunFolder::writeStatus(const RunStatus& status) const { pusht::writeFile(path() / kStatus, statusText(status)); }
 
+RunStatus underWay(int episodes) { return {pusht::ExitCode::kRuntimeFault, kUnderWay, 0, episodes, 0}; }
+
 std::string statusText(const RunStatus& status) {
-  return jsonText({{"exit_code", static_cast<int>(status.exit_code)},
-                   {"reason", status.reason},
-                   {"episodes_finished", status.episodes_finished},
-                   {"episodes", status.episodes},
-                   {"faults_survived", status.faults_survived}});
+  nlohmann::json text = {{"exit_code", static_cast<int>(status.exit_code)},
+                         {"reason", status.reason},
+                         {"episodes_finished", status.episodes_finished},
+                         {"episodes", status.episodes},
+                         {"faults_survived", status.faults_survived}};
+  if (status.beside_earlier_results) {
+    text["beside_earlier_results"] = true;
+  }
+  return jsonText(text);
 }
 
 }  // namespace sim2sim

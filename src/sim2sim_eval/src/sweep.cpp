@@ -8,7 +8,6 @@
 #include <iostream>
 #include <map>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include "pusht_task/error.hpp"
@@ -252,16 +251,6 @@ std::vector<EpisodeResult> joinRow(const Shards& shards, const RunConfiguration&
   return episodes;
 }
 
-/// What is joined must not be replaced by the join.
-void refuseOwnShard(const MergeOptions& options) {
-  for (const std::string& shard : options.shards) {
-    std::error_code ignored;
-    if (!options.out.empty() && fs::equivalent(options.out, shard, ignored)) {
-      throw pusht::InvalidInput("out " + options.out + ": must not be one of the shards");
-    }
-  }
-}
-
 }  // namespace
 
 void SweepOptions::declare(CLI::App& app) {
@@ -277,7 +266,6 @@ void SweepOptions::declare(CLI::App& app) {
 }
 
 void sweep(const SweepOptions& options) {
-  catchInterrupts();
   SweepPlan plan = readSweepPlan(options.plan);
   if (options.episodes > 0) {
     plan.protocol.episodes = options.episodes;
@@ -286,6 +274,10 @@ void sweep(const SweepOptions& options) {
   const Shard shard = options.shard.empty() ? Shard() : Shard::from(options.shard);
   const Protocol protocol = shard.share(plan.protocol);
   SweepFolder folder(options.out, options.overwrite, "sweep");
+  folder.refuseInputs({{"plan", options.plan},
+                       {"policy", plan.policy},
+                       {"scene", plan.scene},
+                       {"reference cache", options.batch.reference_cache}});
   const Setup setup({plan.policy, true, plan.protocol.seed}, plan.scene);
 
   json description = descriptionOf(plan, setup);
@@ -308,15 +300,20 @@ void MergeOptions::declare(CLI::App& app) {
 }
 
 void merge(const MergeOptions& options) {
-  refuseOwnShard(options);
-  const Shards shards = requireShards(options.shards);
   SweepFolder folder(options.out, options.overwrite, "merge");
+  for (const std::string& shard : options.shards) {
+    folder.refuseInputs(inputsOf(shard));
+  }
+  const Shards shards = requireShards(options.shards);
   try {
     const RunConfiguration whole = configurationWithoutKnobs(shards.description);
     const json& rows = shards.description.at("rows");
     folder.begin(shards.description, shards.provenance);
     withStatus(folder, [&] {
       for (std::size_t row = 0; row < rows.size(); ++row) {
+        if (interrupted()) {
+          throw pusht::RuntimeFault("interrupted in row " + std::to_string(row) + " of " + std::to_string(rows.size()));
+        }
         const RunConfiguration configuration = rowOf(whole, rows.at(row));
         folder.keep(row, configuration, joinRow(shards, configuration, row));
       }

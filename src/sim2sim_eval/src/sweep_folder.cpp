@@ -107,6 +107,14 @@ SweepOnDisk readSweep(const fs::path& folder) {
   return {folder, description, parsedFile(folder / kProvenance, "provenance")};
 }
 
+std::vector<Input> inputsOf(const fs::path& shard) {
+  std::vector<Input> inputs;
+  for (const char* name : {kSweepJson, kProvenance, kRows}) {
+    inputs.push_back({"shard", shard / name});
+  }
+  return inputs;
+}
+
 std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted) {
   const std::string difference = firstDifference(found.description, wanted.description);
   return difference.empty()
@@ -147,25 +155,24 @@ std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::s
 }
 
 SweepFolder::SweepFolder(fs::path path, bool overwrite, std::string command)
-    : folder_(std::move(path), std::move(command)), overwrite_(overwrite) {}
+    : folder_(std::move(path), std::move(command), Results::kSweep), overwrite_(overwrite) {}
 
 void SweepFolder::begin(const json& description, const json& provenance) {
   description_ = description;
   folder_.open();
   std::error_code error;
-  if (overwrite_) {
-    folder_.removeResults();
-  } else if (fs::exists(path() / kSweepJson, error)) {
+  if (!overwrite_ && fs::exists(path() / kSweepJson, error)) {
     const std::string difference = differenceOf(readSweep(path()), {path(), description, provenance});
     if (!difference.empty()) {
       throw pusht::InvalidInput("out " + path().string() + ": holds another sweep (" + difference +
-                                "); name another folder or allow to overwrite");
+                                "); name another folder, or replace it with --overwrite");
     }
-    fs::remove(path() / kStatus, error);  // it speaks for an earlier attempt
+    writeStatus(pusht::ExitCode::kRuntimeFault, kUnderWay);
     return;
-  } else {
-    folder_.refuseResults();
   }
+  folder_.refuseResults(overwrite_);
+  writeStatus(pusht::ExitCode::kRuntimeFault, kUnderWay);
+  folder_.removeResults();
   pusht::writeFile(path() / kProvenance, jsonText(provenance));
   writeTables();
 }
@@ -193,13 +200,12 @@ void SweepFolder::resume(std::size_t index, const RunConfiguration& configuratio
   }
 }
 
-void SweepFolder::removeReference() const {
-  std::error_code ignored;
-  fs::remove_all(referencePath(), ignored);
-}
-
 void SweepFolder::finish(pusht::ExitCode code, const std::string& reason) {
   writeTables();
+  writeStatus(code, reason);
+}
+
+void SweepFolder::writeStatus(pusht::ExitCode code, const std::string& reason) const {
   pusht::writeFile(path() / kStatus, jsonText({{"exit_code", static_cast<int>(code)},
                                                {"reason", reason},
                                                {"rows_finished", rows_.size()},

@@ -11,6 +11,7 @@ import pty
 import signal
 import subprocess
 import sys
+import time
 import unittest
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional
@@ -204,6 +205,106 @@ class ResultsFolder(CompareCase):
             self.assertEqual(process.returncode, 0, process.stderr)
             self.assertEqual(self.files(name), RESULTS)
 
+    def test_what_is_not_ours_stays(self) -> None:
+        mine = {
+            name: self.write_below("out", name)
+            for name in (
+                *("rows/notes.txt", "rows/000/notes.txt", "rows/mine/metrics.json"),
+                *("reference/x", "reference/0123456789abcdef/x", "metrics.json.part"),
+                *("metrics.json.2.part", "notes.part", "episodes.csv.bak"),
+            )
+        }
+        target = self.folder / "target"
+        target.write_bytes(b"mine")
+        for name in ("status.json.part", "compare.bag.2.part", "provenance.json.part"):
+            (self.folder / "out" / name).symlink_to(target)
+        for overwrite in ([], ["--overwrite"], ["--overwrite", "--record"]):
+            process = self.compare("--smoke", "--out", "out", *overwrite)
+            self.assertEqual(process.returncode, 0, process.stderr)
+            for name, path in mine.items():
+                self.assertEqual(path.read_bytes(), name.encode())
+            self.assertEqual(target.read_bytes(), b"mine")
+        self.assertTrue((self.folder / "out" / "compare.bag").exists())
+        self.assertTrue((self.folder / "out" / "status.json.part").is_symlink())
+
+    def test_folder_under_the_name_of_a_result_is_refused(self) -> None:
+        mine = self.write_below("out", "metrics.json/notes.txt")
+        process = self.compare("--smoke", "--out", "out", "--overwrite")
+        self.assert_one_line(process, 2)
+        self.assertIn("holds a folder where results are written (metrics.json)", process.stderr)
+        self.assertTrue(mine.exists())
+
+    def test_link_under_the_name_of_a_result_is_replaced_and_not_followed(self) -> None:
+        target = self.folder / "target"
+        target.write_bytes(b"mine")
+        (self.folder / "out").mkdir()
+        (self.folder / "out" / "metrics.json").symlink_to(target)
+        self.assert_one_line(self.compare("--smoke", "--out", "out"), 2)
+        self.finished("--smoke", "--overwrite")
+        self.assertEqual(target.read_bytes(), b"mine")
+        self.assertFalse((self.folder / "out" / "metrics.json").is_symlink())
+
+    def test_inputs_where_results_are_written_are_refused(self) -> None:
+        policy = Path(PACKAGES.get_path("pusht_policy"), "policies", "bc_policy.ts.pt")
+        kept = {}
+        for name, content in (
+            ("out/rows/policy.pt", policy.read_bytes()),
+            ("out/episodes.csv", policy.read_bytes()),
+            ("out/reference/scene.xml", SCENE.read_bytes()),
+        ):
+            kept[name] = self.write_below("out", name[4:], content)
+        (self.folder / "link").symlink_to("out", target_is_directory=True)
+        (self.folder / "policy.pt").symlink_to("out/rows/policy.pt")
+        for arguments, named in (
+            (["--policy", "out/rows/policy.pt"], "policy out/rows/policy.pt"),
+            (["--policy", "link/rows/policy.pt"], "policy link/rows/policy.pt"),
+            (["--policy", "policy.pt"], "policy policy.pt"),
+            (["--policy", "out/episodes.csv"], "policy out/episodes.csv"),
+            (["--scene", "out/reference/scene.xml"], "scene out/reference/scene.xml"),
+            (["--reference-cache", "out/reference"], "reference cache out/reference"),
+            (["--reference-cache", "out/rows/cache"], "reference cache out/rows/cache"),
+        ):
+            for out in ("out", "out/", "link", "./out/../out"):
+                process = self.compare("--episodes", "1", "--out", out, "--overwrite", *arguments)
+                self.assert_one_line(process, 2)
+                self.assertIn(f"{named}: must not be where results are written", process.stderr)
+        self.assertEqual(
+            {file for file in (self.folder / "out").rglob("*") if file.is_file()},
+            set(kept.values()),
+        )
+        self.assertIn(
+            "reference cache fresh/reference: must not be",
+            self.refused(2, "--reference-cache", "fresh/reference", out="fresh"),
+        )
+
+    def test_inputs_beside_the_results_are_fine(self) -> None:
+        policy = Path(PACKAGES.get_path("pusht_policy"), "policies", "bc_policy.ts.pt")
+        kept = self.write_below("out", "policy.pt", policy.read_bytes())
+        for _ in range(2):
+            arguments = ["--policy", "out/policy.pt", "--reference-cache", "out/cache"]
+            process = self.compare("--episodes", "1", *arguments, "--out", "out", "--overwrite")
+            self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertEqual(kept.read_bytes(), policy.read_bytes())
+        self.assertEqual(len(list((self.folder / "out" / "cache").rglob("*.reference"))), 1)
+
+    def test_refused_run_does_not_keep_the_folder(self) -> None:
+        """A status of the evaluator's, which leaves one."""
+        status = {"exit_code": 2, "reason": "episodes 0", "episodes_finished": 0, "episodes": 0}
+        self.write_below("out", "status.json", json.dumps(status).encode())
+        self.finished("--smoke")
+        for content in (b"mine", b"[]", b'{"exit_code": 0, "episodes_finished": 0}', b"{}"):
+            self.write_below("mine", "status.json", content)
+            process = self.compare("--smoke", "--out", "mine")
+            self.assert_one_line(process, 2)
+            self.assertIn("holds results (status.json)", process.stderr)
+            self.assertIn("--overwrite (overwrite:=true in a launch file)", process.stderr)
+
+    def write_below(self, out: str, name: str, content: Optional[bytes] = None) -> Path:
+        path = self.folder / out / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(name.encode() if content is None else content)
+        return path
+
     def test_runs_at_once_get_folders_of_their_own(self) -> None:
         runs = [
             subprocess.Popen([COMPARE, "--smoke"], cwd=self.folder, stdout=subprocess.DEVNULL)
@@ -360,7 +461,10 @@ class Recompute(CompareCase):
                 shown += os.read(terminal, 1000)
             process.kill()
         os.close(terminal)
-        self.assertEqual(self.files("out"), {"provenance.json", part.name})
+        self.assertEqual(self.files("out"), {"provenance.json", "status.json", part.name})
+        status = self.load("out", "status.json")
+        self.assertEqual((status["exit_code"], status["reason"]), (4, "under way, or killed"))
+        self.assertEqual((status["episodes_finished"], status["episodes"]), (0, 100000))
         self.assertIn(f"`rosbag reindex {part}`", self.refused_bag(2, str(part)))
         reindex = self.run_command("rosbag", "reindex", str(part))
         self.assertEqual(reindex.returncode, 0, reindex.stderr)
@@ -400,10 +504,36 @@ class Recompute(CompareCase):
     def test_bag_is_not_replaced_by_what_comes_of_it(self) -> None:
         self.finished("--smoke", "--record")
         before = (self.folder / "out" / "compare.bag").read_bytes()
-        process = self.recompute("out/compare.bag", "--out", "out", "--overwrite")
-        self.assert_one_line(process, 2, "recompute")
-        self.assertIn("must not be the folder that holds the bag", process.stderr)
-        self.assertEqual((self.folder / "out" / "compare.bag").read_bytes(), before)
+        (self.folder / "link.bag").symlink_to("out/compare.bag")
+        for bag in ("out/compare.bag", "link.bag"):
+            process = self.recompute(bag, "--out", "out", "--overwrite")
+            self.assert_one_line(process, 2, "recompute")
+            self.assertIn(f"bag {bag}: must not be where results are written", process.stderr)
+            self.assertEqual((self.folder / "out" / "compare.bag").read_bytes(), before)
+            self.assertEqual(self.files("out"), RESULTS | {"compare.bag"})
+
+    def test_interrupt_while_the_bag_is_read(self) -> None:
+        bag = str(self.folder / "big.bag")
+        self.finished("--policy", "expert", "--episodes", "300", "--record")
+        os.rename(self.folder / "out" / "compare.bag", bag)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            out = self.folder / number.name
+            with subprocess.Popen(
+                [RECOMPUTE, bag, "--out", str(out)],
+                cwd=self.folder,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+            ) as process:
+                wait_until(lambda: opened(process.pid, bag))
+                process.send_signal(number)
+                _, said = process.communicate(timeout=DEADLINE)
+            self.assertEqual(process.returncode, 4, said)
+            self.assertEqual(said, f"recompute: bag {bag}: interrupted while it was read\n")
+            self.assertEqual(self.files(number.name), {"status.json"})
+            status = self.load(number.name, "status.json")
+            self.assertEqual(status["exit_code"], 4)
+            self.assertIn(status["reason"], said)
 
 
 class Faults(CompareCase):
@@ -532,13 +662,13 @@ class Faults(CompareCase):
             self.assertIn(rule, self.refused(2, *arguments))
 
     def test_f22_disk_full(self) -> None:
-        out = self.folder / "out"
-        out.mkdir()
-        (out / "metrics.json.part").symlink_to("/dev/full")
-        process = self.compare("--smoke", "--out", "out")
+        """A file that cannot grow beyond 4 kB stands for a full disk."""
+        limited = f"ulimit -f 4; exec {COMPARE} --policy expert --episodes 50 --out out"
+        process = self.run_command("bash", "-c", limited)
         self.assert_one_line(process, 4)
-        self.assertIn("metrics.json: No space left on device", process.stderr)
-        self.assertEqual(self.files("out"), RESULTS - {"metrics.json"})
+        self.assertIn("cannot write out/episodes.csv: File too large", process.stderr)
+        self.assertEqual(self.files("out"), RESULTS - {"metrics.json", "episodes.csv"})
+        self.assertEqual(self.load("out", "status.json")["exit_code"], 4)
 
     def test_f22_bag_that_cannot_be_written(self) -> None:
         limited = f"ulimit -f 20; exec {DEMONSTRATE} --episodes 50 --out demonstrations.bag"
@@ -599,6 +729,39 @@ class Faults(CompareCase):
             self.assertEqual(len(rows), 1 + 3 * status["episodes_finished"])
             self.assertGreater(status["episodes_finished"], 0)
 
+    def test_f29_policy_that_never_returns(self) -> None:
+        """A signal is enough, if not at once; a second one ends the command at once."""
+        at_load = self.save("at_load.pt", Endless(-10.0, 10.0))
+        in_episode = self.save("in_episode.pt", Endless(0.34, 0.37))
+        for policy, signals in ((in_episode, 1), (in_episode, 2), (at_load, 2)):
+            out = f"out-{Path(policy).stem}-{signals}"
+            terminal, side = pty.openpty()  # or what it prints would be kept
+            command = [COMPARE, "--policy", policy, "--episodes", "50", "--threads", "1"]
+            with subprocess.Popen(
+                [*command, "--out", out],
+                cwd=self.folder,
+                stdout=side,
+                stderr=subprocess.PIPE,
+                text=True,
+            ) as process:
+                os.close(side)
+                shown = b""
+                while b"never returns" not in shown:
+                    shown += os.read(terminal, 1000)
+                process.send_signal(signal.SIGTERM)
+                if signals == 2:
+                    wait_until(lambda: caught(process.pid, signal.SIGTERM))
+                    process.send_signal(signal.SIGTERM)
+                _, said = process.communicate(timeout=DEADLINE)
+            os.close(terminal)
+            self.assertEqual(process.returncode, 4, said)
+            self.assertRegex(said, r"^compare: interrupted, and ended before .*\n$")
+            if policy == at_load:
+                self.assertFalse((self.folder / out).exists())
+            else:
+                self.assertEqual(self.load(out, "status.json")["exit_code"], 4)
+                self.assertEqual(self.files(out), {"provenance.json", "status.json"})
+
     def test_f24_same_bytes_for_any_blas_thread_count_and_locale(self) -> None:
         folders = [p.parent for p in Path("/usr/lib").glob("*/*/libblas.so.3")]
         environments = [
@@ -640,6 +803,33 @@ class Faults(CompareCase):
         return path
 
 
+def wait_until(holds: Callable[[], bool]) -> None:
+    """Waits for what nothing tells of: asks again and again."""
+    expiry = time.monotonic() + DEADLINE
+    while not holds():
+        if time.monotonic() > expiry:
+            raise TimeoutError(f"not within {DEADLINE} s")
+
+
+def opened(pid: int, path: str) -> bool:
+    """Whether a process has opened a file."""
+    folder = f"/proc/{pid}/fd"
+    try:
+        return path in {os.readlink(f"{folder}/{name}") for name in os.listdir(folder)}
+    except FileNotFoundError:  # closed meanwhile
+        return False
+
+
+def caught(pid: int, number: signal.Signals) -> bool:
+    """Whether a signal that was sent to a process is no longer pending: two at once are one."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text()
+    except FileNotFoundError:
+        return True
+    pending = next(line for line in status.splitlines() if line.startswith("ShdPnd:"))
+    return not int(pending.split()[1], 16) & 1 << (number - 1)
+
+
 class Straight(torch.nn.Module):
     """Always to the right, slowly."""
 
@@ -671,6 +861,24 @@ class Inputs(torch.nn.Module):
 class Random(torch.nn.Module):
     def forward(self, obs: torch.Tensor) -> torch.Tensor:
         return torch.rand(obs.size(0), 2)
+
+
+class Endless(torch.nn.Module):
+    """To the right, and without end where x is from `low` to `high`."""
+
+    def __init__(self, low: float, high: float) -> None:
+        super().__init__()
+        self.low = low
+        self.high = high
+
+    def forward(self, obs: torch.Tensor) -> torch.Tensor:
+        x = obs[:, :1]
+        endless = bool(((x > self.low) & (x < self.high)).any())
+        if endless:
+            print("never returns")
+        while endless:
+            x = x + 0.0
+        return torch.cat([torch.ones_like(x), torch.zeros_like(x)], dim=1)
 
 
 class Trap(torch.nn.Module):

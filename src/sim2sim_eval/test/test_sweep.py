@@ -9,12 +9,13 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 import unittest
 from pathlib import Path
-from typing import Dict, List
+from typing import Callable, Dict, List
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, executable  # noqa: E402
+from command_case import DEADLINE, CommandCase, executable  # noqa: E402
 
 SWEEP = executable("sim2sim_eval", "sweep")
 MERGE = executable("sim2sim_eval", "merge")
@@ -30,6 +31,14 @@ grid:
   block_damp: [6, 20]
   pusher_mass: [4, 1.5]
 """
+
+
+def until(holds: Callable[[], bool]) -> None:
+    """Waits for what nothing tells of: asks again and again."""
+    expiry = time.monotonic() + DEADLINE
+    while not holds():
+        if time.monotonic() > expiry:
+            raise TimeoutError(f"not within {DEADLINE} s")
 
 
 class SweepCase(CommandCase):
@@ -141,10 +150,6 @@ class Resuming(SweepCase):
         expected = self.finished("whole")
         # A row that cannot be written ends the sweep in its midst.
         blocked = self.folder / "out" / "rows" / "002"
-        blocked.parent.mkdir(parents=True)
-        process = self.sweep("--out", "out")
-        self.assertIn("holds results (rows)", self.refused(2, process, "sweep"))
-        shutil.rmtree(self.folder / "out")
         shutil.copytree(self.folder / "whole", self.folder / "out")
         shutil.rmtree(blocked)
         blocked.write_text("no folder")
@@ -204,9 +209,73 @@ class Resuming(SweepCase):
 
     def test_folder_of_a_comparison_is_refused(self) -> None:
         self.run_command(COMPARE, "--smoke", "--out", "out")
-        self.assertIn(
-            "holds results (metrics.json)", self.refused(2, self.sweep("--out", "out"), "sweep")
+        for overwrite in ([], ["--overwrite"]):
+            process = self.sweep("--out", "out", *overwrite)
+            self.assertIn(
+                "holds a run (metrics.json), which a sweep does not replace",
+                self.refused(2, process, "sweep"),
+            )
+
+    def test_sweep_is_not_replaced_by_a_comparison(self) -> None:
+        before = self.finished("out")
+        for overwrite in ([], ["--overwrite"]):
+            process = self.run_command(COMPARE, "--smoke", "--out", "out", *overwrite)
+            self.assertIn(
+                "holds a sweep (sweep.", self.refused(2, process, "compare"), "by its name"
+            )
+        self.assertEqual(self.results("out"), before)
+
+    def test_what_is_not_ours_stays(self) -> None:
+        mine = ("rows/notes.txt", "rows/000/notes.txt", "rows/007/figure.png", "reference/x")
+        mine += ("reference/0123456789abcdef/x", "sweep.json.part", "rows/001/metrics.json.2.part")
+        for name in mine:
+            self.write_below("out/" + name)
+        expected = self.finished("whole")
+        self.finished("out")
+        status = self.load("out", "status.json")  # as an attempt that was cut short leaves it
+        (self.folder / "out" / "rows" / "002" / "metrics.json").unlink()
+        self.write_below("out/reference/0123456789abcdef/10000.reference")
+        self.finished("out")
+        self.assertEqual(self.load("out", "status.json"), status)
+        self.assertFalse(
+            (self.folder / "out/reference/0123456789abcdef/10000.reference").exists(), "it is ours"
         )
+        self.finished("out", "--overwrite")
+        kept = {name: (self.folder / "out" / name).read_text() for name in mine}
+        self.assertEqual(kept, {name: "out/" + name for name in mine})
+        results = {n: content for n, content in self.results("out").items() if n not in mine}
+        self.assertEqual(results, expected)
+
+    def test_rows_of_an_earlier_sweep_go(self) -> None:
+        self.finished("out")
+        single = PLAN.replace("[6, 20]", "[6]").replace("[4, 1.5]", "[4]")
+        again = self.finished("out", "--overwrite", plan=single)
+        self.assertEqual(set(again), set(self.finished("fresh", plan=single)))
+        self.assertEqual(self.files("out/rows"), {"000"})
+
+    def test_inputs_where_results_are_written_are_refused(self) -> None:
+        for overwrite in ([], ["--overwrite"]):
+            plan = self.write_below("out/rows/plan.yaml", PLAN)
+            process = self.run_command(SWEEP, str(plan), "--out", "out", *overwrite)
+            self.assertIn(f"plan {plan}: must not be", self.refused(2, process, "sweep"))
+            for arguments, named in (
+                (["--reference-cache", "out/reference"], "reference cache out/reference"),
+                (["--reference-cache", "out/rows/x"], "reference cache out/rows/x"),
+            ):
+                process = self.sweep("--out", "out", *overwrite, *arguments)
+                self.assertIn(f"{named}: must not be", self.refused(2, process, "sweep"))
+            for key in ("policy", "scene"):
+                text = PLAN.replace("policy: expert", "") + f"{key}: out/sweep.csv"
+                process = self.sweep("--out", "out", *overwrite, plan=text)
+                self.assertIn(f"{key} out/sweep.csv: must", self.refused(2, process, "sweep"))
+            self.assertEqual(self.files("out"), {"rows"})
+            self.assertEqual(plan.read_text(), PLAN)
+
+    def write_below(self, name: str, content: str = "") -> Path:
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(content or name)
+        return path
 
 
 class Shards(SweepCase):
@@ -219,9 +288,70 @@ class Shards(SweepCase):
     def test_shards_are_not_replaced_by_what_comes_of_them(self) -> None:
         first, second = self.shards(2)
         before = self.results(first)
-        process = self.run_command(MERGE, first, second, "--out", first, "--overwrite")
-        self.assertIn("must not be one of the shards", self.refused(2, process, "merge"))
-        self.assertEqual(self.results(first), before)
+        (self.folder / "link").symlink_to(first)
+        for shard, out in ((first, first), ("link", first), (first, "link")):
+            process = self.run_command(MERGE, shard, second, "--out", out, "--overwrite")
+            refusal = self.refused(2, process, "merge")
+            self.assertIn(f"shard {shard}/sweep.json: must not be where", refusal)
+            self.assertEqual(self.results(first), before)
+
+    def test_shards_among_the_rows_are_refused(self) -> None:
+        for folder, name in zip(self.shards(2), ("a", "b")):
+            (self.folder / "out" / "rows").mkdir(parents=True, exist_ok=True)
+            shutil.move(str(self.folder / folder), str(self.folder / "out" / "rows" / name))
+        before = self.results("out")
+        process = self.run_command(MERGE, "out/rows/a", "out/rows/b", "--out", "out", "--overwrite")
+        self.assertIn("shard out/rows/a/", self.refused(2, process, "merge"))
+        self.assertEqual(self.results("out"), before)
+
+    def test_shards_beside_the_rows_are_fine(self) -> None:
+        whole = self.finished("whole")
+        folders = []
+        for folder in self.shards(2):
+            (self.folder / "out").mkdir(exist_ok=True)
+            shutil.move(str(self.folder / folder), str(self.folder / "out"))
+            folders.append(f"out/{folder}")
+        for _ in range(2):
+            process = self.run_command(MERGE, *folders, "--out", "out", "--overwrite")
+            self.assertEqual(process.returncode, 0, process.stderr)
+        merged = self.results("out")
+        self.assertEqual({name: merged[name] for name in whole}, whole)
+
+    def test_f29_merge_that_is_interrupted(self) -> None:
+        rows = [{"block_damp": 1 + row / 10} for row in range(300)]
+        plan = json.dumps({"policy": "expert", "episodes": 2, "horizon": 1, "rows": rows})
+        folders = self.shards(2, plan=plan)
+        whole = self.finished("whole", plan=plan)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            out = number.name
+            with subprocess.Popen(
+                [MERGE, *folders, "--out", out],
+                cwd=self.folder,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+            ) as process:
+                until((self.folder / out / "rows" / "000" / "metrics.json").exists)
+                process.send_signal(number)
+                _, said = process.communicate(timeout=self.deadline)
+            self.assertEqual(process.returncode, 4, said)
+            self.assertRegex(said, r"^merge: interrupted in row \d+ of 300\n$")
+            status = self.load(out, "status.json")
+            self.assertEqual((status["exit_code"], status["rows"]), (4, 300))
+            self.assertEqual(status["rows_finished"], len(self.load(out, "sweep.json")["rows"]))
+            self.assertEqual(status["rows_finished"], len(self.files(out + "/rows")))
+            self.assertLess(status["rows_finished"], 300)
+            self.assertEqual(list((self.folder / out).rglob("*.part")), [])
+            self.assertEqual(self.merge(*folders, out=out).returncode, 0)
+            self.assertEqual(self.results(out), whole)
+
+    def test_f29_merge_whose_files_cannot_grow(self) -> None:
+        folders = self.shards(2)
+        command = f'ulimit -f 2; exec "{MERGE}" {" ".join(folders)} --out out'
+        process = self.run_command("bash", "-c", command)
+        self.assertIn("cannot write out/rows/", self.refused(4, process, "merge"))
+        self.assertEqual(self.load("out", "status.json")["exit_code"], 4)
+        self.assertEqual(list((self.folder / "out").rglob("*.part")), [])
 
     def test_merging_again_writes_every_row(self) -> None:
         folders = self.shards(2)

@@ -127,6 +127,11 @@ class SweepDask(unittest.TestCase):
         self.config(CONFIG + "seed: 1\n")
         self.finish(self.start("--overwrite"))
         self.assertNotEqual(self.result_bytes("out"), before)
+        self.folder.joinpath("out", "metrics.json").write_text("of a run")
+        process = self.start("--overwrite")
+        _, line = process.communicate(timeout=DEADLINE)
+        self.assertEqual(process.returncode, 2, line)
+        self.assertIn("holds results (metrics.json); name another folder\n", line)
 
     def config(self, text: str) -> None:
         self.folder.joinpath("sweep.yaml").write_text(text)

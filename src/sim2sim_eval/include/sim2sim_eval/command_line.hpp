@@ -11,15 +11,17 @@
 namespace sim2sim {
 
 /// Parses the command line into `app`, runs `body` and returns its exit code. Every failure becomes one line
-/// on stderr and the exit code of its kind.
+/// on stderr and the exit code of its kind; signals are caught.
 int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
 
 /// Accept whole decimal numbers only: CLI11 itself takes 010 for eight, and nothing for zero.
 CLI::Validator decimalInteger();
 CLI::Validator decimalReal();
 
-/// From now on SIGINT, SIGTERM and SIGHUP only set a flag; the third of them ends the process as ever.
-void catchInterrupts();
+/// From now on the first SIGINT, SIGTERM or SIGHUP asks for an end in order: interrupted() holds. A second one, or
+/// 10 s without such an end, ends the process at once, with a line of `name` and exit code 4: code that is not ours may
+/// never return. What is under way then is lost; files are complete or absent all the same.
+void catchInterrupts(const std::string& name);
 bool interrupted();
 
 /// Says so on stderr, unless `warning` is empty.

@@ -4,36 +4,64 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace sim2sim {
 
+/// What a results folder holds: a run (of compare, recompute, the evaluator) or a sweep (of sweep, merge).
+enum class Results { kRun, kSweep };
+
+/// The reason in a status before the end, and for ever of a command that was killed.
+constexpr const char* kUnderWay = "under way, or killed";
+
+/// A file or folder that a command reads.
+struct Input {
+  std::string what;  ///< "policy"
+  std::filesystem::path path;
+};
+
+/// The names that the commands write under are known here alone. Only they are ever removed: what else lies in the
+/// folder, in `rows` and `reference` too, stays as it is.
 class OutputFolder {
  public:
   /// An empty `path` means the first of results/COMMAND-1, -2, ... below the current folder that is not there yet.
   /// Throws InvalidInput if `path` is there and no folder. Creates nothing.
-  OutputFolder(std::filesystem::path path, std::string command);
+  OutputFolder(std::filesystem::path path, std::string command, Results results);
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
   ~OutputFolder();
+
+  /// Throws InvalidInput if one of `inputs` lies, links followed, where results are written to or removed.
+  void refuseInputs(const std::vector<Input>& inputs) const;
+
+  /// Throws InvalidInput if the folder holds results of the other kind, which are never replaced, or, unless
+  /// `overwrite`, of this kind. A status that tells of no finished episode is not a result.
+  void refuseResults(bool overwrite) const;
+
+  /// Whether there are results besides a status.
+  bool holdsResults() const;
 
   /// Creates the folder and locks it for as long as the object lives. Throws InvalidInput if another command has locked
   /// it, RuntimeFault if it cannot be written.
   void open();
 
-  /// Throws InvalidInput if the folder holds something that a command has written.
-  void refuseResults() const;
-
-  /// Removes all such things. Throws RuntimeFault if that fails.
+  /// Removes the results of this kind besides the status, and folders of theirs that are empty then. Throws
+  /// RuntimeFault if that fails.
   void removeResults() const;
+
+  /// The same for what a sweep keeps of the reference.
+  void removeReference() const;
 
   const std::filesystem::path& path() const { return path_; }
 
  private:
+  std::string nameIn(const std::filesystem::path& path) const;
   void create();
   void lock();
 
   std::filesystem::path path_;
   std::string command_;
+  Results results_;
   int lock_ = -1;
 };
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -47,7 +48,8 @@ struct RecordedRun {
 };
 
 /// Throws InvalidInput if `path` is not the bag of a run or was not closed, BadDependency if what it records does not
-/// follow the protocol.
-RecordedRun readRun(const std::filesystem::path& path);
+/// follow the protocol, RuntimeFault if `stop` holds before the end.
+RecordedRun readRun(
+    const std::filesystem::path& path, const std::function<bool()>& stop = [] { return false; });
 
 }  // namespace sim2sim

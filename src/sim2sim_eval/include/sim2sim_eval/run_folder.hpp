@@ -21,7 +21,11 @@ struct RunStatus {
   int episodes_finished = 0;
   int episodes = 0;
   int faults_survived = 0;
+  bool beside_earlier_results = false;  ///< the other files in the folder are not of this run
 };
+
+/// Of a run from its begin to its end, and for ever of one that was killed.
+RunStatus underWay(int episodes);
 
 /// The text of status.json.
 std::string statusText(const RunStatus& status);
@@ -29,12 +33,16 @@ std::string statusText(const RunStatus& status);
 /// Every file in it is complete or absent. metrics.json speaks for a whole run: it is only written by finish().
 class RunFolder {
  public:
-  /// As OutputFolder; throws InvalidInput, too, if `path` holds results already and must not be overwritten.
+  /// As OutputFolder; throws InvalidInput, too, if `path` holds results that must stay.
   RunFolder(std::filesystem::path path, bool overwrite, std::string command = "compare");
 
-  /// Creates the folder, without results of an earlier run, and writes what the run depends on. From here on the
-  /// folder is locked. Throws InvalidInput if another run has locked it, RuntimeFault if it cannot be written.
-  void begin(const nlohmann::json& provenance);
+  /// As OutputFolder.
+  void refuseInputs(const std::vector<Input>& inputs) const { folder_.refuseInputs(inputs); }
+
+  /// Creates the folder, without results of an earlier run, and writes what the run depends on and that it is under
+  /// way. From here on the folder is locked. Throws InvalidInput if another run has locked it, RuntimeFault if it
+  /// cannot be written.
+  void begin(const nlohmann::json& provenance, int episodes);
 
   /// The results of a whole run. If they cannot be written, the status says so, and RuntimeFault is thrown.
   void finish(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes, int faults_survived);
@@ -42,8 +50,9 @@ class RunFolder {
   /// The finished episodes of a run that ended early.
   void abandon(const std::vector<EpisodeResult>& episodes, const RunStatus& status) const;
 
-  /// Only says why there was no run. Throws as begin() does, and InvalidInput if the folder holds results, which stay.
-  void refuse(const RunStatus& status);
+  /// Only says why there was no run. Results that the run would have replaced stay; the status says so. Throws as
+  /// begin() does.
+  void refuse(RunStatus status);
 
   const std::filesystem::path& path() const { return folder_.path(); }
 

@@ -27,6 +27,9 @@ struct SweepOnDisk {
 /// Throws InvalidInput if there is no sweep in the folder.
 SweepOnDisk readSweep(const std::filesystem::path& folder);
 
+/// What is read of a shard.
+std::vector<Input> inputsOf(const std::filesystem::path& shard);
+
 /// In what two sweeps, or the builds that run them, differ first, with both values: "/seed is 1, must be 0". Empty if
 /// in nothing.
 std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted);
@@ -42,8 +45,11 @@ class SweepFolder {
   /// As OutputFolder.
   SweepFolder(std::filesystem::path path, bool overwrite, std::string command);
 
+  /// As OutputFolder.
+  void refuseInputs(const std::vector<Input>& inputs) const { folder_.refuseInputs(inputs); }
+
   /// Begins the sweep that `description` says, or goes on with it if the folder holds it. Throws InvalidInput if the
-  /// folder holds anything else and must not be overwritten; as OutputFolder::open() otherwise.
+  /// folder holds results that must stay; as OutputFolder::open() otherwise.
   void begin(const nlohmann::json& description, const nlohmann::json& provenance);
 
   /// Writes a row; rows come in order. Throws RuntimeFault if it cannot be written.
@@ -61,12 +67,13 @@ class SweepFolder {
 
   /// Where the sweep keeps its reference until it is finished, if it has no other cache.
   std::filesystem::path referencePath() const { return path() / "reference"; }
-  void removeReference() const;
+  void removeReference() const { folder_.removeReference(); }
 
   const std::filesystem::path& path() const { return folder_.path(); }
 
  private:
   void writeTables() const;
+  void writeStatus(pusht::ExitCode code, const std::string& reason) const;
 
   OutputFolder folder_;
   bool overwrite_;

@@ -7,6 +7,7 @@ The numbers of the faults are those of the project's list.
 
 import json
 import os
+import resource
 import signal
 import sys
 import time
@@ -197,13 +198,16 @@ class LostRuns(LiveCase):
         self.assert_not_whole(launch.out, "cannot write .*compare.bag", bag=False)
 
     def test_f22_metrics_that_cannot_be_written(self) -> None:
-        out = self.folder / "out"
-        out.mkdir()
-        (out / "metrics.json.part").symlink_to("/dev/full")
-        Launch(self, smoke=True).ended()
-        self.assertEqual(status_of(out)["exit_code"], 4)
-        self.assertIn("metrics.json: No space left on device", status_of(out)["reason"])
-        self.assertEqual(files(out), RECORDED_RESULTS - {"metrics.json"})
+        """Files that cannot grow beyond 1 kB stand for a full disk."""
+        launch = Launch(self, policy="expert", episodes=10, rate=1, record=False)
+        launch.first("/sim2sim/divergence")
+        resource.prlimit(launch.node("/sim2sim"), resource.RLIMIT_FSIZE, (1000, 1000))
+        launch.tool("rosservice", "call", "/sim2sim/control", "{command: rate, rate: 100000}")
+        launch.ended()
+        status = launch.status()
+        self.assertEqual((status["exit_code"], status["episodes_finished"]), (4, 10))
+        self.assertIn("episodes.csv: File too large", status["reason"])
+        self.assertEqual(files(launch.out), {"provenance.json", "status.json"})
 
     def test_f22_interrupted(self) -> None:
         launch = Launch(self, **LONG)
@@ -235,7 +239,9 @@ class LostRuns(LiveCase):
         )  # written when there is time
         os.kill(launch.node("/sim2sim"), signal.SIGKILL)
         launch.ended()
-        self.assertEqual(files(launch.out), {"provenance.json", part.name})
+        self.assertEqual(files(launch.out), {"provenance.json", "status.json", part.name})
+        status = launch.status()
+        self.assertEqual((status["exit_code"], status["reason"]), (4, "under way, or killed"))
         recovered = self.folder / "recovered.bag"
         part.rename(recovered)
         self.succeed("rosbag", "reindex", str(recovered))

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The evaluator as a node.
+#include <ros/init.h>
+
 #include "pusht_task/ros/node.hpp"
+#include "sim2sim_eval/command_line.hpp"
 #include "sim2sim_eval/evaluator.hpp"
 
-int main(int argc, char** argv) { return pusht::runNode(argc, argv, "sim2sim", sim2sim::evaluate); }
+int main(int argc, char** argv) {
+  sim2sim::catchInterrupts("sim2sim");  // before all else, so that status.json tells of any
+  return pusht::runNode(argc, argv, "sim2sim", sim2sim::evaluate, ros::init_options::NoSigintHandler);
+}

@@ -3,6 +3,7 @@
 
 #include <ros/ros.h>
 
+#include <functional>
 #include <iostream>
 #include <system_error>
 #include <utility>
@@ -97,6 +98,13 @@ nlohmann::ordered_json provenanceOf(const RunConfiguration& configuration, const
   return result;
 }
 
+/// The files that nodes have read, as far as they say so.
+std::vector<Input> inputsOf(const Cast& cast) {
+  const auto scene = provenanceOf(cast.describe(kReferenceClosed))
+                         .value(nlohmann::json::json_pointer("/scene/file"), nlohmann::json());
+  return {{"policy", cast.describePolicy().name}, {"scene", scene.is_string() ? scene.get<std::string>() : ""}};
+}
+
 /// Null if the run is not to be recorded.
 std::unique_ptr<RunBag> makeBag(const LiveRequest& request, const RunFolder& folder,
                                 const nlohmann::ordered_json& provenance, Cast& cast) {
@@ -120,12 +128,15 @@ void writeStatusFile(const std::string& path, const RunStatus& status) {
 /// Leaves the reason why the node does not start where its results would be.
 void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failure) {
   const RunStatus status = {pusht::exitCodeOf(failure), failure.what(), 0, 0, 0};
-  try {
-    writeStatusFile(parameters.text("status_file", ""), status);
-    RunFolder(parameters.text("out", ""), parameters.flag("overwrite", false)).refuse(status);
-  } catch (const pusht::Error&) {
-    // The failure itself is reported by whoever gets it.
-  }
+  const auto attempt = [](const std::function<void()>& tell) {
+    try {
+      tell();
+    } catch (const pusht::Error&) {
+      // The failure itself is reported by whoever gets it.
+    }
+  };
+  attempt([&] { writeStatusFile(parameters.text("status_file", ""), status); });
+  attempt([&] { RunFolder(parameters.text("out", ""), parameters.flag("overwrite", false)).refuse(status); });
 }
 
 }  // namespace
@@ -211,6 +222,7 @@ RunStatus Evaluator::execute(const Job& job) {
   faults_survived_ = 0;
   std::optional<RunFolder> folder;
   try {
+    writeStatusFile(parameters_.status_file, underWay(job.request.protocol.episodes));
     folder.emplace(job.request.out, job.request.overwrite);
     compare(job.request, *folder);
     const int episodes = run_->configuration().protocol.episodes;
@@ -248,6 +260,7 @@ void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
 
   const RunConfiguration configuration = configurationOf(request, cast);
   const nlohmann::ordered_json provenance = provenanceOf(configuration, cast);
+  folder.refuseInputs(inputsOf(cast));
   run_ = std::make_unique<Run>(configuration, folder, provenance);
   folder_ = std::filesystem::absolute(folder.path());
   broadcast_.begin(configuration, cast, makeBag(request, folder, provenance, cast));
@@ -378,13 +391,13 @@ void Evaluator::report(pusht::DiagnosticStatusWrapper& status) const {
 }
 
 pusht::ExitCode evaluate() {
-  catchInterrupts(ros::this_node::getName());
   const ros::NodeHandle node("~");
   pusht::ParameterReader parameters(node);
   try {
     parameters.enterWorkingDirectory();
     const EvaluatorParameters loaded = EvaluatorParameters::load(parameters);
     parameters.refuseUnknown();
+    writeStatusFile(loaded.status_file, underWay(loaded.request.protocol.episodes));
     Evaluator evaluator(node, loaded);
     ros::AsyncSpinner callbacks(1);
     callbacks.start();

@@ -132,6 +132,9 @@ void OutputFolder::refuseInputs(const std::vector<Input>& inputs) const {
     return fs::weakly_canonical(fs::absolute(path, ignored), ignored);
   };
   for (const Input& input : inputs) {
+    if (input.path.empty()) {
+      continue;  // there is none
+    }
     const fs::path place = canonical(input.path).lexically_relative(canonical(path_));
     const std::string name = place.empty() ? "" : place.begin()->string();
     for (const ResultFile& file : resultFiles()) {

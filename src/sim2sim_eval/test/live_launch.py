@@ -25,6 +25,7 @@ from live_support import (  # noqa: E402
     LiveCase,
     Process,
     answers,
+    children_of,
     files,
     free_port,
     kill,
@@ -86,6 +87,13 @@ class Refusals(LiveCase):
 
     def test_f19_no_episodes(self) -> None:
         self.assert_refused("episodes 0: must be from 1 to", episodes=0)
+
+    def test_refusal_does_not_keep_the_folder(self) -> None:
+        self.assert_refused("episodes 0: must be from 1 to", episodes=0)
+        launch = Launch(self, smoke=True)
+        launch.ended()
+        self.assertEqual(launch.status()["exit_code"], 0, launch.output)
+        self.assertEqual(files(launch.out), RECORDED_RESULTS)
 
     def test_f19_knob_that_is_no_number(self) -> None:
         self.assert_refused("block_damp 'abc': must be a", block_damp="abc")
@@ -230,6 +238,55 @@ class LostRuns(LiveCase):
         self.assertEqual(launch.status()["exit_code"], 4)
         self.assertRegex(launch.status()["reason"], "/[a-z_]+/describe: nobody answers$")
 
+    def test_f22_signal_as_soon_as_the_evaluator_runs(self) -> None:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(number.name):
+                launch = Launch(self, out=number.name, status_file="copy.json", **LONG)
+                started = launch.line(r"process\[sim2sim-\d+\]: started with pid \[\d+\]")[1]
+                pid = int(started.split("with pid [")[1].split("]")[0])
+                until(lambda: catches(pid, number), "a handler")
+                os.kill(pid, number)
+                launch.ended()
+                self.assertEqual(launch.status()["exit_code"], 4)
+                self.assertEqual(launch.status()["episodes_finished"], 0)
+                self.assertEqual(status_of_file(self.folder / "copy.json"), launch.status())
+
+    def test_f22_killed_roslaunch(self) -> None:
+        launch = Launch(self, **LONG)
+        launch.first("/sim2sim/episode")
+        nodes = [launch.node(f"/{name}") for name in ("sim2sim", "engine", "mujoco", "policy")]
+        children = children_of(launch.pid)  # the master is one
+        for pid in children:
+            self.addCleanup(kill, pid, signal.SIGKILL)
+        os.kill(launch.pid, signal.SIGKILL)
+        until(lambda: not any(runs(pid) for pid in nodes), "the end of all nodes")
+        for pid in children:
+            kill(pid, signal.SIGKILL)
+        launch.ended()
+        self.assert_not_whole(launch.out, "interrupted in episode|the node has (died|gone)")
+
+    def test_f7_failed_start_claims_no_success(self) -> None:
+        Launch(self, smoke=True, status_file="copy.json").ended()
+        before = result_bytes(self.folder / "out")
+        (self.folder / "none.xml").write_text("<mujoco/>")
+        launch = Launch(self, overwrite=True, scene="none.xml", status_file="copy.json")
+        launch.ended()
+        status = launch.status()
+        self.assertEqual((status["exit_code"], status["beside_earlier_results"]), (2, True))
+        self.assertIn("none.xml", status["reason"])
+        self.assertEqual(status_of_file(self.folder / "copy.json")["exit_code"], 2)
+        self.assertEqual(result_bytes(launch.out), before, "nothing is lost")
+
+    def test_f7_killed_before_the_run_begins(self) -> None:
+        (self.folder / "copy.json").write_text('{"exit_code": 0, "reason": "finished"}')
+        launch = Launch(self, policy_node=False, status_file="copy.json")
+        launch.line(r"process\[sim2sim-\d+\]: started")
+        launch.tool("rosservice", "call", "--wait", "/sim2sim/control", "{command: pause}")
+        os.kill(launch.node("/sim2sim"), signal.SIGKILL)
+        launch.ended()
+        status = status_of_file(self.folder / "copy.json")
+        self.assertEqual((status["exit_code"], status["reason"]), (4, "under way, or killed"))
+
     def test_f23_killed_evaluator(self) -> None:
         launch = Launch(self, policy="expert", episodes=1000)
         part = launch.out / "compare.bag.part"
@@ -310,6 +367,21 @@ class LostMaster(LiveCase):
         launch.ended()
         self.assertIn("sim2sim: /use_sim_time is set, but nobody publishes /clock", launch.output)
         self.assertFalse((launch.out / "metrics.json").exists())
+
+
+def catches(pid: int, number: signal.Signals) -> bool:
+    """Whether a process has a handler for a signal."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
+    return bool(int(caught.split()[1], 16) & 1 << (number - 1))
+
+
+def runs(pid: int) -> bool:
+    """A process that has ended may wait for whoever asks for its exit code."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
 
 
 def status_of_file(path: Path) -> Any:

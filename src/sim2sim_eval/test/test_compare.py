@@ -361,9 +361,9 @@ class Recompute(CompareCase):
         name = str(self.folder / "edited.bag")
         with rosbag.Bag(str(self.folder / "out" / "compare.bag")) as bag:
             with rosbag.Bag(name, "w") as copy:
-                for topic, message, time in bag.read_messages():
+                for topic, message, stamp in bag.read_messages():
                     if edit(topic, message):
-                        copy.write(topic, message, time)
+                        copy.write(topic, message, stamp)
         return name
 
     def test_gives_the_bytes_of_the_run(self) -> None:

@@ -127,8 +127,8 @@ class Rows(SweepCase):
         self.run_command(*command, "--out", "with", "--reference-cache", "cache")
         self.assertEqual(self.result_bytes("with"), self.result_bytes("without"))
         self.assertEqual(self.result_bytes("with"), self.result_bytes("out/rows/000"))
-        for file, time in kept.items():
-            self.assertEqual(file.stat().st_mtime_ns, time, "rolled out once")
+        for file, modified in kept.items():
+            self.assertEqual(file.stat().st_mtime_ns, modified, "rolled out once")
         next(iter(kept)).write_bytes(b"damaged")
         process = self.run_command(*command, "--out", "damaged", "--reference-cache", "cache")
         self.assert_one_line(process, 3, "compare")

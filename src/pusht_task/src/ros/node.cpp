@@ -3,6 +3,7 @@
 
 #include <ros/ros.h>
 #include <sched.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -20,7 +21,7 @@
 namespace pusht {
 namespace {
 
-constexpr std::chrono::seconds kMasterPeriod{1};
+constexpr std::chrono::seconds kWatchPeriod{1};
 constexpr int kMasterPatience = 3;      // checks in a row that fail
 constexpr double kClockPatience = 5.0;  // [s]
 
@@ -45,13 +46,20 @@ void requireClock() {
   }
 }
 
-/// Shuts the node down when the master has died: it would live on without being found by anyone.
-class MasterWatch {
+/// roslaunch names a log file to every node that it starts.
+bool startedByRoslaunch(int argc, char** argv) {
+  return std::any_of(argv, argv + argc, [](const std::string& argument) { return argument.rfind("__log:=", 0) == 0; });
+}
+
+/// Shuts the node down when the master has died, or the roslaunch that has started the node: it would live on without
+/// being found, or ended, by anyone.
+class Watch {
  public:
-  MasterWatch() : thread_([this] { watch(); }) {}
-  MasterWatch(const MasterWatch&) = delete;
-  MasterWatch& operator=(const MasterWatch&) = delete;
-  ~MasterWatch() {
+  explicit Watch(bool started_by_roslaunch)
+      : parent_(started_by_roslaunch ? ::getppid() : 0), thread_([this] { watch(); }) {}
+  Watch(const Watch&) = delete;
+  Watch& operator=(const Watch&) = delete;
+  ~Watch() {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       ending_ = true;
@@ -60,16 +68,25 @@ class MasterWatch {
     thread_.join();
   }
 
-  bool lost() const { return lost_; }
+  /// Throws RuntimeFault if it has shut the node down.
+  void requireNothingLost() const {
+    if (master_lost_) {
+      throw RuntimeFault("the ROS master at " + ros::master::getURI() + " has died");
+    }
+    if (launch_lost_) {
+      throw RuntimeFault("roslaunch, which has started this node, has died");
+    }
+  }
 
  private:
   void watch() {
     int failures = 0;
     std::unique_lock<std::mutex> lock(mutex_);
-    while (!wake_.wait_for(lock, kMasterPeriod, [this] { return ending_; }) && ros::ok()) {
+    while (!wake_.wait_for(lock, kWatchPeriod, [this] { return ending_; }) && ros::ok()) {
       failures = ros::master::check() ? 0 : failures + 1;
-      if (failures == kMasterPatience) {
-        lost_ = true;
+      master_lost_ = failures == kMasterPatience;
+      launch_lost_ = parent_ != 0 && ::getppid() != parent_;
+      if (master_lost_ || launch_lost_) {
         ros::requestShutdown();
         return;
       }
@@ -79,24 +96,26 @@ class MasterWatch {
   std::mutex mutex_;
   std::condition_variable wake_;
   bool ending_ = false;
-  std::atomic<bool> lost_{false};
+  std::atomic<bool> master_lost_{false};
+  std::atomic<bool> launch_lost_{false};
+  const pid_t parent_;  // 0: anyone
   std::thread thread_;
 };
 
 }  // namespace
 
-int runNode(int argc, char** argv, const std::string& name, const std::function<ExitCode()>& body) {
+int runNode(int argc, char** argv, const std::string& name, const std::function<ExitCode()>& body,
+            std::uint32_t init_options) {
   try {
+    const bool started_by_roslaunch = startedByRoslaunch(argc, argv);  // init() takes such arguments away
     schedulePatiently();
-    ros::init(argc, argv, name);
+    ros::init(argc, argv, name, init_options);
     requireMaster();
     const ros::NodeHandle keeps_node_started;
     requireClock();
-    const MasterWatch master;
+    const Watch watch(started_by_roslaunch);
     const ExitCode code = body();
-    if (master.lost()) {
-      throw RuntimeFault("the ROS master at " + ros::master::getURI() + " has died");
-    }
+    watch.requireNothingLost();
     return static_cast<int>(code);
   } catch (const std::exception& failure) {
     return reportFailure(name, failure);

@@ -39,14 +39,15 @@ struct LiveRequest {
 };
 
 struct EvaluatorParameters {
-  LiveRequest request;      ///< what a goal leaves open
-  bool start = false;       ///< run `request` at once
-  bool exit = false;        ///< and end then
-  bool respawn = false;     ///< nodes that die come back: their episode is run again
-  double deadline = 5.0;    ///< [s] for the answer to a call
-  double patience = 30.0;   ///< [s] for a node to appear, or to come back
-  std::string status_file;  ///< gets a copy of status.json, whatever becomes of the folder; empty: none
-  std::string notice;       ///< said at start; empty: nothing
+  LiveRequest request;     ///< what a goal leaves open
+  bool start = false;      ///< run `request` at once
+  bool exit = false;       ///< and end then
+  bool respawn = false;    ///< nodes that die come back: their episode is run again
+  double deadline = 5.0;   ///< [s] for the answer to a call
+  double patience = 30.0;  ///< [s] for a node to appear, or to come back
+  std::string
+      status_file;     ///< gets a copy of status.json, under way first, whatever becomes of the folder; empty: none
+  std::string notice;  ///< said at start; empty: nothing
 
   /// Throws InvalidInput with key, value and rule.
   static EvaluatorParameters load(pusht::ParameterReader& parameters);
@@ -113,7 +114,7 @@ class Evaluator : private LiveObserver {
   Server server_;
 };
 
-/// The body of the evaluator's node. If it cannot start, status.json says why.
+/// The body of the evaluator's node, after catchInterrupts(). If it cannot start, status.json says why.
 pusht::ExitCode evaluate();
 
 }  // namespace sim2sim

@@ -2,6 +2,7 @@
 /// What every node of the suite does around its work.
 #pragma once
 
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <string>
@@ -12,8 +13,10 @@ namespace pusht {
 
 /// Starts a node called `name`, runs `body` and returns the process's exit code. A failure is one line on stderr.
 /// `body` ends when ros::ok() no longer holds. No master at start, one that dies (noticed within 5 s: the node is shut
-/// down), and `use_sim_time` without a clock end in exit code 4 and a hint.
-int runNode(int argc, char** argv, const std::string& name, const std::function<ExitCode()>& body);
+/// down), `use_sim_time` without a clock, and a roslaunch that has started the node and dies (within 1 s) end in exit
+/// code 4 and a hint. `init_options` are those of ros::init().
+int runNode(int argc, char** argv, const std::string& name, const std::function<ExitCode()>& body,
+            std::uint32_t init_options = 0);
 
 /// `failure` on one line of stderr; its exit code. `reporter` is the node or command that failed.
 int reportFailure(const std::string& reporter, const std::exception& failure);

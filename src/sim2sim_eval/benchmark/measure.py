@@ -6,7 +6,9 @@ Ratios count, seconds depend on the machine. Needs the workspace sourced and not
 
 import argparse
 import contextlib
+import ctypes
 import json
+import math
 import os
 import platform
 import socket
@@ -14,13 +16,17 @@ import statistics
 import subprocess
 import sys
 import tempfile
-import threading
 import time
+import xmlrpc.client
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
-PATIENCE = 60.0  # [s] for nodes to appear
-LIVE_EPISODES = 50
+PATIENCE = 60.0  # [s] for nodes to appear, and for a run over them
+NODES = ("sim2sim", "mujoco", "engine", "engine_replay", "policy")
+RECORDING_PAIRS = 40  # of live runs, one recorded, one not
+LIVE_EPISODES = 5  # in each of them
+
+Interval = Tuple[float, float]
 
 
 class Figure(NamedTuple):
@@ -32,13 +38,22 @@ class Figure(NamedTuple):
     unit: str
     at_least: Optional[float] = None
     at_most: Optional[float] = None
+    interval: Optional[Interval] = None  # 95 %, where a single run says little
 
     @property
-    def met(self) -> Optional[bool]:
-        if self.measured is None:
-            return None
-        return (self.at_least is None or self.measured >= self.at_least) and (
-            self.at_most is None or self.measured <= self.at_most
+    def verdict(self) -> str:
+        """Undecided if the interval holds the bound, or is wider than all that the bound allows."""
+        if self.measured is None or (self.at_least is None and self.at_most is None):
+            return ""
+        low, high = self.interval or (self.measured, self.measured)
+        kept = {self.keeps(low), self.keeps(high)}
+        if len(kept) > 1 or (self.at_most is not None and high - low > self.at_most):
+            return "undecided"
+        return "met" if kept == {True} else "NOT MET"
+
+    def keeps(self, value: float) -> bool:
+        return (self.at_least is None or value >= self.at_least) and (
+            self.at_most is None or value <= self.at_most
         )
 
 
@@ -136,48 +151,122 @@ def nodes(*arguments: str) -> Iterator[None]:
         process.wait()
 
 
-def live_episode(record: bool) -> float:
-    """[s] for an episode of the whole horizon through the nodes."""
-    with tempfile.TemporaryDirectory() as out:
-        run = ["policy:=fresh-untrained", f"episodes:={LIVE_EPISODES}", f"record:={record}"]
-        with nodes(*run, f"out:={out}", "overwrite:=true"):
-            watcher = subprocess.run(
-                [sys.executable, __file__, "--watch"], stdout=subprocess.PIPE, check=True
-            )
-    return float(watcher.stdout)
+class LiveRun(NamedTuple):
+    """What a live run of untrained, hence whole, episodes takes."""
+
+    seconds: float  # from goal to result
+    episode_seconds: float  # from the end of an episode to that of the next
+    processor_seconds: float  # of the evaluator
+    all_processor_seconds: float  # of all nodes
 
 
-def watch() -> float:
-    """[s] between the ends of two episodes of the run that is under way."""
-    import rospy  # type: ignore[import]
-    from pusht_msgs.msg import EpisodeResult  # type: ignore[import]
+class Processor:
+    """The processor time of a node."""
 
-    ends: Dict[int, float] = {}
-    done = threading.Event()
+    def __init__(self, node: str) -> None:
+        import rosgraph  # type: ignore[import]
 
-    def note(result: EpisodeResult) -> None:
-        ends[result.episode] = time.perf_counter()
-        if result.episode == LIVE_EPISODES - 1:
-            done.set()
+        uri = rosgraph.Master("/bench").lookupNode(node)
+        with xmlrpc.client.ServerProxy(uri) as proxy:
+            answer: Any = proxy.getPid("/bench")
+        clock = ctypes.c_int()
+        if ctypes.CDLL(None).clock_getcpuclockid(answer[2], ctypes.byref(clock)) != 0:
+            raise RuntimeError(f"{node}: its processor time is not known")
+        self._clock = clock.value
 
-    until_master_answers()
-    rospy.init_node("watcher", anonymous=True, disable_signals=True)
-    rospy.Subscriber("/sim2sim/episode", EpisodeResult, note)
-    if not done.wait(PATIENCE):
-        raise RuntimeError("the live run does not end")
-    first, last = min(ends), max(ends)
-    return (ends[last] - ends[first]) / (last - first)
+    @property
+    def seconds(self) -> float:
+        return time.clock_gettime(self._clock)
 
 
-def live() -> Dict[str, float]:
-    """Seconds of an episode through the nodes; the share that recording takes; a service call."""
-    pairs = [(live_episode(record=False), live_episode(record=True)) for _ in range(3)]
-    with nodes("start:=false"):
-        until_node_answers("/engine")
-        call = pieces("service/round_trip")["service/round_trip"]
+class LiveRuns:
+    """Runs over nodes that stay, one after the other."""
+
+    def __init__(self, folder: str) -> None:
+        import actionlib  # type: ignore[import]
+        import rospy  # type: ignore[import]
+        from pusht_msgs.msg import CompareAction, EpisodeResult  # type: ignore[import]
+
+        self._folder = folder
+        self._ends: List[float] = []  # of the episodes of the run under way [s]
+        rospy.init_node("bench", disable_signals=True)
+        rospy.Subscriber(
+            "/sim2sim/episode",
+            EpisodeResult,
+            lambda _: self._ends.append(time.perf_counter()),
+            tcp_nodelay=True,
+        )
+        self._patience = rospy.Duration(PATIENCE)
+        self._client = actionlib.SimpleActionClient("/sim2sim/compare", CompareAction)
+        if not self._client.wait_for_server(self._patience):
+            raise RuntimeError("no evaluator")
+        self._processors = [Processor(f"/{node}") for node in NODES]
+
+    def run(self, record: bool) -> LiveRun:
+        from pusht_msgs.msg import CompareGoal
+
+        goal = CompareGoal(
+            episodes=LIVE_EPISODES, out=self._folder, overwrite=1, record=1 if record else -1
+        )
+        self._ends.clear()
+        before = [processor.seconds for processor in self._processors]
+        begin = time.perf_counter()
+        self._client.send_goal(goal)
+        if not self._client.wait_for_result(self._patience):
+            raise RuntimeError("the live run does not end")
+        seconds = time.perf_counter() - begin
+        result = self._client.get_result()
+        if result.exit_code != 0:
+            raise RuntimeError(f"the live run: {result.reason}")
+        until(lambda: len(self._ends) == LIVE_EPISODES, "end of the last episode")
+        used = [after.seconds - was for after, was in zip(self._processors, before)]
+        each = (self._ends[-1] - self._ends[0]) / (LIVE_EPISODES - 1)
+        return LiveRun(seconds, each, used[0], sum(used))
+
+
+def median(values: List[float]) -> Dict[str, Any]:
+    """The median and a 95 % interval for it, whatever the distribution.
+
+    The interval of order statistics (Conover, Practical Nonparametric Statistics, 3.2): the number
+    of values below the true median is binomial with p = 1/2.
+    """
+    ordered = sorted(values)
+    count = len(ordered)
+    rank, below = 0, 0.0
+    while below + math.comb(count, rank) / 2**count <= 0.025:
+        below += math.comb(count, rank) / 2**count
+        rank += 1
+    if rank == 0:
+        raise ValueError(f"{count} values: too few for an interval")
     return {
-        "episode_seconds": statistics.median(bare for bare, _ in pairs),
-        "recording_share": statistics.median(recorded / bare - 1.0 for bare, recorded in pairs),
+        "median": statistics.median(ordered),
+        "interval": (ordered[rank - 1], ordered[count - rank]),
+        "range": (ordered[0], ordered[-1]),
+        "values": count,
+    }
+
+
+def live() -> Dict[str, Any]:
+    """An episode through the nodes [s]; the shares that recording takes; a service call [s]."""
+    with tempfile.TemporaryDirectory() as folder, nodes("policy:=fresh-untrained", "start:=false"):
+        until_master_answers()
+        for name in NODES[1:]:
+            until_node_answers(f"/{name}")
+        runs = LiveRuns(folder)
+        runs.run(record=True)  # not measured: whatever is done once is done
+        bare: List[LiveRun] = []
+        recorded: List[LiveRun] = []
+        for pair in range(RECORDING_PAIRS):
+            for record in (False, True) if pair % 2 == 0 else (True, False):
+                (recorded if record else bare).append(runs.run(record))
+        call = pieces("service/round_trip")["service/round_trip"]
+    shares = {
+        field: median([getattr(b, field) / getattr(a, field) - 1.0 for a, b in zip(bare, recorded)])
+        for field in ("seconds", "processor_seconds", "all_processor_seconds")
+    }
+    return {
+        "episode_seconds": median([run.episode_seconds for run in bare]),
+        "recording_share": shares,
         "service_round_trip_seconds": 1.0 / call,
     }
 
@@ -250,6 +339,8 @@ def figures(result: Dict[str, Any]) -> List[Figure]:
     numpy = result["numpy_control_steps_per_second"]
     policy = "policy/" + result["protocol"]["instruction_set"]
     steps = "control steps/s"
+    episode = result["live"]["episode_seconds"]
+    share = result["live"]["recording_share"]
     return [
         Figure(
             "P1",
@@ -286,12 +377,35 @@ def figures(result: Dict[str, Any]) -> List[Figure]:
         Figure(
             "P8",
             "episode of 300 steps through the nodes",
-            result["live"]["episode_seconds"],
+            episode["median"],
             "s",
             None,
             0.080,
+            episode["interval"],
         ),
-        Figure("P9", "recording, of the time", result["live"]["recording_share"], "", None, 0.05),
+        Figure(
+            "P9",
+            "recording, of the time",
+            share["seconds"]["median"],
+            "",
+            None,
+            0.05,
+            share["seconds"]["interval"],
+        ),
+        Figure(
+            "",
+            "recording, of the evaluator's processor time",
+            share["processor_seconds"]["median"],
+            "",
+            interval=share["processor_seconds"]["interval"],
+        ),
+        Figure(
+            "",
+            "recording, of all nodes' processor time",
+            share["all_processor_seconds"]["median"],
+            "",
+            interval=share["all_processor_seconds"]["interval"],
+        ),
         Figure("P10", "start beyond an empty program", result["start_up_seconds"], "s", None, 0.3),
         Figure(
             "P11",
@@ -324,13 +438,13 @@ def number(value: Optional[float]) -> str:
 
 
 def table(rows: List[Figure]) -> str:
-    lines = [f"{'':5}{'':42}{'measured':>12}  {'':17}{'to reach':>12}"]
+    lines = [f"{'':5}{'':46}{'measured':>12}  {'':17}{'95 %':18}{'to reach':>12}"]
     for row in rows:
         goal = f">= {number(row.at_least)}" if row.at_least is not None else ""
         goal = f"<= {number(row.at_most)}" if row.at_most is not None else goal
-        verdict = "" if not goal or row.met is None else "  met" if row.met else "  NOT MET"
-        head = f"{row.name:5}{row.meaning:42}{number(row.measured):>12}  {row.unit:17}"
-        lines.append((head + f"{goal:>12}{verdict}").rstrip())
+        interval = f"[{', '.join(map(number, row.interval))}]" if row.interval else ""
+        head = f"{row.name:5}{row.meaning:46}{number(row.measured):>12}  {row.unit:17}"
+        lines.append((head + f"{interval:18}{goal:>12}  {row.verdict}").rstrip())
     return "\n".join(lines)
 
 
@@ -351,15 +465,11 @@ def main() -> int:
     parser.add_argument(
         "--out", type=Path, default=Path("results", "benchmark.json"), help="JSON file"
     )
-    parser.add_argument("--watch", action="store_true", help=argparse.SUPPRESS)
     args = parser.parse_args()
-    if args.watch:
-        print(watch())
-        return 0
     try:
         result = measure(args.episodes)
         rows = figures(result)
-        result["figures"] = [row._asdict() for row in rows]
+        result["figures"] = [{**row._asdict(), "verdict": row.verdict} for row in rows]
         write(args.out, result)
     except (OSError, RuntimeError, subprocess.CalledProcessError) as error:
         print(f"bench: {error}", file=sys.stderr)

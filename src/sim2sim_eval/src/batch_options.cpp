@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/batch_options.hpp"
 
-#include <tbb/info.h>
+#include <sched.h>
 
 #include "sim2sim_eval/command_line.hpp"
 
@@ -19,7 +19,10 @@ void BatchOptions::declare(CLI::App& app) {
                  "folder that keeps what the reference did, for every later run of the same policy and scene");
 }
 
-int BatchOptions::threadCount() const { return threads > 0 ? threads : tbb::info::default_concurrency(); }
+int BatchOptions::threadCount() const {
+  cpu_set_t cores;
+  return threads > 0 ? threads : sched_getaffinity(0, sizeof(cores), &cores) == 0 ? CPU_COUNT(&cores) : 1;
+}
 
 std::optional<ReferenceCache> BatchOptions::references(const Setup& setup, int horizon) const {
   if (reference_cache.empty()) {

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/protocol.hpp"
 
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <atomic>
+#include <future>
 #include <limits>
 #include <mutex>
 #include <string>
@@ -270,20 +267,21 @@ void runProtocol(const Protocol& protocol, const Players& players, int threads, 
   if (threads == 1) {
     return work();
   }
-  const tbb::global_control as_many_as_asked(tbb::global_control::max_allowed_parallelism, threads);
-  tbb::task_arena(threads).execute([&] {
-    tbb::parallel_for(
-        0, threads,
-        [&](int) {
-          try {
-            work();
-          } catch (...) {
-            failed = true;  // ends the other threads
-            throw;
-          }
-        },
-        tbb::simple_partitioner());
-  });
+  std::vector<std::future<void>> workers;
+  workers.reserve(static_cast<std::size_t>(threads));
+  for (int i = 0; i < threads; ++i) {
+    workers.push_back(std::async(std::launch::async, [&] {
+      try {
+        work();
+      } catch (...) {
+        failed = true;  // ends the other threads
+        throw;
+      }
+    }));
+  }
+  for (std::future<void>& worker : workers) {
+    worker.get();  // if it throws, the destructors of the others wait for their ends
+  }
 }
 
 }  // namespace sim2sim

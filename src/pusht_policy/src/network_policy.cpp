@@ -2,6 +2,7 @@
 #include "pusht_policy/network_policy.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -11,6 +12,7 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"
+#include "rehearsal.hpp"
 #include "torch_network.hpp"
 
 namespace pusht {
@@ -75,24 +77,44 @@ void requireProvenance(const std::filesystem::path& path, const std::string& nam
   }
 }
 
-/// A checkpoint that has been read and tried out. Throws as NetworkPolicy::load() does.
-struct Checkpoint {
-  explicit Checkpoint(const std::filesystem::path& path) {
-    const std::string name = "policy " + path.string();
-    const std::string bytes = readFile(path, "policy");
-    hash = sha256(bytes);
+/// A checkpoint's bytes, verified as far as that goes without libtorch. Throws as NetworkPolicy::load() does.
+struct CheckpointFile {
+  explicit CheckpointFile(const std::filesystem::path& path)
+      : name("policy " + path.string()), bytes(readFile(path, "policy")), hash(sha256(bytes)) {
     requireProvenance(path, name, hash);
-    network = std::make_unique<TorchNetwork>(bytes, name);
-    actions = tryOut(*network, name);
-    if (tryOut(*network, name) != actions) {
-      throw BadDependency(name + ": must act the same on the same observation, but has a memory or is random");
+    records = verifiedRecords(bytes, name);
+  }
+
+  std::string name;  // for messages
+  std::string bytes;
+  std::string hash;
+  Records records;
+};
+
+/// A network that has been loaded and tried out. Throws as NetworkPolicy::load() does.
+struct Checkpoint {
+  explicit Checkpoint(const CheckpointFile& file) : network(std::make_unique<TorchNetwork>(file.bytes, file.name)) {
+    actions = tryOut(*network, file.name);
+    if (tryOut(*network, file.name) != actions) {
+      throw BadDependency(file.name + ": must act the same on the same observation, but has a memory or is random");
     }
   }
 
-  std::string hash;
   std::unique_ptr<TorchNetwork> network;
   std::vector<Action> actions;  // on the probes
 };
+
+/// Loads the checkpoint at `path` in a copy of the process first: what libtorch makes of damaged files, or of code that
+/// never returns, ends there.
+template <class Load>
+auto loadRehearsed(const std::filesystem::path& path, std::chrono::milliseconds deadline, Load load) {
+  const CheckpointFile file(path);
+  rehearse(file.name, deadline, [&] {
+    requireWholeTensors(file.bytes, file.records, file.name);
+    load(file);
+  });
+  return load(file);
+}
 
 /// Throws UnfitForKernel unless the kernel does to the probes what libtorch did.
 void requireAgreement(NetworkKernel& kernel, const std::vector<Action>& expected) {
@@ -136,22 +158,25 @@ std::unique_ptr<NetworkPolicy> NetworkPolicy::clone() const {
                         network_ != nullptr ? std::make_unique<TorchNetwork>(*network_) : nullptr));
 }
 
-std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& path, InstructionSet instruction_set) {
-  Checkpoint checkpoint(path);
-  try {
-    auto kernel = std::make_unique<NetworkKernel>(kInputs, checkpoint.network->operations(), instruction_set);
-    requireAgreement(*kernel, checkpoint.actions);
-    return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(checkpoint.hash, std::move(kernel)));
-  } catch (const UnfitForKernel& error) {
-    return std::unique_ptr<NetworkPolicy>(
-        new NetworkPolicy(checkpoint.hash, std::move(checkpoint.network), error.what()));
-  }
+std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& path, InstructionSet instruction_set,
+                                                   std::chrono::milliseconds deadline) {
+  return loadRehearsed(path, deadline, [&](const CheckpointFile& file) {
+    Checkpoint checkpoint(file);
+    try {
+      auto kernel = std::make_unique<NetworkKernel>(kInputs, checkpoint.network->operations(), instruction_set);
+      requireAgreement(*kernel, checkpoint.actions);
+      return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(file.hash, std::move(kernel)));
+    } catch (const UnfitForKernel& error) {
+      return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(file.hash, std::move(checkpoint.network), error.what()));
+    }
+  });
 }
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::loadOnLibtorch(const std::filesystem::path& path) {
-  Checkpoint checkpoint(path);
-  return std::unique_ptr<NetworkPolicy>(
-      new NetworkPolicy(checkpoint.hash, std::move(checkpoint.network), "asked for on libtorch"));
+  return loadRehearsed(path, kLoadDeadline, [](const CheckpointFile& file) {
+    return std::unique_ptr<NetworkPolicy>(
+        new NetworkPolicy(file.hash, std::move(Checkpoint(file).network), "asked for on libtorch"));
+  });
 }
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::untrained(std::uint64_t seed) {

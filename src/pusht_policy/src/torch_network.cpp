@@ -22,22 +22,6 @@ namespace {
 
 constexpr int kColumns = std::tuple_size<Observation>::value;
 
-/// What an exception of libtorch has to say, on one line of plain text: without its traces, the first line of the
-/// message, which a failing module puts after "RuntimeError:".
-std::string firstLine(const std::exception& error) {
-  const auto* torch_error = dynamic_cast<const c10::Error*>(&error);
-  std::string message = torch_error != nullptr ? torch_error->what_without_backtrace() : error.what();
-  constexpr std::string_view kMark = "RuntimeError: ";
-  if (const auto mark = message.rfind(kMark); mark != std::string::npos) {
-    message.erase(0, mark + kMark.size());
-  }
-  message.erase(0, message.find_first_not_of('\n'));
-  message.erase(std::min(message.find('\n'), message.size()));
-  std::replace_if(
-      message.begin(), message.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return message;
-}
-
 torch::jit::Module loadModule(const std::string& bytes, const std::string& name) {
   try {
     std::istringstream stream(bytes);
@@ -89,6 +73,20 @@ std::string describe(const torch::jit::IValue& value) {
 }
 
 }  // namespace
+
+std::string firstLine(const std::exception& error) {
+  const auto* torch_error = dynamic_cast<const c10::Error*>(&error);
+  std::string message = torch_error != nullptr ? torch_error->what_without_backtrace() : error.what();
+  constexpr std::string_view kMark = "RuntimeError: ";
+  if (const auto mark = message.rfind(kMark); mark != std::string::npos) {
+    message.erase(0, mark + kMark.size());
+  }
+  message.erase(0, message.find_first_not_of('\n'));
+  message.erase(std::min(message.find('\n'), message.size()));
+  std::replace_if(
+      message.begin(), message.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return message;
+}
 
 TorchNetwork::TorchNetwork(const std::string& bytes, std::string name)
     : name_(std::move(name)), module_(std::make_shared<torch::jit::Module>(loadModule(bytes, name_))) {

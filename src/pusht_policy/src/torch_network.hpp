@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "checkpoint_archive.hpp"
 #include "pusht_policy/network_kernel.hpp"
 #include "pusht_task/types.hpp"
 
@@ -45,12 +47,21 @@ class TorchNetwork {
   std::shared_ptr<torch::jit::Module> module_;
 };
 
+/// Throws InvalidInput, naming the record, unless libtorch finds in the archive `bytes` the records that were verified,
+/// and the pickles ask of each record that holds a tensor all of its bytes and no more. libtorch itself reads beyond
+/// the end of a short record, and may crash on a bad pickle: rehearse().
+void requireWholeTensors(const std::string& bytes, const Records& records, const std::string& name);
+
 /// The operations of a graph whose first input is the module and whose second is rows of `inputs` numbers.
 /// Throws UnfitForKernel.
 std::vector<Operation> readGraph(const torch::jit::Graph& graph, int inputs);
 
 /// Linear(10, 64), ReLU, Linear(64, 64), ReLU, Linear(64, 2), tanh as torch initialises it after manual_seed(seed).
 std::vector<Operation> untrainedOperations(std::uint64_t seed);
+
+/// What an exception of libtorch has to say, on one line of plain text: without its traces, the first line of the
+/// message, which a failing module puts after "RuntimeError:".
+std::string firstLine(const std::exception& error);
 
 /// The values of a float32 tensor, row-major.
 std::vector<float> toVector(const at::Tensor& tensor);

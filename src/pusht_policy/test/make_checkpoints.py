@@ -51,6 +51,29 @@ class Residual(nn.Module):
         return self.last(x + torch.relu(self.second(x)))
 
 
+class EndlessToLoad(nn.Module):
+    @torch.jit.export
+    def __getstate__(self) -> int:
+        return 1
+
+    @torch.jit.export
+    def __setstate__(self, state: int) -> None:
+        while state > 0:
+            state = state % 2 + 1
+        self.training = False
+
+    def forward(self, obs: Tensor) -> Tensor:
+        return obs[:, :2]
+
+
+class EndlessToAct(nn.Module):
+    def forward(self, obs: Tensor) -> Tensor:
+        count = 1
+        while count > 0:
+            count = count % 2 + 1
+        return obs[:, :2]
+
+
 def perceptron(activation: type = nn.ReLU) -> nn.Module:
     return nn.Sequential(
         nn.Linear(OBSERVATION, HIDDEN),
@@ -95,6 +118,8 @@ def main() -> None:
         module.eval()
         torch.jit.script(module).save(str(folder / f"{name}_scripted.pt"))
         torch.jit.trace(module, torch.zeros(1, OBSERVATION)).save(str(folder / f"{name}_traced.pt"))
+    for name, module in {"to_load": EndlessToLoad(), "to_act": EndlessToAct()}.items():
+        torch.jit.script(module.eval()).save(str(folder / f"endless_{name}.pt"))
     course = modules["course"]
     torch.jit.freeze(torch.jit.script(course)).save(str(folder / "course_frozen.pt"))
     torch.save(course.state_dict(), folder / "state_dict.pt")

@@ -248,6 +248,17 @@ TEST_F(NetworkFromPython, RunsOnLibtorchIfItIsNoStraightLine) {
   }
 }
 
+TEST_F(NetworkFromPython, MustLoadAndActInTime) {
+  for (const char* name : {"endless_to_load.pt", "endless_to_act.pt"}) {
+    try {
+      NetworkPolicy::load(*folder / name, InstructionSet::kBaseline, std::chrono::seconds(1));
+      FAIL() << name << " is accepted";
+    } catch (const RuntimeFault& error) {
+      EXPECT_THAT(error.what(), HasSubstr(std::string(name) + ": must load and act within 1 s, but does not return"));
+    }
+  }
+}
+
 TEST_F(NetworkFromPython, IsRefusedIfItIsAPickle) {
   for (const char* name : {"state_dict.pt", "legacy_state_dict.pt", "pickled_module.pt", "pickle.pt"}) {
     expectRefusal(*folder / name, ExitCode::kInvalidInput, {name, "must be TorchScript"});

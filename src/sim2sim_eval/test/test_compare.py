@@ -4,6 +4,7 @@
 
 import csv
 import fcntl
+import io
 import json
 import os
 import pickle
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import time
 import unittest
+import zipfile
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional
 
@@ -619,6 +621,31 @@ class Faults(CompareCase):
         self.assertRegex(
             line, r"episode \d+ \(spawn seed 1000\d\), \w+, step \d+: the policy's action \(nan"
         )
+
+    def test_f28_damaged_checkpoint_without_provenance(self) -> None:
+        shipped = Path(PACKAGES.get_path("pusht_policy"), "policies", "bc_policy.ts.pt")
+        damaged = bytearray(shipped.read_bytes())
+        damaged[len(damaged) // 2] ^= 1
+        with zipfile.ZipFile(shipped) as archive:
+            records = {name: archive.read(name) for name in archive.namelist()}
+        first = "archive/data/0"
+        cases = {
+            "archive/data/6: must have the size and the CRC-32": bytes(damaged),
+            "must be TorchScript, a sound zip archive": shipped.read_bytes()[:-100],
+            f"{first}: must have the 40 bytes of its tensor, but has 0": {**records, first: b""},
+            f"{first}: must have the 40 bytes of its tensor, but has 24": {
+                **records,
+                first: records[first][:24],
+            },
+        }
+        for message, content in cases.items():
+            if isinstance(content, dict):
+                buffer = io.BytesIO()
+                with zipfile.ZipFile(buffer, "w") as archive:
+                    for name, record in content.items():
+                        archive.writestr(name, record)
+                content = buffer.getvalue()
+            self.assertIn(message, self.refused(2, "--policy", self.write("policy.pt", content)))
 
     def test_f19_bad_arguments(self) -> None:
         for arguments, named in (

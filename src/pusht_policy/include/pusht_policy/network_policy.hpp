@@ -2,6 +2,7 @@
 /// A trained policy: a TorchScript checkpoint, raw observation in, raw action out.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -37,11 +38,19 @@ struct NetworkInfo {
 /// Actions are what the network says: not clipped, and not finite if they are not.
 class NetworkPolicy : public Policy {
  public:
-  /// Loads a checkpoint. Throws InvalidInput if it cannot be read or is no TorchScript; BadDependency if it is not
-  /// the one that the file PATH.provenance.json beside it names (checked before libtorch sees it; no such file, no
-  /// check), if its numbers are not finite, or if it does not map float32 [1, 10] to finite float32 [1, 2].
+  /// A checkpoint of a megabyte takes 0.1 s to load and to try out. An evaluator waits 30 s for a policy to appear, and
+  /// should learn why it does not.
+  static constexpr std::chrono::seconds kLoadDeadline{20};
+
+  /// Loads a checkpoint, after a copy of this process has loaded it and tried it out without harm. Throws InvalidInput
+  /// if it cannot be read, is damaged, is no TorchScript or crashes libtorch; BadDependency if it is not the one that
+  /// the file PATH.provenance.json beside it names (checked before libtorch sees it; no such file, no check), if its
+  /// numbers are not finite, or if it does not map float32 [1, 10] to finite float32 [1, 2]; RuntimeFault if that
+  /// takes longer than `deadline`, or a signal that is handled arrives meanwhile. Call it while no other thread holds a
+  /// lock that libtorch or malloc may want: at the start of a program.
   static std::unique_ptr<NetworkPolicy> load(const std::filesystem::path& path,
-                                             InstructionSet instruction_set = availableInstructionSets().back());
+                                             InstructionSet instruction_set = availableInstructionSets().back(),
+                                             std::chrono::milliseconds deadline = kLoadDeadline);
 
   /// The same on libtorch, even if the kernel could run it: a yardstick.
   static std::unique_ptr<NetworkPolicy> loadOnLibtorch(const std::filesystem::path& path);

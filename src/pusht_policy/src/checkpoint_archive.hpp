@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The zip archive that a TorchScript checkpoint is, read with care: libtorch's own reader ignores its checksums.
+#pragma once
+
+#include <map>
+#include <string>
+
+namespace pusht {
+
+/// The records of an archive by name, e.g. "archive/data/0".
+using Records = std::map<std::string, std::string>;
+
+/// Every record of the archive `bytes`, uncompressed. Throws InvalidInput, naming the record and the rule, unless the
+/// headers beside the records agree with the central directory, names are unique, and every record has the size and
+/// the CRC-32 that the directory gives it. `name` is for messages.
+Records verifiedRecords(const std::string& bytes, const std::string& name);
+
+}  // namespace pusht

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "../src/rehearsal.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+#include "pusht_task/error.hpp"
+
+namespace pusht {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::chrono::milliseconds kLong{60'000};
+constexpr std::chrono::milliseconds kShort{50};
+
+[[noreturn]] void sleepForEver() {
+  for (;;) {
+    pause();
+  }
+}
+
+/// Rehearsing `work` must fail so.
+void expectFailure(std::chrono::milliseconds deadline, const std::function<void()>& work, ExitCode exit_code,
+                   const std::string& message) {
+  try {
+    rehearse("the work", deadline, work);
+    FAIL() << "nothing is thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exitCode(), exit_code) << error.what();
+    EXPECT_THAT(error.what(), HasSubstr(message));
+  }
+}
+
+class Rehearsal : public ::testing::Test {
+ protected:
+  ~Rehearsal() override { EXPECT_TRUE(waitpid(-1, nullptr, WNOHANG) < 0 && errno == ECHILD) << "a copy is left"; }
+};
+
+TEST_F(Rehearsal, ChangesNothing) {
+  int value = 1;
+  rehearse("the work", kLong, [&] { value = 2; });
+  EXPECT_EQ(value, 1);
+}
+
+TEST_F(Rehearsal, ThrowsWhatTheWorkThrows) {
+  const std::string text(100'000, 'x');  // more than a pipe holds
+  expectFailure(
+      kLong, [&] { throw BadDependency(text); }, ExitCode::kBadDependency, text);
+  expectFailure(
+      kLong, [] { throw std::runtime_error("a defect"); }, ExitCode::kInternalError, "a defect");
+}
+
+TEST_F(Rehearsal, SurvivesACrash) {
+  expectFailure(
+      kLong, [] { std::raise(SIGKILL); }, ExitCode::kInvalidInput, "the work: must not crash libtorch, but does: Kill");
+  expectFailure(
+      kLong, [] { _exit(0); }, ExitCode::kInvalidInput, "the work: must not crash libtorch, but does: ");
+}
+
+TEST_F(Rehearsal, HasADeadline) {
+  expectFailure(kShort, sleepForEver, ExitCode::kRuntimeFault, "the work: must load and act within ");
+}
+
+TEST_F(Rehearsal, EndsAtASignalThatIsHandled) {
+  struct sigaction handled {};
+  handled.sa_handler = [](int /*number*/) {};
+  handled.sa_flags = SA_RESTART;
+  struct sigaction before {};
+  sigaction(SIGTERM, &handled, &before);
+  const auto signal_parent = [] {
+    kill(getppid(), SIGTERM);
+    sleepForEver();
+  };
+  expectFailure(kLong, signal_parent, ExitCode::kRuntimeFault, "the work: interrupted while it was tried out");
+  sigaction(SIGTERM, &before, nullptr);
+}
+
+/// As Ctrl-C does, which reaches both.
+TEST_F(Rehearsal, EndsAtASignalToTheCopy) {
+  expectFailure(
+      kLong, [] { std::raise(SIGINT); }, ExitCode::kRuntimeFault, "the work: interrupted while it was tried out");
+}
+
+}  // namespace
+}  // namespace pusht

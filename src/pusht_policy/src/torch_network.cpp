@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "torch_network.hpp"
 
+#include <ATen/Version.h>
 #include <dlfcn.h>
 #include <torch/csrc/jit/passes/constant_propagation.h>
 #include <torch/csrc/jit/passes/peephole.h>
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <sstream>
 #include <utility>
 
@@ -145,6 +147,37 @@ std::vector<Operation> untrainedOperations(std::uint64_t seed) {
 }
 
 std::string libtorchVersion() { return TORCH_VERSION; }
+
+namespace {
+
+/// What a function of a library that may not be loaded returns.
+template <class Result>
+std::optional<Result> ask(const char* function) {
+  void* const address = dlsym(RTLD_DEFAULT, function);
+  return address == nullptr ? std::nullopt : std::optional<Result>(reinterpret_cast<Result (*)()>(address)());
+}
+
+}  // namespace
+
+std::map<std::string, std::string> libtorchChoices() {
+  std::map<std::string, std::string> choices;
+  if (const auto core = ask<const char*>("openblas_get_corename")) {
+    choices["openblas_core"] = *core;
+  }
+  if (const auto threads = ask<int>("openblas_get_num_threads")) {
+    choices["openblas_threads"] = std::to_string(*threads);
+  }
+  if (const auto vectors = ask<int>("dnnl_get_effective_cpu_isa")) {
+    choices["onednn_isa"] = std::to_string(*vectors);
+  }
+  constexpr std::string_view kMark = "CPU capability usage: ";
+  const std::string configuration = at::show_config();
+  if (const auto mark = configuration.find(kMark); mark != std::string::npos) {
+    const std::size_t first = mark + kMark.size();
+    choices["libtorch_vectors"] = configuration.substr(first, configuration.find('\n', first) - first);
+  }
+  return choices;
+}
 
 std::string activeBlas() {
   Dl_info library{};

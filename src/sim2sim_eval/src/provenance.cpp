@@ -6,6 +6,7 @@
 #include <mujoco/mujoco.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <filesystem>
 #include <string>
 
@@ -78,14 +79,17 @@ nlohmann::json buildAndMachine() {
           {"cpu_features", cpuFeatures()}};
 }
 
-nlohmann::json codeFingerprint(const std::vector<std::string>& libraries) {
+nlohmann::json codeFingerprint(const std::vector<std::string>& libraries, const std::vector<std::string>& if_loaded) {
   nlohmann::json fingerprint = {{"libm_uses_fma", libmUsesFma()}};
   forEachLibrary([&](const std::filesystem::path& path) {
     const std::string file = path.filename();
-    for (const std::string& library : libraries) {
-      if (file.compare(0, library.size(), library) == 0) {  // a version may follow
-        fingerprint[library] = pusht::sha256(pusht::readFile(path, "library"));
-      }
+    const auto begins = [&](const std::string& library) {  // a version may follow
+      return file.compare(0, library.size(), library) == 0;
+    };
+    if (const auto library = std::find_if(libraries.begin(), libraries.end(), begins); library != libraries.end()) {
+      fingerprint[*library] = pusht::sha256(pusht::readFile(path, "library"));
+    } else if (std::any_of(if_loaded.begin(), if_loaded.end(), begins)) {
+      fingerprint[file] = pusht::sha256(pusht::readFile(path, "library"));
     }
   });
   for (const std::string& library : libraries) {

@@ -17,9 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Those that compute a rollout of the reference.
-const std::vector<std::string> kReferenceLibraries = {"libm.so",          "libmujoco.so",       "libpusht_mujoco.so",
-                                                      "libpusht_task.so", "libpusht_policy.so", "libsim2sim_eval.so"};
+constexpr const char* kEngineLibrary = "libpusht_engine.so";
+
+/// Those that compute the results, besides what a policy on libtorch takes; all but the engine's compute a rollout of
+/// the reference.
+const std::vector<std::string> kLibraries = {"libm.so",          "libmujoco.so",       "libpusht_mujoco.so",
+                                             "libpusht_task.so", "libpusht_policy.so", "libsim2sim_eval.so",
+                                             kEngineLibrary};
 
 std::shared_ptr<const pusht::MujocoScene> loadScene(const std::string& file) {
   return std::make_shared<const pusht::MujocoScene>(
@@ -39,7 +43,8 @@ void describeSimulators(RunConfiguration& configuration, const pusht::TwoMassPar
 
 Setup::Setup(const pusht::PolicyChoice& policy, const std::string& scene)
     : scene_(loadScene(scene)),
-      policy_(pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"))) {
+      policy_(pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"))),
+      code_(codeFingerprint(kLibraries, policy_.libraries)) {
   warn(policy_.warning);
 }
 
@@ -58,16 +63,16 @@ nlohmann::ordered_json Setup::provenance(const RunConfiguration& configuration) 
   nlohmann::ordered_json result = sim2sim::provenance(
       configuration, policy_.provenance, {{"scene", {{"file", scene_->path().string()}, {"sha256", scene_->sha256()}}}},
       nlohmann::json::object());
-  std::vector<std::string> libraries = kReferenceLibraries;
-  libraries.emplace_back("libpusht_engine.so");
-  result["code"] = codeFingerprint(libraries);
+  result["code"] = code_;
   return result;
 }
 
 nlohmann::json Setup::identity() const { return {{"policy", policy_.identity}, {"scene", scene_->sha256()}}; }
 
 nlohmann::json Setup::referenceKey(int horizon) const {
-  return {{"inputs", identity()}, {"horizon", horizon}, {"code", codeFingerprint(kReferenceLibraries)}};
+  nlohmann::json code = code_;
+  code.erase(kEngineLibrary);
+  return {{"inputs", identity()}, {"horizon", horizon}, {"code", code}};
 }
 
 }  // namespace sim2sim

@@ -14,6 +14,9 @@ import unittest
 from pathlib import Path
 from typing import Callable, Dict, List
 
+import rospkg  # type: ignore[import]
+import torch
+
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
 from command_case import DEADLINE, CommandCase, executable  # noqa: E402
 
@@ -410,6 +413,69 @@ class Shards(SweepCase):
         for text in ("0/3", "4/3", "1", "a/b", "1/3x", "-1/3"):
             refusal = self.refused(2, self.sweep("--out", "out", f"--shard={text}"), "sweep")
             self.assertIn(f"shard '{text}': must be I/N", refusal)
+
+
+class OnLibtorch(SweepCase):
+    """A policy that the kernel does not know: its bits depend on what libtorch computes with."""
+
+    PLAN = "{policy: policy.pt, episodes: 4, rows: [{block_damp: 6}, {block_damp: 20}]}"
+
+    def setUp(self) -> None:
+        super().setUp()
+        torch.jit.script(Forked().eval()).save(str(self.folder / "policy.pt"))
+        openblas = next(Path("/usr/lib").glob("*/openblas-pthread"))
+        path = f"{openblas}:{os.environ['LD_LIBRARY_PATH']}"
+        self.cores = {
+            core: {"LD_LIBRARY_PATH": path, "OPENBLAS_CORETYPE": core, "OPENBLAS_NUM_THREADS": "1"}
+            for core in ("Prescott", "Haswell")
+        }
+
+    def compare(self, core: str, out: str, *arguments: str) -> bytes:
+        command = [COMPARE, "--policy", "policy.pt", "--episodes", "4", "--out", out, *arguments]
+        process = self.run_command(*command, environment=self.cores[core])
+        self.assertEqual(process.returncode, 0, process.stderr)
+        return self.result_bytes(out)
+
+    def sweep_on(self, core: str, *arguments: str) -> "subprocess.CompletedProcess[str]":
+        command = [SWEEP, self.plan(self.PLAN), *arguments]
+        return self.run_command(*command, environment=self.cores[core])
+
+    def test_kept_reference_of_another_blas_is_not_used(self) -> None:
+        alone = {core: self.compare(core, f"alone-{core}") for core in self.cores}
+        self.assertEqual(len(set(alone.values())), 2, "only then can this test fail")
+        for core in (*self.cores, *self.cores):
+            shared = self.compare(core, f"with-{core}", "--reference-cache", "cache", "--overwrite")
+            self.assertEqual(shared, alone[core])
+        self.assertEqual(len(list((self.folder / "cache").rglob("*.reference"))), 8)
+        provenance = self.load("alone-Prescott", "provenance.json")
+        self.assertEqual(provenance["policy"]["libtorch_choices"]["openblas_core"], "Prescott")
+        for library in ("libtorch_cpu.so", "libopenblas", "libblas.so"):
+            self.assertTrue(any(name.startswith(library) for name in provenance["code"]), library)
+
+    def test_rows_and_shards_of_another_blas_are_refused(self) -> None:
+        for number, core in enumerate(self.cores, 1):
+            process = self.sweep_on(core, "--out", core, "--shard", f"{number}/2")
+            self.assertEqual(process.returncode, 0, process.stderr)
+        refusal = self.refused(3, self.merge(*self.cores), "merge")
+        self.assertIn("openblas_core", refusal)
+        self.assertEqual(self.sweep_on("Haswell", "--out", "out").returncode, 0)
+        shutil.rmtree(self.folder / "out" / "rows" / "001")
+        process = self.sweep_on("Prescott", "--out", "out")
+        self.assertNotEqual(process.returncode, 0)
+        self.assertIn("openblas_core", process.stderr)
+
+
+class Forked(torch.nn.Module):
+    """The shipped policy, with a fork that changes nothing."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        folder = rospkg.RosPack().get_path("pusht_policy")
+        self.policy = torch.jit.load(f"{folder}/policies/bc_policy.ts.pt")
+
+    def forward(self, obs: torch.Tensor) -> torch.Tensor:
+        action: torch.Tensor = self.policy(obs)
+        return torch.where(action > 0, action, action)
 
 
 class BadPlans(SweepCase):

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,6 +21,10 @@ std::string libtorchVersion();
 
 /// The file that libtorch's calls of the BLAS end in; empty if that cannot be found out.
 std::string activeBlas();
+
+/// By what libtorch and its libraries choose their code on this machine, as they are set up now: the core type and the
+/// threads of OpenBLAS, the vectors of libtorch and of oneDNN.
+std::map<std::string, std::string> libtorchChoices();
 
 /// Where a network's numbers come from.
 struct NetworkInfo {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "pusht_task/policy.hpp"
 
@@ -26,9 +27,10 @@ struct PolicyChoice {
 struct ChosenPolicy {
   std::function<std::unique_ptr<Policy>()> make;  ///< the policy, for one thread after the other
   std::string name;                               ///< the string given, or "fresh-untrained"
-  nlohmann::json identity;                        ///< two policies with the same one act the same, to the last bit
-  nlohmann::json provenance;                      ///< where it comes from and what it runs on
-  std::string warning;                            ///< says that something else runs than was asked for; else empty
+  nlohmann::json identity;    ///< two policies with the same one, run by the same code, act the same, bit by bit
+  nlohmann::json provenance;  ///< where it comes from and what it runs on
+  std::vector<std::string> libraries;  ///< begin the names of those that compute it, if loaded, besides our own
+  std::string warning;                 ///< says that something else runs than was asked for; else empty
 };
 
 /// `shipped` is the checkpoint that "bc" names. Throws as NetworkPolicy::load does.

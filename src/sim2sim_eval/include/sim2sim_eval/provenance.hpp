@@ -18,7 +18,9 @@ nlohmann::ordered_json provenance(const RunConfiguration& configuration, const n
 nlohmann::json buildAndMachine();
 
 /// What decides the bits that code computes: SHA-256 of `libraries` as they are loaded, by name (e.g. "libm.so"), and
-/// whether libm uses FMA. Throws InternalError if one of them is not loaded.
-nlohmann::json codeFingerprint(const std::vector<std::string>& libraries);
+/// whether libm uses FMA; also of each library that is loaded under a name that begins with one of `if_loaded`. Throws
+/// InternalError if one of `libraries` is not loaded.
+nlohmann::json codeFingerprint(const std::vector<std::string>& libraries,
+                               const std::vector<std::string>& if_loaded = {});
 
 }  // namespace sim2sim

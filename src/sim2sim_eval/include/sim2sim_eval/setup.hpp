@@ -42,6 +42,7 @@ class Setup {
  private:
   std::shared_ptr<const pusht::MujocoScene> scene_;
   pusht::ChosenPolicy policy_;
+  nlohmann::json code_;  // which decides the bits of the results
 };
 
 }  // namespace sim2sim

@@ -22,6 +22,29 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::array<int, 3> kEndingSignals{SIGINT, SIGTERM, SIGHUP};
+
+/// Holds these signals back while it exists, but for those who wait with mask(): so none comes in between unseen.
+class SignalsHeld {
+ public:
+  SignalsHeld() {
+    sigset_t held;
+    sigemptyset(&held);
+    for (const int number : kEndingSignals) {
+      sigaddset(&held, number);
+    }
+    pthread_sigmask(SIG_BLOCK, &held, &mask_);
+  }
+  SignalsHeld(const SignalsHeld&) = delete;
+  SignalsHeld& operator=(const SignalsHeld&) = delete;
+  ~SignalsHeld() { pthread_sigmask(SIG_SETMASK, &mask_, nullptr); }
+
+  const sigset_t& mask() const { return mask_; }
+
+ private:
+  sigset_t mask_{};
+};
+
 [[noreturn]] void throwSystemError(const std::string& what) {
   throw RuntimeFault(what + ": " + std::generic_category().message(errno));
 }
@@ -37,10 +60,11 @@ std::string verdictOf(const std::function<void()>& work) {
 }
 
 /// The life of the copy. It leaves no core, says nothing, ends at a signal, and does not outlive its parent.
-[[noreturn]] void perform(const std::function<void()>& work, pid_t parent, int output) {
-  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+[[noreturn]] void perform(const std::function<void()>& work, pid_t parent, const sigset_t& mask, int output) {
+  for (const int number : kEndingSignals) {
     std::signal(number, SIG_DFL);
   }
+  pthread_sigmask(SIG_SETMASK, &mask, nullptr);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) {
     _exit(EXIT_FAILURE);
@@ -73,7 +97,7 @@ class Copy {
     const pid_t parent = getpid();
     process_ = fork();
     if (process_ == 0) {
-      perform(work, parent, ends[1]);
+      perform(work, parent, signals_.mask(), ends[1]);
     }
     close(ends[1]);
     if (process_ < 0) {
@@ -117,9 +141,11 @@ class Copy {
 
  private:
   void waitForInput(Clock::time_point end, std::chrono::milliseconds deadline) const {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+    const std::chrono::nanoseconds left = std::max<std::chrono::nanoseconds>(end - Clock::now(), {});
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(left);
+    const timespec timeout{seconds.count(), (left - seconds).count()};
     pollfd input{input_, POLLIN, 0};
-    const int ready = poll(&input, 1, static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
+    const int ready = ppoll(&input, 1, &timeout, &signals_.mask());
     if (ready < 0 && errno == EINTR) {
       throw RuntimeFault(what_ + ": interrupted while it was tried out");
     }
@@ -141,6 +167,7 @@ class Copy {
     return status;
   }
 
+  SignalsHeld signals_;
   std::string what_;
   int input_ = -1;
   pid_t process_ = -1;
@@ -152,7 +179,7 @@ void rehearse(const std::string& what, std::chrono::milliseconds deadline, const
   Copy copy(what, work);
   const std::string verdict = copy.verdict(deadline);
   const int signal = copy.signalAtEnd();
-  if (signal == SIGINT || signal == SIGTERM || signal == SIGHUP) {
+  if (std::count(kEndingSignals.begin(), kEndingSignals.end(), signal) != 0) {
     throw RuntimeFault(what + ": interrupted while it was tried out");
   }
   if (signal != 0 || verdict.empty()) {

@@ -106,18 +106,23 @@ class PickleCheck {
   std::map<const void*, std::string> record_at_;
 };
 
+void requireSameBytes(const std::string& found, const std::string& wanted, const std::string& where) {
+  if (found != wanted) {
+    throw InvalidInput(where + ": libtorch must find the archive's bytes, but finds others");
+  }
+}
+
 /// libtorch has a reader of archives of its own: it must find the bytes that were verified.
-void requireSameBytes(caffe2::serialize::PyTorchStreamReader& reader, const Records& records, const std::string& root,
-                      const std::string& name) {
+void requireSameRecords(caffe2::serialize::PyTorchStreamReader& reader, const Records& records, const std::string& root,
+                        const std::string& name) {
   if (reader.getAllRecords().size() != records.size()) {
     throw InvalidInput(name + ": must have " + std::to_string(records.size()) + " records, but libtorch finds " +
                        std::to_string(reader.getAllRecords().size()));
   }
+  const std::string in_archive = name + ": record ";
   for (const auto& [record, content] : records) {
     const auto [bytes, size] = reader.getRecord(record.substr(std::min(root.size(), record.size())));
-    if (std::string_view(static_cast<const char*>(bytes.get()), size) != content) {
-      throw InvalidInput(name + ": record " + record + ": libtorch must find the archive's bytes, but finds others");
-    }
+    requireSameBytes({static_cast<const char*>(bytes.get()), size}, content, in_archive + record);
   }
 }
 
@@ -129,7 +134,7 @@ void requireWholeTensors(const std::string& bytes, const Records& records, const
     caffe2::serialize::PyTorchStreamReader reader(&stream);
     const std::string first = records.empty() ? "" : records.begin()->first;
     const std::string root = first.substr(0, first.find('/') + 1);
-    requireSameBytes(reader, records, root, name);
+    requireSameRecords(reader, records, root, name);
     PickleCheck pickles(records, root, name);
     pickles.check("constants", reader.version());
     pickles.check("data", reader.version());

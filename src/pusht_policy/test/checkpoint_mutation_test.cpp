@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
-#include <random>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "network_testing.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/spawn.hpp"
 
 namespace pusht {
 namespace {
@@ -35,11 +35,14 @@ class DamagedCheckpoint : public ::testing::Test {
  protected:
   DamagedCheckpoint() { writeFile(path_, whole_); }
 
-  std::size_t below(std::size_t bound) { return random_() % bound; }
+  std::size_t below(std::size_t bound) {
+    return static_cast<std::size_t>(generator_.uniform(0, static_cast<double>(bound)));
+  }
 
   /// A byte at or after `first` in `bytes`, with other bits.
   std::string flipped(std::string bytes, std::size_t first = 0) {
-    bytes[first + below(bytes.size() - first)] ^= static_cast<char>(1 + below(255));
+    char& byte = bytes[first + below(bytes.size() - first)];
+    byte = static_cast<char>(byte ^ static_cast<char>(1 + below(255)));
     return bytes;
   }
 
@@ -97,7 +100,7 @@ class DamagedCheckpoint : public ::testing::Test {
   const std::string whole_ = readFile(shipped_, "policy");
   const Records records_ = verifiedRecords(whole_, "shipped");
   const std::vector<std::uint32_t> expected_ = bits(flatten(act(*NetworkPolicy::load(shipped_), observations())));
-  std::mt19937 random_{20000};
+  NumpyGenerator generator_{20000};
 };
 
 TEST_F(DamagedCheckpoint, WithAnotherByteIsRefusedOrTheSame) {

@@ -3,6 +3,7 @@
 
 #include <pusht_msgs/DemonstrationEnd.h>
 #include <pusht_msgs/DemonstrationStep.h>
+#include <std_msgs/String.h>
 
 #include <algorithm>
 #include <limits>
@@ -66,11 +67,14 @@ void DemonstrationPlan::validate() const {
 }
 
 DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, Simulator& world, Policy& demonstrator,
-                                        const std::filesystem::path& path,
+                                        const nlohmann::json& origin, const std::filesystem::path& path,
                                         const std::function<bool(const DemonstrationTally&)>& report) {
   plan.validate();
   BagFile bag(path);
   Stamps stamps;
+  std_msgs::String text;
+  text.data = origin.dump();
+  bag.write(kDemonstrationOriginTopic, stamps.next(), text);
   DemonstrationTally tally;
   while (tally.episodes < plan.episodes) {
     const std::uint64_t seed = plan.seed + static_cast<std::uint64_t>(tally.episodes);

@@ -24,12 +24,17 @@ from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[i
 from std_msgs.msg import String  # type: ignore[import]
 
 from pusht_policy import training
-from pusht_policy.demonstrations import Demonstration, InputError, read_demonstrations
+from pusht_policy.demonstrations import (
+    Demonstration,
+    InputError,
+    read_demonstrations,
+    sha256_of_frames,
+)
 from pusht_policy.model import Policy, minimum_and_range, normalised
 
 SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
 DEADLINE = 120  # s, for a started command
-HASH = "0" * 64
+ORIGIN = {"demonstrator": "a smooth expert", "simulator": "none"}
 SMALL = training.Recipe(epochs=12, batch=16, hidden=(8, 6))
 
 
@@ -54,10 +59,14 @@ def messages(source: Demonstration) -> List[Any]:
     return result
 
 
-def write_bag(path: Path, content: Sequence[Any]) -> Path:
+def write_bag(path: Path, content: Sequence[Any], compression: str = "none") -> Path:
     """Writes messages 0.1 s apart."""
-    topics = {DemonstrationStep: "/demonstration/step", DemonstrationEnd: "/demonstration/end"}
-    with rosbag.Bag(str(path), "w") as bag:
+    topics = {
+        DemonstrationStep: "/demonstration/step",
+        DemonstrationEnd: "/demonstration/end",
+        String: "/demonstration/origin",
+    }
+    with rosbag.Bag(str(path), "w", compression=compression) as bag:
         for i, message in enumerate(content):
             bag.write(topics[type(message)], message, rospy.Time(1 + i // 10, i % 10 * 100000000))
     return path
@@ -100,6 +109,27 @@ class ReadDemonstrations(TemporaryFolderCase):
             self.assertEqual(found.observations.dtype, np.float32)
             np.testing.assert_array_equal(found.observations, expected.observations)
             np.testing.assert_array_equal(found.actions, expected.actions)
+
+    def test_frames_have_a_fingerprint_whatever_holds_them(self) -> None:
+        def fingerprint(name: str, content: Sequence[Any], compression: str = "none") -> str:
+            bag = write_bag(self.folder / name, content, compression)
+            return sha256_of_frames(read_demonstrations([bag]))
+
+        plain = messages(demonstration(1)) + messages(demonstration(2))
+        first = fingerprint("a.bag", plain)
+        swapped = messages(demonstration(2)) + messages(demonstration(1))
+        self.assertEqual(fingerprint("b.bag", swapped, compression="bz2"), first)
+        for index, field, value in (
+            (0, "seed", 9),
+            (3, "action", [0.5, 0.25]),
+            (3, "observation", [0.5] * 10),
+            (12, "success", False),
+        ):
+            changed = messages(demonstration(1))
+            for message in changed if field == "seed" else [changed[index]]:
+                setattr(message, field, value)
+            other = fingerprint("c.bag", changed + messages(demonstration(2)))
+            self.assertNotEqual(other, first, field)
 
     def test_step_missing(self) -> None:
         content = messages(demonstration(7))
@@ -246,9 +276,9 @@ class TrainerCase(TemporaryFolderCase):
         self.demonstrations = [demonstration(seed) for seed in range(20)]
         self.state = self.folder / "state.pt"
 
-    def trainer(self, recipe: training.Recipe = SMALL, bag_hash: str = HASH) -> training.Trainer:
+    def trainer(self, recipe: training.Recipe = SMALL) -> training.Trainer:
         training._set_up_torch(recipe)
-        return training.Trainer(self.demonstrations, recipe, [bag_hash])
+        return training.Trainer(self.demonstrations, recipe)
 
     def finished(self, recipe: training.Recipe = SMALL) -> training.Trainer:
         trainer = self.trainer(recipe)
@@ -395,10 +425,17 @@ class Resume(TrainerCase):
             with self.assertRaisesRegex(InputError, f"state.pt: {name} was .*, is now "):
                 trainer.resume(self.state)
 
-    def test_other_bags_are_refused(self) -> None:
+    def test_other_demonstrations_are_refused(self) -> None:
         self.interrupted_after(2)
-        with self.assertRaisesRegex(InputError, "state.pt: bags was "):
-            self.trainer(bag_hash="1" * 64).resume(self.state)
+        self.demonstrations[3].actions[5, 0] += np.float32(1e-6)
+        with self.assertRaisesRegex(InputError, "state.pt: frames was "):
+            self.trainer().resume(self.state)
+
+    def test_another_core_of_the_blas_is_refused(self) -> None:
+        self.interrupted_after(2)
+        with mock.patch.object(training, "_blas_cores", lambda: ["Another"]):
+            with self.assertRaisesRegex(InputError, "state.pt: blas_core was .*, is now Another"):
+                self.trainer().resume(self.state)
 
     def test_damaged_state_is_refused(self) -> None:
         self.interrupted_after(2)
@@ -414,6 +451,7 @@ class CommandCase(TemporaryFolderCase):
         super().setUp()
         content = [m for seed in range(3, 15) for m in messages(demonstration(seed))]
         content += messages(demonstration(15, success=False))
+        content.insert(0, String(data=json.dumps(ORIGIN)))
         self.bag = write_bag(self.folder / "some.bag", content)
         self.out = self.folder / "policy.ts.pt"
 
@@ -452,11 +490,11 @@ class TrainCommand(CommandCase):
                 "sha256": hashlib.sha256(self.out.read_bytes()).hexdigest(),
             },
         )
-        bag_hash = hashlib.sha256(self.bag.read_bytes()).hexdigest()
         self.assertEqual(
             provenance["demonstrations"],
             {
-                "bags": [{"file": "some.bag", "sha256": bag_hash}],
+                "bags": [{"file": "some.bag", "origin": ORIGIN}],
+                "sha256_of_frames": sha256_of_frames(read_demonstrations([self.bag])),
                 "episodes": 13,
                 "successes": 12,
                 "frames": 156,
@@ -540,21 +578,21 @@ class RecordEvaluation(CommandCase):
         super().setUp()
         self.out.write_bytes(b"weights")
         self.provenance = training.provenance_path(self.out)
-        recorded = {"checkpoint": {"sha256": training.sha256_of(self.out)}, "evaluation": None}
-        self.provenance.write_text(json.dumps(recorded))
-        self.metrics = {
-            "episodes": 50,
-            "seed": 0,
-            "mj_success_rate": 0.62,
-            "policy": "policy.ts.pt",
+        found = training.sha256_of(self.out)
+        self.provenance.write_text(json.dumps({"checkpoint": {"sha256": found}}))
+        configuration = {"episodes": 50, "seed": 0, "reference_simulator": "mujoco"}
+        self.metrics = {**configuration, "mj_success_rate": 0.62, "mj_successes": 31}
+        self.origin: Dict[str, Dict[str, Any]] = {
+            "configuration": configuration,
+            "policy": {"sha256": found},
+            "software": {"mujoco": "2.2.2"},
         }
 
     def record(self) -> "subprocess.CompletedProcess[str]":
-        metrics = self.folder / "metrics.json"
-        metrics.write_text(json.dumps(self.metrics))
+        for name, content in (("metrics", self.metrics), ("provenance", self.origin)):
+            (self.folder / f"{name}.json").write_text(json.dumps(content))
         script = str(SCRIPTS / "record_evaluation")
-        arguments = [str(self.out), str(metrics), "--simulator", "MuJoCo 2.2.2"]
-        return self.run_command([sys.executable, script, *arguments])
+        return self.run_command([sys.executable, script, str(self.out), str(self.folder)])
 
     def test_success_rate_is_recorded(self) -> None:
         finished = self.record()
@@ -576,19 +614,24 @@ class RecordEvaluation(CommandCase):
         def refused(text: str) -> None:
             finished = self.record()
             self.assertEqual(finished.returncode, 2)
+            self.assertEqual(finished.stderr.count("\n"), 1)
             self.assertIn(text, finished.stderr)
             self.assertEqual(self.provenance.read_bytes(), before)
 
-        self.metrics["policy"] = "fresh-untrained"
-        refused("policy is fresh-untrained")
-        self.metrics["policy"] = "policy.ts.pt"
-        self.metrics["mj_success_rate"] = 1.5
-        refused("mj_success_rate is 1.5")
+        self.metrics["mj_success_rate"] = 0.63
+        refused("mj_success_rate is 0.63")
         del self.metrics["mj_success_rate"]
         refused("no key mj_success_rate")
-        self.metrics["mj_success_rate"] = 0.62
+        self.metrics["seed"] = 7
+        refused("metrics.json: seed is 7; it must be 0")
+        self.origin["configuration"]["reference_simulator"] = "mine"
+        refused("configuration.reference_simulator is mine; it must be mujoco")
+        self.origin["policy"] = {"sha256": "0" * 64}
+        refused("provenance.json: policy.sha256 is 0000")
+        self.origin["policy"] = {"runs_on": "scripted"}
+        refused("provenance.json: no key policy.sha256")
         self.out.write_bytes(b"other weights")
-        refused("SHA-256 is ")
+        refused("checkpoint.sha256 is ")
 
 
 if __name__ == "__main__":

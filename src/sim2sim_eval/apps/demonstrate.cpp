@@ -9,15 +9,21 @@
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/ros/installed_file.hpp"
 #include "sim2sim_eval/command_line.hpp"
+#include "sim2sim_eval/provenance.hpp"
 
 namespace {
 
 void demonstrate(const pusht::DemonstrationPlan& plan, const std::string& out) {
-  pusht::MujocoWorld world(
-      std::make_shared<const pusht::MujocoScene>(pusht::installedFile("pusht_mujoco", "scenes/pusht.xml")));
+  const auto scene =
+      std::make_shared<const pusht::MujocoScene>(pusht::installedFile("pusht_mujoco", "scenes/pusht.xml"));
+  pusht::MujocoWorld world(scene);
   pusht::ScriptedExpert expert;
   sim2sim::ProgressBar bar("demonstrations", plan.episodes);
-  const auto tally = pusht::recordDemonstrations(plan, world, expert, out, [&](const auto& so_far) {
+  const nlohmann::json origin = {{"demonstrator", "scripted expert"},
+                                 {"simulator", "mujoco"},
+                                 {"scene", scene->sha256()},
+                                 {"software", sim2sim::buildAndMachine()}};
+  const auto tally = pusht::recordDemonstrations(plan, world, expert, origin, out, [&](const auto& so_far) {
     bar.advance(std::to_string(so_far.successes) + " solved");
     return !sim2sim::interrupted();
   });

@@ -21,6 +21,7 @@ from typing import Any, Callable, Dict, Optional
 import rosbag  # type: ignore[import]
 import rospkg  # type: ignore[import]
 import torch
+from pusht_policy.demonstrations import read_demonstrations, read_origin, sha256_of_frames
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
 from command_case import DEADLINE, CommandCase, executable  # noqa: E402
@@ -160,6 +161,28 @@ class Measurement(CompareCase):
             ends = [message for _, message, _ in bag.read_messages(topics=["/demonstration/end"])]
         self.assertEqual([end.seed for end in ends], list(range(50)))
         self.assertGreaterEqual(sum(end.success for end in ends), 49)
+
+    def test_shipped_policy_learned_from_what_demonstrate_gives(self) -> None:
+        """All 500: about 10 s where nothing else runs."""
+        path = Path(
+            PACKAGES.get_path("pusht_policy"), "policies", "bc_policy.ts.pt.provenance.json"
+        )
+        recorded = json.loads(path.read_text())["demonstrations"]
+        process = self.run_command(DEMONSTRATE, "--out", "demonstrations.bag")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        bag = self.folder / "demonstrations.bag"
+        demonstrations = read_demonstrations([bag])
+        self.assertEqual(len(demonstrations), recorded["episodes"])
+        origin = read_origin(bag)
+        assert origin is not None
+        learned_in = recorded["bags"][0]["origin"]
+        for name in ("demonstrator", "simulator"):
+            self.assertEqual(origin[name], learned_in[name])
+        if origin["software"]["mujoco"] != learned_in["software"]["mujoco"]:
+            self.skipTest("another MuJoCo has other trajectories")
+        if not {"avx2", "fma"} <= set(origin["software"]["cpu_features"]):
+            self.skipTest("without FMA, libm and MuJoCo have other trajectories")
+        self.assertEqual(sha256_of_frames(demonstrations), recorded["sha256_of_frames"])
 
     def test_demonstrations_train_a_policy_end_to_end(self) -> None:
         for process in (

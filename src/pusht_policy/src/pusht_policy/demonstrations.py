@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Demonstrations as they are recorded in rosbags: reading and checking."""
 
+import hashlib
+import json
+import struct
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence
@@ -9,6 +12,7 @@ import numpy as np
 import rosbag  # type: ignore[import]
 from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[import]
 
+ORIGIN_TOPIC = "/demonstration/origin"
 STEP_TOPIC = "/demonstration/step"
 END_TOPIC = "/demonstration/end"
 MESSAGE_TYPES = {STEP_TOPIC: DemonstrationStep, END_TOPIC: DemonstrationEnd}
@@ -35,6 +39,29 @@ class _Recording:
     observations: List[Sequence[float]] = field(default_factory=list)
     actions: List[Sequence[float]] = field(default_factory=list)
     success: Optional[bool] = None  # None until its end has been read
+
+
+def sha256_of_frames(demonstrations: Sequence[Demonstration]) -> str:
+    """What is learned from, whatever container holds it: seed, steps, success and every number."""
+    digest = hashlib.sha256()
+    for demonstration in demonstrations:
+        steps = len(demonstration.actions)
+        digest.update(struct.pack("<QIB", demonstration.seed, steps, demonstration.success))
+        digest.update(demonstration.observations.astype("<f4").tobytes())
+        digest.update(demonstration.actions.astype("<f4").tobytes())
+    return digest.hexdigest()
+
+
+def read_origin(path: Path) -> Optional[Dict[str, Any]]:
+    """What made the demonstrations of a readable bag; None if the bag does not say."""
+    with rosbag.Bag(str(path)) as bag:
+        for _, message, _ in bag.read_messages(topics=[ORIGIN_TOPIC]):
+            try:
+                origin = json.loads(message.data)
+            except ValueError as error:
+                raise InputError(f"{path}: {ORIGIN_TOPIC}: {error}; it must be JSON") from None
+            return dict(origin)
+    return None
 
 
 def read_demonstrations(bags: Sequence[Path]) -> List[Demonstration]:

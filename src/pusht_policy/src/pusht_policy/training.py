@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Behaviour cloning: the training loop, its resumable state, and the files it writes.
 
-The same recipe, bags, torch and BLAS give the same weights bit for bit, interrupted or not.
+The same recipe, demonstrations, torch and BLAS on a processor for which they choose the same code
+(the core type of OpenBLAS, the vectors of libtorch) give the same weights bit for bit, interrupted or
+not. Another core type sums gradients in another order.
 """
 
 import argparse
@@ -14,6 +16,7 @@ import json
 import math
 import os
 import platform
+import re
 import signal
 import sys
 import time
@@ -26,7 +29,13 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from pusht_policy.demonstrations import Demonstration, InputError, read_demonstrations
+from pusht_policy.demonstrations import (
+    Demonstration,
+    InputError,
+    read_demonstrations,
+    read_origin,
+    sha256_of_frames,
+)
 from pusht_policy.model import Policy, minimum_and_range, normalised
 
 EXIT_OK = 0
@@ -100,16 +109,17 @@ def train(bags: Sequence[Path], out: Path, state_dir: Path, recipe: Recipe) -> N
         print(
             f"{len(demonstrations)} demonstrations, {successes} solved, {frames} frames", flush=True
         )
-        hashes = [sha256_of(bag) for bag in bags]
+        origins = [read_origin(bag) for bag in bags]
         _set_up_torch(recipe)
-        trainer = Trainer(demonstrations, recipe, hashes)
+        trainer = Trainer(demonstrations, recipe)
         trainer.resume(state_dir / "state.pt")
         trainer.run(state_dir / "state.pt", stop_requested)
         model_bytes = torchscript_bytes(trainer.script)
         provenance = {
             "checkpoint": {"file": out.name, "sha256": hashlib.sha256(model_bytes).hexdigest()},
             "demonstrations": {
-                "bags": [{"file": b.name, "sha256": h} for b, h in zip(bags, hashes)],
+                "bags": [{"file": b.name, "origin": o} for b, o in zip(bags, origins)],
+                "sha256_of_frames": trainer.identity["frames"],
                 "episodes": len(demonstrations),
                 "successes": successes,
                 "frames": frames,
@@ -128,11 +138,9 @@ def train(bags: Sequence[Path], out: Path, state_dir: Path, recipe: Recipe) -> N
 class Trainer:
     """One training run over demonstrations that are already read."""
 
-    def __init__(
-        self, demonstrations: Sequence[Demonstration], recipe: Recipe, bag_hashes: Sequence[str]
-    ) -> None:
+    def __init__(self, demonstrations: Sequence[Demonstration], recipe: Recipe) -> None:
         self.recipe = recipe
-        self.identity = _identity(recipe, bag_hashes)
+        self.identity = _identity(recipe, demonstrations)
         self.generator = torch.Generator().manual_seed(recipe.seed)
         train_part, validation_part = split(demonstrations, recipe, self.generator)
         frames = _frames(train_part)
@@ -299,35 +307,51 @@ def torchscript_bytes(script: torch.jit.ScriptModule) -> bytes:
     return stripped.getvalue()
 
 
-def record_evaluation(checkpoint: Path, metrics: Path, simulator: str) -> None:
-    """Fills `evaluation` in the checkpoint's provenance from a metrics.json."""
+def record_evaluation(checkpoint: Path, results: Path) -> None:
+    """Fills `evaluation` in the checkpoint's provenance from the results folder of a comparison with
+    it in MuJoCo: figures of another policy or simulator are refused."""
     path = provenance_path(checkpoint)
     provenance = _read_json(path)
-    result = _read_json(metrics)
-    recorded = provenance.get("checkpoint", {}).get("sha256")
     found = sha256_of(checkpoint)
-    if recorded != found:
+    _require(path, provenance, "checkpoint.sha256", found)
+    metrics = _read_json(results / "metrics.json")
+    origin = _read_json(results / "provenance.json")
+    _require(results / "provenance.json", origin, "policy.sha256", found)
+    _require(results / "provenance.json", origin, "configuration.reference_simulator", "mujoco")
+    for name, value in _value(results / "provenance.json", origin, "configuration").items():
+        _require(results / "metrics.json", metrics, name, value)
+    episodes = _value(results / "metrics.json", metrics, "episodes")
+    successes = _value(results / "metrics.json", metrics, "mj_successes")
+    rate = _value(results / "metrics.json", metrics, "mj_success_rate")
+    if not (0 <= successes <= episodes and rate == round(successes / episodes, 6)):
         raise InputError(
-            f"{checkpoint}: SHA-256 is {found}, {path.name} says {recorded}; both must agree"
+            f"{results / 'metrics.json'}: mj_success_rate is {rate}; it must be mj_successes "
+            f"({successes}) over episodes ({episodes})"
         )
-    for name in ("episodes", "seed", "mj_success_rate", "policy"):
-        if name not in result:
-            raise InputError(f"{metrics}: no key {name}; it is needed")
-    if result["policy"] == "fresh-untrained":
-        raise InputError(f"{metrics}: policy is fresh-untrained; it must be the checkpoint")
-    episodes, rate = result["episodes"], result["mj_success_rate"]
-    if not (isinstance(episodes, int) and episodes >= 1):
-        raise InputError(f"{metrics}: episodes is {episodes}; it must be an integer of at least 1")
-    if not (isinstance(rate, (int, float)) and 0 <= rate <= 1):
-        raise InputError(f"{metrics}: mj_success_rate is {rate}; it must be in [0, 1]")
+    version = _value(results / "provenance.json", origin, "software.mujoco")
     provenance["evaluation"] = {
-        "simulator": simulator,
+        "simulator": f"MuJoCo {version}",
         "episodes": episodes,
-        "seed": result["seed"],
+        "seed": _value(results / "metrics.json", metrics, "seed"),
         "success_rate": rate,
-        "successes": round(rate * episodes),
+        "successes": successes,
     }
     write_aside(path, _json_bytes(provenance))
+
+
+def _value(path: Path, content: Any, key: str) -> Any:
+    """The value under "a.b" in the content of a JSON file."""
+    for name in key.split("."):
+        if not isinstance(content, dict) or name not in content:
+            raise InputError(f"{path}: no key {key}; it is needed")
+        content = content[name]
+    return content
+
+
+def _require(path: Path, content: Any, key: str, expected: Any) -> None:
+    found = _value(path, content, key)
+    if found != expected:
+        raise InputError(f"{path}: {key} is {found}; it must be {expected}")
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -386,13 +410,39 @@ def write_aside(path: Path, content: bytes) -> None:
 
 
 def software() -> Dict[str, str]:
-    """Versions of what computes the weights."""
+    """What computes the weights: versions, and what they choose their code by."""
     return {
+        "cpu": _cpu_model(),
+        "vectors": _torch_vectors(),
+        "blas_core": ", ".join(_blas_cores()) or "unknown",
         "python": platform.python_version(),
         "torch": torch.__version__,
         "numpy": np.__version__,
         "blas": ", ".join(Path(name).name for name in _loaded_blas()) or "unknown",
     }
+
+
+def _cpu_model() -> str:
+    with open("/proc/cpuinfo", encoding="utf-8") as file:
+        models = [line.split(":", 1)[1].strip() for line in file if line.startswith("model name")]
+    return models[0] if models else platform.processor() or "unknown"
+
+
+def _torch_vectors() -> str:
+    """The instruction set that libtorch's own code takes, e.g. AVX2."""
+    found = re.search(r"CPU capability usage: (\S+)", torch.__config__.show())
+    return found.group(1) if found else "unknown"
+
+
+def _blas_cores() -> List[str]:
+    """The processor types for which OpenBLAS has chosen its code."""
+    cores = []
+    for name in _loaded_blas():
+        core_name = getattr(ctypes.CDLL(name), "openblas_get_corename", None)
+        if core_name is not None:
+            core_name.restype = ctypes.c_char_p
+            cores.append(core_name().decode())
+    return sorted(set(cores))
 
 
 def _loaded_blas() -> List[str]:
@@ -414,14 +464,13 @@ def _set_up_torch(recipe: Recipe) -> None:
             set_threads(ctypes.c_int(recipe.threads))
 
 
-def _identity(recipe: Recipe, bag_hashes: Sequence[str]) -> Dict[str, Any]:
+def _identity(recipe: Recipe, demonstrations: Sequence[Demonstration]) -> Dict[str, Any]:
     """All that must agree for a state to be continued with the same bits."""
     versions = software()
     return {
         **asdict(recipe),
-        "bags": list(bag_hashes),
-        "torch": versions["torch"],
-        "blas": versions["blas"],
+        "frames": sha256_of_frames(demonstrations),
+        **{name: versions[name] for name in ("torch", "blas", "blas_core", "vectors")},
     }
 
 

@@ -135,7 +135,7 @@ void compare(const CompareOptions& options) {
     throw;
   }
   run.finish(std::cout);
-  warn(doubtAboutPolicy(metrics(configuration, summarize(run.episodes()))));
+  warn(doubtAboutPolicy(metrics(configuration, summarize(run.episodes())), origin));
 }
 
 }  // namespace sim2sim

@@ -34,8 +34,8 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
       field = value;
     }
   };
-  if (!goal.policy.empty()) {
-    request.services.policy = ros::names::resolve(goal.policy);
+  if (!goal.policy_namespace.empty()) {
+    request.services.policy = ros::names::resolve(goal.policy_namespace);
   }
   set(request.protocol.seed, goal.seed);
   set(request.protocol.first_episode, goal.first_episode);
@@ -146,7 +146,7 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   LiveRequest& request = loaded.request;
   request.services.worlds = {services(parameters, "reference"), services(parameters, "engine"),
                              services(parameters, "replay")};
-  request.services.policy = services(parameters, "policy");
+  request.services.policy = ros::names::resolve(parameters.text("policy_namespace", "policy"));
   request.protocol.seed = parameters.seed("seed", request.protocol.seed);
   request.protocol.first_episode = parameters.integer("first_episode", request.protocol.first_episode);
   request.protocol.episodes = parameters.integer("episodes", request.protocol.episodes);
@@ -267,7 +267,7 @@ void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
   runLive(configuration.protocol, cast, pacer_, *this, options, stop);
   broadcast_.end();
   run_->finish(std::cout, faults_survived_);
-  const std::string doubt = doubtAboutPolicy(metrics(configuration, summarize(run_->episodes())));
+  const std::string doubt = doubtAboutPolicy(metrics(configuration, summarize(run_->episodes())), provenance);
   if (!doubt.empty()) {
     ROS_WARN_STREAM(doubt);
   }

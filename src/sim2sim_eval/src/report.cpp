@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <sstream>
 
-#include "pusht_policy/policy_choice.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
@@ -187,12 +186,13 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
   return metrics;
 }
 
-std::string doubtAboutPolicy(const json& metrics) {
-  const auto policy = metrics.at("policy").get<std::string>();
-  if (policy == pusht::kUntrainedPolicy || metrics.at("mj_successes").get<int>() > 0) {
+std::string doubtAboutPolicy(const json& metrics, const json& provenance) {
+  const json hash = provenance.value(json::json_pointer("/policy/sha256"), json());
+  const bool is_checkpoint = hash.is_string() && !hash.get_ref<const std::string&>().empty();
+  if (!is_checkpoint || metrics.at("mj_successes").get<int>() > 0) {
     return "";
   }
-  return "policy " + policy +
+  return "policy " + metrics.at("policy").get<std::string>() +
          " never succeeds in the reference, the simulator it was trained in. It looks untrained or stale: the figures "
          "measure the policy, not the gap between the simulators.";
 }

@@ -289,7 +289,7 @@ void sweep(const SweepOptions& options) {
   folder.begin(description, origin);
   withStatus(folder, [&] { Sweeper(options, plan, protocol, setup, folder).run(); });
   if (options.shard.empty()) {  // the other shards may have the successes
-    warn(doubtAboutPolicy(folder.rows().front()));
+    warn(doubtAboutPolicy(folder.rows().front(), origin));
   }
 }
 
@@ -322,7 +322,7 @@ void merge(const MergeOptions& options) {
     throw pusht::BadDependency("shard " + options.shards.front() +
                                ": its sweep.json must be as it was written: " + error.what());
   }
-  warn(doubtAboutPolicy(folder.rows().front()));
+  warn(doubtAboutPolicy(folder.rows().front(), shards.provenance));
 }
 
 }  // namespace sim2sim

@@ -147,7 +147,7 @@ class LiveSession(GoalCase):
                 self.assertEqual(status_of(self.out)["reason"], result.reason)
 
     def test_policy_that_nobody_serves(self) -> None:
-        self.send(policy="nobody")
+        self.send(policy_namespace="nobody")
         result = self.result(GoalStatus.ABORTED)
         self.assertEqual(result.exit_code, 4)
         self.assertRegex(result.reason, "/nobody/describe: nobody answers within")

@@ -88,11 +88,17 @@ TEST(Summarize, TransferIsUndefinedWithoutReferenceSuccess) {
 TEST(DoubtAboutPolicy, IsRaisedWhereATrainedOneNeverSucceedsAtHome) {
   RunConfiguration configuration;
   configuration.policy = "stale.pt";
-  EXPECT_THAT(doubtAboutPolicy(metrics(configuration, summarize(episodesWith(5, 0, 1)))),
-              HasSubstr("policy stale.pt never succeeds in the reference"));
-  EXPECT_EQ(doubtAboutPolicy(metrics(configuration, summarize(episodesWith(5, 1, 0)))), "");
-  configuration.policy = "fresh-untrained";
-  EXPECT_EQ(doubtAboutPolicy(metrics(configuration, summarize(episodesWith(5, 0, 0)))), "");
+  const nlohmann::json checkpoint = {{"policy", {{"sha256", "8997"}}}};
+  const auto doubt = [&](int reference_successes, const nlohmann::json& provenance) {
+    return doubtAboutPolicy(metrics(configuration, summarize(episodesWith(5, reference_successes, 1))), provenance);
+  };
+  EXPECT_THAT(doubt(0, checkpoint), HasSubstr("policy stale.pt never succeeds in the reference"));
+  EXPECT_EQ(doubt(1, checkpoint), "");
+  configuration.policy = "somebody's node";
+  for (const char* other : {R"({"policy": {"sha256": ""}})", R"({"policy": {"runs_on": "scripted"}})",
+                            R"({"policy": {"sha256": 5}})", R"({"policy": {}})", "{}"}) {
+    EXPECT_EQ(doubt(0, nlohmann::json::parse(other)), "") << other;
+  }
 }
 
 TEST(Metrics, HasTheCoursesKeysAtTheTopSortedAndRounded) {

@@ -32,6 +32,7 @@ RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
 COMPARE = executable("sim2sim_eval", "compare")
 DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
+SWEEP = executable("sim2sim_eval", "sweep")
 TRAIN = executable("pusht_policy", "train")
 PRELOAD = "libraise_mujoco_error.so"  # found in the workspace by the loader
 
@@ -846,6 +847,11 @@ class Faults(CompareCase):
         )
         self.assertEqual(process.returncode, 0, process.stderr)
         self.assertIn("never succeeds in the reference", process.stderr)
+        # Two starts at which the expert needs longer than forty steps, and no checkpoint to be stale.
+        self.write("plan.yaml", b"{policy: expert, episodes: 2, horizon: 40, rows: [{block_damp: 6}]}")
+        process = self.run_command(SWEEP, "plan.yaml", "--out", "sweep")
+        self.assertEqual((process.returncode, process.stderr), (0, ""))
+        self.assertEqual(self.load("sweep", "sweep.json")["rows"][0]["mj_successes"], 0)
 
     def save(self, name: str, module: torch.nn.Module) -> str:
         path = str(self.folder / name)

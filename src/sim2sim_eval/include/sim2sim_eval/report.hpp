@@ -58,8 +58,9 @@ RunConfiguration configurationFrom(const nlohmann::ordered_json& description);
 /// metrics.json: the course's keys and ours, rounded to six decimals. `summary` is that of the whole run.
 nlohmann::json metrics(const RunConfiguration& configuration, const Summary& summary);
 
-/// Says that the policy looks untrained or stale, if it does; else empty. The course's guard.
-std::string doubtAboutPolicy(const nlohmann::json& metrics);
+/// Says that the policy looks untrained or stale, if it does; else empty. The course's guard: for checkpoints, which
+/// `provenance`, as in provenance.json, knows by a SHA-256; not for scripts or what somebody's own node runs.
+std::string doubtAboutPolicy(const nlohmann::json& metrics, const nlohmann::json& provenance);
 
 /// The text of a JSON file: sorted keys, indent 2, ASCII.
 std::string jsonText(const nlohmann::json& json);

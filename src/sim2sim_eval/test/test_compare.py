@@ -16,7 +16,7 @@ import time
 import unittest
 import zipfile
 from pathlib import Path
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, List, Optional
 
 import rosbag  # type: ignore[import]
 import rospkg  # type: ignore[import]
@@ -244,7 +244,8 @@ class ResultsFolder(CompareCase):
         target.write_bytes(b"mine")
         for name in ("status.json.part", "compare.bag.2.part", "provenance.json.part"):
             (self.folder / "out" / name).symlink_to(target)
-        for overwrite in ([], ["--overwrite"], ["--overwrite", "--record"]):
+        ways: List[List[str]] = [[], ["--overwrite"], ["--overwrite", "--record"]]
+        for overwrite in ways:
             process = self.compare("--smoke", "--out", "out", *overwrite)
             self.assertEqual(process.returncode, 0, process.stderr)
             for name, path in mine.items():

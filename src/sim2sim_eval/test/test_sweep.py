@@ -44,6 +44,9 @@ def until(holds: Callable[[], bool]) -> None:
             raise TimeoutError(f"not within {DEADLINE} s")
 
 
+WITH_AND_WITHOUT: List[List[str]] = [[], ["--overwrite"]]
+
+
 class SweepCase(CommandCase):
     def sweep(self, *arguments: str, plan: str = PLAN) -> "subprocess.CompletedProcess[str]":
         return self.run_command(SWEEP, self.plan(plan), *arguments)
@@ -212,7 +215,7 @@ class Resuming(SweepCase):
 
     def test_folder_of_a_comparison_is_refused(self) -> None:
         self.run_command(COMPARE, "--smoke", "--out", "out")
-        for overwrite in ([], ["--overwrite"]):
+        for overwrite in WITH_AND_WITHOUT:
             process = self.sweep("--out", "out", *overwrite)
             self.assertIn(
                 "holds a run (metrics.json), which a sweep does not replace",
@@ -221,7 +224,7 @@ class Resuming(SweepCase):
 
     def test_sweep_is_not_replaced_by_a_comparison(self) -> None:
         before = self.finished("out")
-        for overwrite in ([], ["--overwrite"]):
+        for overwrite in WITH_AND_WITHOUT:
             process = self.run_command(COMPARE, "--smoke", "--out", "out", *overwrite)
             self.assertIn(
                 "holds a sweep (sweep.", self.refused(2, process, "compare"), "by its name"
@@ -229,8 +232,8 @@ class Resuming(SweepCase):
         self.assertEqual(self.results("out"), before)
 
     def test_what_is_not_ours_stays(self) -> None:
-        mine = ("rows/notes.txt", "rows/000/notes.txt", "rows/007/figure.png", "reference/x")
-        mine += ("reference/0123456789abcdef/x", "sweep.json.part", "rows/001/metrics.json.2.part")
+        mine = ["rows/notes.txt", "rows/000/notes.txt", "rows/007/figure.png", "reference/x"]
+        mine += ["reference/0123456789abcdef/x", "sweep.json.part", "rows/001/metrics.json.2.part"]
         for name in mine:
             self.write_below("out/" + name)
         expected = self.finished("whole")
@@ -257,7 +260,7 @@ class Resuming(SweepCase):
         self.assertEqual(self.files("out/rows"), {"000"})
 
     def test_inputs_where_results_are_written_are_refused(self) -> None:
-        for overwrite in ([], ["--overwrite"]):
+        for overwrite in WITH_AND_WITHOUT:
             plan = self.write_below("out/rows/plan.yaml", PLAN)
             process = self.run_command(SWEEP, str(plan), "--out", "out", *overwrite)
             self.assertIn(f"plan {plan}: must not be", self.refused(2, process, "sweep"))

@@ -185,7 +185,7 @@ void TwoMassLanes::stepGroup(std::size_t group, Actions actions) {
       setLane(groups_[group], lane - first, bodies);
       states_[lane] = stateOf(bodies);
       try {
-        requireFiniteStep(states_[lane]);
+        requirePlausibleStep(states_[lane]);
       } catch (const Error&) {
         errors_[lane] = std::current_exception();
       }

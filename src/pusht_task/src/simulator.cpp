@@ -1,16 +1,66 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_task/simulator.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <string>
 
+#include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
 #include "pusht_task/task.hpp"
 
 namespace pusht {
+namespace {
+
+/// A number of a world state, and how large it may be.
+struct Bounded {
+  const char* name;
+  double value;
+  double limit;
+  const char* unit;
+};
+
+std::array<Bounded, 4> positionsOf(const WorldState& state) {
+  return {Bounded{"pusher_x", state.pusher_position.x(), kPlausibleDistance, "m"},
+          Bounded{"pusher_y", state.pusher_position.y(), kPlausibleDistance, "m"},
+          Bounded{"tee_x", state.tee_position.x(), kPlausibleDistance, "m"},
+          Bounded{"tee_y", state.tee_position.y(), kPlausibleDistance, "m"}};
+}
+
+std::array<Bounded, 5> velocitiesOf(const WorldState& state) {
+  return {Bounded{"pusher_vx", state.pusher_velocity.x(), kPlausibleSpeed, "m/s"},
+          Bounded{"pusher_vy", state.pusher_velocity.y(), kPlausibleSpeed, "m/s"},
+          Bounded{"tee_vx", state.tee_velocity.x(), kPlausibleSpeed, "m/s"},
+          Bounded{"tee_vy", state.tee_velocity.y(), kPlausibleSpeed, "m/s"},
+          Bounded{"tee_yaw_rate", state.tee_yaw_rate, kPlausibleYawRate, "rad/s"}};
+}
+
+/// Says which of `numbers` is too large; empty if none.
+template <class Numbers>
+std::string faultOf(const Numbers& numbers) {
+  for (const Bounded& number : numbers) {
+    if (std::abs(number.value) > number.limit) {
+      return std::string(number.name) + " " + shortestText(number.value) + " " + number.unit + ": must be within " +
+             shortestText(number.limit) + " " + number.unit;
+    }
+  }
+  return "";
+}
+
+std::string faultOfYaw(double yaw) {
+  return yaw >= -kPi && yaw < kPi ? "" : "tee_yaw " + shortestText(yaw) + " rad: must be in [-pi, pi)";
+}
+
+}  // namespace
 
 WorldState checkedStart(const WorldState& state) {
   if (!isFinite(state)) {
     throw InvalidInput("reset: every number of a world state must be finite");
+  }
+  if (const std::string fault = faultOf(positionsOf(state)); !fault.empty()) {
+    throw InvalidInput("reset: " + fault);
   }
   WorldState wrapped = state;
   wrapped.tee_yaw = wrapAngle(state.tee_yaw);
@@ -25,9 +75,53 @@ Action checkedAction(const Action& action) {
   return clip(action);
 }
 
-void requireFiniteStep(const WorldState& state) {
+std::string faultOfStart(const WorldState& start, const WorldState& state) {
+  if (std::string fault = faultOfYaw(state.tee_yaw); !fault.empty()) {
+    return fault;
+  }
+  struct Number {
+    const char* name;
+    double wanted;
+    double found;
+    double distance;
+  };
+  const auto number = [](const char* name, double wanted, double found) {
+    return Number{name, wanted, found, std::abs(found - wanted)};
+  };
+  const std::array<Number, 5> pose = {
+      number("pusher_x", start.pusher_position.x(), state.pusher_position.x()),
+      number("pusher_y", start.pusher_position.y(), state.pusher_position.y()),
+      number("tee_x", start.tee_position.x(), state.tee_position.x()),
+      number("tee_y", start.tee_position.y(), state.tee_position.y()),
+      Number{"tee_yaw", start.tee_yaw, state.tee_yaw, std::abs(wrapAngle(state.tee_yaw - start.tee_yaw))}};
+  for (const Number& n : pose) {
+    if (!(n.distance <= kStartTolerance)) {
+      return std::string(n.name) + " " + shortestText(n.found) + ": must be " + shortestText(n.wanted) + ", to " +
+             shortestText(kStartTolerance);
+    }
+  }
+  // Velocities may be projected onto what the simulator can represent; rest always can.
+  const std::array<Bounded, 5> wanted = velocitiesOf(start);
+  const bool at_rest =
+      std::all_of(wanted.begin(), wanted.end(), [](const Bounded& velocity) { return velocity.value == 0.0; });
+  for (const Bounded& velocity : velocitiesOf(state)) {
+    if (!std::isfinite(velocity.value) || (at_rest && std::abs(velocity.value) > kStartTolerance)) {
+      return std::string(velocity.name) + " " + shortestText(velocity.value) + ": must be " +
+             (at_rest ? "0, to " + shortestText(kStartTolerance) : "finite");
+    }
+  }
+  return "";
+}
+
+void requirePlausibleStep(const WorldState& state) {
   if (!isFinite(state)) {
     throw SimulationFault("step: the simulation left the finite numbers");
+  }
+  for (const std::string& fault :
+       {faultOf(positionsOf(state)), faultOf(velocitiesOf(state)), faultOfYaw(state.tee_yaw)}) {
+    if (!fault.empty()) {
+      throw SimulationFault("step: " + fault);
+    }
   }
 }
 
@@ -35,6 +129,9 @@ void Simulator::reset(const WorldState& state) {
   const WorldState start = checkedStart(state);
   ready_ = false;
   doReset(start);
+  if (const std::string fault = faultOfStart(start, this->state()); !fault.empty()) {
+    throw SimulationFault(name_ + (name_.empty() ? "" : ": ") + "reset: " + fault);
+  }
   ready_ = true;
 }
 
@@ -45,7 +142,14 @@ void Simulator::step(const Action& action) {
   const Action clipped = checkedAction(action);
   ready_ = false;
   doStep(clipped);
-  requireFiniteStep(state());
+  try {
+    requirePlausibleStep(state());
+  } catch (Error& fault) {
+    if (!name_.empty()) {
+      fault.addContext(name_);
+    }
+    throw;
+  }
   ready_ = true;
 }
 

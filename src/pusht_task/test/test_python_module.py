@@ -96,6 +96,10 @@ class Drift:
         self.state = WorldState()
 
     def reset(self, start: WorldState) -> WorldState:
+        if self.fault == "elsewhere":
+            return replace(start, tee_x=start.tee_x + 0.01)
+        if self.fault == "askew":
+            return replace(start, tee_yaw=wrap_angle(start.tee_yaw + 3.0))
         if self.fault:
             raise RuntimeError(self.fault)
         self.state = start
@@ -111,8 +115,14 @@ class Drift:
             self.state,
             pusher_x=self.state.pusher_x + 0.1 * float(action[0]),
             tee_x=math.nan if self.fault == "nan" else self.state.tee_x + self.drift,
-            tee_yaw=self.state.tee_yaw + 3.0,
+            tee_yaw=self.state.tee_yaw + 3.0 if self.fault == "turned" else self.state.tee_yaw,
         )
+        if self.fault == "far":
+            self.state = replace(self.state, tee_x=1e300)
+        if self.fault == "fast":
+            self.state = replace(self.state, tee_yaw_rate=-1e9)
+        if self.fault == "exit":
+            sys.exit(3)
         return self.state
 
 
@@ -229,6 +239,19 @@ class Resets(SessionCase):
         self.accepted(self.configure(end_episode=True))
         self.refused(self.session.reset(ResetRequest(stamp=Time(5))), "stamp")
 
+    def test_start_that_is_another_one(self) -> None:
+        for fault, message in (
+            ("elsewhere", "reset: ValueError: tee_x 0.01: must be 0.0, to 1e-06"),
+            ("askew", r"reset: ValueError: tee_yaw 3.0: must be 0.0, to 1e-06"),
+        ):
+            self.simulators[0].fault = fault
+            self.refused_reset(message, exit_code=4, start=[WorldStateMessage()])
+            self.refused_step("needs a reset")
+
+    def test_start_that_is_out_of_range(self) -> None:
+        bad = WorldStateMessage(tee_x=1e300)
+        self.refused_reset(r"tee_x 1e\+300: must be within 1000", start=[bad])
+
     def test_failing_reset(self) -> None:
         self.reset()
         self.simulators[0].fault = "engine lost"
@@ -257,10 +280,6 @@ class Steps(SessionCase):
         self.step(action=(17.0, -1.5))
         np.testing.assert_array_equal(self.simulators[0].actions[0], [1.0, -1.0])
         self.assertEqual(self.simulators[0].actions[0].dtype, np.float64)
-
-    def test_yaw_is_wrapped(self) -> None:
-        self.reset(start=[WorldStateMessage(tee_yaw=3.0)])
-        self.assertAlmostEqual(self.step().state.tee_yaw, 6.0 - 2 * math.pi)
 
     def test_repeated_step_is_answered_again(self) -> None:
         self.reset(token="mine")
@@ -325,15 +344,21 @@ class Steps(SessionCase):
             ("raise", r"step: ZeroDivisionError: by zero \(step, line \d+\)"),
             ("nan", "step: ValueError: tee_x nan: must be finite"),
             ("nothing", "step: TypeError: returned NoneType: must be WorldState"),
+            ("turned", r"step: ValueError: tee_yaw 6.0: must be in \[-pi, pi\) rad"),
+            ("far", r"step: ValueError: tee_x 1e\+300: must be within 1000.0"),
+            ("fast", "step: ValueError: tee_yaw_rate -1000000000.0: must be within 1000000.0"),
+            ("exit", r"step: SystemExit: 3 \(step, line \d+\)"),
         ):
             self.simulators[0].fault = ""
-            self.reset()
+            self.reset(start=[WorldStateMessage(tee_yaw=3.0)])
             self.step(step=0)
             self.simulators[0].fault = fault
-            self.refused_step(message, exit_code=ExitCode.RUNTIME_FAULT)
+            with self.assertLogs("rosout", "ERROR") as log:
+                self.refused_step(message, exit_code=ExitCode.RUNTIME_FAULT)
+            self.assertIn("Traceback (most recent call last)", log.output[0])
             self.refused_step("needs a reset")
             self.refused_step("needs a reset", step=0, episode=9)
-        self.assertEqual(len(self.updates), 6)
+        self.assertEqual(len(self.updates), 14)
 
 
 class Holds(SessionCase):

@@ -8,5 +8,6 @@
 
 int main(int argc, char** argv) {
   sim2sim::catchInterrupts("sim2sim");  // before all else, so that status.json tells of any
-  return pusht::runNode(argc, argv, "sim2sim", sim2sim::evaluate, ros::init_options::NoSigintHandler);
+  return pusht::runNode(argc, argv, "sim2sim", pusht::NoMaster::kFail, sim2sim::evaluate,
+                        ros::init_options::NoSigintHandler);
 }

@@ -26,17 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// [m, rad, m/s, rad/s] How far a start may be from the spawn: enough for a simulator in single precision.
-constexpr double kStartTolerance = 1e-6;
-
-bool isStartFor(const pusht::WorldState& spawn, const pusht::WorldState& start) {
-  const std::array<double, 6> distances = {
-      (start.pusher_position - spawn.pusher_position).norm(),    (start.pusher_velocity - spawn.pusher_velocity).norm(),
-      (start.tee_position - spawn.tee_position).norm(),          (start.tee_velocity - spawn.tee_velocity).norm(),
-      std::abs(pusht::wrapAngle(start.tee_yaw - spawn.tee_yaw)), std::abs(start.tee_yaw_rate - spawn.tee_yaw_rate)};
-  return std::all_of(distances.begin(), distances.end(), [](double d) { return d <= kStartTolerance; });
-}
-
 std::string textOf(const pusht::Action& action) {
   return "(" + std::to_string(action[0]) + ", " + std::to_string(action[1]) + ")";
 }
@@ -219,7 +208,7 @@ void RecordedWorld::doReset(const pusht::WorldState& state) {
   if (trace_.states.empty()) {
     throw pusht::BadDependency("no start is recorded");
   }
-  if (!isStartFor(state, trace_.states.front())) {
+  if (!pusht::faultOfStart(state, trace_.states.front()).empty()) {
     throw pusht::BadDependency("the start that is recorded is not the spawn");
   }
   step_ = 0;

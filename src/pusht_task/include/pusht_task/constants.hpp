@@ -44,6 +44,15 @@ constexpr double kCenterOfMassOffset = kStemOffset * kStemMass / (kBarMass + kSt
 
 constexpr double kWallInnerFace = 0.39;  ///< [m] |x| or |y| of the walls' inner faces
 
+// Trust in a simulator, ours or foreign.
+/// [m, rad, m/s, rad/s] How far a world may be from the start that it was reset to: single precision engines exist.
+constexpr double kStartTolerance = 1e-6;
+// What lies beyond is no state of a table of 0.78 m but a simulation that has failed. The pusher of a world without
+// walls gets 30 m away in an episode.
+constexpr double kPlausibleDistance = 1000.0;    ///< [m] per axis
+constexpr double kPlausibleSpeed = 100000.0;     ///< [m/s] per axis
+constexpr double kPlausibleYawRate = 1000000.0;  ///< [rad/s]
+
 // Frames above the table: the middles of the bodies.
 constexpr double kTeeFrameHeight = 0.015;    ///< [m]
 constexpr double kPusherFrameHeight = 0.02;  ///< [m]

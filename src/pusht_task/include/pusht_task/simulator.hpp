@@ -2,36 +2,46 @@
 /// The seam behind which a simulator lives.
 #pragma once
 
+#include <string>
+#include <utility>
+
 #include "pusht_task/types.hpp"
 
 namespace pusht {
 
 /// The rules of every reset and step, for whoever implements them without Simulator.
 
-/// `state` with its yaw wrapped. Throws InvalidInput if a number is not finite.
+/// `state` with its yaw wrapped. Throws InvalidInput if a number is not finite, or a position out of range.
 WorldState checkedStart(const WorldState& state);
 /// `action` clipped as the task says. Throws InvalidInput if it is not finite.
 Action checkedAction(const Action& action);
-/// Throws SimulationFault if the world was left with a `state` that is not finite.
-void requireFiniteStep(const WorldState& state);
+/// What is wrong with a world that is in `state` after a reset to `start`: a pose that is another one, motion where
+/// there was none, a yaw that is not wrapped; empty if nothing.
+std::string faultOfStart(const WorldState& start, const WorldState& state);
+/// Throws SimulationFault with field, value and rule if a step has left a `state` that is no data: not finite, out of
+/// range, or with a yaw that is not wrapped.
+void requirePlausibleStep(const WorldState& state);
 
-/// One world. What is PushT and not physics (checking and clipping of actions, finite states) happens
+/// One world. What is PushT and not physics (checking and clipping of actions, checking of states) happens
 /// here, once; a simulator only implements the three `do` functions. After an exception a world
 /// must be reset.
 class Simulator {
  public:
   Simulator() = default;
+  /// `name` tells whose faults they are, in their messages.
+  explicit Simulator(std::string name) : name_(std::move(name)) {}
   Simulator(const Simulator&) = delete;
   Simulator& operator=(const Simulator&) = delete;
   virtual ~Simulator() = default;
 
   /// Starts from `state` (projected onto what the simulator can represent); deterministic, clears all
-  /// hidden state. Throws InvalidInput if a number is not finite; the world is then as it was.
+  /// hidden state. Throws InvalidInput if a number is not finite or a position out of range; the world is then as it
+  /// was. SimulationFault if the world is elsewhere then.
   void reset(const WorldState& state);
 
   /// One control step with `action`, clipped as the task says. Success never stops a world.
   /// Throws InvalidInput before the first reset or if the action is not finite, with the world as it was;
-  /// SimulationFault if the simulation itself fails or leaves the finite numbers.
+  /// SimulationFault if the simulation itself fails or leaves the plausible range (constants.hpp).
   void step(const Action& action);
 
   /// After reset(s): s to 1e-12 where s can be represented; a reset to that changes nothing, bit for bit.
@@ -42,6 +52,7 @@ class Simulator {
   virtual void doStep(const Action& action) = 0;
   virtual WorldState doState() const = 0;
 
+  std::string name_;
   bool ready_ = false;
 };
 

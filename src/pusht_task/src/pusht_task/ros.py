@@ -33,6 +33,7 @@ from pusht_msgs.srv import Configure, Describe, Reset, Step
 from rosgraph_msgs.msg import Clock  # type: ignore[import]
 
 from pusht_task.sessions import (
+    FOREIGN,
     Act,
     ExitCode,
     FailedStart,
@@ -47,6 +48,7 @@ from pusht_task.task import PUSHER_FRAME_HEIGHT, TEE_FRAME_HEIGHT
 
 QUEUE = 1000  # messages to a slow subscriber
 PERIOD = 1.0  # [s] of the diagnostics, of repeated frames and of the checks of the master
+MASTER_PERIOD = 0.1  # [s] of the looks for one at start
 MASTER_DEADLINE = 2.0  # [s] for its answer
 CLOCK_PATIENCE = 5.0  # [s]
 MASTER_PATIENCE = 3  # checks in a row that fail
@@ -95,10 +97,7 @@ def _serve(
     start: Callable[[Identity], Any], services: Mapping[str, Any], identity: Identity
 ) -> int:
     """Serves the methods of what `start` gives; if it fails, only `describe`, with the error."""
-    if not _master_answers():
-        uri = rosgraph.get_master_uri()
-        hint = "start roscore, or use roslaunch"
-        print(f"{identity.name}: no ROS master at {uri}: {hint}", file=sys.stderr)
+    if not _await_master(identity.name):
         return ExitCode.RUNTIME_FAULT
     rospy.init_node(identity.name)
     if not _clock_runs():
@@ -116,7 +115,7 @@ def _serve(
             handler = health.counting(getattr(session, service))
             rospy.Service(f"~{service}", service_type, handler)
         exit_code = ExitCode.OK
-    except Exception as failure:
+    except FOREIGN as failure:
         session = FailedStart(failure, identity)
         health = _Health(identity, DiagnosticStatus.ERROR, session.message)
         exit_code = session.exit_code
@@ -132,7 +131,23 @@ def _private_parameters(defaults: Mapping[str, Value]) -> Dict[str, Value]:
     return merged(defaults, given, f"{namespace}/")
 
 
-def _master_answers() -> bool:
+def _await_master(name: str) -> bool:
+    """Waits as every node of ROS does, and says so; False if the user does not want to."""
+    said = False
+    try:
+        while not master_answers():
+            if not said:
+                uri = rosgraph.get_master_uri()
+                hint = "roscore or roslaunch starts one"
+                print(f"{name}: waiting for the ROS master at {uri}: {hint}", file=sys.stderr)
+                said = True
+            rospy.rostime.wallsleep(MASTER_PERIOD)
+        return True
+    except KeyboardInterrupt:
+        return False
+
+
+def master_answers() -> bool:
     """Unlike rosgraph.is_master_online, which may wait for ever, this has a deadline."""
     try:
         with xmlrpc.client.ServerProxy(rosgraph.get_master_uri(), _Impatient()) as master:
@@ -241,7 +256,7 @@ class _Health:
             while not rospy.is_shutdown():
                 self._publish()
                 rospy.rostime.wallsleep(PERIOD)
-                misses = 0 if _master_answers() else misses + 1
+                misses = 0 if master_answers() else misses + 1
                 if misses == MASTER_PATIENCE:
                     uri = rosgraph.get_master_uri()
                     print(

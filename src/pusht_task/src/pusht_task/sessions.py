@@ -3,6 +3,7 @@
 
 import hashlib
 import json
+import logging
 import math
 import platform
 import threading
@@ -10,7 +11,7 @@ import traceback
 import uuid
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any, Callable, Dict, List, Mapping, Optional, Protocol, Sequence, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Protocol, Sequence, Type, Union
 
 import numpy as np
 from genpy import Time  # type: ignore[import]
@@ -24,14 +25,30 @@ from pusht_msgs.srv import (  # type: ignore[import]
     StepResponse,
 )
 
-from pusht_task.task import ACTION_LIMIT, CONTROL_STEP, HORIZON, WorldState, spawn, wrap_angle
+from pusht_task.task import (
+    ACTION_LIMIT,
+    CONTROL_STEP,
+    HORIZON,
+    PLAUSIBLE_DISTANCE,
+    PLAUSIBLE_SPEED,
+    PLAUSIBLE_YAW_RATE,
+    START_TOLERANCE,
+    WorldState,
+    spawn,
+    wrap_angle,
+)
+
+LOG = logging.getLogger("rosout")  # of the node
 
 NANOSECONDS = 10**9  # in a second
 STAMP_STEP = round(CONTROL_STEP * NANOSECONDS)  # [ns]
 STAMP_LIMIT = (
     2**31
 )  # [s] of what a caller may ask for; as much again is left to count on from there
+POSITIONS = ("pusher_x", "pusher_y", "tee_x", "tee_y")
+SPEEDS = ("pusher_vx", "pusher_vy", "tee_vx", "tee_vy")
 KINDS = {bool: "true or false", int: "an integer", float: "a finite number", str: "a text"}
+FOREIGN = (Exception, SystemExit)  # what foreign code may end with; sys.exit() ends no node
 NEXT = -1  # as the index of a step: the one that comes next
 
 Value = Union[bool, int, float, str]  # of a parameter
@@ -137,7 +154,7 @@ class SimulatorSession:
         start = _start(request)
         stamp = self._next_stamp(request.stamp)
         self._token = ""
-        state = self._simulate("reset", lambda: self._simulator.reset(start))
+        state = self._simulate("reset", lambda: _started(self._simulator, start))
         self._token = request.token
         self._episode = request.episode
         self._horizon = request.horizon or HORIZON
@@ -175,7 +192,7 @@ class SimulatorSession:
             raise Refusal("action ({}, {}): must be finite".format(*request.action))
         stamp = self._next_stamp(request.stamp)
         action = [min(max(axis, -ACTION_LIMIT), ACTION_LIMIT) for axis in request.action]
-        state = self._simulate("step", lambda: self._simulator.step(np.array(action)))
+        state = self._simulate("step", lambda: _stepped(self._simulator, np.array(action)))
         self._stamp = stamp
         self._last = StepResponse(
             success=True,
@@ -232,8 +249,8 @@ class SimulatorSession:
         self._close("step after a failure: the world needs a reset")
         try:
             state = _state_message(call())
-        except Exception as error:
-            raise Refusal(f"{what}: {_described(error)}", ExitCode.RUNTIME_FAULT) from error
+        except FOREIGN as error:
+            raise Refusal(f"{what}: {_reported(error)}", ExitCode.RUNTIME_FAULT) from error
         self._closed = None
         return state
 
@@ -295,8 +312,8 @@ class PolicySession:
                 raise Refusal(f"rollout {query.rollout}: observation must be finite")
         try:
             actions = np.asarray(self._act(observations), dtype=np.float32)
-        except Exception as error:
-            raise Refusal(f"act: {_described(error)}", ExitCode.RUNTIME_FAULT) from error
+        except FOREIGN as error:
+            raise Refusal(f"act: {_reported(error)}", ExitCode.RUNTIME_FAULT) from error
         if actions.shape != (len(queries), 2):
             raise Refusal(
                 f"act: shape {list(actions.shape)} of the actions: must be [{len(queries)}, 2]",
@@ -308,7 +325,7 @@ class PolicySession:
 class FailedStart:
     """What is left of a node that failed at start: the error, for whoever asks."""
 
-    def __init__(self, failure: Exception, identity: Identity) -> None:
+    def __init__(self, failure: BaseException, identity: Identity) -> None:
         refused = failure if isinstance(failure, Refusal) else unforeseen(failure)
         self.message = str(refused)
         self.exit_code = refused.exit_code
@@ -345,12 +362,14 @@ def merged(
     return result
 
 
-def unforeseen(failure: Exception) -> Refusal:
-    return Refusal(_described(failure), ExitCode.INTERNAL_ERROR)
+def unforeseen(failure: BaseException) -> Refusal:
+    return Refusal(_reported(failure), ExitCode.INTERNAL_ERROR)
 
 
-def _described(failure: Exception) -> str:
-    """What happened and where, on one line."""
+def _reported(failure: BaseException) -> str:
+    """What happened and where, on one line; the whole traceback goes into the node's log."""
+    trace = traceback.format_exception(type(failure), failure, failure.__traceback__)
+    LOG.error("%s", "".join(trace))
     message = " ".join(str(failure).split())
     place = traceback.extract_tb(failure.__traceback__)[-1]
     return f"{type(failure).__name__}: {message} ({place.name}, line {place.lineno})"
@@ -361,7 +380,7 @@ def _made(make: Callable[..., Simulator], parameters: Mapping[str, Value]) -> Si
         return make(**parameters)
     except ValueError as error:
         raise Refusal(" ".join(str(error).split())) from error
-    except Exception as error:
+    except FOREIGN as error:
         raise unforeseen(error) from error
 
 
@@ -375,6 +394,8 @@ def _start(request: Any) -> WorldState:
     for name, number in numbers.items():
         if not math.isfinite(number):
             raise Refusal(f"start: {name} {number}: must be finite")
+    for name in POSITIONS:
+        _require_within(name, numbers[name], PLAUSIBLE_DISTANCE, Refusal)
     return WorldState(**{**numbers, "tee_yaw": wrap_angle(message.tee_yaw)})
 
 
@@ -386,8 +407,38 @@ def _state_message(state: WorldState) -> WorldStateMessage:
     for name, number in vars(state).items():
         if not math.isfinite(number):
             raise ValueError(f"{name} {number}: must be finite")
-    message.tee_yaw = wrap_angle(message.tee_yaw)
+    if not -math.pi <= state.tee_yaw < math.pi:
+        raise ValueError(f"tee_yaw {state.tee_yaw}: must be in [-pi, pi) rad")
     return message
+
+
+def _started(simulator: Simulator, start: WorldState) -> WorldState:
+    """Resets the simulator, which must be where it was told to start then."""
+    state = simulator.reset(start)
+    if isinstance(state, WorldState):  # else it is refused as every state is
+        for name in (*POSITIONS, "tee_yaw"):
+            wanted, found = getattr(start, name), getattr(state, name)
+            distance = abs(wrap_angle(found - wanted) if name == "tee_yaw" else found - wanted)
+            if not distance <= START_TOLERANCE:
+                raise ValueError(f"{name} {found}: must be {wanted}, to {START_TOLERANCE}")
+    return state
+
+
+def _stepped(simulator: Simulator, action: np.ndarray) -> WorldState:
+    """Steps the simulator, which must not leave what is plausible."""
+    state = simulator.step(action)
+    if isinstance(state, WorldState):
+        for name in POSITIONS:
+            _require_within(name, getattr(state, name), PLAUSIBLE_DISTANCE, ValueError)
+        for name in SPEEDS:
+            _require_within(name, getattr(state, name), PLAUSIBLE_SPEED, ValueError)
+        _require_within("tee_yaw_rate", state.tee_yaw_rate, PLAUSIBLE_YAW_RATE, ValueError)
+    return state
+
+
+def _require_within(name: str, number: float, limit: float, error: Type[Exception]) -> None:
+    if abs(number) > limit:
+        raise error(f"{name} {number}: must be within {limit}")
 
 
 def _from_text(text: str, default: Optional[Value]) -> object:

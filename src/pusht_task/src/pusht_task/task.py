@@ -27,6 +27,12 @@ BAR_MASS = 0.06  # [kg]
 STEM_MASS = 0.045  # [kg]
 CENTER_OF_MASS_OFFSET = STEM_OFFSET * STEM_MASS / (BAR_MASS + STEM_MASS)  # [m] along body -y
 
+# Trust in a simulator.
+START_TOLERANCE = 1e-6  # [m, rad, m/s, rad/s] how far a world may be from the start it was reset to
+PLAUSIBLE_DISTANCE = 1000.0  # [m] per axis; what lies beyond is a simulation that has failed
+PLAUSIBLE_SPEED = 100000.0  # [m/s] per axis
+PLAUSIBLE_YAW_RATE = 1000000.0  # [rad/s]
+
 # Frames above the table: the middles of the bodies.
 TEE_FRAME_HEIGHT = 0.015  # [m]
 PUSHER_FRAME_HEIGHT = 0.02  # [m]

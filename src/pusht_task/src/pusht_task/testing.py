@@ -17,6 +17,7 @@ import queue
 import random
 import re
 import subprocess
+import sys
 import threading
 import time
 import unittest
@@ -38,6 +39,8 @@ from pusht_msgs.msg import Parameter, Query, WorldStateStamped  # type: ignore[i
 from pusht_msgs.msg import WorldState as WorldStateMessage
 from pusht_msgs.srv import Act, Configure, Describe, Reset, Step  # type: ignore[import]
 
+from pusht_task.ros import master_answers
+from pusht_task.sessions import ExitCode
 from pusht_task.task import (
     HORIZON,
     PUSHER_FRAME_HEIGHT,
@@ -56,7 +59,22 @@ REPRESENTED = 1e-12  # [m, rad, m/s, rad/s] how near a start must be to what was
 
 def run(suite: Type[unittest.TestCase]) -> None:
     """The main of a test node."""
-    rospy.init_node(re.sub(r"(?<!^)([A-Z])", r"_\1", suite.__name__).lower())
+    name = re.sub(r"(?<!^)([A-Z])", r"_\1", suite.__name__).lower()
+    subject = getattr(
+        suite, "subject", None
+    )  # the private parameter that names the node under test
+    usage = f"usage: rosrun pusht_task {name} --text _{subject}:=/NAME"
+    if {"-h", "--help"} & set(sys.argv[1:]):
+        print(f"{suite.__doc__}\n\n{usage}")
+        sys.exit()
+    if not master_answers():
+        uri = rosgraph.get_master_uri()
+        print(f"{name}: no ROS master at {uri}: start roscore, or use roslaunch", file=sys.stderr)
+        sys.exit(ExitCode.RUNTIME_FAULT)
+    rospy.init_node(name)
+    if subject is not None and not rospy.has_param(f"~{subject}"):
+        print(f"{name}: parameter ~{subject} is not set; {usage}", file=sys.stderr)
+        sys.exit(ExitCode.INVALID_INPUT)
     rostest.rosrun("pusht_task", suite.__name__, suite)
 
 
@@ -101,14 +119,15 @@ class Inbox:
 class ServedCase(unittest.TestCase):
     """A served node, its services, and what may be said of all answers."""
 
+    subject: str  # name of the private parameter that names the node
     namespace: str
     instance_id: str
     services: Dict[str, Any]
 
     @classmethod
-    def find(cls, parameter: str, **services: Any) -> None:
+    def find(cls, **services: Any) -> None:
         """Connects to the `services` of the node that the private parameter names."""
-        cls.namespace = rospy.resolve_name(rospy.get_param(f"~{parameter}"))
+        cls.namespace = rospy.resolve_name(rospy.get_param(f"~{cls.subject}"))
         cls.services = {}
         for name, service in {**services, "describe": Describe}.items():
             full_name = f"{cls.namespace}/{name}"
@@ -158,6 +177,7 @@ class ServedCase(unittest.TestCase):
 class SimulatorContract(ServedCase):
     """Every rule that a served simulator keeps. The node must be driven by nothing else."""
 
+    subject = "simulator"
     states: Inbox
     frames: tf2_ros.Buffer
     listener: tf2_ros.TransformListener
@@ -166,7 +186,7 @@ class SimulatorContract(ServedCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.find("simulator", reset=Reset, step=Step, configure=Configure)
+        cls.find(reset=Reset, step=Step, configure=Configure)
         description = cls.call("describe")
         cls.frame_prefix = description.frame_prefix
         cls.before_reset = None if description.stamp else cls.call("step", step=-1)
@@ -563,12 +583,13 @@ class SimulatorContract(ServedCase):
 class PolicyContract(ServedCase):
     """Every rule that a served policy keeps. With ~memory: those of one that has a memory."""
 
+    subject = "policy"
     has_memory: bool
     rollouts = itertools.count(random.getrandbits(63))
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.find("policy", act=Act)
+        cls.find(act=Act)
         cls.has_memory = rospy.get_param("~memory", False)
 
     def queries(self, seeds: Any) -> List[Query]:
@@ -635,9 +656,11 @@ class FailedStartContract(ServedCase):
     ~exit_code is the one it must tell, ~message a regular expression to be found in its message.
     """
 
+    subject = "node"
+
     @classmethod
     def setUpClass(cls) -> None:
-        cls.find("node")
+        cls.find()
 
     def test_describe_tells_the_error(self) -> None:
         description = self.call("describe")

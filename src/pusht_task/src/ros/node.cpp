@@ -33,7 +33,15 @@ void schedulePatiently() {
   sched_setscheduler(0, SCHED_BATCH, &none);  // only speed depends on it: whether it is allowed does not matter
 }
 
-void requireMaster() {
+void requireMaster(NoMaster no_master) {
+  if (no_master == NoMaster::kWait) {
+    XmlRpc::XmlRpcValue arguments;
+    XmlRpc::XmlRpcValue result;
+    XmlRpc::XmlRpcValue payload;
+    arguments[0] = ros::this_node::getName();
+    ros::master::execute("getPid", arguments, result, payload, true);
+    return;
+  }
   if (!ros::master::check()) {
     throw RuntimeFault("no ROS master at " + ros::master::getURI() + ": start roscore, or use roslaunch");
   }
@@ -104,13 +112,13 @@ class Watch {
 
 }  // namespace
 
-int runNode(int argc, char** argv, const std::string& name, const std::function<ExitCode()>& body,
+int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, const std::function<ExitCode()>& body,
             std::uint32_t init_options) {
   try {
     const bool started_by_roslaunch = startedByRoslaunch(argc, argv);  // init() takes such arguments away
     schedulePatiently();
     ros::init(argc, argv, name, init_options);
-    requireMaster();
+    requireMaster(no_master);
     const ros::NodeHandle keeps_node_started;
     requireClock();
     const Watch watch(started_by_roslaunch);

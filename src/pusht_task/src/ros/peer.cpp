@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_task/ros/peer.hpp"
 
+#include <ros/console.h>
 #include <ros/master.h>
 #include <ros/service_manager.h>
 
@@ -11,6 +12,7 @@ namespace pusht {
 namespace {
 
 constexpr std::chrono::milliseconds kConnectPeriod{20};
+constexpr std::chrono::seconds kSilence{1};  // before it is said that somebody waits
 
 /// Host and port of the node that the master knows for `service`; empty if there is none.
 std::string ownerOf(const std::string& service) {
@@ -60,11 +62,18 @@ void Watchdog::watch() {
 Peer::Peer(std::string services, Watchdog& watchdog) : services_(std::move(services)), watchdog_(watchdog) {}
 
 void Peer::connect(std::chrono::milliseconds patience, const std::function<bool()>& stop) {
-  const auto expiry = std::chrono::steady_clock::now() + patience;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto expiry = begin + patience;
   const std::string service = services_ + "/describe";
   pusht_msgs::Describe describe;
   bool answered = false;
+  bool said = false;
   while (!answered) {
+    if (!said && std::chrono::steady_clock::now() - begin > kSilence) {
+      ROS_WARN_STREAM("waiting for the node of " << service << ", for "
+                                                 << std::chrono::duration<double>(patience).count() << " s at most");
+      said = true;
+    }
     if (stop() || std::chrono::steady_clock::now() >= expiry) {
       throw RuntimeFault(service + ": nobody answers" +
                          (stop() ? "" : " within " + std::to_string(patience.count()) + " ms"));

@@ -158,7 +158,7 @@ void serveFailure(ros::NodeHandle& node, const std::exception& failure) {
 /// Runs `make` for what serves requests as long as it lives.
 int serve(int argc, char** argv, const std::string& node_name,
           const std::function<std::shared_ptr<void>(const ros::NodeHandle&, ParameterReader&)>& make) {
-  return runNode(argc, argv, node_name, [&] {
+  return runNode(argc, argv, node_name, NoMaster::kWait, [&] {
     ros::NodeHandle node("~");
     std::shared_ptr<void> served;
     try {

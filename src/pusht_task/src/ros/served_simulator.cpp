@@ -31,7 +31,8 @@ void StampSource::advance() { now_ += ros::Duration(kControlStep); }
 void StampSource::startAbove(const ros::Time& stamp) { now_ = std::max(now_, stamp); }
 
 ServedSimulator::ServedSimulator(const Peer& peer, StampSource& stamps)
-    : peer_(peer),
+    : Simulator(peer.services()),
+      peer_(peer),
       stamps_(stamps),
       describe_(peer, "describe"),
       configure_(peer, "configure"),

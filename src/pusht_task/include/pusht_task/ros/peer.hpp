@@ -53,8 +53,9 @@ class Peer {
   /// `services` is the namespace of its services, e.g. "/engine". The watchdog must outlive the peer.
   Peer(std::string services, Watchdog& watchdog);
 
-  /// Waits until the peer describes itself; the instance that does is the one that has to answer from now on. Throws
-  /// RuntimeFault if nobody does within `patience` or before `stop` holds; the peer's own error if it failed at start.
+  /// Waits until the peer describes itself, and says so if that takes more than a second; the instance that does is the
+  /// one that has to answer from now on. Throws RuntimeFault if nobody does within `patience` or before `stop` holds;
+  /// the peer's own error if it failed at start.
   void connect(std::chrono::milliseconds patience, const std::function<bool()>& stop);
 
   /// Throws PeerFault if by now the services belong to another node than the one that was connected to, or to none.

@@ -4,10 +4,12 @@
 
 import json
 
-from pusht_msgs.msg import Parameter  # type: ignore[import]
+import actionlib  # type: ignore[import]
+import rospy  # type: ignore[import]
+from pusht_msgs.msg import CompareAction, CompareGoal, Parameter  # type: ignore[import]
 from pusht_task.testing import run
 
-from live_support import RECORDED_RESULTS, GoalCase, files, metrics_of, result_bytes
+from live_support import DEADLINE, RECORDED_RESULTS, GoalCase, files, metrics_of, result_bytes
 
 
 class LiveExamples(GoalCase):
@@ -33,6 +35,23 @@ class LiveExamples(GoalCase):
             results.append(result_bytes(self.out))
         self.assertEqual(results[0], results[1])
         self.assertNotEqual(results[0], results[2])
+
+    def test_simulators_that_go_wrong_are_named(self) -> None:
+        sceptic = actionlib.SimpleActionClient("/sceptic/compare", CompareAction)
+        self.assertTrue(sceptic.wait_for_server(rospy.Duration(DEADLINE)))
+        episode = r"episode 0 \(spawn seed 10000\), engine_closed, step"
+        for fault, reason in (
+            ("shifted", rf"{episode} 0: /bad: reset: tee_x -?\d\.\d+: must be"),
+            ("far", rf"{episode} 3: /bad: step: tee_x 1e\+300 m: must be within 1000.0 m"),
+            ("exit", rf"{episode} 3: /bad: step: SystemExit: lost my way"),
+        ):
+            with self.subTest(fault):
+                out = self.folder / fault
+                knobs = [Parameter("fault", fault)]
+                sceptic.send_goal(CompareGoal(out=str(out), episodes=2, knobs=knobs))
+                self.assertTrue(sceptic.wait_for_result(rospy.Duration(DEADLINE)))
+                self.assertEqual(sceptic.get_result().exit_code, 4)
+                self.assert_not_whole(out, reason)
 
 
 run(LiveExamples)

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs that are disturbed at random moments: each has the undisturbed bytes, or says that it failed.
+"""Runs disturbed at random moments: each has the undisturbed bytes, or says that it failed.
 
-A dozen of them among the tests. More by hand: rostest sim2sim_eval live_interference.test runs:=300 seed:=1
+A dozen of them among the tests. More by hand:
+rostest --text sim2sim_eval live_interference.test runs:=300 seed:=1
 """
 
 import random

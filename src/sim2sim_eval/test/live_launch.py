@@ -35,6 +35,7 @@ from live_support import (  # noqa: E402
     until,
 )
 
+CONTRACT = "simulator_contract"
 LONG: Dict[str, Any] = {
     "policy": "expert",
     "episodes": 100,
@@ -231,7 +232,7 @@ class LostRuns(LiveCase):
     def test_f22_interrupted_while_it_waits_for_a_node(self) -> None:
         launch = Launch(self, policy_node=False)
         launch.line(r"process\[sim2sim-\d+\]: started")
-        launch.tool("rosservice", "call", "--wait", "/sim2sim/control", "{command: pause}")
+        launch.line("waiting for the node of /policy/describe, for 30 s at most")
         launch.interrupt()
         launch.ended()
         self.assertNotIn("escalating", launch.output)
@@ -343,7 +344,49 @@ class LostMaster(LiveCase):
 
     def test_f15_no_master(self) -> None:
         uri = f"http://127.0.0.1:{free_port()}"
-        self.assert_every_node_ends(uri, f"no ROS master at {uri}: start roscore")
+        environment = {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1"}
+        for package, name in (("sim2sim_eval", "evaluator_node"), ("pusht_task", CONTRACT)):
+            node = Process(self, "rosrun", package, name, environment=environment)
+            self.assertEqual(node.ended(10.0), 4, node.output)
+            self.assertIn(f"no ROS master at {uri}: start roscore", node.output)
+
+    def test_nodes_wait_for_the_master(self) -> None:
+        uri = f"http://127.0.0.1:{free_port()}"
+        environment = {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1"}
+        waiting = [node for node in self.NODES if node[1] != "evaluator_node"]
+        nodes = [
+            Process(self, "rosrun", *node, f"__name:={node[1]}", environment=environment)
+            for node in waiting
+        ]
+        for node in nodes:
+            node.line("waiting for the ROS master|Failed to contact master.*Retrying")
+        nodes[-1].interrupt()
+        self.assertNotEqual(nodes[-1].ended(), 0)
+        port = uri.split(":")[-1]
+        Process(self, "rosmaster", "--core", "-p", port, environment=environment)
+        for _, name in waiting[:-1]:
+            self.succeed(
+                *("rosservice", "call", "--wait", f"/{name}/describe", "{}"),
+                environment=environment,
+            )
+
+    def test_contracts_say_how_they_are_used(self) -> None:
+        uri = f"http://127.0.0.1:{free_port()}"
+        for name, subject in (
+            (CONTRACT, "simulator"),
+            ("policy_contract", "policy"),
+            ("failed_start_contract", "node"),
+        ):
+            usage = f"usage: rosrun pusht_task {name} --text _{subject}:=/NAME"
+            command = ("rosrun", "pusht_task", name)
+            shown = self.succeed(*command, "--help", environment={"ROS_MASTER_URI": uri})
+            self.assertIn(usage, shown)
+        _, uri = self.start_master()
+        contract = Process(
+            self, "rosrun", "pusht_task", CONTRACT, environment={"ROS_MASTER_URI": uri}
+        )
+        self.assertEqual(contract.ended(), 2, contract.output)
+        self.assertRegex(contract.output, "parameter ~simulator is not set; usage: rosrun")
 
     def test_f15_master_that_dies(self) -> None:
         master, uri = self.start_master()

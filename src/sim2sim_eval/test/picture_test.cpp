@@ -35,22 +35,23 @@ constexpr double kTolerance = 1e-9;
 constexpr double kSeen = 0.006;  // [m] by which one thing must be over another for rviz to tell from above
 
 /// A world whose tee begins at `start`, whatever it is reset to, and drifts at constant rates, whatever the action.
-class DriftingWorld : public pusht::Simulator {
+class DriftingWorld : public pusht::BatchSimulator {
  public:
   DriftingWorld(Eigen::Vector2d start, double speed, double yaw_rate)
       : start_(std::move(start)), speed_(speed), yaw_rate_(yaw_rate) {}
 
- private:
-  void doReset(const pusht::WorldState& /*state*/) override {
+  int lanes() const override { return 1; }
+  void reset(int /*lane*/, const pusht::WorldState& /*state*/) override {
     state_ = {};
     state_.tee_position = start_;
   }
-  void doStep(const pusht::Action& /*action*/) override {
+  void step(Actions /*actions*/) override {
     state_.tee_position.x() += speed_ * pusht::kControlStep;
     state_.tee_yaw = pusht::wrapAngle(state_.tee_yaw + yaw_rate_ * pusht::kControlStep);
   }
-  pusht::WorldState doState() const override { return state_; }
+  pusht::WorldState state(int /*lane*/) const override { return state_; }
 
+ private:
   Eigen::Vector2d start_;
   double speed_;
   double yaw_rate_;
@@ -75,9 +76,9 @@ class DriftingEpisode {
  public:
   DriftingEpisode(const Eigen::Vector2d& start, double replay_speed, double replay_yaw_rate,
                   double engine_speed = -0.02)
-      : worlds_(worldsOf(std::make_unique<DriftingWorld>(start, 0.0, 0.0),
-                         std::make_unique<DriftingWorld>(start, engine_speed, 0.1),
-                         std::make_unique<DriftingWorld>(start, replay_speed, replay_yaw_rate))),
+      : worlds_{std::make_unique<DriftingWorld>(start, 0.0, 0.0),
+                std::make_unique<DriftingWorld>(start, engine_speed, 0.1),
+                std::make_unique<DriftingWorld>(start, replay_speed, replay_yaw_rate)},
         flight_(protocol_, worlds_, policy_),
         episode_(flight_.begin(7)) {}
 

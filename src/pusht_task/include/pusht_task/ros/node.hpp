@@ -19,8 +19,8 @@ enum class NoMaster {
 
 /// Starts a node called `name`, runs `body` and returns the process's exit code. A failure is one line on stderr.
 /// `body` ends when ros::ok() no longer holds. A master that dies (noticed within 5 s: the node is shut down),
-/// `use_sim_time` without a clock, and a roslaunch that has started the node and dies (within 1 s) end in exit code 4 and
-/// a hint. `init_options` are those of ros::init().
+/// `use_sim_time` without a clock, and a roslaunch that has started the node and dies (within 1 s) end in exit code 4
+/// and a hint. `init_options` are those of ros::init().
 int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, const std::function<ExitCode()>& body,
             std::uint32_t init_options = 0);
 

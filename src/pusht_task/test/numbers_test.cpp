@@ -3,10 +3,26 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace pusht {
 namespace {
+
+TEST(Decimal, IsAllOfTheTextAndHasNoLeadingZero) {
+  EXPECT_EQ(decimal<int>("10"), 10);
+  EXPECT_EQ(decimal<int>("-3"), -3);
+  EXPECT_EQ(decimal<int>("0"), 0);
+  EXPECT_EQ(decimal<double>("0.5"), 0.5);
+  EXPECT_EQ(decimal<double>("-0.5e-3"), -0.5e-3);
+  EXPECT_EQ(decimal<std::uint64_t>("18446744073709551615"), 18446744073709551615U);
+  for (const char* text : {"", "-", " 1", "1 ", "+1", "0x10", "010", "-010", "00", "1,5", "ten"}) {
+    EXPECT_EQ(decimal<int>(text), std::nullopt) << text;
+    EXPECT_EQ(decimal<double>(text), std::nullopt) << text;
+  }
+  EXPECT_EQ(decimal<std::uint64_t>("18446744073709551616"), std::nullopt);
+}
 
 /// What Python 3 prints for repr().
 TEST(ShortestText, IsPythons) {

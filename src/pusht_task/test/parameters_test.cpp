@@ -30,9 +30,17 @@ TEST(RealFromText, ReadsDecimalNumbers) {
 }
 
 TEST(RealFromText, NamesWhatIsNone) {
-  for (const char* text : {"", " 1", "1 ", "1 2", "much", "0x10", "1,5", "1e400", "+1", "true"}) {
+  for (const char* text : {"", " 1", "1 ", "1 2", "much", "0x10", "010", "1,5", "1e400", "+1", "true"}) {
     EXPECT_EQ(refusalOf([&] { realFromText("mass", text); }),
               "mass '" + std::string(text) + "': must be a decimal number");
+  }
+}
+
+TEST(ServiceName, RefusesWhatIsNone) {
+  EXPECT_EQ(serviceName("policy", "/a/b_1"), "/a/b_1");
+  for (const char* name : {"", "..", "a b", "\u00e9", "1a", "a//b:c"}) {
+    EXPECT_EQ(refusalOf([&] { serviceName("policy", name); }),
+              "policy '" + std::string(name) + "': must be a ROS name: letters, digits, _ and /");
   }
 }
 

@@ -4,14 +4,13 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <charconv>
 #include <cmath>
 #include <csignal>
 #include <iostream>
-#include <type_traits>
 #include <utility>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
 #include "pusht_task/ros/node.hpp"
 
 namespace sim2sim {
@@ -37,13 +36,9 @@ void onInterrupt(int number) {
 }
 
 template <class Number>
-CLI::Validator decimal(const char* name) {
+CLI::Validator decimalText(const char* name) {
   return {[name](const std::string& text) -> std::string {
-            Number number{};
-            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-            const bool whole = error == std::errc() && end == text.data() + text.size();
-            const bool octal = std::is_integral_v<Number> && text.size() > 1 && text.front() == '0';
-            return whole && !octal ? "" : "'" + text + "': must be a decimal " + name + " in range";
+            return pusht::decimal<Number>(text) ? "" : "'" + text + "': must be a decimal " + name + " in range";
           },
           ""};
 }
@@ -68,9 +63,9 @@ int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
   }
 }
 
-CLI::Validator decimalInteger() { return decimal<std::uint64_t>("integer"); }
+CLI::Validator decimalInteger() { return decimalText<std::uint64_t>("integer"); }
 
-CLI::Validator decimalReal() { return decimal<double>("number"); }
+CLI::Validator decimalReal() { return decimalText<double>("number"); }
 
 void catchInterrupts(const std::string& name) {
   last_words = name + ": interrupted, and ended before it had stopped in order; what it was writing is lost\n";

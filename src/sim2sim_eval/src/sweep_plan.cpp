@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -39,13 +40,11 @@ std::string textAt(const YAML::Node& node, const std::string& key) {
 template <class Integer>
 Integer integerAt(const YAML::Node& node, const std::string& key) {
   const std::string text = textAt(node, key);
-  Integer value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool octal = text.size() > 1 && text.front() == '0';  // in some YAML, not in ours
-  if (error != std::errc() || end != text.data() + text.size() || octal) {
+  const std::optional<Integer> value = pusht::decimal<Integer>(text);
+  if (!value) {
     refuse(node, key, "'" + text + "' must be a decimal integer in range");
   }
-  return value;
+  return *value;
 }
 
 const pusht::two_mass::Knob& knobAt(const YAML::Node& node) {

@@ -1,10 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Numbers as text, and rounded, the way Python does it; independent of the locale.
+/// Numbers as text and from text, and rounded, the way Python does it; independent of the locale.
 #pragma once
 
+#include <charconv>
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <system_error>
 
 namespace pusht {
+
+/// The number that all of `text` is, in decimal digits; none if it is no such number. 010 is none either: elsewhere
+/// that is 8.
+template <class Number>
+std::optional<Number> decimal(const std::string& text) {
+  Number number{};
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, number);
+  const std::size_t first = text.empty() || text.front() != '-' ? 0 : 1;
+  const bool padded = text.size() > first + 1 && text[first] == '0' && text[first + 1] >= '0' && text[first + 1] <= '9';
+  if (read.ec != std::errc() || read.ptr != end || padded) {
+    return std::nullopt;
+  }
+  return number;
+}
 
 /// The shortest text that reads back as `value`, as Python's repr() writes it: 4.0, 0.1, 1e-05, 1e+16.
 std::string shortestText(double value);

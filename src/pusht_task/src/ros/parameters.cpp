@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_task/ros/parameters.hpp"
 
+#include <ros/exceptions.h>
+#include <ros/names.h>
+
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <sstream>
 #include <system_error>
 
@@ -19,12 +22,6 @@ using XmlRpc::XmlRpcValue;
 
 /// Read by libraries from the private namespace of every node.
 constexpr std::array<const char*, 2> kOfLibraries = {"diagnostic_period", "tf"};
-
-template <class Number>
-bool parse(const std::string& text, Number& number) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  return error == std::errc() && end == text.data() + text.size();
-}
 
 std::string shown(const XmlRpcValue& value) {
   std::ostringstream text;
@@ -81,11 +78,22 @@ Parameters merged(Parameters parameters, const Parameters& changes) {
 }
 
 double realFromText(const std::string& name, const std::string& text) {
-  double value = 0.0;
-  if (!parse(text, value)) {
+  const std::optional<double> value = decimal<double>(text);
+  if (!value) {
     throw InvalidInput(name + " '" + text + "': must be a decimal number");
   }
-  return value;
+  return *value;
+}
+
+std::string serviceName(const std::string& what, const std::string& name) {
+  try {
+    if (!name.empty()) {
+      return ros::names::resolve(name);
+    }
+  } catch (const ros::InvalidNameException&) {
+    // Refused below, like no name at all.
+  }
+  throw InvalidInput(what + " '" + name + "': must be a ROS name: letters, digits, _ and /");
 }
 
 ParameterReader::ParameterReader(const ros::NodeHandle& private_handle) : namespace_(private_handle.getNamespace()) {
@@ -112,6 +120,10 @@ std::string ParameterReader::text(const std::string& key, const std::string& fal
     refuse(key, "must be a text");
   }
   return value == nullptr ? fallback : textOf(*value);
+}
+
+std::string ParameterReader::services(const std::string& key, const std::string& fallback) {
+  return serviceName("parameter " + namespace_ + "/" + key, text(key, fallback));
 }
 
 bool ParameterReader::flag(const std::string& key, bool fallback) {
@@ -159,11 +171,11 @@ std::uint64_t ParameterReader::seed(const std::string& key, std::uint64_t fallba
   const std::string text = copy.getType() == XmlRpcValue::TypeInt      ? std::to_string(static_cast<int>(copy))
                            : copy.getType() == XmlRpcValue::TypeString ? textOf(copy)
                                                                        : "";
-  std::uint64_t seed = 0;
-  if (!parse(text, seed)) {
+  const std::optional<std::uint64_t> seed = decimal<std::uint64_t>(text);
+  if (!seed) {
     refuse(key, "must be an integer from 0 to 2^64 - 1 (as a text if it has more than 31 bits)");
   }
-  return seed;
+  return *seed;
 }
 
 Parameters ParameterReader::changes(const Parameters& defaults) {

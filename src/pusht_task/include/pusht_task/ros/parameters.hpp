@@ -24,6 +24,10 @@ Parameters merged(Parameters parameters, const Parameters& changes);
 /// A decimal number from text, an integer included. Throws InvalidInput with `name`, the text and the rule.
 double realFromText(const std::string& name, const std::string& text);
 
+/// The namespace of services that `name` stands for here. Throws InvalidInput with `what`, the name and the rule if it
+/// is none.
+std::string serviceName(const std::string& what, const std::string& name);
+
 /// The private parameters of a node as they are when it starts. Every getter throws InvalidInput, naming the key with
 /// its namespace, the value and the rule, if the value is not of its type.
 class ParameterReader {
@@ -31,6 +35,8 @@ class ParameterReader {
   explicit ParameterReader(const ros::NodeHandle& private_handle);
 
   std::string text(const std::string& key, const std::string& fallback);
+  /// As serviceName().
+  std::string services(const std::string& key, const std::string& fallback);
   bool flag(const std::string& key, bool fallback);
   int integer(const std::string& key, int fallback);
   /// Integers are accepted.

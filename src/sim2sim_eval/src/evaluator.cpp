@@ -23,36 +23,16 @@ std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(seconds));
 }
 
-std::string services(pusht::ParameterReader& parameters, const std::string& key) {
-  return ros::names::resolve(parameters.text(key, key));
-}
-
-/// A goal on top of what the parameters say. Empty and 0 mean the parameter.
-LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
-  const auto set = [](auto& field, const auto& value) {
-    if (value != std::decay_t<decltype(value)>()) {
-      field = value;
-    }
-  };
-  if (!goal.policy_namespace.empty()) {
-    request.services.policy = ros::names::resolve(goal.policy_namespace);
+/// Sets `field` to what a goal says of it, if it says anything.
+template <class Field, class Values>
+void set(const char* name, Field& field, const Values& values) {
+  if (values.size() > 1) {
+    throw pusht::InvalidInput(std::string(name) + " has " + std::to_string(values.size()) +
+                              " values: must have one, or none to be as the parameter");
   }
-  set(request.protocol.seed, goal.seed);
-  set(request.protocol.first_episode, goal.first_episode);
-  set(request.protocol.episodes, goal.episodes);
-  set(request.protocol.horizon, goal.horizon);
-  set(request.out, goal.out);
-  if (goal.rate != 0.0) {
-    request.rate = goal.rate < 0.0 ? 0.0 : goal.rate;
+  if (!values.empty()) {
+    field = static_cast<Field>(values.front());
   }
-  if (!goal.knobs.empty()) {
-    request.knobs = goal.knobs;
-  }
-  if (goal.record != 0) {
-    request.record = goal.record > 0;
-  }
-  request.overwrite = request.overwrite || goal.overwrite != 0;
-  return request;
 }
 
 nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
@@ -141,12 +121,31 @@ void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failu
 
 }  // namespace
 
+LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
+  if (request.smoke && !(goal.episodes.empty() && goal.horizon.empty())) {
+    throw pusht::InvalidInput("episodes and horizon: a smoke run has its own");
+  }
+  std::string& policy = request.services.policy;
+  set("policy_namespace", policy, goal.policy_namespace);
+  policy = pusht::serviceName("policy_namespace", policy);
+  set("seed", request.protocol.seed, goal.seed);
+  set("first_episode", request.protocol.first_episode, goal.first_episode);
+  set("episodes", request.protocol.episodes, goal.episodes);
+  set("horizon", request.protocol.horizon, goal.horizon);
+  set("rate", request.rate, goal.rate);
+  set("record", request.record, goal.record);
+  set("out", request.out, goal.out);
+  set("overwrite", request.overwrite, goal.overwrite);
+  request.knobs = goal.knobs;
+  return request;
+}
+
 EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters) {
   EvaluatorParameters loaded;
   LiveRequest& request = loaded.request;
-  request.services.worlds = {services(parameters, "reference"), services(parameters, "engine"),
-                             services(parameters, "replay")};
-  request.services.policy = ros::names::resolve(parameters.text("policy_namespace", "policy"));
+  request.services.worlds = {parameters.services("reference", "reference"), parameters.services("engine", "engine"),
+                             parameters.services("replay", "replay")};
+  request.services.policy = parameters.services("policy_namespace", "policy");
   request.protocol.seed = parameters.seed("seed", request.protocol.seed);
   request.protocol.first_episode = parameters.integer("first_episode", request.protocol.first_episode);
   request.protocol.episodes = parameters.integer("episodes", request.protocol.episodes);
@@ -315,12 +314,19 @@ void Evaluator::onGoal(Goal goal) {
     goal.setRejected({}, "a comparison is under way: cancel it, or wait for its end");
     return;
   }
+  LiveRequest request;
+  try {
+    request = merged(parameters_.request, *goal.getGoal());
+  } catch (const pusht::InvalidInput& refusal) {
+    goal.setRejected({}, refusal.what());
+    return;
+  }
   goal.setAccepted();
   busy_ = true;
   cancelled_ = false;
   accepted_ = goal;
   activity_ = "beginning";
-  next_job_ = Job{merged(parameters_.request, *goal.getGoal()), goal};
+  next_job_ = Job{std::move(request), goal};
   asked_.notify_one();
 }
 

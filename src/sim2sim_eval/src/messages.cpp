@@ -2,10 +2,12 @@
 #include "sim2sim_eval/messages.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 
-#include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
 
 namespace sim2sim {
 namespace {
@@ -35,7 +37,7 @@ pusht_msgs::SuccessRate toMessage(const SuccessRate& rate, int trials) {
 }
 
 pusht_msgs::Mean toMessage(const Mean& mean) {
-  const Interval interval = mean.interval.value_or(Interval{kNan, kNan});
+  const Interval interval = aboveZero(mean.interval).value_or(Interval{kNan, kNan});
   pusht_msgs::Mean message;
   message.value = mean.value;
   message.low = interval.low;
@@ -99,18 +101,26 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
   return message;
 }
 
+namespace {
+
+/// The value that `text` shows: true or false, an integer, a real; else the text itself.
+nlohmann::json typed(const std::string& text) {
+  if (text == "true" || text == "false") {
+    return text == "true";
+  }
+  if (const auto integer = pusht::decimal<std::int64_t>(text)) {
+    return *integer;
+  }
+  const auto real = pusht::decimal<double>(text);
+  return real && std::isfinite(*real) ? nlohmann::json(*real) : nlohmann::json(text);  // JSON has no others
+}
+
+}  // namespace
+
 nlohmann::ordered_json knobsFrom(const pusht::Parameters& parameters) {
   nlohmann::ordered_json knobs = nlohmann::ordered_json::object();
   for (const pusht_msgs::Parameter& parameter : parameters) {
-    knobs[parameter.name] = parameter.value;
-    try {
-      const double value = pusht::realFromText(parameter.name, parameter.value);
-      if (std::isfinite(value)) {  // JSON has no others
-        knobs[parameter.name] = value;
-      }
-    } catch (const pusht::InvalidInput&) {
-      // A word.
-    }
+    knobs[parameter.name] = typed(parameter.value);
   }
   return knobs;
 }

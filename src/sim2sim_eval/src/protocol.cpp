@@ -71,6 +71,11 @@ std::uint64_t Protocol::spawnSeed(int episode) const {
 }
 
 Protocol smokeRun(Protocol protocol) {
+  if (protocol.episodes != Protocol().episodes || protocol.horizon != Protocol().horizon) {
+    throw pusht::InvalidInput("episodes " + std::to_string(protocol.episodes) + ", horizon " +
+                              std::to_string(protocol.horizon) +
+                              ": must be left out for a smoke run, which has its own");
+  }
   protocol.episodes = kSmokeEpisodes;
   protocol.horizon = kSmokeHorizon;
   return protocol;

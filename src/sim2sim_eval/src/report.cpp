@@ -89,6 +89,16 @@ void readCsvRow(const std::string& row, Mode mode, EpisodeResult& episode) {
   }
 }
 
+std::string asPythonPrints(const ordered_json& value) {
+  if (value.is_boolean()) {
+    return value.get<bool>() ? "True" : "False";
+  }
+  if (value.is_number_float()) {
+    return shortestText(value.get<double>());
+  }
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
 std::string bracketed(const Interval& interval, int digits) {
   return "[" + fixedText(interval.low, digits) + ", " + fixedText(interval.high, digits) + "]";
 }
@@ -104,7 +114,7 @@ std::string configurationHash(const RunConfiguration& configuration) {
   const Protocol nominal = configuration.smoke ? Protocol() : configuration.protocol;
   std::string key = std::to_string(nominal.episodes);
   for (const ordered_json& value : configuration.knobs) {
-    key += "|" + (value.is_number() ? shortestText(value.get<double>()) : value.get<std::string>());
+    key += "|" + asPythonPrints(value);
   }
   key += "|" + std::to_string(configuration.protocol.horizon);
   return pusht::md5(key).substr(0, kDigits);
@@ -237,7 +247,8 @@ std::string cell(const SuccessRate& rate) {
 std::string cell(const Mean& mean, const std::string& unit) {
   constexpr int kDigits = 4;
   const std::string value = fixedText(mean.value, kDigits) + " " + unit;
-  return mean.interval ? value + " " + bracketed(*mean.interval, kDigits) : value;
+  const std::optional<Interval> interval = aboveZero(mean.interval);
+  return interval ? value + " " + bracketed(*interval, kDigits) : value;
 }
 
 std::string displayName(const std::string& simulator) {

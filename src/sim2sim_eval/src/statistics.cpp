@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/statistics.hpp"
 
+#include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -23,6 +24,10 @@ Interval wilsonInterval(int successes, int trials) {
   const double half_width = z / shrink * std::sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n));
   // At the ends of the scale the formula gives 0 or 1 but for rounding.
   return {successes == 0 ? 0.0 : centre - half_width, successes == trials ? 1.0 : centre + half_width};
+}
+
+std::optional<Interval> aboveZero(const std::optional<Interval>& interval) {
+  return interval ? std::optional(Interval{std::max(0.0, interval->low), interval->high}) : std::nullopt;
 }
 
 Mean meanOf(const std::vector<double>& samples) {

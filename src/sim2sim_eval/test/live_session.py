@@ -92,8 +92,8 @@ class LiveSession(GoalCase):
         expected = self.batch_bytes(*BATCH)
         cases: Dict[str, Dict[str, Any]] = {
             "recorded": {},
-            "not recorded": {"record": -1},
-            "paced": {"rate": 400.0, "record": -1},
+            "not recorded": {"record": False},
+            "paced": {"rate": 400.0, "record": False},
         }
         for name, fields in cases.items():
             with self.subTest(name):
@@ -110,7 +110,7 @@ class LiveSession(GoalCase):
         for value in ("20", "6.0"):
             knobs = [Parameter("block_damp", value)]
             self.out = self.folder / value
-            self.compare(knobs=knobs, episodes=2, record=-1)
+            self.compare(knobs=knobs, episodes=2, record=False)
             self.assertEqual(metrics_of(self.out)["knobs"]["block_damp"], float(value))
         command = ("--policy", "expert", "--episodes", "2")
         expected = self.batch_bytes(*command, "--block_damp", "20")
@@ -145,6 +145,12 @@ class LiveSession(GoalCase):
                 self.assertRegex(result.reason, reason)
                 self.assertEqual(files(self.out), {"status.json"})
                 self.assertEqual(status_of(self.out)["reason"], result.reason)
+
+    def test_goal_that_cannot_be_is_rejected(self) -> None:
+        self.send(policy_namespace="a b")
+        self.assertTrue(self.client.wait_for_result(rospy.Duration(DEADLINE)))
+        self.assertEqual(self.client.get_state(), GoalStatus.REJECTED)
+        self.assertIn("policy_namespace 'a b': must be a ROS name", self.client.get_goal_status_text())
 
     def test_policy_that_nobody_serves(self) -> None:
         self.send(policy_namespace="nobody")
@@ -208,7 +214,7 @@ class LiveSession(GoalCase):
         states = set()
         for steps in range(1, 31):
             self.out = self.folder / str(steps)
-            self.send(episodes=1, horizon=steps, record=-1, **PACED)
+            self.send(episodes=1, horizon=steps, record=False, **PACED)
             while self.next_feedback() < (0, steps // 2):
                 pass
             self.cancel()
@@ -305,7 +311,7 @@ class LiveSession(GoalCase):
         self.assertAlmostEqual(abs(wrap_angle(a.tee_yaw - b.tee_yaw)), angle, delta=1e-12)
 
     def test_summary_is_latched(self) -> None:
-        self.compare(record=-1)
+        self.compare(record=False)
         summary = rospy.wait_for_message("/sim2sim/summary", Summary, DEADLINE)
         metrics = metrics_of(self.out)
         self.assertEqual((summary.episodes_finished, summary.policy), (EPISODES, "expert"))

@@ -22,7 +22,11 @@ import rosgraph  # type: ignore[import]
 import rospy  # type: ignore[import]
 from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
 from command_case import CommandCase
-from pusht_msgs.msg import CompareAction, CompareActionFeedback, CompareGoal  # type: ignore[import]
+from pusht_msgs.msg import (  # type: ignore[import]
+    CompareAction,
+    CompareActionFeedback,
+    CompareGoal,
+)
 from pusht_msgs.srv import Control, Describe  # type: ignore[import]
 from pusht_task.testing import DEADLINE, Inbox, sends, until
 
@@ -363,7 +367,10 @@ class GoalCase(LiveCase):
 
     def send(self, **fields: Any) -> None:
         self.feedback.forget(rospy.Time.now())
-        self.client.send_goal(CompareGoal(**{"out": str(self.out), **fields}))
+        knobs = fields.pop("knobs", [])
+        given = {"out": str(self.out), **fields}
+        goal = CompareGoal(knobs=knobs, **{field: [value] for field, value in given.items()})
+        self.client.send_goal(goal)
 
     def send_and_hold(self, episode: int, step: int, **fields: Any) -> None:
         """Sends a goal whose run stands still at that step, however long the test takes."""

@@ -148,6 +148,14 @@ TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
   EXPECT_EQ(lines[6], "1,10001,engine_replay,0,true,0.0,0.0,0.01,0.1");
 }
 
+TEST(Table, ShowsNoDivergenceBelowZero) {
+  Summary summary = summarize(episodesWith(2, 1, 1));
+  summary.angle_divergence = {0.038, Interval{-0.447, 0.523}};
+  const RunConfiguration configuration;
+  EXPECT_THAT(table(configuration, summary), HasSubstr("0.0380 rad [0.0000, 0.5230]"));
+  EXPECT_EQ(metrics(configuration, summary).at("mean_ang_divergence_interval_rad").at(0), -0.447) << "as computed";
+}
+
 TEST(Table, ShowsRatesWithIntervals) {
   RunConfiguration configuration;
   configuration.reference = "mujoco";

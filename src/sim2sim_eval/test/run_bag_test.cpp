@@ -305,11 +305,5 @@ TEST(Messages, SummaryIsOfTheFinishedEpisodesAndOfNone) {
   EXPECT_TRUE(std::isnan(one.position_divergence.low)) << "one episode has no interval";
 }
 
-TEST(Messages, KnobsOfAServedSimulatorAreRealsOrTexts) {
-  const auto knobs = knobsFrom({pusht::parameter("stiffness", "6"), pusht::parameter("contact", "boxes"),
-                                pusht::parameter("friction", "true"), pusht::parameter("bound", "inf")});
-  EXPECT_EQ(knobs.dump(), R"({"stiffness":6.0,"contact":"boxes","friction":"true","bound":"inf"})");
-}
-
 }  // namespace
 }  // namespace sim2sim

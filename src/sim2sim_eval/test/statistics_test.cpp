@@ -53,6 +53,15 @@ TEST(MeanOf, TwoSamplesHaveAClosedForm) {
   EXPECT_NEAR(mean.interval->high, 2.0 + half_width, 1e-9);
 }
 
+TEST(MeanOf, OfDistancesIsShownAsFarAsItCanBe) {
+  const std::optional<Interval> interval = meanOf({0.0, 1.0}).interval;
+  EXPECT_LT(interval->low, 0.0);
+  EXPECT_EQ(aboveZero(interval)->low, 0.0);
+  EXPECT_EQ(aboveZero(interval)->high, interval->high);
+  EXPECT_EQ(aboveZero(meanOf({2.0, 2.1}).interval)->low, meanOf({2.0, 2.1}).interval->low);
+  EXPECT_FALSE(aboveZero(std::nullopt));
+}
+
 TEST(MeanOf, OneSampleHasNoInterval) {
   EXPECT_EQ(meanOf({0.5}).value, 0.5);
   EXPECT_FALSE(meanOf({0.5}).interval);

@@ -687,6 +687,9 @@ class Faults(CompareCase):
             (["--block_damp", "nan"], "block_damp nan"),
             (["--baumgarte", "inf"], "baumgarte inf"),
             (["--block_damp", "much"], "--block_damp"),
+            (["--block_damp", "010"], "--block_damp"),
+            (["--seed", "010"], "--seed"),
+            (["--smoke", "--episodes", "7"], "episodes 7, horizon 300: must be left out"),
             (["--block_dump", "6"], "--block_dump"),
             (["stray"], "stray"),
         ):

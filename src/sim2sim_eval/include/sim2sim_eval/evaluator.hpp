@@ -38,6 +38,9 @@ struct LiveRequest {
   bool overwrite = false;   ///< replace results that are in the folder
 };
 
+/// `goal` on top of `request`. Throws InvalidInput with the field of the goal that cannot be.
+LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal);
+
 struct EvaluatorParameters {
   LiveRequest request;     ///< what a goal leaves open
   bool start = false;      ///< run `request` at once

@@ -25,7 +25,7 @@ pusht_msgs::EpisodeResult toMessage(const EpisodeResult& episode, const ros::Tim
 pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::vector<EpisodeResult>& finished,
                                    const ros::Time& stamp);
 
-/// The knobs of a served simulator as a RunConfiguration has them: numbers are reals, the rest stays text.
+/// The knobs of a served simulator as a RunConfiguration has them, each of the type that its text shows.
 nlohmann::ordered_json knobsFrom(const pusht::Parameters& parameters);
 
 }  // namespace sim2sim

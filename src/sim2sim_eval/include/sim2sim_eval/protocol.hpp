@@ -49,7 +49,8 @@ struct Protocol {
   std::uint64_t spawnSeed(int episode) const;
 };
 
-/// `protocol` as short as the course's smoke run: 2 episodes of 40 control steps.
+/// `protocol` as short as the course's smoke run: 2 episodes of 40 control steps. Throws InvalidInput if `protocol`
+/// names other numbers than the default ones: they would be in the course's configuration hash, and nowhere else.
 Protocol smokeRun(Protocol protocol);
 
 struct RolloutResult {

@@ -19,7 +19,7 @@ struct RunConfiguration {
   std::string policy;     ///< the string given, or "fresh-untrained"
   std::string reference;  ///< name of the simulator, e.g. "mujoco"
   std::string engine;     ///< name of the simulator, e.g. "two_mass"
-  /// Of the engine: a real or a text for each name, in the engine's own order.
+  /// Of the engine: a real, an integer, true or false, or a text for each name, in the engine's own order.
   nlohmann::ordered_json knobs = nlohmann::ordered_json::object();
 };
 

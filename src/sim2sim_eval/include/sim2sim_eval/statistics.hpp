@@ -23,6 +23,9 @@ struct Mean {
   std::optional<Interval> interval;  ///< Student's t over the samples; none for fewer than two of them
 };
 
+/// The part of the interval that a mean of distances can lie in: Student's t knows nothing of zero.
+std::optional<Interval> aboveZero(const std::optional<Interval>& interval);
+
 /// Of at least one sample, summed in order.
 Mean meanOf(const std::vector<double>& samples);
 

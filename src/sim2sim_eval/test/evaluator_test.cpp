@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/evaluator.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+
+#include "pusht_task/error.hpp"
+
+namespace sim2sim {
+namespace {
+
+/// Unlike what any field is by itself.
+LiveRequest parameters() {
+  LiveRequest request;
+  request.services.policy = "/policy";
+  request.protocol.seed = 7;
+  request.protocol.first_episode = 3;
+  request.protocol.episodes = 9;
+  request.protocol.horizon = 30;
+  request.rate = 50.0;
+  request.record = true;
+  request.out = "results";
+  request.overwrite = true;
+  return request;
+}
+
+std::string refusalOf(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const pusht::InvalidInput& refusal) {
+    return refusal.what();
+  }
+  return "not refused";
+}
+
+TEST(MergedGoal, LeavesOpenWhatItDoesNotSay) {
+  const LiveRequest request = merged(parameters(), pusht_msgs::CompareGoal());
+  EXPECT_EQ(request.services.policy, "/policy");
+  EXPECT_EQ(request.protocol.seed, 7U);
+  EXPECT_EQ(request.protocol.first_episode, 3);
+  EXPECT_EQ(request.protocol.episodes, 9);
+  EXPECT_EQ(request.protocol.horizon, 30);
+  EXPECT_EQ(request.rate, 50.0);
+  EXPECT_TRUE(request.record);
+  EXPECT_EQ(request.out, "results");
+  EXPECT_TRUE(request.overwrite);
+}
+
+TEST(MergedGoal, CanSayZeroAndFalse) {
+  pusht_msgs::CompareGoal goal;
+  goal.policy_namespace = {"/mine"};
+  goal.seed = {0};
+  goal.first_episode = {0};
+  goal.episodes = {2};
+  goal.horizon = {40};
+  goal.rate = {0.0};
+  goal.record = {0};
+  goal.out = {""};
+  goal.overwrite = {0};
+  const LiveRequest request = merged(parameters(), goal);
+  EXPECT_EQ(request.services.policy, "/mine");
+  EXPECT_EQ(request.protocol.seed, 0U);
+  EXPECT_EQ(request.protocol.first_episode, 0);
+  EXPECT_EQ(request.protocol.episodes, 2);
+  EXPECT_EQ(request.protocol.horizon, 40);
+  EXPECT_EQ(request.rate, 0.0);
+  EXPECT_FALSE(request.record);
+  EXPECT_EQ(request.out, "");
+  EXPECT_FALSE(request.overwrite);
+}
+
+TEST(MergedGoal, NamesWhatCannotBe) {
+  pusht_msgs::CompareGoal twice;
+  twice.seed = {1, 2};
+  EXPECT_THAT(refusalOf([&] { merged(parameters(), twice); }),
+              ::testing::HasSubstr("seed has 2 values: must have one"));
+  pusht_msgs::CompareGoal nameless;
+  nameless.policy_namespace = {"a b"};
+  EXPECT_THAT(refusalOf([&] { merged(parameters(), nameless); }),
+              ::testing::HasSubstr("policy_namespace 'a b': must be a ROS name"));
+}
+
+TEST(MergedGoal, DoesNotChangeHowShortASmokeRunIs) {
+  LiveRequest smoke = parameters();
+  smoke.smoke = true;
+  pusht_msgs::CompareGoal longer;
+  longer.episodes = {7};
+  EXPECT_THAT(refusalOf([&] { merged(smoke, longer); }), ::testing::HasSubstr("a smoke run has its own"));
+  pusht_msgs::CompareGoal other;
+  other.seed = {1};
+  EXPECT_EQ(merged(smoke, other).protocol.seed, 1U);
+}
+
+}  // namespace
+}  // namespace sim2sim

@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The numpy engine against the golden vectors, with the tolerances of the C++ tests."""
 
+import inspect
 import json
 import os
+import re
 import subprocess
 import sys
 import unittest
@@ -24,6 +26,7 @@ from numpy_two_mass import (  # noqa: E402
     solve_contacts,
 )
 
+PACKAGE = Path(__file__).parents[1]
 GOLDEN_FILE = Path(__file__).parents[2] / "pusht_task" / "test" / "data" / "pusht_golden.json"
 GOLDEN = json.loads(GOLDEN_FILE.read_text())
 UNIT_TOLERANCE = 1e-12
@@ -70,6 +73,21 @@ class Golden(unittest.TestCase):
             self.assertLessEqual(error, TRAJECTORY_TOLERANCE, f"{key}, step {step}")
         error = abs(wrap_angle(world.yaw - expected["yaw"][step]))
         self.assertLessEqual(error, TRAJECTORY_TOLERANCE, f"yaw, step {step}")
+
+
+class Knobs(unittest.TestCase):
+    def test_are_those_of_the_engine(self) -> None:
+        """Names and defaults, as the header and the launch file have them."""
+        header = (PACKAGE / "include" / "pusht_engine" / "two_mass_engine.hpp").read_text()
+        table = header[header.index("kKnobs = {{") :]
+        names = re.findall(r'{"(\w+)", "[^"]+", "', table)
+        given = inspect.signature(NumpyTwoMass).parameters
+        self.assertEqual(list(given), names)
+        launch = (PACKAGE / "launch" / "engine.launch").read_text()
+        for name, knob in given.items():
+            self.assertIn(f"double {name} = {knob.default:.1f};", header)
+            self.assertIn(f'<arg name="{name}" default="{knob.default:.1f}"', launch)
+            self.assertIn(f'<param name="{name}" value="$(arg {name})" />', launch)
 
 
 class Speed(unittest.TestCase):

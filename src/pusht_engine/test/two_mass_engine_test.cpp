@@ -213,6 +213,23 @@ TEST(TwoMassParameters, RefusesALinkThatIsTooStiffForItsDrag) {
   }
 }
 
+TEST(TwoMassParameters, EachKnobChangesATrajectory) {
+  const auto where_the_tee_goes = [](const TwoMassParameters& knobs) {
+    TwoMassEngine engine(knobs);
+    engine.reset(testing::movingState(0));
+    for (int i = 0; i < 50; ++i) {
+      engine.step(testing::chase(engine.state()));
+    }
+    return engine.state().tee_position;
+  };
+  const Eigen::Vector2d usual = where_the_tee_goes({});
+  for (const two_mass::Knob& knob : two_mass::kKnobs) {
+    TwoMassParameters knobs;
+    knobs.*knob.value *= 0.5;
+    EXPECT_GT((where_the_tee_goes(knobs) - usual).norm(), 1e-3) << knob.name;
+  }
+}
+
 // The ranges are those in which the integration itself is stable: just inside it is, just outside it is not.
 
 two_mass::Model modelWith(const TwoMassParameters& knobs) {

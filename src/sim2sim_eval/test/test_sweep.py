@@ -5,6 +5,7 @@
 import fcntl
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -140,6 +141,33 @@ class Rows(SweepCase):
         self.assert_one_line(process, 3, "compare")
         self.assertIn(next(iter(kept)).name, process.stderr)
         self.assertFalse((self.folder / "damaged" / "metrics.json").exists())
+
+    def test_every_knob_has_a_launch_argument_and_a_unit_in_plots(self) -> None:
+        said = self.run_command(COMPARE, "--help").stdout
+        knobs = dict(
+            re.findall(r"--(\w+) (?:(?!--).)*?engine: [^\[]*\[([^\]]+)\]", said, flags=re.S)
+        )
+        self.run_command(COMPARE, "--smoke", "--out", "out")
+        self.assertEqual(set(knobs), set(self.load("out", "metrics.json")["knobs"]))
+        package = Path(__file__).parents[1]
+        plot = (package / "scripts" / "plot_sweep").read_text()
+        launch = (package / "launch" / "compare.launch").read_text()
+        for knob, unit in knobs.items():
+            self.assertIn(f'"{knob}": "{unit}"', plot)
+            self.assertEqual(launch.count(f'<arg name="{knob}" default='), 1, knob)
+            self.assertEqual(launch.count(f'<arg name="{knob}" value="$(arg {knob})" />'), 2, knob)
+
+    def test_plot_says_that_rows_are_missing(self) -> None:
+        self.finished("out")
+        sweep = self.folder / "out" / "sweep.json"
+        content = json.loads(sweep.read_text())
+        del content["rows"][1]
+        sweep.write_text(json.dumps(content))
+        process = self.run_command(PLOT, "out", "--out", "plot.svg")
+        self.assertEqual(process.returncode, 0)
+        self.assertEqual(
+            process.stderr, "plot_sweep: NOT A WHOLE SWEEP: 3 of 4 rows have finished\n"
+        )
 
     def test_plot_shows_a_sweep(self) -> None:
         self.finished("out")
@@ -494,6 +522,7 @@ class BadPlans(SweepCase):
             "rows:\n- {}\n- {baumgarte: 60, block_damp: 90}": "line 3: baumgarte 60.0: must be",
             "grid:\n  block_damp: [6, 90]\n  baumgarte: [60]": "line 2: baumgarte 60.0: must",
             "grid:\n  block_damp: [1, .nan]": "line 2, block_damp",
+            "grid:\n  block_damp: [010]": "line 2, block_damp '010': must be a decimal number",
             "grid:\n  block_damp: [010x]": "line 2, block_damp",
             "grid: {}": "line 1, grid: must map knobs to lists",
             "rows: []": "line 1, rows: must be a list of settings",

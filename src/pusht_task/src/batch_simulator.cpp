@@ -3,12 +3,24 @@
 
 #include <utility>
 
+#include "pusht_task/error.hpp"
+
 namespace pusht {
+namespace {
+
+std::vector<std::unique_ptr<Simulator>> oneOf(std::unique_ptr<Simulator> world) {
+  std::vector<std::unique_ptr<Simulator>> worlds;
+  worlds.push_back(std::move(world));
+  return worlds;
+}
+
+}  // namespace
 
 SimulatorLanes::SimulatorLanes(std::vector<std::unique_ptr<Simulator>> worlds)
-    : worlds_(std::move(worlds)), errors_(worlds_.size()) {}
+    : worlds_(std::move(worlds)),
+      errors_(worlds_.size(), std::make_exception_ptr(InvalidInput("step: the world must be reset first"))) {}
 
-SimulatorLanes::SimulatorLanes(std::unique_ptr<Simulator> world) : errors_(1) { worlds_.push_back(std::move(world)); }
+SimulatorLanes::SimulatorLanes(std::unique_ptr<Simulator> world) : SimulatorLanes(oneOf(std::move(world))) {}
 
 void SimulatorLanes::reset(int lane, const WorldState& state) {
   worlds_.at(lane)->reset(state);

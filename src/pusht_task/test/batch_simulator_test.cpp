@@ -49,6 +49,13 @@ TEST(SimulatorLanes, StepsEachLaneThatHasAnAction) {
   EXPECT_EQ(lanes.state(2).pusher_position, Eigen::Vector2d(0.0, -0.1)) << "clipped";
 }
 
+TEST(SimulatorLanes, ALaneHasNoStateBeforeItsReset) {
+  SimulatorLanes lanes = gliders(2);
+  lanes.reset(0, WorldState());
+  EXPECT_NO_THROW(lanes.state(0));
+  EXPECT_THROW(lanes.state(1), InvalidInput);
+}
+
 TEST(SimulatorLanes, TheErrorOfALaneIsItsOwnUntilItIsReset) {
   SimulatorLanes lanes = gliders(2);
   WorldState near_the_edge;

@@ -33,7 +33,7 @@ class BatchSimulator {
   /// its state() throws it, and it stays as it is until it is reset.
   virtual void step(Actions actions) = 0;
 
-  /// As Simulator::state. Throws what kept the lane from a step since its reset.
+  /// As Simulator::state. Throws what kept the lane from a step since its reset, InvalidInput before the first one.
   virtual WorldState state(int lane) const = 0;
 };
 

@@ -112,7 +112,7 @@ TEST_F(Scene, F2EveryFieldOfTheTaskIsChecked) {
       {"<worldbody>", "<statistic meaninertia=\"5\"/><worldbody>", "statistic meaninertia is 5.0"},
       {"<geom name=\"bar\"",
        "<geom type=\"sphere\" size=\"0.001\" mass=\"1e-12\" contype=\"0\" conaffinity=\"0\"/><geom name=\"bar\"",
-       "body tee body_mass"},
+       "body tee body_ipos[1]"},
       {"<actuator>", "<contact><exclude body1=\"tee\" body2=\"pusher\"/></contact><actuator>",
        "nexclude is 1: must be 0"},
   };

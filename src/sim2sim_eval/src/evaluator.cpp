@@ -10,6 +10,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/numbers.hpp"
 #include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/command_line.hpp"
 #include "sim2sim_eval/messages.hpp"
@@ -18,6 +19,12 @@
 
 namespace sim2sim {
 namespace {
+
+constexpr double kRateForEyes = 50.0;  // [control steps/s]
+constexpr double kFullSpeed = 0.0;
+constexpr std::chrono::seconds kLinePeriod{5};
+constexpr const char* kEndOfLaunch = " (roslaunch now ends the other nodes, and says so in red)";
+constexpr const char* kHowToResume = "rosservice call /sim2sim/control \"{command: resume}\"";
 
 std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(seconds));
@@ -136,8 +143,22 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   set("record", request.record, goal.record);
   set("out", request.out, goal.out);
   set("overwrite", request.overwrite, goal.overwrite);
-  request.knobs = goal.knobs;
+  request.knobs.insert(request.knobs.end(), goal.knobs.begin(), goal.knobs.end());  // the last of a name counts
   return request;
+}
+
+std::string ProgressLine::of(const std::vector<EpisodeResult>& finished) {
+  const Clock::time_point now = Clock::now();
+  if (now - last_ < kLinePeriod) {
+    return "";
+  }
+  last_ = now;
+  const auto count = static_cast<int>(finished.size());
+  const std::chrono::duration<double> elapsed = now - begin_;
+  const Summary summary = summarize(finished);
+  return std::to_string(count) + " of " + std::to_string(episodes_) + " episodes finished; success: reference " +
+         std::to_string(summary.reference.successes) + ", engine " + std::to_string(summary.engine.successes) +
+         "; about " + pusht::fixedText(elapsed.count() / count * (episodes_ - count), 0) + " s left";
 }
 
 EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters) {
@@ -154,17 +175,18 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   if (request.smoke) {
     request.protocol = smokeRun(request.protocol);
   }
-  request.rate = parameters.real("rate", request.rate);
+  loaded.headless = parameters.text("headless", "rviz was not asked for");
+  request.rate = parameters.real("rate", loaded.headless.empty() ? kRateForEyes : kFullSpeed);
+  request.knobs = parameters.group("knobs");
   request.record = parameters.flag("record", request.record);
   request.out = parameters.text("out", request.out);
   request.overwrite = parameters.flag("overwrite", request.overwrite);
   loaded.start = parameters.flag("start", loaded.start);
-  loaded.exit = parameters.flag("exit", loaded.exit);
+  loaded.exit = parameters.flag("exit", loaded.exit) && !loaded.headless.empty();
   loaded.respawn = parameters.flag("respawn", loaded.respawn);
   loaded.deadline = parameters.positive("deadline", loaded.deadline);
   loaded.patience = parameters.positive("patience", loaded.patience);
   loaded.status_file = parameters.text("status_file", loaded.status_file);
-  loaded.notice = parameters.text("notice", loaded.notice);
   return loaded;
 }
 
@@ -172,19 +194,21 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
     : node_(node),
       parameters_(std::move(parameters)),
       broadcast_(node_),
+      progress_(node_.advertise<pusht_msgs::Progress>("progress", 1, true)),
       health_("none", "comparison", [this](pusht::DiagnosticStatusWrapper& status) { report(status); }),
       control_(node_.advertiseService("control", &Evaluator::onControl, this)),
       server_(
           node_, "compare", [this](const Goal& goal) { onGoal(goal); }, [this](const Goal& goal) { onCancel(goal); },
           false) {
-  if (!parameters_.notice.empty()) {
-    ROS_WARN_STREAM(parameters_.notice);
+  if (!parameters_.headless.empty()) {
+    ROS_INFO_STREAM("running headless: " << parameters_.headless);
   }
   if (parameters_.start) {
     next_job_ = Job{parameters_.request, std::nullopt};
     activity_ = "beginning";
     busy_ = true;
   }
+  tellProgress();
   server_.start();
 }
 
@@ -252,6 +276,7 @@ RunStatus Evaluator::execute(const Job& job) {
 void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
   request.protocol.validate();
   pacer_.setRate(request.rate);
+  begin(request.protocol.episodes);
   const LiveOptions options = {request.knobs, parameters_.respawn, milliseconds(parameters_.patience)};
   Cast cast(request.services, milliseconds(parameters_.deadline));
   const auto stop = [this] { return stopped(); };
@@ -266,6 +291,7 @@ void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
   runLive(configuration.protocol, cast, pacer_, *this, options, stop);
   broadcast_.end();
   run_->finish(std::cout, faults_survived_);
+  ROS_INFO_STREAM("finished, all is well: results in " << folder_.string() << (parameters_.exit ? kEndOfLaunch : ""));
   const std::string doubt = doubtAboutPolicy(metrics(configuration, summarize(run_->episodes())), provenance);
   if (!doubt.empty()) {
     ROS_WARN_STREAM(doubt);
@@ -286,6 +312,7 @@ void Evaluator::answer(Job& job, const RunStatus& status) {
     failure_ = status.exit_code == pusht::ExitCode::kOk ? "" : status.reason;
     activity_ = "idle";
   }
+  tellProgress();
   if (job.goal) {
     pusht_msgs::CompareResult result;
     result.exit_code = static_cast<int>(status.exit_code);
@@ -339,6 +366,7 @@ bool Evaluator::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::Contr
   try {
     control(request);
     response.success = 1;
+    tellProgress();
   } catch (const pusht::InvalidInput& refusal) {
     response.success = 0;
     response.message = refusal.what();
@@ -352,7 +380,10 @@ void Evaluator::control(const pusht_msgs::ControlRequest& request) {
   } else if (request.command == pusht_msgs::ControlRequest::RESUME) {
     pacer_.resume();
   } else if (request.command == pusht_msgs::ControlRequest::RATE) {
-    pacer_.setRate(request.rate);
+    if (request.rate == 0.0) {
+      throw pusht::InvalidInput("rate 0: must be above 0 (control steps per second), or below: as fast as possible");
+    }
+    pacer_.setRate(request.rate < 0.0 ? kFullSpeed : request.rate);
   } else if (request.command == pusht_msgs::ControlRequest::STEP) {
     if (!pacer_.step()) {
       throw pusht::InvalidInput("step: only while paused");
@@ -375,8 +406,43 @@ void Evaluator::onStep(const Episode& episode, const ros::Time& stamp) {
 void Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
   run_->add(episode.result());
   broadcast_.finish(episode, run_->episodes(), stamp);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  activity_ = run_->progress() + " finished";
+  const std::string line = line_->of(run_->episodes());
+  if (!line.empty()) {
+    ROS_INFO_STREAM(line);
+  }
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    activity_ = run_->progress() + " finished";
+    ++episodes_finished_;
+  }
+  tellProgress();
+}
+
+void Evaluator::begin(int episodes) {
+  line_.emplace(episodes);
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    episodes_ = episodes;
+    episodes_finished_ = 0;
+  }
+  tellProgress();
+  if (pacer_.paused()) {
+    ROS_WARN_STREAM("the run waits, since the evaluator is paused; to go on: " << kHowToResume);
+  }
+}
+
+void Evaluator::tellProgress() {
+  const std::lock_guard<std::mutex> telling(telling_);
+  pusht_msgs::Progress progress;
+  progress.paused = static_cast<std::uint8_t>(pacer_.paused());
+  progress.rate = pacer_.rate();
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    progress.busy = static_cast<std::uint8_t>(busy_);
+    progress.episodes = static_cast<std::uint32_t>(episodes_);
+    progress.episodes_finished = static_cast<std::uint32_t>(episodes_finished_);
+  }
+  progress_.publish(progress);
 }
 
 void Evaluator::onFault(int episode, const pusht::PeerFault& fault) {

@@ -7,6 +7,7 @@ The numbers of the faults are those of the project's list.
 
 import json
 import os
+import re
 import resource
 import signal
 import sys
@@ -15,6 +16,8 @@ from pathlib import Path
 from typing import Any, Dict, Tuple
 
 import rosbag  # type: ignore[import]
+import roslaunch  # type: ignore[import]
+import rospkg  # type: ignore[import]
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
 from live_support import (  # noqa: E402
@@ -29,9 +32,11 @@ from live_support import (  # noqa: E402
     files,
     free_port,
     kill,
+    metrics_of,
     result_bytes,
     rows,
     status_of,
+    text_of,
     until,
 )
 
@@ -47,7 +52,7 @@ class Runs(LiveCase):
     def test_smoke_run_without_a_display(self) -> None:
         launch = Launch(self, smoke=True)
         self.assertEqual(launch.ended(), 0)
-        self.assertIn("no display (DISPLAY is not set): running headless", launch.output)
+        self.assertIn("running headless: no display (DISPLAY is not set)", launch.output)
         self.assertEqual(launch.status()["exit_code"], 0, launch.output)
         self.assertEqual(files(launch.out), RECORDED_RESULTS)
         self.assertEqual(result_bytes(launch.out), self.batch_bytes("--smoke"))
@@ -71,6 +76,116 @@ class Runs(LiveCase):
             (self.folder / "copy.json").read_bytes(), (out / "status.json").read_bytes()
         )
         self.assertEqual(files(out), RECORDED_RESULTS)
+
+    def test_knobs_reach_an_engine_that_is_started_elsewhere(self) -> None:
+        launch = Launch(
+            self, policy="expert", episodes=1, block_damp=20, engine_nodes=False, record=False
+        )
+        launch.line(r"process\[sim2sim-\d+\]: started")
+        for name in ("engine", "engine_replay"):
+            command = ("rosrun", "pusht_engine", "engine_node", f"__name:={name}")
+            Process(self, *command, environment=launch.environment)
+        launch.ended()
+        wanted = "--policy expert --episodes 1 --block_damp 20".split()
+        self.assertEqual(result_bytes(launch.out), self.batch_bytes(*wanted))
+
+    def test_run_says_how_far_it_is_and_that_all_is_well(self) -> None:
+        launch = Launch(self, policy="expert", episodes=2, rate=20)
+        line = r"of 2 episodes finished; success: reference \d, engine \d; about \d+ s left"
+        launch.line(line, 2 * DEADLINE)
+        launch.ended(2 * DEADLINE)
+        launch.line(f"finished, all is well: results in {launch.out}")
+
+
+class Displays(LiveCase):
+    """A display is there, cannot be opened, or goes."""
+
+    def test_display_that_cannot_be_opened(self) -> None:
+        launch = Launch(self, smoke=True, display=":77")
+        launch.ended()
+        self.assertIn("running headless: no display (DISPLAY is :77, which cannot", launch.output)
+        self.assertEqual(result_bytes(launch.out), self.batch_bytes("--smoke"))
+
+    def test_rviz_that_dies_does_not_end_the_run(self) -> None:
+        launch = Launch(self, smoke=True, rate=20, display=self.open_display())
+        launch.first("/sim2sim/divergence")
+        os.kill(launch.node("/rviz"), signal.SIGKILL)
+        launch.line(r"rviz has died \(exit code -9\): the run goes on headless")
+        launch.ended(2 * DEADLINE)
+        self.assertEqual(launch.status()["exit_code"], 0, launch.output)
+        self.assertEqual(result_bytes(launch.out), self.batch_bytes("--smoke"))
+
+    def open_display(self) -> str:
+        """A screen that nobody sees."""
+        command = ("Xvfb", "-displayfd", "1", "-screen", "0", "1366x768x24", "-nolisten", "tcp")
+        _, number = Process(self, *command).line(r"^\d+$")
+        return f":{number.strip()}"
+
+    def test_replay_without_a_display_ends(self) -> None:
+        port = str(free_port())
+        environment = {"DISPLAY": ":77", "ROS_HOME": str(self.folder / "ros")}
+        command = ("roslaunch", "-p", port, "sim2sim_eval", "replay.launch", "bag:=missing.bag")
+        launch = Process(self, *command, environment=environment)
+        launch.ended()
+        self.assertRegex(launch.output, "(?m)^(no display .DISPLAY is :77|replay: bag .*missing)")
+        self.assertNotIn("Traceback", launch.output)
+
+    def test_replay_of_no_bag_says_why(self) -> None:
+        (self.folder / "no.bag").write_text("no bag")
+        for bag, reason in (
+            ("", "replay: no bag: say which"),
+            ("missing.bag", "replay: bag .*/missing.bag: No such file or directory"),
+            ("no.bag", "replay: bag .*/no.bag: .*not appear to be a bag"),
+        ):
+            with self.subTest(bag):
+                process = self.run_command(
+                    "rosrun", "sim2sim_eval", "play_run", f"--from={self.folder}", f"--bag={bag}"
+                )
+                self.assertEqual(process.returncode, 2)
+                self.assertRegex(process.stderr, f"^{reason}.*\n$")
+
+
+class Arguments(LiveCase):
+    """Nobody needs to edit the package."""
+
+    # The names of the nodes that the launch file starts, and what follows from other arguments.
+    DERIVED = {
+        *("reference", "engine", "replay", "policy_namespace"),
+        *("exit", "headless", "knobs", "working_directory"),
+    }
+
+    def test_every_parameter_of_the_evaluator_is_an_argument(self) -> None:
+        launch = Launch(self, parameters={"sim2sim/none_such": 1}, smoke=True)
+        launch.ended()
+        (names,) = re.findall(r"there are: (.*)$", launch.status()["reason"])
+        self.assertGreater(set(names.split(", ")), self.DERIVED)
+        for name in set(names.split(", ")) - self.DERIVED:
+            self.assert_argument("sim2sim_eval", "compare", name, f"/sim2sim/{name}")
+
+    def test_every_knob_of_the_engine_is_an_argument(self) -> None:
+        out = self.folder / "knobs"
+        self.succeed("rosrun", "sim2sim_eval", "compare", "--smoke", "--out", str(out))
+        knobs = metrics_of(out)["knobs"]
+        self.assertTrue(knobs)
+        for name in knobs:
+            self.assert_argument("sim2sim_eval", "compare", name, f"/sim2sim/knobs/{name}")
+            self.assert_argument("pusht_engine", "engine", name, f"/engine/{name}")
+
+    def assert_argument(self, package: str, launch: str, name: str, parameter: str) -> None:
+        """A value that is not the default reaches the parameter."""
+        path = Path(rospkg.RosPack().get_path(package)) / "launch" / f"{launch}.launch"
+        default = self.parameters_of(path).get(parameter)
+        value = not default if isinstance(default, bool) else 1
+        with self.subTest(name):
+            given = self.parameters_of(path, f"{name}:={text_of(value)}")[parameter]
+            self.assertNotEqual(default, value)
+            self.assertEqual(given, type(given)(value))
+
+    def parameters_of(self, path: Path, *arguments: str) -> Dict[str, Any]:
+        config = roslaunch.config.ROSLaunchConfig()
+        loader = roslaunch.xmlloader.XmlLoader()
+        loader.load(str(path), config, argv=["rviz:=false", *arguments], verbose=False)
+        return {name: parameter.value for name, parameter in config.params.items()}
 
 
 class Refusals(LiveCase):

@@ -19,12 +19,14 @@ from pusht_msgs.msg import (  # type: ignore[import]
     Divergence,
     EpisodeResult,
     Parameter,
+    Progress,
     Summary,
     WorldStateStamped,
 )
 from pusht_msgs.srv import Reset, Step  # type: ignore[import]
 from pusht_task.task import wrap_angle
-from pusht_task.testing import run, sends, until
+from pusht_task.testing import Inbox, run, sends, until
+from rosgraph_msgs.msg import Log  # type: ignore[import]
 from tf2_msgs.msg import TFMessage  # type: ignore[import]
 from visualization_msgs.msg import MarkerArray  # type: ignore[import]
 
@@ -48,6 +50,7 @@ from live_support import (
 
 CONTROL_STEP = rospy.Duration(0, 100_000_000)
 PACED = {"rate": 150.0}  # a run that can be followed
+AT_ONCE = -1.0  # a rate: as fast as possible
 EPISODES = 3  # with fewer steps than messages wait in a publisher
 KNOBS = [Parameter("block_damp", "6.0")]  # the default: another goal may have set another value
 BATCH = ("--policy", "expert", "--episodes", str(EPISODES))
@@ -242,7 +245,7 @@ class LiveSession(GoalCase):
         while self.next_feedback() < (0, 3):
             pass
         self.accepted("pause")
-        self.accepted("rate", 0.0)  # all would be over at once
+        self.accepted("rate", AT_ONCE)  # all would be over at once
         self.accepted("step")
         self.assertFalse(self.client.wait_for_result(rospy.Duration(0.5)))
         self.accepted("resume")
@@ -255,15 +258,46 @@ class LiveSession(GoalCase):
         for command, rate, reason in (
             ("step", 0.0, "step: only while paused"),
             ("faster", 0.0, "command 'faster': must be pause, resume, step or rate"),
-            ("rate", -1.0, "rate -1.0: must be finite and >= 0"),
+            ("rate", 0.0, "rate 0: must be above 0 .*, or below: as fast as possible"),
             ("rate", math.inf, "rate inf: must be finite"),
         ):
             response = self.control(command, rate)
             self.assertFalse(response.success)
-            self.assertIn(reason, response.message)
-        self.accepted("rate", 0.0)
+            self.assertRegex(response.message, reason)
+        self.accepted("rate", AT_ONCE)
         self.result()
         self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
+
+    def test_anybody_can_learn_of_pause_and_rate(self) -> None:
+        self.send_and_hold(0, 5, rate=120.0, record=-1)
+        held = self.progress()
+        self.assertEqual((held.busy, held.paused, held.rate), (True, True, 120.0))
+        self.assertEqual((held.episodes, held.episodes_finished), (EPISODES, 0))
+        self.accepted("rate", AT_ONCE)
+        self.assertEqual(self.progress().rate, 0.0)
+        self.accepted("resume")
+        self.result()
+        ended = self.progress()
+        self.assertEqual((ended.busy, ended.paused), (False, False))
+        self.assertEqual(ended.episodes_finished, EPISODES)
+
+    def progress(self) -> Any:
+        return rospy.wait_for_message("/sim2sim/progress", Progress, DEADLINE)
+
+    def test_pause_that_holds_a_goal_is_told(self) -> None:
+        log = Inbox("/rosout", Log)
+        until(lambda: sends("/sim2sim", "/rosout"), "the log")
+        self.send_and_hold(0, 0, **PACED)
+        log.until(lambda line: "paused; to go on: rosservice call" in line.msg)
+        self.accepted("rate", AT_ONCE)
+        self.accepted("resume")
+        self.result()
+
+    def test_parameters_follow_a_configuration(self) -> None:
+        for value in ("20", "6.0"):
+            self.out = self.folder / value
+            self.compare(knobs=[Parameter("block_damp", value)], episodes=1, record=-1)
+            self.assertEqual(rospy.get_param("/engine/block_damp"), float(value))
 
     # The topics.
 
@@ -330,10 +364,8 @@ class LiveSession(GoalCase):
             np.testing.assert_allclose([tee.x, tee.y], [place + state.tee_x, state.tee_y])
 
     def test_whoever_comes_late_sees_everything(self) -> None:
-        self.send(**PACED)
-        self.feedback_of(0, 20)
-        self.accepted("pause")
-        markers = Topic("/sim2sim/markers", MarkerArray)
+        self.send_and_hold(0, 20, **PACED)
+        markers = Inbox("/sim2sim/markers", MarkerArray)
         scene = markers.until(lambda message: "mujoco/axes" in namespaces(message))[-1]
         self.assertIn("engine_replay", namespaces(scene))
         shown = markers.until(lambda message: "mujoco/episode" in namespaces(message))[-1]
@@ -343,20 +375,23 @@ class LiveSession(GoalCase):
         frames = tf2_ros.Buffer(debug=False)
         listener = tf2_ros.TransformListener(frames)
         for name in WORLDS:
-            state = self.states[name].until(lambda s, n=name: s.header.stamp == describe(n).stamp)
+            stamp = describe(name).stamp
+            state = self.states[name].until(lambda s, last=stamp: s.header.stamp == last)[-1].state
             tee = frames.lookup_transform(
                 f"{name}/table", f"{name}/tee", rospy.Time(), rospy.Duration(DEADLINE)
             ).transform.translation
-            self.assertEqual((tee.x, tee.y), (state[-1].state.tee_x, state[-1].state.tee_y))
+            self.assertEqual((tee.x, tee.y), (state.tee_x, state.tee_y))
             frames.lookup_transform(
                 "world", f"{name}/target", rospy.Time(), rospy.Duration(DEADLINE)
             )
         listener.unregister()
+        self.accepted("rate", AT_ONCE)
         self.accepted("resume")
         self.result()
 
     def test_last_picture_is_that_of_the_result(self) -> None:
-        markers = Topic("/sim2sim/markers", MarkerArray)
+        markers = Inbox("/sim2sim/markers", MarkerArray)
+        until(lambda: sends("/sim2sim", "/sim2sim/markers"), "markers")
         self.compare()
         wanted = f"policy expert: finished, {EPISODES} episodes"
         last = markers.until(lambda message: wanted in texts(message))[-1]

@@ -236,6 +236,7 @@ class Launch(Process):
         self,
         test: LiveCase,
         parameters: Optional[Dict[str, Any]] = None,  # set beside those of compare.launch
+        display: str = "",  # none
         master_uri: str = "",  # of a master that runs already; empty: the launch's own
         file_limit: Optional[int] = None,
         **arguments: Any,
@@ -247,7 +248,8 @@ class Launch(Process):
             "ROS_IP": "127.0.0.1",
             "ROS_HOME": str(test.folder / "ros"),
             "ROS_LOG_DIR": str(test.folder / "ros"),
-            "DISPLAY": "",
+            "DISPLAY": display,
+            "LIBGL_ALWAYS_SOFTWARE": "1",
             "PWD": str(test.folder),
         }
         self._test = test

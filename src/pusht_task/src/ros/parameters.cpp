@@ -96,6 +96,19 @@ std::string serviceName(const std::string& what, const std::string& name) {
   throw InvalidInput(what + " '" + name + "': must be a ROS name: letters, digits, _ and /");
 }
 
+void setParameters(const ros::NodeHandle& private_handle, const Parameters& parameters) {
+  for (const pusht_msgs::Parameter& parameter : parameters) {
+    double number = 0.0;
+    if (parse(parameter.value, number)) {
+      private_handle.setParam(parameter.name, number);
+    } else if (parameter.value == "true" || parameter.value == "false") {
+      private_handle.setParam(parameter.name, parameter.value == "true");
+    } else {
+      private_handle.setParam(parameter.name, parameter.value);
+    }
+  }
+}
+
 ParameterReader::ParameterReader(const ros::NodeHandle& private_handle) : namespace_(private_handle.getNamespace()) {
   XmlRpcValue all;
   if (private_handle.getParam(namespace_, all) && all.getType() == XmlRpcValue::TypeStruct) {
@@ -176,6 +189,21 @@ std::uint64_t ParameterReader::seed(const std::string& key, std::uint64_t fallba
     refuse(key, "must be an integer from 0 to 2^64 - 1 (as a text if it has more than 31 bits)");
   }
   return *seed;
+}
+
+Parameters ParameterReader::group(const std::string& key) {
+  const XmlRpcValue* value = find(key);
+  Parameters group;
+  if (value != nullptr) {
+    if (value->getType() != XmlRpcValue::TypeStruct) {
+      refuse(key, "must be names with values");
+    }
+    XmlRpcValue members = *value;
+    for (const auto& [name, member] : members) {
+      group.push_back(parameter(name, textOf(member)));
+    }
+  }
+  return group;
 }
 
 Parameters ParameterReader::changes(const Parameters& defaults) {

@@ -78,6 +78,9 @@ class SimulatorNode {
   }
   bool configure(pusht_msgs::ConfigureRequest& request, pusht_msgs::ConfigureResponse& response) {
     response = tally_.count(session_.configure(request));
+    if (response.success != 0) {
+      setParameters(node_, response.parameters);
+    }
     return true;
   }
   bool describe(pusht_msgs::DescribeRequest& /*request*/, pusht_msgs::DescribeResponse& response) {

@@ -5,7 +5,9 @@
 #include <actionlib/server/action_server.h>
 #include <pusht_msgs/CompareAction.h>
 #include <pusht_msgs/Control.h>
+#include <pusht_msgs/Progress.h>
 #include <ros/node_handle.h>
+#include <ros/publisher.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -14,6 +16,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pusht_task/ros/health.hpp"
 #include "pusht_task/ros/parameters.hpp"
@@ -42,21 +45,37 @@ struct LiveRequest {
 LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal);
 
 struct EvaluatorParameters {
-  LiveRequest request;     ///< what a goal leaves open
-  bool start = false;      ///< run `request` at once
-  bool exit = false;       ///< and end then
-  bool respawn = false;    ///< nodes that die come back: their episode is run again
-  double deadline = 5.0;   ///< [s] for the answer to a call
-  double patience = 30.0;  ///< [s] for a node to appear, or to come back
-  std::string
-      status_file;     ///< gets a copy of status.json, under way first, whatever becomes of the folder; empty: none
-  std::string notice;  ///< said at start; empty: nothing
+  LiveRequest request;      ///< what a goal leaves open
+  bool start = false;       ///< run `request` at once
+  bool exit = false;        ///< and end then, unless rviz shows it
+  bool respawn = false;     ///< nodes that die come back: their episode is run again
+  double deadline = 5.0;    ///< [s] for the answer to a call
+  double patience = 30.0;   ///< [s] for a node to appear, or to come back
+  std::string status_file;  ///< a copy of status.json, under way first; empty: none
+  std::string headless;     ///< why rviz does not show what runs; empty: it does, and the node stays when it has run
 
   /// Throws InvalidInput with key, value and rule.
   static EvaluatorParameters load(pusht::ParameterReader& parameters);
 };
 
-/// Offers, in its private namespace, the action `compare`, the service `control`, and the topics of Broadcast.
+/// When to say how far a run is, and how long it still takes if it goes on like this.
+class ProgressLine {
+ public:
+  explicit ProgressLine(int episodes) : episodes_(episodes) {}
+
+  /// Of the finished episodes; empty if the last line was less than 5 s ago.
+  std::string of(const std::vector<EpisodeResult>& finished);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  int episodes_;
+  Clock::time_point begin_ = Clock::now();
+  Clock::time_point last_ = begin_;
+};
+
+/// Offers, in its private namespace, the action `compare`, the service `control`, the topic `progress` (latched), and
+/// those of Broadcast.
 class Evaluator : private LiveObserver {
  public:
   Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters);
@@ -82,9 +101,13 @@ class Evaluator : private LiveObserver {
   void control(const pusht_msgs::ControlRequest& request);
   void report(pusht::DiagnosticStatusWrapper& status) const;
 
+  /// Tells on `~progress` how things are now. Not with `mutex_` held: the pacer calls stopped() under its own.
+  void tellProgress();
+
   std::optional<Job> nextJob();
   RunStatus execute(const Job& job);
   void compare(const LiveRequest& request, RunFolder& folder);
+  void begin(int episodes);
   void answer(Job& job, const RunStatus& status);
   bool stopped() const;
 
@@ -105,12 +128,18 @@ class Evaluator : private LiveObserver {
   Goal accepted_;        // the last one
   std::string failure_;  // of the last run; empty: none
   std::string activity_ = "idle";
+  int episodes_ = 0;  // of the run under way, or of the last one
+  int episodes_finished_ = 0;
+
+  std::mutex telling_;  // so that the last message is the newest
+  ros::Publisher progress_;
 
   // Of the run under way; used in the thread of run() alone.
   std::optional<Goal> goal_;
   std::unique_ptr<Run> run_;
   int faults_survived_ = 0;
   std::filesystem::path folder_;
+  std::optional<ProgressLine> line_;
 
   pusht::Health health_;
   ros::ServiceServer control_;

@@ -18,6 +18,9 @@ using Parameters = std::vector<pusht_msgs::Parameter>;
 
 pusht_msgs::Parameter parameter(const std::string& name, const std::string& value);
 
+/// Makes the parameters of a node those that it works with: numbers and switches as such, else texts.
+void setParameters(const ros::NodeHandle& private_handle, const Parameters& parameters);
+
 /// `changes` on top of `parameters`. Throws InvalidInput for a name that is not there.
 Parameters merged(Parameters parameters, const Parameters& changes);
 
@@ -45,6 +48,9 @@ class ParameterReader {
   double positive(const std::string& key, double fallback);
   /// A uint64 as text, since integers of the parameter server have 32 bits; those are accepted too.
   std::uint64_t seed(const std::string& key, std::uint64_t fallback);
+
+  /// Those below `key`, as text.
+  Parameters group(const std::string& key);
 
   /// Those of `defaults` that are set, as text.
   Parameters changes(const Parameters& defaults);

@@ -98,9 +98,8 @@ std::string serviceName(const std::string& what, const std::string& name) {
 
 void setParameters(const ros::NodeHandle& private_handle, const Parameters& parameters) {
   for (const pusht_msgs::Parameter& parameter : parameters) {
-    double number = 0.0;
-    if (parse(parameter.value, number)) {
-      private_handle.setParam(parameter.name, number);
+    if (const std::optional<double> number = decimal<double>(parameter.value)) {
+      private_handle.setParam(parameter.name, *number);
     } else if (parameter.value == "true" || parameter.value == "false") {
       private_handle.setParam(parameter.name, parameter.value == "true");
     } else {

@@ -142,20 +142,16 @@ class Rows(SweepCase):
         self.assertIn(next(iter(kept)).name, process.stderr)
         self.assertFalse((self.folder / "damaged" / "metrics.json").exists())
 
-    def test_every_knob_has_a_launch_argument_and_a_unit_in_plots(self) -> None:
+    def test_every_knob_has_a_unit_in_plots(self) -> None:
         said = self.run_command(COMPARE, "--help").stdout
         knobs = dict(
             re.findall(r"--(\w+) (?:(?!--).)*?engine: [^\[]*\[([^\]]+)\]", said, flags=re.S)
         )
         self.run_command(COMPARE, "--smoke", "--out", "out")
         self.assertEqual(set(knobs), set(self.load("out", "metrics.json")["knobs"]))
-        package = Path(__file__).parents[1]
-        plot = (package / "scripts" / "plot_sweep").read_text()
-        launch = (package / "launch" / "compare.launch").read_text()
+        plot = (Path(__file__).parents[1] / "scripts" / "plot_sweep").read_text()
         for knob, unit in knobs.items():
             self.assertIn(f'"{knob}": "{unit}"', plot)
-            self.assertEqual(launch.count(f'<arg name="{knob}" default='), 1, knob)
-            self.assertEqual(launch.count(f'<arg name="{knob}" value="$(arg {knob})" />'), 2, knob)
 
     def test_plot_says_that_rows_are_missing(self) -> None:
         self.finished("out")
@@ -575,7 +571,7 @@ class Faults(SweepCase):
         process = self.sweep("--out", "out", plan=plan)
         refusal = self.refused(4, process, "sweep")
         self.assertIn("row 1 (baumgarte 10.0): episode 3 (spawn seed 10003), engine_", refusal)
-        self.assertIn("the simulation left the ", refusal)
+        self.assertRegex(refusal, r"step \d+: step: \w+ \S+ m: must be within 1000.0 m\n$")
         self.assertEqual(self.load("out", "status.json")["rows_finished"], 2)
         self.assertEqual([row["row"] for row in self.load("out", "sweep.json")["rows"]], [0, 2])
 

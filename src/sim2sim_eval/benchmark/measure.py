@@ -206,7 +206,7 @@ class LiveRuns:
         from pusht_msgs.msg import CompareGoal
 
         goal = CompareGoal(
-            episodes=LIVE_EPISODES, out=self._folder, overwrite=1, record=1 if record else -1
+            episodes=[LIVE_EPISODES], out=[self._folder], overwrite=[True], record=[record]
         )
         self._ends.clear()
         before = [processor.seconds for processor in self._processors]

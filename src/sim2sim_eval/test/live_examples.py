@@ -6,10 +6,18 @@ import json
 
 import actionlib  # type: ignore[import]
 import rospy  # type: ignore[import]
-from pusht_msgs.msg import CompareAction, CompareGoal, Parameter  # type: ignore[import]
+from pusht_msgs.msg import CompareAction, Parameter  # type: ignore[import]
 from pusht_task.testing import run
 
-from live_support import DEADLINE, RECORDED_RESULTS, GoalCase, files, metrics_of, result_bytes
+from live_support import (
+    DEADLINE,
+    RECORDED_RESULTS,
+    GoalCase,
+    files,
+    goal_of,
+    metrics_of,
+    result_bytes,
+)
 
 
 class LiveExamples(GoalCase):
@@ -48,7 +56,7 @@ class LiveExamples(GoalCase):
             with self.subTest(fault):
                 out = self.folder / fault
                 knobs = [Parameter("fault", fault)]
-                sceptic.send_goal(CompareGoal(out=str(out), episodes=2, knobs=knobs))
+                sceptic.send_goal(goal_of(out=str(out), episodes=2, knobs=knobs))
                 self.assertTrue(sceptic.wait_for_result(rospy.Duration(DEADLINE)))
                 self.assertEqual(sceptic.get_result().exit_code, 4)
                 self.assert_not_whole(out, reason)

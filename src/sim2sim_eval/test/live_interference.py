@@ -16,11 +16,11 @@ from typing import Any, Dict, Tuple
 
 import actionlib  # type: ignore[import]
 import rospy  # type: ignore[import]
-from pusht_msgs.msg import CompareAction, CompareGoal, Parameter  # type: ignore[import]
+from pusht_msgs.msg import CompareAction, Parameter  # type: ignore[import]
 from pusht_msgs.srv import Configure, Reset, Step  # type: ignore[import]
 from pusht_task.testing import run
 
-from live_support import DEADLINE, RESULTS, GoalCase, files, result_bytes, status_of
+from live_support import DEADLINE, RESULTS, GoalCase, files, goal_of, result_bytes, status_of
 
 WORLDS = ("mujoco", "engine", "engine_replay")
 EPISODES = 4
@@ -110,7 +110,7 @@ class LiveInterference(GoalCase):
     def begin(self, client: Any, out: Path, damping: str) -> None:
         shutil.rmtree(out, ignore_errors=True)
         knobs = [Parameter("block_damp", damping)]
-        client.send_goal(CompareGoal(out=str(out), episodes=EPISODES, knobs=knobs, record=-1))
+        client.send_goal(goal_of(out=str(out), episodes=EPISODES, knobs=knobs, record=False))
 
     def end(self, client: Any, out: Path, damping: str) -> int:
         """The exit code of a run, which must tell the truth."""

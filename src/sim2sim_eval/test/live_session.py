@@ -153,7 +153,9 @@ class LiveSession(GoalCase):
         self.send(policy_namespace="a b")
         self.assertTrue(self.client.wait_for_result(rospy.Duration(DEADLINE)))
         self.assertEqual(self.client.get_state(), GoalStatus.REJECTED)
-        self.assertIn("policy_namespace 'a b': must be a ROS name", self.client.get_goal_status_text())
+        self.assertIn(
+            "policy_namespace 'a b': must be a ROS name", self.client.get_goal_status_text()
+        )
 
     def test_policy_that_nobody_serves(self) -> None:
         self.send(policy_namespace="nobody")
@@ -269,7 +271,7 @@ class LiveSession(GoalCase):
         self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
 
     def test_anybody_can_learn_of_pause_and_rate(self) -> None:
-        self.send_and_hold(0, 5, rate=120.0, record=-1)
+        self.send_and_hold(0, 5, rate=120.0, record=False)
         held = self.progress()
         self.assertEqual((held.busy, held.paused, held.rate), (True, True, 120.0))
         self.assertEqual((held.episodes, held.episodes_finished), (EPISODES, 0))
@@ -296,7 +298,7 @@ class LiveSession(GoalCase):
     def test_parameters_follow_a_configuration(self) -> None:
         for value in ("20", "6.0"):
             self.out = self.folder / value
-            self.compare(knobs=[Parameter("block_damp", value)], episodes=1, record=-1)
+            self.compare(knobs=[Parameter("block_damp", value)], episodes=1, record=False)
             self.assertEqual(rospy.get_param("/engine/block_damp"), float(value))
 
     # The topics.

@@ -15,7 +15,7 @@ import threading
 import time
 import xmlrpc.client
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Set, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
 
 import actionlib  # type: ignore[import]
 import rosgraph  # type: ignore[import]
@@ -313,6 +313,11 @@ def describe(node: str) -> Any:
         service.close()
 
 
+def goal_of(knobs: Sequence[Any] = (), **fields: Any) -> Any:
+    """A goal says nothing of a field, or has one value of it."""
+    return CompareGoal(knobs=knobs, **{field: [value] for field, value in fields.items()})
+
+
 class Topic(Inbox):
     """Every message of a node from now on."""
 
@@ -369,10 +374,7 @@ class GoalCase(LiveCase):
 
     def send(self, **fields: Any) -> None:
         self.feedback.forget(rospy.Time.now())
-        knobs = fields.pop("knobs", [])
-        given = {"out": str(self.out), **fields}
-        goal = CompareGoal(knobs=knobs, **{field: [value] for field, value in given.items()})
-        self.client.send_goal(goal)
+        self.client.send_goal(goal_of(**{"out": str(self.out), **fields}))
 
     def send_and_hold(self, episode: int, step: int, **fields: Any) -> None:
         """Sends a goal whose run stands still at that step, however long the test takes."""

@@ -274,9 +274,10 @@ Result successResult(const SuccessRate& rate, int episodes) {
 
 Result divergenceResult(const Mean& position, const Mean& angle) {
   Result result{"divergence " + fixedText(position.value, 3) + " m, " + fixedText(angle.value, 2) + " rad", ""};
-  if (position.interval && angle.interval) {
-    result.certainty =
-        "95% intervals " + inBrackets(*position.interval, 3) + " m, " + inBrackets(*angle.interval, 2) + " rad";
+  const std::optional<Interval> positions = aboveZero(position.interval);
+  const std::optional<Interval> angles = aboveZero(angle.interval);
+  if (positions && angles) {
+    result.certainty = "95% intervals " + inBrackets(*positions, 3) + " m, " + inBrackets(*angles, 2) + " rad";
   }
   return result;
 }

@@ -334,6 +334,14 @@ TEST(Picture, SaysWhatTheFinishedEpisodesSay) {
               IsSupersetOf({"divergence 0.082 m, 0.95 rad", "95% intervals [0.068, 0.095] m, [0.77, 1.13] rad"}));
 }
 
+TEST(Picture, ShowsNoDivergenceBelowZero) {
+  Summary summary = someSummary();
+  summary.position_divergence.interval = Interval{-0.085, 0.171};
+  summary.angle_divergence.interval = Interval{-3.73, 5.58};
+  EXPECT_THAT(texts(DriftingEpisode(kAway, 0.02, 0.1).update(summary), "engine_replay"),
+              Contains("95% intervals [0.000, 0.171] m, [0.00, 5.58] rad"));
+}
+
 TEST(Picture, SaysWhereTheRunIs) {
   DriftingEpisode episode(kAway, 0.02, 0.1);
   episode.advance(143);

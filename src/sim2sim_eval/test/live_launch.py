@@ -13,7 +13,7 @@ import signal
 import sys
 import time
 from pathlib import Path
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, List, Tuple
 
 import rosbag  # type: ignore[import]
 import roslaunch  # type: ignore[import]
@@ -109,11 +109,31 @@ class Displays(LiveCase):
     def test_rviz_that_dies_does_not_end_the_run(self) -> None:
         launch = Launch(self, smoke=True, rate=20, display=self.open_display())
         launch.first("/sim2sim/divergence")
-        os.kill(launch.node("/rviz"), signal.SIGKILL)
+        os.kill(launch.node(self.only_view(launch)), signal.SIGKILL)
         launch.line(r"rviz has died \(exit code -9\): the run goes on headless")
         launch.ended(2 * DEADLINE)
         self.assertEqual(launch.status()["exit_code"], 0, launch.output)
         self.assertEqual(result_bytes(launch.out), self.batch_bytes("--smoke"))
+
+    def test_second_view_does_not_end_the_run(self) -> None:
+        launch = Launch(self, smoke=True, rate=20, display=self.open_display())
+        launch.first("/sim2sim/divergence")
+        first = self.only_view(launch)
+        view = Process(
+            self, "roslaunch", "sim2sim_eval", "view.launch", environment=launch.environment
+        )
+        until(lambda: len(views(launch)) == 2, "a second view")
+        os.kill(launch.node(first), signal.SIGKILL)
+        launch.line(r"rviz has died \(exit code -9\): the run goes on headless")
+        launch.ended(2 * DEADLINE)
+        view.interrupt()
+        view.ended()
+        self.assertEqual(launch.status()["exit_code"], 0, launch.output)
+
+    def only_view(self, launch: Launch) -> str:
+        until(lambda: views(launch), "a view")
+        (view,) = views(launch)
+        return view
 
     def open_display(self) -> str:
         """A screen that nobody sees."""
@@ -525,6 +545,11 @@ class LostMaster(LiveCase):
         launch.ended()
         self.assertIn("sim2sim: /use_sim_time is set, but nobody publishes /clock", launch.output)
         self.assertFalse((launch.out / "metrics.json").exists())
+
+
+def views(launch: Launch) -> List[str]:
+    """The names of the nodes that are rviz."""
+    return [name for name in launch.tool("rosnode", "list").split() if name.startswith("/rviz")]
 
 
 def catches(pid: int, number: signal.Signals) -> bool:

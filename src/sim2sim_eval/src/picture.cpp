@@ -81,7 +81,7 @@ constexpr double kCurveZ = kAxisZ + kLayer;
 constexpr double kTextZ = kCurveZ + kLayer;
 constexpr float kGhostOpacity = 0.35F;
 
-constexpr std::size_t kMaxLinePoints = 75;  // of a trail or curve: bounds the size of an update
+constexpr std::size_t kMaxLinePoints = 75;  // of a trail or curve, about: bounds the size of an update
 constexpr double kTrailSpacing = 0.002;     // [m] up to which a tee rests
 constexpr std::array<int, 4> kTimeScales = {40, 100, 200, pusht::kHorizon};  // [control steps] full width of the axes
 
@@ -122,6 +122,24 @@ Points thinned(const Points& points) {
   }
   if (!points.empty() && (points.size() - 1) % stride != 0) {
     kept.push_back(points.back());
+  }
+  return kept;
+}
+
+/// The points that a long curve is drawn with: its ends, and the highest of each stretch, so that no peak is lost.
+Points peaksOf(const Points& curve) {
+  if (curve.size() <= kMaxLinePoints) {
+    return curve;
+  }
+  Points kept = {curve.front()};
+  const auto stride = static_cast<std::ptrdiff_t>(curve.size() / kMaxLinePoints + 1);
+  for (auto first = curve.begin() + 1; first != curve.end();) {
+    const auto last = first + std::min(stride, curve.end() - first);
+    kept.push_back(*std::max_element(first, last, [](const auto& a, const auto& b) { return a.y < b.y; }));
+    first = last;
+  }
+  if (kept.back().x < curve.back().x) {
+    kept.push_back(curve.back());
   }
   return kept;
 }
@@ -315,7 +333,7 @@ void drawStatus(Sheet& sheet, Mode mode, const pusht::Rollout& rollout) {
 /// A world's curves in the axes, and their last values above, at a `place` that counts from the right.
 void drawCurves(Sheet& sheet, Mode mode, const std::vector<Divergence>& steps, int time_scale, std::size_t place) {
   for (const Strip& strip : kStrips) {
-    sheet.line(Marker::LINE_STRIP, colorOf(mode), kCurveWidth, thinned(curveOf(steps, strip, time_scale)));
+    sheet.line(Marker::LINE_STRIP, colorOf(mode), kCurveWidth, peaksOf(curveOf(steps, strip, time_scale)));
     sheet.text(fixedText(steps.back().*strip.component, 3), kValueX - kValuePitch * static_cast<double>(place),
                strip.bottom + kAxisHeight + kStripTitleAbove, kSmallSize, colorOf(mode));
   }

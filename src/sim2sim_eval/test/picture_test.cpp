@@ -276,6 +276,28 @@ TEST(Picture, CurvesRunFromCornerToCornerOfTheirAxes) {
   }
 }
 
+TEST(Picture, LongCurvesKeepTheirPeaks) {
+  constexpr double kYawRate = 1.0;
+  DriftingEpisode episode(kAway, 0.0, kYawRate);
+  episode.advance(pusht::kHorizon);
+  const Marker angle = curvesBelow(episode.update(), "engine_replay").back();
+  const Axes axes = axesBelow("engine_replay").back();
+  const double step = (axes.right - axes.left) / pusht::kHorizon;
+  EXPECT_LT(angle.points.size(), 80U);
+  EXPECT_NEAR(angle.points.front().x, axes.left, kTolerance);
+  EXPECT_NEAR(angle.points.back().x, axes.right, kTolerance);
+  for (int k = 0; k <= pusht::kHorizon; ++k) {
+    const double part = std::abs(pusht::wrapAngle(k * kYawRate * pusht::kControlStep)) / pusht::kPi;
+    double highest = axes.bottom;
+    for (const geometry_msgs::Point& point : angle.points) {
+      if (std::abs(point.x - (axes.left + k * step)) < 5.5 * step) {
+        highest = std::max(highest, point.y);
+      }
+    }
+    EXPECT_GE(highest, axes.bottom + part * (axes.top - axes.bottom) - 1e-6) << "step " << k;
+  }
+}
+
 TEST(Picture, CurvesStayInTheirAxes) {
   DriftingEpisode episode(kAway, 1.0, 1.0);
   for (const int steps : {1, 40, 1, 59, 199}) {

@@ -7,7 +7,7 @@
 #include "sim2sim_eval/evaluator.hpp"
 
 int main(int argc, char** argv) {
-  sim2sim::catchInterrupts("sim2sim");  // before all else, so that status.json tells of any
+  sim2sim::catchInterruptsAside("sim2sim");  // before all else, so that status.json tells of any
   return pusht::runNode(argc, argv, "sim2sim", pusht::NoMaster::kFail, sim2sim::evaluate,
                         ros::init_options::NoSigintHandler);
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <csignal>
 #include <iostream>
+#include <thread>
 #include <utility>
 
 #include "pusht_task/error.hpp"
@@ -80,6 +81,21 @@ void catchInterrupts(const std::string& name) {
   // A file that grows beyond its limit and a reader that has gone are then errors of write(): results still get out.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
+}
+
+void catchInterruptsAside(const std::string& name) {
+  catchInterrupts(name);
+  std::thread([] {
+    while (true) {
+      ::pause();
+    }
+  }).detach();
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGALRM}) {
+    sigaddset(&signals, number);
+  }
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
 
 bool interrupted() { return interrupts_received != 0; }

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
 import rosbag  # type: ignore[import]
+import rosgraph  # type: ignore[import]
 import roslaunch  # type: ignore[import]
 import rospkg  # type: ignore[import]
 
@@ -90,10 +91,10 @@ class Runs(LiveCase):
         self.assertEqual(result_bytes(launch.out), self.batch_bytes(*wanted))
 
     def test_run_says_how_far_it_is_and_that_all_is_well(self) -> None:
-        launch = Launch(self, policy="expert", episodes=2, rate=20)
-        line = r"of 2 episodes finished; success: reference \d, engine \d; about \d+ s left"
-        launch.line(line, 2 * DEADLINE)
-        launch.ended(2 * DEADLINE)
+        launch = Launch(self, policy="expert", episodes=2, horizon=60, rate=10)
+        launch.line(r"of 2 episodes finished; success: reference \d, engine \d; about \d+ s left")
+        launch.tool("rosservice", "call", "/sim2sim/control", "{command: rate, rate: 100000}")
+        launch.ended()
         launch.line(f"finished, all is well: results in {launch.out}")
 
 
@@ -469,10 +470,10 @@ class LostMaster(LiveCase):
                 self.assertEqual(node.ended(10.0), 4, node.output)
                 self.assertRegex(node.output, reason)
 
-    def start_master(self) -> Tuple[Process, str]:
-        port = str(free_port())
-        uri = f"http://127.0.0.1:{port}"
+    def start_master(self, uri: str = "") -> Tuple[Process, str]:
+        uri = uri or f"http://127.0.0.1:{free_port()}"
         environment = {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1"}
+        port = uri.split(":")[-1]
         master = Process(self, "rosmaster", "--core", "-p", port, environment=environment)
         until(lambda: answers(uri), "a master")
         return master, uri
@@ -497,8 +498,7 @@ class LostMaster(LiveCase):
             node.line("waiting for the ROS master|Failed to contact master.*Retrying")
         nodes[-1].interrupt()
         self.assertNotEqual(nodes[-1].ended(), 0)
-        port = uri.split(":")[-1]
-        Process(self, "rosmaster", "--core", "-p", port, environment=environment)
+        self.start_master(uri)
         for _, name in waiting[:-1]:
             self.succeed(
                 *("rosservice", "call", "--wait", f"/{name}/describe", "{}"),
@@ -534,6 +534,21 @@ class LostMaster(LiveCase):
         launch.ended()
         self.assert_not_whole(launch.out, "the ROS master at .* has died|interrupted in episode")
 
+    def test_f22_signal_while_the_master_is_asked(self) -> None:
+        master, uri = self.start_master()
+        self.addCleanup(kill, master.pid, signal.SIGCONT)
+        parameters = {"out": str(self.folder / "out"), "start": True, "exit": True}
+        rosgraph.Master("/live_test", master_uri=uri).setParam("/sim2sim", parameters)
+        os.kill(master.pid, signal.SIGSTOP)
+        environment = {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1"}
+        node = Process(self, "rosrun", "sim2sim_eval", "evaluator_node", environment=environment)
+        until(lambda: catches(node.pid, signal.SIGTERM) and in_poll(node.pid), "a call")
+        os.kill(node.pid, signal.SIGTERM)
+        until(lambda: signals(node.pid, "ShdPnd") == 0, "the signal")
+        os.kill(master.pid, signal.SIGCONT)
+        self.assertEqual(node.ended(), 4, node.output)
+        self.assertEqual(status_of(self.folder / "out")["exit_code"], 4)
+
     def test_f17_no_clock(self) -> None:
         _, uri = self.start_master()
         environment = {"ROS_MASTER_URI": uri}
@@ -554,9 +569,18 @@ def views(launch: Launch) -> List[str]:
 
 def catches(pid: int, number: signal.Signals) -> bool:
     """Whether a process has a handler for a signal."""
-    status = Path(f"/proc/{pid}/status").read_text()
-    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
-    return bool(int(caught.split()[1], 16) & 1 << (number - 1))
+    return bool(signals(pid, "SigCgt") & 1 << (number - 1))
+
+
+def signals(pid: int, which: str) -> int:
+    """A set of signals, as /proc names it."""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    return next(int(line.split()[1], 16) for line in lines if line.startswith(which))
+
+
+def in_poll(pid: int) -> bool:
+    """Whether the main thread of a process waits for an answer."""
+    return "poll" in Path(f"/proc/{pid}/wchan").read_text()
 
 
 def runs(pid: int) -> bool:

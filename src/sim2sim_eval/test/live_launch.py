@@ -92,9 +92,10 @@ class Runs(LiveCase):
 
     def test_run_says_how_far_it_is_and_that_all_is_well(self) -> None:
         launch = Launch(self, policy="expert", episodes=2, horizon=60, rate=10)
-        launch.line(r"of 2 episodes finished; success: reference \d, engine \d; about \d+ s left")
+        launch.first("/sim2sim/episode")
         launch.tool("rosservice", "call", "/sim2sim/control", "{command: rate, rate: 100000}")
         launch.ended()
+        launch.line(r"of 2 episodes finished; success: reference \d, engine \d; about \d+ s left")
         launch.line(f"finished, all is well: results in {launch.out}")
 
 

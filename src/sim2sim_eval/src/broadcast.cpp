@@ -37,7 +37,7 @@ void Broadcast::begin(const RunConfiguration& configuration, Cast& cast, std::un
   configuration_ = configuration;
   bag_ = std::move(bag);
   finished_.reset();
-  summary_ = summaryMessage(configuration_, {}, ros::Time());
+  summary_ = summaryMessage(configuration_, std::nullopt, ros::Time());
   summary_topic_.publish(summary_);
   picture_ = makePicture(cast);
   fixed_frames_.sendTransform(picture_->frames());
@@ -85,7 +85,7 @@ void Broadcast::repeat() const {
 
 void Broadcast::finish(const Episode& episode, const std::vector<EpisodeResult>& finished, const ros::Time& stamp) {
   finished_ = summarize(finished);
-  summary_ = summaryMessage(configuration_, finished, stamp);
+  summary_ = summaryMessage(configuration_, finished_, stamp);
   const pusht_msgs::EpisodeResult result = toMessage(episode.result(), stamp);
   episode_.publish(result);
   summary_topic_.publish(summary_);

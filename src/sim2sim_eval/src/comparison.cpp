@@ -36,7 +36,7 @@ class Recorder {
       bag_.write(divergenceMessage(episode, step, stamp));
     }
     bag_.write(toMessage(episode.result(), stamp));
-    bag_.write(summaryMessage(run.configuration(), run.episodes(), stamp));
+    bag_.write(summaryMessage(run.configuration(), summarize(run.episodes()), stamp));
   }
 
   void finish() { bag_.finish(); }
@@ -134,8 +134,7 @@ void compare(const CompareOptions& options) {
     run.abandon(std::cout, failure);
     throw;
   }
-  run.finish(std::cout);
-  warn(doubtAboutPolicy(metrics(configuration, summarize(run.episodes())), origin));
+  warn(doubtAboutPolicy(run.finish(std::cout), origin));
 }
 
 }  // namespace sim2sim

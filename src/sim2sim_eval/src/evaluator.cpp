@@ -290,9 +290,9 @@ void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
   broadcast_.begin(configuration, cast, makeBag(request, folder, provenance, cast));
   runLive(configuration.protocol, cast, pacer_, *this, options, stop);
   broadcast_.end();
-  run_->finish(std::cout, faults_survived_);
+  const nlohmann::json metrics = run_->finish(std::cout, faults_survived_);
   ROS_INFO_STREAM("finished, all is well: results in " << folder_.string() << (parameters_.exit ? kEndOfLaunch : ""));
-  const std::string doubt = doubtAboutPolicy(metrics(configuration, summarize(run_->episodes())), provenance);
+  const std::string doubt = doubtAboutPolicy(metrics, provenance);
   if (!doubt.empty()) {
     ROS_WARN_STREAM(doubt);
   }

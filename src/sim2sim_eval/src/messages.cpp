@@ -82,12 +82,10 @@ pusht_msgs::EpisodeResult toMessage(const EpisodeResult& episode, const ros::Tim
   return message;
 }
 
-pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::vector<EpisodeResult>& finished,
+pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::optional<Summary>& finished,
                                    const ros::Time& stamp) {
-  Summary summary{0, {0, kNan, {kNan, kNan}}, {0, kNan, {kNan, kNan}}, std::nullopt, {kNan, {}}, {kNan, {}}};
-  if (!finished.empty()) {
-    summary = summarize(finished);
-  }
+  const Summary none{0, {0, kNan, {kNan, kNan}}, {0, kNan, {kNan, kNan}}, std::nullopt, {kNan, {}}, {kNan, {}}};
+  const Summary& summary = finished ? *finished : none;
   pusht_msgs::Summary message;
   message.header.stamp = stamp;
   message.episodes = static_cast<std::uint32_t>(configuration.protocol.episodes);

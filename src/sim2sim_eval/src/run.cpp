@@ -24,12 +24,15 @@ std::string Run::progress() const {
   return std::to_string(episodes_.size()) + " of " + std::to_string(configuration_.protocol.episodes) + " episodes";
 }
 
-void Run::finish(std::ostream& out, int faults_survived) {
+nlohmann::json Run::finish(std::ostream& out, int faults_survived) {
+  const Summary summary = summarize(episodes_);
   out << "policy " << configuration_.policy << ", seed " << configuration_.protocol.seed << ", horizon "
       << configuration_.protocol.horizon << " control steps\n"
-      << table(configuration_, summarize(episodes_)) << "results: " << folder_.path().string() << "\n"
+      << table(configuration_, summary) << "results: " << folder_.path().string() << "\n"
       << "config_hash: " << configurationHash(configuration_) << std::endl;
-  folder_.finish(configuration_, episodes_, faults_survived);
+  nlohmann::json metrics = sim2sim::metrics(configuration_, summary);
+  folder_.finish(metrics, episodes_, faults_survived);
+  return metrics;
 }
 
 void Run::abandon(std::ostream& out, const std::exception& failure, int faults_survived) const {

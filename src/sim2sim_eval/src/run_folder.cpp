@@ -34,12 +34,12 @@ void RunFolder::begin(const nlohmann::json& provenance, int episodes) {
 
 fs::path RunFolder::bagPath() const { return path() / kBag; }
 
-void RunFolder::finish(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes,
+void RunFolder::finish(const nlohmann::json& metrics, const std::vector<EpisodeResult>& episodes,
                        int faults_survived) {
   const auto count = static_cast<int>(episodes.size());
   try {
     pusht::writeFile(path() / kEpisodes, episodesCsv(episodes));
-    pusht::writeFile(path() / kMetrics, jsonText(metrics(configuration, summarize(episodes))));
+    pusht::writeFile(path() / kMetrics, jsonText(metrics));
     writeStatus({pusht::ExitCode::kOk, "finished", count, count, faults_survived});
   } catch (const pusht::RuntimeFault& fault) {
     std::error_code ignored;

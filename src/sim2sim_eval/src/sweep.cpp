@@ -116,15 +116,17 @@ class Sweeper {
  private:
   void finishRow(std::size_t index, const ReferenceCache& references) {
     const RunConfiguration configuration = rowConfiguration(protocol_, setup_.policyName(), plan_.rows[index]);
-    auto episodes = readRow(folder_.path(), index, configuration);
-    if (episodes) {
+    Summary summary;
+    if (const auto episodes = readRow(folder_.path(), index, configuration)) {
       bar_.skip(protocol_.episodes);
-      folder_.resume(index, configuration, *episodes);
+      summary = summarize(*episodes);
+      folder_.resume(index, metrics(configuration, summary));
     } else {
-      episodes = runRow(index, references);
-      folder_.keep(index, configuration, *episodes);
+      const std::vector<EpisodeResult> run = runRow(index, references);
+      summary = summarize(run);
+      folder_.keep(index, metrics(configuration, summary), run);
     }
-    printRow(configuration, settingText(index), summarize(*episodes));
+    printRow(configuration, settingText(index), summary);
   }
 
   std::vector<EpisodeResult> runRow(std::size_t index, const ReferenceCache& references) {
@@ -315,7 +317,8 @@ void merge(const MergeOptions& options) {
           throw pusht::RuntimeFault("interrupted in row " + std::to_string(row) + " of " + std::to_string(rows.size()));
         }
         const RunConfiguration configuration = rowOf(whole, rows.at(row));
-        folder.keep(row, configuration, joinRow(shards, configuration, row));
+        const std::vector<EpisodeResult> episodes = joinRow(shards, configuration, row);
+        folder.keep(row, metrics(configuration, summarize(episodes)), episodes);
       }
     });
   } catch (const json::exception& error) {

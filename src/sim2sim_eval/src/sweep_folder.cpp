@@ -177,8 +177,7 @@ void SweepFolder::begin(const json& description, const json& provenance) {
   writeTables();
 }
 
-void SweepFolder::keep(std::size_t index, const RunConfiguration& configuration,
-                       const std::vector<EpisodeResult>& episodes) {
+void SweepFolder::keep(std::size_t index, const json& metrics, const std::vector<EpisodeResult>& episodes) {
   const fs::path row = rowPath(path(), index);
   std::error_code error;
   fs::create_directories(row, error);
@@ -186,13 +185,11 @@ void SweepFolder::keep(std::size_t index, const RunConfiguration& configuration,
     throw pusht::RuntimeFault("cannot create " + row.string() + ": " + error.message());
   }
   pusht::writeFile(row / kEpisodes, episodesCsv(episodes));
-  pusht::writeFile(row / kMetrics, jsonText(metrics(configuration, summarize(episodes))));
-  resume(index, configuration, episodes);
+  pusht::writeFile(row / kMetrics, jsonText(metrics));
+  resume(index, metrics);
 }
 
-void SweepFolder::resume(std::size_t index, const RunConfiguration& configuration,
-                         const std::vector<EpisodeResult>& episodes) {
-  json row = metrics(configuration, summarize(episodes));
+void SweepFolder::resume(std::size_t index, json row) {
   row["row"] = index;
   rows_.push_back(std::move(row));
   if (rows_.size() % (description_.at("rows").size() / kTablesWritten + 1) == 0) {

@@ -84,7 +84,7 @@ class Recording {
   void end(const EpisodeResult& result) {
     bag_.write(toMessage(result, stamps_.now()));
     finished_.push_back(result);
-    bag_.write(summaryMessage(configuration_, finished_, stamps_.now()));
+    bag_.write(summaryMessage(configuration_, summarize(finished_), stamps_.now()));
   }
 
   void record(const Episode& episode) {
@@ -292,12 +292,12 @@ TEST(Messages, DivergenceIsNotANumberWhereARolloutHasEnded) {
 
 TEST(Messages, SummaryIsOfTheFinishedEpisodesAndOfNone) {
   Play play;
-  const auto none = summaryMessage(play.configuration(), {}, ros::Time(1.0));
+  const auto none = summaryMessage(play.configuration(), std::nullopt, ros::Time(1.0));
   EXPECT_EQ(none.episodes, 3U);
   EXPECT_EQ(none.episodes_finished, 0U);
   EXPECT_EQ(none.reference.trials, 0U);
   EXPECT_TRUE(std::isnan(none.reference.rate) && std::isnan(none.transfer) && std::isnan(none.angle_divergence.value));
-  const auto one = summaryMessage(play.configuration(), {play.run(5).result()}, ros::Time(1.0));
+  const auto one = summaryMessage(play.configuration(), summarize({play.run(5).result()}), ros::Time(1.0));
   EXPECT_EQ(one.episodes_finished, 1U);
   EXPECT_EQ(one.reference.successes, 1U);
   EXPECT_EQ(one.policy, "expert");

@@ -8,7 +8,7 @@
 #include <ros/time.h>
 
 #include <nlohmann/json.hpp>
-#include <vector>
+#include <optional>
 
 #include "pusht_task/ros/parameters.hpp"
 #include "sim2sim_eval/protocol.hpp"
@@ -21,8 +21,8 @@ pusht_msgs::Divergence divergenceMessage(const Episode& episode, int step, const
 
 pusht_msgs::EpisodeResult toMessage(const EpisodeResult& episode, const ros::Time& stamp);
 
-/// Of the `finished` episodes of a run, which may be none.
-pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::vector<EpisodeResult>& finished,
+/// Of a run with the summary of its `finished` episodes, if there are any.
+pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::optional<Summary>& finished,
                                    const ros::Time& stamp);
 
 /// The knobs of a served simulator as a RunConfiguration has them, each of the type that its text shows.

@@ -32,8 +32,8 @@ class Run {
   /// "3 of 50 episodes"
   std::string progress() const;
 
-  /// The results of a whole run. Throws as RunFolder::finish does.
-  void finish(std::ostream& out, int faults_survived = 0);
+  /// The results of a whole run. Returns its metrics; throws as RunFolder::finish does.
+  nlohmann::json finish(std::ostream& out, int faults_survived = 0);
 
   /// Keeps what a run has found that `failure` ended, and says so. What keeps it from being written is not an error:
   /// `failure` is the one to report.

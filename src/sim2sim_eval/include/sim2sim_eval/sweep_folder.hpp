@@ -53,10 +53,10 @@ class SweepFolder {
   void begin(const nlohmann::json& description, const nlohmann::json& provenance);
 
   /// Writes a row; rows come in order. Throws RuntimeFault if it cannot be written.
-  void keep(std::size_t index, const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes);
+  void keep(std::size_t index, const nlohmann::json& metrics, const std::vector<EpisodeResult>& episodes);
 
   /// The same for a row that is on disk already.
-  void resume(std::size_t index, const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes);
+  void resume(std::size_t index, nlohmann::json metrics);
 
   /// Says how the sweep ended: status.json, and sweep.csv and sweep.json with the rows that there are. Throws
   /// RuntimeFault if they cannot be written.

@@ -40,20 +40,10 @@ void requireWhole(const sim2sim::Run& run, const fs::path& bag) {
   }
 }
 
-/// Throws as readRun() does; a refusal in `folder` tells of an interrupt.
-sim2sim::RecordedRun readInto(sim2sim::RunFolder& folder, const fs::path& bag) {
-  try {
-    return sim2sim::readRun(bag, sim2sim::interrupted);
-  } catch (const pusht::RuntimeFault& fault) {
-    folder.refuse({fault.exitCode(), fault.what(), 0, 0, 0});
-    throw;
-  }
-}
-
 void recompute(const fs::path& bag, const fs::path& out, bool overwrite) {
   sim2sim::RunFolder folder(out, overwrite, "recompute");
   folder.refuseInputs({{"bag", bag}});
-  sim2sim::RecordedRun recorded = readInto(folder, bag);
+  sim2sim::RecordedRun recorded = sim2sim::loadFor(folder, [&] { return sim2sim::readRun(bag, sim2sim::interrupted); });
   recorded.provenance["bag"] = bag.string();
   sim2sim::Run run(recorded.configuration, folder, recorded.provenance);
   for (const sim2sim::EpisodeResult& episode : recorded.episodes) {

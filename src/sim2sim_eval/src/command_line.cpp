@@ -6,6 +6,8 @@
 #include <atomic>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 #include <iostream>
 #include <thread>
 #include <utility>
@@ -17,10 +19,13 @@
 namespace sim2sim {
 namespace {
 
-std::atomic<int> interrupts_received = 0;
-static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may touch nothing else");
+std::atomic<std::int64_t> first_interrupt = 0;  // [ns] on the monotonic clock; 0: none yet
+static_assert(std::atomic<std::int64_t>::is_always_lock_free, "a signal handler may touch nothing else");
 
 constexpr unsigned int kPatience = 10;  // [s] for an end in order
+
+/// [ns] Two signals that are closer are one: `timeout` sends its own to the command and to the command's group.
+constexpr std::int64_t kOneSignal = 500'000'000;
 
 std::string last_words;  // written by a signal handler
 
@@ -30,10 +35,15 @@ std::string last_words;  // written by a signal handler
 }
 
 void onInterrupt(int number) {
-  if (++interrupts_received > 1) {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  const std::int64_t time = now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+  std::int64_t first = 0;
+  if (first_interrupt.compare_exchange_strong(first, time)) {
+    ::alarm(kPatience);
+  } else if (time - first > kOneSignal) {
     endAtOnce(number);
   }
-  ::alarm(kPatience);
 }
 
 template <class Number>
@@ -98,7 +108,7 @@ void catchInterruptsAside(const std::string& name) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
 
-bool interrupted() { return interrupts_received != 0; }
+bool interrupted() { return first_interrupt != 0; }
 
 void warn(const std::string& warning) {
   if (!warning.empty()) {

@@ -99,7 +99,9 @@ void compare(const CompareOptions& options) {
   RunFolder folder(options.out, options.overwrite);
   folder.refuseInputs(
       {{"policy", options.policy}, {"scene", options.scene}, {"reference cache", options.batch.reference_cache}});
-  const Setup setup({configuration.policy, options.require_policy, configuration.protocol.seed}, options.scene);
+  const Setup setup = loadFor(folder, [&] {
+    return Setup({configuration.policy, options.require_policy, configuration.protocol.seed}, options.scene);
+  });
   configuration.policy = setup.policyName();
   const auto references = options.batch.references(setup, configuration.protocol.horizon);
 

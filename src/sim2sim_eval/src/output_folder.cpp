@@ -73,6 +73,23 @@ std::vector<fs::path> find(const fs::path& folder, const ResultFile& file) {
   return found;
 }
 
+/// The first thing in `folder` that stands where a folder of `file` belongs; empty if there is none. What is written
+/// below a link would land in another place.
+fs::path findInPlaceOfFolder(const fs::path& folder, const ResultFile& file, std::size_t part = 0) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    if (part + 1 == file.parts.size() || !std::regex_match(entry.path().filename().string(), file.parts[part])) {
+      continue;
+    }
+    const bool is_folder = entry.symlink_status(ignored).type() == fs::file_type::directory;
+    if (const fs::path found = is_folder ? findInPlaceOfFolder(entry.path(), file, part + 1) : entry.path();
+        !found.empty()) {
+      return found;
+    }
+  }
+  return {};
+}
+
 /// Of a run that was refused, or that was killed before it had begun.
 bool tellsOfNoRun(const fs::path& status) {
   std::error_code ignored;
@@ -121,6 +138,13 @@ OutputFolder::~OutputFolder() {
 void OutputFolder::open() {
   create();
   lock();
+  for (const ResultFile& file : resultFiles()) {
+    const fs::path found = findInPlaceOfFolder(path_, file);
+    if (!found.empty()) {
+      throw pusht::InvalidInput("out " + path_.string() + ": results are written below " + nameIn(found) +
+                                ", which is a link or a file: must be a folder; move it, or name another folder");
+    }
+  }
 }
 
 void OutputFolder::refuseInputs(const std::vector<Input>& inputs) const {

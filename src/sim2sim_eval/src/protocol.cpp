@@ -7,6 +7,7 @@
 #include <limits>
 #include <mutex>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "pusht_task/error.hpp"
@@ -274,15 +275,21 @@ void runProtocol(const Protocol& protocol, const Players& players, int threads, 
   }
   std::vector<std::future<void>> workers;
   workers.reserve(static_cast<std::size_t>(threads));
-  for (int i = 0; i < threads; ++i) {
-    workers.push_back(std::async(std::launch::async, [&] {
-      try {
-        work();
-      } catch (...) {
-        failed = true;  // ends the other threads
-        throw;
-      }
-    }));
+  try {
+    for (int i = 0; i < threads; ++i) {
+      workers.push_back(std::async(std::launch::async, [&] {
+        try {
+          work();
+        } catch (...) {
+          failed = true;  // ends the other threads
+          throw;
+        }
+      }));
+    }
+  } catch (const std::system_error& error) {
+    failed = true;
+    throw pusht::RuntimeFault("cannot start thread " + std::to_string(workers.size() + 1) + " of " +
+                              std::to_string(threads) + ": " + error.what() + "; ask for fewer threads");
   }
   for (std::future<void>& worker : workers) {
     worker.get();  // if it throws, the destructors of the others wait for their ends

@@ -34,8 +34,7 @@ void RunFolder::begin(const nlohmann::json& provenance, int episodes) {
 
 fs::path RunFolder::bagPath() const { return path() / kBag; }
 
-void RunFolder::finish(const nlohmann::json& metrics, const std::vector<EpisodeResult>& episodes,
-                       int faults_survived) {
+void RunFolder::finish(const nlohmann::json& metrics, const std::vector<EpisodeResult>& episodes, int faults_survived) {
   const auto count = static_cast<int>(episodes.size());
   try {
     pusht::writeFile(path() / kEpisodes, episodesCsv(episodes));

@@ -13,6 +13,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/command_line.hpp"
+#include "sim2sim_eval/run_folder.hpp"
 #include "sim2sim_eval/sweep_folder.hpp"
 #include "sim2sim_eval/sweep_plan.hpp"
 
@@ -280,7 +281,7 @@ void sweep(const SweepOptions& options) {
                        {"policy", plan.policy},
                        {"scene", plan.scene},
                        {"reference cache", options.batch.reference_cache}});
-  const Setup setup({plan.policy, true, plan.protocol.seed}, plan.scene);
+  const Setup setup = loadFor(folder, [&] { return Setup({plan.policy, true, plan.protocol.seed}, plan.scene); });
 
   json description = descriptionOf(plan, setup);
   if (!options.shard.empty()) {

@@ -197,6 +197,13 @@ void SweepFolder::resume(std::size_t index, json row) {
   }
 }
 
+void SweepFolder::refuse(const RunStatus& status) {
+  folder_.open();
+  if (!folder_.holdsResults()) {
+    writeStatus(status.exit_code, status.reason);
+  }
+}
+
 void SweepFolder::finish(pusht::ExitCode code, const std::string& reason) {
   writeTables();
   writeStatus(code, reason);

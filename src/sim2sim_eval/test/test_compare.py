@@ -27,6 +27,7 @@ sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
 from command_case import DEADLINE, CommandCase, executable  # noqa: E402
 
 PACKAGES = rospkg.RosPack()
+PATIENCE = 10.0  # s, in which a command that was asked to end must have ended
 SCENE = Path(PACKAGES.get_path("pusht_mujoco"), "scenes", "pusht.xml")
 RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
 COMPARE = executable("sim2sim_eval", "compare")
@@ -766,7 +767,8 @@ class Faults(CompareCase):
         self.assert_one_line(self.compare("--smoke", "--out", "/proc/none/out"), 4)
 
     def test_f22_interrupted(self) -> None:
-        for number in (signal.SIGINT, signal.SIGTERM):
+        """Once, or twice at once, as `timeout` does: its signal goes to the command and to its group."""
+        for number, times in ((signal.SIGINT, 1), (signal.SIGTERM, 2)):
             out = f"out-{number.name}"
             terminal, side = pty.openpty()
             command = [COMPARE, "--policy", "expert", "--episodes", "100000", "--out", out]
@@ -777,7 +779,9 @@ class Faults(CompareCase):
                 shown = b""
                 while b"/100000" not in shown:  # the progress bar shows finished episodes
                     shown += os.read(terminal, 1000)
-                process.send_signal(number)
+                for _ in range(times):
+                    process.send_signal(number)
+                    wait_until(lambda: caught(process.pid, number))
                 printed, _ = process.communicate(timeout=DEADLINE)
             while b"interrupted" not in shown:
                 shown += os.read(terminal, 1000)
@@ -794,8 +798,8 @@ class Faults(CompareCase):
     def test_f29_policy_that_never_returns(self) -> None:
         """A signal is enough, if not at once; a second one ends the command at once."""
         policy = self.save("in_episode.pt", Endless(0.34, 0.37))
-        for signals in (1, 2):
-            out = f"out-{signals}"
+        for more in (False, True):
+            out = f"out-{more}"
             terminal, side = pty.openpty()  # or what it prints would be kept
             with self.endless(policy, out, stdout=side) as process:
                 os.close(side)
@@ -803,10 +807,11 @@ class Faults(CompareCase):
                 while b"never returns" not in shown:
                     shown += os.read(terminal, 1000)
                 process.send_signal(signal.SIGTERM)
-                if signals == 2:
-                    wait_until(lambda: caught(process.pid, signal.SIGTERM))
+                begin = time.monotonic()
+                while more and process.poll() is None:
                     process.send_signal(signal.SIGTERM)
                 _, said = process.communicate(timeout=DEADLINE)
+                self.assertEqual(more, time.monotonic() - begin < PATIENCE)
             os.close(terminal)
             self.assertEqual(process.returncode, 4, said)
             self.assertRegex(said, r"^compare: interrupted, and ended before .*\n$")
@@ -825,7 +830,9 @@ class Faults(CompareCase):
         self.assertRegex(
             said, r"^compare: policy \S+at_load.pt: interrupted while it was tried out\n$"
         )
-        self.assertFalse((self.folder / "out").exists())
+        self.assertEqual(self.files("out"), {"status.json"})
+        status = self.load("out", "status.json")
+        self.assertEqual((status["exit_code"], status["episodes_finished"]), (4, 0))
 
     def endless(self, policy: str, out: str, stdout: int) -> "subprocess.Popen[str]":
         return subprocess.Popen(

@@ -276,6 +276,19 @@ class Resuming(SweepCase):
         results = {n: content for n, content in self.results("out").items() if n not in mine}
         self.assertEqual(results, expected)
 
+    def test_link_where_rows_belong_is_refused(self) -> None:
+        """Or what is written below it would replace files in another place."""
+        self.write_below("data/000/episodes.csv")
+        (self.folder / "out").mkdir()
+        (self.folder / "out" / "rows").symlink_to(self.folder / "data")
+        for arguments in ((), ("--overwrite",)):
+            refusal = self.refused(2, self.sweep("--out", "out", *arguments), "sweep")
+            self.assertIn("rows, which is a link or a file: must be a folder", refusal)
+            self.assertEqual(self.files("out"), {"rows"})
+        self.assertEqual(
+            (self.folder / "data/000/episodes.csv").read_text(), "data/000/episodes.csv"
+        )
+
     def test_rows_of_an_earlier_sweep_go(self) -> None:
         self.finished("out")
         single = PLAN.replace("[6, 20]", "[6]").replace("[4, 1.5]", "[4]")

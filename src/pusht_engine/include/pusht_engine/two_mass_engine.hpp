@@ -44,9 +44,8 @@ struct Knob {
 ///   nothing changes any more: the pusher has no inertia, or the tee has none.
 /// - block_damp: a substep multiplies the velocity by 1 - h block_damp, which must not be negative.
 /// - baumgarte: pushed at v = 1 m/s, the link gives way by up to 0.58 v / baumgarte; that is its length at 9.7.
-/// (Overlap
-///   adds to v: up to about 20, a hard push may still close it. The world then flies apart, which ends the run.)
-///   The upper end is greatestBaumgarte(0).
+///   Overlap adds to v: up to about 20, a hard push may still close it. The world then flies apart, which ends the
+///   run. The upper end is greatestBaumgarte(0).
 constexpr std::array<Knob, 3> kKnobs = {{
     {"pusher_mass", "kg", "inertia of the pusher in contact", &TwoMassParameters::pusher_mass, 1e-6, 1e6,
      "beyond that nothing changes"},

@@ -18,9 +18,10 @@ int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
 CLI::Validator decimalInteger();
 CLI::Validator decimalReal();
 
-/// From now on the first SIGINT, SIGTERM or SIGHUP asks for an end in order: interrupted() holds. A second one, or
-/// 10 s without such an end, ends the process at once, with a line of `name` and exit code 4: code that is not ours may
-/// never return. What is under way then is lost; files are complete or absent all the same.
+/// From now on the first SIGINT, SIGTERM or SIGHUP asks for an end in order: interrupted() holds. A second one
+/// (half a second later, or more), or 10 s without such an end, ends the process at once, with a line of `name` and
+/// exit code 4: code that is not ours may never return. What is under way then is lost; files are complete or absent
+/// all the same.
 void catchInterrupts(const std::string& name);
 /// The same, but signals never break off a call of this thread or of those that it starts from now on: roscpp takes
 /// such a call of the master for a master that is not there, or a parameter that is not set.

@@ -42,7 +42,7 @@ class OutputFolder {
   bool holdsResults() const;
 
   /// Creates the folder and locks it for as long as the object lives. Throws InvalidInput if another command has locked
-  /// it, RuntimeFault if it cannot be written.
+  /// it or a link or a file is in it where a folder for results belongs, RuntimeFault if it cannot be written.
   void open();
 
   /// Removes the results of this kind besides the status, and folders of theirs that are empty then. Throws

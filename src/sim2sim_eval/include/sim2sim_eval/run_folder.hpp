@@ -66,4 +66,22 @@ class RunFolder {
   bool overwrite_;
 };
 
+/// What `load` gives, before a run or sweep begins in `folder`. If a fault ends it (an interruption, say), the folder
+/// says so.
+template <class Folder, class Load>
+auto loadFor(Folder& folder, const Load& load) {
+  try {
+    return load();
+  } catch (const pusht::Error& fault) {
+    if (fault.exitCode() == pusht::ExitCode::kRuntimeFault) {
+      try {
+        folder.refuse({fault.exitCode(), fault.what()});
+      } catch (const pusht::Error&) {
+        // The first fault is the one to report.
+      }
+    }
+    throw;
+  }
+}
+
 }  // namespace sim2sim

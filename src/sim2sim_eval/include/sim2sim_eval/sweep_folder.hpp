@@ -13,6 +13,7 @@
 #include "sim2sim_eval/output_folder.hpp"
 #include "sim2sim_eval/protocol.hpp"
 #include "sim2sim_eval/report.hpp"
+#include "sim2sim_eval/run_folder.hpp"
 
 namespace sim2sim {
 
@@ -57,6 +58,9 @@ class SweepFolder {
 
   /// The same for a row that is on disk already.
   void resume(std::size_t index, nlohmann::json metrics);
+
+  /// Only says why the sweep does not begin, or go on; not beside a sweep, whose status stays. Throws as begin() does.
+  void refuse(const RunStatus& status);
 
   /// Says how the sweep ended: status.json, and sweep.csv and sweep.json with the rows that there are. Throws
   /// RuntimeFault if they cannot be written.

@@ -149,6 +149,29 @@ TEST_F(SimulatorSessions, ARefusedConfigurationKeepsTheSimulator) {
   EXPECT_DOUBLE_EQ(second.state.pusher_x, first.state.pusher_x + 0.1);
 }
 
+TEST_F(SimulatorSessions, ARepeatedConfigureIsAnsweredAgain) {
+  pusht_msgs::ResetRequest mine;
+  mine.token = "mine";
+  ASSERT_EQ(session_.reset(mine).success, 1);
+  pusht_msgs::ConfigureRequest request;
+  request.token = "mine";
+  request.end_episode = 1;
+  request.parameters = {parameter("steps", "5")};
+  const auto first = session_.configure(request);
+  ASSERT_EQ(first.success, 1) << first.message;
+  EXPECT_EQ(session_.configure(request), first);
+
+  pusht_msgs::ConfigureRequest other = request;
+  other.parameters = {parameter("steps", "6")};
+  EXPECT_THAT(session_.configure(other).message, HasSubstr("its episode has ended"));
+  other = request;
+  other.token = "other";
+  EXPECT_THAT(session_.configure(other).message, HasSubstr("its episode has ended"));
+  EXPECT_EQ(session_.configure(request), first) << "what was refused has changed nothing";
+  ASSERT_EQ(session_.reset({}).success, 1);
+  EXPECT_THAT(session_.configure(request).message, HasSubstr("reset by another caller"));
+}
+
 TEST_F(SimulatorSessions, EveryAnswerNamesTheInstance) {
   const std::string instance = session_.describe().instance_id;
   EXPECT_FALSE(instance.empty());

@@ -98,6 +98,8 @@ class Drift:
     def reset(self, start: WorldState) -> WorldState:
         if self.fault == "elsewhere":
             return replace(start, tee_x=start.tee_x + 0.01)
+        if self.fault == "moving":
+            return replace(start, tee_yaw_rate=start.tee_yaw_rate + 1e-3)
         if self.fault == "askew":
             return replace(start, tee_yaw=wrap_angle(start.tee_yaw + 3.0))
         if self.fault:
@@ -244,10 +246,12 @@ class Resets(SessionCase):
         for fault, message in (
             ("elsewhere", "reset: ValueError: tee_x 0.01: must be 0.0, to 1e-06"),
             ("askew", r"reset: ValueError: tee_yaw 3.0: must be 0.0, to 1e-06"),
+            ("moving", "reset: ValueError: tee_yaw_rate 0.001: must be 0, to 1e-06"),
         ):
             self.simulators[0].fault = fault
             self.refused_reset(message, exit_code=4, start=[WorldStateMessage()])
             self.refused_step("needs a reset")
+        self.reset(start=[WorldStateMessage(tee_vx=0.1)])  # motion may be projected
 
     def test_start_that_is_out_of_range(self) -> None:
         bad = WorldStateMessage(tee_x=1e300)
@@ -432,6 +436,20 @@ class Configurations(SessionCase):
         self.accepted(self.configure({"drift": "2"}, end_episode=True))
         self.refused_step("needs a reset")
         self.assertEqual([simulator.drift for simulator in self.simulators], [0.5, 1.0, 2.0])
+
+    def test_repeated_one_is_answered_again(self) -> None:
+        def configure(drift: str = "1", token: str = "mine") -> Any:
+            return self.configure({"drift": drift}, end_episode=True, token=token)
+
+        self.reset(token="mine")
+        first = self.accepted(configure())
+        self.assertEqual(data(self.accepted(configure())), data(first))
+        self.assertEqual(len(self.simulators), 2, "nothing is made anew for it")
+        self.refused(configure("2"), "its episode has ended", ExitCode.RUNTIME_FAULT)
+        self.refused(configure(token="other"), "its episode has ended", ExitCode.RUNTIME_FAULT)
+        self.assertEqual(data(self.accepted(configure())), data(first))
+        self.reset(token="other")
+        self.refused(configure(), "reset by another caller", ExitCode.RUNTIME_FAULT)
 
     def test_after_a_failure(self) -> None:
         self.reset()

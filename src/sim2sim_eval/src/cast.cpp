@@ -59,13 +59,14 @@ void Cast::connectWorlds(const pusht::Parameters& knobs, std::chrono::millisecon
     const pusht::Parameters& wanted = identity_ ? part.description.parameters : knobs;  // as it was before the fault
     const pusht::Parameters parameters = mode == kReferenceClosed ? pusht::Parameters() : wanted;
     part.peer.connect(patience, stop);
-    part.description = part.peer.description();
+    DescribeResponse description = part.peer.description();
     auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_);
     if (!parameters.empty()) {
       world->configure(parameters);
     }
-    part.description.parameters = world->parameters();
-    part.description.parameters_hash = world->parametersHash();
+    description.parameters = world->parameters();
+    description.parameters_hash = world->parametersHash();
+    part.description = std::move(description);  // not before: a node that dies meanwhile gets the knobs next time
     part.world = world.get();
     worlds.at(mode) = std::move(world);
   }

@@ -469,7 +469,9 @@ pusht::ExitCode evaluate() {
     parameters.enterWorkingDirectory();
     const EvaluatorParameters loaded = EvaluatorParameters::load(parameters);
     parameters.refuseUnknown();
-    writeStatusFile(loaded.status_file, underWay(loaded.request.protocol.episodes));
+    if (loaded.start) {
+      writeStatusFile(loaded.status_file, underWay(loaded.request.protocol.episodes));
+    }
     Evaluator evaluator(node, loaded);
     ros::AsyncSpinner callbacks(1);
     callbacks.start();

@@ -42,11 +42,11 @@ LOG = logging.getLogger("rosout")  # of the node
 
 NANOSECONDS = 10**9  # in a second
 STAMP_STEP = round(CONTROL_STEP * NANOSECONDS)  # [ns]
-STAMP_LIMIT = (
-    2**31
-)  # [s] of what a caller may ask for; as much again is left to count on from there
+# [s] of what a caller may ask for; as much again is left to count on from there
+STAMP_LIMIT = 2**31
 POSITIONS = ("pusher_x", "pusher_y", "tee_x", "tee_y")
 SPEEDS = ("pusher_vx", "pusher_vy", "tee_vx", "tee_vy")
+VELOCITIES = (*SPEEDS, "tee_yaw_rate")
 KINDS = {bool: "true or false", int: "an integer", float: "a finite number", str: "a text"}
 FOREIGN = (Exception, SystemExit)  # what foreign code may end with; sys.exit() ends no node
 NEXT = -1  # as the index of a step: the one that comes next
@@ -115,7 +115,7 @@ class SimulatorSession:
         self._horizon = 0
         self._steps = 0  # taken in the episode
         self._token = ""  # of who holds the world; empty: nobody
-        self._last_request: Any = None  # the last reset or step that was taken
+        self._last_request: Any = None  # the last one that was taken
         self._last: Any = None  # answer to it
 
     def reset(self, request: Any) -> ResetResponse:
@@ -207,6 +207,8 @@ class SimulatorSession:
         return self._last
 
     def _configure(self, request: Any) -> ConfigureResponse:
+        if self._last is not None and request == self._last_request:
+            return self._last
         self._require_hold(request.token)
         mid_episode = self._closed is None and self._steps < self._horizon
         if mid_episode and not request.end_episode:
@@ -223,12 +225,14 @@ class SimulatorSession:
         self._parameters = parameters
         self._token = ""
         self._close("step after configure: the world needs a reset")
-        return ConfigureResponse(
+        self._last = ConfigureResponse(
             success=True,
             instance_id=self._identity.instance_id,
             parameters=_parameter_messages(parameters),
             parameters_hash=_hash(parameters),
         )
+        self._last_request = request
+        return self._last
 
     def _require_hold(self, token: str) -> None:
         if token == self._token:
@@ -421,6 +425,12 @@ def _started(simulator: Simulator, start: WorldState) -> WorldState:
             distance = abs(wrap_angle(found - wanted) if name == "tee_yaw" else found - wanted)
             if not distance <= START_TOLERANCE:
                 raise ValueError(f"{name} {found}: must be {wanted}, to {START_TOLERANCE}")
+        # Velocities may be projected onto what the simulator can represent; rest always can.
+        if all(getattr(start, name) == 0.0 for name in VELOCITIES):
+            for name in VELOCITIES:
+                found = getattr(state, name)
+                if not abs(found) <= START_TOLERANCE:
+                    raise ValueError(f"{name} {found}: must be 0, to {START_TOLERANCE}")
     return state
 
 

@@ -60,9 +60,8 @@ REPRESENTED = 1e-12  # [m, rad, m/s, rad/s] how near a start must be to what was
 def run(suite: Type[unittest.TestCase]) -> None:
     """The main of a test node."""
     name = re.sub(r"(?<!^)([A-Z])", r"_\1", suite.__name__).lower()
-    subject = getattr(
-        suite, "subject", None
-    )  # the private parameter that names the node under test
+    # The private parameter that names the node under test.
+    subject = getattr(suite, "subject", None)
     usage = f"usage: rosrun pusht_task {name} --text _{subject}:=/NAME"
     if {"-h", "--help"} & set(sys.argv[1:]):
         print(f"{suite.__doc__}\n\n{usage}")

@@ -74,6 +74,7 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
   return answer<pusht_msgs::ResetResponse>(instance_id_, [&](pusht_msgs::ResetResponse& response) {
     const WorldState start = startOf(request);
     const ros::Time stamp = nextStamp(request.stamp);
+    configuration_.reset();
     try {
       configured_.simulator->reset(start);
     } catch (const InvalidInput&) {
@@ -124,6 +125,9 @@ pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& r
 }
 
 pusht_msgs::ConfigureResponse SimulatorSession::configure(const pusht_msgs::ConfigureRequest& request) {
+  if (isRepeated(request)) {
+    return configuration_->answer;
+  }
   return answer<pusht_msgs::ConfigureResponse>(instance_id_, [&](pusht_msgs::ConfigureResponse& response) {
     requireHold(request.token);
     if (inEpisode() && request.end_episode == 0) {
@@ -132,8 +136,11 @@ pusht_msgs::ConfigureResponse SimulatorSession::configure(const pusht_msgs::Conf
     }
     configured_ = model_.make(merged(configured_.parameters, request.parameters));
     episode_.reset();
+    response.success = 1;
+    response.instance_id = instance_id_;
     response.parameters = configured_.parameters;
     response.parameters_hash = hashOf(configured_.parameters);
+    configuration_ = Configuration{request, response};
   });
 }
 
@@ -160,6 +167,10 @@ bool SimulatorSession::isRepeated(const pusht_msgs::StepRequest& request) const 
          request.step == static_cast<std::int64_t>(episode_->steps) - 1 && request.episode == episode_->index &&
          request.token == episode_->last.token && request.action == episode_->last.action &&
          request.stamp == episode_->last.stamp;
+}
+
+bool SimulatorSession::isRepeated(const pusht_msgs::ConfigureRequest& request) const {
+  return configuration_ && request == configuration_->request;
 }
 
 void SimulatorSession::requireHold(const std::string& token) const {

@@ -63,8 +63,15 @@ class SimulatorSession {
     pusht_msgs::StepResponse taken;  // its answer
   };
 
+  /// The change of parameters that was the last that happened to the world.
+  struct Configuration {
+    pusht_msgs::ConfigureRequest request;
+    pusht_msgs::ConfigureResponse answer;
+  };
+
   bool isRepeated(const pusht_msgs::ResetRequest& request) const;
   bool isRepeated(const pusht_msgs::StepRequest& request) const;
+  bool isRepeated(const pusht_msgs::ConfigureRequest& request) const;
   void requireHold(const std::string& token) const;
   void requireStep(const pusht_msgs::StepRequest& request) const;
   ros::Time nextStamp(const ros::Time& requested) const;
@@ -78,6 +85,7 @@ class SimulatorSession {
   Observer observer_;
   ros::Time stamp_;
   std::optional<Episode> episode_;
+  std::optional<Configuration> configuration_;  // empty once the world was reset
 };
 
 /// The answer of a node that failed at start.

@@ -562,17 +562,6 @@ class TrainCommand(CommandCase):
         self.assert_refused(finished, 4, "/proc/absent")
 
 
-class WriteAside(TemporaryFolderCase):
-    def test_failure_leaves_the_old_file(self) -> None:
-        path = self.folder / "some.json"
-        path.write_bytes(b"old")
-        with mock.patch("os.fsync", side_effect=OSError("disk full")):
-            with self.assertRaises(OSError):
-                training.write_aside(path, b"new")
-        self.assertEqual(path.read_bytes(), b"old")
-        self.assertEqual(list(self.folder.iterdir()), [path])
-
-
 class RecordEvaluation(CommandCase):
     def setUp(self) -> None:
         super().setUp()

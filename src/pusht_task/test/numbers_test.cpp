@@ -21,6 +21,9 @@ TEST(Decimal, IsAllOfTheTextAndHasNoLeadingZero) {
     EXPECT_EQ(decimal<int>(text), std::nullopt) << text;
     EXPECT_EQ(decimal<double>(text), std::nullopt) << text;
   }
+  for (const char* text : {"inf", "-inf", "infinity", "nan", "-nan", "NaN", "1e400"}) {
+    EXPECT_EQ(decimal<double>(text), std::nullopt) << text;
+  }
   EXPECT_EQ(decimal<std::uint64_t>("18446744073709551616"), std::nullopt);
 }
 

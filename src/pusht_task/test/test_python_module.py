@@ -10,6 +10,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import unittest
 from dataclasses import replace
 from pathlib import Path
@@ -26,7 +27,7 @@ from pusht_msgs.srv import (  # type: ignore[import]
     StepRequest,
 )
 
-from pusht_task import task
+from pusht_task import files, task
 from pusht_task.sessions import (
     ExitCode,
     FailedStart,
@@ -566,6 +567,40 @@ class Starts(unittest.TestCase):
             self.assertEqual(process.wait(timeout=10), ExitCode.RUNTIME_FAULT)
             self.assertRegex(waiting, r"\Amine: waiting for the ROS master at .*: roscore .*\n\Z")
             self.assertEqual(process.stderr.read(), "")
+
+
+class Files(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.path = Path(folder.name, "result.json")
+
+    def found(self) -> Dict[str, str]:
+        return {path.name: path.read_text() for path in self.path.parent.iterdir()}
+
+    def test_takes_the_place_of_an_older_one(self) -> None:
+        self.path.write_text("old")
+        with files.aside(self.path) as file:
+            file.write(b"new")
+            self.assertEqual(self.path.read_text(), "old")
+        self.assertEqual(self.found(), {"result.json": "new"})
+
+    def test_failure_leaves_the_older_one(self) -> None:
+        self.path.write_text("old")
+        with self.assertRaises(KeyboardInterrupt), files.aside(self.path) as file:
+            file.write(b"half")
+            raise KeyboardInterrupt
+        self.assertEqual(self.found(), {"result.json": "old"})
+
+    def test_files_and_links_of_others_stay(self) -> None:
+        for name in ("mine", "result.json.part"):
+            self.path.with_name(name).write_text("mine")
+        link = self.path.with_name("result.json.2.part")
+        link.symlink_to("mine")
+        files.write_file(self.path, b"new")
+        self.assertTrue(link.is_symlink())
+        kept = dict.fromkeys(("mine", "result.json.part", "result.json.2.part"), "mine")
+        self.assertEqual(self.found(), {"result.json": "new", **kept})
 
 
 class Policies(unittest.TestCase):

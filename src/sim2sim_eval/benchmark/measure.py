@@ -21,6 +21,8 @@ import xmlrpc.client
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
+from pusht_task.files import write_file
+
 PATIENCE = 60.0  # [s] for nodes to appear, and for a run over them
 NODES = ("sim2sim", "mujoco", "engine", "engine_replay", "policy")
 RECORDING_PAIRS = 40  # of live runs, one recorded, one not
@@ -454,9 +456,7 @@ def say(what: str) -> None:
 
 def write(path: Path, content: Dict[str, Any]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    aside = path.with_name(path.name + ".part")
-    aside.write_text(json.dumps(content, indent=2, sort_keys=True) + "\n", encoding="utf-8")
-    aside.replace(path)
+    write_file(path, (json.dumps(content, indent=2, sort_keys=True) + "\n").encode())
 
 
 def main() -> int:

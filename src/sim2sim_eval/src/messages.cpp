@@ -5,9 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <string>
-
-#include "pusht_task/numbers.hpp"
+#include <variant>
 
 namespace sim2sim {
 namespace {
@@ -99,26 +97,11 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
   return message;
 }
 
-namespace {
-
-/// The value that `text` shows: true or false, an integer, a real; else the text itself.
-nlohmann::json typed(const std::string& text) {
-  if (text == "true" || text == "false") {
-    return text == "true";
-  }
-  if (const auto integer = pusht::decimal<std::int64_t>(text)) {
-    return *integer;
-  }
-  const auto real = pusht::decimal<double>(text);
-  return real && std::isfinite(*real) ? nlohmann::json(*real) : nlohmann::json(text);  // JSON has no others
-}
-
-}  // namespace
-
 nlohmann::ordered_json knobsFrom(const pusht::Parameters& parameters) {
   nlohmann::ordered_json knobs = nlohmann::ordered_json::object();
   for (const pusht_msgs::Parameter& parameter : parameters) {
-    knobs[parameter.name] = typed(parameter.value);
+    knobs[parameter.name] =
+        std::visit([](const auto& value) { return nlohmann::ordered_json(value); }, pusht::valueOf(parameter.value));
   }
   return knobs;
 }

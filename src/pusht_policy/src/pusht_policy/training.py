@@ -37,6 +37,7 @@ from pusht_policy.demonstrations import (
     sha256_of_frames,
 )
 from pusht_policy.model import Policy, minimum_and_range, normalised
+from pusht_task.files import write_file
 
 EXIT_OK = 0
 EXIT_BAD_INPUT = 2
@@ -130,8 +131,8 @@ def train(bags: Sequence[Path], out: Path, state_dir: Path, recipe: Recipe) -> N
             "software": software(),
             "evaluation": None,
         }
-        write_aside(out, model_bytes)
-        write_aside(provenance_path(out), _json_bytes(provenance))
+        write_file(out, model_bytes)
+        write_file(provenance_path(out), _json_bytes(provenance))
         (state_dir / "state.pt").unlink()
 
 
@@ -190,7 +191,7 @@ class Trainer:
             "history": self.history,
         }
         torch.save(state, buffer)
-        write_aside(path, buffer.getvalue())
+        write_file(path, buffer.getvalue())
 
     def resume(self, path: Path) -> None:
         """Takes over a saved state, if there is one; refuses that of another run."""
@@ -336,7 +337,7 @@ def record_evaluation(checkpoint: Path, results: Path) -> None:
         "success_rate": rate,
         "successes": successes,
     }
-    write_aside(path, _json_bytes(provenance))
+    write_file(path, _json_bytes(provenance))
 
 
 def _value(path: Path, content: Any, key: str) -> Any:
@@ -392,21 +393,6 @@ def sha256_of(path: Path) -> str:
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; it must exist") from None
     return digest.hexdigest()
-
-
-def write_aside(path: Path, content: bytes) -> None:
-    """Writes a file under another name and renames it: it is complete or absent."""
-    partial = path.with_name(path.name + ".partial")
-    try:
-        with partial.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(partial, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            partial.unlink()
-        raise
 
 
 def software() -> Dict[str, str]:

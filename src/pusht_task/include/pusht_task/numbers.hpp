@@ -3,15 +3,17 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <system_error>
+#include <type_traits>
 
 namespace pusht {
 
-/// The number that all of `text` is, in decimal digits; none if it is no such number. 010 is none either: elsewhere
-/// that is 8.
+/// The number that all of `text` is, in decimal digits; none if it is no such number, as "inf" and "nan" are not. 010
+/// is none either: elsewhere that is 8.
 template <class Number>
 std::optional<Number> decimal(const std::string& text) {
   Number number{};
@@ -21,6 +23,11 @@ std::optional<Number> decimal(const std::string& text) {
   const bool padded = text.size() > first + 1 && text[first] == '0' && text[first + 1] >= '0' && text[first + 1] <= '9';
   if (read.ec != std::errc() || read.ptr != end || padded) {
     return std::nullopt;
+  }
+  if constexpr (std::is_floating_point_v<Number>) {
+    if (!std::isfinite(number)) {
+      return std::nullopt;
+    }
   }
   return number;
 }

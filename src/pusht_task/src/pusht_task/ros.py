@@ -11,6 +11,7 @@
 It then has the services, topics and frames of every other simulator, and keeps the same rules.
 """
 
+import contextlib
 import math
 import sys
 import threading
@@ -29,7 +30,7 @@ from diagnostic_msgs.msg import (  # type: ignore[import]
 from geometry_msgs.msg import TransformStamped  # type: ignore[import]
 from pusht_msgs.msg import WorldStateStamped  # type: ignore[import]
 from pusht_msgs.srv import Act as ActService  # type: ignore[import]
-from pusht_msgs.srv import Configure, Describe, Reset, Step
+from pusht_msgs.srv import Configure, ConfigureResponse, Describe, Reset, Step
 from rosgraph_msgs.msg import Clock  # type: ignore[import]
 
 from pusht_task.sessions import (
@@ -73,7 +74,7 @@ def serve_simulator(
         values = _private_parameters(defaults)
         frame_prefix = str(values.pop("frame_prefix"))
         publisher = _WorldPublisher(frame_prefix)
-        return SimulatorSession(make, values, identity, frame_prefix, publisher.publish)
+        return _SimulatorNode(make, values, identity, frame_prefix, publisher.publish)
 
     services = {"reset": Reset, "step": Step, "configure": Configure}
     return _serve(start, services, Identity(name, version))
@@ -172,6 +173,18 @@ class _Impatient(xmlrpc.client.Transport):
         connection = super().make_connection(host)
         connection.timeout = MASTER_DEADLINE
         return connection
+
+
+class _SimulatorNode(SimulatorSession):
+    """A session whose parameters are those of the node."""
+
+    def configure(self, request: Any) -> ConfigureResponse:
+        response = super().configure(request)
+        if response.success:
+            for name, value in self.parameters.items():
+                with contextlib.suppress(OverflowError):  # XML-RPC's integers have 32 bits
+                    rospy.set_param(f"~{name}", value)
+        return response
 
 
 class _WorldPublisher:

@@ -118,6 +118,12 @@ class SimulatorSession:
         self._last_request: Any = None  # the last one that was taken
         self._last: Any = None  # answer to it
 
+    @property
+    def parameters(self) -> Dict[str, Value]:
+        """As they are now."""
+        with self._lock:
+            return dict(self._parameters)
+
     def reset(self, request: Any) -> ResetResponse:
         return self._answer(self._reset, request, ResetResponse)
 

@@ -548,6 +548,8 @@ class SimulatorContract(ServedCase):
         self.assertEqual(list(found), [parameter.name for parameter in before.parameters])
         self.assertEqual(float(found.pop(number.name)), float(wanted.pop(number.name)))
         self.assertEqual(found, wanted)
+        shown = rospy.get_param(f"{self.namespace}/{number.name}")
+        self.assertEqual(shown, float(changed.value), "rosparam must show it")
         self.assertNotEqual(after.parameters_hash, before.parameters_hash)
         self.assertEqual(after.parameters_hash, response.parameters_hash)
         self.accepted("configure", parameters=[number])

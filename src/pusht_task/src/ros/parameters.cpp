@@ -96,12 +96,28 @@ std::string serviceName(const std::string& what, const std::string& name) {
   throw InvalidInput(what + " '" + name + "': must be a ROS name: letters, digits, _ and /");
 }
 
+ParameterValue valueOf(const std::string& text) {
+  if (text == "true" || text == "false") {
+    return text == "true";
+  }
+  if (const std::optional<std::int64_t> integer = decimal<std::int64_t>(text)) {
+    return *integer;
+  }
+  if (const std::optional<double> real = decimal<double>(text)) {
+    return *real;
+  }
+  return text;
+}
+
 void setParameters(const ros::NodeHandle& private_handle, const Parameters& parameters) {
   for (const pusht_msgs::Parameter& parameter : parameters) {
-    if (const std::optional<double> number = decimal<double>(parameter.value)) {
-      private_handle.setParam(parameter.name, *number);
-    } else if (parameter.value == "true" || parameter.value == "false") {
-      private_handle.setParam(parameter.name, parameter.value == "true");
+    const ParameterValue value = valueOf(parameter.value);
+    if (const auto* flag = std::get_if<bool>(&value)) {
+      private_handle.setParam(parameter.name, *flag);
+    } else if (const std::optional<int> integer = decimal<int>(parameter.value)) {
+      private_handle.setParam(parameter.name, *integer);
+    } else if (const auto* real = std::get_if<double>(&value)) {
+      private_handle.setParam(parameter.name, *real);
     } else {
       private_handle.setParam(parameter.name, parameter.value);
     }
@@ -160,10 +176,14 @@ double ParameterReader::real(const std::string& key, double fallback) {
   if (value == nullptr) {
     return fallback;
   }
-  if (value->getType() != XmlRpcValue::TypeDouble && value->getType() != XmlRpcValue::TypeInt) {
+  XmlRpcValue copy = *value;
+  if (copy.getType() == XmlRpcValue::TypeInt) {
+    return static_cast<int>(copy);
+  }
+  if (copy.getType() != XmlRpcValue::TypeDouble) {
     refuse(key, "must be a number");
   }
-  return realFromText(key, textOf(*value));
+  return static_cast<double>(copy);
 }
 
 double ParameterReader::positive(const std::string& key, double fallback) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace pusht {
@@ -18,7 +19,12 @@ using Parameters = std::vector<pusht_msgs::Parameter>;
 
 pusht_msgs::Parameter parameter(const std::string& name, const std::string& value);
 
-/// Makes the parameters of a node those that it works with: numbers and switches as such, else texts.
+/// What a parameter's text shows: true or false, an integer, a finite real; else the text itself. "20.0" is a real.
+using ParameterValue = std::variant<bool, std::int64_t, double, std::string>;
+ParameterValue valueOf(const std::string& text);
+
+/// Makes the parameters of a node those that it works with, typed as valueOf() says. The parameter server's integers
+/// have 32 bits; others stay texts.
 void setParameters(const ros::NodeHandle& private_handle, const Parameters& parameters);
 
 /// `changes` on top of `parameters`. Throws InvalidInput for a name that is not there.

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Files that are complete or absent."""
+
+import contextlib
+import os
+from pathlib import Path
+from typing import BinaryIO, Iterator, Tuple
+
+MODE = 0o644
+
+
+@contextlib.contextmanager
+def aside(path: Path) -> Iterator[BinaryIO]:
+    """A file beside `path` that takes its place at the end, or is removed if that fails.
+
+    Its name is a fresh one: what lies there already, a link too, is another's and stays as it is.
+    """
+    name, descriptor = _fresh(path)
+    try:
+        with os.fdopen(descriptor, "wb") as file:
+            yield file
+            file.flush()
+            os.fsync(descriptor)
+        name.replace(path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            name.unlink()
+        raise
+
+
+def _fresh(path: Path) -> Tuple[Path, int]:
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
+    name = path.with_name(f"{path.name}.part")
+    number = 1
+    while True:
+        try:
+            return name, os.open(name, flags, MODE)
+        except FileExistsError:
+            number += 1
+            name = path.with_name(f"{path.name}.{number}.part")
+
+
+def write_file(path: Path, content: bytes) -> None:
+    with aside(path) as file:
+        file.write(content)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// A policy as a node.
 #include <ros/console.h>
+#include <ros/init.h>
 
 #include <utility>
 
@@ -15,8 +16,8 @@ pusht::PolicyModel load(pusht::ParameterReader& parameters) {
   choice.policy = parameters.text("policy", choice.policy);
   choice.require_policy = parameters.flag("require_policy", choice.require_policy);
   choice.untrained_seed = parameters.seed("seed", choice.untrained_seed);
-  pusht::ChosenPolicy chosen =
-      pusht::choosePolicy(choice, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"));
+  pusht::ChosenPolicy chosen = pusht::choosePolicy(
+      choice, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"), [] { return !ros::ok(); });
   if (!chosen.warning.empty()) {
     ROS_WARN_STREAM(chosen.warning);
   }

@@ -107,9 +107,10 @@ struct Checkpoint {
 /// Loads the checkpoint at `path` in a copy of the process first: what libtorch makes of damaged files, or of code that
 /// never returns, ends there.
 template <class Load>
-auto loadRehearsed(const std::filesystem::path& path, std::chrono::milliseconds deadline, Load load) {
+auto loadRehearsed(const std::filesystem::path& path, std::chrono::milliseconds deadline,
+                   const std::function<bool()>& stop, Load load) {
   const CheckpointFile file(path);
-  rehearse(file.name, deadline, [&] {
+  rehearse(file.name, deadline, stop, [&] {
     requireWholeTensors(file.bytes, file.records, file.name);
     load(file);
   });
@@ -159,8 +160,9 @@ std::unique_ptr<NetworkPolicy> NetworkPolicy::clone() const {
 }
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& path, InstructionSet instruction_set,
-                                                   std::chrono::milliseconds deadline) {
-  return loadRehearsed(path, deadline, [&](const CheckpointFile& file) {
+                                                   std::chrono::milliseconds deadline,
+                                                   const std::function<bool()>& stop) {
+  return loadRehearsed(path, deadline, stop, [&](const CheckpointFile& file) {
     Checkpoint checkpoint(file);
     try {
       auto kernel = std::make_unique<NetworkKernel>(kInputs, checkpoint.network->operations(), instruction_set);
@@ -173,7 +175,8 @@ std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& 
 }
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::loadOnLibtorch(const std::filesystem::path& path) {
-  return loadRehearsed(path, kLoadDeadline, [](const CheckpointFile& file) {
+  const auto never = [] { return false; };
+  return loadRehearsed(path, kLoadDeadline, never, [](const CheckpointFile& file) {
     return std::unique_ptr<NetworkPolicy>(
         new NetworkPolicy(file.hash, std::move(Checkpoint(file).network), "asked for on libtorch"));
   });

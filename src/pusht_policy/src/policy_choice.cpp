@@ -47,8 +47,9 @@ nlohmann::json identityOf(const NetworkInfo& info) {
           {"blas", info.blas.empty() ? "" : sha256(readFile(info.blas, "BLAS"))}};
 }
 
-ChosenPolicy trained(const fs::path& path, const std::string& name) {
-  const std::shared_ptr<const NetworkPolicy> policy = NetworkPolicy::load(path);
+ChosenPolicy trained(const fs::path& path, const std::string& name, const std::function<bool()>& stop) {
+  const std::shared_ptr<const NetworkPolicy> policy =
+      NetworkPolicy::load(path, availableInstructionSets().back(), NetworkPolicy::kLoadDeadline, stop);
   return {[policy] { return policy->clone(); },
           name,
           identityOf(policy->info()),
@@ -65,7 +66,7 @@ ChosenPolicy untrained(std::uint64_t seed, const std::string& warning = "") {
 
 }  // namespace
 
-ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped) {
+ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, const std::function<bool()>& stop) {
   if (choice.policy == kExpertPolicy) {
     return {[] { return std::make_unique<ScriptedExpert>(); },
             kExpertPolicy,
@@ -78,12 +79,12 @@ ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped) {
     return untrained(choice.untrained_seed);
   }
   if (choice.policy == kShippedPolicy) {
-    return trained(shipped, kShippedPolicy);
+    return trained(shipped, kShippedPolicy, stop);
   }
   std::error_code ignored;
   const bool missing = fs::status(choice.policy, ignored).type() == fs::file_type::not_found;
   if (choice.require_policy || choice.policy.empty() || !missing) {
-    return trained(choice.policy, choice.policy);
+    return trained(choice.policy, choice.policy, stop);
   }
   // The course's guard, the one place where a measurement goes on with something else than was asked for.
   return untrained(choice.untrained_seed,

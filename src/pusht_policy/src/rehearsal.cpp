@@ -23,8 +23,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::array<int, 3> kEndingSignals{SIGINT, SIGTERM, SIGHUP};
+constexpr std::chrono::milliseconds kStopPeriod{100};
 
-/// Holds these signals back while it exists, but for those who wait with mask(): so none comes in between unseen.
+/// Holds these signals back from this thread while it exists, but for who waits with mask(): so none comes in between
+/// unseen.
 class SignalsHeld {
  public:
   SignalsHeld() {
@@ -116,12 +118,12 @@ class Copy {
   }
 
   /// All that it says until it ends.
-  std::string verdict(std::chrono::milliseconds deadline) {
+  std::string verdict(std::chrono::milliseconds deadline, const std::function<bool()>& stop) {
     const Clock::time_point end = Clock::now() + deadline;
     std::string text;
     std::array<char, 4096> buffer{};
     for (;;) {
-      waitForInput(end, deadline);
+      waitForInput(end, deadline, stop);
       const ssize_t count = read(input_, buffer.data(), buffer.size());
       if (count < 0) {
         throwSystemError(what_ + ": cannot be tried out: read");
@@ -140,22 +142,27 @@ class Copy {
   }
 
  private:
-  void waitForInput(Clock::time_point end, std::chrono::milliseconds deadline) const {
-    const std::chrono::nanoseconds left = std::max<std::chrono::nanoseconds>(end - Clock::now(), {});
-    const auto seconds = std::chrono::floor<std::chrono::seconds>(left);
-    const timespec timeout{seconds.count(), (left - seconds).count()};
-    pollfd input{input_, POLLIN, 0};
-    const int ready = ppoll(&input, 1, &timeout, &signals_.mask());
-    if (ready < 0 && errno == EINTR) {
-      throw RuntimeFault(what_ + ": interrupted while it was tried out");
-    }
-    if (ready < 0) {
-      throwSystemError(what_ + ": cannot be tried out: poll");
-    }
-    if (ready == 0) {
-      throw RuntimeFault(what_ + ": must load and act within " +
-                         std::to_string(std::chrono::duration_cast<std::chrono::seconds>(deadline).count()) +
-                         " s, but does not return");
+  void waitForInput(Clock::time_point end, std::chrono::milliseconds deadline,
+                    const std::function<bool()>& stop) const {
+    for (;;) {
+      const std::chrono::nanoseconds left = std::max<std::chrono::nanoseconds>(end - Clock::now(), {});
+      const timespec timeout{0, std::min<std::chrono::nanoseconds>(left, kStopPeriod).count()};
+      pollfd input{input_, POLLIN, 0};
+      const int ready = ppoll(&input, 1, &timeout, &signals_.mask());
+      if (ready > 0) {
+        return;
+      }
+      if (ready < 0 && errno != EINTR) {
+        throwSystemError(what_ + ": cannot be tried out: poll");
+      }
+      if (ready < 0 || stop()) {
+        throw RuntimeFault(what_ + ": interrupted while it was tried out");
+      }
+      if (left.count() == 0) {
+        throw RuntimeFault(what_ + ": must load and act within " +
+                           std::to_string(std::chrono::duration_cast<std::chrono::seconds>(deadline).count()) +
+                           " s, but does not return");
+      }
     }
   }
 
@@ -175,9 +182,10 @@ class Copy {
 
 }  // namespace
 
-void rehearse(const std::string& what, std::chrono::milliseconds deadline, const std::function<void()>& work) {
+void rehearse(const std::string& what, std::chrono::milliseconds deadline, const std::function<bool()>& stop,
+              const std::function<void()>& work) {
   Copy copy(what, work);
-  const std::string verdict = copy.verdict(deadline);
+  const std::string verdict = copy.verdict(deadline, stop);
   const int signal = copy.signalAtEnd();
   if (std::count(kEndingSignals.begin(), kEndingSignals.end(), signal) != 0) {
     throw RuntimeFault(what + ": interrupted while it was tried out");

@@ -9,9 +9,12 @@
 namespace pusht {
 
 /// Runs `work` in a copy of this process and throws what it throws: an Error as it is, anything else as InternalError.
-/// Throws InvalidInput if the copy crashes, RuntimeFault if it takes longer than `deadline` or if a signal that this
-/// process handles arrives meanwhile. `what` begins the message, e.g. "policy FILE". The copy has the calling thread
-/// only: `work` may use nothing that another thread may have locked, and nothing that it changes lasts.
-void rehearse(const std::string& what, std::chrono::milliseconds deadline, const std::function<void()>& work);
+/// Throws InvalidInput if the copy crashes; RuntimeFault if it takes longer than `deadline`, if meanwhile the calling
+/// thread or the copy gets a signal to end, or soon after `stop` holds: where there are other threads, such a signal
+/// may go to one of them. `what` begins the message, e.g. "policy FILE". The copy has the calling thread only, and
+/// nothing that it changes lasts. What another thread has locked at that moment stays locked in it: `work` may use
+/// malloc, whose locks glibc's fork() sets free, and what no other thread uses; not roscpp.
+void rehearse(const std::string& what, std::chrono::milliseconds deadline, const std::function<bool()>& stop,
+              const std::function<void()>& work);
 
 }  // namespace pusht

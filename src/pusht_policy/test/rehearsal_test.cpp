@@ -6,11 +6,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <functional>
+#include <future>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "pusht_task/error.hpp"
 
@@ -28,11 +32,13 @@ constexpr std::chrono::milliseconds kShort{50};
   }
 }
 
+bool never() { return false; }
+
 /// Rehearsing `work` must fail so.
 void expectFailure(std::chrono::milliseconds deadline, const std::function<void()>& work, ExitCode exit_code,
-                   const std::string& message) {
+                   const std::string& message, const std::function<bool()>& stop = never) {
   try {
-    rehearse("the work", deadline, work);
+    rehearse("the work", deadline, stop, work);
     FAIL() << "nothing is thrown";
   } catch (const Error& error) {
     EXPECT_EQ(error.exitCode(), exit_code) << error.what();
@@ -47,7 +53,7 @@ class Rehearsal : public ::testing::Test {
 
 TEST_F(Rehearsal, ChangesNothing) {
   int value = 1;
-  rehearse("the work", kLong, [&] { value = 2; });
+  rehearse("the work", kLong, never, [&] { value = 2; });
   EXPECT_EQ(value, 1);
 }
 
@@ -81,6 +87,31 @@ TEST_F(Rehearsal, EndsAtASignalThatIsHandled) {
     sleepForEver();
   };
   expectFailure(kLong, signal_parent, ExitCode::kRuntimeFault, "the work: interrupted while it was tried out");
+  sigaction(SIGTERM, &before, nullptr);
+}
+
+/// As in a node, where a thread of roscpp's may take it.
+TEST_F(Rehearsal, EndsAtASignalThatAnotherThreadTakes) {
+  static std::atomic<bool> stop{false};
+  struct sigaction handled {};
+  handled.sa_handler = [](int /*number*/) { stop = true; };
+  struct sigaction before {};
+  sigaction(SIGTERM, &handled, &before);
+  std::promise<void> done;
+  std::thread other([ending = done.get_future()] { ending.wait(); });
+  sigset_t held;
+  sigemptyset(&held);
+  sigaddset(&held, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &held, nullptr);
+  const auto signal_parent = [] {
+    kill(getppid(), SIGTERM);
+    sleepForEver();
+  };
+  expectFailure(kLong, signal_parent, ExitCode::kRuntimeFault, "the work: interrupted while it was tried out",
+                [] { return stop.load(); });
+  pthread_sigmask(SIG_UNBLOCK, &held, nullptr);
+  done.set_value();
+  other.join();
   sigaction(SIGTERM, &before, nullptr);
 }
 

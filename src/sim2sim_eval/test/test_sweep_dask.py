@@ -122,7 +122,7 @@ class SweepDask(unittest.TestCase):
         process = self.start()
         _, line = process.communicate(timeout=DEADLINE)
         self.assertEqual(process.returncode, 2, line)
-        self.assertIn("holds results (provenance.json)", line)
+        self.assertIn("holds results (sweep.json)", line)
         self.assertEqual(self.result_bytes("out"), before)
         self.config(CONFIG + "seed: 1\n")
         self.finish(self.start("--overwrite"))
@@ -132,6 +132,14 @@ class SweepDask(unittest.TestCase):
         _, line = process.communicate(timeout=DEADLINE)
         self.assertEqual(process.returncode, 2, line)
         self.assertIn("holds results (metrics.json); name another folder\n", line)
+
+    def test_status_of_a_refused_run_is_no_result(self) -> None:
+        out = self.folder / "out"
+        out.mkdir()
+        status = {"exit_code": 2, "reason": "refused", "rows_finished": 0}
+        out.joinpath("status.json").write_text(json.dumps(status))
+        self.finish(self.start())
+        self.assert_plain_bytes()
 
     def config(self, text: str) -> None:
         self.folder.joinpath("sweep.yaml").write_text(text)

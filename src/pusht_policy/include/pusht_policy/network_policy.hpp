@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -51,11 +52,12 @@ class NetworkPolicy : public Policy {
   /// if it cannot be read, is damaged, is no TorchScript or crashes libtorch; BadDependency if it is not the one that
   /// the file PATH.provenance.json beside it names (checked before libtorch sees it; no such file, no check), if its
   /// numbers are not finite, or if it does not map float32 [1, 10] to finite float32 [1, 2]; RuntimeFault if that
-  /// takes longer than `deadline`, or a signal that is handled arrives meanwhile. Call it while no other thread holds a
-  /// lock that libtorch or malloc may want: at the start of a program.
-  static std::unique_ptr<NetworkPolicy> load(const std::filesystem::path& path,
-                                             InstructionSet instruction_set = availableInstructionSets().back(),
-                                             std::chrono::milliseconds deadline = kLoadDeadline);
+  /// takes longer than `deadline`, or if meanwhile the calling thread gets a signal that is handled, or `stop` holds:
+  /// a program with other threads says by it that it was asked to end. Call it while no other thread uses libtorch or
+  /// its BLAS, at the start of a program: a lock of theirs would be held for ever in the copy.
+  static std::unique_ptr<NetworkPolicy> load(
+      const std::filesystem::path& path, InstructionSet instruction_set = availableInstructionSets().back(),
+      std::chrono::milliseconds deadline = kLoadDeadline, const std::function<bool()>& stop = [] { return false; });
 
   /// The same on libtorch, even if the kernel could run it: a yardstick.
   static std::unique_ptr<NetworkPolicy> loadOnLibtorch(const std::filesystem::path& path);

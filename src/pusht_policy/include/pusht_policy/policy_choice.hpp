@@ -33,7 +33,9 @@ struct ChosenPolicy {
   std::string warning;                 ///< says that something else runs than was asked for; else empty
 };
 
-/// `shipped` is the checkpoint that "bc" names. Throws as NetworkPolicy::load does.
-ChosenPolicy choosePolicy(const PolicyChoice& choice, const std::filesystem::path& shipped);
+/// `shipped` is the checkpoint that "bc" names. Throws as NetworkPolicy::load does, which heeds `stop`.
+ChosenPolicy choosePolicy(
+    const PolicyChoice& choice, const std::filesystem::path& shipped,
+    const std::function<bool()>& stop = [] { return false; });
 
 }  // namespace pusht

@@ -2,8 +2,8 @@
 """Behaviour cloning: the training loop, its resumable state, and the files it writes.
 
 The same recipe, demonstrations, torch and BLAS on a processor for which they choose the same code
-(the core type of OpenBLAS, the vectors of libtorch) give the same weights bit for bit, interrupted or
-not. Another core type sums gradients in another order.
+(the core type of OpenBLAS, the vectors of libtorch) give the same weights bit for bit, interrupted
+or not. Another core type sums gradients in another order.
 """
 
 import argparse
@@ -309,8 +309,8 @@ def torchscript_bytes(script: torch.jit.ScriptModule) -> bytes:
 
 
 def record_evaluation(checkpoint: Path, results: Path) -> None:
-    """Fills `evaluation` in the checkpoint's provenance from the results folder of a comparison with
-    it in MuJoCo: figures of another policy or simulator are refused."""
+    """Fills `evaluation` in the checkpoint's provenance from the results folder of a comparison
+    with it in MuJoCo: figures of another policy or simulator are refused."""
     path = provenance_path(checkpoint)
     provenance = _read_json(path)
     found = sha256_of(checkpoint)

@@ -379,8 +379,9 @@ class SimulatorContract(ServedCase):
         before = data(self.call("describe"))
         for fields in ({"step": -1}, {"step": 0}):
             self.refused(pattern, "step", HELD, token=token, **fields)
+        change: Dict[str, Any] = {"token": token, "parameters": [Parameter("no_such_knob", "1.0")]}
         for end_episode in (False, True):
-            self.refused(pattern, "configure", HELD, token=token, end_episode=end_episode)
+            self.refused(pattern, "configure", HELD, end_episode=end_episode, **change)
         self.assertEqual(data(self.call("describe")), before)
 
     def test_only_the_holder_is_served(self) -> None:
@@ -407,7 +408,9 @@ class SimulatorContract(ServedCase):
     def test_configuring_ends_the_hold(self) -> None:
         self.accepted("reset", token="mine")
         self.refused("mid-episode", "configure", token="mine")
-        self.accepted("configure", token="mine", end_episode=True)
+        response = self.accepted("configure", token="mine", end_episode=True)
+        again = self.accepted("configure", token="mine", end_episode=True)
+        self.assertEqual(data(again), data(response), "asked again, it answers again")
         self.refused_without_hold("was reset by another caller, or its episode has ended", "mine")
         self.accepted("configure")
 

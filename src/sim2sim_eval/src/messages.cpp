@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/messages.hpp"
 
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>

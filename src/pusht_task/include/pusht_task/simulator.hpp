@@ -15,8 +15,8 @@ namespace pusht {
 WorldState checkedStart(const WorldState& state);
 /// `action` clipped as the task says. Throws InvalidInput if it is not finite.
 Action checkedAction(const Action& action);
-/// What is wrong with a world that is in `state` after a reset to `start`: a pose that is another one, motion where
-/// there was none, a yaw that is not wrapped; empty if nothing.
+/// What is wrong with a world that is in `state` after a reset to `start`: a pose that is not the one of `start`,
+/// motion where there was none, a yaw that is not wrapped; empty if nothing.
 std::string faultOfStart(const WorldState& start, const WorldState& state);
 /// Throws SimulationFault with field, value and rule if a step has left a `state` that is no data: not finite, out of
 /// range, or with a yaw that is not wrapped.

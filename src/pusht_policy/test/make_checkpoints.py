@@ -52,11 +52,11 @@ class Residual(nn.Module):
 
 
 class EndlessToLoad(nn.Module):
-    @torch.jit.export
+    @torch.jit.export  # type: ignore[misc]
     def __getstate__(self) -> int:
         return 1
 
-    @torch.jit.export
+    @torch.jit.export  # type: ignore[misc]
     def __setstate__(self, state: int) -> None:
         while state > 0:
             state = state % 2 + 1

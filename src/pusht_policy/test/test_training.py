@@ -569,7 +569,11 @@ class RecordEvaluation(CommandCase):
         self.provenance = training.provenance_path(self.out)
         found = training.sha256_of(self.out)
         self.provenance.write_text(json.dumps({"checkpoint": {"sha256": found}}))
-        configuration = {"episodes": 50, "seed": 0, "reference_simulator": "mujoco"}
+        configuration: Dict[str, Any] = {
+            "episodes": 50,
+            "seed": 0,
+            "reference_simulator": "mujoco",
+        }
         self.metrics = {**configuration, "mj_success_rate": 0.62, "mj_successes": 31}
         self.origin: Dict[str, Dict[str, Any]] = {
             "configuration": configuration,

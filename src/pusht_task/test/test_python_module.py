@@ -298,7 +298,7 @@ class Steps(SessionCase):
             {"stamp": Time(0, 1)},
         ]
         for other in others:
-            fields = {"step": 0, "action": (0.5, 0.0), "token": "mine", **other}
+            fields: Dict[str, Any] = {"step": 0, "action": (0.5, 0.0), "token": "mine", **other}
             self.refused_step(message, **fields)
         self.assertEqual(len(self.simulators[0].actions), 1)
         self.assertEqual(len(self.updates), 2)

@@ -133,7 +133,7 @@ class Displays(LiveCase):
         self.assertEqual(launch.status()["exit_code"], 0, launch.output)
 
     def only_view(self, launch: Launch) -> str:
-        until(lambda: views(launch), "a view")
+        until(lambda: bool(views(launch)), "a view")
         (view,) = views(launch)
         return view
 

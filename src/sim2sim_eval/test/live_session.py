@@ -359,11 +359,14 @@ class LiveSession(GoalCase):
         self.result()
         for place, name in zip((-0.96, 0.0, 0.96), WORLDS):
             stamp = describe(name).stamp
-            state = self.states[name].until(lambda s: s.header.stamp == stamp)[-1].state
+            state = self.state_at(name, stamp)
             tee = self.frames.lookup_transform(
                 "world", f"{name}/tee", stamp, rospy.Duration(DEADLINE)
             ).transform.translation
             np.testing.assert_allclose([tee.x, tee.y], [place + state.tee_x, state.tee_y])
+
+    def state_at(self, name: str, stamp: rospy.Time) -> Any:
+        return self.states[name].until(lambda s: s.header.stamp == stamp)[-1].state
 
     def test_whoever_comes_late_sees_everything(self) -> None:
         self.send_and_hold(0, 20, **PACED)
@@ -378,7 +381,7 @@ class LiveSession(GoalCase):
         listener = tf2_ros.TransformListener(frames)
         for name in WORLDS:
             stamp = describe(name).stamp
-            state = self.states[name].until(lambda s, last=stamp: s.header.stamp == last)[-1].state
+            state = self.state_at(name, stamp)
             tee = frames.lookup_transform(
                 f"{name}/table", f"{name}/tee", rospy.Time(), rospy.Duration(DEADLINE)
             ).transform.translation

@@ -16,7 +16,7 @@ import time
 import unittest
 import zipfile
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Union
 
 import rosbag  # type: ignore[import]
 import rospkg  # type: ignore[import]
@@ -659,7 +659,7 @@ class Faults(CompareCase):
         with zipfile.ZipFile(shipped) as archive:
             records = {name: archive.read(name) for name in archive.namelist()}
         first = "archive/data/0"
-        cases = {
+        cases: Dict[str, Union[bytes, Dict[str, bytes]]] = {
             "archive/data/6: must have the size and the CRC-32": bytes(damaged),
             "must be TorchScript, a sound zip archive": shipped.read_bytes()[:-100],
             f"{first}: must have the 40 bytes of its tensor, but has 0": {**records, first: b""},
@@ -767,7 +767,7 @@ class Faults(CompareCase):
         self.assert_one_line(self.compare("--smoke", "--out", "/proc/none/out"), 4)
 
     def test_f22_interrupted(self) -> None:
-        """Once, or twice at once, as `timeout` does: its signal goes to the command and to its group."""
+        """Once, or twice at once, as `timeout` does: it signals the command and its group."""
         for number, times in ((signal.SIGINT, 1), (signal.SIGTERM, 2)):
             out = f"out-{number.name}"
             terminal, side = pty.openpty()
@@ -877,7 +877,7 @@ class Faults(CompareCase):
         )
         self.assertEqual(process.returncode, 0, process.stderr)
         self.assertIn("never succeeds in the reference", process.stderr)
-        # Two starts at which the expert needs longer than forty steps, and no checkpoint to be stale.
+        # Two starts at which the expert needs over forty steps, and no checkpoint to be stale.
         self.write(
             "plan.yaml", b"{policy: expert, episodes: 2, horizon: 40, rows: [{block_damp: 6}]}"
         )

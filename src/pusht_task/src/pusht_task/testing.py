@@ -268,10 +268,11 @@ class SimulatorContract(ServedCase):
 
     def test_repeated_reset_is_answered_again(self) -> None:
         stamp = self.begin().stamp + CONTROL_STEP
-        request = {"seed": 5, "episode": 6, "stamp": stamp}
+        request: Dict[str, Any] = {"seed": 5, "episode": 6, "stamp": stamp}
         first = self.accepted("reset", **request)
         self.assertEqual(data(self.accepted("reset", **request)), data(first))
-        for other in ({"seed": 6}, {"horizon": 7}, {"token": "other"}):
+        others: List[Dict[str, Any]] = [{"seed": 6}, {"horizon": 7}, {"token": "other"}]
+        for other in others:
             self.refused("stamp", "reset", **{**request, **other})
         step = self.accepted("step", episode=6)
         self.assertEqual([update.step for update in self.updates_until(step)], [0, 1])

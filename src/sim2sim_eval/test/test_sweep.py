@@ -179,16 +179,17 @@ class Resuming(SweepCase):
     def test_rows_that_are_finished_are_not_run_again(self) -> None:
         expected = self.finished("whole")
         # A row that cannot be written ends the sweep in its midst.
-        blocked = self.folder / "out" / "rows" / "002"
+        row = self.folder / "out" / "rows" / "002"
         shutil.copytree(self.folder / "whole", self.folder / "out")
-        shutil.rmtree(blocked)
-        blocked.write_text("no folder")
+        shutil.rmtree(row)
+        blocked = row / "episodes.csv"
+        blocked.mkdir(parents=True)
         self.assertIn("rows/002", self.refused(4, self.sweep("--out", "out"), "sweep"))
         status = self.load("out", "status.json")
         self.assertEqual((status["exit_code"], status["rows_finished"]), (4, 2))
         self.assertEqual(len(self.load("out", "sweep.json")["rows"]), 2)
 
-        blocked.unlink()
+        blocked.rmdir()
         times = {row: self.time_of(row) for row in ("000", "001", "003")}
         self.assertEqual(self.finished("out"), expected)
         self.assertEqual({row: self.time_of(row) for row in times}, times)

@@ -82,8 +82,8 @@ fs::path findInPlaceOfFolder(const fs::path& folder, const ResultFile& file, std
       continue;
     }
     const bool is_folder = entry.symlink_status(ignored).type() == fs::file_type::directory;
-    if (const fs::path found = is_folder ? findInPlaceOfFolder(entry.path(), file, part + 1) : entry.path();
-        !found.empty()) {
+    fs::path found = is_folder ? findInPlaceOfFolder(entry.path(), file, part + 1) : entry.path();
+    if (!found.empty()) {
       return found;
     }
   }

@@ -61,12 +61,13 @@ class SimulatorNode {
                   node_.advertiseService("describe", &SimulatorNode::describe, this)} {
     fixed_frames_.sendTransform(targetFrame(frame_prefix_));
     markers_.publish(worldMarkers(frame_prefix_));
-    repeating_ = node_.createSteadyTimer(kRepeatPeriod, [this](const ros::SteadyTimerEvent&) { repeat(); });
+    repeating_ =
+        node_.createSteadyTimer(ros::WallDuration(kRepeatPeriod), [this](const ros::SteadyTimerEvent&) { repeat(); });
   }
 
  private:
   static constexpr std::uint32_t kQueue = 1000;
-  const ros::WallDuration kRepeatPeriod{1.0};
+  static constexpr double kRepeatPeriod = 1.0;  // [s]
 
   bool reset(pusht_msgs::ResetRequest& request, pusht_msgs::ResetResponse& response) {
     response = tally_.count(session_.reset(request));

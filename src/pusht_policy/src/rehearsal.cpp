@@ -73,12 +73,12 @@ std::string verdictOf(const std::function<void()>& work) {
   }
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
-  const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   dup2(nowhere, STDOUT_FILENO);
   dup2(nowhere, STDERR_FILENO);
   const std::string verdict = verdictOf(work);
   for (std::size_t done = 0; done < verdict.size();) {
-    const ssize_t count = write(output, verdict.data() + done, verdict.size() - done);
+    const ssize_t count = ::write(output, verdict.data() + done, verdict.size() - done);
     if (count <= 0) {
       _exit(EXIT_FAILURE);
     }

@@ -51,7 +51,7 @@ nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
 }
 
 /// Which node took part, as what.
-nlohmann::ordered_json identityOf(const pusht_msgs::DescribeResponse& node) {
+nlohmann::ordered_json participant(const pusht_msgs::DescribeResponse& node) {
   nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
   for (const pusht_msgs::Parameter& parameter : node.parameters) {
     parameters[parameter.name] = parameter.value;
@@ -78,9 +78,9 @@ nlohmann::ordered_json provenanceOf(const RunConfiguration& configuration, const
   nlohmann::ordered_json result =
       provenance(configuration, provenanceOf(cast.describePolicy()), provenanceOf(cast.describe(kReferenceClosed)),
                  provenanceOf(cast.describe(kEngineClosed)));
-  result["nodes"]["policy"] = identityOf(cast.describePolicy());
+  result["nodes"]["policy"] = participant(cast.describePolicy());
   for (const Mode mode : kModes) {
-    result["nodes"][modeName(mode)] = identityOf(cast.describe(mode));
+    result["nodes"][modeName(mode)] = participant(cast.describe(mode));
   }
   return result;
 }

@@ -40,7 +40,7 @@ void Run::abandon(std::ostream& out, const std::exception& failure, int faults_s
   if (!episodes_.empty() && code != pusht::ExitCode::kInternalError) {
     out << "NOT A WHOLE RUN: " << progress() << "\n"
         << table(configuration_, summarize(episodes_))
-        << "finished episodes: " << (folder_.path() / "episodes.csv").string() << std::endl;
+        << "finished episodes: " << (folder_.path() / kEpisodesFile).string() << std::endl;
   }
   try {
     folder_.abandon(episodes_, {code, failure.what(), static_cast<int>(episodes_.size()),

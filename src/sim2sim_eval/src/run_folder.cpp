@@ -11,10 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kMetrics = "metrics.json";
-constexpr const char* kEpisodes = "episodes.csv";
-constexpr const char* kProvenance = "provenance.json";
-constexpr const char* kStatus = "status.json";
 constexpr const char* kBag = "compare.bag";
 
 }  // namespace
@@ -29,7 +25,7 @@ void RunFolder::begin(const nlohmann::json& provenance, int episodes) {
   folder_.refuseResults(overwrite_);  // another run may have been quicker
   writeStatus(underWay(episodes));    // first, or the status of an earlier run would speak for this one
   folder_.removeResults();
-  pusht::writeFile(path() / kProvenance, jsonText(provenance));
+  pusht::writeFile(path() / kProvenanceFile, jsonText(provenance));
 }
 
 fs::path RunFolder::bagPath() const { return path() / kBag; }
@@ -37,12 +33,12 @@ fs::path RunFolder::bagPath() const { return path() / kBag; }
 void RunFolder::finish(const nlohmann::json& metrics, const std::vector<EpisodeResult>& episodes, int faults_survived) {
   const auto count = static_cast<int>(episodes.size());
   try {
-    pusht::writeFile(path() / kEpisodes, episodesCsv(episodes));
-    pusht::writeFile(path() / kMetrics, jsonText(metrics));
+    pusht::writeFile(path() / kEpisodesFile, episodesCsv(episodes));
+    pusht::writeFile(path() / kMetricsFile, jsonText(metrics));
     writeStatus({pusht::ExitCode::kOk, "finished", count, count, faults_survived});
   } catch (const pusht::RuntimeFault& fault) {
     std::error_code ignored;
-    fs::remove(path() / kMetrics, ignored);  // it would speak for a run that failed
+    fs::remove(path() / kMetricsFile, ignored);  // it would speak for a run that failed
     try {
       writeStatus({fault.exitCode(), fault.what(), count, count, faults_survived});
     } catch (const pusht::RuntimeFault&) {
@@ -54,7 +50,7 @@ void RunFolder::finish(const nlohmann::json& metrics, const std::vector<EpisodeR
 
 void RunFolder::abandon(const std::vector<EpisodeResult>& episodes, const RunStatus& status) const {
   if (status.exit_code != pusht::ExitCode::kInternalError) {  // after a defect no figure can be trusted
-    pusht::writeFile(path() / kEpisodes, episodesCsv(episodes));
+    pusht::writeFile(path() / kEpisodesFile, episodesCsv(episodes));
   }
   writeStatus(status);
 }
@@ -66,7 +62,7 @@ void RunFolder::refuse(RunStatus status) {
   writeStatus(status);
 }
 
-void RunFolder::writeStatus(const RunStatus& status) const { pusht::writeFile(path() / kStatus, statusText(status)); }
+void RunFolder::writeStatus(const RunStatus& status) const { pusht::writeFile(path() / kStatusFile, statusText(status)); }
 
 RunStatus underWay(int episodes) { return {pusht::ExitCode::kRuntimeFault, kUnderWay, 0, episodes, 0}; }
 

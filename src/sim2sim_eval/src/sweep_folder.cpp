@@ -18,10 +18,6 @@ using nlohmann::json;
 constexpr const char* kSweepJson = "sweep.json";
 constexpr const char* kSweepCsv = "sweep.csv";
 constexpr const char* kRows = "rows";
-constexpr const char* kMetrics = "metrics.json";
-constexpr const char* kEpisodes = "episodes.csv";
-constexpr const char* kProvenance = "provenance.json";
-constexpr const char* kStatus = "status.json";
 
 constexpr std::size_t kTablesWritten = 100;  // in the course of a sweep, about
 
@@ -104,12 +100,12 @@ SweepOnDisk readSweep(const fs::path& folder) {
   if (!description.is_object()) {
     throw pusht::InvalidInput("sweep " + file.string() + ": must say what it is under \"sweep\"");
   }
-  return {folder, description, parsedFile(folder / kProvenance, "provenance")};
+  return {folder, description, parsedFile(folder / kProvenanceFile, "provenance")};
 }
 
 std::vector<Input> inputsOf(const fs::path& shard) {
   std::vector<Input> inputs;
-  for (const char* name : {kSweepJson, kProvenance, kRows}) {
+  for (const char* name : {kSweepJson, kProvenanceFile, kRows}) {
     inputs.push_back({"shard", shard / name});
   }
   return inputs;
@@ -126,7 +122,7 @@ std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::s
                                                   const RunConfiguration& configuration) {
   const fs::path path = rowPath(folder, index);
   std::error_code ignored;
-  if (!fs::exists(path / kMetrics, ignored)) {  // it is written last
+  if (!fs::exists(path / kMetricsFile, ignored)) {  // it is written last
     return std::nullopt;
   }
   const auto refuse = [&](const char* file, const std::string& why) {
@@ -134,9 +130,9 @@ std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::s
   };
   std::vector<EpisodeResult> episodes;
   try {
-    episodes = episodesFromCsv(pusht::readFile(path / kEpisodes, "row"));
+    episodes = episodesFromCsv(pusht::readFile(path / kEpisodesFile, "row"));
   } catch (const pusht::InvalidInput& error) {
-    refuse(kEpisodes, error.what());
+    refuse(kEpisodesFile, error.what());
   }
   const Protocol& protocol = configuration.protocol;
   bool as_asked = static_cast<int>(episodes.size()) == protocol.episodes;
@@ -145,11 +141,11 @@ std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::s
     as_asked = episodes[i].index == episode && episodes[i].seed == protocol.spawnSeed(episode);
   }
   if (!as_asked) {
-    refuse(kEpisodes, "must hold episodes " + std::to_string(protocol.first_episode) + " to " +
+    refuse(kEpisodesFile, "must hold episodes " + std::to_string(protocol.first_episode) + " to " +
                           std::to_string(protocol.lastEpisode()) + " of seed " + std::to_string(protocol.seed));
   }
-  if (pusht::readFile(path / kMetrics, "row") != jsonText(metrics(configuration, summarize(episodes)))) {
-    refuse(kMetrics, "does not say what its episodes say");
+  if (pusht::readFile(path / kMetricsFile, "row") != jsonText(metrics(configuration, summarize(episodes)))) {
+    refuse(kMetricsFile, "does not say what its episodes say");
   }
   return episodes;
 }
@@ -173,7 +169,7 @@ void SweepFolder::begin(const json& description, const json& provenance) {
   folder_.refuseResults(overwrite_);
   writeStatus(pusht::ExitCode::kRuntimeFault, kUnderWay);
   folder_.removeResults();
-  pusht::writeFile(path() / kProvenance, jsonText(provenance));
+  pusht::writeFile(path() / kProvenanceFile, jsonText(provenance));
   writeTables();
 }
 
@@ -184,8 +180,8 @@ void SweepFolder::keep(std::size_t index, const json& metrics, const std::vector
   if (error) {
     throw pusht::RuntimeFault("cannot create " + row.string() + ": " + error.message());
   }
-  pusht::writeFile(row / kEpisodes, episodesCsv(episodes));
-  pusht::writeFile(row / kMetrics, jsonText(metrics));
+  pusht::writeFile(row / kEpisodesFile, episodesCsv(episodes));
+  pusht::writeFile(row / kMetricsFile, jsonText(metrics));
   resume(index, metrics);
 }
 
@@ -210,7 +206,7 @@ void SweepFolder::finish(pusht::ExitCode code, const std::string& reason) {
 }
 
 void SweepFolder::writeStatus(pusht::ExitCode code, const std::string& reason) const {
-  pusht::writeFile(path() / kStatus, jsonText({{"exit_code", static_cast<int>(code)},
+  pusht::writeFile(path() / kStatusFile, jsonText({{"exit_code", static_cast<int>(code)},
                                                {"reason", reason},
                                                {"rows_finished", rows_.size()},
                                                {"rows", description_.at("rows").size()}}));

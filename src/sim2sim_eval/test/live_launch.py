@@ -12,6 +12,7 @@ import resource
 import signal
 import sys
 import time
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
@@ -19,8 +20,10 @@ import rosbag  # type: ignore[import]
 import rosgraph  # type: ignore[import]
 import roslaunch  # type: ignore[import]
 import rospkg  # type: ignore[import]
+import torch
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
+from command_case import Endless, executable  # noqa: E402
 from live_support import (  # noqa: E402
     DEADLINE,
     RECORDED_RESULTS,
@@ -77,6 +80,18 @@ class Runs(LiveCase):
             (self.folder / "copy.json").read_bytes(), (out / "status.json").read_bytes()
         )
         self.assertEqual(files(out), RECORDED_RESULTS)
+
+    def test_status_of_a_goal_is_copied(self) -> None:
+        launch = Launch(self, policy="expert", start=False, status_file="copy.json")
+        launch.line(r"process\[sim2sim-\d+\]: started")
+        launch.tool("rosservice", "call", "--wait", "/sim2sim/control", "{command: resume}")
+        copy = self.folder / "copy.json"
+        self.assertFalse(copy.exists(), "there has been no run")
+        goal = f"{{goal: {{episodes: [1], out: ['{launch.out}']}}}}"
+        command = ("rostopic", "pub", "/sim2sim/compare/goal", "pusht_msgs/CompareActionGoal", goal)
+        Process(self, *command, environment=launch.environment)
+        until(lambda: copy.exists() and status_of_file(copy)["exit_code"] == 0, "a finished run")
+        self.assertEqual(copy.read_bytes(), (launch.out / "status.json").read_bytes())
 
     def test_knobs_reach_an_engine_that_is_started_elsewhere(self) -> None:
         launch = Launch(
@@ -165,6 +180,25 @@ class Displays(LiveCase):
                 )
                 self.assertEqual(process.returncode, 2)
                 self.assertRegex(process.stderr, f"^{reason}.*\n$")
+
+    def test_replay_begins_with_the_episode(self) -> None:
+        out = str(self.folder / "out")
+        command = ("rosrun", "sim2sim_eval", "compare", "--policy", "expert", "--record")
+        self.succeed(*command, "--seed", "3", "--episodes", "3", "--out", out)
+        path = f"{rospkg.RosPack().get_path('sim2sim_eval')}/scripts/play_run"
+        self.addCleanup(signal.signal, signal.SIGINT, signal.getsignal(signal.SIGINT))
+        play_run = SourceFileLoader("play_run", path).load_module()
+        with rosbag.Bag(f"{out}/compare.bag") as bag:
+            for episode in range(3):
+                start = bag.get_start_time() + play_run.start_of_episode(bag, episode)
+                played = [
+                    (message.episode, message.step)
+                    for _, message, stamp in bag.read_messages(["/sim2sim/divergence"])
+                    if stamp.to_sec() >= start
+                ]
+                self.assertEqual(played[0], (episode, 0))
+            with self.assertRaisesRegex(play_run.BadInput, "episode 3: must be .*: 0 to 2$"):
+                play_run.start_of_episode(bag, 3)
 
 
 class Arguments(LiveCase):
@@ -549,6 +583,16 @@ class LostMaster(LiveCase):
         os.kill(master.pid, signal.SIGCONT)
         self.assertEqual(node.ended(), 4, node.output)
         self.assertEqual(status_of(self.folder / "out")["exit_code"], 4)
+
+    def test_f29_policy_node_ends_while_it_tries_a_policy_out(self) -> None:
+        _, uri = self.start_master()
+        torch.jit.script(Endless(-10.0, 10.0)).save(str(self.folder / "endless.pt"))
+        command = (executable("pusht_policy", "policy_node"), "_policy:=endless.pt")
+        node = Process(self, *command, environment={"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1"})
+        until(lambda: bool(children_of(node.pid)), "a copy that tries it out")
+        node.interrupt()
+        self.assertEqual(node.ended(10.0), 4, node.output)
+        self.assertIn("endless.pt: interrupted while it was tried out", node.output)
 
     def test_f17_no_clock(self) -> None:
         _, uri = self.start_master()

@@ -7,10 +7,12 @@ import signal
 
 import rospy  # type: ignore[import]
 from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
+from pusht_msgs.msg import Parameter  # type: ignore[import]
+from pusht_msgs.srv import Configure  # type: ignore[import]
 from pusht_task.testing import run
 from rosgraph_msgs.msg import Log  # type: ignore[import]
 
-from live_support import GoalCase, Topic, kill, pid_of, result_bytes, status_of
+from live_support import GoalCase, Topic, connected, kill, pid_of, result_bytes, status_of
 
 EPISODES = 3
 BATCH = ("--policy", "expert", "--episodes", str(EPISODES))
@@ -24,6 +26,15 @@ class LiveRespawn(GoalCase):
         super().setUpClass()
         cls.log = Topic("/rosout", Log)
 
+    def setUp(self) -> None:
+        """The knobs of another test would stay."""
+        super().setUp()
+        for engine in ("engine", "engine_replay"):
+            configure = connected(f"/{engine}/configure", Configure)
+            answer = configure([Parameter("block_damp", "6.0")], True, "")
+            configure.close()
+            self.assertTrue(answer.success, answer.message)
+
     def under_way(self) -> None:
         """A run that stands still in its second episode."""
         self.log.forget(rospy.Time.now())
@@ -32,11 +43,11 @@ class LiveRespawn(GoalCase):
     def kill_node(self, node: str) -> None:
         os.kill(pid_of(f"/{node}"), signal.SIGKILL)
 
-    def assert_survived(self, faults: int) -> None:
+    def assert_survived(self, faults: int, *settings: str) -> None:
         result = self.result()
         self.assertEqual((result.exit_code, result.faults_survived), (0, faults))
         self.assertEqual(status_of(self.out)["faults_survived"], faults)
-        self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
+        self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH, *settings))
         self.assert_recomputed(self.out)
 
     def test_f13_killed_node(self) -> None:
@@ -60,6 +71,22 @@ class LiveRespawn(GoalCase):
         self.kill_node("policy")
         self.accepted("resume")
         self.assert_survived(2)
+
+    def test_f13_node_that_dies_again_before_all_are_back(self) -> None:
+        """It gets its knobs once more, from whoever runs the comparison."""
+        knobs = [Parameter("block_damp", "20.0")]
+        self.log.forget(rospy.Time.now())
+        self.send_and_hold(0, 10, episodes=EPISODES, knobs=knobs)
+        last = pid_of("/engine_replay")  # it is connected to after the engine
+        self.addCleanup(kill, last, signal.SIGCONT)
+        os.kill(last, signal.SIGSTOP)
+        self.kill_node("engine")
+        self.accepted("resume")
+        self.log.until(lambda message: "waiting for the node of /engine_replay" in message.msg)
+        rospy.delete_param("/engine/block_damp")  # or it would start with what it had
+        self.kill_node("engine")
+        os.kill(last, signal.SIGCONT)
+        self.assert_survived(2, "--block_damp", "20")
 
     def test_f14_stopped_node_that_goes_on(self) -> None:
         """The answer comes too late to count; the node itself is still there."""

@@ -24,7 +24,7 @@ import torch
 from pusht_policy.demonstrations import read_demonstrations, read_origin, sha256_of_frames
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import DEADLINE, CommandCase, executable  # noqa: E402
+from command_case import DEADLINE, CommandCase, Endless, executable  # noqa: E402
 
 PACKAGES = rospkg.RosPack()
 PATIENCE = 10.0  # s, in which a command that was asked to end must have ended
@@ -949,24 +949,6 @@ class Inputs(torch.nn.Module):
 class Random(torch.nn.Module):
     def forward(self, obs: torch.Tensor) -> torch.Tensor:
         return torch.rand(obs.size(0), 2)
-
-
-class Endless(torch.nn.Module):
-    """To the right, and without end where x is from `low` to `high`."""
-
-    def __init__(self, low: float, high: float) -> None:
-        super().__init__()
-        self.low = low
-        self.high = high
-
-    def forward(self, obs: torch.Tensor) -> torch.Tensor:
-        x = obs[:, :1]
-        endless = bool(((x > self.low) & (x < self.high)).any())
-        if endless:
-            print("never returns")
-        while endless:
-            x = x + 0.0
-        return torch.cat([torch.ones_like(x), torch.zeros_like(x)], dim=1)
 
 
 class Trap(torch.nn.Module):

@@ -11,6 +11,12 @@ namespace sim2sim {
 /// What a results folder holds: a run (of compare, recompute, the evaluator) or a sweep (of sweep, merge).
 enum class Results { kRun, kSweep };
 
+// Files of a run, and of a sweep's rows.
+constexpr const char* kMetricsFile = "metrics.json";
+constexpr const char* kEpisodesFile = "episodes.csv";
+constexpr const char* kProvenanceFile = "provenance.json";
+constexpr const char* kStatusFile = "status.json";
+
 /// The reason in a status before the end, and for ever of a command that was killed.
 constexpr const char* kUnderWay = "under way, or killed";
 

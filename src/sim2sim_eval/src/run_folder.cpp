@@ -62,7 +62,9 @@ void RunFolder::refuse(RunStatus status) {
   writeStatus(status);
 }
 
-void RunFolder::writeStatus(const RunStatus& status) const { pusht::writeFile(path() / kStatusFile, statusText(status)); }
+void RunFolder::writeStatus(const RunStatus& status) const {
+  pusht::writeFile(path() / kStatusFile, statusText(status));
+}
 
 RunStatus underWay(int episodes) { return {pusht::ExitCode::kRuntimeFault, kUnderWay, 0, episodes, 0}; }
 

@@ -8,6 +8,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "scene_check.hpp"
+#include "shipped_scene.hpp"
 
 namespace pusht {
 namespace {
@@ -28,7 +29,9 @@ mjModel* loadModel(const std::string& path, std::string& complaint) {
 
 }  // namespace
 
-MujocoScene::MujocoScene(const std::filesystem::path& path) : path_(path) {
+MujocoScene::MujocoScene() : sha256_(pusht::sha256(kShippedScene)), model_(compileShippedScene()) {}
+
+MujocoScene::MujocoScene(const std::filesystem::path& path) {
   const std::string xml = readFile(path, "scene");
   if (xml.find("<include") != std::string::npos) {
     throw InvalidInput("scene " + path.string() + ": must not include other files, which its checksum would not cover");

@@ -22,31 +22,6 @@
 namespace pusht {
 namespace {
 
-struct DeleteModel {
-  void operator()(mjModel* model) const { mj_deleteModel(model); }
-};
-using Model = std::unique_ptr<mjModel, DeleteModel>;
-
-/// The shipped scene, compiled by the same library as the one that is checked.
-Model compileShippedScene() {
-  constexpr const char* kFile = "pusht.xml";
-  const std::string xml = kShippedScene;
-  const auto files = std::make_unique<mjVFS>();
-  std::array<char, 1000> message{};
-  Model model;
-  MujocoGuard::run([&] {
-    mj_defaultVFS(files.get());
-    mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(xml.size()));
-    std::memcpy(files->filedata[0], xml.data(), xml.size());
-    model.reset(mj_loadXML(kFile, files.get(), message.data(), static_cast<int>(message.size())));
-    mj_deleteVFS(files.get());
-  });
-  if (model == nullptr) {
-    throw InternalError(std::string("MuJoCo does not load the shipped scene: ") + message.data());
-  }
-  return model;
-}
-
 enum class Kind { kReal, kSmallReal, kInteger, kByte, kCharacter };
 
 template <class Number>
@@ -213,8 +188,27 @@ void checkField(const mjModel& model, const Field& found, const std::vector<int>
 
 }  // namespace
 
+MujocoModel compileShippedScene() {
+  constexpr const char* kFile = "pusht.xml";
+  const std::string xml = kShippedScene;
+  const auto files = std::make_unique<mjVFS>();
+  std::array<char, 1000> message{};
+  MujocoModel model;
+  MujocoGuard::run([&] {
+    mj_defaultVFS(files.get());
+    mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(xml.size()));
+    std::memcpy(files->filedata[0], xml.data(), xml.size());
+    model.reset(mj_loadXML(kFile, files.get(), message.data(), static_cast<int>(message.size())));
+    mj_deleteVFS(files.get());
+  });
+  if (model == nullptr) {
+    throw InternalError(std::string("MuJoCo does not load the shipped scene: ") + message.data());
+  }
+  return model;
+}
+
 void checkScene(const mjModel& model) {
-  static const Model compiled = compileShippedScene();
+  static const MujocoModel compiled = compileShippedScene();
   const mjModel& shipped = *compiled;
   checkNames(model, shipped, mjOBJ_BODY, firstIds(model.nbody), firstIds(shipped.nbody));
   checkNames(model, shipped, mjOBJ_JOINT, firstIds(model.njnt), firstIds(shipped.njnt));

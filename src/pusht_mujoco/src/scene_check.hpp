@@ -3,7 +3,12 @@
 
 #include <mujoco/mujoco.h>
 
+#include "pusht_mujoco/mujoco_scene.hpp"
+
 namespace pusht {
+
+/// The shipped scene, compiled by the library that compiles others.
+MujocoModel compileShippedScene();
 
 /// Throws InvalidInput with the first field of `model` that differs from the shipped scene's, bit for bit: name, value,
 /// rule. Only how a scene looks is free: what does not collide, lights, cameras, colours.

@@ -68,7 +68,10 @@ class Scene : public ::testing::Test {
   fs::path start_ = fs::current_path();
 };
 
-TEST_F(Scene, TheShippedOneLoads) { EXPECT_EQ(refusal(readFile(PUSHT_SCENE, "scene")), ""); }
+TEST_F(Scene, TheShippedOneLoads) {
+  EXPECT_EQ(refusal(readFile(PUSHT_SCENE, "scene")), "");
+  EXPECT_EQ(MujocoScene().sha256(), MujocoScene(PUSHT_SCENE).sha256()) << "with and without the file";
+}
 
 TEST_F(Scene, F1MissingEmptyTruncatedNoXml) {
   EXPECT_THROW(MujocoScene scene(folder_ / "none.xml"), InvalidInput);

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
@@ -21,18 +22,31 @@ std::string refusalOf(const std::function<void()>& call) {
   return "not refused";
 }
 
-TEST(RealFromText, ReadsDecimalNumbers) {
-  EXPECT_EQ(realFromText("mass", "6"), 6.0);
-  EXPECT_EQ(realFromText("mass", "-0.25"), -0.25);
-  EXPECT_EQ(realFromText("mass", "1e-3"), 1e-3);
-  EXPECT_EQ(realFromText("mass", "0.1"), 0.1);
+const ParameterDescriptor kMass = {"mass", "kg", "of the tee", 4.0, 0.0, 10.0, "it is a toy"};
+
+TEST(ParameterDescriptors, ReadDecimalNumbers) {
+  EXPECT_EQ(kMass.read("6"), ParameterValue(6.0));
+  EXPECT_EQ(kMass.read("0.25"), ParameterValue(0.25));
+  EXPECT_EQ(kMass.read("1e-3"), ParameterValue(1e-3));
+  EXPECT_FALSE(std::signbit(std::get<double>(kMass.read("-0"))));
 }
 
-TEST(RealFromText, NamesWhatIsNone) {
+TEST(ParameterDescriptors, ReadWhatTheyAre) {
+  EXPECT_EQ(ParameterDescriptor({"walls", "", "", false}).read("true"), ParameterValue(true));
+  EXPECT_EQ(ParameterDescriptor({"sweeps", "", "", std::int64_t{1}}).read("20"), ParameterValue(std::int64_t{20}));
+  EXPECT_EQ(ParameterDescriptor({"file", "", "", std::string("a")}).read("true"), ParameterValue(std::string("true")));
+}
+
+TEST(ParameterDescriptors, NameWhatTheyDoNotTake) {
   for (const char* text : {"", " 1", "1 ", "1 2", "much", "0x10", "010", "1,5", "1e400", "+1", "true", "nan", "inf"}) {
-    EXPECT_EQ(refusalOf([&] { realFromText("mass", text); }),
-              "mass '" + std::string(text) + "': must be a decimal number");
+    EXPECT_EQ(refusalOf([&] { kMass.read(text); }), "mass '" + std::string(text) + "': must be a decimal number");
   }
+  EXPECT_EQ(refusalOf([] { kMass.read("-1"); }), "mass -1.0: must be from 0.0 to 10.0 [kg]: it is a toy");
+  EXPECT_EQ(refusalOf([] { ParameterDescriptor({"walls", "", "", false}).read("1"); }),
+            "walls '1': must be true or false");
+  ParameterDescriptor preset{"preset", "", "", std::string("shaped")};
+  preset.words = {"simple", "shaped"};
+  EXPECT_EQ(refusalOf([&] { preset.read("round"); }), "preset 'round': must be one of: simple, shaped");
 }
 
 TEST(ValueOf, KeepsTypesApart) {
@@ -55,18 +69,28 @@ TEST(ServiceName, RefusesWhatIsNone) {
   }
 }
 
-TEST(Merged, ChangesValuesAndKeepsTheOrder) {
-  const Parameters defaults = {parameter("mass", "4"), parameter("drag", "6"), parameter("walls", "false")};
-  EXPECT_EQ(merged(defaults, {}), defaults);
-  const Parameters changed = merged(defaults, {parameter("walls", "true"), parameter("mass", "1")});
-  EXPECT_EQ(changed, (Parameters{parameter("mass", "1"), parameter("drag", "6"), parameter("walls", "true")}));
-  EXPECT_EQ(merged(defaults, {parameter("drag", "1"), parameter("drag", "2")})[1].value, "2");
+TEST(TextOf, ReadsBack) {
+  for (const char* text : {"true", "false", "20", "20.0", "-1e-05", "two discs"}) {
+    EXPECT_EQ(textOf(valueOf(text)), text);
+  }
 }
 
-TEST(Merged, NamesWhatIsNotThere) {
-  const Parameters defaults = {parameter("mass", "4"), parameter("drag", "6")};
-  EXPECT_EQ(refusalOf([&] { merged(defaults, {parameter("dragg", "1")}); }),
-            "parameter 'dragg': there is none of that name; there are: drag, mass");
+ParameterSet toy() { return ParameterSet({kMass, {"drag", "1/s", "", 6.0}, {"walls", "", "", false}}); }
+
+TEST(ParameterSets, ChangeValuesAndKeepTheOrder) {
+  EXPECT_EQ(merged(toy(), {}), toy());
+  const ParameterSet changed = merged(toy(), {parameter("walls", "true"), parameter("mass", "1")});
+  EXPECT_EQ(toMessages(changed), (Parameters{parameter("mass", "1.0"), parameter("drag", "6.0"),
+                                             parameter("walls", "true")}));
+  EXPECT_EQ(changed.get<double>("mass"), 1.0);
+  EXPECT_TRUE(changed.at("drag").isDefault());
+  EXPECT_FALSE(changed.at("walls").isDefault());
+  EXPECT_EQ(merged(toy(), {parameter("drag", "1"), parameter("drag", "2")}).get<double>("drag"), 2.0);
+}
+
+TEST(ParameterSets, NameWhatIsNotThere) {
+  EXPECT_EQ(refusalOf([] { merged(toy(), {parameter("dragg", "1")}); }),
+            "parameter 'dragg': there is none of that name; there are: mass, drag, walls");
   EXPECT_EQ(refusalOf([] { merged({}, {parameter("drag", "1")}); }),
             "parameter 'drag': there is none of that name; there are: none");
 }

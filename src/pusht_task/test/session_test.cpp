@@ -49,13 +49,24 @@ class Brittle : public Simulator {
 
 class SimulatorSessions : public ::testing::Test {
  protected:
-  SimulatorSessions() : session_(model(), {}, "brittle", [this](const auto& update) { seen_.push_back(update); }) {}
+  SimulatorSessions()
+      : session_(kind(), kind().defaults(), "brittle", [this](const auto& update) { seen_.push_back(update); }) {}
 
-  static SimulatorModel model() {
-    return {"brittle", "1", {parameter("steps", "2")}, nlohmann::json::object(), [](const Parameters& parameters) {
-              const double steps = realFromText("steps", parameters[0].value);
-              return ConfiguredSimulator{std::make_unique<Brittle>(static_cast<int>(steps)), parameters};
-            }};
+  static SimulatorKind kind() {
+    SimulatorKind kind;
+    kind.name = "brittle";
+    kind.title = "something brittle";
+    kind.version = "1";
+    kind.parameters = {{"steps", "", "until it breaks", std::int64_t{2}, 0, 10, "nobody is that patient"}};
+    kind.start_tolerance = 1e-12;
+    kind.load = [](const ParameterSet& parameters) {
+      SimulatorModel model;
+      model.parameters = parameters;
+      const auto steps = static_cast<int>(parameters.get<std::int64_t>("steps"));
+      model.make_world = [steps] { return std::make_unique<Brittle>(steps); };
+      return model;
+    };
+    return kind;
   }
 
   pusht_msgs::ResetResponse reset(std::uint64_t episode = 0, const ros::Time& stamp = {}) {
@@ -75,6 +86,30 @@ class SimulatorSessions : public ::testing::Test {
   std::vector<pusht_msgs::WorldStateStamped> seen_;
   SimulatorSession session_;
 };
+
+TEST_F(SimulatorSessions, DescribesItsKind) {
+  const auto description = session_.describe();
+  EXPECT_EQ(description.name, "brittle");
+  EXPECT_EQ(description.title, "something brittle");
+  EXPECT_EQ(description.start_tolerance, 1e-12);
+  ASSERT_THAT(description.parameter_descriptors, SizeIs(1));
+  const auto& steps = description.parameter_descriptors[0];
+  EXPECT_EQ(steps.name, "steps");
+  EXPECT_EQ(steps.type, "integer");
+  EXPECT_EQ(steps.meaning, "until it breaks");
+  EXPECT_EQ(steps.default_value, "2");
+  EXPECT_EQ(steps.greatest, 10.0);
+}
+
+TEST_F(SimulatorSessions, RefusesWhatTheKindDoesNotTake) {
+  for (const auto& [value, reason] : {std::pair("2.5", "steps '2.5': must be a decimal integer"),
+                                      std::pair("11", "steps 11: must be from 0.0 to 10.0: nobody is that patient")}) {
+    pusht_msgs::ConfigureRequest request;
+    request.parameters = {parameter("steps", value)};
+    EXPECT_EQ(session_.configure(request).message, reason);
+    EXPECT_EQ(session_.describe().parameters, std::vector{parameter("steps", "2")});
+  }
+}
 
 TEST_F(SimulatorSessions, AFailedStepNeedsAReset) {
   reset();
@@ -178,17 +213,15 @@ TEST_F(SimulatorSessions, EveryAnswerNamesTheInstance) {
   EXPECT_EQ(step(0).instance_id, instance) << "refused";
   EXPECT_EQ(reset().instance_id, instance);
   EXPECT_EQ(session_.configure({}).instance_id, instance) << "refused";
-  const SimulatorSession other(model(), {}, "brittle", [](const auto&) {});
+  const SimulatorSession other(kind(), kind().defaults(), "brittle", [](const auto&) {});
   EXPECT_NE(other.describe().instance_id, instance);
   EXPECT_EQ(other.describe().parameters_hash, session_.describe().parameters_hash);
 }
 
-TEST(SimulatorStarts, WithParametersThatTheModelRefuses) {
-  SimulatorModel model{
-      "picky", "1", {parameter("mass", "1")}, nlohmann::json::object(), [](const Parameters&) -> ConfiguredSimulator {
-        throw InvalidInput("mass -1: must be > 0");
-      }};
-  EXPECT_THROW(SimulatorSession(std::move(model), {}, "picky", [](const auto&) {}), InvalidInput);
+TEST(SimulatorStarts, WithParametersThatTheKindRefuses) {
+  SimulatorKind picky;
+  picky.load = [](const ParameterSet&) -> SimulatorModel { throw InvalidInput("mass -1: must be > 0"); };
+  EXPECT_THROW(SimulatorSession(picky, {}, "picky", [](const auto&) {}), InvalidInput);
 }
 
 /// Answers with how often the rollout has asked.

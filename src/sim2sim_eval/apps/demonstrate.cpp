@@ -7,15 +7,13 @@
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/demonstrations.hpp"
 #include "pusht_policy/scripted_expert.hpp"
-#include "pusht_task/ros/installed_file.hpp"
 #include "sim2sim_eval/command_line.hpp"
 #include "sim2sim_eval/provenance.hpp"
 
 namespace {
 
 void demonstrate(const pusht::DemonstrationPlan& plan, const std::string& out) {
-  const auto scene =
-      std::make_shared<const pusht::MujocoScene>(pusht::installedFile("pusht_mujoco", "scenes/pusht.xml"));
+  const auto scene = std::make_shared<const pusht::MujocoScene>();
   pusht::MujocoWorld world(scene);
   pusht::ScriptedExpert expert;
   sim2sim::ProgressBar bar("demonstrations", plan.episodes);

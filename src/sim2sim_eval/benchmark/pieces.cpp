@@ -98,8 +98,7 @@ BENCHMARK(engineLanes)->Name("engine_lanes/contact")->Arg(1);
 // ---- Reference: what the shipped policy does, by MuJoCo's own calls and through our world
 
 std::shared_ptr<const pusht::MujocoScene> scene() {
-  static const auto scene =
-      std::make_shared<const pusht::MujocoScene>(pusht::installedFile("pusht_mujoco", "scenes/pusht.xml"));
+  static const auto scene = std::make_shared<const pusht::MujocoScene>();
   return scene;
 }
 

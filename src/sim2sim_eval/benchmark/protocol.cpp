@@ -53,18 +53,18 @@ std::vector<pusht::Trace> referenceTraces(const sim2sim::Protocol& protocol, con
 
 void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
   protocol.validate();
-  const auto scene =
-      std::make_shared<const pusht::MujocoScene>(pusht::installedFile("pusht_mujoco", "scenes/pusht.xml"));
+  const auto scene = std::make_shared<const pusht::MujocoScene>();
   const auto shipped = pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt");
   const auto policy = pusht::NetworkPolicy::load(shipped);
   const auto on_libtorch = pusht::NetworkPolicy::loadOnLibtorch(shipped);
   const std::vector<pusht::Trace> traces = referenceTraces(protocol, scene, *policy);
   const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(&scene->model()), mj_deleteData);
 
-  const sim2sim::Setup setup({}, "");
-  pusht::TwoMassParameters other_knobs;
-  other_knobs.block_damp = 20.0;
-  sim2sim::Players with_libtorch = setup.players({});
+  const sim2sim::SimulatorChoice chosen = sim2sim::chooseSimulator("two_mass", {});
+  const sim2sim::Setup setup({}, sim2sim::chooseSimulator("mujoco", {}), {chosen});
+  const sim2sim::LoadedSimulator engine(chosen);
+  const sim2sim::LoadedSimulator with_other_knob(sim2sim::chooseSimulator("two_mass", {"block_damp=20"}));
+  sim2sim::Players with_libtorch = setup.players(engine);
   with_libtorch.make_policy = [&] { return on_libtorch->clone(); };
   const pusht::testing::TemporaryFolder folder;
   const sim2sim::ReferenceCache references(folder.path(), setup.referenceKey(protocol.horizon));
@@ -72,7 +72,7 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
     sim2sim::runProtocol(
         protocol, players, threads, cache, [](const sim2sim::Episode&) {}, [] { return false; });
   };
-  run(setup.players({}), 1, &references);  // from here on the reference is kept
+  run(setup.players(engine), 1, &references);  // from here on the reference is kept
 
   const std::map<std::string, std::function<void()>> works = {
       {"bare_mj_step",
@@ -81,9 +81,9 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
            sim2sim::stepBareMujoco(scene->model(), *data, trace);
          }
        }},
-      {"one_thread", [&] { run(setup.players({}), 1, nullptr); }},
-      {"two_threads", [&] { run(setup.players({}), 2, nullptr); }},
-      {"further_knob_value", [&] { run(setup.players(other_knobs), 1, &references); }},
+      {"one_thread", [&] { run(setup.players(engine), 1, nullptr); }},
+      {"two_threads", [&] { run(setup.players(engine), 2, nullptr); }},
+      {"further_knob_value", [&] { run(setup.players(with_other_knob), 1, &references); }},
       {"libtorch", [&] { run(with_libtorch, 1, nullptr); }},
   };
   std::map<std::string, std::vector<double>> seconds;

@@ -16,7 +16,7 @@ constexpr std::uint32_t kQueue = 1000;
 constexpr int kStepsPerPicture = 10;
 
 Picture makePicture(const Cast& cast) {
-  const auto name = [&](Mode mode) { return displayName(cast.describe(mode).name); };
+  const auto name = [&](Mode mode) { return recordOf(cast.describe(mode)).title; };
   const auto prefix = [&](Mode mode) { return cast.describe(mode).frame_prefix; };
   return Picture({{{prefix(kReferenceClosed), name(kReferenceClosed) + ", closed loop"},
                    {prefix(kEngineClosed), name(kEngineClosed) + ", closed loop"},

@@ -59,14 +59,11 @@ void Cast::connectWorlds(const pusht::Parameters& knobs, std::chrono::millisecon
     const pusht::Parameters& wanted = identity_ ? part.description.parameters : knobs;  // as it was before the fault
     const pusht::Parameters parameters = mode == kReferenceClosed ? pusht::Parameters() : wanted;
     part.peer.connect(patience, stop);
-    DescribeResponse description = part.peer.description();
     auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_);
     if (!parameters.empty()) {
       world->configure(parameters);
     }
-    description.parameters = world->parameters();
-    description.parameters_hash = world->parametersHash();
-    part.description = std::move(description);  // not before: a node that dies meanwhile gets the knobs next time
+    part.description = world->describe();  // not before: a node that dies meanwhile gets the knobs next time
     part.world = world.get();
     worlds.at(mode) = std::move(world);
   }
@@ -104,7 +101,7 @@ void Cast::announce(int episode, int horizon) {
 
 void Cast::requireUndisturbed() {
   for (Part& part : parts_) {
-    part.world->requireUndisturbed();
+    part.world->describe();
   }
 }
 

@@ -16,6 +16,7 @@
 #include "sim2sim_eval/run_bag.hpp"
 #include "sim2sim_eval/run_folder.hpp"
 #include "sim2sim_eval/setup.hpp"
+#include "sim2sim_eval/simulators.hpp"
 
 namespace sim2sim {
 namespace {
@@ -51,6 +52,28 @@ class Recorder {
   RunBag bag_;
 };
 
+std::string kindNames() {
+  std::string names;
+  for (const pusht::SimulatorKind& kind : simulatorKinds()) {
+    names += (names.empty() ? "" : ", ") + kind.name;
+  }
+  return names;
+}
+
+/// Each parameter of a kind of the course, as an option of its own.
+void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::string>& settings) {
+  for (const pusht::ParameterDescriptor& parameter : simulatorKind(kind).parameters) {
+    const std::string unit = parameter.unit.empty() ? "" : " [" + parameter.unit + "]";
+    const bool is_real = std::holds_alternative<double>(parameter.default_value);
+    app.add_option_function<std::string>(
+           "--" + parameter.name,
+           [&settings, name = parameter.name](const std::string& value) { settings.push_back(name + "=" + value); },
+           simulatorKind(kind).title + ": " + parameter.meaning + unit)
+        ->check(is_real ? decimalReal() : CLI::Validator(""))
+        ->default_str(pusht::textOf(parameter.default_value));
+  }
+}
+
 }  // namespace
 
 void CompareOptions::declare(CLI::App& app) {
@@ -67,45 +90,45 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option("--seed", protocol.seed, "episode i starts from spawn seed 10000 + seed + i")
       ->check(decimalInteger())
       ->capture_default_str();
-  for (const pusht::two_mass::Knob& knob : pusht::two_mass::kKnobs) {
-    app.add_option(std::string("--") + knob.name, knobs.*knob.value,
-                   std::string("engine: ") + knob.meaning + " [" + knob.unit + "]")
-        ->check(decimalReal())
-        ->capture_default_str();
-  }
+  app.add_option("--reference", reference, "kind of simulator: " + kindNames())->capture_default_str();
+  app.add_option("--engine", engine, "kind of simulator that is held against it")->capture_default_str();
+  app.add_option("--set", engine_settings, "NAME=VALUE: a parameter of the engine; may be repeated")
+      ->allow_extra_args(false);
+  app.add_option("--set-reference", reference_settings, "NAME=VALUE: a parameter of the reference; may be repeated")
+      ->allow_extra_args(false);
+  declareShortForms(app, "two_mass", engine_settings);
+  declareShortForms(app, "mujoco", reference_settings);
   app.add_flag("--smoke", smoke, "short fixed run of an untrained policy, whatever --policy says: 2 episodes, 40 steps")
       ->excludes(require);
-  app.add_option("--scene", scene, "MJCF file of the reference instead of the installed one; must be this task");
   app.add_option("--out", out, "folder for the results (default: the next free results/compare-N)");
   app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
   app.add_flag("--record", record, "write the run into compare.bag");
   batch.declare(app);
 }
 
-RunConfiguration CompareOptions::configuration() const {
-  RunConfiguration configuration;
-  configuration.protocol = smoke ? smokeRun(protocol) : protocol;
-  configuration.smoke = smoke;
-  configuration.policy = smoke ? pusht::kUntrainedPolicy : policy;
-  describeSimulators(configuration, knobs);
-  return configuration;
-}
-
 void compare(const CompareOptions& options) {
   // All that can be refused is refused before anything is written.
-  RunConfiguration configuration = options.configuration();
+  RunConfiguration configuration;
+  configuration.protocol = options.smoke ? smokeRun(options.protocol) : options.protocol;
+  configuration.smoke = options.smoke;
   configuration.protocol.validate();
-  options.knobs.validate();
+  const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_settings);
+  const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_settings);
   RunFolder folder(options.out, options.overwrite);
-  folder.refuseInputs(
-      {{"policy", options.policy}, {"scene", options.scene}, {"reference cache", options.batch.reference_cache}});
+  folder.refuseInputs({{"policy", options.policy}, {"reference cache", options.batch.reference_cache}});
+  const LoadedSimulator engine(chosen_engine);
   const Setup setup = loadFor(folder, [&] {
-    return Setup({configuration.policy, options.require_policy, configuration.protocol.seed}, options.scene);
+    const std::string policy = options.smoke ? pusht::kUntrainedPolicy : options.policy;
+    return Setup({policy, options.require_policy, configuration.protocol.seed}, reference, {chosen_engine});
   });
+  folder.refuseInputs(setup.reference().inputs());
+  folder.refuseInputs(engine.inputs());
+  configuration.reference = setup.reference().record();
+  configuration.engine = engine.record();
   configuration.policy = setup.policyName();
   const auto references = options.batch.references(setup, configuration.protocol.horizon);
 
-  const nlohmann::ordered_json origin = setup.provenance(configuration);
+  const nlohmann::ordered_json origin = setup.provenance(configuration, engine);
   Run run(configuration, folder, origin);
   try {
     std::optional<Recorder> recorder;
@@ -124,7 +147,7 @@ void compare(const CompareOptions& options) {
       engine_successes += episode.rollout(kEngineClosed).success() ? 1 : 0;
       bar.advance("success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
     };
-    runProtocol(configuration.protocol, setup.players(options.knobs), options.batch.threadCount(),
+    runProtocol(configuration.protocol, setup.players(engine), options.batch.threadCount(),
                 references ? &*references : nullptr, deliver, interrupted);
     if (!run.whole()) {
       throw pusht::RuntimeFault("interrupted after " + run.progress());

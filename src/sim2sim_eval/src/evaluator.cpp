@@ -16,6 +16,7 @@
 #include "sim2sim_eval/messages.hpp"
 #include "sim2sim_eval/provenance.hpp"
 #include "sim2sim_eval/run.hpp"
+#include "sim2sim_eval/simulators.hpp"
 
 namespace sim2sim {
 namespace {
@@ -42,14 +43,6 @@ void set(const char* name, Field& field, const Values& values) {
   }
 }
 
-nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
-  nlohmann::json provenance = nlohmann::json::parse(node.provenance, nullptr, false);
-  if (!provenance.is_object()) {
-    throw pusht::BadDependency(node.name + ": provenance '" + node.provenance + "': must be a JSON object");
-  }
-  return provenance;
-}
-
 /// Which node took part, as what.
 nlohmann::ordered_json participant(const pusht_msgs::DescribeResponse& node) {
   nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
@@ -68,13 +61,12 @@ RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast) {
   configuration.protocol = request.protocol;
   configuration.smoke = request.smoke;
   configuration.policy = cast.describePolicy().name;
-  configuration.reference = cast.describe(kReferenceClosed).name;
-  configuration.engine = cast.describe(kEngineClosed).name;
-  configuration.knobs = knobsFrom(cast.describe(kEngineClosed).parameters);
+  configuration.reference = recordOf(cast.describe(kReferenceClosed));
+  configuration.engine = recordOf(cast.describe(kEngineClosed));
   return configuration;
 }
 
-nlohmann::ordered_json provenanceOf(const RunConfiguration& configuration, const Cast& cast) {
+nlohmann::ordered_json originOf(const RunConfiguration& configuration, const Cast& cast) {
   nlohmann::ordered_json result =
       provenance(configuration, provenanceOf(cast.describePolicy()), provenanceOf(cast.describe(kReferenceClosed)),
                  provenanceOf(cast.describe(kEngineClosed)));
@@ -87,9 +79,12 @@ nlohmann::ordered_json provenanceOf(const RunConfiguration& configuration, const
 
 /// The files that nodes have read, as far as they say so.
 std::vector<Input> inputsOf(const Cast& cast) {
-  const auto scene = provenanceOf(cast.describe(kReferenceClosed))
-                         .value(nlohmann::json::json_pointer("/scene/file"), nlohmann::json());
-  return {{"policy", cast.describePolicy().name}, {"scene", scene.is_string() ? scene.get<std::string>() : ""}};
+  std::vector<Input> inputs = {{"policy", cast.describePolicy().name}};
+  for (const Mode mode : kModes) {
+    const std::vector<Input> files = filesIn(provenanceOf(cast.describe(mode)));
+    inputs.insert(inputs.end(), files.begin(), files.end());
+  }
+  return inputs;
 }
 
 /// Null if the run is not to be recorded.
@@ -283,7 +278,7 @@ void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
   cast.connect(options.knobs, options.patience, stop);
 
   const RunConfiguration configuration = configurationOf(request, cast);
-  const nlohmann::ordered_json provenance = provenanceOf(configuration, cast);
+  const nlohmann::ordered_json provenance = originOf(configuration, cast);
   folder.refuseInputs(inputsOf(cast));
   run_ = std::make_unique<Run>(configuration, folder, provenance);
   folder_ = std::filesystem::absolute(folder.path());

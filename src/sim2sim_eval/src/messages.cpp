@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/messages.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <variant>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/parameters.hpp"
 
 namespace sim2sim {
 namespace {
@@ -96,13 +99,28 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
   return message;
 }
 
-nlohmann::ordered_json knobsFrom(const pusht::Parameters& parameters) {
-  nlohmann::ordered_json knobs = nlohmann::ordered_json::object();
-  for (const pusht_msgs::Parameter& parameter : parameters) {
-    knobs[parameter.name] =
-        std::visit([](const auto& value) { return nlohmann::ordered_json(value); }, pusht::valueOf(parameter.value));
+nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
+  nlohmann::json provenance = nlohmann::json::parse(node.provenance, nullptr, false);
+  if (!provenance.is_object()) {
+    throw pusht::BadDependency(node.name + ": provenance '" + node.provenance + "': must be a JSON object");
   }
-  return knobs;
+  return provenance;
+}
+
+SimulatorRecord recordOf(const pusht_msgs::DescribeResponse& node) {
+  const nlohmann::json provenance = provenanceOf(node);
+  SimulatorRecord record{node.name, node.title.empty() ? node.name : node.title};
+  for (const pusht_msgs::Parameter& parameter : node.parameters) {
+    const auto& descriptors = node.parameter_descriptors;
+    const auto known = std::find_if(descriptors.begin(), descriptors.end(), [&](const auto& descriptor) {
+      return descriptor.name == parameter.name;
+    });
+    const bool described = known != descriptors.end();
+    const pusht::ParameterValue value = described && known->type == "text" ? pusht::ParameterValue(parameter.value)
+                                                                          : pusht::valueOf(parameter.value);
+    record.add(parameter.name, value, described && parameter.value == known->default_value, provenance);
+  }
+  return record;
 }
 
 }  // namespace sim2sim

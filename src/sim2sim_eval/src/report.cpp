@@ -13,7 +13,6 @@
 namespace sim2sim {
 
 using nlohmann::json;
-using nlohmann::ordered_json;
 using pusht::fixedText;
 using pusht::roundToMicro;
 using pusht::shortestText;
@@ -89,16 +88,6 @@ void readCsvRow(const std::string& row, Mode mode, EpisodeResult& episode) {
   }
 }
 
-std::string asPythonPrints(const ordered_json& value) {
-  if (value.is_boolean()) {
-    return value.get<bool>() ? "True" : "False";
-  }
-  if (value.is_number_float()) {
-    return shortestText(value.get<double>());
-  }
-  return value.is_string() ? value.get<std::string>() : value.dump();
-}
-
 std::string bracketed(const Interval& interval, int digits) {
   return "[" + fixedText(interval.low, digits) + ", " + fixedText(interval.high, digits) + "]";
 }
@@ -108,17 +97,6 @@ std::string padded(const std::string& text, std::size_t width) {
 }
 
 }  // namespace
-
-std::string configurationHash(const RunConfiguration& configuration) {
-  constexpr std::size_t kDigits = 12;
-  const Protocol nominal = configuration.smoke ? Protocol() : configuration.protocol;
-  std::string key = std::to_string(nominal.episodes);
-  for (const ordered_json& value : configuration.knobs) {
-    key += "|" + asPythonPrints(value);
-  }
-  key += "|" + std::to_string(configuration.protocol.horizon);
-  return pusht::md5(key).substr(0, kDigits);
-}
 
 Summary summarize(const std::vector<EpisodeResult>& episodes) {
   const SuccessRate reference = successRate(episodes, kReferenceClosed);
@@ -135,71 +113,36 @@ Summary summarize(const std::vector<EpisodeResult>& episodes) {
           meanReplayDivergence(episodes, &Divergence::angle)};
 }
 
-ordered_json describe(const RunConfiguration& configuration) {
-  return {{"policy", configuration.policy},
-          {"seed", configuration.protocol.seed},
-          {"first_episode", configuration.protocol.first_episode},
-          {"episodes", configuration.protocol.episodes},
-          {"horizon", configuration.protocol.horizon},
-          {"smoke", configuration.smoke},
-          {"reference_simulator", configuration.reference},
-          {"engine_simulator", configuration.engine},
-          {"knobs", configuration.knobs},
-          {"config_hash", configurationHash(configuration)}};
-}
-
-RunConfiguration configurationWithoutKnobs(const ordered_json& description) {
-  RunConfiguration configuration;
-  description.at("policy").get_to(configuration.policy);
-  description.at("seed").get_to(configuration.protocol.seed);
-  description.at("first_episode").get_to(configuration.protocol.first_episode);
-  description.at("episodes").get_to(configuration.protocol.episodes);
-  description.at("horizon").get_to(configuration.protocol.horizon);
-  description.at("smoke").get_to(configuration.smoke);
-  description.at("reference_simulator").get_to(configuration.reference);
-  description.at("engine_simulator").get_to(configuration.engine);
-  configuration.protocol.validate();
-  return configuration;
-}
-
-RunConfiguration configurationFrom(const ordered_json& description) {
-  try {
-    RunConfiguration configuration = configurationWithoutKnobs(description);
-    configuration.knobs = description.at("knobs");
-    if (describe(configuration) != description) {
-      throw pusht::InvalidInput("its config_hash or one of its values does not fit the others");
-    }
-    return configuration;
-  } catch (const json::exception& error) {
-    throw pusht::InvalidInput(error.what());
-  }
-}
-
 json metrics(const RunConfiguration& configuration, const Summary& summary) {
   json metrics = describe(configuration);
   metrics.update({
       // The course's keys.
-      {"mj_success_rate", roundToMicro(summary.reference.rate)},
       {"engine_success_rate", roundToMicro(summary.engine.rate)},
       {"mean_pos_divergence_m", roundToMicro(summary.position_divergence.value)},
       {"mean_ang_divergence_rad", roundToMicro(summary.angle_divergence.value)},
       // How sure they are.
       {"confidence", kConfidence},
-      {"mj_successes", summary.reference.successes},
-      {"mj_success_interval", rounded(summary.reference.interval)},
       {"engine_successes", summary.engine.successes},
       {"engine_success_interval", rounded(summary.engine.interval)},
+      {"reference_success_rate", roundToMicro(summary.reference.rate)},
+      {"reference_successes", summary.reference.successes},
+      {"reference_success_interval", rounded(summary.reference.interval)},
       {"transfer", summary.transfer ? json(roundToMicro(*summary.transfer)) : json()},
       {"mean_pos_divergence_interval_m", rounded(summary.position_divergence.interval)},
       {"mean_ang_divergence_interval_rad", rounded(summary.angle_divergence.interval)},
   });
+  if (configuration.reference.name == "mujoco") {  // as the course calls them
+    for (const char* key : {"success_rate", "successes", "success_interval"}) {
+      metrics[std::string("mj_") + key] = metrics[std::string("reference_") + key];
+    }
+  }
   return metrics;
 }
 
 std::string doubtAboutPolicy(const json& metrics, const json& provenance) {
   const json hash = provenance.value(json::json_pointer("/policy/sha256"), json());
   const bool is_checkpoint = hash.is_string() && !hash.get_ref<const std::string&>().empty();
-  if (!is_checkpoint || metrics.at("mj_successes").get<int>() > 0) {
+  if (!is_checkpoint || metrics.at("reference_successes").get<int>() > 0) {
     return "";
   }
   return "policy " + metrics.at("policy").get<std::string>() +
@@ -251,16 +194,12 @@ std::string cell(const Mean& mean, const std::string& unit) {
   return interval ? value + " " + bracketed(*interval, kDigits) : value;
 }
 
-std::string displayName(const std::string& simulator) {
-  return simulator == "mujoco" ? "MuJoCo" : simulator == "two_mass" ? "two-mass engine" : simulator;
-}
-
 std::string table(const RunConfiguration& configuration, const Summary& summary) {
   constexpr std::size_t kFirst = 24;
   constexpr std::size_t kColumn = 30;
   const std::string transfer = summary.transfer ? fixedText(100.0 * *summary.transfer, 0) + " %" : "undefined";
-  return padded("", kFirst) + padded(displayName(configuration.reference) + " (reference)", kColumn) +
-         displayName(configuration.engine) + "\n" + padded("success, closed loop", kFirst) +
+  return padded("", kFirst) + padded(configuration.reference.title + " (reference)", kColumn) +
+         configuration.engine.title + "\n" + padded("success, closed loop", kFirst) +
          padded(cell(summary.reference), kColumn) + cell(summary.engine) + "\n" + padded("transfer", kFirst) +
          padded("", kColumn) + transfer + "\n" + padded("divergence, open loop", kFirst) + padded("position", kColumn) +
          cell(summary.position_divergence, "m") + "\n" + padded("", kFirst) + padded("angle", kColumn) +

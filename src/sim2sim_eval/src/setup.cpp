@@ -1,13 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/setup.hpp"
 
-#include <algorithm>
-#include <filesystem>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/ros/installed_file.hpp"
 #include "sim2sim_eval/command_line.hpp"
 #include "sim2sim_eval/provenance.hpp"
@@ -15,64 +8,53 @@
 namespace sim2sim {
 namespace {
 
-namespace fs = std::filesystem;
+/// Those that compute a rollout, besides the simulator's own and those that a policy on libtorch takes.
+const std::vector<std::string> kLibraries = {"libm.so", "libpusht_task.so", "libpusht_policy.so", "libsim2sim_eval.so"};
 
-constexpr const char* kEngineLibrary = "libpusht_engine.so";
-
-/// Those that compute the results, besides what a policy on libtorch takes; all but the engine's compute a rollout of
-/// the reference.
-const std::vector<std::string> kLibraries = {"libm.so",          "libmujoco.so",       "libpusht_mujoco.so",
-                                             "libpusht_task.so", "libpusht_policy.so", "libsim2sim_eval.so",
-                                             kEngineLibrary};
-
-std::shared_ptr<const pusht::MujocoScene> loadScene(const std::string& file) {
-  return std::make_shared<const pusht::MujocoScene>(
-      file.empty() ? pusht::installedFile("pusht_mujoco", "scenes/pusht.xml") : fs::path(file));
+nlohmann::json codeOf(const std::vector<const pusht::SimulatorKind*>& kinds, const pusht::ChosenPolicy& policy) {
+  std::vector<std::string> libraries = kLibraries;
+  for (const pusht::SimulatorKind* kind : kinds) {
+    libraries.insert(libraries.end(), kind->libraries.begin(), kind->libraries.end());
+  }
+  return codeFingerprint(libraries, policy.libraries);
 }
 
 }  // namespace
 
-void describeSimulators(RunConfiguration& configuration, const pusht::TwoMassParameters& knobs) {
-  configuration.reference = "mujoco";
-  configuration.engine = "two_mass";
-  configuration.knobs = nlohmann::ordered_json::object();
-  for (const pusht::two_mass::Knob& knob : pusht::two_mass::kKnobs) {
-    configuration.knobs[knob.name] = knobs.*knob.value;
+Setup::Setup(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
+             const std::vector<SimulatorChoice>& engines)
+    : reference_(reference),
+      policy_(pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"))) {
+  std::vector<const pusht::SimulatorKind*> kinds = {&reference_.kind};
+  reference_code_ = codeOf(kinds, policy_);
+  for (const SimulatorChoice& engine : engines) {
+    kinds.push_back(&engine.kind.get());
   }
-}
-
-Setup::Setup(const pusht::PolicyChoice& policy, const std::string& scene)
-    : scene_(loadScene(scene)),
-      policy_(pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"))),
-      code_(codeFingerprint(kLibraries, policy_.libraries)) {
+  code_ = codeOf(kinds, policy_);
   warn(policy_.warning);
 }
 
-Players Setup::players(const pusht::TwoMassParameters& knobs) const {
-  const auto make_worlds = [scene = scene_, knobs](int lanes) {
-    std::vector<std::unique_ptr<pusht::Simulator>> references(lanes);
-    std::generate(references.begin(), references.end(), [&] { return std::make_unique<pusht::MujocoWorld>(scene); });
-    return Worlds{std::make_unique<pusht::SimulatorLanes>(std::move(references)),
-                  std::make_unique<pusht::TwoMassLanes>(lanes, knobs),
-                  std::make_unique<pusht::TwoMassLanes>(lanes, knobs)};
+Players Setup::players(const LoadedSimulator& engine) const {
+  const auto make_worlds = [make_reference = reference_.model.make_lanes,
+                            make_engine = engine.model.make_lanes](int lanes) {
+    return Worlds{make_reference(lanes), make_engine(lanes), make_engine(lanes)};
   };
   return {make_worlds, policy_.make};
 }
 
-nlohmann::ordered_json Setup::provenance(const RunConfiguration& configuration) const {
-  nlohmann::ordered_json result = sim2sim::provenance(
-      configuration, policy_.provenance, {{"scene", {{"file", scene_->path().string()}, {"sha256", scene_->sha256()}}}},
-      nlohmann::json::object());
+nlohmann::ordered_json Setup::provenance(const RunConfiguration& configuration, const LoadedSimulator& engine) const {
+  nlohmann::ordered_json result =
+      sim2sim::provenance(configuration, policy_.provenance, reference_.model.provenance, engine.model.provenance);
   result["code"] = code_;
   return result;
 }
 
-nlohmann::json Setup::identity() const { return {{"policy", policy_.identity}, {"scene", scene_->sha256()}}; }
+nlohmann::json Setup::identity() const {
+  return {{"policy", policy_.identity}, {"reference", toJson(reference_.record())}};
+}
 
 nlohmann::json Setup::referenceKey(int horizon) const {
-  nlohmann::json code = code_;
-  code.erase(kEngineLibrary);
-  return {{"inputs", identity()}, {"horizon", horizon}, {"code", code}};
+  return {{"inputs", identity()}, {"horizon", horizon}, {"code", reference_code_}};
 }
 
 }  // namespace sim2sim

@@ -23,55 +23,73 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// The run that a row is.
-RunConfiguration rowConfiguration(const Protocol& protocol, const std::string& policy,
-                                  const pusht::TwoMassParameters& knobs) {
+/// All rows as they run, whatever their engine.
+RunConfiguration sweepConfiguration(const Protocol& protocol, const Setup& setup) {
   RunConfiguration configuration;
   configuration.protocol = protocol;
-  configuration.policy = policy;
-  describeSimulators(configuration, knobs);
+  configuration.policy = setup.policyName();
+  configuration.reference = setup.reference().record();
+  return configuration;
+}
+
+/// The run that a row is.
+RunConfiguration rowConfiguration(const Protocol& protocol, const Setup& setup, const LoadedSimulator& engine) {
+  RunConfiguration configuration = sweepConfiguration(protocol, setup);
+  configuration.engine = engine.record();
   return configuration;
 }
 
 /// What decides a sweep, as in sweep.json; the same for all its shards.
 json descriptionOf(const SweepPlan& plan, const Setup& setup) {
-  const RunConfiguration first = rowConfiguration(plan.protocol, setup.policyName(), plan.rows.front());
-  json description = describe(first);
-  description.erase("knobs");
-  description.erase("config_hash");
+  json description = describe(sweepConfiguration(plan.protocol, setup));
+  for (const char* of_a_row : {"engine_simulator", "knobs", "simulators", "config_hash"}) {
+    description.erase(of_a_row);
+  }
   description["inputs"] = setup.identity();
-  for (const pusht::TwoMassParameters& knobs : plan.rows) {
-    description["rows"].push_back(json(rowConfiguration(plan.protocol, setup.policyName(), knobs).knobs));
+  for (const SimulatorChoice& engine : plan.rows) {
+    description["rows"].push_back(json(toJson(LoadedSimulator(engine).record())));
   }
   return description;
 }
 
-/// The run that a row on disk is: `sweep` with the `knobs` of the row. Throws json::exception if there are others.
-RunConfiguration rowOf(const RunConfiguration& sweep, const json& knobs) {
-  RunConfiguration row = sweep;
-  for (const pusht::two_mass::Knob& knob : pusht::two_mass::kKnobs) {
-    row.knobs[knob.name] = knobs.at(knob.name).get<double>();
-  }
-  return row;
+/// The run that a row of the sweep is that `description` describes. Throws json::exception if it describes none,
+/// InvalidInput as Protocol::validate().
+RunConfiguration rowOf(const json& description, std::size_t row) {
+  RunConfiguration configuration;
+  configuration.protocol = {description.at("seed"), description.at("first_episode"), description.at("episodes"),
+                            description.at("horizon")};
+  configuration.policy = description.at("policy");
+  configuration.reference = simulatorFrom(description.at("inputs").at("reference"));
+  configuration.engine = simulatorFrom(description.at("rows").at(row));
+  configuration.protocol.validate();
+  return configuration;
 }
 
-/// The knobs that take more than one value; all of them for a single row.
-std::vector<pusht::two_mass::Knob> varyingKnobs(const std::vector<pusht::TwoMassParameters>& rows) {
-  std::vector<pusht::two_mass::Knob> varying;
-  for (const pusht::two_mass::Knob& knob : pusht::two_mass::kKnobs) {
-    const bool varies = std::any_of(rows.begin(), rows.end(), [&](const pusht::TwoMassParameters& row) {
-      return row.*knob.value != rows.front().*knob.value;
-    });
-    if (varies || rows.size() == 1) {
-      varying.push_back(knob);
+/// What tells the rows apart: names of parameters that have more than one value. All of them for a single row.
+std::vector<std::string> varyingParameters(const std::vector<SimulatorChoice>& rows) {
+  std::vector<std::string> varying;
+  for (const SimulatorChoice& row : rows) {
+    for (const pusht::Parameter& parameter : row.parameters) {
+      const bool varies = std::any_of(rows.begin(), rows.end(), [&](const SimulatorChoice& other) {
+        return &other.kind.get() == &row.kind.get() && other.parameters.at(parameter.name()).value != parameter.value;
+      });
+      const bool is_new = std::find(varying.begin(), varying.end(), parameter.name()) == varying.end();
+      if (is_new && (varies || rows.size() == 1)) {
+        varying.push_back(parameter.name());
+      }
     }
   }
   return varying;
 }
 
+bool hasSeveralKinds(const std::vector<SimulatorChoice>& rows) {
+  return std::any_of(rows.begin(), rows.end(),
+                     [&](const SimulatorChoice& row) { return &row.kind.get() != &rows.front().kind.get(); });
+}
+
 void printRow(const RunConfiguration& configuration, const std::string& setting, const Summary& summary) {
-  std::cout << setting << ": " << displayName(configuration.engine) << " " << cell(summary.engine) << ", "
-            << displayName(configuration.reference) << " " << cell(summary.reference) << ", divergence "
+  std::cout << setting << ": " << configuration.engine.title << " " << cell(summary.engine) << ", "
+            << configuration.reference.title << " " << cell(summary.reference) << ", divergence "
             << cell(summary.position_divergence, "m") << ", " << cell(summary.angle_divergence, "rad") << std::endl;
 }
 
@@ -85,7 +103,7 @@ class Sweeper {
         protocol_(protocol),
         setup_(setup),
         folder_(folder),
-        varying_(varyingKnobs(plan.rows)),
+        varying_(varyingParameters(plan.rows)),
         bar_("episodes", static_cast<std::int64_t>(plan.rows.size()) * protocol.episodes) {}
 
   /// Throws RuntimeFault if it is interrupted, or at the end if there were rows that failed.
@@ -116,21 +134,22 @@ class Sweeper {
 
  private:
   void finishRow(std::size_t index, const ReferenceCache& references) {
-    const RunConfiguration configuration = rowConfiguration(protocol_, setup_.policyName(), plan_.rows[index]);
+    const LoadedSimulator engine(plan_.rows[index]);
+    const RunConfiguration configuration = rowConfiguration(protocol_, setup_, engine);
     Summary summary;
     if (const auto episodes = readRow(folder_.path(), index, configuration)) {
       bar_.skip(protocol_.episodes);
       summary = summarize(*episodes);
       folder_.resume(index, metrics(configuration, summary));
     } else {
-      const std::vector<EpisodeResult> run = runRow(index, references);
+      const std::vector<EpisodeResult> run = runRow(index, engine, references);
       summary = summarize(run);
       folder_.keep(index, metrics(configuration, summary), run);
     }
     printRow(configuration, settingText(index), summary);
   }
 
-  std::vector<EpisodeResult> runRow(std::size_t index, const ReferenceCache& references) {
+  std::vector<EpisodeResult> runRow(std::size_t index, const LoadedSimulator& engine, const ReferenceCache& references) {
     std::vector<EpisodeResult> episodes(protocol_.episodes);
     int finished = 0;
     const auto deliver = [&](const Episode& episode) {
@@ -139,7 +158,7 @@ class Sweeper {
       bar_.advance("row " + std::to_string(index + 1) + " of " + std::to_string(plan_.rows.size()));
     };
     try {
-      runProtocol(protocol_, setup_.players(plan_.rows[index]), options_.batch.threadCount(), &references, deliver,
+      runProtocol(protocol_, setup_.players(engine), options_.batch.threadCount(), &references, deliver,
                   interrupted);
     } catch (pusht::Error& error) {
       error.addContext("row " + std::to_string(index) + " (" + settingText(index) + ")");
@@ -153,12 +172,14 @@ class Sweeper {
     return episodes;
   }
 
-  /// "block_damp 2.0"
+  /// "block_damp 2.0"; with the kind in front if there are several
   std::string settingText(std::size_t index) const {
-    std::string text;
-    for (const pusht::two_mass::Knob& knob : varying_) {
-      text += (text.empty() ? "" : ", ") + std::string(knob.name) + " " +
-              pusht::shortestText(plan_.rows[index].*knob.value);
+    const SimulatorChoice& row = plan_.rows[index];
+    std::string text = hasSeveralKinds(plan_.rows) ? row.kind.get().name : "";
+    for (const pusht::Parameter& parameter : row.parameters) {
+      if (std::find(varying_.begin(), varying_.end(), parameter.name()) != varying_.end()) {
+        text += (text.empty() ? "" : ", ") + parameter.name() + " " + pusht::textOf(parameter.value);
+      }
     }
     return text;
   }
@@ -168,7 +189,7 @@ class Sweeper {
   const Protocol& protocol_;
   const Setup& setup_;
   SweepFolder& folder_;
-  std::vector<pusht::two_mass::Knob> varying_;
+  std::vector<std::string> varying_;
   ProgressBar bar_;
 };
 
@@ -279,16 +300,19 @@ void sweep(const SweepOptions& options) {
   SweepFolder folder(options.out, options.overwrite, "sweep");
   folder.refuseInputs({{"plan", options.plan},
                        {"policy", plan.policy},
-                       {"scene", plan.scene},
                        {"reference cache", options.batch.reference_cache}});
-  const Setup setup = loadFor(folder, [&] { return Setup({plan.policy, true, plan.protocol.seed}, plan.scene); });
+  const Setup setup = loadFor(folder, [&] { return Setup({plan.policy, true, plan.protocol.seed}, plan.reference, plan.rows); });
+  folder.refuseInputs(setup.reference().inputs());
+  const LoadedSimulator first(plan.rows.front());
 
   json description = descriptionOf(plan, setup);
   if (!options.shard.empty()) {
     description["shard"] = shard.text();
   }
-  json origin = setup.provenance(rowConfiguration(protocol, setup.policyName(), plan.rows.front()));
-  origin.erase("configuration");
+  json origin = setup.provenance(rowConfiguration(protocol, setup, first), first);
+  for (const char* of_a_row : {"configuration", "engine"}) {
+    origin.erase(of_a_row);
+  }
   folder.begin(description, origin);
   withStatus(folder, [&] { Sweeper(options, plan, protocol, setup, folder).run(); });
   if (options.shard.empty()) {  // the other shards may have the successes
@@ -309,7 +333,6 @@ void merge(const MergeOptions& options) {
   }
   const Shards shards = requireShards(options.shards);
   try {
-    const RunConfiguration whole = configurationWithoutKnobs(shards.description);
     const json& rows = shards.description.at("rows");
     folder.begin(shards.description, shards.provenance);
     withStatus(folder, [&] {
@@ -317,7 +340,7 @@ void merge(const MergeOptions& options) {
         if (interrupted()) {
           throw pusht::RuntimeFault("interrupted in row " + std::to_string(row) + " of " + std::to_string(rows.size()));
         }
-        const RunConfiguration configuration = rowOf(whole, rows.at(row));
+        const RunConfiguration configuration = rowOf(shards.description, row);
         const std::vector<EpisodeResult> episodes = joinRow(shards, configuration, row);
         folder.keep(row, metrics(configuration, summarize(episodes)), episodes);
       }

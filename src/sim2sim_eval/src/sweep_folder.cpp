@@ -39,26 +39,54 @@ json parsedFile(const fs::path& path, const std::string& what) {
 
 /// A cell of sweep.csv.
 std::string csvCell(const json& value) {
-  return value.is_number_float() ? pusht::shortestText(value.get<double>()) : value.is_null() ? "" : value.dump();
+  return value.is_number_float() ? pusht::shortestText(value.get<double>())
+         : value.is_string()     ? value.get<std::string>()
+         : value.is_null()       ? ""
+                                 : value.dump();
+}
+
+using Columns = std::vector<std::pair<std::string, json>>;
+
+/// What tells the rows apart: the kind of engine, if there are several, and all parameters that a row has.
+std::vector<std::string> settingNames(const std::vector<json>& rows) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      names.push_back(name);
+    }
+  };
+  for (const json& row : rows) {
+    if (row.at("engine_simulator") != rows.front().at("engine_simulator")) {
+      names.insert(names.begin(), "engine_simulator");
+      break;
+    }
+  }
+  for (const json& row : rows) {
+    for (const auto& [name, value] : row.at("knobs").items()) {
+      add(name);
+    }
+  }
+  return names;
 }
 
 /// The columns of sweep.csv after the row's number: each a name and a value of the row's metrics.
-std::vector<std::pair<std::string, json>> columns(const json& metrics) {
-  std::vector<std::pair<std::string, json>> columns;
-  for (const auto& [knob, value] : metrics.at("knobs").items()) {
-    columns.emplace_back(knob, value);
+Columns columns(const json& metrics, const std::vector<std::string>& settings) {
+  Columns columns;
+  for (const std::string& name : settings) {
+    columns.emplace_back(name, metrics.contains(name) ? metrics.at(name) : metrics.at("knobs").value(name, json()));
   }
   columns.emplace_back("episodes", metrics.at("episodes"));
-  const auto add = [&](const char* name, const char* interval = nullptr) {
+  const auto add = [&](const std::string& name, const std::string& interval = "") {
     columns.emplace_back(name, metrics.at(name));
-    if (interval != nullptr) {
+    if (!interval.empty()) {
       const json& bounds = metrics.at(interval);
-      columns.emplace_back(std::string(name) + "_low", bounds.is_null() ? json() : bounds.at(0));
-      columns.emplace_back(std::string(name) + "_high", bounds.is_null() ? json() : bounds.at(1));
+      columns.emplace_back(name + "_low", bounds.is_null() ? json() : bounds.at(0));
+      columns.emplace_back(name + "_high", bounds.is_null() ? json() : bounds.at(1));
     }
   };
-  add("mj_successes");
-  add("mj_success_rate", "mj_success_interval");
+  const std::string reference = metrics.contains("mj_successes") ? "mj" : "reference";
+  add(reference + "_successes");
+  add(reference + "_success_rate", reference + "_success_interval");
   add("engine_successes");
   add("engine_success_rate", "engine_success_interval");
   add("transfer");
@@ -68,11 +96,12 @@ std::vector<std::pair<std::string, json>> columns(const json& metrics) {
 }
 
 std::string sweepCsv(const std::vector<json>& rows) {
+  const std::vector<std::string> settings = settingNames(rows);
   std::string csv;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::string head = "row";
     std::string line = rows[i].at("row").dump();
-    for (const auto& [name, value] : columns(rows[i])) {
+    for (const auto& [name, value] : columns(rows[i], settings)) {
       head.append(",").append(name);
       line.append(",").append(csvCell(value));
     }

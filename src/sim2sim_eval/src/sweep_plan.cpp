@@ -4,16 +4,17 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstddef>
 #include <optional>
 #include <set>
+#include <type_traits>
 #include <utility>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
-#include "pusht_task/ros/parameters.hpp"
 
 namespace sim2sim {
 namespace {
@@ -47,20 +48,6 @@ Integer integerAt(const YAML::Node& node, const std::string& key) {
   return *value;
 }
 
-const pusht::two_mass::Knob& knobAt(const YAML::Node& node) {
-  const std::string name = textAt(node, "knob");
-  const auto& knobs = pusht::two_mass::kKnobs;
-  const auto knob = std::find_if(knobs.begin(), knobs.end(), [&](const auto& k) { return k.name == name; });
-  if (knob == knobs.end()) {
-    std::string names;
-    for (const auto& known : knobs) {
-      names += (names.empty() ? "" : ", ") + std::string(known.name);
-    }
-    refuse(node, name, "there is no such knob; there are " + names);
-  }
-  return *knob;
-}
-
 /// Calls check(); what it refuses is in the line of `node`.
 template <class Check>
 void inLineOf(const YAML::Node& node, Check check) {
@@ -72,10 +59,15 @@ void inLineOf(const YAML::Node& node, Check check) {
   }
 }
 
-void setKnob(pusht::TwoMassParameters& row, const pusht::two_mass::Knob& knob, const YAML::Node& value) {
-  const double real = pusht::realFromText(placeOf(value, knob.name), textAt(value, knob.name));
-  row.*knob.value = real + 0.0;  // -0.0 is 0.0
-  inLineOf(value, [&] { knob.requireInRange(real); });
+void setParameter(SimulatorChoice& row, const YAML::Node& key, const YAML::Node& value) {
+  const std::string name = textAt(key, "parameter");
+  inLineOf(key, [&] { row.parameters.at(name); });
+  inLineOf(value, [&] { row.parameters.set(name, textAt(value, name)); });
+}
+
+/// Throws InvalidInput in the line of `node` if the kind refuses the setting.
+void requireLoads(const YAML::Node& node, const SimulatorChoice& row) {
+  inLineOf(node, [&] { row.kind.get().load(row.parameters); });
 }
 
 void requireRoom(const YAML::Node& node, const std::string& key, std::size_t rows) {
@@ -95,71 +87,130 @@ void requireDistinctKeys(const YAML::Node& map) {
   }
 }
 
-std::vector<pusht::TwoMassParameters> rowsOfGrid(const YAML::Node& grid) {
+std::vector<SimulatorChoice> rowsOfGrid(const SimulatorChoice& engine, const YAML::Node& grid) {
   if (!grid.IsMap() || grid.size() == 0) {
-    refuse(grid, "grid", "must map knobs to lists of values");
+    refuse(grid, "grid", "must map parameters to lists of values");
   }
   requireDistinctKeys(grid);
-  std::vector<pusht::TwoMassParameters> rows(1);
+  std::vector<SimulatorChoice> rows = {engine};
   for (const auto& entry : grid) {
-    const auto& knob = knobAt(entry.first);
     if (!entry.second.IsSequence() || entry.second.size() == 0) {
-      refuse(entry.second, knob.name, "must be a list of values");
+      refuse(entry.second, textAt(entry.first, "parameter"), "must be a list of values");
     }
     requireRoom(grid, "grid", rows.size() * entry.second.size());
-    std::vector<pusht::TwoMassParameters> combined;
-    for (const pusht::TwoMassParameters& row : rows) {
+    std::vector<SimulatorChoice> combined;
+    for (const SimulatorChoice& row : rows) {
       for (const YAML::Node& value : entry.second) {
         combined.push_back(row);
-        setKnob(combined.back(), knob, value);
+        setParameter(combined.back(), entry.first, value);
       }
     }
     rows = std::move(combined);
   }
-  for (const pusht::TwoMassParameters& row : rows) {
-    inLineOf(grid, [&] { row.validate(); });
+  for (const SimulatorChoice& row : rows) {
+    requireLoads(grid, row);
   }
   return rows;
 }
 
-std::vector<pusht::TwoMassParameters> rowsOfList(const YAML::Node& list) {
+std::vector<SimulatorChoice> rowsOfList(const SimulatorChoice& engine, const YAML::Node& list) {
   if (!list.IsSequence() || list.size() == 0) {
     refuse(list, "rows", "must be a list of settings");
   }
   requireRoom(list, "rows", list.size());
-  std::vector<pusht::TwoMassParameters> rows;
+  std::vector<SimulatorChoice> rows;
   for (const YAML::Node& setting : list) {
     if (!setting.IsMap()) {
-      refuse(setting, "rows", "each must map knobs to values");
+      refuse(setting, "rows", "each must map parameters to values");
     }
     requireDistinctKeys(setting);
-    rows.emplace_back();
+    rows.push_back(engine);
     for (const auto& entry : setting) {
-      setKnob(rows.back(), knobAt(entry.first), entry.second);
+      setParameter(rows.back(), entry.first, entry.second);
     }
-    inLineOf(setting, [&] { rows.back().validate(); });
+    requireLoads(setting, rows.back());
   }
   return rows;
 }
 
-std::vector<double> valuesOf(const pusht::TwoMassParameters& row) {
-  std::vector<double> values(pusht::two_mass::kKnobs.size());
-  std::transform(pusht::two_mass::kKnobs.begin(), pusht::two_mass::kKnobs.end(), values.begin(),
-                 [&](const pusht::two_mass::Knob& knob) { return row.*knob.value; });
-  return values;
+std::string settingOf(const SimulatorChoice& row) {
+  std::string setting = row.kind.get().name;
+  for (const pusht::Parameter& parameter : row.parameters) {
+    setting += ", " + parameter.name() + " " + pusht::textOf(parameter.value);
+  }
+  return setting;
 }
 
-void requireEachOnce(const std::vector<pusht::TwoMassParameters>& rows) {
-  std::set<std::vector<double>> seen;
-  for (const pusht::TwoMassParameters& row : rows) {
-    if (!seen.insert(valuesOf(row)).second) {
-      std::string setting;
-      for (const auto& knob : pusht::two_mass::kKnobs) {
-        setting += (setting.empty() ? "" : ", ") + std::string(knob.name) + " " + pusht::shortestText(row.*knob.value);
-      }
-      throw pusht::InvalidInput("rows: " + setting + " must be there once only");
+void requireEachOnce(const std::vector<SimulatorChoice>& rows) {
+  std::set<std::string> seen;
+  for (const SimulatorChoice& row : rows) {
+    if (!seen.insert(settingOf(row)).second) {
+      throw pusht::InvalidInput("rows: " + settingOf(row) + " must be there once only");
     }
   }
+}
+
+SimulatorChoice simulatorAt(const YAML::Node& node, const std::string& key, const std::string& fallback) {
+  SimulatorChoice choice = chooseSimulator(fallback, {});
+  if (node.IsDefined()) {
+    inLineOf(node, [&] { choice = chooseSimulator(textAt(node, key), {}); });
+  }
+  return choice;
+}
+
+SimulatorChoice referenceIn(const YAML::Node& root) {
+  SimulatorChoice reference = simulatorAt(root["reference"], "reference", "mujoco");
+  if (const YAML::Node parameters = root["reference_parameters"]; parameters.IsDefined()) {
+    if (!parameters.IsMap()) {
+      refuse(parameters, "reference_parameters", "must map parameters to values");
+    }
+    requireDistinctKeys(parameters);
+    for (const auto& entry : parameters) {
+      setParameter(reference, entry.first, entry.second);
+    }
+  }
+  if (const YAML::Node scene = root["scene"]; scene.IsDefined()) {
+    inLineOf(scene, [&] { reference.parameters.set("scene", textAt(scene, "scene")); });
+  }
+  return reference;
+}
+
+/// In the order of the plan, each with its defaults.
+std::vector<SimulatorChoice> enginesIn(const YAML::Node& root) {
+  const YAML::Node node = root["engine"];
+  if (!node.IsDefined() || !node.IsSequence()) {
+    return {simulatorAt(node, "engine", "two_mass")};
+  }
+  if (node.size() == 0) {
+    refuse(node, "engine", "must be a kind of simulator, or a list of kinds");
+  }
+  std::vector<SimulatorChoice> engines;
+  for (const YAML::Node& kind : node) {
+    engines.push_back(simulatorAt(kind, "engine", ""));
+  }
+  return engines;
+}
+
+std::vector<SimulatorChoice> rowsIn(const YAML::Node& root) {
+  const YAML::Node grid = root["grid"];
+  const YAML::Node list = root["rows"];
+  const std::vector<SimulatorChoice> engines = enginesIn(root);
+  if (grid.IsDefined() && list.IsDefined()) {
+    throw pusht::InvalidInput("must have either grid or rows");
+  }
+  if (!grid.IsDefined() && !list.IsDefined() && engines.size() == 1) {
+    throw pusht::InvalidInput("must have grid, rows, or a list of engines");
+  }
+  std::vector<SimulatorChoice> rows;
+  for (const SimulatorChoice& engine : engines) {
+    const std::vector<SimulatorChoice> settings = grid.IsDefined()   ? rowsOfGrid(engine, grid)
+                                                  : list.IsDefined() ? rowsOfList(engine, list)
+                                                                     : std::vector<SimulatorChoice>{engine};
+    rows.insert(rows.end(), settings.begin(), settings.end());
+  }
+  requireRoom(root, "rows", rows.size());
+  requireEachOnce(rows);
+  return rows;
 }
 
 SweepPlan planFrom(const YAML::Node& root) {
@@ -167,35 +218,29 @@ SweepPlan planFrom(const YAML::Node& root) {
     throw pusht::InvalidInput("must map keys to values");
   }
   requireDistinctKeys(root);
-  SweepPlan plan;
+  constexpr std::array<const char*, 11> kKeys = {
+      "policy",   "reference", "reference_parameters", "scene", "engine", "seed", "first_episode",
+      "episodes", "horizon",   "grid",                 "rows"};
   for (const auto& entry : root) {
-    const std::string key = entry.first.Scalar();
-    const YAML::Node& value = entry.second;
-    if (key == "policy") {
-      plan.policy = textAt(value, key);
-    } else if (key == "scene") {
-      plan.scene = textAt(value, key);
-    } else if (key == "seed") {
-      plan.protocol.seed = integerAt<std::uint64_t>(value, key);
-    } else if (key == "first_episode") {
-      plan.protocol.first_episode = integerAt<int>(value, key);
-    } else if (key == "episodes") {
-      plan.protocol.episodes = integerAt<int>(value, key);
-    } else if (key == "horizon") {
-      plan.protocol.horizon = integerAt<int>(value, key);
-    } else if (key == "grid") {
-      plan.rows = rowsOfGrid(value);
-    } else if (key == "rows") {
-      plan.rows = rowsOfList(value);
-    } else {
-      refuse(entry.first, key,
-             "there is no such key; there are policy, scene, seed, first_episode, episodes, horizon, grid, rows");
+    if (std::find(kKeys.begin(), kKeys.end(), entry.first.Scalar()) == kKeys.end()) {
+      refuse(entry.first, entry.first.Scalar(),
+             "there is no such key; there are policy, reference, reference_parameters, scene, engine, seed, "
+             "first_episode, episodes, horizon, grid, rows");
     }
   }
-  if (root["grid"].IsDefined() == root["rows"].IsDefined()) {
-    throw pusht::InvalidInput("must have either grid or rows");
+  SweepPlan plan{Protocol(), pusht::kShippedPolicy, referenceIn(root), rowsIn(root)};
+  if (const YAML::Node policy = root["policy"]; policy.IsDefined()) {
+    plan.policy = textAt(policy, "policy");
   }
-  requireEachOnce(plan.rows);
+  const auto take = [&](const char* key, auto& field) {
+    if (const YAML::Node node = root[key]; node.IsDefined()) {
+      field = integerAt<std::decay_t<decltype(field)>>(node, key);
+    }
+  };
+  take("seed", plan.protocol.seed);
+  take("first_episode", plan.protocol.first_episode);
+  take("episodes", plan.protocol.episodes);
+  take("horizon", plan.protocol.horizon);
   plan.protocol.validate();
   return plan;
 }

@@ -92,6 +92,12 @@ int allocationsOf(const Function& step) {
   return allocations;
 }
 
+Players playersOf(const std::string& policy) {
+  const sim2sim::SimulatorChoice engine = sim2sim::chooseSimulator("two_mass", {});
+  return sim2sim::Setup({policy}, sim2sim::chooseSimulator("mujoco", {}), {engine})
+      .players(sim2sim::LoadedSimulator(engine));
+}
+
 TEST(Allocations, AreCounted) {
   int* volatile number = nullptr;  // volatile, or the compiler would leave the pair out
   EXPECT_EQ(allocationsOf([&] {
@@ -111,14 +117,14 @@ int allocationsOfChase(pusht::Simulator& world) {
 TEST(Allocations, NoneInAStepOfASimulator) {
   pusht::TwoMassEngine engine;
   EXPECT_EQ(allocationsOfChase(engine), 0);
-  pusht::MujocoWorld mujoco(std::make_shared<const pusht::MujocoScene>(PUSHT_SCENE));
+  pusht::MujocoWorld mujoco(std::make_shared<const pusht::MujocoScene>());
   EXPECT_EQ(allocationsOfChase(mujoco), 0);
 }
 
 TEST(Allocations, NoneInAStepOfTheWholeProtocol) {
   const Protocol protocol;
   for (const char* policy_name : {"bc", "expert"}) {
-    const Players players = sim2sim::Setup({policy_name}, PUSHT_SCENE).players({});
+    const Players players = playersOf(policy_name);
     const Worlds worlds = players.make_worlds(kEpisodesInFlight);
     const auto policy = players.make_policy();
     Flight flight(protocol, worlds, *policy);

@@ -1,23 +1,55 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/messages.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/ros/parameters.hpp"
 
 namespace sim2sim {
 namespace {
 
-TEST(KnobsFrom, HaveTheTypeThatTheirTextShows) {
-  const auto knobs = knobsFrom({pusht::parameter("walls", "true"), pusht::parameter("friction", "false"),
-                                pusht::parameter("sweeps", "20"), pusht::parameter("drag", "20.0"),
-                                pusht::parameter("shape", "two discs"), pusht::parameter("limit", "inf"),
-                                pusht::parameter("code", "010")});
+using ::testing::ElementsAre;
+
+pusht_msgs::DescribeResponse node(const pusht::Parameters& parameters) {
+  pusht_msgs::DescribeResponse description;
+  description.name = "mine";
+  description.parameters = parameters;
+  description.provenance = "{}";
+  return description;
+}
+
+TEST(RecordOf, GivesParametersTheTypeThatTheirTextShows) {
+  const SimulatorRecord record = recordOf(
+      node({pusht::parameter("walls", "true"), pusht::parameter("friction", "false"), pusht::parameter("sweeps", "20"),
+            pusht::parameter("drag", "20.0"), pusht::parameter("shape", "two discs"), pusht::parameter("limit", "inf"),
+            pusht::parameter("code", "010")}));
   EXPECT_EQ(
-      knobs.dump(),
+      record.parameters.dump(),
       R"({"walls":true,"friction":false,"sweeps":20,"drag":20.0,"shape":"two discs","limit":"inf","code":"010"})");
-  RunConfiguration configuration;
-  configuration.knobs = knobs;
-  EXPECT_EQ(configurationHash(configuration), "6b3ad3f0aa39") << "as Python prints them";
-  EXPECT_EQ(configurationFrom(describe(configuration)).knobs, knobs) << "and back";
+  EXPECT_EQ(record.title, "mine") << "it has no other";
+  EXPECT_EQ(record.changed.size(), 7U) << "their defaults are not known";
+}
+
+TEST(RecordOf, TakesTypesAndDefaultsFromDescriptors) {
+  auto description = node({pusht::parameter("shape", "20"), pusht::parameter("drag", "6.0")});
+  description.title = "my own";
+  for (const auto& [name, type, value] : {std::tuple("shape", "text", "boxes"), std::tuple("drag", "real", "6.0")}) {
+    description.parameter_descriptors.emplace_back();
+    description.parameter_descriptors.back().name = name;
+    description.parameter_descriptors.back().type = type;
+    description.parameter_descriptors.back().default_value = value;
+  }
+  const SimulatorRecord record = recordOf(description);
+  EXPECT_EQ(record.title, "my own");
+  EXPECT_EQ(record.parameters.dump(), R"({"shape":"20","drag":6.0})");
+  EXPECT_THAT(record.changed, ElementsAre("shape"));
+}
+
+TEST(RecordOf, RefusesAProvenanceThatIsNone) {
+  auto description = node({});
+  description.provenance = "none";
+  EXPECT_THROW(recordOf(description), pusht::BadDependency);
 }
 
 }  // namespace

@@ -34,41 +34,6 @@ std::vector<EpisodeResult> episodesWith(int total, int reference, int engine) {
   return episodes;
 }
 
-TEST(ConfigurationHash, IsTheCourses) {
-  EXPECT_EQ(configurationHash(CompareOptions().configuration()), "4d20147498c1");
-  CompareOptions smoke;
-  smoke.smoke = true;
-  EXPECT_EQ(configurationHash(smoke.configuration()), "636a7da5cf2c");
-}
-
-TEST(ConfigurationHash, HasTheKnobsOfAnyEngineInItsOwnOrder) {
-  RunConfiguration configuration;
-  configuration.knobs = {{"stiffness", 2.0}, {"contact", "boxes"}};
-  EXPECT_EQ(configurationHash(configuration), pusht::md5("50|2.0|boxes|300").substr(0, 12));
-}
-
-TEST(Configuration, IsReadAsItIsDescribed) {
-  RunConfiguration configuration;
-  configuration.protocol = {~0ULL - 20'000, 3, 7, 123};
-  configuration.smoke = true;
-  configuration.policy = "some/policy.pt";
-  configuration.reference = "mujoco";
-  configuration.engine = "mine";
-  configuration.knobs = {{"stiffness", 0.1}, {"contact", "boxes"}, {"alpha", 1e-320}};
-  const nlohmann::ordered_json description = describe(configuration);
-  const auto read = configurationFrom(nlohmann::ordered_json::parse(description.dump()));
-  EXPECT_EQ(describe(read).dump(), description.dump());
-
-  for (const auto& [key, value] : description.items()) {
-    nlohmann::ordered_json bad = description;
-    bad.erase(key);
-    EXPECT_THROW(configurationFrom(bad), pusht::InvalidInput) << "without " << key;
-  }
-  nlohmann::ordered_json bad = description;
-  bad["knobs"]["stiffness"] = 0.2;
-  EXPECT_THROW(configurationFrom(bad), pusht::InvalidInput) << "the hash is of other knobs";
-}
-
 TEST(Summarize, CountsTheClosedLoopsAndAveragesTheReplay) {
   const Summary summary = summarize(episodesWith(50, 31, 10));
   EXPECT_EQ(summary.reference.successes, 31);
@@ -106,8 +71,8 @@ TEST(Metrics, HasTheCoursesKeysAtTheTopSortedAndRounded) {
   configuration.policy = "some/policy.pt";
   configuration.protocol.first_episode = 5;
   configuration.protocol.episodes = 3;
-  configuration.reference = "mujoco";
-  configuration.engine = "two_mass";
+  configuration.reference = {"mujoco", "MuJoCo"};
+  configuration.engine = {"two_mass", "two-mass engine"};
   const std::string text = jsonText(metrics(configuration, summarize(episodesWith(3, 2, 1))));
   const nlohmann::json json = nlohmann::json::parse(text);
   EXPECT_EQ(json.at("episodes"), 3);
@@ -158,8 +123,8 @@ TEST(Table, ShowsNoDivergenceBelowZero) {
 
 TEST(Table, ShowsRatesWithIntervals) {
   RunConfiguration configuration;
-  configuration.reference = "mujoco";
-  configuration.engine = "two_mass";
+  configuration.reference = {"mujoco", "MuJoCo"};
+  configuration.engine = {"two_mass", "two-mass engine"};
   const Summary summary = summarize(episodesWith(50, 31, 10));
   const std::string text = table(configuration, summary);
   EXPECT_THAT(text, HasSubstr("MuJoCo (reference)"));
@@ -167,8 +132,8 @@ TEST(Table, ShowsRatesWithIntervals) {
   EXPECT_THAT(text, HasSubstr("31  0.620 [0.482, 0.741]"));
   EXPECT_THAT(text, HasSubstr("10  0.200 [0.112, 0.330]"));
   EXPECT_THAT(text, HasSubstr("32 %"));
-  configuration.engine = "mine";
-  EXPECT_THAT(table(configuration, summary), HasSubstr("mine\n"));
+  configuration.engine = {"mine", "my own"};
+  EXPECT_THAT(table(configuration, summary), HasSubstr("my own\n"));
 }
 
 }  // namespace

@@ -39,9 +39,8 @@ class Play {
     configuration_.protocol.first_episode = 3;
     configuration_.protocol.episodes = 3;
     configuration_.policy = "expert";
-    configuration_.reference = "two_mass";
-    configuration_.engine = "two_mass";
-    configuration_.knobs = {{"pusher_mass", 4.0}, {"block_damp", 6.0}, {"baumgarte", 40.0}};
+    configuration_.reference = {"two_mass", "two-mass engine", {{"block_damp", 60.0}}, {"block_damp"}};
+    configuration_.engine = {"two_mass", "two-mass engine", {{"block_damp", 6.0}}};
     pusht::TwoMassParameters draggy;
     draggy.block_damp = 60.0;
     worlds_ = worldsOf(std::make_unique<pusht::TwoMassEngine>(draggy), std::make_unique<pusht::TwoMassEngine>(),

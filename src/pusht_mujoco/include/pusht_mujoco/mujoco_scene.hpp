@@ -10,25 +10,27 @@
 
 namespace pusht {
 
+struct DeleteMujocoModel {
+  void operator()(mjModel* model) const { mj_deleteModel(model); }
+};
+using MujocoModel = std::unique_ptr<mjModel, DeleteMujocoModel>;
+
 /// A compiled MuJoCo model that is known to be PushT. Immutable; shared between threads freely.
 class MujocoScene {
  public:
+  /// The one that comes with the suite; needs no file.
+  MujocoScene();
+
   /// Loads and checks `path`. Throws InvalidInput with the path and MuJoCo's message if it does not load,
   /// or with the field, its value and the expected one if it is not this task.
   explicit MujocoScene(const std::filesystem::path& path);
 
   const mjModel& model() const { return *model_; }
-  const std::filesystem::path& path() const { return path_; }
   const std::string& sha256() const { return sha256_; }
 
  private:
-  struct DeleteModel {
-    void operator()(mjModel* model) const { mj_deleteModel(model); }
-  };
-
-  std::filesystem::path path_;
   std::string sha256_;
-  std::unique_ptr<mjModel, DeleteModel> model_;
+  MujocoModel model_;
 };
 
 }  // namespace pusht

@@ -61,28 +61,19 @@ pusht_msgs::Parameter parameter(const std::string& name, const std::string& valu
   return result;
 }
 
-Parameters merged(Parameters parameters, const Parameters& changes) {
-  for (const pusht_msgs::Parameter& change : changes) {
-    const auto place = std::find_if(parameters.begin(), parameters.end(),
-                                    [&](const pusht_msgs::Parameter& known) { return known.name == change.name; });
-    if (place == parameters.end()) {
-      std::set<std::string> names;
-      for (const pusht_msgs::Parameter& known : parameters) {
-        names.insert(known.name);
-      }
-      throw InvalidInput("parameter '" + change.name + "': there is none of that name; there are: " + joined(names));
-    }
-    place->value = change.value;
+Parameters toMessages(const ParameterSet& parameters) {
+  Parameters messages;
+  for (const Parameter& known : parameters) {
+    messages.push_back(parameter(known.name(), textOf(known.value)));
   }
-  return parameters;
+  return messages;
 }
 
-double realFromText(const std::string& name, const std::string& text) {
-  const std::optional<double> value = decimal<double>(text);
-  if (!value) {
-    throw InvalidInput(name + " '" + text + "': must be a decimal number");
+ParameterSet merged(ParameterSet parameters, const Parameters& changes) {
+  for (const pusht_msgs::Parameter& change : changes) {
+    parameters.set(change.name, change.value);
   }
-  return *value;
+  return parameters;
 }
 
 std::string serviceName(const std::string& what, const std::string& name) {
@@ -94,19 +85,6 @@ std::string serviceName(const std::string& what, const std::string& name) {
     // Refused below, like no name at all.
   }
   throw InvalidInput(what + " '" + name + "': must be a ROS name: letters, digits, _ and /");
-}
-
-ParameterValue valueOf(const std::string& text) {
-  if (text == "true" || text == "false") {
-    return text == "true";
-  }
-  if (const std::optional<std::int64_t> integer = decimal<std::int64_t>(text)) {
-    return *integer;
-  }
-  if (const std::optional<double> real = decimal<double>(text)) {
-    return *real;
-  }
-  return text;
 }
 
 void setParameters(const ros::NodeHandle& private_handle, const Parameters& parameters) {
@@ -225,14 +203,13 @@ Parameters ParameterReader::group(const std::string& key) {
   return group;
 }
 
-Parameters ParameterReader::changes(const Parameters& defaults) {
-  Parameters changes;
-  for (const pusht_msgs::Parameter& known : defaults) {
-    if (const XmlRpcValue* value = find(known.name)) {
-      changes.push_back(parameter(known.name, textOf(*value)));
+ParameterSet ParameterReader::changed(ParameterSet parameters) {
+  for (const Parameter& known : ParameterSet(parameters)) {
+    if (const XmlRpcValue* value = find(known.name())) {
+      parameters.set(known.name(), textOf(*value));
     }
   }
-  return changes;
+  return parameters;
 }
 
 void ParameterReader::enterWorkingDirectory() {

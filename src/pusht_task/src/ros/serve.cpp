@@ -46,14 +46,14 @@ struct Tally {
 
 class SimulatorNode {
  public:
-  SimulatorNode(const ros::NodeHandle& node, SimulatorModel model, const Parameters& changes,
+  SimulatorNode(const ros::NodeHandle& node, const SimulatorKind& kind, const ParameterSet& parameters,
                 const std::string& frame_prefix)
       : frame_prefix_(frame_prefix),
         node_(node),
         state_(node_.advertise<pusht_msgs::WorldStateStamped>("state", kQueue)),
         markers_(node_.advertise<visualization_msgs::MarkerArray>("markers", 1, true)),
-        health_(model.name, "requests", [this](DiagnosticStatusWrapper& status) { tally_.report(status); }),
-        session_(std::move(model), changes, frame_prefix,
+        health_(kind.name, "requests", [this](DiagnosticStatusWrapper& status) { tally_.report(status); }),
+        session_(kind, parameters, frame_prefix,
                  [this](const pusht_msgs::WorldStateStamped& update) { publish(update); }),
         services_{node_.advertiseService("reset", &SimulatorNode::reset, this),
                   node_.advertiseService("step", &SimulatorNode::step, this),
@@ -183,14 +183,12 @@ std::string defaultFramePrefix() { return ros::this_node::getName().substr(1); }
 
 }  // namespace
 
-int serveSimulator(int argc, char** argv, const std::string& node_name,
-                   const std::function<SimulatorModel(ParameterReader&)>& load) {
+int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKind& kind) {
   return serve(argc, argv, node_name, [&](const ros::NodeHandle& node, ParameterReader& parameters) {
     const std::string frame_prefix = parameters.text("frame_prefix", defaultFramePrefix());
-    SimulatorModel model = load(parameters);
-    const Parameters changes = parameters.changes(model.parameters);
+    const ParameterSet values = parameters.changed(kind.defaults());
     parameters.refuseUnknown();
-    return std::make_shared<SimulatorNode>(node, std::move(model), changes, frame_prefix);
+    return std::make_shared<SimulatorNode>(node, kind, values, frame_prefix);
   });
 }
 

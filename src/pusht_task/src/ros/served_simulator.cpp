@@ -38,7 +38,6 @@ ServedSimulator::ServedSimulator(const Peer& peer, StampSource& stamps)
       configure_(peer, "configure"),
       reset_(peer, "reset"),
       step_(peer, "step"),
-      parameters_(peer.description().parameters),
       parameters_hash_(peer.description().parameters_hash) {
   stamps.startAbove(peer.description().stamp);
   stamps.advance();
@@ -62,12 +61,14 @@ void ServedSimulator::configure(const Parameters& changes) {
   request.parameters = changes;
   request.end_episode = 1;
   request.token = token_;
-  const pusht_msgs::ConfigureResponse response = configure_.call(request);
-  parameters_ = response.parameters;
-  parameters_hash_ = response.parameters_hash;
+  parameters_hash_ = configure_.call(request).parameters_hash;
 }
 
-void ServedSimulator::requireUndisturbed() { requireParameters(describe_.call({}).parameters_hash); }
+pusht_msgs::DescribeResponse ServedSimulator::describe() {
+  pusht_msgs::DescribeResponse description = describe_.call({});
+  requireParameters(description.parameters_hash);
+  return description;
+}
 
 void ServedSimulator::doReset(const WorldState& state) {
   pusht_msgs::ResetRequest request;

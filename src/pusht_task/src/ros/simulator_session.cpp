@@ -33,6 +33,24 @@ std::string hashOf(const Parameters& parameters) {
   return sha256(key).substr(0, kDigits);
 }
 
+std::vector<pusht_msgs::ParameterDescriptor> describeParameters(const ParameterSet& parameters) {
+  std::vector<pusht_msgs::ParameterDescriptor> descriptors;
+  for (const Parameter& parameter : parameters) {
+    const ParameterDescriptor& known = parameter.descriptor;
+    pusht_msgs::ParameterDescriptor descriptor;
+    descriptor.name = known.name;
+    descriptor.type = known.type();
+    descriptor.unit = known.unit;
+    descriptor.meaning = known.meaning;
+    descriptor.default_value = textOf(known.default_value);
+    descriptor.least = known.least;
+    descriptor.greatest = known.greatest;
+    descriptor.words = known.words;
+    descriptors.push_back(descriptor);
+  }
+  return descriptors;
+}
+
 /// The reply to a request that `serve` fills, or that it refuses by an Error.
 template <class Response, class Serve>
 Response answer(const std::string& instance_id, const Serve& serve) {
@@ -59,10 +77,11 @@ WorldState startOf(const pusht_msgs::ResetRequest& request) {
 
 }  // namespace
 
-SimulatorSession::SimulatorSession(SimulatorModel model, const Parameters& changes, std::string frame_prefix,
+SimulatorSession::SimulatorSession(SimulatorKind kind, const ParameterSet& parameters, std::string frame_prefix,
                                    Observer observer)
-    : model_(std::move(model)),
-      configured_(model_.make(merged(model_.parameters, changes))),
+    : kind_(std::move(kind)),
+      model_(kind_.load(parameters)),
+      world_(model_.make_world()),
       frame_prefix_(std::move(frame_prefix)),
       instance_id_(newInstanceId()),
       observer_(std::move(observer)) {}
@@ -76,7 +95,7 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
     const ros::Time stamp = nextStamp(request.stamp);
     configuration_.reset();
     try {
-      configured_.simulator->reset(start);
+      world_->reset(start);
     } catch (const InvalidInput&) {
       throw;  // refused; the world is as it was
     } catch (const std::exception&) {
@@ -87,8 +106,8 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
     response.success = 1;
     response.instance_id = instance_id_;
     response.stamp = stamp;
-    response.state = toMessage(configured_.simulator->state());
-    response.parameters_hash = hashOf(configured_.parameters);
+    response.state = toMessage(world_->state());
+    response.parameters_hash = hashOf(toMessages(model_.parameters));
     const std::uint32_t horizon = request.horizon == 0 ? kHorizon : request.horizon;
     episode_ = Episode{request.episode, horizon, 0, false, request, response, {}, {}};
     observe({});
@@ -105,7 +124,7 @@ pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& r
     const Action action = {request.action[0], request.action[1]};
     const ros::Time stamp = nextStamp(request.stamp);
     try {
-      configured_.simulator->step(action);
+      world_->step(action);
     } catch (const InvalidInput&) {
       throw;  // refused; the world is as it was
     } catch (const std::exception&) {
@@ -117,7 +136,7 @@ pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& r
     response.instance_id = instance_id_;
     response.stamp = stamp;
     response.step = episode_->steps++;
-    response.state = toMessage(configured_.simulator->state());
+    response.state = toMessage(world_->state());
     episode_->last = request;
     episode_->taken = response;
     observe(clip(action));
@@ -134,12 +153,14 @@ pusht_msgs::ConfigureResponse SimulatorSession::configure(const pusht_msgs::Conf
       throw InvalidInput("configure in mid-episode, after " + std::to_string(episode_->steps) + " of " +
                          std::to_string(episode_->horizon) + " control steps: set end_episode to end it");
     }
-    configured_ = model_.make(merged(configured_.parameters, request.parameters));
+    SimulatorModel model = kind_.load(merged(model_.parameters, request.parameters));
+    world_ = model.make_world();
+    model_ = std::move(model);
     episode_.reset();
     response.success = 1;
     response.instance_id = instance_id_;
-    response.parameters = configured_.parameters;
-    response.parameters_hash = hashOf(configured_.parameters);
+    response.parameters = toMessages(model_.parameters);
+    response.parameters_hash = hashOf(toMessages(model_.parameters));
     configuration_ = Configuration{request, response};
   });
 }
@@ -148,10 +169,13 @@ pusht_msgs::DescribeResponse SimulatorSession::describe() const {
   pusht_msgs::DescribeResponse response;
   response.success = 1;
   response.instance_id = instance_id_;
-  response.name = model_.name;
-  response.version = model_.version;
-  response.parameters = configured_.parameters;
-  response.parameters_hash = hashOf(configured_.parameters);
+  response.name = kind_.name;
+  response.title = kind_.title;
+  response.version = kind_.version;
+  response.parameters = toMessages(model_.parameters);
+  response.parameters_hash = hashOf(toMessages(model_.parameters));
+  response.parameter_descriptors = describeParameters(model_.parameters);
+  response.start_tolerance = kind_.start_tolerance;
   response.provenance = model_.provenance.dump();
   response.frame_prefix = frame_prefix_;
   response.stamp = stamp_;
@@ -231,7 +255,7 @@ void SimulatorSession::observe(const Action& action) const {
   update.episode = episode_->index;
   update.step = episode_->steps;
   update.action = {action[0], action[1]};
-  update.state = toMessage(configured_.simulator->state());
+  update.state = toMessage(world_->state());
   observer_(update);
 }
 

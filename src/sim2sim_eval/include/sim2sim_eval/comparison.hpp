@@ -4,12 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
-#include "pusht_engine/two_mass_engine.hpp"
 #include "pusht_policy/policy_choice.hpp"
 #include "sim2sim_eval/batch_options.hpp"
 #include "sim2sim_eval/protocol.hpp"
-#include "sim2sim_eval/report.hpp"
+#include "sim2sim_eval/simulators.hpp"
 
 namespace sim2sim {
 
@@ -17,9 +17,11 @@ struct CompareOptions {
   Protocol protocol;
   std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice
   bool require_policy = false;
-  pusht::TwoMassParameters knobs;
+  std::string reference = "mujoco";              ///< kind
+  std::vector<std::string> reference_settings{};  ///< as in chooseSimulator()
+  std::string engine = "two_mass";               ///< kind
+  std::vector<std::string> engine_settings{};
   bool smoke = false;  ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
-  std::string scene;   ///< MJCF file; empty: the installed one
   std::string out;     ///< results folder; empty: the next free results/compare-N
   bool overwrite = false;
   bool record = false;  ///< write compare.bag
@@ -28,8 +30,6 @@ struct CompareOptions {
   /// Declares the options on a command line.
   void declare(CLI::App& app);
 
-  /// The run they ask for; its policy is the string given.
-  RunConfiguration configuration() const;
 };
 
 /// Runs the protocol, writes the results folder and prints the table. Throws an Error of its kind on failure;

@@ -2,15 +2,14 @@
 /// A run as messages.
 #pragma once
 
+#include <pusht_msgs/DescribeResponse.h>
 #include <pusht_msgs/Divergence.h>
 #include <pusht_msgs/EpisodeResult.h>
 #include <pusht_msgs/Summary.h>
 #include <ros/time.h>
 
-#include <nlohmann/json.hpp>
 #include <optional>
 
-#include "pusht_task/ros/parameters.hpp"
 #include "sim2sim_eval/protocol.hpp"
 #include "sim2sim_eval/report.hpp"
 
@@ -25,7 +24,11 @@ pusht_msgs::EpisodeResult toMessage(const EpisodeResult& episode, const ros::Tim
 pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::optional<Summary>& finished,
                                    const ros::Time& stamp);
 
-/// The knobs of a served simulator as a RunConfiguration has them, each of the type that its text shows.
-nlohmann::ordered_json knobsFrom(const pusht::Parameters& parameters);
+/// What a node says that its numbers depend on. Throws BadDependency if that is no JSON object.
+nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node);
+
+/// A served simulator as it describes itself; of one that does not say what its parameters are, none has its default.
+/// Throws as provenanceOf().
+SimulatorRecord recordOf(const pusht_msgs::DescribeResponse& node);
 
 }  // namespace sim2sim

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim2sim_eval/report.hpp"
+#include "sim2sim_eval/run_configuration.hpp"
 
 namespace sim2sim {
 

@@ -8,24 +8,10 @@
 #include <vector>
 
 #include "sim2sim_eval/protocol.hpp"
+#include "sim2sim_eval/run_configuration.hpp"
 #include "sim2sim_eval/statistics.hpp"
 
 namespace sim2sim {
-
-/// What decides the bytes of metrics.json and episodes.csv.
-struct RunConfiguration {
-  Protocol protocol;
-  bool smoke = false;
-  std::string policy;     ///< the string given, or "fresh-untrained"
-  std::string reference;  ///< name of the simulator, e.g. "mujoco"
-  std::string engine;     ///< name of the simulator, e.g. "two_mass"
-  /// Of the engine: a real, an integer, true or false, or a text for each name, in the engine's own order.
-  nlohmann::ordered_json knobs = nlohmann::ordered_json::object();
-};
-
-/// First 12 hex digits of the md5 of `episodes|KNOB|...|horizon` as Python prints them, with the knobs' values. A smoke
-/// run counts as one of the default length, as in the course.
-std::string configurationHash(const RunConfiguration& configuration);
 
 struct SuccessRate {
   int successes;
@@ -45,17 +31,7 @@ struct Summary {
 /// Of at least one episode, in index order.
 Summary summarize(const std::vector<EpisodeResult>& episodes);
 
-/// The configuration as JSON; part of metrics.json and of provenance.json.
-nlohmann::ordered_json describe(const RunConfiguration& configuration);
-
-/// What `description` says of protocol, policy and simulators. Throws json::exception if it does not, InvalidInput as
-/// Protocol::validate().
-RunConfiguration configurationWithoutKnobs(const nlohmann::ordered_json& description);
-
-/// The configuration that `description` describes. Throws InvalidInput if it describes none.
-RunConfiguration configurationFrom(const nlohmann::ordered_json& description);
-
-/// metrics.json: the course's keys and ours, rounded to six decimals. `summary` is that of the whole run.
+/// metrics.json: the course's keys and ours, rounded to six decimals; keys `mj_...` only where MuJoCo is the reference. `summary` is that of the whole run.
 nlohmann::json metrics(const RunConfiguration& configuration, const Summary& summary);
 
 /// Says that the policy looks untrained or stale, if it does; else empty. The course's guard: for checkpoints, which
@@ -70,9 +46,6 @@ std::string episodesCsv(const std::vector<EpisodeResult>& episodes);
 
 /// The episodes that episodesCsv() has written. Throws InvalidInput, naming the line, if the text is anything else.
 std::vector<EpisodeResult> episodesFromCsv(const std::string& text);
-
-/// What people call a simulator: "MuJoCo" for "mujoco"; others by the name they give themselves.
-std::string displayName(const std::string& simulator);
 
 /// "0.0817 m [0.0700, 0.0934]", "11  0.220 [0.128, 0.352]": figures with their intervals, for people.
 std::string cell(const SuccessRate& rate);

@@ -9,8 +9,9 @@
 #include <map>
 #include <set>
 #include <string>
-#include <variant>
 #include <vector>
+
+#include "pusht_task/parameters.hpp"
 
 namespace pusht {
 
@@ -19,19 +20,15 @@ using Parameters = std::vector<pusht_msgs::Parameter>;
 
 pusht_msgs::Parameter parameter(const std::string& name, const std::string& value);
 
-/// What a parameter's text shows: true or false, an integer, a finite real; else the text itself. "20.0" is a real.
-using ParameterValue = std::variant<bool, std::int64_t, double, std::string>;
-ParameterValue valueOf(const std::string& text);
+/// As messages.
+Parameters toMessages(const ParameterSet& parameters);
+
+/// `changes` on top of `parameters`. Throws as ParameterSet::set.
+ParameterSet merged(ParameterSet parameters, const Parameters& changes);
 
 /// Makes the parameters of a node those that it works with, typed as valueOf() says. The parameter server's integers
 /// have 32 bits; others stay texts.
 void setParameters(const ros::NodeHandle& private_handle, const Parameters& parameters);
-
-/// `changes` on top of `parameters`. Throws InvalidInput for a name that is not there.
-Parameters merged(Parameters parameters, const Parameters& changes);
-
-/// A decimal number from text, an integer included. Throws InvalidInput with `name`, the text and the rule.
-double realFromText(const std::string& name, const std::string& text);
 
 /// The namespace of services that `name` stands for here. Throws InvalidInput with `what`, the name and the rule if it
 /// is none.
@@ -58,8 +55,8 @@ class ParameterReader {
   /// Those below `key`, as text.
   Parameters group(const std::string& key);
 
-  /// Those of `defaults` that are set, as text.
-  Parameters changes(const Parameters& defaults);
+  /// `parameters`, changed where there is one of that name. Throws as ParameterSet::set.
+  ParameterSet changed(ParameterSet parameters);
 
   /// Makes relative paths mean what they mean to the user: the parameter `working_directory` is where he stands.
   void enterWorkingDirectory();

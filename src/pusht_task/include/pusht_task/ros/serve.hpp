@@ -14,10 +14,9 @@ namespace pusht {
 /// The main of a simulator node. Offers, in its private namespace, the services `reset`, `step`, `configure` and
 /// `describe`, the topics `state` and (latched) `markers`; TF `<frame_prefix>/table` to `pusher` and `tee`, and
 /// (static) to `target`; /diagnostics. Markers and frames come again once a second. Private parameters: `frame_prefix`
-/// (default: the node's name), the model's own, and what `load` reads. If `load` or the model's start fails, the node
-/// lives on, and only `describe` answers, with the error.
-int serveSimulator(int argc, char** argv, const std::string& node_name,
-                   const std::function<SimulatorModel(ParameterReader&)>& load);
+/// (default: the node's name), `working_directory` (where relative paths begin), and the kind's own. If the kind cannot be
+/// loaded with them, the node lives on, and only `describe` answers, with the error.
+int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKind& kind);
 
 /// The main of a policy node: services `act` and `describe`; /diagnostics. Failing at start: as above.
 int servePolicy(int argc, char** argv, const std::string& node_name,

@@ -44,12 +44,9 @@ class ServedSimulator : public Simulator {
   /// Sets parameters, and ends the episode under way. From now on the world must have those that come of it.
   void configure(const Parameters& changes);
 
-  /// All, as they must be.
-  const Parameters& parameters() const { return parameters_; }
-  const std::string& parametersHash() const { return parameters_hash_; }
-
-  /// Throws PeerFault if the node is another one by now, RuntimeFault if its parameters are others.
-  void requireUndisturbed();
+  /// What the node says of itself. Throws PeerFault if it is another one by now, RuntimeFault if its parameters are not
+  /// those that it must have.
+  pusht_msgs::DescribeResponse describe();
 
  private:
   void doReset(const WorldState& state) override;
@@ -65,8 +62,7 @@ class ServedSimulator : public Simulator {
   ServiceCaller<pusht_msgs::Configure> configure_;
   ServiceCaller<pusht_msgs::Reset> reset_;
   ServiceCaller<pusht_msgs::Step> step_;
-  Parameters parameters_;
-  std::string parameters_hash_;
+  std::string parameters_hash_;  // of those that it must have
   std::string token_;  // of the hold; another one for each reset
   std::uint64_t episode_ = 0;
   int horizon_ = 0;

@@ -10,30 +10,13 @@
 
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "pusht_task/ros/parameters.hpp"
-#include "pusht_task/simulator.hpp"
+#include "pusht_task/simulator_kind.hpp"
 
 namespace pusht {
-
-/// A simulator with its parameters as it understood them.
-struct ConfiguredSimulator {
-  std::unique_ptr<Simulator> simulator;
-  Parameters parameters;
-};
-
-/// What a simulator node serves.
-struct SimulatorModel {
-  std::string name;  ///< of the kind of simulator, e.g. "two_mass"
-  std::string version;
-  Parameters parameters;                                 ///< with their defaults, in their order; may be none
-  nlohmann::json provenance = nlohmann::json::object();  ///< what the numbers depend on besides
-  /// Makes one from a value for each parameter. Throws InvalidInput with parameter, value and rule.
-  std::function<ConfiguredSimulator(const Parameters&)> make;
-};
 
 /// One served world: which requests it accepts, in which order, and what it answers. A refused request changes
 /// nothing. The rules are those that pusht_msgs' services state.
@@ -42,8 +25,8 @@ class SimulatorSession {
   using Observer = std::function<void(const pusht_msgs::WorldStateStamped&)>;
 
   /// `observer` gets the world after every reset and step that was taken (not for an answer given again).
-  /// Throws InvalidInput if the model refuses `changes` on its parameters.
-  SimulatorSession(SimulatorModel model, const Parameters& changes, std::string frame_prefix, Observer observer);
+  /// Throws as the kind does that refuses `parameters`.
+  SimulatorSession(SimulatorKind kind, const ParameterSet& parameters, std::string frame_prefix, Observer observer);
 
   pusht_msgs::ResetResponse reset(const pusht_msgs::ResetRequest& request);
   pusht_msgs::StepResponse step(const pusht_msgs::StepRequest& request);
@@ -78,8 +61,9 @@ class SimulatorSession {
   void observe(const Action& action) const;
   bool inEpisode() const;
 
+  SimulatorKind kind_;
   SimulatorModel model_;
-  ConfiguredSimulator configured_;
+  std::unique_ptr<Simulator> world_;
   std::string frame_prefix_;
   std::string instance_id_;
   Observer observer_;

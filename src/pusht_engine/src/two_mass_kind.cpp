@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_engine/two_mass_kind.hpp"
+
+#include "pusht_engine/two_mass_engine.hpp"
+
+namespace pusht {
+namespace {
+
+std::vector<ParameterDescriptor> describeKnobs() {
+  std::vector<ParameterDescriptor> descriptors;
+  for (const two_mass::Knob& knob : two_mass::kKnobs) {
+    descriptors.push_back({knob.name, knob.unit, knob.meaning, TwoMassParameters().*knob.value, knob.least,
+                           knob.greatest, knob.reason});
+  }
+  return descriptors;
+}
+
+SimulatorModel load(const ParameterSet& parameters) {
+  TwoMassParameters knobs;
+  for (const two_mass::Knob& knob : two_mass::kKnobs) {
+    knobs.*knob.value = parameters.get<double>(knob.name);
+  }
+  knobs.validate();
+  SimulatorModel model;
+  model.parameters = parameters;
+  model.make_world = [knobs] { return std::make_unique<TwoMassEngine>(knobs); };
+  model.make_lanes = [knobs](int lanes) { return std::make_unique<TwoMassLanes>(lanes, knobs); };
+  return model;
+}
+
+}  // namespace
+
+const SimulatorKind& twoMassKind() {
+  constexpr double kStartTolerance = 1e-12;
+  static const SimulatorKind kind = {
+      "two_mass", "two-mass engine", PUSHT_ENGINE_VERSION, describeKnobs(), {"libpusht_engine.so"}, kStartTolerance,
+      load};
+  return kind;
+}
+
+}  // namespace pusht

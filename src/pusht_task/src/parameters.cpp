@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/parameters.hpp"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <iterator>
+#include <optional>
+
+#include "pusht_task/numbers.hpp"
+
+namespace pusht {
+namespace {
+
+/// By the index of the type in ParameterValue.
+struct TypeName {
+  const char* name;
+  const char* rule;
+};
+constexpr std::array<TypeName, std::variant_size_v<ParameterValue>> kTypes = {{{"boolean", "must be true or false"},
+                                                                               {"integer", "must be a decimal integer"},
+                                                                               {"real", "must be a decimal number"},
+                                                                               {"text", "must be a text"}}};
+
+/// Of the type that `wanted` has; none if `text` shows no such value.
+std::optional<ParameterValue> valueLike(const ParameterValue& wanted, const std::string& text) {
+  if (std::holds_alternative<std::string>(wanted)) {
+    return text;
+  }
+  ParameterValue value = valueOf(text);
+  if (std::holds_alternative<double>(wanted) && std::holds_alternative<std::int64_t>(value)) {
+    return decimal<double>(text);
+  }
+  return value.index() == wanted.index() ? std::optional(value) : std::nullopt;
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) {
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+ParameterValue valueOf(const std::string& text) {
+  if (text == "true" || text == "false") {
+    return text == "true";
+  }
+  if (const std::optional<std::int64_t> integer = decimal<std::int64_t>(text)) {
+    return *integer;
+  }
+  if (const std::optional<double> real = decimal<double>(text)) {
+    return *real;
+  }
+  return text;
+}
+
+std::string textOf(const ParameterValue& value) {
+  struct Text {
+    std::string operator()(bool flag) const { return flag ? "true" : "false"; }
+    std::string operator()(std::int64_t integer) const { return std::to_string(integer); }
+    std::string operator()(double real) const { return shortestText(real); }
+    std::string operator()(const std::string& text) const { return text; }
+  };
+  return std::visit(Text(), value);
+}
+
+const char* ParameterDescriptor::type() const { return kTypes.at(default_value.index()).name; }
+
+ParameterValue ParameterDescriptor::read(const std::string& text) const {
+  std::optional<ParameterValue> value = valueLike(default_value, text);
+  if (!value) {
+    throw InvalidInput(name + " '" + text + "': " + kTypes.at(default_value.index()).rule);
+  }
+  if (!words.empty() && std::find(words.begin(), words.end(), text) == words.end()) {
+    throw InvalidInput(name + " '" + text + "': must be one of: " + joined(words));
+  }
+  if (std::holds_alternative<double>(*value)) {
+    value = std::get<double>(*value) + 0.0;  // -0.0 is 0.0
+  }
+  const auto* const integer = std::get_if<std::int64_t>(&*value);
+  const auto* const real = std::get_if<double>(&*value);
+  const double number = real != nullptr ? *real : integer != nullptr ? static_cast<double>(*integer) : 0.0;
+  if ((real != nullptr || integer != nullptr) && !(least <= number && number <= greatest)) {
+    throw InvalidInput(name + " " + textOf(*value) + ": must be from " + shortestText(least) + " to " +
+                       shortestText(greatest) + (unit.empty() ? "" : " [" + unit + "]") +
+                       (reason.empty() ? "" : ": " + reason));
+  }
+  return *value;
+}
+
+ParameterSet::ParameterSet(const std::vector<ParameterDescriptor>& descriptors) {
+  for (const ParameterDescriptor& descriptor : descriptors) {
+    parameters_.push_back({descriptor, descriptor.default_value});
+  }
+}
+
+void ParameterSet::set(const std::string& name, const std::string& text) {
+  const Parameter& parameter = at(name);
+  parameters_[&parameter - parameters_.data()].value = parameter.descriptor.read(text);
+}
+
+const Parameter& ParameterSet::at(const std::string& name) const {
+  const auto place = std::find_if(parameters_.begin(), parameters_.end(),
+                                  [&](const Parameter& parameter) { return parameter.name() == name; });
+  if (place == parameters_.end()) {
+    std::vector<std::string> names;
+    std::transform(parameters_.begin(), parameters_.end(), std::back_inserter(names), std::mem_fn(&Parameter::name));
+    throw InvalidInput("parameter '" + name + "': there is none of that name; there are: " + joined(names));
+  }
+  return *place;
+}
+
+bool operator==(const ParameterSet& a, const ParameterSet& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Parameter& x, const Parameter& y) {
+    return x.name() == y.name() && x.value == y.value;
+  });
+}
+
+}  // namespace pusht

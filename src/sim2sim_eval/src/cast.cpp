@@ -32,9 +32,9 @@ Cast::Cast(const Services& services, std::chrono::milliseconds deadline)
              Part{{services.worlds[kEngineReplay], watchdog_}, {}, nullptr}},
       policy_peer_(services.policy, watchdog_) {}
 
-void Cast::connect(const pusht::Parameters& knobs, std::chrono::milliseconds patience,
+void Cast::connect(const Settings& settings, std::chrono::milliseconds patience,
                    const std::function<bool()>& stop) {
-  connectWorlds(knobs, patience, stop);
+  connectWorlds(settings, patience, stop);
   policy_peer_.connect(patience, stop);
   policy_ = std::make_unique<pusht::ServedPolicy>(policy_peer_);
   requireThreeWorlds();
@@ -50,20 +50,20 @@ void Cast::connect(const pusht::Parameters& knobs, std::chrono::milliseconds pat
   identity_ = std::move(identity);
 }
 
-void Cast::connectWorlds(const pusht::Parameters& knobs, std::chrono::milliseconds patience,
+void Cast::connectWorlds(const Settings& settings, std::chrono::milliseconds patience,
                          const std::function<bool()>& stop) {
   worlds_ = {};  // leaves those that have not been lost
   std::array<std::unique_ptr<pusht::Simulator>, kModeCount> worlds;
   for (std::size_t mode = 0; mode < kModeCount; ++mode) {
     Part& part = parts_.at(mode);
-    const pusht::Parameters& wanted = identity_ ? part.description.parameters : knobs;  // as it was before the fault
-    const pusht::Parameters parameters = mode == kReferenceClosed ? pusht::Parameters() : wanted;
+    const pusht::Parameters& asked = mode == kReferenceClosed ? settings.reference : settings.engine;
+    const pusht::Parameters& parameters = identity_ ? part.description.parameters : asked;  // as before the fault
     part.peer.connect(patience, stop);
     auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_);
     if (!parameters.empty()) {
       world->configure(parameters);
     }
-    part.description = world->describe();  // not before: a node that dies meanwhile gets the knobs next time
+    part.description = world->describe();  // not before: a node that dies meanwhile gets what was asked for next time
     part.world = world.get();
     worlds.at(mode) = std::move(world);
   }

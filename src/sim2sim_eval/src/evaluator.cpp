@@ -3,8 +3,11 @@
 
 #include <ros/ros.h>
 
+#include <algorithm>
 #include <functional>
 #include <iostream>
+#include <iterator>
+#include <regex>
 #include <system_error>
 #include <utility>
 
@@ -123,6 +126,25 @@ void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failu
 
 }  // namespace
 
+pusht::Parameters settingsFrom(const std::string& what, const std::string& text) {
+  static const std::regex kName("(^|\\s)\\s*([A-Za-z_][A-Za-z0-9_]*)=");
+  const std::sregex_iterator end;
+  std::sregex_iterator name(text.begin(), text.end(), kName);
+  const std::string before = text.substr(0, name == end ? std::string::npos : static_cast<std::size_t>(name->position()));
+  if (before.find_first_not_of(" \t\n") != std::string::npos) {
+    throw pusht::InvalidInput(what + " '" + text + "': must be NAME=VALUE NAME=VALUE");
+  }
+  pusht::Parameters settings;
+  while (name != end) {
+    const std::sregex_iterator next = std::next(name);
+    const auto value = static_cast<std::size_t>(name->position() + name->length());
+    const auto value_end = next == end ? text.find_last_not_of(" \t\n") + 1 : static_cast<std::size_t>(next->position());
+    settings.push_back(pusht::parameter(name->str(2), text.substr(value, std::max(value, value_end) - value)));
+    name = next;
+  }
+  return settings;
+}
+
 LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   if (request.smoke && !(goal.episodes.empty() && goal.horizon.empty())) {
     throw pusht::InvalidInput("episodes and horizon: a smoke run has its own");
@@ -138,7 +160,11 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   set("record", request.record, goal.record);
   set("out", request.out, goal.out);
   set("overwrite", request.overwrite, goal.overwrite);
-  request.knobs.insert(request.knobs.end(), goal.knobs.begin(), goal.knobs.end());  // the last of a name counts
+  const auto add = [](pusht::Parameters& settings, const auto& more) {  // the last of a name counts
+    settings.insert(settings.end(), more.begin(), more.end());
+  };
+  add(request.settings.reference, goal.reference_parameters);
+  add(request.settings.engine, goal.engine_parameters);
   return request;
 }
 
@@ -172,7 +198,8 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   }
   loaded.headless = parameters.text("headless", "rviz was not asked for");
   request.rate = parameters.real("rate", loaded.headless.empty() ? kRateForEyes : kFullSpeed);
-  request.knobs = parameters.group("knobs");
+  const auto settings = [&](const std::string& key) { return settingsFrom(key, parameters.text(key, "")); };
+  request.settings = {settings("reference_parameters"), settings("engine_parameters")};
   request.record = parameters.flag("record", request.record);
   request.out = parameters.text("out", request.out);
   request.overwrite = parameters.flag("overwrite", request.overwrite);
@@ -272,10 +299,10 @@ void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
   request.protocol.validate();
   pacer_.setRate(request.rate);
   begin(request.protocol.episodes);
-  const LiveOptions options = {request.knobs, parameters_.respawn, milliseconds(parameters_.patience)};
+  const LiveOptions options = {request.settings, parameters_.respawn, milliseconds(parameters_.patience)};
   Cast cast(request.services, milliseconds(parameters_.deadline));
   const auto stop = [this] { return stopped(); };
-  cast.connect(options.knobs, options.patience, stop);
+  cast.connect(options.settings, options.patience, stop);
 
   const RunConfiguration configuration = configurationOf(request, cast);
   const nlohmann::ordered_json provenance = originOf(configuration, cast);

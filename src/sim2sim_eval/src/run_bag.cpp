@@ -45,7 +45,7 @@ pusht_msgs::WorldStateStamped toMessage(const WorldMoment& moment, int episode, 
 }  // namespace
 
 const WorldNames& defaultWorldNames() {
-  static const WorldNames names = {WorldName{"/mujoco/state", "mujoco"}, WorldName{"/engine/state", "engine"},
+  static const WorldNames names = {WorldName{"/reference/state", "reference"}, WorldName{"/engine/state", "engine"},
                                    WorldName{"/engine_replay/state", "engine_replay"}};
   return names;
 }

@@ -39,7 +39,7 @@ class LiveExamples(GoalCase):
         for name, length in (("a", "0.04"), ("b", "0.04"), ("c", "0.08")):
             self.out = self.folder / name
             knobs = [Parameter("characteristic_length", length)]
-            self.compare(episodes=1, horizon=100, knobs=knobs)
+            self.compare(episodes=1, horizon=100, engine_parameters=knobs)
             results.append(result_bytes(self.out))
         self.assertEqual(results[0], results[1])
         self.assertNotEqual(results[0], results[2])
@@ -56,7 +56,7 @@ class LiveExamples(GoalCase):
             with self.subTest(fault):
                 out = self.folder / fault
                 knobs = [Parameter("fault", fault)]
-                sceptic.send_goal(goal_of(out=str(out), episodes=2, knobs=knobs))
+                sceptic.send_goal(goal_of(out=str(out), episodes=2, engine_parameters=knobs))
                 self.assertTrue(sceptic.wait_for_result(rospy.Duration(DEADLINE)))
                 self.assertEqual(sceptic.get_result().exit_code, 4)
                 self.assert_not_whole(out, reason)

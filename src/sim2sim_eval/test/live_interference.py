@@ -32,7 +32,7 @@ from live_support import (
     status_of,
 )
 
-WORLDS = ("mujoco", "engine", "engine_replay")
+WORLDS = ("reference", "engine", "engine_replay")
 MODES = ("reference_closed", "engine_closed")
 EPISODES = 4
 BATCH = ("--policy", "expert", "--episodes", str(EPISODES))
@@ -52,7 +52,7 @@ class Stranger:
         self.served[name] += answer.success
 
     def configure(self, world: str) -> None:
-        knobs = [] if world == "mujoco" else [Parameter("block_damp", OTHERS)]
+        knobs = [] if world == "reference" else [Parameter("block_damp", OTHERS)]
         self.call(world, "configure", Configure, parameters=knobs, end_episode=True)
 
     def step(self, world: str) -> None:
@@ -106,7 +106,7 @@ class LiveInterference(GoalCase):
         for world in WORLDS:
             with self.subTest(world):
                 self.out = self.folder / world
-                self.send_and_hold(0, 5, episodes=EPISODES, knobs=DAMPED)
+                self.send_and_hold(0, 5, episodes=EPISODES, engine_parameters=DAMPED)
                 Stranger(random.Random(0)).call(world, "reset", Reset, seed=1)
                 self.assert_ended_by(f"/{world}: the world was reset by another caller")
 
@@ -118,7 +118,7 @@ class LiveInterference(GoalCase):
         episode = next(i for i in range(EPISODES) if len({steps[i, mode] for mode in MODES}) > 1)
         first = min(MODES, key=lambda mode: steps[episode, mode])  # its world rests then
         world = "engine_replay" if first == "reference_closed" else "engine"
-        wanted = {"first_episode": episode, "episodes": 1, "knobs": DAMPED}
+        wanted = {"first_episode": episode, "episodes": 1, "engine_parameters": DAMPED}
         self.send_and_hold(episode, steps[episode, first] + 1, **wanted)
         stranger = Stranger(random.Random(0))
         stranger.call(world, "reset", Reset, seed=1)
@@ -152,7 +152,7 @@ class LiveInterference(GoalCase):
     def begin(self, client: Any, out: Path, damping: str) -> None:
         shutil.rmtree(out, ignore_errors=True)
         knobs = [Parameter("block_damp", damping)]
-        client.send_goal(goal_of(out=str(out), episodes=EPISODES, knobs=knobs, record=False))
+        client.send_goal(goal_of(out=str(out), episodes=EPISODES, engine_parameters=knobs, record=False))
 
     def end(self, client: Any, out: Path, damping: str) -> int:
         """The exit code of a run, which must tell the truth."""
@@ -164,7 +164,7 @@ class LiveInterference(GoalCase):
             self.assertEqual(result_bytes(out), self.expected[damping])
             return 0
         self.assertEqual(result.exit_code, 4, result.reason)
-        self.assertRegex(result.reason, r"^[^\n]*/(mujoco|engine|engine_replay)\b[^\n]*$")
+        self.assertRegex(result.reason, r"^[^\n]*/(reference|engine|engine_replay)\b[^\n]*$")
         self.assertLessEqual(files(out), RESULTS - {"metrics.json"})
         return 4
 

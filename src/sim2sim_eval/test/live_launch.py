@@ -207,7 +207,7 @@ class Arguments(LiveCase):
     # The names of the nodes that the launch file starts, and what follows from other arguments.
     DERIVED = {
         *("reference", "engine", "replay", "policy_namespace"),
-        *("exit", "headless", "knobs", "working_directory"),
+        *("exit", "headless", "working_directory"),
     }
 
     def test_every_parameter_of_the_evaluator_is_an_argument(self) -> None:
@@ -223,8 +223,10 @@ class Arguments(LiveCase):
         self.succeed("rosrun", "sim2sim_eval", "compare", "--smoke", "--out", str(out))
         knobs = metrics_of(out)["knobs"]
         self.assertTrue(knobs)
+        path = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "launch" / "compare.launch"
         for name in knobs:
-            self.assert_argument("sim2sim_eval", "compare", name, f"/sim2sim/knobs/{name}")
+            given = self.parameters_of(path, f"{name}:=1")["/sim2sim/engine_parameters"]
+            self.assertEqual(given, f" {name}=1")
             self.assert_argument("pusht_engine", "engine", name, f"/engine/{name}")
 
     def assert_argument(self, package: str, launch: str, name: str, parameter: str) -> None:
@@ -325,7 +327,7 @@ class LostNodes(LiveCase):
         self.assertGreaterEqual(status["episodes_finished"], 1)
 
     def test_f13_killed_node(self) -> None:
-        for node in ("engine", "mujoco", "policy"):
+        for node in ("engine", "reference", "policy"):
             with self.subTest(node):
                 launch = self.under_way(out=node)
                 since = time.monotonic()
@@ -426,7 +428,7 @@ class LostRuns(LiveCase):
     def test_f22_killed_roslaunch(self) -> None:
         launch = Launch(self, **LONG)
         launch.first("/sim2sim/episode")
-        nodes = [launch.node(f"/{name}") for name in ("sim2sim", "engine", "mujoco", "policy")]
+        nodes = [launch.node(f"/{name}") for name in ("sim2sim", "engine", "reference", "policy")]
         children = children_of(launch.pid)  # the master is one
         for pid in children:
             self.addCleanup(kill, pid, signal.SIGKILL)

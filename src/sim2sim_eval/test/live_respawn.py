@@ -51,7 +51,7 @@ class LiveRespawn(GoalCase):
         self.assert_recomputed(self.out)
 
     def test_f13_killed_node(self) -> None:
-        for node in ("engine", "engine_replay", "mujoco", "policy"):
+        for node in ("engine", "engine_replay", "reference", "policy"):
             with self.subTest(node):
                 self.out = self.folder / node
                 self.under_way()
@@ -65,7 +65,7 @@ class LiveRespawn(GoalCase):
 
     def test_f13_two_nodes_one_after_the_other(self) -> None:
         self.send_and_hold(0, 10, episodes=EPISODES)
-        self.kill_node("mujoco")
+        self.kill_node("reference")
         self.accepted("step")
         self.go_on_to(1, 10)
         self.kill_node("policy")
@@ -76,7 +76,7 @@ class LiveRespawn(GoalCase):
         """It gets its knobs once more, from whoever runs the comparison."""
         knobs = [Parameter("block_damp", "20.0")]
         self.log.forget(rospy.Time.now())
-        self.send_and_hold(0, 10, episodes=EPISODES, knobs=knobs)
+        self.send_and_hold(0, 10, episodes=EPISODES, engine_parameters=knobs)
         last = pid_of("/engine_replay")  # it is connected to after the engine
         self.addCleanup(kill, last, signal.SIGCONT)
         os.kill(last, signal.SIGSTOP)
@@ -101,13 +101,13 @@ class LiveRespawn(GoalCase):
 
     def test_f14_node_that_stays_stopped(self) -> None:
         self.under_way()
-        pid = pid_of("/mujoco")
+        pid = pid_of("/reference")
         self.addCleanup(kill, pid, signal.SIGCONT)
         os.kill(pid, signal.SIGSTOP)
         self.accepted("resume")
         result = self.result(GoalStatus.ABORTED)
         self.assertEqual((result.exit_code, result.faults_survived), (4, 1))
-        self.assert_not_whole(self.out, "/mujoco/describe: nobody answers within 10000 ms")
+        self.assert_not_whole(self.out, "/reference/describe: nobody answers within 10000 ms")
 
 
 run(LiveRespawn)

@@ -87,7 +87,7 @@ class LiveSession(GoalCase):
             topic.forget(last)
 
     def send(self, **fields: Any) -> None:
-        super().send(**{"episodes": EPISODES, "knobs": KNOBS, **fields})
+        super().send(**{"episodes": EPISODES, "engine_parameters": KNOBS, **fields})
 
     # The bytes.
 
@@ -113,7 +113,7 @@ class LiveSession(GoalCase):
         for value in ("20", "6.0"):
             knobs = [Parameter("block_damp", value)]
             self.out = self.folder / value
-            self.compare(knobs=knobs, episodes=2, record=False)
+            self.compare(engine_parameters=knobs, episodes=2, record=False)
             self.assertEqual(metrics_of(self.out)["knobs"]["block_damp"], float(value))
         command = ("--policy", "expert", "--episodes", "2")
         expected = self.batch_bytes(*command, "--block_damp", "20")
@@ -132,9 +132,9 @@ class LiveSession(GoalCase):
 
     def test_refused_goal_tells_why(self) -> None:
         cases: List[Tuple[Dict[str, Any], str]] = [
-            ({"knobs": [Parameter("block_dump", "6")]}, "block_dump.*there is none of that name"),
-            ({"knobs": [Parameter("pusher_mass", "-1")]}, "pusher_mass -1.0: must be"),
-            ({"knobs": [Parameter("block_damp", "110")]}, "block_damp 110.0: must be from 0.0 to"),
+            ({"engine_parameters": [Parameter("block_dump", "6")]}, "block_dump.*there is none of that name"),
+            ({"engine_parameters": [Parameter("pusher_mass", "-1")]}, "pusher_mass -1.0: must be"),
+            ({"engine_parameters": [Parameter("block_damp", "110")]}, "block_damp 110.0: must be from 0.0 to"),
             ({"episodes": 1_000_000_000}, "episodes 1000000000: must be from 1 to"),
             ({"seed": 2**64 - 1}, "seed"),
             ({"rate": math.nan}, "rate nan: must be finite"),
@@ -298,7 +298,7 @@ class LiveSession(GoalCase):
     def test_parameters_follow_a_configuration(self) -> None:
         for value in ("20", "6.0"):
             self.out = self.folder / value
-            self.compare(knobs=[Parameter("block_damp", value)], episodes=1, record=False)
+            self.compare(engine_parameters=[Parameter("block_damp", value)], episodes=1, record=False)
             self.assertEqual(rospy.get_param("/engine/block_damp"), float(value))
 
     # The topics.
@@ -332,7 +332,7 @@ class LiveSession(GoalCase):
             tees = [states[name][stamp].state for name in WORLDS if stamp in states[name]]
             if len(tees) == len(WORLDS):
                 compared += 1
-                self.assertEqual(states["mujoco"][stamp].step, message.step)
+                self.assertEqual(states["reference"][stamp].step, message.step)
                 self.assert_apart(tees[0], tees[1], message.closed_position, message.closed_angle)
                 self.assert_apart(tees[0], tees[2], message.replay_position, message.replay_angle)
         self.assertGreater(compared, 50)
@@ -371,9 +371,9 @@ class LiveSession(GoalCase):
     def test_whoever_comes_late_sees_everything(self) -> None:
         self.send_and_hold(0, 20, **PACED)
         markers = Inbox("/sim2sim/markers", MarkerArray)
-        scene = markers.until(lambda message: "mujoco/axes" in namespaces(message))[-1]
+        scene = markers.until(lambda message: "reference/axes" in namespaces(message))[-1]
         self.assertIn("engine_replay", namespaces(scene))
-        shown = markers.until(lambda message: "mujoco/episode" in namespaces(message))[-1]
+        shown = markers.until(lambda message: "reference/episode" in namespaces(message))[-1]
         markers.until(lambda message: message == scene)  # again: rviz's Reset forgets
         markers.until(lambda message: message == shown)
 

@@ -33,7 +33,7 @@ from pusht_task.testing import DEADLINE, Inbox, sends, until
 RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
 RECORDED_RESULTS = RESULTS | {"compare.bag"}
 CALLER = "/live_test"
-WORLDS = ["mujoco", "engine", "engine_replay"]
+WORLDS = ["reference", "engine", "engine_replay"]
 NODES = [*WORLDS, "policy"]
 
 
@@ -313,9 +313,9 @@ def describe(node: str) -> Any:
         service.close()
 
 
-def goal_of(knobs: Sequence[Any] = (), **fields: Any) -> Any:
+def goal_of(engine_parameters: Sequence[Any] = (), **fields: Any) -> Any:
     """A goal says nothing of a field, or has one value of it."""
-    return CompareGoal(knobs=knobs, **{field: [value] for field, value in fields.items()})
+    return CompareGoal(engine_parameters=engine_parameters, **{field: [value] for field, value in fields.items()})
 
 
 class Topic(Inbox):

@@ -428,7 +428,7 @@ class Recompute(CompareCase):
             return True
 
         def other_start(topic: str, message: Any) -> bool:
-            if at(topic, message, "/mujoco", 0):
+            if at(topic, message, "/reference", 0):
                 message.state.pusher_y += 0.001
             return True
 

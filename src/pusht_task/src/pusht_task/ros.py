@@ -60,10 +60,12 @@ def serve_simulator(
     *,
     name: str,
     version: str,
+    title: str = "",
     parameters: Mapping[str, Value] = MappingProxyType({}),
 ) -> int:
     """The main of a simulator node: serves what `make(**parameters)` gives; returns the exit code.
 
+    `name` is a word; `title` is what people call the simulator, if that is not its name.
     `parameters` are the knobs and switches with their defaults. They are private parameters of the
     node, and ~configure makes the simulator anew with others. `make` raises ValueError, with name,
     value and rule, for a value that it does not like.
@@ -74,10 +76,12 @@ def serve_simulator(
         values = _private_parameters(defaults)
         frame_prefix = str(values.pop("frame_prefix"))
         publisher = _WorldPublisher(frame_prefix)
-        return _SimulatorNode(make, values, identity, frame_prefix, publisher.publish)
+        return _SimulatorNode(
+            make, values, identity, frame_prefix, publisher.publish, defaults=parameters
+        )
 
     services = {"reset": Reset, "step": Step, "configure": Configure}
-    return _serve(start, services, Identity(name, version))
+    return _serve(start, services, Identity(name, version, title))
 
 
 def serve_policy(act: Act, *, name: str, version: str) -> int:

@@ -15,7 +15,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Protocol, Seque
 
 import numpy as np
 from genpy import Time  # type: ignore[import]
-from pusht_msgs.msg import Parameter, WorldStateStamped  # type: ignore[import]
+from pusht_msgs.msg import Parameter, ParameterDescriptor, WorldStateStamped  # type: ignore[import]
 from pusht_msgs.msg import WorldState as WorldStateMessage
 from pusht_msgs.srv import (  # type: ignore[import]
     ActResponse,
@@ -48,6 +48,7 @@ POSITIONS = ("pusher_x", "pusher_y", "tee_x", "tee_y")
 SPEEDS = ("pusher_vx", "pusher_vy", "tee_vx", "tee_vy")
 VELOCITIES = (*SPEEDS, "tee_yaw_rate")
 KINDS = {bool: "true or false", int: "an integer", float: "a finite number", str: "a text"}
+TYPES = {bool: "boolean", int: "integer", float: "real", str: "text"}  # in ParameterDescriptor
 FOREIGN = (Exception, SystemExit)  # what foreign code may end with; sys.exit() ends no node
 NEXT = -1  # as the index of a step: the one that comes next
 
@@ -87,6 +88,7 @@ class Identity:
 
     name: str  # of the kind of simulator or policy
     version: str
+    title: str = ""  # of a simulator, for people
     instance_id: str = field(default_factory=lambda: str(uuid.uuid4()))
 
 
@@ -100,9 +102,16 @@ class SimulatorSession:
         identity: Identity,
         frame_prefix: str,
         observer: Callable[[WorldStateStamped], None],
+        defaults: Optional[Mapping[str, Value]] = None,
     ) -> None:
-        """`observer` gets the world after every reset and step that was taken."""
+        """`observer` gets the world after every reset and step that was taken.
+
+        `defaults` are those of `parameters`, if they are others.
+        """
         self._make = make
+        self._descriptors = [
+            _descriptor(name, value) for name, value in (defaults or parameters).items()
+        ]
         self._parameters = dict(parameters)
         self._simulator = _made(make, self._parameters)
         self._identity = identity
@@ -139,8 +148,10 @@ class SimulatorSession:
                 success=True,
                 instance_id=self._identity.instance_id,
                 name=self._identity.name,
+                title=self._identity.title,
                 version=self._identity.version,
                 parameters=_parameter_messages(self._parameters),
+                parameter_descriptors=self._descriptors,
                 parameters_hash=_hash(self._parameters),
                 provenance=_provenance(),
                 frame_prefix=self._frame_prefix,
@@ -473,6 +484,17 @@ def _to_text(value: Value) -> str:
 
 def _parameter_messages(parameters: Mapping[str, Value]) -> List[Parameter]:
     return [Parameter(name=name, value=_to_text(value)) for name, value in parameters.items()]
+
+
+def _descriptor(name: str, default: Value) -> ParameterDescriptor:
+    """What is known of a parameter by its default."""
+    return ParameterDescriptor(
+        name=name,
+        type=TYPES[type(default)],
+        default_value=_to_text(default),
+        least=-math.inf,
+        greatest=math.inf,
+    )
 
 
 def _hash(parameters: Mapping[str, Value]) -> str:

@@ -179,16 +179,26 @@ int serve(int argc, char** argv, const std::string& node_name,
   });
 }
 
-std::string defaultFramePrefix() { return ros::this_node::getName().substr(1); }
+std::shared_ptr<SimulatorNode> makeNode(const ros::NodeHandle& node, const SimulatorKind& kind,
+                                        ParameterReader& parameters) {
+  const std::string frame_prefix = parameters.text("frame_prefix", ros::this_node::getName().substr(1));
+  const ParameterSet values = parameters.changed(kind.defaults());
+  parameters.refuseUnknown();
+  return std::make_shared<SimulatorNode>(node, kind, values, frame_prefix);
+}
 
 }  // namespace
 
 int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKind& kind) {
   return serve(argc, argv, node_name, [&](const ros::NodeHandle& node, ParameterReader& parameters) {
-    const std::string frame_prefix = parameters.text("frame_prefix", defaultFramePrefix());
-    const ParameterSet values = parameters.changed(kind.defaults());
-    parameters.refuseUnknown();
-    return std::make_shared<SimulatorNode>(node, kind, values, frame_prefix);
+    return makeNode(node, kind, parameters);
+  });
+}
+
+int serveSimulator(int argc, char** argv, const std::string& node_name,
+                   const std::function<const SimulatorKind&(const std::string& name)>& find) {
+  return serve(argc, argv, node_name, [&](const ros::NodeHandle& node, ParameterReader& parameters) {
+    return makeNode(node, find(parameters.text("kind", "")), parameters);
   });
 }
 

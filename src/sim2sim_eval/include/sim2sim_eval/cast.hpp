@@ -28,11 +28,17 @@ class Cast {
   /// A call that is not answered within `deadline` is a PeerFault.
   Cast(const Services& services, std::chrono::milliseconds deadline);
 
-  /// Connects to all, the first time or after a fault, takes the worlds over, and sets the engine's knobs. Each may
+  /// Of a world in each role; those that are not named keep their values.
+  struct Settings {
+    pusht::Parameters reference;
+    pusht::Parameters engine;
+  };
+
+  /// Connects to all, the first time or after a fault, takes the worlds over, and sets their parameters. Each may
   /// take `patience` to appear, unless `stop` holds. Throws RuntimeFault if one does not, PeerFault if one is lost
   /// meanwhile; the error of one that failed at start; InvalidInput if the two worlds of the engine differ or two
   /// worlds are one; BadDependency if one has come back as another.
-  void connect(const pusht::Parameters& knobs, std::chrono::milliseconds patience, const std::function<bool()>& stop);
+  void connect(const Settings& settings, std::chrono::milliseconds patience, const std::function<bool()>& stop);
 
   /// Makes ready for an episode. Throws PeerFault if a node has been replaced.
   void announce(int episode, int horizon);
@@ -56,7 +62,7 @@ class Cast {
     pusht::ServedSimulator* world = nullptr;
   };
 
-  void connectWorlds(const pusht::Parameters& knobs, std::chrono::milliseconds patience,
+  void connectWorlds(const Settings& settings, std::chrono::milliseconds patience,
                      const std::function<bool()>& stop);
   void requireThreeWorlds() const;
   void requireOneEngine() const;

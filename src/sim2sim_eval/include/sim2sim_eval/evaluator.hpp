@@ -35,11 +35,14 @@ struct LiveRequest {
   Protocol protocol;
   bool smoke = false;       ///< short; the policy node should be given the untrained policy
   double rate = 0.0;        ///< [control steps/s]; 0: as fast as possible
-  pusht::Parameters knobs;  ///< of the engine; those that are not named keep their values
+  Cast::Settings settings;
   bool record = true;       ///< write compare.bag
   std::string out;          ///< folder for the results; empty: the next free results/compare-N
   bool overwrite = false;   ///< replace results that are in the folder
 };
+
+/// "NAME=VALUE NAME=VALUE"; a value may hold spaces. Throws InvalidInput with `what` and the text if it is none.
+pusht::Parameters settingsFrom(const std::string& what, const std::string& text);
 
 /// `goal` on top of `request`. Throws InvalidInput with the field of the goal that cannot be.
 LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal);

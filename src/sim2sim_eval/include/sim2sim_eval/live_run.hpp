@@ -29,7 +29,7 @@ class LiveObserver {
 };
 
 struct LiveOptions {
-  pusht::Parameters knobs;                ///< of the engine; those that are not named keep their values
+  Cast::Settings settings;
   bool respawn = false;                   ///< nodes that die are started again by someone; else a fault ends the run
   std::chrono::milliseconds patience{0};  ///< for a node to appear, or to come back
 };

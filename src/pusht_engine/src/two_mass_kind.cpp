@@ -9,8 +9,8 @@ namespace {
 std::vector<ParameterDescriptor> describeKnobs() {
   std::vector<ParameterDescriptor> descriptors;
   for (const two_mass::Knob& knob : two_mass::kKnobs) {
-    descriptors.push_back({knob.name, knob.unit, knob.meaning, TwoMassParameters().*knob.value, knob.least,
-                           knob.greatest, knob.reason});
+    descriptors.push_back(
+        {knob.name, knob.unit, knob.meaning, TwoMassParameters().*knob.value, knob.least, knob.greatest, knob.reason});
   }
   return descriptors;
 }

@@ -144,6 +144,24 @@ TEST_F(Scene, TheShippedOneIsTheTask) {
   EXPECT_EQ(model.actuator_ctrlrange[1], kActionLimit);
 }
 
+TEST_F(Scene, TheShippedOneHasTheDynamicsThatOtherEnginesFollow) {
+  const MujocoScene scene;
+  const mjModel& model = scene.model();
+  const auto dof = [&](const char* joint) { return model.jnt_dofadr[mj_name2id(&model, mjOBJ_JOINT, joint)]; };
+  const auto geom = [&](const char* name) { return mj_name2id(&model, mjOBJ_GEOM, name); };
+  EXPECT_EQ(model.body_mass[mj_name2id(&model, mjOBJ_BODY, "pusher")], dynamics::kPusherMass);
+  EXPECT_EQ(model.actuator_gainprm[0], dynamics::kServoGain);
+  EXPECT_EQ(model.actuator_biasprm[2], -dynamics::kServoGain);
+  EXPECT_EQ(model.actuator_forcerange[1], dynamics::kServoLimit);
+  EXPECT_EQ(model.dof_damping[dof("pusher_x")], dynamics::kPusherDamping);
+  EXPECT_EQ(model.dof_damping[dof("tee_y")], dynamics::kTeeDamping);
+  EXPECT_EQ(model.dof_damping[dof("tee_yaw")], dynamics::kTeeYawDamping);
+  EXPECT_EQ(model.dof_frictionloss[dof("tee_x")], dynamics::kTeeFriction);
+  EXPECT_EQ(model.dof_frictionloss[dof("tee_yaw")], dynamics::kTeeYawFriction);
+  EXPECT_EQ(model.geom_friction[3 * geom("pusher")], dynamics::kContactFriction);
+  EXPECT_EQ(2.0 * model.geom_size[3 * geom("wall_y_plus") + 1], dynamics::kWallThickness);
+}
+
 /// All positions and velocities of a pusher that chases the tee.
 std::vector<double> chase(const std::shared_ptr<const MujocoScene>& scene) {
   MujocoWorld world(scene);

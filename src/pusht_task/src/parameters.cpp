@@ -114,9 +114,8 @@ const Parameter& ParameterSet::at(const std::string& name) const {
 }
 
 bool operator==(const ParameterSet& a, const ParameterSet& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Parameter& x, const Parameter& y) {
-    return x.name() == y.name() && x.value == y.value;
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Parameter& x, const Parameter& y) { return x.name() == y.name() && x.value == y.value; });
 }
 
 }  // namespace pusht

@@ -59,8 +59,10 @@ WorldState checkedStart(const WorldState& state) {
   if (!isFinite(state)) {
     throw InvalidInput("reset: every number of a world state must be finite");
   }
-  if (const std::string fault = faultOf(positionsOf(state)); !fault.empty()) {
-    throw InvalidInput("reset: " + fault);
+  for (const std::string& fault : {faultOf(positionsOf(state)), faultOf(velocitiesOf(state))}) {
+    if (!fault.empty()) {
+      throw InvalidInput("reset: " + fault);
+    }
   }
   WorldState wrapped = state;
   wrapped.tee_yaw = wrapAngle(state.tee_yaw);

@@ -42,7 +42,9 @@ TEST(ParameterDescriptors, NameWhatTheyDoNotTake) {
     EXPECT_EQ(refusalOf([&] { kMass.read(text); }), "mass '" + std::string(text) + "': must be a decimal number");
   }
   EXPECT_EQ(refusalOf([] { kMass.read("-1"); }), "mass -1.0: must be from 0.0 to 10.0 [kg]: it is a toy");
-  EXPECT_EQ(refusalOf([] { ParameterDescriptor({"walls", "", "", false}).read("1"); }),
+  EXPECT_EQ(refusalOf([] {
+              ParameterDescriptor({"walls", "", "", false}).read("1");
+            }),
             "walls '1': must be true or false");
   ParameterDescriptor preset{"preset", "", "", std::string("shaped")};
   preset.words = {"simple", "shaped"};
@@ -80,8 +82,8 @@ ParameterSet toy() { return ParameterSet({kMass, {"drag", "1/s", "", 6.0}, {"wal
 TEST(ParameterSets, ChangeValuesAndKeepTheOrder) {
   EXPECT_EQ(merged(toy(), {}), toy());
   const ParameterSet changed = merged(toy(), {parameter("walls", "true"), parameter("mass", "1")});
-  EXPECT_EQ(toMessages(changed), (Parameters{parameter("mass", "1.0"), parameter("drag", "6.0"),
-                                             parameter("walls", "true")}));
+  EXPECT_EQ(toMessages(changed),
+            (Parameters{parameter("mass", "1.0"), parameter("drag", "6.0"), parameter("walls", "true")}));
   EXPECT_EQ(changed.get<double>("mass"), 1.0);
   EXPECT_TRUE(changed.at("drag").isDefault());
   EXPECT_FALSE(changed.at("walls").isDefault());

@@ -32,8 +32,7 @@ Cast::Cast(const Services& services, std::chrono::milliseconds deadline)
              Part{{services.worlds[kEngineReplay], watchdog_}, {}, nullptr}},
       policy_peer_(services.policy, watchdog_) {}
 
-void Cast::connect(const Settings& settings, std::chrono::milliseconds patience,
-                   const std::function<bool()>& stop) {
+void Cast::connect(const Settings& settings, std::chrono::milliseconds patience, const std::function<bool()>& stop) {
   connectWorlds(settings, patience, stop);
   policy_peer_.connect(patience, stop);
   policy_ = std::make_unique<pusht::ServedPolicy>(policy_peer_);

@@ -130,7 +130,8 @@ pusht::Parameters settingsFrom(const std::string& what, const std::string& text)
   static const std::regex kName("(^|\\s)\\s*([A-Za-z_][A-Za-z0-9_]*)=");
   const std::sregex_iterator end;
   std::sregex_iterator name(text.begin(), text.end(), kName);
-  const std::string before = text.substr(0, name == end ? std::string::npos : static_cast<std::size_t>(name->position()));
+  const std::string before =
+      text.substr(0, name == end ? std::string::npos : static_cast<std::size_t>(name->position()));
   if (before.find_first_not_of(" \t\n") != std::string::npos) {
     throw pusht::InvalidInput(what + " '" + text + "': must be NAME=VALUE NAME=VALUE");
   }
@@ -138,7 +139,8 @@ pusht::Parameters settingsFrom(const std::string& what, const std::string& text)
   while (name != end) {
     const std::sregex_iterator next = std::next(name);
     const auto value = static_cast<std::size_t>(name->position() + name->length());
-    const auto value_end = next == end ? text.find_last_not_of(" \t\n") + 1 : static_cast<std::size_t>(next->position());
+    const auto value_end =
+        next == end ? text.find_last_not_of(" \t\n") + 1 : static_cast<std::size_t>(next->position());
     settings.push_back(pusht::parameter(name->str(2), text.substr(value, std::max(value, value_end) - value)));
     name = next;
   }

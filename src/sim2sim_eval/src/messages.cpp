@@ -112,12 +112,11 @@ SimulatorRecord recordOf(const pusht_msgs::DescribeResponse& node) {
   SimulatorRecord record{node.name, node.title.empty() ? node.name : node.title};
   for (const pusht_msgs::Parameter& parameter : node.parameters) {
     const auto& descriptors = node.parameter_descriptors;
-    const auto known = std::find_if(descriptors.begin(), descriptors.end(), [&](const auto& descriptor) {
-      return descriptor.name == parameter.name;
-    });
+    const auto known = std::find_if(descriptors.begin(), descriptors.end(),
+                                    [&](const auto& descriptor) { return descriptor.name == parameter.name; });
     const bool described = known != descriptors.end();
-    const pusht::ParameterValue value = described && known->type == "text" ? pusht::ParameterValue(parameter.value)
-                                                                          : pusht::valueOf(parameter.value);
+    const pusht::ParameterValue value =
+        described && known->type == "text" ? pusht::ParameterValue(parameter.value) : pusht::valueOf(parameter.value);
     record.add(parameter.name, value, described && parameter.value == known->default_value, provenance);
   }
   return record;

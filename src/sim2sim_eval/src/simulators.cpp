@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "pusht_chipmunk/chipmunk_kind.hpp"
 #include "pusht_engine/two_mass_kind.hpp"
 #include "pusht_mujoco/mujoco_kind.hpp"
 #include "pusht_task/error.hpp"
@@ -11,8 +12,8 @@
 namespace sim2sim {
 
 const std::vector<std::reference_wrapper<const pusht::SimulatorKind>>& simulatorKinds() {
-  static const std::vector<std::reference_wrapper<const pusht::SimulatorKind>> kinds = {pusht::mujocoKind(),
-                                                                                        pusht::twoMassKind()};
+  static const std::vector<std::reference_wrapper<const pusht::SimulatorKind>> kinds = {
+      pusht::mujocoKind(), pusht::twoMassKind(), pusht::chipmunkKind()};
   return kinds;
 }
 

@@ -149,7 +149,8 @@ class Sweeper {
     printRow(configuration, settingText(index), summary);
   }
 
-  std::vector<EpisodeResult> runRow(std::size_t index, const LoadedSimulator& engine, const ReferenceCache& references) {
+  std::vector<EpisodeResult> runRow(std::size_t index, const LoadedSimulator& engine,
+                                    const ReferenceCache& references) {
     std::vector<EpisodeResult> episodes(protocol_.episodes);
     int finished = 0;
     const auto deliver = [&](const Episode& episode) {
@@ -158,8 +159,7 @@ class Sweeper {
       bar_.advance("row " + std::to_string(index + 1) + " of " + std::to_string(plan_.rows.size()));
     };
     try {
-      runProtocol(protocol_, setup_.players(engine), options_.batch.threadCount(), &references, deliver,
-                  interrupted);
+      runProtocol(protocol_, setup_.players(engine), options_.batch.threadCount(), &references, deliver, interrupted);
     } catch (pusht::Error& error) {
       error.addContext("row " + std::to_string(index) + " (" + settingText(index) + ")");
       throw;
@@ -298,10 +298,11 @@ void sweep(const SweepOptions& options) {
   const Shard shard = options.shard.empty() ? Shard() : Shard::from(options.shard);
   const Protocol protocol = shard.share(plan.protocol);
   SweepFolder folder(options.out, options.overwrite, "sweep");
-  folder.refuseInputs({{"plan", options.plan},
-                       {"policy", plan.policy},
-                       {"reference cache", options.batch.reference_cache}});
-  const Setup setup = loadFor(folder, [&] { return Setup({plan.policy, true, plan.protocol.seed}, plan.reference, plan.rows); });
+  folder.refuseInputs(
+      {{"plan", options.plan}, {"policy", plan.policy}, {"reference cache", options.batch.reference_cache}});
+  const Setup setup = loadFor(folder, [&] {
+    return Setup({plan.policy, true, plan.protocol.seed}, plan.reference, plan.rows);
+  });
   folder.refuseInputs(setup.reference().inputs());
   const LoadedSimulator first(plan.rows.front());
 

@@ -219,8 +219,8 @@ SweepPlan planFrom(const YAML::Node& root) {
   }
   requireDistinctKeys(root);
   constexpr std::array<const char*, 11> kKeys = {
-      "policy",   "reference", "reference_parameters", "scene", "engine", "seed", "first_episode",
-      "episodes", "horizon",   "grid",                 "rows"};
+      "policy", "reference", "reference_parameters", "scene", "engine", "seed", "first_episode", "episodes", "horizon",
+      "grid",   "rows"};
   for (const auto& entry : root) {
     if (std::find(kKeys.begin(), kKeys.end(), entry.first.Scalar()) == kKeys.end()) {
       refuse(entry.first, entry.first.Scalar(),

@@ -184,7 +184,7 @@ TEST_F(RunBagTest, HoldsTheFramesOfTheWorlds) {
     children.push_back(frame.child_frame_id);
     EXPECT_EQ(frame.header.frame_id, frame.child_frame_id.substr(0, frame.child_frame_id.find('/')) + "/table");
   }
-  EXPECT_THAT(children, ElementsAre("mujoco/pusher", "mujoco/tee", "engine/pusher", "engine/tee",
+  EXPECT_THAT(children, ElementsAre("reference/pusher", "reference/tee", "engine/pusher", "engine/tee",
                                     "engine_replay/pusher", "engine_replay/tee"));
   const pusht::WorldState& start = episode.rollout(kReferenceClosed).trace().states.front();
   const geometry_msgs::Transform& tee = frames->transforms.at(1).transform;

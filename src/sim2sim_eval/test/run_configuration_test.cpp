@@ -33,8 +33,7 @@ TEST(ConfigurationHash, IsTheCourses) {
 TEST(ConfigurationHash, TakesInWhatIsNotAsInTheCourse) {
   RunConfiguration swapped = course({"baumgarte=50"});
   std::swap(swapped.reference, swapped.engine);
-  EXPECT_EQ(configurationHash(swapped),
-            hashOf("50|300|reference=two_mass|reference.baumgarte=50.0|engine=mujoco"));
+  EXPECT_EQ(configurationHash(swapped), hashOf("50|300|reference=two_mass|reference.baumgarte=50.0|engine=mujoco"));
 
   RunConfiguration mine = course();
   mine.engine = {"mine", "my own", {{"stiffness", 2.0}, {"walls", true}, {"shape", "boxes"}}, {"stiffness", "walls"}};

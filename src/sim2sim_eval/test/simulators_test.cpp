@@ -26,7 +26,7 @@ TEST(SimulatorKinds, AreFoundByTheirNames) {
     EXPECT_EQ(&simulatorKind(kind.name), &kind);
   }
   EXPECT_EQ(refusalOf([] { simulatorKind("bullet"); }),
-            "simulator 'bullet': there is none of that name; there are: mujoco, two_mass");
+            "simulator 'bullet': there is none of that name; there are: mujoco, two_mass, chipmunk");
 }
 
 TEST(SimulatorKinds, AreDescribedInFull) {

@@ -44,6 +44,21 @@ constexpr double kCenterOfMassOffset = kStemOffset * kStemMass / (kBarMass + kSt
 
 constexpr double kWallInnerFace = 0.39;  ///< [m] |x| or |y| of the walls' inner faces
 
+/// Of the reference's scene, for engines that follow it. The table rubs on the tee at its origin, along each axis of
+/// the table, and on its yaw.
+namespace dynamics {
+constexpr double kPusherMass = 0.2;        ///< [kg]
+constexpr double kServoGain = 20.0;        ///< [N s/m] of the pusher's velocity servo, per axis
+constexpr double kServoLimit = 30.0;       ///< [N] per axis
+constexpr double kPusherDamping = 0.5;     ///< [N s/m] per axis
+constexpr double kTeeDamping = 4.0;        ///< [N s/m] per axis
+constexpr double kTeeYawDamping = 0.02;    ///< [N m s]
+constexpr double kTeeFriction = 1.2;       ///< [N] dry, per axis
+constexpr double kTeeYawFriction = 0.006;  ///< [N m] dry
+constexpr double kContactFriction = 1.0;   ///< [-] between all bodies
+constexpr double kWallThickness = 0.04;    ///< [m]
+}  // namespace dynamics
+
 // Trust in a simulator, ours or foreign.
 /// [m, rad, m/s, rad/s] How far a world may be from the start that it was reset to: single precision engines exist.
 constexpr double kStartTolerance = 1e-6;

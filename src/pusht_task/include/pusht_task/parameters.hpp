@@ -24,8 +24,8 @@ std::string textOf(const ParameterValue& value);
 /// What a parameter is, and which values it takes.
 struct ParameterDescriptor {
   std::string name;
-  std::string unit;     ///< empty: none
-  std::string meaning;  ///< a phrase for people
+  std::string unit;              ///< empty: none
+  std::string meaning;           ///< a phrase for people
   ParameterValue default_value;  ///< every value is of its type
 
   // Of a number: where its range ends, and why.

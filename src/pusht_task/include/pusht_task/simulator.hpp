@@ -11,7 +11,7 @@ namespace pusht {
 
 /// The rules of every reset and step, for whoever implements them without Simulator.
 
-/// `state` with its yaw wrapped. Throws InvalidInput if a number is not finite, or a position out of range.
+/// `state` with its yaw wrapped. Throws InvalidInput if a number is not finite or beyond what is plausible.
 WorldState checkedStart(const WorldState& state);
 /// `action` clipped as the task says. Throws InvalidInput if it is not finite.
 Action checkedAction(const Action& action);
@@ -35,7 +35,7 @@ class Simulator {
   virtual ~Simulator() = default;
 
   /// Starts from `state` (projected onto what the simulator can represent); deterministic, clears all
-  /// hidden state. Throws InvalidInput if a number is not finite or a position out of range; the world is then as it
+  /// hidden state. Throws InvalidInput if a number is not finite or beyond what is plausible; the world is then as it
   /// was. SimulationFault if the world is elsewhere then.
   void reset(const WorldState& state);
 

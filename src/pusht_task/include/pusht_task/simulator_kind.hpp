@@ -20,7 +20,8 @@ struct SimulatorModel {
   ParameterSet parameters;                               ///< as the kind understood them
   nlohmann::json provenance = nlohmann::json::object();  ///< what the numbers depend on besides, e.g. files
   std::function<std::unique_ptr<Simulator>()> make_world;
-  std::function<std::unique_ptr<BatchSimulator>(int lanes)> make_lanes;  ///< as many worlds, each as make_world() has it
+  std::function<std::unique_ptr<BatchSimulator>(int lanes)>
+      make_lanes;  ///< as many worlds, each as make_world() has it
 };
 
 struct SimulatorKind {
@@ -32,8 +33,8 @@ struct SimulatorKind {
   std::vector<std::string> libraries;
   /// [m, rad] How near to where it was told to a world starts: single-precision engines exist.
   double start_tolerance;
-  /// Throws InvalidInput with parameter, value and rule for values that do not go together, or a file that is not right;
-  /// BadDependency for what is missing.
+  /// Throws InvalidInput with parameter, value and rule for values that do not go together, or a file that is not
+  /// right; BadDependency for what is missing.
   std::function<SimulatorModel(const ParameterSet&)> load;
 
   ParameterSet defaults() const { return ParameterSet(parameters); }

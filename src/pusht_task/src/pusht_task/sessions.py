@@ -415,8 +415,7 @@ def _start(request: Any) -> WorldState:
     for name, number in numbers.items():
         if not math.isfinite(number):
             raise Refusal(f"start: {name} {number}: must be finite")
-    for name in POSITIONS:
-        _require_within(name, numbers[name], PLAUSIBLE_DISTANCE, Refusal)
+    _require_plausible(numbers, Refusal)
     return WorldState(**{**numbers, "tee_yaw": wrap_angle(message.tee_yaw)})
 
 
@@ -455,17 +454,17 @@ def _stepped(simulator: Simulator, action: np.ndarray) -> WorldState:
     """Steps the simulator, which must not leave what is plausible."""
     state = simulator.step(action)
     if isinstance(state, WorldState):
-        for name in POSITIONS:
-            _require_within(name, getattr(state, name), PLAUSIBLE_DISTANCE, ValueError)
-        for name in SPEEDS:
-            _require_within(name, getattr(state, name), PLAUSIBLE_SPEED, ValueError)
-        _require_within("tee_yaw_rate", state.tee_yaw_rate, PLAUSIBLE_YAW_RATE, ValueError)
+        _require_plausible(vars(state), ValueError)
     return state
 
 
-def _require_within(name: str, number: float, limit: float, error: Type[Exception]) -> None:
-    if abs(number) > limit:
-        raise error(f"{name} {number}: must be within {limit}")
+def _require_plausible(numbers: Mapping[str, float], error: Type[Exception]) -> None:
+    """Of a world state, by name."""
+    limits = {name: PLAUSIBLE_DISTANCE for name in POSITIONS}
+    limits.update({name: PLAUSIBLE_SPEED for name in SPEEDS}, tee_yaw_rate=PLAUSIBLE_YAW_RATE)
+    for name, limit in limits.items():
+        if abs(numbers[name]) > limit:
+            raise error(f"{name} {numbers[name]}: must be within {limit}")
 
 
 def _from_text(text: str, default: Optional[Value]) -> object:

@@ -43,6 +43,7 @@ from pusht_task.ros import master_answers
 from pusht_task.sessions import ExitCode
 from pusht_task.task import (
     HORIZON,
+    PLAUSIBLE_SPEED,
     PUSHER_FRAME_HEIGHT,
     TEE_FRAME_HEIGHT,
     WorldState,
@@ -359,7 +360,7 @@ class SimulatorContract(ServedCase):
         self.trajectory(solved, [(0.0, 0.0)] * 10)
 
     def test_f21_absurd_start_is_an_error_or_stays_finite(self) -> None:
-        fast = replace(spawn(3), tee_vx=1e11, pusher_vy=-1e11)
+        fast = replace(spawn(3), tee_vx=PLAUSIBLE_SPEED, pusher_vy=-PLAUSIBLE_SPEED)
         inside = replace(spawn(3), pusher_x=spawn(3).tee_x, pusher_y=spawn(3).tee_y)
         for start in (fast, inside):
             response = self.call("reset", start=[message_of(start)])
@@ -372,6 +373,13 @@ class SimulatorContract(ServedCase):
                 self.assertTrue(response.message)
                 self.refused("needs a reset", "step", step=-1)
             self.assert_near(self.accepted("reset", seed=3).state, spawn(3))
+
+    def test_f21_start_beyond_what_is_plausible_is_refused(self) -> None:
+        self.accepted("reset", seed=3)
+        for beyond in ({"tee_x": 1e11}, {"pusher_vy": -1e11}, {"tee_yaw_rate": 1e308}):
+            start = message_of(replace(spawn(3), **beyond))
+            self.refused("must be within", "reset", start=[start])
+        self.accepted("step", step=0)
 
     # Who may step and configure a world that is held.
 

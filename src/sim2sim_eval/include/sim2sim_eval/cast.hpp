@@ -62,8 +62,7 @@ class Cast {
     pusht::ServedSimulator* world = nullptr;
   };
 
-  void connectWorlds(const Settings& settings, std::chrono::milliseconds patience,
-                     const std::function<bool()>& stop);
+  void connectWorlds(const Settings& settings, std::chrono::milliseconds patience, const std::function<bool()>& stop);
   void requireThreeWorlds() const;
   void requireOneEngine() const;
 

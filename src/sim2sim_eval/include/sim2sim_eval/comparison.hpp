@@ -17,9 +17,9 @@ struct CompareOptions {
   Protocol protocol;
   std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice
   bool require_policy = false;
-  std::string reference = "mujoco";              ///< kind
+  std::string reference = "mujoco";               ///< kind
   std::vector<std::string> reference_settings{};  ///< as in chooseSimulator()
-  std::string engine = "two_mass";               ///< kind
+  std::string engine = "two_mass";                ///< kind
   std::vector<std::string> engine_settings{};
   bool smoke = false;  ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
   std::string out;     ///< results folder; empty: the next free results/compare-N
@@ -29,7 +29,6 @@ struct CompareOptions {
 
   /// Declares the options on a command line.
   void declare(CLI::App& app);
-
 };
 
 /// Runs the protocol, writes the results folder and prints the table. Throws an Error of its kind on failure;

@@ -33,12 +33,12 @@ namespace sim2sim {
 struct LiveRequest {
   Cast::Services services;
   Protocol protocol;
-  bool smoke = false;       ///< short; the policy node should be given the untrained policy
-  double rate = 0.0;        ///< [control steps/s]; 0: as fast as possible
+  bool smoke = false;  ///< short; the policy node should be given the untrained policy
+  double rate = 0.0;   ///< [control steps/s]; 0: as fast as possible
   Cast::Settings settings;
-  bool record = true;       ///< write compare.bag
-  std::string out;          ///< folder for the results; empty: the next free results/compare-N
-  bool overwrite = false;   ///< replace results that are in the folder
+  bool record = true;      ///< write compare.bag
+  std::string out;         ///< folder for the results; empty: the next free results/compare-N
+  bool overwrite = false;  ///< replace results that are in the folder
 };
 
 /// "NAME=VALUE NAME=VALUE"; a value may hold spaces. Throws InvalidInput with `what` and the text if it is none.

@@ -31,7 +31,8 @@ struct Summary {
 /// Of at least one episode, in index order.
 Summary summarize(const std::vector<EpisodeResult>& episodes);
 
-/// metrics.json: the course's keys and ours, rounded to six decimals; keys `mj_...` only where MuJoCo is the reference. `summary` is that of the whole run.
+/// metrics.json: the course's keys and ours, rounded to six decimals; keys `mj_...` only where MuJoCo is the reference.
+/// `summary` is that of the whole run.
 nlohmann::json metrics(const RunConfiguration& configuration, const Summary& summary);
 
 /// Says that the policy looks untrained or stale, if it does; else empty. The course's guard: for checkpoints, which

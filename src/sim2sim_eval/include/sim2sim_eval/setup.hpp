@@ -34,8 +34,8 @@ class Setup {
   /// Policy and reference by their content, wherever their files lie.
   nlohmann::json identity() const;
 
-  /// All that a rollout of the reference depends on, besides its spawn seed: policy, reference, horizon, and the machine
-  /// code that computes it.
+  /// All that a rollout of the reference depends on, besides its spawn seed: policy, reference, horizon, and the
+  /// machine code that computes it.
   nlohmann::json referenceKey(int horizon) const;
 
  private:

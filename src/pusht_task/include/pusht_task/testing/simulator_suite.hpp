@@ -135,6 +135,22 @@ TEST_P(SimulatorSuite, RefusesStatesThatAreNotFinite) {
   EXPECT_EQ(world->state(), before);
 }
 
+TEST_P(SimulatorSuite, RefusesStatesBeyondWhatIsPlausible) {
+  const auto world = make();
+  world->reset(spawn(3));
+  const WorldState before = world->state();
+  std::vector<WorldState> beyond(4, spawn(3));
+  beyond[0].tee_position.x() = 1e11;
+  beyond[1].pusher_velocity.y() = -1e11;
+  beyond[2].tee_velocity.x() = 1e308;
+  beyond[3].tee_yaw_rate = 1e11;
+  for (const WorldState& start : beyond) {
+    EXPECT_THROW(world->reset(start), InvalidInput);
+    EXPECT_EQ(world->state(), before);
+  }
+  world->step({0.0F, 0.0F});
+}
+
 TEST_P(SimulatorSuite, RefusesAStepBeforeTheFirstReset) { EXPECT_THROW(make()->step({0.0F, 0.0F}), InvalidInput); }
 
 TEST_P(SimulatorSuite, YawIsWrapped) {
@@ -148,8 +164,9 @@ TEST_P(SimulatorSuite, YawIsWrapped) {
 /// F21: either an error or finite numbers, and a world that can be reset; never silently other data.
 TEST_P(SimulatorSuite, AbsurdStatesAreAnErrorOrStayFinite) {
   WorldState fast = spawn(3);
-  fast.tee_velocity.x() = 1e11;
-  fast.pusher_velocity.y() = -1e11;
+  fast.tee_velocity.x() = kPlausibleSpeed;
+  fast.pusher_velocity.y() = -kPlausibleSpeed;
+  fast.tee_yaw_rate = kPlausibleYawRate;
   WorldState overlapping = spawn(3);
   overlapping.pusher_position = overlapping.tee_position;
   for (const WorldState& start : {fast, overlapping}) {

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// PushT in Chipmunk 7, the engine behind pymunk and gym-pusht.
+#pragma once
+
+#include <memory>
+
+#include "pusht_task/simulator.hpp"
+
+namespace pusht {
+
+/// What Chipmunk can be told of its solver. The task's masses, forces and frictions are those of pusht_task.
+struct ChipmunkParameters {
+  int iterations = 30;           ///< of the contact solver in a substep
+  double collision_slop = 1e-4;  ///< [m] overlap that is left alone
+  double overlap_left = 0.0018;  ///< [-] share of an overlap that is left after a second
+};
+
+/// One world. The tee is one rigid body of two boxes, the pusher a disc that does not turn.
+///
+/// Chipmunk has forces that are constant in a substep, but in the reference servo and damping act at the velocity at
+/// its end (implicit). With a force F - D v and a mass M + h D the explicit step is that implicit one; so the bodies
+/// carry the mass h D more than they have. Dry friction acts along each axis of the table: a groove joint for each,
+/// which may use so much force and never pulls back. Bodies move after their collision was solved, as in the reference.
+class ChipmunkWorld : public Simulator {
+ public:
+  explicit ChipmunkWorld(const ChipmunkParameters& parameters = {});
+  ~ChipmunkWorld() override;
+
+ private:
+  struct Scene;
+
+  /// Builds the scene anew: Chipmunk remembers contacts and their order.
+  void doReset(const WorldState& state) override;
+  void doStep(const Action& action) override;
+  WorldState doState() const override;
+
+  ChipmunkParameters parameters_;
+  std::unique_ptr<Scene> scene_;
+};
+
+}  // namespace pusht

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_chipmunk/chipmunk_kind.hpp"
+
+#include "chipmunk_version.hpp"
+#include "pusht_chipmunk/chipmunk_world.hpp"
+
+namespace pusht {
+namespace {
+
+constexpr const char* kIterations = "iterations";
+constexpr const char* kSlop = "collision_slop";
+constexpr const char* kOverlapLeft = "overlap_left";
+
+SimulatorModel load(const ParameterSet& parameters) {
+  const ChipmunkParameters chosen = {static_cast<int>(parameters.get<std::int64_t>(kIterations)),
+                                     parameters.get<double>(kSlop), parameters.get<double>(kOverlapLeft)};
+  SimulatorModel model;
+  model.parameters = parameters;
+  model.make_world = [chosen] { return std::make_unique<ChipmunkWorld>(chosen); };
+  model.make_lanes = lanesOf(model.make_world);
+  return model;
+}
+
+}  // namespace
+
+const SimulatorKind& chipmunkKind() {
+  constexpr double kStartTolerance = 1e-12;
+  const ChipmunkParameters defaults;
+  static const SimulatorKind kind = {
+      "chipmunk",
+      "Chipmunk",
+      chipmunkVersion(),
+      {{kIterations, "", "sweeps of the contact solver in a substep", std::int64_t{defaults.iterations}, 1, 1000,
+        "more change nothing that can be seen"},
+       {kSlop, "m", "overlap that the solver leaves alone", defaults.collision_slop, 0.0, 0.01,
+        "more is a third of the tee's width"},
+       {kOverlapLeft, "", "share of an overlap that is left after a second", defaults.overlap_left, 0.0, 1.0,
+        "it is a share"}},
+      {"libpusht_chipmunk.so", "libchipmunk.so"},
+      kStartTolerance,
+      load};
+  return kind;
+}
+
+}  // namespace pusht

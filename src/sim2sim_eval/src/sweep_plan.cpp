@@ -150,16 +150,15 @@ void requireEachOnce(const std::vector<SimulatorChoice>& rows) {
   }
 }
 
-SimulatorChoice simulatorAt(const YAML::Node& node, const std::string& key, const std::string& fallback) {
-  SimulatorChoice choice = chooseSimulator(fallback, {});
-  if (node.IsDefined()) {
-    inLineOf(node, [&] { choice = chooseSimulator(textAt(node, key), {}); });
-  }
-  return choice;
+SimulatorChoice simulatorAt(const YAML::Node& node, const std::string& key) {
+  std::optional<SimulatorChoice> choice;
+  inLineOf(node, [&] { choice = chooseSimulator(textAt(node, key), {}); });
+  return *choice;
 }
 
 SimulatorChoice referenceIn(const YAML::Node& root) {
-  SimulatorChoice reference = simulatorAt(root["reference"], "reference", "mujoco");
+  SimulatorChoice reference =
+      root["reference"].IsDefined() ? simulatorAt(root["reference"], "reference") : chooseSimulator("mujoco", {});
   if (const YAML::Node parameters = root["reference_parameters"]; parameters.IsDefined()) {
     if (!parameters.IsMap()) {
       refuse(parameters, "reference_parameters", "must map parameters to values");
@@ -178,15 +177,18 @@ SimulatorChoice referenceIn(const YAML::Node& root) {
 /// In the order of the plan, each with its defaults.
 std::vector<SimulatorChoice> enginesIn(const YAML::Node& root) {
   const YAML::Node node = root["engine"];
-  if (!node.IsDefined() || !node.IsSequence()) {
-    return {simulatorAt(node, "engine", "two_mass")};
+  if (!node.IsDefined()) {
+    return {chooseSimulator("two_mass", {})};
+  }
+  if (!node.IsSequence()) {
+    return {simulatorAt(node, "engine")};
   }
   if (node.size() == 0) {
     refuse(node, "engine", "must be a kind of simulator, or a list of kinds");
   }
   std::vector<SimulatorChoice> engines;
   for (const YAML::Node& kind : node) {
-    engines.push_back(simulatorAt(kind, "engine", ""));
+    engines.push_back(simulatorAt(kind, "engine"));
   }
   return engines;
 }

@@ -152,7 +152,9 @@ class LiveInterference(GoalCase):
     def begin(self, client: Any, out: Path, damping: str) -> None:
         shutil.rmtree(out, ignore_errors=True)
         knobs = [Parameter("block_damp", damping)]
-        client.send_goal(goal_of(out=str(out), episodes=EPISODES, engine_parameters=knobs, record=False))
+        client.send_goal(
+            goal_of(out=str(out), episodes=EPISODES, engine_parameters=knobs, record=False)
+        )
 
     def end(self, client: Any, out: Path, damping: str) -> int:
         """The exit code of a run, which must tell the truth."""

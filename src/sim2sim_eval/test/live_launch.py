@@ -72,6 +72,16 @@ class Runs(LiveCase):
         wanted = "--policy expert --episodes 2 --seed 4 --block_damp 20".split()
         self.assertEqual(result_bytes(launch.out), self.batch_bytes(*wanted))
 
+    def test_any_kind_stands_in_either_role(self) -> None:
+        roles = {"reference": "chipmunk", "engine": "mujoco"}
+        settings = {"reference_parameters": "iterations=10"}
+        launch = Launch(self, policy="expert", episodes=1, **roles, **settings)
+        launch.ended()
+        wanted = "--policy expert --episodes 1 --reference chipmunk --engine mujoco".split()
+        batch = self.batch_bytes(*wanted, "--set-reference", "iterations=10")
+        self.assertEqual(result_bytes(launch.out), batch)
+        self.assert_recomputed(launch.out)
+
     def test_status_is_copied(self) -> None:
         launch = Launch(self, smoke=True, status_file="copy.json", out="auto")
         launch.ended()
@@ -226,7 +236,7 @@ class Arguments(LiveCase):
         path = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "launch" / "compare.launch"
         for name in knobs:
             given = self.parameters_of(path, f"{name}:=1")["/sim2sim/engine_parameters"]
-            self.assertEqual(given, f" {name}=1")
+            self.assertEqual(given.strip(), f"{name}=1")
             self.assert_argument("pusht_engine", "engine", name, f"/engine/{name}")
 
     def assert_argument(self, package: str, launch: str, name: str, parameter: str) -> None:
@@ -271,6 +281,9 @@ class Refusals(LiveCase):
 
     def test_f19_knob_that_is_no_number(self) -> None:
         self.assert_refused("block_damp 'abc': must be a", block_damp="abc")
+
+    def test_f19_unknown_kind(self) -> None:
+        self.assert_refused("simulator 'bullet': there is none of that name", engine="bullet")
 
     def test_f19_negative_mass(self) -> None:
         self.assert_refused("pusher_mass -1.0: must be from", pusher_mass=-1)

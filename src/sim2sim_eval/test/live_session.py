@@ -132,9 +132,15 @@ class LiveSession(GoalCase):
 
     def test_refused_goal_tells_why(self) -> None:
         cases: List[Tuple[Dict[str, Any], str]] = [
-            ({"engine_parameters": [Parameter("block_dump", "6")]}, "block_dump.*there is none of that name"),
+            (
+                {"engine_parameters": [Parameter("block_dump", "6")]},
+                "block_dump.*there is none of that name",
+            ),
             ({"engine_parameters": [Parameter("pusher_mass", "-1")]}, "pusher_mass -1.0: must be"),
-            ({"engine_parameters": [Parameter("block_damp", "110")]}, "block_damp 110.0: must be from 0.0 to"),
+            (
+                {"engine_parameters": [Parameter("block_damp", "110")]},
+                "block_damp 110.0: must be from 0.0 to",
+            ),
             ({"episodes": 1_000_000_000}, "episodes 1000000000: must be from 1 to"),
             ({"seed": 2**64 - 1}, "seed"),
             ({"rate": math.nan}, "rate nan: must be finite"),
@@ -298,7 +304,9 @@ class LiveSession(GoalCase):
     def test_parameters_follow_a_configuration(self) -> None:
         for value in ("20", "6.0"):
             self.out = self.folder / value
-            self.compare(engine_parameters=[Parameter("block_damp", value)], episodes=1, record=False)
+            self.compare(
+                engine_parameters=[Parameter("block_damp", value)], episodes=1, record=False
+            )
             self.assertEqual(rospy.get_param("/engine/block_damp"), float(value))
 
     # The topics.

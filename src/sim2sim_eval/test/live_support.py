@@ -315,7 +315,9 @@ def describe(node: str) -> Any:
 
 def goal_of(engine_parameters: Sequence[Any] = (), **fields: Any) -> Any:
     """A goal says nothing of a field, or has one value of it."""
-    return CompareGoal(engine_parameters=engine_parameters, **{field: [value] for field, value in fields.items()})
+    return CompareGoal(
+        engine_parameters=engine_parameters, **{field: [value] for field, value in fields.items()}
+    )
 
 
 class Topic(Inbox):

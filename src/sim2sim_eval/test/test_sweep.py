@@ -519,22 +519,60 @@ class Forked(torch.nn.Module):
         return torch.where(action > 0, action, action)
 
 
+class Engines(SweepCase):
+    """Kinds of simulator are one more dimension."""
+
+    PLAN = "{policy: expert, episodes: 4, engine: [two_mass, chipmunk]}"
+    RUN = ("--policy", "expert", "--episodes", "4")
+
+    def test_every_row_is_the_run_of_its_engine(self) -> None:
+        results = self.finished("out", "--threads", "2", plan=self.PLAN)
+        for row, engine in enumerate(("two_mass", "chipmunk")):
+            command = (COMPARE, *self.RUN, "--engine", engine, "--threads", "1", "--out", engine)
+            process = self.run_command(*command)
+            self.assertEqual(process.returncode, 0, process.stderr)
+            files = (f"rows/00{row}/metrics.json", f"rows/00{row}/episodes.csv")
+            self.assertEqual(b"".join(map(results.__getitem__, files)), self.result_bytes(engine))
+        head, first, second = results["sweep.csv"].decode().splitlines()
+        self.assertIn("row,engine_simulator,baumgarte,block_damp,pusher_mass,collision_slop", head)
+        self.assertTrue(first.startswith("0,two_mass,40.0,6.0,4.0,,"), first)
+        self.assertTrue(second.startswith("1,chipmunk,,,,0.0001,30,"), second)
+
+    def test_shards_are_the_sweep(self) -> None:
+        whole = self.finished("whole", "--threads", "1", plan=self.PLAN)
+        for number in (1, 2):
+            self.finished(f"shard-{number}", "--shard", f"{number}/2", plan=self.PLAN)
+        process = self.merge("shard-1", "shard-2", "--out", "merged")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertEqual(self.results("merged"), whole)
+
+    def test_any_kind_is_a_reference(self) -> None:
+        plan = "{policy: expert, episodes: 2, reference: chipmunk, engine: mujoco, rows: [{}]}"
+        plan = plan.replace("engine:", "reference_parameters: {iterations: 10}, engine:")
+        results = self.finished("out", "--reference-cache", "cache", plan=plan)
+        again = self.finished("again", "--reference-cache", "cache", plan=plan)
+        self.assertEqual(again, results)
+        row = json.loads(results["rows/000/metrics.json"])
+        self.assertEqual(row["simulators"]["reference"]["changed"], ["iterations"])
+        self.assertNotIn("mj_success_rate", row)
+
+
 class BadPlans(SweepCase):
     def test_refused_by_name_line_and_rule(self) -> None:
         plans: Dict[str, str] = {
             "": "must map keys to values",
             "grid: [": "must be YAML",
-            "episodes: 5": "must have either grid or rows",
+            "episodes: 5": "must have grid, rows, or a list of engines",
             "{grid: {block_damp: [1]}, rows: [{}]}": "must have either grid or rows",
-            "grid:\n  block_dump: [1]": "line 2, block_dump: there is no such knob; there are",
+            "grid:\n  block_dump: [1]": "line 2: parameter 'block_dump': there is none of",
             "grid:\n  block_damp: 1": "line 2, block_damp: must be a list",
             "grid:\n  block_damp: [1, -2]": "line 2: block_damp -2.0: must be from 0.0 to",
             "rows:\n- {}\n- {baumgarte: 60, block_damp: 90}": "line 3: baumgarte 60.0: must be",
             "grid:\n  block_damp: [6, 90]\n  baumgarte: [60]": "line 2: baumgarte 60.0: must",
-            "grid:\n  block_damp: [1, .nan]": "line 2, block_damp",
-            "grid:\n  block_damp: [010]": "line 2, block_damp '010': must be a decimal number",
-            "grid:\n  block_damp: [010x]": "line 2, block_damp",
-            "grid: {}": "line 1, grid: must map knobs to lists",
+            "grid:\n  block_damp: [1, .nan]": "line 2: block_damp '.nan': must be a decimal",
+            "grid:\n  block_damp: [010]": "line 2: block_damp '010': must be a decimal number",
+            "grid:\n  block_damp: [010x]": "line 2: block_damp '010x': must be a decimal",
+            "grid: {}": "line 1, grid: must map parameters to lists",
             "rows: []": "line 1, rows: must be a list of settings",
             "rows: [{}, {block_damp: 6.0}]": "baumgarte 40.0 must be there once only",
             "episodez: 5\nrows: [{}]": "line 1, episodez: there is no such key; there are policy",
@@ -550,6 +588,13 @@ class BadPlans(SweepCase):
             "rows: [{block_damp: 1, block_damp: 2}]": "block_damp: must be there once only",
             "rows: [{}]\n---\nepisodes: 6": "must be one YAML document",
             "episodes: 010\nrows: [{}]": "'010' must be a decimal integer",
+            "engine: bullet\nrows: [{}]": "line 1: simulator 'bullet': there is none of that name",
+            "reference: 6\nrows: [{}]": "line 1: simulator '6': there is none of that name",
+            "engine: []": "line 1, engine: must be a kind of simulator, or a list of kinds",
+            "engine: [chipmunk, chipmunk]": "must be there once only",
+            "engine: [two_mass, chipmunk]\ngrid: {block_damp: [1]}": "there is none of that name",
+            "reference_parameters: 5\nrows: [{}]": "line 1, reference_parameters: must map",
+            "reference: two_mass\nscene: a.xml\nrows: [{}]": "line 2: parameter 'scene'",
         }
         for plan, rule in plans.items():
             with self.subTest(plan=plan):

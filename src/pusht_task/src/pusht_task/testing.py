@@ -551,7 +551,10 @@ class SimulatorContract(ServedCase):
     def test_configured_parameters(self) -> None:
         before = self.call("describe")
         number = self.number()
-        changed = Parameter(number.name, repr(1.01 * float(number.value)))
+        types = {known.name: known.type for known in before.parameter_descriptors}
+        whole = types.get(number.name) == "integer"
+        value = int(number.value) + 1 if whole else 1.01 * float(number.value)
+        changed = Parameter(number.name, repr(value))
         response = self.accepted("configure", parameters=[changed], end_episode=True)
         after = self.call("describe")
         self.assertEqual(after.parameters, response.parameters)

@@ -14,8 +14,8 @@ namespace pusht {
 /// The main of a simulator node. Offers, in its private namespace, the services `reset`, `step`, `configure` and
 /// `describe`, the topics `state` and (latched) `markers`; TF `<frame_prefix>/table` to `pusher` and `tee`, and
 /// (static) to `target`; /diagnostics. Markers and frames come again once a second. Private parameters: `frame_prefix`
-/// (default: the node's name), `working_directory` (where relative paths begin), and the kind's own. If the kind cannot be
-/// loaded with them, the node lives on, and only `describe` answers, with the error.
+/// (default: the node's name), `working_directory` (where relative paths begin), and the kind's own. If the kind cannot
+/// be loaded with them, the node lives on, and only `describe` answers, with the error.
 int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKind& kind);
 
 /// The same of the kind that the private parameter `kind` names. `find` throws InvalidInput if there is none.

@@ -10,7 +10,7 @@ constexpr const char* kScene = "scene";
 constexpr const char* kShipped = "shipped";
 
 SimulatorModel load(const ParameterSet& parameters) {
-  const std::string& file = parameters.get<std::string>(kScene);
+  const auto& file = parameters.get<std::string>(kScene);
   const bool shipped = file == kShipped;
   const auto scene = shipped ? std::make_shared<const MujocoScene>() : std::make_shared<const MujocoScene>(file);
   SimulatorModel model;

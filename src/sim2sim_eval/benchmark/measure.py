@@ -24,7 +24,7 @@ from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tu
 from pusht_task.files import write_file
 
 PATIENCE = 60.0  # [s] for nodes to appear, and for a run over them
-NODES = ("sim2sim", "mujoco", "engine", "engine_replay", "policy")
+NODES = ("sim2sim", "reference", "engine", "engine_replay", "policy")
 RECORDING_PAIRS = 40  # of live runs, one recorded, one not
 LIVE_EPISODES = 5  # in each of them
 

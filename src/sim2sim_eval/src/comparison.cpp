@@ -67,7 +67,9 @@ void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::
     const bool is_real = std::holds_alternative<double>(parameter.default_value);
     app.add_option_function<std::string>(
            "--" + parameter.name,
-           [&settings, name = parameter.name](const std::string& value) { settings.push_back(name + "=" + value); },
+           [&settings, name = parameter.name](const std::string& value) {
+             settings.push_back(std::string(name).append("=").append(value));
+           },
            simulatorKind(kind).title + ": " + parameter.meaning + unit)
         ->check(is_real ? decimalReal() : CLI::Validator(""))
         ->default_str(pusht::textOf(parameter.default_value));

@@ -127,9 +127,9 @@ void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failu
 }  // namespace
 
 pusht::Parameters settingsFrom(const std::string& what, const std::string& text) {
-  static const std::regex kName("(^|\\s)\\s*([A-Za-z_][A-Za-z0-9_]*)=");
+  static const std::regex setting_name("(^|\\s)\\s*([A-Za-z_][A-Za-z0-9_]*)=");
   const std::sregex_iterator end;
-  std::sregex_iterator name(text.begin(), text.end(), kName);
+  std::sregex_iterator name(text.begin(), text.end(), setting_name);
   const std::string before =
       text.substr(0, name == end ? std::string::npos : static_cast<std::size_t>(name->position()));
   if (before.find_first_not_of(" \t\n") != std::string::npos) {

@@ -41,11 +41,12 @@ std::string asPythonPrints(const ordered_json& value) {
 std::string differencesOf(const std::string& role, const SimulatorRecord& simulator, const std::string& in_course) {
   std::string differences;
   if (simulator.name != in_course) {
-    differences += "|" + role + "=" + simulator.name;
+    differences.append("|").append(role).append("=").append(simulator.name);
   }
   for (const std::string& name : simulator.changed) {
     if (!(role == "engine" && isCourseKnob(name))) {
-      differences += "|" + role + "." + name + "=" + asPythonPrints(simulator.parameters.at(name));
+      differences.append("|").append(role).append(".").append(name).append("=");
+      differences += asPythonPrints(simulator.parameters.at(name));
     }
   }
   return differences;

@@ -38,7 +38,8 @@ SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::
       throw pusht::InvalidInput("setting '" + setting + "': must be NAME=VALUE");
     }
     if (!seen.insert(name).second) {
-      throw pusht::InvalidInput("setting '" + setting + "': " + name + " must be set once");
+      throw pusht::InvalidInput(std::string("setting '").append(setting).append("': ").append(name) +
+                                " must be set once");
     }
     choice.parameters.set(name, setting.substr(equals + 1));
   }

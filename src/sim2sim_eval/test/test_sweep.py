@@ -542,7 +542,7 @@ class Engines(SweepCase):
         whole = self.finished("whole", "--threads", "1", plan=self.PLAN)
         for number in (1, 2):
             self.finished(f"shard-{number}", "--shard", f"{number}/2", plan=self.PLAN)
-        process = self.merge("shard-1", "shard-2", "--out", "merged")
+        process = self.merge("shard-1", "shard-2")
         self.assertEqual(process.returncode, 0, process.stderr)
         self.assertEqual(self.results("merged"), whole)
 

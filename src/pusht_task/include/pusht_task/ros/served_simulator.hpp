@@ -63,7 +63,7 @@ class ServedSimulator : public Simulator {
   ServiceCaller<pusht_msgs::Reset> reset_;
   ServiceCaller<pusht_msgs::Step> step_;
   std::string parameters_hash_;  // of those that it must have
-  std::string token_;  // of the hold; another one for each reset
+  std::string token_;            // of the hold; another one for each reset
   std::uint64_t episode_ = 0;
   int horizon_ = 0;
   int next_step_ = 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_chipmunk/chipmunk_kind.hpp"
 
-#include "chipmunk_version.hpp"
 #include "pusht_chipmunk/chipmunk_world.hpp"
 
 namespace pusht {

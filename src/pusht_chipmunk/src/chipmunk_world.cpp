@@ -12,7 +12,6 @@
 #include <mutex>
 #include <vector>
 
-#include "chipmunk_version.hpp"
 #include "pusht_task/constants.hpp"
 
 namespace pusht {

@@ -85,12 +85,8 @@ Bodies<double> laneOf(const Bodies<Lanes>& group, std::size_t lane) {
 
 }  // namespace
 
-void two_mass::Knob::requireInRange(double number) const {
-  // Written so that a NaN fails.
-  if (!(least <= number && number <= greatest)) {
-    throw InvalidInput(std::string(name) + " " + shortestText(number) + ": must be from " + shortestText(least) +
-                       " to " + shortestText(greatest) + " [" + unit + "]: " + reason);
-  }
+ParameterDescriptor two_mass::Knob::descriptor() const {
+  return {name, unit, meaning, TwoMassParameters().*value, least, greatest, reason};
 }
 
 double two_mass::greatestBaumgarte(double block_damp) {
@@ -99,7 +95,7 @@ double two_mass::greatestBaumgarte(double block_damp) {
 
 void TwoMassParameters::validate() const {
   for (const two_mass::Knob& knob : two_mass::kKnobs) {
-    knob.requireInRange(this->*knob.value);
+    knob.descriptor().require(this->*knob.value);
   }
   const double greatest = two_mass::greatestBaumgarte(block_damp);
   if (!(baumgarte < greatest)) {

@@ -10,8 +10,7 @@ std::vector<ParameterDescriptor> describeKnobs() {
   std::vector<ParameterDescriptor> descriptors;
   descriptors.reserve(two_mass::kKnobs.size());
   for (const two_mass::Knob& knob : two_mass::kKnobs) {
-    descriptors.push_back(
-        {knob.name, knob.unit, knob.meaning, TwoMassParameters().*knob.value, knob.least, knob.greatest, knob.reason});
+    descriptors.push_back(knob.descriptor());
   }
   return descriptors;
 }

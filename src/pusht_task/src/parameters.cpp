@@ -7,6 +7,7 @@
 #include <iterator>
 #include <optional>
 
+#include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 
 namespace pusht {
@@ -32,14 +33,6 @@ std::optional<ParameterValue> valueLike(const ParameterValue& wanted, const std:
     return decimal<double>(text);
   }
   return value.index() == wanted.index() ? std::optional(value) : std::nullopt;
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) {
-    text += (text.empty() ? "" : ", ") + name;
-  }
-  return text.empty() ? "none" : text;
 }
 
 }  // namespace
@@ -74,21 +67,27 @@ ParameterValue ParameterDescriptor::read(const std::string& text) const {
   if (!value) {
     throw InvalidInput(name + " '" + text + "': " + kTypes.at(default_value.index()).rule);
   }
-  if (!words.empty() && std::find(words.begin(), words.end(), text) == words.end()) {
-    throw InvalidInput(name + " '" + text + "': must be one of: " + joined(words));
-  }
   if (std::holds_alternative<double>(*value)) {
     value = std::get<double>(*value) + 0.0;  // -0.0 is 0.0
   }
-  const auto* const integer = std::get_if<std::int64_t>(&*value);
-  const auto* const real = std::get_if<double>(&*value);
+  require(*value);
+  return *value;
+}
+
+void ParameterDescriptor::require(const ParameterValue& value) const {
+  if (const auto* const word = std::get_if<std::string>(&value);
+      word != nullptr && !words.empty() && std::find(words.begin(), words.end(), *word) == words.end()) {
+    throw InvalidInput(name + " '" + *word + "': must be one of: " + joined(words));
+  }
+  const auto* const integer = std::get_if<std::int64_t>(&value);
+  const auto* const real = std::get_if<double>(&value);
   const double number = real != nullptr ? *real : integer != nullptr ? static_cast<double>(*integer) : 0.0;
+  // Written so that a NaN fails.
   if ((real != nullptr || integer != nullptr) && !(least <= number && number <= greatest)) {
-    throw InvalidInput(name + " " + textOf(*value) + ": must be from " + shortestText(least) + " to " +
+    throw InvalidInput(name + " " + textOf(value) + ": must be from " + shortestText(least) + " to " +
                        shortestText(greatest) + (unit.empty() ? "" : " [" + unit + "]") +
                        (reason.empty() ? "" : ": " + reason));
   }
-  return *value;
 }
 
 ParameterSet::ParameterSet(const std::vector<ParameterDescriptor>& descriptors) {

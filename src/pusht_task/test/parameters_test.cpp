@@ -9,18 +9,12 @@
 #include <string>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/testing/refusal.hpp"
 
 namespace pusht {
 namespace {
 
-std::string refusalOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const InvalidInput& refusal) {
-    return refusal.what();
-  }
-  return "not refused";
-}
+using testing::refusalOf;
 
 const ParameterDescriptor kMass = {"mass", "kg", "of the tee", 4.0, 0.0, 10.0, "it is a toy"};
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
 #include "pusht_task/ros/served_simulator.hpp"
 #include "sim2sim_eval/command_line.hpp"
 #include "sim2sim_eval/messages.hpp"
@@ -52,14 +53,6 @@ class Recorder {
   RunBag bag_;
 };
 
-std::string kindNames() {
-  std::string names;
-  for (const pusht::SimulatorKind& kind : simulatorKinds()) {
-    names += (names.empty() ? "" : ", ") + kind.name;
-  }
-  return names;
-}
-
 /// Each parameter of a kind of the course, as an option of its own.
 void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::string>& settings) {
   for (const pusht::ParameterDescriptor& parameter : simulatorKind(kind).parameters) {
@@ -92,7 +85,7 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option("--seed", protocol.seed, "episode i starts from spawn seed 10000 + seed + i")
       ->check(decimalInteger())
       ->capture_default_str();
-  app.add_option("--reference", reference, "kind of simulator: " + kindNames())->capture_default_str();
+  app.add_option("--reference", reference, "kind of simulator: " + pusht::joined(kindNames()))->capture_default_str();
   app.add_option("--engine", engine, "kind of simulator that is held against it")->capture_default_str();
   app.add_option("--set", engine_settings, "NAME=VALUE: a parameter of the engine; may be repeated")
       ->allow_extra_args(false);

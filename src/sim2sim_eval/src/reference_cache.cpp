@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "reference rollout 1";
+constexpr const char* kRolloutFormat = "reference rollout 1";
 
 /// The numbers of a state, in the order in which they are kept.
 using StateNumbers = std::array<double, 10>;
@@ -86,9 +86,9 @@ std::optional<pusht::Trace> ReferenceCache::find(std::uint64_t seed) const {
   }
   const std::size_t end_of_head = std::min(text.find('\n'), text.size());
   const auto head = nlohmann::json::parse(text.substr(0, end_of_head), nullptr, false);
-  if (!head.is_object() || head.value("format", nlohmann::json()) != kFormat ||
+  if (!head.is_object() || head.value("format", nlohmann::json()) != kRolloutFormat ||
       !head.value("steps", nlohmann::json()).is_number_unsigned() || end_of_head == text.size()) {
-    refuse("must begin as a \"" + std::string(kFormat) + "\"");
+    refuse("must begin as a \"" + std::string(kRolloutFormat) + "\"");
   }
   if (head.value("key", nlohmann::json()) != key_ || head.value("seed", nlohmann::json()) != seed) {
     refuse("belongs to another run: its key or seed is not that of this folder");
@@ -109,8 +109,11 @@ void ReferenceCache::keep(std::uint64_t seed, const pusht::Trace& trace) const {
     return;
   }
   const std::string bytes = bytesOf(trace);
-  const nlohmann::json head = {
-      {"format", kFormat}, {"key", key_}, {"seed", seed}, {"steps", trace.steps()}, {"sha256", pusht::sha256(bytes)}};
+  const nlohmann::json head = {{"format", kRolloutFormat},
+                               {"key", key_},
+                               {"seed", seed},
+                               {"steps", trace.steps()},
+                               {"sha256", pusht::sha256(bytes)}};
   pusht::writeCacheFile(file, head.dump() + "\n" + bytes);
 }
 

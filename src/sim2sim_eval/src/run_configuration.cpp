@@ -17,7 +17,7 @@ using nlohmann::ordered_json;
 namespace {
 
 /// Of a run's description. 1 named no parameters of the reference.
-constexpr int kFormat = 2;
+constexpr int kDescriptionFormat = 2;
 
 constexpr const char* kCourseReference = "mujoco";
 constexpr const char* kCourseEngine = "two_mass";
@@ -103,7 +103,7 @@ std::string configurationHash(const RunConfiguration& configuration) {
 }
 
 ordered_json describe(const RunConfiguration& configuration) {
-  return {{"format", kFormat},
+  return {{"format", kDescriptionFormat},
           {"policy", configuration.policy},
           {"seed", configuration.protocol.seed},
           {"first_episode", configuration.protocol.first_episode},
@@ -119,8 +119,8 @@ ordered_json describe(const RunConfiguration& configuration) {
 
 RunConfiguration configurationFrom(const ordered_json& description) {
   try {
-    if (const ordered_json format = description.value("format", ordered_json(1)); format != kFormat) {
-      throw pusht::InvalidInput("format " + format.dump() + ": must be " + std::to_string(kFormat) +
+    if (const ordered_json format = description.value("format", ordered_json(1)); format != kDescriptionFormat) {
+      throw pusht::InvalidInput("format " + format.dump() + ": must be " + std::to_string(kDescriptionFormat) +
                                 "; another version of the suite wrote it");
     }
     RunConfiguration configuration;

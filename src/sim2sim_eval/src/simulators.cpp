@@ -8,6 +8,7 @@
 #include "pusht_engine/two_mass_kind.hpp"
 #include "pusht_mujoco/mujoco_kind.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
 
 namespace sim2sim {
 
@@ -17,15 +18,23 @@ const std::vector<std::reference_wrapper<const pusht::SimulatorKind>>& simulator
   return kinds;
 }
 
+std::vector<std::string> kindNames() {
+  std::vector<std::string> names;
+  names.reserve(simulatorKinds().size());
+  for (const pusht::SimulatorKind& kind : simulatorKinds()) {
+    names.push_back(kind.name);
+  }
+  return names;
+}
+
 const pusht::SimulatorKind& simulatorKind(const std::string& name) {
-  std::string names;
   for (const pusht::SimulatorKind& kind : simulatorKinds()) {
     if (kind.name == name) {
       return kind;
     }
-    names += (names.empty() ? "" : ", ") + kind.name;
   }
-  throw pusht::InvalidInput("simulator '" + name + "': there is none of that name; there are: " + names);
+  throw pusht::InvalidInput("simulator '" + name +
+                            "': there is none of that name; there are: " + pusht::joined(kindNames()));
 }
 
 SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::string>& settings) {

@@ -14,6 +14,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 
 namespace sim2sim {
@@ -225,9 +226,7 @@ SweepPlan planFrom(const YAML::Node& root) {
       "grid",   "rows"};
   for (const auto& entry : root) {
     if (std::find(kKeys.begin(), kKeys.end(), entry.first.Scalar()) == kKeys.end()) {
-      refuse(entry.first, entry.first.Scalar(),
-             "there is no such key; there are policy, reference, reference_parameters, scene, engine, seed, "
-             "first_episode, episodes, horizon, grid, rows");
+      refuse(entry.first, entry.first.Scalar(), "there is no such key; there are " + pusht::joined(kKeys));
     }
   }
   SweepPlan plan{Protocol(), pusht::kShippedPolicy, referenceIn(root), rowsIn(root)};

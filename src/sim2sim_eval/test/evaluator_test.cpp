@@ -8,9 +8,12 @@
 #include <string>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/testing/refusal.hpp"
 
 namespace sim2sim {
 namespace {
+
+using pusht::testing::refusalOf;
 
 /// Unlike what any field is by itself.
 LiveRequest parameters() {
@@ -27,13 +30,19 @@ LiveRequest parameters() {
   return request;
 }
 
-std::string refusalOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const pusht::InvalidInput& refusal) {
-    return refusal.what();
+TEST(SettingsFrom, TakesNamesWithValues) {
+  using pusht::parameter;
+  EXPECT_TRUE(settingsFrom("engine_parameters", " \n").empty());
+  EXPECT_EQ(settingsFrom("engine_parameters", "  block_damp=20  scene=/my scenes/a=b.xml empty= "),
+            (pusht::Parameters{parameter("block_damp", "20"), parameter("scene", "/my scenes/a=b.xml"),
+                               parameter("empty", "")}));
+}
+
+TEST(SettingsFrom, RefusesWhatIsNone) {
+  for (const std::string text : {"20", "20 block_damp=3", "=20", "-a=3"}) {
+    EXPECT_EQ(refusalOf([&] { settingsFrom("engine_parameters", text); }),
+              "engine_parameters '" + text + "': must be NAME=VALUE NAME=VALUE");
   }
-  return "not refused";
 }
 
 TEST(MergedGoal, LeavesOpenWhatItDoesNotSay) {

@@ -8,18 +8,12 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
+#include "pusht_task/testing/refusal.hpp"
 
 namespace sim2sim {
 namespace {
 
-std::string refusalOf(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const pusht::InvalidInput& refusal) {
-    return refusal.what();
-  }
-  return "not refused";
-}
+using pusht::testing::refusalOf;
 
 TEST(SimulatorKinds, AreFoundByTheirNames) {
   for (const pusht::SimulatorKind& kind : simulatorKinds()) {

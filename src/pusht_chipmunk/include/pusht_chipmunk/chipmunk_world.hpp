@@ -3,10 +3,14 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "pusht_task/simulator.hpp"
 
 namespace pusht {
+
+/// Of the library, e.g. "7.0.3".
+std::string chipmunkVersion();
 
 /// What Chipmunk can be told of its solver. The task's masses, forces and frictions are those of pusht_task.
 struct ChipmunkParameters {

@@ -8,6 +8,7 @@
 
 #include "pusht_engine/two_mass_dynamics.hpp"
 #include "pusht_task/batch_simulator.hpp"
+#include "pusht_task/parameters.hpp"
 #include "pusht_task/simulator.hpp"
 
 namespace pusht {
@@ -34,8 +35,7 @@ struct Knob {
   double greatest;
   const char* reason;  ///< why the range ends where it does
 
-  /// Throws InvalidInput if `number` is not in its range.
-  void requireInRange(double number) const;
+  ParameterDescriptor descriptor() const;
 };
 
 /// All of them, in the order in which the course's configuration hash has them. The ranges, with h = kSubstep:

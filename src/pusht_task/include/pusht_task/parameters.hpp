@@ -42,6 +42,9 @@ struct ParameterDescriptor {
   /// The value that `text` stands for; an integer is a real, too. Throws InvalidInput with name, text and rule if it
   /// stands for none that the parameter takes.
   ParameterValue read(const std::string& text) const;
+
+  /// Throws InvalidInput with name, value and rule if `value`, of the parameter's type, is none of those.
+  void require(const ParameterValue& value) const;
 };
 
 /// A parameter that has a value.

@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 
 namespace pusht {
@@ -27,14 +28,6 @@ std::string shown(const XmlRpcValue& value) {
   std::ostringstream text;
   text << value;
   return text.str();
-}
-
-std::string joined(const std::set<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) {
-    text += (text.empty() ? "" : ", ") + name;
-  }
-  return text.empty() ? "none" : text;
 }
 
 std::string textOf(XmlRpcValue value) {
@@ -186,21 +179,6 @@ std::uint64_t ParameterReader::seed(const std::string& key, std::uint64_t fallba
     refuse(key, "must be an integer from 0 to 2^64 - 1 (as a text if it has more than 31 bits)");
   }
   return *seed;
-}
-
-Parameters ParameterReader::group(const std::string& key) {
-  const XmlRpcValue* value = find(key);
-  Parameters group;
-  if (value != nullptr) {
-    if (value->getType() != XmlRpcValue::TypeStruct) {
-      refuse(key, "must be names with values");
-    }
-    XmlRpcValue members = *value;
-    for (const auto& [name, member] : members) {
-      group.push_back(parameter(name, textOf(member)));
-    }
-  }
-  return group;
 }
 
 ParameterSet ParameterReader::changed(ParameterSet parameters) {

@@ -15,6 +15,8 @@ namespace sim2sim {
 /// The kinds that there are; the first is the course's reference, the second its engine.
 const std::vector<std::reference_wrapper<const pusht::SimulatorKind>>& simulatorKinds();
 
+std::vector<std::string> kindNames();
+
 /// Throws InvalidInput, with the names that there are, if there is none of that `name`.
 const pusht::SimulatorKind& simulatorKind(const std::string& name);
 

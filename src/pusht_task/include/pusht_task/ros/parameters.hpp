@@ -52,9 +52,6 @@ class ParameterReader {
   /// A uint64 as text, since integers of the parameter server have 32 bits; those are accepted too.
   std::uint64_t seed(const std::string& key, std::uint64_t fallback);
 
-  /// Those below `key`, as text.
-  Parameters group(const std::string& key);
-
   /// `parameters`, changed where there is one of that name. Throws as ParameterSet::set.
   ParameterSet changed(ParameterSet parameters);
 

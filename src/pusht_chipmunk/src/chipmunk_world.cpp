@@ -15,6 +15,19 @@
 #include "pusht_task/constants.hpp"
 
 namespace pusht {
+namespace chipmunk {
+
+struct Free {
+  void operator()(cpSpace* space) const { cpSpaceFree(space); }
+  void operator()(cpBody* body) const { cpBodyFree(body); }
+  void operator()(cpShape* shape) const { cpShapeFree(shape); }
+  void operator()(cpConstraint* constraint) const { cpConstraintFree(constraint); }
+};
+template <class T>
+using Owned = std::unique_ptr<T, Free>;
+
+}  // namespace chipmunk
+
 namespace {
 
 // The tee with the mass that makes its damping implicit, which sits at the origin.
@@ -42,15 +55,6 @@ Eigen::Vector2d toEigen(const cpVect& vector) { return {vector.x, vector.y}; }
 /// Chipmunk would move a body before it looks for collisions.
 void stay(cpBody* /*body*/, cpFloat /*dt*/) {}
 
-struct Free {
-  void operator()(cpSpace* space) const { cpSpaceFree(space); }
-  void operator()(cpBody* body) const { cpBodyFree(body); }
-  void operator()(cpShape* shape) const { cpShapeFree(shape); }
-  void operator()(cpConstraint* constraint) const { cpConstraintFree(constraint); }
-};
-template <class T>
-using Owned = std::unique_ptr<T, Free>;
-
 /// Debian's Chipmunk greets on stdout, where results belong, when a process makes its first space.
 void greetInSilence() {
   static std::once_flag done;
@@ -58,12 +62,17 @@ void greetInSilence() {
     std::fflush(stdout);
     const int out = dup(STDOUT_FILENO);
     const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    dup2(nowhere, STDOUT_FILENO);
-    const Owned<cpSpace> first(cpSpaceNew());
+    const bool silent = out >= 0 && nowhere >= 0 && dup2(nowhere, STDOUT_FILENO) >= 0;
+    const chipmunk::Owned<cpSpace> first(cpSpaceNew());
     std::fflush(stdout);
-    dup2(out, STDOUT_FILENO);
-    close(nowhere);
-    close(out);
+    if (silent) {
+      dup2(out, STDOUT_FILENO);
+    }
+    for (const int descriptor : {out, nowhere}) {
+      if (descriptor >= 0) {
+        close(descriptor);
+      }
+    }
   });
 }
 
@@ -150,17 +159,17 @@ struct ChipmunkWorld::Scene {
   void substep(const cpVect& command) {
     applyForces(command);
     cpSpaceStep(space.get(), kSubstep);
-    for (const Owned<cpBody>& body : bodies) {
+    for (const chipmunk::Owned<cpBody>& body : bodies) {
       cpBodyUpdatePosition(body.get(), kSubstep);
     }
   }
 
   cpBody* pusher = nullptr;
   cpBody* tee = nullptr;
-  std::vector<Owned<cpBody>> bodies;
-  std::vector<Owned<cpShape>> shapes;
-  std::vector<Owned<cpConstraint>> constraints;
-  Owned<cpSpace> space;  // last, hence freed first: it looks at its bodies then
+  std::vector<chipmunk::Owned<cpBody>> bodies;
+  std::vector<chipmunk::Owned<cpShape>> shapes;
+  std::vector<chipmunk::Owned<cpConstraint>> constraints;
+  chipmunk::Owned<cpSpace> space;  // last, hence freed first: it looks at its bodies then
 };
 
 ChipmunkWorld::ChipmunkWorld(const ChipmunkParameters& parameters) : Simulator("Chipmunk"), parameters_(parameters) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/command_line.hpp"
-#include "sim2sim_eval/comparison.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/batch/comparison.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app("Runs one policy from the same starts in MuJoCo and in the two-mass engine, and measures the gap.",

@@ -7,8 +7,9 @@
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/demonstrations.hpp"
 #include "pusht_policy/scripted_expert.hpp"
-#include "sim2sim_eval/command_line.hpp"
-#include "sim2sim_eval/provenance.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/results/provenance.hpp"
 
 namespace {
 

@@ -6,10 +6,11 @@
 #include <string>
 
 #include "pusht_task/error.hpp"
-#include "sim2sim_eval/command_line.hpp"
-#include "sim2sim_eval/recorded_run.hpp"
-#include "sim2sim_eval/run.hpp"
-#include "sim2sim_eval/run_folder.hpp"
+#include "sim2sim_eval/bag/recorded_run.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/results/run.hpp"
+#include "sim2sim_eval/results/run_folder.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/sweep.hpp"
+#include "sim2sim_eval/batch/sweep.hpp"
 
-#include "sim2sim_eval/command_line.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
 
 int main(int argc, char** argv) {
   CLI::App app("Runs the comparison for many settings of the engine's knobs, over the same episodes.", "sweep");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Times the whole protocol beside the bare mj_step calls that it contains, in turn, on the same episodes, and what
 // threads, a kept reference and our policy kernel change.
-#include "sim2sim_eval/protocol.hpp"
+#include "sim2sim_eval/protocol/protocol.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -18,10 +18,10 @@
 #include "pusht_task/ros/installed_file.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/temporary_folder.hpp"
-#include "sim2sim_eval/command_line.hpp"
-#include "sim2sim_eval/provenance.hpp"
-#include "sim2sim_eval/report.hpp"
-#include "sim2sim_eval/setup.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/results/provenance.hpp"
+#include "sim2sim_eval/results/report.hpp"
 
 namespace {
 

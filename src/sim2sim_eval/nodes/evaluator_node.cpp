@@ -3,8 +3,8 @@
 #include <ros/init.h>
 
 #include "pusht_task/ros/node.hpp"
-#include "sim2sim_eval/command_line.hpp"
-#include "sim2sim_eval/evaluator.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/live/evaluator.hpp"
 
 int main(int argc, char** argv) {
   sim2sim::catchInterruptsAside("sim2sim");  // before all else, so that status.json tells of any

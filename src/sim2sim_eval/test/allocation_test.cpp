@@ -13,8 +13,8 @@
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/scenarios.hpp"
-#include "sim2sim_eval/protocol.hpp"
-#include "sim2sim_eval/setup.hpp"
+#include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/protocol/protocol.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/evaluator.hpp"
+#include "sim2sim_eval/live/evaluator.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

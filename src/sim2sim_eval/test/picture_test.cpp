@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/picture.hpp"
+#include "sim2sim_eval/live/picture.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -107,8 +107,11 @@ const Eigen::Vector2d kAway(0.2, 0.1);
 const Eigen::Vector2d kOnTarget(0.0, 0.0);
 
 Summary someSummary() {
-  return {20,        {12, 0.6, wilsonInterval(12, 20)},  {4, 0.2, wilsonInterval(4, 20)},
-          1.0 / 3.0, {0.0821, Interval{0.0682, 0.0953}}, {0.948, Interval{0.771, 1.126}}};
+  Summary summary{20, {12, 0.6, wilsonInterval(12, 20)}, {4, 0.2, wilsonInterval(4, 20)}, 1.0 / 3.0, {}};
+  auto& replay = summary.means[kEngineReplay];
+  replay[quantityIndex("mean_position_divergence")] = {0.0821, Interval{0.0682, 0.0953}};
+  replay[quantityIndex("mean_angle_divergence")] = {0.948, Interval{0.771, 1.126}};
+  return summary;
 }
 
 std::vector<Marker> all(const MarkerArray& scene, const MarkerArray& update) {
@@ -358,8 +361,9 @@ TEST(Picture, SaysWhatTheFinishedEpisodesSay) {
 
 TEST(Picture, ShowsNoDivergenceBelowZero) {
   Summary summary = someSummary();
-  summary.position_divergence.interval = Interval{-0.085, 0.171};
-  summary.angle_divergence.interval = Interval{-3.73, 5.58};
+  auto& replay = summary.means[kEngineReplay];
+  replay[quantityIndex("mean_position_divergence")].interval = Interval{-0.085, 0.171};
+  replay[quantityIndex("mean_angle_divergence")].interval = Interval{-3.73, 5.58};
   EXPECT_THAT(texts(DriftingEpisode(kAway, 0.02, 0.1).update(summary), "engine_replay"),
               Contains("95% intervals [0.000, 0.171] m, [0.00, 5.58] rad"));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/report.hpp"
+#include "sim2sim_eval/results/report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
-#include "sim2sim_eval/comparison.hpp"
+#include "sim2sim_eval/batch/comparison.hpp"
 
 namespace sim2sim {
 namespace {
@@ -26,9 +26,11 @@ std::vector<EpisodeResult> episodesWith(int total, int reference, int engine) {
     episode.seed = 10'000U + static_cast<std::uint64_t>(i);
     episode.modes[kReferenceClosed].success = i < reference;
     episode.modes[kEngineClosed].success = i < engine;
-    episode.modes[kEngineClosed].mean_divergence = Divergence{0.5, 0.5};
+    episode.modes[kEngineClosed].at("mean_position_divergence") = 0.5;
+    episode.modes[kEngineClosed].at("mean_angle_divergence") = 0.5;
     episode.modes[kEngineReplay].success = true;  // must not count
-    episode.modes[kEngineReplay].mean_divergence = Divergence{0.01 * i, 0.1 * i};
+    episode.modes[kEngineReplay].at("mean_position_divergence") = 0.01 * i;
+    episode.modes[kEngineReplay].at("mean_angle_divergence") = 0.1 * i;
     episodes.push_back(episode);
   }
   return episodes;
@@ -39,8 +41,8 @@ TEST(Summarize, CountsTheClosedLoopsAndAveragesTheReplay) {
   EXPECT_EQ(summary.reference.successes, 31);
   EXPECT_EQ(summary.engine.successes, 10);
   EXPECT_NEAR(summary.transfer.value(), 10.0 / 31.0, 1e-15);
-  EXPECT_NEAR(summary.position_divergence.value, 0.01 * 24.5, 1e-15);
-  EXPECT_NEAR(summary.angle_divergence.value, 0.1 * 24.5, 1e-14);
+  EXPECT_NEAR(summary.mean(kEngineReplay, "mean_position_divergence").value, 0.01 * 24.5, 1e-15);
+  EXPECT_NEAR(summary.mean(kEngineReplay, "mean_angle_divergence").value, 0.1 * 24.5, 1e-14);
 }
 
 TEST(Summarize, TransferIsUndefinedWithoutReferenceSuccess) {
@@ -115,7 +117,7 @@ TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
 
 TEST(Table, ShowsNoDivergenceBelowZero) {
   Summary summary = summarize(episodesWith(2, 1, 1));
-  summary.angle_divergence = {0.038, Interval{-0.447, 0.523}};
+  summary.means[kEngineReplay][quantityIndex("mean_angle_divergence")] = {0.038, Interval{-0.447, 0.523}};
   const RunConfiguration configuration;
   EXPECT_THAT(table(configuration, summary), HasSubstr("0.0380 rad [0.0000, 0.5230]"));
   EXPECT_EQ(metrics(configuration, summary).at("mean_ang_divergence_interval_rad").at(0), -0.447) << "as computed";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/run_bag.hpp"
+#include "sim2sim_eval/bag/run_bag.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,9 +22,9 @@
 #include "pusht_task/ros/conversions.hpp"
 #include "pusht_task/ros/served_simulator.hpp"
 #include "pusht_task/testing/temporary_folder.hpp"
-#include "sim2sim_eval/messages.hpp"
-#include "sim2sim_eval/provenance.hpp"
-#include "sim2sim_eval/recorded_run.hpp"
+#include "sim2sim_eval/bag/messages.hpp"
+#include "sim2sim_eval/bag/recorded_run.hpp"
+#include "sim2sim_eval/results/provenance.hpp"
 
 namespace sim2sim {
 namespace {
@@ -222,8 +222,8 @@ TEST_F(RunBagTest, AResultThatIsNotThatOfTheStatesIsRefused) {
     const Episode episode = play_.run(3);
     recording.begin(episode, episode.steps());
     EpisodeResult result = episode.result();
-    result.modes[kEngineReplay].mean_divergence->angle =
-        std::nextafter(result.modes[kEngineReplay].mean_divergence->angle, 0.0);
+    double& angle = result.modes[kEngineReplay].at("mean_angle_divergence");
+    angle = std::nextafter(angle, 0.0);
     recording.end(result);
   }
   EXPECT_THAT(refusal([this] { readRun(path_); }, pusht::ExitCode::kBadDependency),
@@ -295,13 +295,13 @@ TEST(Messages, SummaryIsOfTheFinishedEpisodesAndOfNone) {
   EXPECT_EQ(none.episodes, 3U);
   EXPECT_EQ(none.episodes_finished, 0U);
   EXPECT_EQ(none.reference.trials, 0U);
-  EXPECT_TRUE(std::isnan(none.reference.rate) && std::isnan(none.transfer) && std::isnan(none.angle_divergence.value));
+  EXPECT_TRUE(std::isnan(none.reference.rate) && std::isnan(none.transfer) && std::isnan(none.means.back().value));
   const auto one = summaryMessage(play.configuration(), summarize({play.run(5).result()}), ros::Time(1.0));
   EXPECT_EQ(one.episodes_finished, 1U);
   EXPECT_EQ(one.reference.successes, 1U);
   EXPECT_EQ(one.policy, "expert");
-  EXPECT_FALSE(std::isnan(one.position_divergence.value));
-  EXPECT_TRUE(std::isnan(one.position_divergence.low)) << "one episode has no interval";
+  EXPECT_FALSE(std::isnan(one.means.back().value));
+  EXPECT_TRUE(std::isnan(one.means.back().low)) << "one episode has no interval";
 }
 
 }  // namespace

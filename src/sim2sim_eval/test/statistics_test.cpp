@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/statistics.hpp"
+#include "sim2sim_eval/results/statistics.hpp"
 
 #include <gtest/gtest.h>
 

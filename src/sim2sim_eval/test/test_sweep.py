@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sweeps, their shards and the reference they share, as a user meets them."""
 
+import csv
 import fcntl
 import json
 import os
@@ -99,6 +100,17 @@ class Rows(SweepCase):
             self.finished("same", "--episodes", "4", plan=plan.replace("4", "9")), results
         )
         self.assertTrue(table[1].startswith("0,40.0,20.0,4.0,4,"), table[1])
+
+    def test_every_figure_has_its_columns(self) -> None:
+        plan = "{policy: expert, episodes: 4, rows: [{block_damp: 20}, {pusher_mass: 2}]}"
+        table = self.finished("out", plan=plan)["sweep.csv"].decode().splitlines()
+        for cells, row in zip(csv.DictReader(table), ["rows/000", "rows/001"], strict=True):
+            metrics = self.load("out/" + row, "metrics.json")
+            for key in [key for key in metrics if "_interval" in key and "reference_succ" not in key]:
+                figure = key.replace("success_interval", "success_rate").replace("_interval", "")
+                wanted = [metrics[figure], *metrics[key]]
+                found = [cells[figure + end] for end in ("", "_low", "_high")]
+                self.assertEqual([float(cell) for cell in found], wanted, key)
 
     def test_grid_has_every_combination_the_last_knob_fastest(self) -> None:
         self.finished("out")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/worker.hpp"
+#include "sim2sim_eval/bag/worker.hpp"
 
 #include <gtest/gtest.h>
 

@@ -30,7 +30,7 @@ std::string shown(const XmlRpcValue& value) {
   return text.str();
 }
 
-std::string textOf(XmlRpcValue value) {
+std::string textIn(XmlRpcValue value) {
   switch (value.getType()) {
     case XmlRpcValue::TypeInt:
       return shortestText(static_cast<int>(value));
@@ -118,7 +118,7 @@ std::string ParameterReader::text(const std::string& key, const std::string& fal
   if (value != nullptr && value->getType() != XmlRpcValue::TypeString) {
     refuse(key, "must be a text");
   }
-  return value == nullptr ? fallback : textOf(*value);
+  return value == nullptr ? fallback : textIn(*value);
 }
 
 std::string ParameterReader::services(const std::string& key, const std::string& fallback) {
@@ -130,7 +130,7 @@ bool ParameterReader::flag(const std::string& key, bool fallback) {
   if (value != nullptr && value->getType() != XmlRpcValue::TypeBoolean) {
     refuse(key, "must be true or false");
   }
-  return value == nullptr ? fallback : textOf(*value) == "true";
+  return value == nullptr ? fallback : textIn(*value) == "true";
 }
 
 int ParameterReader::integer(const std::string& key, int fallback) {
@@ -172,7 +172,7 @@ std::uint64_t ParameterReader::seed(const std::string& key, std::uint64_t fallba
   }
   XmlRpcValue copy = *value;
   const std::string text = copy.getType() == XmlRpcValue::TypeInt      ? std::to_string(static_cast<int>(copy))
-                           : copy.getType() == XmlRpcValue::TypeString ? textOf(copy)
+                           : copy.getType() == XmlRpcValue::TypeString ? textIn(copy)
                                                                        : "";
   const std::optional<std::uint64_t> seed = decimal<std::uint64_t>(text);
   if (!seed) {
@@ -184,7 +184,7 @@ std::uint64_t ParameterReader::seed(const std::string& key, std::uint64_t fallba
 ParameterSet ParameterReader::changed(ParameterSet parameters) {
   for (const Parameter& known : ParameterSet(parameters)) {
     if (const XmlRpcValue* value = find(known.name())) {
-      parameters.set(known.name(), textOf(*value));
+      parameters.set(known.name(), textIn(*value));
     }
   }
   return parameters;

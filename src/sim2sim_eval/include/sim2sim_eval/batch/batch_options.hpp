@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// How a run in process goes about its episodes.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/protocol/reference_cache.hpp"
+
+namespace sim2sim {
+
+/// Without influence on the results.
+struct BatchOptions {
+  int threads = 0;              ///< 0: as many as there are cores
+  std::string reference_cache;  ///< folder; empty: none
+
+  /// Declares the options on a command line.
+  void declare(CLI::App& app);
+
+  int threadCount() const;
+
+  /// The cache that they ask for. Throws as ReferenceCache does.
+  std::optional<ReferenceCache> references(const Setup& setup, int horizon) const;
+};
+
+}  // namespace sim2sim

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// What all commands share: exit codes, options, progress.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace sim2sim {
+
+/// Parses the command line into `app`, runs `body` and returns its exit code. Every failure becomes one line
+/// on stderr and the exit code of its kind; signals are caught.
+int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
+
+/// Accept whole decimal numbers only: CLI11 itself takes 010 for eight, and nothing for zero.
+CLI::Validator decimalInteger();
+CLI::Validator decimalReal();
+
+/// A bar on stderr that shows done, total and time left; silent unless stderr is a terminal.
+class ProgressBar {
+ public:
+  ProgressBar(std::string title, std::int64_t total);
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+  ~ProgressBar();
+
+  /// One more is done.
+  void advance(const std::string& note);
+
+  /// `count` need not be done.
+  void skip(std::int64_t count) { total_ -= count; }
+
+ private:
+  std::string title_;
+  std::int64_t total_;
+  std::int64_t done_ = 0;
+  bool shown_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+}  // namespace sim2sim

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The comparison in process: what `rosrun sim2sim_eval compare` does.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "pusht_policy/policy_choice.hpp"
+#include "sim2sim_eval/batch/batch_options.hpp"
+#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_eval/simulators.hpp"
+
+namespace sim2sim {
+
+struct CompareOptions {
+  Protocol protocol;
+  std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice
+  bool require_policy = false;
+  std::string reference = "mujoco";               ///< kind
+  std::vector<std::string> reference_settings{};  ///< as in chooseSimulator()
+  std::string engine = "two_mass";                ///< kind
+  std::vector<std::string> engine_settings{};
+  bool smoke = false;  ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
+  std::string out;     ///< results folder; empty: the next free results/compare-N
+  bool overwrite = false;
+  bool record = false;  ///< write compare.bag
+  BatchOptions batch;
+
+  /// Declares the options on a command line.
+  void declare(CLI::App& app);
+};
+
+/// Runs the protocol, writes the results folder and prints the table. Throws an Error of its kind on failure;
+/// finished episodes are kept then.
+void compare(const CompareOptions& options);
+
+}  // namespace sim2sim

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// What a sweep is to run: the same episodes of one reference for many settings of the engine.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pusht_policy/policy_choice.hpp"
+#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_eval/simulators.hpp"
+
+namespace sim2sim {
+
+struct SweepPlan {
+  Protocol protocol;
+  std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice; a file must be there
+  SimulatorChoice reference;
+  std::vector<SimulatorChoice> rows;  ///< of the engine; each once
+};
+
+/// From YAML: `policy`, `reference` (a kind), `reference_parameters` (names with values; `scene: FILE` is short for one
+/// of MuJoCo), `engine` (a kind, or a list of kinds: each has all rows), `seed`, `first_episode`, `episodes`,
+/// `horizon`, and the engine's settings: either `grid` (for each parameter a list of values; every combination is a
+/// row, the last one varying fastest) or `rows` (a list of settings); neither where the kinds alone vary. Throws
+/// InvalidInput with file, line, key, value and rule.
+SweepPlan readSweepPlan(const std::filesystem::path& path);
+
+/// A part of a sweep: all rows over a share of the episodes.
+struct Shard {
+  int number = 1;  ///< from 1 to `of`
+  int of = 1;
+
+  /// Throws InvalidInput unless `text` is like "2/5".
+  static Shard from(const std::string& text);
+  std::string text() const { return std::to_string(number) + "/" + std::to_string(of); }
+
+  /// The episodes of a shard follow those of the one before. Throws InvalidInput if there are fewer episodes than
+  /// shards.
+  Protocol share(const Protocol& protocol) const;
+};
+
+}  // namespace sim2sim

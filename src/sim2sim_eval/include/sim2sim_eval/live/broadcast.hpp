@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// What the evaluator says of a run while it goes on: its topics, and the bag.
+#pragma once
+
+#include <pusht_msgs/Divergence.h>
+#include <pusht_msgs/Summary.h>
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+#include <ros/steady_timer.h>
+#include <tf2_ros/static_transform_broadcaster.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "sim2sim_eval/bag/run_bag.hpp"
+#include "sim2sim_eval/live/cast.hpp"
+#include "sim2sim_eval/live/picture.hpp"
+#include "sim2sim_eval/results/report.hpp"
+
+namespace sim2sim {
+
+/// Topics in the node's private namespace: `divergence` (every control step), `episode`, `summary` (latched) and
+/// `markers`, which come again once a second, for whoever came late or has forgotten; the static frames of the tables.
+class Broadcast {
+ public:
+  explicit Broadcast(const ros::NodeHandle& node);
+
+  /// Forgets the last run.
+  void clear() { summary_ = {}; }
+
+  /// A run begins. `bag` may be null: the run is not recorded.
+  void begin(const RunConfiguration& configuration, Cast& cast, std::unique_ptr<RunBag> bag);
+
+  /// The start of an episode, or a control step. `paced`: at a rate that eyes can follow.
+  pusht_msgs::Divergence step(const Episode& episode, const ros::Time& stamp, bool paced);
+
+  /// An episode has finished; `finished` are all that have, by index.
+  void finish(const Episode& episode, const Summary& finished, const ros::Time& stamp);
+
+  /// The run has ended, well or not: the bag is put in its place. Throws RuntimeFault if that fails.
+  void end();
+
+  /// The last one that was published.
+  const pusht_msgs::Summary& summary() const { return summary_; }
+
+ private:
+  void draw(const Episode& episode, const ros::Time& stamp, bool recorded);
+  void repeat() const;
+
+  ros::NodeHandle node_;
+  ros::Publisher divergence_;
+  ros::Publisher episode_;
+  ros::Publisher summary_topic_;
+
+  RunConfiguration configuration_;
+  std::unique_ptr<RunBag> bag_;
+  pusht_msgs::Summary summary_;
+  std::optional<Summary> finished_;
+
+  tf2_ros::StaticTransformBroadcaster fixed_frames_;
+  std::optional<Picture> picture_;
+  ros::Publisher markers_;
+
+  mutable std::mutex mutex_;  // of what is repeated from another thread
+  visualization_msgs::MarkerArray scene_;
+  visualization_msgs::MarkerArray update_;
+  ros::SteadyTimer repeating_;  // last
+};
+
+}  // namespace sim2sim

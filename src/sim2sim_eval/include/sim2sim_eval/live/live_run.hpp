@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The protocol over nodes: one episode at a time, in lockstep, at a rate.
+#pragma once
+
+#include <ros/time.h>
+
+#include <chrono>
+#include <functional>
+
+#include "sim2sim_eval/live/cast.hpp"
+#include "sim2sim_eval/live/pacer.hpp"
+#include "sim2sim_eval/protocol/protocol.hpp"
+
+namespace sim2sim {
+
+/// Told of a live run as it goes on.
+class LiveObserver {
+ public:
+  LiveObserver() = default;
+  LiveObserver(const LiveObserver&) = delete;
+  LiveObserver& operator=(const LiveObserver&) = delete;
+  virtual ~LiveObserver() = default;
+
+  /// The start of an episode, and every control step. An episode that a fault has made void begins again from 0.
+  virtual void onStep(const Episode& episode, const ros::Time& stamp) = 0;
+  virtual void onFinish(const Episode& episode, const ros::Time& stamp) = 0;
+  /// A node was lost in `episode`, which is void; the run waits for the node to come back.
+  virtual void onFault(int episode, const pusht::PeerFault& fault) = 0;
+};
+
+struct LiveOptions {
+  Cast::Settings settings;
+  bool respawn = false;                   ///< nodes that die are started again by someone; else a fault ends the run
+  std::chrono::milliseconds patience{0};  ///< for a node to appear, or to come back
+};
+
+/// Runs the episodes of `protocol` over a cast that is connected. Throws PeerFault for a node that is lost for good,
+/// RuntimeFault when `stop` holds; as Episode does otherwise.
+void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& observer, const LiveOptions& options,
+             const std::function<bool()>& stop);
+
+}  // namespace sim2sim

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The measurement: one policy, one start, two simulators, three modes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "pusht_task/batch_simulator.hpp"
+#include "pusht_task/constants.hpp"
+#include "pusht_task/policy.hpp"
+#include "pusht_task/rollout.hpp"
+#include "pusht_task/simulator.hpp"
+#include "sim2sim_eval/protocol/quantities.hpp"
+#include "sim2sim_eval/protocol/reference_cache.hpp"
+
+namespace sim2sim {
+
+/// The three rollouts of an episode, in the order in which they advance.
+enum Mode : std::size_t {
+  kReferenceClosed,  ///< the policy drives the reference
+  kEngineClosed,     ///< the policy drives the engine: does the skill transfer?
+  kEngineReplay,     ///< the engine is given the reference's actions: how far do the dynamics diverge?
+  kModeCount
+};
+
+constexpr std::array<Mode, kModeCount> kModes = {kReferenceClosed, kEngineClosed, kEngineReplay};
+
+/// As in episodes.csv: "reference_closed", ...
+const char* modeName(Mode mode);
+
+/// Whether rollouts of that mode have the quantity.
+constexpr bool has(Mode mode, const Quantity& quantity) { return mode != kReferenceClosed || !quantity.compares; }
+
+/// Calls function(mode, index in kQuantities) for every quantity in every mode that has it.
+template <class Function>
+void forEachQuantity(const Function& function) {
+  for (const Mode mode : kModes) {
+    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+      if (has(mode, kQuantities[i])) {
+        function(mode, i);
+      }
+    }
+  }
+}
+
+/// Which episodes are run.
+struct Protocol {
+  std::uint64_t seed = 0;  ///< of the run; episode i starts from spawn seed 10000 + seed + i
+  int first_episode = 0;   ///< index; the others follow it
+  int episodes = 50;
+  int horizon = pusht::kHorizon;  ///< [control steps]
+
+  int lastEpisode() const { return first_episode + episodes - 1; }
+
+  /// Throws InvalidInput with field, value and rule.
+  void validate() const;
+
+  /// Spawn seed of an episode: held out, no demonstration starts there.
+  std::uint64_t spawnSeed(int episode) const;
+};
+
+/// `protocol` as short as the course's smoke run: 2 episodes of 40 control steps. Throws InvalidInput if `protocol`
+/// names other numbers than the default ones: they would be in the course's configuration hash, and nowhere else.
+Protocol smokeRun(Protocol protocol);
+
+struct RolloutResult {
+  int steps = 0;
+  bool success = false;  ///< whether success latched at any step
+  QuantityValues quantities{};
+
+  double at(std::string_view quantity) const { return quantities[quantityIndex(quantity)]; }
+  double& at(std::string_view quantity) { return quantities[quantityIndex(quantity)]; }
+};
+
+struct EpisodeResult {
+  int index = 0;
+  std::uint64_t seed = 0;  ///< spawn seed
+  std::array<RolloutResult, kModeCount> modes;
+};
+
+/// The worlds in which episodes run: for each mode a lane for each episode in flight.
+using Worlds = std::array<std::unique_ptr<pusht::BatchSimulator>, kModeCount>;
+
+/// For one episode at a time.
+Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pusht::Simulator> engine,
+                std::unique_ptr<pusht::Simulator> replay);
+
+/// One episode: three rollouts from one start, advanced in lockstep by a Flight.
+class Episode {
+ public:
+  Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts);
+
+  int index() const { return index_; }
+  std::uint64_t seed() const { return seed_; }  ///< spawn seed
+  const pusht::Rollout& rollout(Mode mode) const { return rollouts_[mode]; }
+
+  /// Control steps taken, those of the rollout that has taken most.
+  int steps() const;
+
+  /// A closed loop ends at success or the horizon, the replay with the reference.
+  bool goesOn(Mode mode) const;
+  bool finished() const;
+
+  /// The action of the reference that the replay is to take next.
+  const pusht::Action& nextReplayed() const;
+
+  void record(Mode mode, const pusht::Action& action, const pusht::WorldState& state) {
+    rollouts_[mode].record(action, state);
+  }
+
+  EpisodeResult result() const;
+
+ private:
+  int index_;
+  std::uint64_t seed_;
+  int horizon_;
+  std::array<pusht::Rollout, kModeCount> rollouts_;
+};
+
+/// Episodes in flight: they advance together, so that the policy sees batches and worlds step in lanes. What becomes
+/// of an episode does not depend on the others.
+class Flight {
+ public:
+  /// `worlds` and `policy` must outlive it, and are driven by it alone.
+  Flight(const Protocol& protocol, const Worlds& worlds, pusht::Policy& policy);
+
+  bool full() const;
+  bool empty() const;
+
+  /// Resets worlds to the start of an episode; the flight must not be full. `reference` is what the reference did in
+  /// it; without, the reference is rolled out. The episode stays where it is until it lands. Throws the error of a
+  /// world; its message begins with episode, mode and step.
+  const Episode& begin(int index, const pusht::Trace* reference = nullptr);
+
+  /// One control step of every rollout that goes on. Throws as begin(), and BadDependency for an action that is not
+  /// finite.
+  void advance();
+
+  /// Takes out the episodes that have finished.
+  std::vector<Episode> land();
+
+ private:
+  void askPolicy();
+  pusht::Rollout start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory);
+  bool steps(Mode mode, std::size_t lane) const { return episodes_[lane] && episodes_[lane]->goesOn(mode); }
+  void advance(Mode mode, std::size_t& next_action);
+
+  Protocol protocol_;
+  const Worlds& worlds_;
+  pusht::Policy& policy_;
+  std::vector<std::optional<Episode>> episodes_;  // by lane
+  std::vector<pusht::Policy::Query> queries_;     // of the closed loops, by mode and lane
+  std::vector<pusht::Action> answers_;
+  std::vector<std::optional<pusht::Action>> actions_;  // of one mode, by lane
+};
+
+/// Runs one episode.
+Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy);
+
+/// Episodes in flight at once in each thread of a run: enough for the lanes of the engine and the policy's batches.
+constexpr int kEpisodesInFlight = 8;
+
+/// Who plays in a run. Every thread has its own.
+struct Players {
+  std::function<Worlds(int lanes)> make_worlds;
+  std::function<std::unique_ptr<pusht::Policy>()> make_policy;
+};
+
+/// Runs the protocol in `threads` threads. `deliver` gets every episode when it has finished, not in order but one at a
+/// time; `stop` is asked before every control step and ends the run early when true. The reference is not rolled out
+/// for episodes that are in `references`, and kept there for the others. Results depend neither on the number of
+/// threads nor on `references`.
+void runProtocol(const Protocol& protocol, const Players& players, int threads, const ReferenceCache* references,
+                 const std::function<void(const Episode&)>& deliver, const std::function<bool()>& stop);
+
+}  // namespace sim2sim

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// A run from its configuration to its results, wherever its worlds are.
+#pragma once
+
+#include <exception>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_eval/results/report.hpp"
+#include "sim2sim_eval/results/run_folder.hpp"
+
+namespace sim2sim {
+
+/// Gathers the finished episodes of a run, and tells in its folder and as a table what they say.
+class Run {
+ public:
+  /// Begins `folder`, which must outlive the run.
+  Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance);
+
+  const RunConfiguration& configuration() const { return configuration_; }
+
+  /// In any order; each once.
+  void add(const EpisodeResult& episode);
+
+  /// The finished episodes, by index.
+  const std::vector<EpisodeResult>& episodes() const { return episodes_; }
+  /// Of the finished episodes; there must be one.
+  const Summary& summary() const;
+  bool whole() const { return static_cast<int>(episodes_.size()) == configuration_.protocol.episodes; }
+
+  /// "3 of 50 episodes"
+  std::string progress() const;
+
+  /// The results of a whole run. Returns its metrics; throws as RunFolder::finish does.
+  nlohmann::json finish(std::ostream& out, int faults_survived = 0);
+
+  /// Keeps what a run has found that `failure` ended, and says so. What keeps it from being written is not an error:
+  /// `failure` is the one to report.
+  void abandon(std::ostream& out, const std::exception& failure, int faults_survived = 0) const;
+
+ private:
+  RunConfiguration configuration_;
+  RunFolder& folder_;
+  std::vector<EpisodeResult> episodes_;
+  mutable std::optional<Summary> summary_;  // of these episodes, if it has been asked for
+};
+
+}  // namespace sim2sim

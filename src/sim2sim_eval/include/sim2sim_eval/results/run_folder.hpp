@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The folder that holds the results of one run.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "pusht_task/error.hpp"
+#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_eval/results/output_folder.hpp"
+#include "sim2sim_eval/results/report.hpp"
+
+namespace sim2sim {
+
+/// How a run ended; status.json.
+struct RunStatus {
+  pusht::ExitCode exit_code = pusht::ExitCode::kOk;
+  std::string reason;
+  int episodes_finished = 0;
+  int episodes = 0;
+  int faults_survived = 0;
+  bool beside_earlier_results = false;  ///< the other files in the folder are not of this run
+};
+
+/// Of a run from its begin to its end, and for ever of one that was killed.
+RunStatus underWay(int episodes);
+
+/// The text of status.json.
+std::string statusText(const RunStatus& status);
+
+/// Every file in it is complete or absent. metrics.json speaks for a whole run: it is only written by finish().
+class RunFolder {
+ public:
+  /// As OutputFolder; throws InvalidInput, too, if `path` holds results that must stay.
+  RunFolder(std::filesystem::path path, bool overwrite, std::string command = "compare");
+
+  /// As OutputFolder.
+  void refuseInputs(const std::vector<Input>& inputs) const { folder_.refuseInputs(inputs); }
+
+  /// Creates the folder, without results of an earlier run, and writes what the run depends on and that it is under
+  /// way. From here on the folder is locked. Throws InvalidInput if another run has locked it, RuntimeFault if it
+  /// cannot be written.
+  void begin(const nlohmann::json& provenance, int episodes);
+
+  /// The results of a whole run. If they cannot be written, the status says so, and RuntimeFault is thrown.
+  void finish(const nlohmann::json& metrics, const std::vector<EpisodeResult>& episodes, int faults_survived);
+
+  /// The finished episodes of a run that ended early.
+  void abandon(const std::vector<EpisodeResult>& episodes, const RunStatus& status) const;
+
+  /// Only says why there was no run. Results that the run would have replaced stay; the status says so. Throws as
+  /// begin() does.
+  void refuse(RunStatus status);
+
+  const std::filesystem::path& path() const { return folder_.path(); }
+
+  /// Where the run's bag belongs; whoever records writes it.
+  std::filesystem::path bagPath() const;
+
+ private:
+  void writeStatus(const RunStatus& status) const;
+
+  OutputFolder folder_;
+  bool overwrite_;
+};
+
+/// What `load` gives, before a run or sweep begins in `folder`. If a fault ends it (an interruption, say), the folder
+/// says so.
+template <class Folder, class Load>
+auto loadFor(Folder& folder, const Load& load) {
+  try {
+    return load();
+  } catch (const pusht::Error& fault) {
+    if (fault.exitCode() == pusht::ExitCode::kRuntimeFault) {
+      try {
+        folder.refuse({fault.exitCode(), fault.what()});
+      } catch (const pusht::Error&) {
+        // The first fault is the one to report.
+      }
+    }
+    throw;
+  }
+}
+
+}  // namespace sim2sim

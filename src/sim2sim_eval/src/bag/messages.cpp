@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/bag/messages.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/parameters.hpp"
+#include "sim2sim_eval/protocol/divergence.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr Divergence kNoDivergence{kNan, kNan};
+
+/// Of the states of two rollouts after `step` control steps, if both have come that far.
+Divergence divergenceAt(const Episode& episode, Mode a, Mode b, int step) {
+  const pusht::Rollout& first = episode.rollout(a);
+  const pusht::Rollout& second = episode.rollout(b);
+  if (step > first.steps() || step > second.steps()) {
+    return kNoDivergence;
+  }
+  const auto k = static_cast<std::size_t>(step);
+  return divergence(first.trace().states[k], second.trace().states[k]);
+}
+
+pusht_msgs::SuccessRate toMessage(const SuccessRate& rate, int trials) {
+  pusht_msgs::SuccessRate message;
+  message.successes = static_cast<std::uint32_t>(rate.successes);
+  message.trials = static_cast<std::uint32_t>(trials);
+  message.rate = rate.rate;
+  message.low = rate.interval.low;
+  message.high = rate.interval.high;
+  return message;
+}
+
+pusht_msgs::Mean toMessage(const std::string& name, const char* unit, const Mean& mean) {
+  const Interval interval = aboveZero(mean.interval).value_or(Interval{kNan, kNan});
+  pusht_msgs::Mean message;
+  message.name = name;
+  message.unit = unit;
+  message.value = mean.value;
+  message.low = interval.low;
+  message.high = interval.high;
+  return message;
+}
+
+}  // namespace
+
+pusht_msgs::Divergence divergenceMessage(const Episode& episode, int step, const ros::Time& stamp) {
+  const Divergence replay = divergenceAt(episode, kReferenceClosed, kEngineReplay, step);
+  const Divergence closed = divergenceAt(episode, kReferenceClosed, kEngineClosed, step);
+  pusht_msgs::Divergence message;
+  message.header.stamp = stamp;
+  message.episode = static_cast<std::uint64_t>(episode.index());
+  message.step = static_cast<std::uint32_t>(step);
+  message.replay_position = replay.position;
+  message.replay_angle = replay.angle;
+  message.closed_position = closed.position;
+  message.closed_angle = closed.angle;
+  return message;
+}
+
+pusht_msgs::EpisodeResult toMessage(const EpisodeResult& episode, const ros::Time& stamp) {
+  pusht_msgs::EpisodeResult message;
+  message.header.stamp = stamp;
+  message.episode = static_cast<std::uint64_t>(episode.index);
+  message.seed = episode.seed;
+  for (const Mode mode : kModes) {
+    const RolloutResult& result = episode.modes[mode];
+    pusht_msgs::RolloutResult rollout;
+    rollout.mode = modeName(mode);
+    rollout.steps = static_cast<std::uint32_t>(result.steps);
+    rollout.success = result.success ? 1 : 0;
+    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+      pusht_msgs::Quantity quantity;
+      quantity.name = kQuantities[i].name;
+      quantity.unit = kQuantities[i].unit;
+      quantity.value = result.quantities[i];
+      rollout.quantities.push_back(quantity);
+    }
+    message.rollouts.push_back(rollout);
+  }
+  return message;
+}
+
+pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::optional<Summary>& finished,
+                                   const ros::Time& stamp) {
+  const Summary none{0, {0, kNan, {kNan, kNan}}, {0, kNan, {kNan, kNan}}, std::nullopt, {}};
+  const Summary& summary = finished ? *finished : none;
+  pusht_msgs::Summary message;
+  message.header.stamp = stamp;
+  message.episodes = static_cast<std::uint32_t>(configuration.protocol.episodes);
+  message.episodes_finished = static_cast<std::uint32_t>(summary.episodes);
+  message.reference = toMessage(summary.reference, summary.episodes);
+  message.engine = toMessage(summary.engine, summary.episodes);
+  message.transfer = summary.transfer.value_or(kNan);
+  forEachQuantity([&](Mode mode, std::size_t i) {
+    message.means.push_back(toMessage(metricName(mode, kQuantities[i]), kQuantities[i].unit, summary.means[mode][i]));
+  });
+  message.policy = configuration.policy;
+  return message;
+}
+
+nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
+  nlohmann::json provenance = nlohmann::json::parse(node.provenance, nullptr, false);
+  if (!provenance.is_object()) {
+    throw pusht::BadDependency(node.name + ": provenance '" + node.provenance + "': must be a JSON object");
+  }
+  return provenance;
+}
+
+SimulatorRecord recordOf(const pusht_msgs::DescribeResponse& node) {
+  const nlohmann::json provenance = provenanceOf(node);
+  SimulatorRecord record{node.name, node.title.empty() ? node.name : node.title};
+  for (const pusht_msgs::Parameter& parameter : node.parameters) {
+    const auto& descriptors = node.parameter_descriptors;
+    const auto known = std::find_if(descriptors.begin(), descriptors.end(),
+                                    [&](const auto& descriptor) { return descriptor.name == parameter.name; });
+    const bool described = known != descriptors.end();
+    const pusht::ParameterValue value =
+        described && known->type == "text" ? pusht::ParameterValue(parameter.value) : pusht::valueOf(parameter.value);
+    record.add(parameter.name, value, described && parameter.value == known->default_value, provenance);
+  }
+  return record;
+}
+
+}  // namespace sim2sim

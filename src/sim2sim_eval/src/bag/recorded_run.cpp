@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/bag/recorded_run.hpp"
+
+#include <console_bridge/console.h>
+#include <pusht_msgs/EpisodeResult.h>
+#include <pusht_msgs/WorldStateStamped.h>
+#include <ros/serialization.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <std_msgs/String.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/ros/conversions.hpp"
+#include "sim2sim_eval/bag/messages.hpp"
+#include "sim2sim_eval/bag/run_bag.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string textOf(const pusht::Action& action) {
+  return "(" + std::to_string(action[0]) + ", " + std::to_string(action[1]) + ")";
+}
+
+/// Takes the actions that were recorded.
+class RecordedPolicy : public pusht::Policy {
+ public:
+  explicit RecordedPolicy(const RecordedEpisode& record) : record_(record) {}
+
+  /// Closed loops are begun in the order of their modes.
+  std::unique_ptr<Memory> begin() const override { return std::make_unique<Cursor>(record_.at(begun_++)); }
+
+  void act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) override {
+    std::transform(queries.begin(), queries.end(), actions.begin(),
+                   [](const Query& query) { return static_cast<Cursor*>(query.memory)->next(); });
+  }
+
+ private:
+  /// Where a rollout is in its record. Past the end of that, the world refuses to go on.
+  struct Cursor : Memory {
+    explicit Cursor(const pusht::Trace& recorded) : trace(recorded) {}
+    pusht::Action next() { return step < trace.steps() ? trace.actions[step++] : pusht::Action{}; }
+
+    const pusht::Trace& trace;
+    std::size_t step = 0;
+  };
+
+  const RecordedEpisode& record_;
+  mutable std::size_t begun_ = 0;
+};
+
+/// Gathers rollouts from messages, and computes the results of each episode that has finished.
+class Reader {
+ public:
+  explicit Reader(const Protocol& protocol) : protocol_(protocol) {}
+
+  /// Messages with later stamps follow.
+  void moveOnTo(const ros::Time& stamp) {
+    if (finished_ && finished_->header.stamp < stamp) {
+      settle();
+    }
+  }
+
+  void take(Mode mode, const pusht_msgs::WorldStateStamped& message) {
+    pusht::Trace& trace = under_way_[indexOf(message.episode)].at(mode);
+    if (message.step == 0) {  // perhaps once more: an episode in which a node is lost is begun anew
+      trace = {};
+    } else if (message.step != trace.states.size()) {
+      throw pusht::BadDependency("episode " + std::to_string(message.episode) + ", " + modeName(mode) + ": step " +
+                                 std::to_string(message.step) + " is recorded, must be " +
+                                 std::to_string(trace.states.size()));
+    } else {
+      trace.actions.push_back({message.action[0], message.action[1]});
+    }
+    trace.states.push_back(pusht::fromMessage(message.state));
+  }
+
+  /// The last states of the episode may come later: they have the same stamp.
+  void take(const pusht_msgs::EpisodeResult& message) {
+    settle();
+    finished_ = message;
+  }
+
+  /// By index.
+  std::vector<EpisodeResult> results() {
+    settle();
+    std::vector<EpisodeResult> results;
+    for (const auto& [index, result] : results_) {
+      results.push_back(result);
+    }
+    return results;
+  }
+
+ private:
+  int indexOf(std::uint64_t episode) const {
+    if (episode < static_cast<std::uint64_t>(protocol_.first_episode) ||
+        episode > static_cast<std::uint64_t>(protocol_.lastEpisode())) {
+      throw pusht::BadDependency("episode " + std::to_string(episode) + ": must be from " +
+                                 std::to_string(protocol_.first_episode) + " to " +
+                                 std::to_string(protocol_.lastEpisode()));
+    }
+    return static_cast<int>(episode);
+  }
+
+  void settle() {
+    if (!finished_) {
+      return;
+    }
+    const pusht_msgs::EpisodeResult recorded = *std::exchange(finished_, std::nullopt);
+    const int index = indexOf(recorded.episode);
+    const EpisodeResult result = replay(protocol_, index, under_way_[index]);
+    under_way_.erase(index);
+    pusht_msgs::EpisodeResult computed = toMessage(result, recorded.header.stamp);
+    computed.header = recorded.header;
+    if (bytesOf(computed) != bytesOf(recorded)) {
+      throw pusht::BadDependency("episode " + std::to_string(index) +
+                                 ": its result is not what comes of the states that are recorded");
+    }
+    if (!results_.emplace(index, result).second) {
+      throw pusht::BadDependency("episode " + std::to_string(index) + ": must finish once");
+    }
+  }
+
+  /// Equal for equal messages, with or without numbers that are not one.
+  static std::string bytesOf(const pusht_msgs::EpisodeResult& message) {
+    const ros::SerializedMessage bytes = ros::serialization::serializeMessage(message);
+    return std::string(bytes.buf.get(), bytes.buf.get() + bytes.num_bytes);
+  }
+
+  Protocol protocol_;
+  std::map<int, RecordedEpisode> under_way_;
+  std::optional<pusht_msgs::EpisodeResult> finished_;  // waits for its last states
+  std::map<int, EpisodeResult> results_;
+};
+
+template <class Message>
+Message messageIn(const rosbag::MessageInstance& instance) {
+  const boost::shared_ptr<Message> message = instance.instantiate<Message>();
+  if (message == nullptr) {
+    throw pusht::InvalidInput(instance.getTopic() + " is " + instance.getDataType() + ", must be " +
+                              ros::message_traits::datatype<Message>() + " as it is now");
+  }
+  return *message;
+}
+
+/// rosbag's libraries print some of the errors that they throw; one line is enough.
+class QuietLibraries {
+ public:
+  QuietLibraries() { console_bridge::noOutputHandler(); }
+  QuietLibraries(const QuietLibraries&) = delete;
+  QuietLibraries& operator=(const QuietLibraries&) = delete;
+  ~QuietLibraries() { console_bridge::restorePreviousOutputHandler(); }
+};
+
+/// The run's description, from the one message that holds it.
+nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
+  rosbag::View view(bag, rosbag::TopicQuery(kConfigurationTopic));
+  if (view.size() != 1) {
+    throw pusht::InvalidInput("holds " + std::to_string(view.size()) + " messages on " + kConfigurationTopic +
+                              ", must be 1: the bag of one run");
+  }
+  return nlohmann::ordered_json::parse(messageIn<std_msgs::String>(*view.begin()).data);
+}
+
+RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop) {
+  RecordedRun run;
+  run.provenance = descriptionIn(bag);
+  run.configuration = configurationFrom(run.provenance.at("configuration"));
+  std::map<std::string, Mode> modes;
+  for (const Mode mode : kModes) {
+    modes.emplace(run.provenance.at("state_topics").at(modeName(mode)).get<std::string>(), mode);
+  }
+  run.provenance.erase("state_topics");
+
+  std::vector<std::string> topics = {kEpisodeTopic};
+  for (const auto& [topic, mode] : modes) {
+    topics.push_back(topic);
+  }
+  Reader reader(run.configuration.protocol);
+  rosbag::View view(bag, rosbag::TopicQuery(topics));
+  for (const rosbag::MessageInstance& instance : view) {
+    if (stop()) {
+      throw pusht::RuntimeFault("interrupted while it was read");
+    }
+    reader.moveOnTo(instance.getTime());
+    const auto mode = modes.find(instance.getTopic());
+    if (mode == modes.end()) {
+      reader.take(messageIn<pusht_msgs::EpisodeResult>(instance));
+    } else {
+      reader.take(mode->second, messageIn<pusht_msgs::WorldStateStamped>(instance));
+    }
+  }
+  run.episodes = reader.results();
+  return run;
+}
+
+}  // namespace
+
+void RecordedWorld::doReset(const pusht::WorldState& state) {
+  if (trace_.states.empty()) {
+    throw pusht::BadDependency("no start is recorded");
+  }
+  if (!pusht::faultOfStart(state, trace_.states.front()).empty()) {
+    throw pusht::BadDependency("the start that is recorded is not the spawn");
+  }
+  step_ = 0;
+}
+
+void RecordedWorld::doStep(const pusht::Action& action) {
+  if (step_ == trace_.steps()) {
+    throw pusht::BadDependency("no more is recorded, but the rollout must go on");
+  }
+  if (action != trace_.actions[step_]) {
+    throw pusht::BadDependency("the action that is recorded is " + textOf(trace_.actions[step_]) + ", must be " +
+                               textOf(action));
+  }
+  ++step_;
+}
+
+EpisodeResult replay(const Protocol& protocol, int index, const RecordedEpisode& record) {
+  const Worlds worlds = worldsOf(std::make_unique<RecordedWorld>(record[kReferenceClosed]),
+                                 std::make_unique<RecordedWorld>(record[kEngineClosed]),
+                                 std::make_unique<RecordedWorld>(record[kEngineReplay]));
+  RecordedPolicy policy(record);
+  const Episode episode = runEpisode(protocol, index, worlds, policy);
+  for (const Mode mode : kModes) {
+    if (episode.rollout(mode).trace().steps() != record.at(mode).steps()) {
+      throw pusht::BadDependency("episode " + std::to_string(index) + ", " + modeName(mode) + ": " +
+                                 std::to_string(record.at(mode).steps()) + " steps are recorded, must be " +
+                                 std::to_string(episode.rollout(mode).steps()));
+    }
+  }
+  return episode.result();
+}
+
+RecordedRun readRun(const fs::path& path, const std::function<bool()>& stop) {
+  const std::string name = "bag " + path.string();
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) {
+    throw pusht::InvalidInput(name + ": must be a readable file");
+  }
+  const QuietLibraries quiet;
+  try {
+    const rosbag::Bag bag(path.string());
+    return runIn(bag, stop);
+  } catch (pusht::Error& error) {
+    error.addContext(name);
+    throw;
+  } catch (const nlohmann::json::exception& error) {
+    throw pusht::InvalidInput(name + ": " + kConfigurationTopic + ": " + error.what());
+  } catch (const rosbag::BagUnindexedException&) {
+    throw pusht::InvalidInput(name + ": was not closed; `rosbag reindex " + path.string() + "` recovers it");
+  } catch (const ros::Exception& error) {  // of rosbag and of the messages
+    throw pusht::InvalidInput(name + ": must be a whole bag: " + error.what() +
+                              "; if it was cut short, `rosbag reindex " + path.string() + "` recovers what is left");
+  }
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/batch_options.hpp"
+
+#include <sched.h>
+
+#include "sim2sim_eval/batch/command_line.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr int kMostThreads = 1024;
+
+}  // namespace
+
+void BatchOptions::declare(CLI::App& app) {
+  app.add_option("--threads", threads, "threads that run episodes; results do not depend on it (default: the cores)")
+      ->check(decimalInteger() & CLI::Range(1, kMostThreads));
+  app.add_option("--reference-cache", reference_cache,
+                 "folder that keeps what the reference did, for every later run of the same policy and scene");
+}
+
+int BatchOptions::threadCount() const {
+  cpu_set_t cores;
+  return threads > 0 ? threads : sched_getaffinity(0, sizeof(cores), &cores) == 0 ? CPU_COUNT(&cores) : 1;
+}
+
+std::optional<ReferenceCache> BatchOptions::references(const Setup& setup, int horizon) const {
+  if (reference_cache.empty()) {
+    return std::nullopt;
+  }
+  return ReferenceCache(reference_cache, setup.referenceKey(horizon));
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/comparison.hpp"
+
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <optional>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
+#include "pusht_task/ros/served_simulator.hpp"
+#include "sim2sim_eval/bag/messages.hpp"
+#include "sim2sim_eval/bag/run_bag.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/results/run.hpp"
+#include "sim2sim_eval/results/run_folder.hpp"
+#include "sim2sim_eval/simulators.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Writes a run into its bag, one finished episode after the other.
+class Recorder {
+ public:
+  Recorder(const fs::path& path, const nlohmann::ordered_json& provenance)
+      : bag_(path, provenance, defaultWorldNames(), nextStamp()) {}
+
+  void record(const Episode& episode, const Run& run) {
+    ros::Time stamp;
+    for (int step = 0; step <= episode.steps(); ++step) {
+      stamp = nextStamp();
+      bag_.writeWorlds(episode, step, stamp);
+      bag_.write(divergenceMessage(episode, step, stamp));
+    }
+    bag_.write(toMessage(episode.result(), stamp));
+    bag_.write(summaryMessage(run.configuration(), run.summary(), stamp));
+  }
+
+  void finish() { bag_.finish(); }
+
+ private:
+  ros::Time nextStamp() {
+    stamps_.advance();
+    return stamps_.now();
+  }
+
+  pusht::StampSource stamps_;
+  RunBag bag_;
+};
+
+/// Each parameter of a kind of the course, as an option of its own.
+void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::string>& settings) {
+  for (const pusht::ParameterDescriptor& parameter : simulatorKind(kind).parameters) {
+    const std::string unit = parameter.unit.empty() ? "" : " [" + parameter.unit + "]";
+    const bool is_real = std::holds_alternative<double>(parameter.default_value);
+    app.add_option_function<std::string>(
+           "--" + parameter.name,
+           [&settings, name = parameter.name](const std::string& value) {
+             settings.push_back(std::string(name).append("=").append(value));
+           },
+           simulatorKind(kind).title + ": " + parameter.meaning + unit)
+        ->check(is_real ? decimalReal() : CLI::Validator(""))
+        ->default_str(pusht::textOf(parameter.default_value));
+  }
+}
+
+}  // namespace
+
+void CompareOptions::declare(CLI::App& app) {
+  app.add_option("--policy", policy,
+                 "TorchScript file (observation[10] to action[2]), 'bc' for the shipped policy, 'expert', or "
+                 "'fresh-untrained'")
+      ->capture_default_str();
+  CLI::Option* const require =
+      app.add_flag("--require-policy", require_policy, "a missing policy is an error, not a warning");
+  app.add_option("--episodes", protocol.episodes, "number of episodes")->check(decimalInteger())->capture_default_str();
+  app.add_option("--first-episode", protocol.first_episode, "index of the first episode")
+      ->check(decimalInteger())
+      ->capture_default_str();
+  app.add_option("--seed", protocol.seed, "episode i starts from spawn seed 10000 + seed + i")
+      ->check(decimalInteger())
+      ->capture_default_str();
+  app.add_option("--reference", reference, "kind of simulator: " + pusht::joined(kindNames()))->capture_default_str();
+  app.add_option("--engine", engine, "kind of simulator that is held against it")->capture_default_str();
+  app.add_option("--set", engine_settings, "NAME=VALUE: a parameter of the engine; may be repeated")
+      ->allow_extra_args(false);
+  app.add_option("--set-reference", reference_settings, "NAME=VALUE: a parameter of the reference; may be repeated")
+      ->allow_extra_args(false);
+  declareShortForms(app, "two_mass", engine_settings);
+  declareShortForms(app, "mujoco", reference_settings);
+  app.add_flag("--smoke", smoke, "short fixed run of an untrained policy, whatever --policy says: 2 episodes, 40 steps")
+      ->excludes(require);
+  app.add_option("--out", out, "folder for the results (default: the next free results/compare-N)");
+  app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
+  app.add_flag("--record", record, "write the run into compare.bag");
+  batch.declare(app);
+}
+
+void compare(const CompareOptions& options) {
+  // All that can be refused is refused before anything is written.
+  RunConfiguration configuration;
+  configuration.protocol = options.smoke ? smokeRun(options.protocol) : options.protocol;
+  configuration.smoke = options.smoke;
+  configuration.protocol.validate();
+  const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_settings);
+  const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_settings);
+  RunFolder folder(options.out, options.overwrite);
+  folder.refuseInputs({{"policy", options.policy}, {"reference cache", options.batch.reference_cache}});
+  const LoadedSimulator engine(chosen_engine);
+  const Setup setup = loadFor(folder, [&] {
+    const std::string policy = options.smoke ? pusht::kUntrainedPolicy : options.policy;
+    return Setup({policy, options.require_policy, configuration.protocol.seed}, reference, {chosen_engine});
+  });
+  folder.refuseInputs(setup.reference().inputs());
+  folder.refuseInputs(engine.inputs());
+  configuration.reference = setup.reference().record();
+  configuration.engine = engine.record();
+  configuration.policy = setup.policyName();
+  const auto references = options.batch.references(setup, configuration.protocol.horizon);
+
+  const nlohmann::ordered_json origin = setup.provenance(configuration, engine);
+  Run run(configuration, folder, origin);
+  try {
+    std::optional<Recorder> recorder;
+    if (options.record) {
+      recorder.emplace(folder.bagPath(), origin);
+    }
+    ProgressBar bar("episodes", configuration.protocol.episodes);
+    int reference_successes = 0;
+    int engine_successes = 0;
+    const auto deliver = [&](const Episode& episode) {
+      run.add(episode.result());
+      if (recorder) {
+        recorder->record(episode, run);
+      }
+      reference_successes += episode.rollout(kReferenceClosed).success() ? 1 : 0;
+      engine_successes += episode.rollout(kEngineClosed).success() ? 1 : 0;
+      bar.advance("success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
+    };
+    runProtocol(configuration.protocol, setup.players(engine), options.batch.threadCount(),
+                references ? &*references : nullptr, deliver, interrupted);
+    if (!run.whole()) {
+      throw pusht::RuntimeFault("interrupted after " + run.progress());
+    }
+    if (recorder) {
+      recorder->finish();
+    }
+  } catch (const std::exception& failure) {
+    run.abandon(std::cout, failure);
+    throw;
+  }
+  warn(doubtAboutPolicy(run.finish(std::cout), origin));
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/setup.hpp"
+
+#include "pusht_task/ros/installed_file.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/results/provenance.hpp"
+
+namespace sim2sim {
+namespace {
+
+/// Those that compute a rollout, besides the simulator's own and those that a policy on libtorch takes.
+const std::vector<std::string> kLibraries = {"libm.so", "libpusht_task.so", "libpusht_policy.so",
+                                             "libsim2sim_protocol.so"};
+
+nlohmann::json codeOf(const std::vector<const pusht::SimulatorKind*>& kinds, const pusht::ChosenPolicy& policy) {
+  std::vector<std::string> libraries = kLibraries;
+  for (const pusht::SimulatorKind* kind : kinds) {
+    libraries.insert(libraries.end(), kind->libraries.begin(), kind->libraries.end());
+  }
+  return codeFingerprint(libraries, policy.libraries);
+}
+
+}  // namespace
+
+Setup::Setup(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
+             const std::vector<SimulatorChoice>& engines)
+    : reference_(reference),
+      policy_(pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"))) {
+  std::vector<const pusht::SimulatorKind*> kinds = {&reference_.kind};
+  reference_code_ = codeOf(kinds, policy_);
+  for (const SimulatorChoice& engine : engines) {
+    kinds.push_back(&engine.kind.get());
+  }
+  code_ = codeOf(kinds, policy_);
+  warn(policy_.warning);
+}
+
+Players Setup::players(const LoadedSimulator& engine) const {
+  const auto make_worlds = [make_reference = reference_.model.make_lanes,
+                            make_engine = engine.model.make_lanes](int lanes) {
+    return Worlds{make_reference(lanes), make_engine(lanes), make_engine(lanes)};
+  };
+  return {make_worlds, policy_.make};
+}
+
+nlohmann::ordered_json Setup::provenance(const RunConfiguration& configuration, const LoadedSimulator& engine) const {
+  nlohmann::ordered_json result =
+      sim2sim::provenance(configuration, policy_.provenance, reference_.model.provenance, engine.model.provenance);
+  result["code"] = code_;
+  return result;
+}
+
+nlohmann::json Setup::identity() const {
+  return {{"policy", policy_.identity}, {"reference", toJson(reference_.record())}};
+}
+
+nlohmann::json Setup::referenceKey(int horizon) const {
+  return {{"inputs", identity()}, {"horizon", horizon}, {"code", reference_code_}};
+}
+
+}  // namespace sim2sim

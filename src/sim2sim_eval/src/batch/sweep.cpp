@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/sweep.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/batch/sweep_folder.hpp"
+#include "sim2sim_eval/batch/sweep_plan.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/results/run_folder.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// All rows as they run, whatever their engine.
+RunConfiguration sweepConfiguration(const Protocol& protocol, const Setup& setup) {
+  RunConfiguration configuration;
+  configuration.protocol = protocol;
+  configuration.policy = setup.policyName();
+  configuration.reference = setup.reference().record();
+  return configuration;
+}
+
+/// The run that a row is.
+RunConfiguration rowConfiguration(const Protocol& protocol, const Setup& setup, const LoadedSimulator& engine) {
+  RunConfiguration configuration = sweepConfiguration(protocol, setup);
+  configuration.engine = engine.record();
+  return configuration;
+}
+
+/// What decides a sweep, as in sweep.json; the same for all its shards.
+json descriptionOf(const SweepPlan& plan, const Setup& setup) {
+  json description = describe(sweepConfiguration(plan.protocol, setup));
+  for (const char* of_a_row : {"engine_simulator", "knobs", "simulators", "config_hash"}) {
+    description.erase(of_a_row);
+  }
+  description["inputs"] = setup.identity();
+  for (const SimulatorChoice& engine : plan.rows) {
+    description["rows"].push_back(json(toJson(LoadedSimulator(engine).record())));
+  }
+  return description;
+}
+
+/// The run that a row of the sweep is that `description` describes. Throws json::exception if it describes none,
+/// InvalidInput as Protocol::validate().
+RunConfiguration rowOf(const json& description, std::size_t row) {
+  RunConfiguration configuration;
+  configuration.protocol = {description.at("seed"), description.at("first_episode"), description.at("episodes"),
+                            description.at("horizon")};
+  configuration.policy = description.at("policy");
+  configuration.reference = simulatorFrom(description.at("inputs").at("reference"));
+  configuration.engine = simulatorFrom(description.at("rows").at(row));
+  configuration.protocol.validate();
+  return configuration;
+}
+
+/// What tells the rows apart: names of parameters that have more than one value. All of them for a single row.
+std::vector<std::string> varyingParameters(const std::vector<SimulatorChoice>& rows) {
+  std::vector<std::string> varying;
+  for (const SimulatorChoice& row : rows) {
+    for (const pusht::Parameter& parameter : row.parameters) {
+      const bool varies = std::any_of(rows.begin(), rows.end(), [&](const SimulatorChoice& other) {
+        return &other.kind.get() == &row.kind.get() && other.parameters.at(parameter.name()).value != parameter.value;
+      });
+      const bool is_new = std::find(varying.begin(), varying.end(), parameter.name()) == varying.end();
+      if (is_new && (varies || rows.size() == 1)) {
+        varying.push_back(parameter.name());
+      }
+    }
+  }
+  return varying;
+}
+
+bool hasSeveralKinds(const std::vector<SimulatorChoice>& rows) {
+  return std::any_of(rows.begin(), rows.end(),
+                     [&](const SimulatorChoice& row) { return &row.kind.get() != &rows.front().kind.get(); });
+}
+
+void printRow(const RunConfiguration& configuration, const std::string& setting, const Summary& summary) {
+  std::cout << setting << ": " << configuration.engine.title << " " << cell(summary.engine) << ", "
+            << configuration.reference.title << " " << cell(summary.reference) << ", divergence "
+            << divergences(summary, ", ") << std::endl;
+}
+
+/// Runs one row after the other.
+class Sweeper {
+ public:
+  Sweeper(const SweepOptions& options, const SweepPlan& plan, const Protocol& protocol, const Setup& setup,
+          SweepFolder& folder)
+      : options_(options),
+        plan_(plan),
+        protocol_(protocol),
+        setup_(setup),
+        folder_(folder),
+        varying_(varyingParameters(plan.rows)),
+        bar_("episodes", static_cast<std::int64_t>(plan.rows.size()) * protocol.episodes) {}
+
+  /// Throws RuntimeFault if it is interrupted, or at the end if there were rows that failed.
+  void run() {
+    const auto cached = options_.batch.references(setup_, protocol_.horizon);
+    if (!cached) {
+      folder_.removeReference();  // of an attempt that was cut short, perhaps in the midst of a file
+    }
+    const ReferenceCache references =
+        cached ? *cached : ReferenceCache(folder_.referencePath(), setup_.referenceKey(protocol_.horizon));
+    std::size_t failures = 0;
+    std::string first_failure;
+    for (std::size_t index = 0; index < plan_.rows.size(); ++index) {
+      try {
+        finishRow(index, references);
+      } catch (const pusht::SimulationFault& fault) {  // other knobs may do better
+        first_failure = ++failures == 1 ? fault.what() : first_failure;
+      }
+    }
+    if (failures > 0) {
+      throw pusht::RuntimeFault(std::to_string(failures) + " of " + std::to_string(plan_.rows.size()) +
+                                " rows failed, first " + first_failure);
+    }
+    if (!cached) {
+      folder_.removeReference();
+    }
+  }
+
+ private:
+  void finishRow(std::size_t index, const ReferenceCache& references) {
+    const LoadedSimulator engine(plan_.rows[index]);
+    const RunConfiguration configuration = rowConfiguration(protocol_, setup_, engine);
+    Summary summary;
+    if (const auto episodes = readRow(folder_.path(), index, configuration)) {
+      bar_.skip(protocol_.episodes);
+      summary = summarize(*episodes);
+      folder_.resume(index, metrics(configuration, summary));
+    } else {
+      const std::vector<EpisodeResult> run = runRow(index, engine, references);
+      summary = summarize(run);
+      folder_.keep(index, metrics(configuration, summary), run);
+    }
+    printRow(configuration, settingText(index), summary);
+  }
+
+  std::vector<EpisodeResult> runRow(std::size_t index, const LoadedSimulator& engine,
+                                    const ReferenceCache& references) {
+    std::vector<EpisodeResult> episodes(protocol_.episodes);
+    int finished = 0;
+    const auto deliver = [&](const Episode& episode) {
+      episodes.at(episode.index() - protocol_.first_episode) = episode.result();
+      ++finished;
+      bar_.advance("row " + std::to_string(index + 1) + " of " + std::to_string(plan_.rows.size()));
+    };
+    try {
+      runProtocol(protocol_, setup_.players(engine), options_.batch.threadCount(), &references, deliver, interrupted);
+    } catch (pusht::Error& error) {
+      error.addContext("row " + std::to_string(index) + " (" + settingText(index) + ")");
+      throw;
+    }
+    if (finished < protocol_.episodes) {
+      throw pusht::RuntimeFault("interrupted in row " + std::to_string(index) + " of " +
+                                std::to_string(plan_.rows.size()) + "; with --out " + folder_.path().string() +
+                                " the same command goes on with it");
+    }
+    return episodes;
+  }
+
+  /// "block_damp 2.0"; with the kind in front if there are several
+  std::string settingText(std::size_t index) const {
+    const SimulatorChoice& row = plan_.rows[index];
+    std::string text = hasSeveralKinds(plan_.rows) ? row.kind.get().name : "";
+    for (const pusht::Parameter& parameter : row.parameters) {
+      if (std::find(varying_.begin(), varying_.end(), parameter.name()) != varying_.end()) {
+        text += (text.empty() ? "" : ", ") + parameter.name() + " " + pusht::textOf(parameter.value);
+      }
+    }
+    return text;
+  }
+
+  const SweepOptions& options_;
+  const SweepPlan& plan_;
+  const Protocol& protocol_;
+  const Setup& setup_;
+  SweepFolder& folder_;
+  std::vector<std::string> varying_;
+  ProgressBar bar_;
+};
+
+/// Runs `body`; whatever its end, status.json tells it.
+template <class Body>
+void withStatus(SweepFolder& folder, const Body& body) {
+  try {
+    body();
+  } catch (const std::exception& failure) {
+    try {
+      folder.finish(pusht::exitCodeOf(failure), failure.what());
+    } catch (const pusht::RuntimeFault&) {
+      // The first failure is the one to report.
+    }
+    throw;
+  }
+  folder.finish(pusht::ExitCode::kOk, "finished");
+  std::cout << "results: " << folder.path().string() << std::endl;
+}
+
+/// Which shard a sweep is; it is then described as the whole. Throws BadDependency if it is none.
+Shard takeShard(SweepOnDisk& sweep) {
+  const json shard = sweep.description.value("shard", json());
+  if (!shard.is_string()) {
+    throw pusht::BadDependency("shard " + sweep.folder.string() + ": is a sweep in one piece");
+  }
+  sweep.description.erase("shard");
+  return Shard::from(shard.get<std::string>());
+}
+
+/// All shards of one sweep.
+struct Shards {
+  std::map<int, fs::path> folders;  // by number
+  int of;
+  json description;  // of the whole
+  json provenance;
+};
+
+/// Throws BadDependency unless the folders hold all shards of one sweep.
+Shards requireShards(const std::vector<std::string>& folders) {
+  SweepOnDisk first = readSweep(folders.front());
+  Shards shards{{}, takeShard(first).of, first.description, first.provenance};
+  for (const std::string& folder : folders) {
+    SweepOnDisk sweep = readSweep(folder);
+    const Shard shard = takeShard(sweep);
+    std::string difference = differenceOf(sweep, first);
+    if (difference.empty() && shard.of != shards.of) {
+      difference = "it is " + shard.text();
+    }
+    if (!difference.empty()) {
+      throw pusht::BadDependency(
+          std::string("shard ").append(folder).append(": is of another sweep than the first one: ").append(difference));
+    }
+    const auto [place, is_new] = shards.folders.emplace(shard.number, folder);
+    if (!is_new) {
+      throw pusht::BadDependency("shards " + place->second.string() + " and " + folder + ": are both " + shard.text());
+    }
+  }
+  std::string missing;
+  for (int number = 1; number <= shards.of; ++number) {
+    if (shards.folders.count(number) == 0) {
+      missing += (missing.empty() ? "" : ", ") + Shard{number, shards.of}.text();
+    }
+  }
+  if (!missing.empty()) {
+    throw pusht::BadDependency("shards " + missing + ": are missing");
+  }
+  return shards;
+}
+
+/// The episodes of a row, from all shards.
+std::vector<EpisodeResult> joinRow(const Shards& shards, const RunConfiguration& whole, std::size_t row) {
+  std::vector<EpisodeResult> episodes;
+  for (const auto& [number, folder] : shards.folders) {
+    RunConfiguration part = whole;
+    part.protocol = Shard{number, shards.of}.share(whole.protocol);
+    const auto found = readRow(folder, row, part);
+    if (!found) {
+      throw pusht::BadDependency("shard " + folder.string() + ": row " + std::to_string(row) + " is not finished");
+    }
+    episodes.insert(episodes.end(), found->begin(), found->end());
+  }
+  return episodes;
+}
+
+}  // namespace
+
+void SweepOptions::declare(CLI::App& app) {
+  app.add_option("plan", plan, "YAML file: policy, seed, episodes, and a grid or a list of knob settings")->required();
+  app.add_option("--episodes", episodes, "number of episodes, instead of the plan's")
+      ->check(decimalInteger() & CLI::PositiveNumber);
+  app.add_option("--shard", shard, "only a share of the episodes, for `merge`: I/N, e.g. 2/5");
+  app.add_option("--out", out,
+                 "folder for the results (default: the next free results/sweep-N); a sweep that it holds is gone on "
+                 "with");
+  app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
+  batch.declare(app);
+}
+
+void sweep(const SweepOptions& options) {
+  SweepPlan plan = readSweepPlan(options.plan);
+  if (options.episodes > 0) {
+    plan.protocol.episodes = options.episodes;
+    plan.protocol.validate();
+  }
+  const Shard shard = options.shard.empty() ? Shard() : Shard::from(options.shard);
+  const Protocol protocol = shard.share(plan.protocol);
+  SweepFolder folder(options.out, options.overwrite, "sweep");
+  folder.refuseInputs(
+      {{"plan", options.plan}, {"policy", plan.policy}, {"reference cache", options.batch.reference_cache}});
+  const Setup setup = loadFor(folder, [&] {
+    return Setup({plan.policy, true, plan.protocol.seed}, plan.reference, plan.rows);
+  });
+  folder.refuseInputs(setup.reference().inputs());
+  const LoadedSimulator first(plan.rows.front());
+
+  json description = descriptionOf(plan, setup);
+  if (!options.shard.empty()) {
+    description["shard"] = shard.text();
+  }
+  json origin = setup.provenance(rowConfiguration(protocol, setup, first), first);
+  for (const char* of_a_row : {"configuration", "engine"}) {
+    origin.erase(of_a_row);
+  }
+  folder.begin(description, origin);
+  withStatus(folder, [&] { Sweeper(options, plan, protocol, setup, folder).run(); });
+  if (options.shard.empty()) {  // the other shards may have the successes
+    warn(doubtAboutPolicy(folder.rows().front(), origin));
+  }
+}
+
+void MergeOptions::declare(CLI::App& app) {
+  app.add_option("shards", shards, "folders of all shards of a sweep")->required();
+  app.add_option("--out", out, "folder for the results (default: the next free results/merge-N)");
+  app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
+}
+
+void merge(const MergeOptions& options) {
+  SweepFolder folder(options.out, options.overwrite, "merge");
+  for (const std::string& shard : options.shards) {
+    folder.refuseInputs(inputsOf(shard));
+  }
+  const Shards shards = requireShards(options.shards);
+  try {
+    const json& rows = shards.description.at("rows");
+    folder.begin(shards.description, shards.provenance);
+    withStatus(folder, [&] {
+      for (std::size_t row = 0; row < rows.size(); ++row) {
+        if (interrupted()) {
+          throw pusht::RuntimeFault("interrupted in row " + std::to_string(row) + " of " + std::to_string(rows.size()));
+        }
+        const RunConfiguration configuration = rowOf(shards.description, row);
+        const std::vector<EpisodeResult> episodes = joinRow(shards, configuration, row);
+        folder.keep(row, metrics(configuration, summarize(episodes)), episodes);
+      }
+    });
+  } catch (const json::exception& error) {
+    throw pusht::BadDependency("shard " + options.shards.front() +
+                               ": its sweep.json must be as it was written: " + error.what());
+  }
+  warn(doubtAboutPolicy(folder.rows().front(), shards.provenance));
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/sweep_folder.hpp"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "pusht_task/files.hpp"
+#include "pusht_task/numbers.hpp"
+#include "sim2sim_eval/results/statistics.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kSweepJson = "sweep.json";
+constexpr const char* kSweepCsv = "sweep.csv";
+constexpr const char* kRows = "rows";
+
+constexpr std::size_t kTablesWritten = 100;  // in the course of a sweep, about
+
+/// rows/007
+fs::path rowPath(const fs::path& folder, std::size_t index) {
+  constexpr std::size_t kDigits = 3;
+  std::string name = std::to_string(index);
+  name.insert(0, kDigits - std::min(name.size(), kDigits), '0');
+  return folder / kRows / name;
+}
+
+json parsedFile(const fs::path& path, const std::string& what) {
+  json parsed = json::parse(pusht::readFile(path, what), nullptr, false);
+  if (!parsed.is_object()) {
+    throw pusht::InvalidInput(what + " " + path.string() + ": must be a JSON object");
+  }
+  return parsed;
+}
+
+/// A cell of sweep.csv.
+std::string csvCell(const json& value) {
+  return value.is_number_float() ? pusht::shortestText(value.get<double>())
+         : value.is_string()     ? value.get<std::string>()
+         : value.is_null()       ? ""
+                                 : value.dump();
+}
+
+using Columns = std::vector<std::pair<std::string, json>>;
+
+/// What tells the rows apart: the kind of engine, if there are several, and all parameters that a row has.
+std::vector<std::string> settingNames(const std::vector<json>& rows) {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      names.push_back(name);
+    }
+  };
+  for (const json& row : rows) {
+    if (row.at("engine_simulator") != rows.front().at("engine_simulator")) {
+      names.insert(names.begin(), "engine_simulator");
+      break;
+    }
+  }
+  for (const json& row : rows) {
+    for (const auto& [name, value] : row.at("knobs").items()) {
+      add(name);
+    }
+  }
+  return names;
+}
+
+/// The columns of sweep.csv after the row's number: each a name and a value of the row's metrics.
+Columns columns(const json& metrics, const std::vector<std::string>& settings) {
+  Columns columns;
+  for (const std::string& name : settings) {
+    columns.emplace_back(name, metrics.contains(name) ? metrics.at(name) : metrics.at("knobs").value(name, json()));
+  }
+  columns.emplace_back("episodes", metrics.at("episodes"));
+  const auto add = [&](const std::string& name, const std::string& interval = "") {
+    columns.emplace_back(name, metrics.at(name));
+    if (!interval.empty()) {
+      const json& bounds = metrics.at(interval);
+      columns.emplace_back(name + "_low", bounds.is_null() ? json() : bounds.at(0));
+      columns.emplace_back(name + "_high", bounds.is_null() ? json() : bounds.at(1));
+    }
+  };
+  const std::string reference = metrics.contains("mj_successes") ? "mj" : "reference";
+  add(reference + "_successes");
+  add(reference + "_success_rate", reference + "_success_interval");
+  add("engine_successes");
+  add("engine_success_rate", "engine_success_interval");
+  add("transfer");
+  forEachQuantity([&](Mode mode, std::size_t i) {
+    const std::string name = metricName(mode, kQuantities[i]);
+    add(name + "_" + kQuantities[i].unit, name + "_interval_" + kQuantities[i].unit);
+  });
+  return columns;
+}
+
+std::string sweepCsv(const std::vector<json>& rows) {
+  const std::vector<std::string> settings = settingNames(rows);
+  std::string csv;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::string head = "row";
+    std::string line = rows[i].at("row").dump();
+    for (const auto& [name, value] : columns(rows[i], settings)) {
+      head.append(",").append(name);
+      line.append(",").append(csvCell(value));
+    }
+    csv.append(i == 0 ? head + "\n" : "").append(line).append("\n");
+  }
+  return csv;
+}
+
+/// "/seed is 1, must be 0"
+std::string firstDifference(const json& found, const json& wanted) {
+  const json difference = json::diff(found, wanted);
+  if (difference.empty()) {
+    return "";
+  }
+  const json::json_pointer place(difference[0].at("path").get<std::string>());
+  const auto text_at = [&](const json& object) { return object.contains(place) ? object.at(place).dump() : "nothing"; };
+  return place.to_string() + " is " + text_at(found) + ", must be " + text_at(wanted);
+}
+
+}  // namespace
+
+SweepOnDisk readSweep(const fs::path& folder) {
+  const fs::path file = folder / kSweepJson;
+  const json description = parsedFile(file, "sweep").value("sweep", json());
+  if (!description.is_object()) {
+    throw pusht::InvalidInput("sweep " + file.string() + ": must say what it is under \"sweep\"");
+  }
+  return {folder, description, parsedFile(folder / kProvenanceFile, "provenance")};
+}
+
+std::vector<Input> inputsOf(const fs::path& shard) {
+  std::vector<Input> inputs;
+  for (const char* name : {kSweepJson, kProvenanceFile, kRows}) {
+    inputs.push_back({"shard", shard / name});
+  }
+  return inputs;
+}
+
+std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted) {
+  const std::string difference = firstDifference(found.description, wanted.description);
+  return difference.empty()
+             ? firstDifference(found.provenance.value("code", json()), wanted.provenance.value("code", json()))
+             : difference;
+}
+
+std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::size_t index,
+                                                  const RunConfiguration& configuration) {
+  const fs::path path = rowPath(folder, index);
+  std::error_code ignored;
+  if (!fs::exists(path / kMetricsFile, ignored)) {  // it is written last
+    return std::nullopt;
+  }
+  const auto refuse = [&](const char* file, const std::string& why) {
+    throw pusht::BadDependency("row " + (path / file).string() + ": " + why + "; delete the row to have it run again");
+  };
+  std::vector<EpisodeResult> episodes;
+  try {
+    episodes = episodesFromCsv(pusht::readFile(path / kEpisodesFile, "row"));
+  } catch (const pusht::InvalidInput& error) {
+    refuse(kEpisodesFile, error.what());
+  }
+  const Protocol& protocol = configuration.protocol;
+  bool as_asked = static_cast<int>(episodes.size()) == protocol.episodes;
+  for (std::size_t i = 0; as_asked && i < episodes.size(); ++i) {
+    const int episode = protocol.first_episode + static_cast<int>(i);
+    as_asked = episodes[i].index == episode && episodes[i].seed == protocol.spawnSeed(episode);
+  }
+  if (!as_asked) {
+    refuse(kEpisodesFile, "must hold episodes " + std::to_string(protocol.first_episode) + " to " +
+                              std::to_string(protocol.lastEpisode()) + " of seed " + std::to_string(protocol.seed));
+  }
+  if (pusht::readFile(path / kMetricsFile, "row") != jsonText(metrics(configuration, summarize(episodes)))) {
+    refuse(kMetricsFile, "does not say what its episodes say");
+  }
+  return episodes;
+}
+
+SweepFolder::SweepFolder(fs::path path, bool overwrite, std::string command)
+    : folder_(std::move(path), std::move(command), Results::kSweep), overwrite_(overwrite) {}
+
+void SweepFolder::begin(const json& description, const json& provenance) {
+  description_ = description;
+  folder_.open();
+  std::error_code error;
+  if (!overwrite_ && fs::exists(path() / kSweepJson, error)) {
+    const std::string difference = differenceOf(readSweep(path()), {path(), description, provenance});
+    if (!difference.empty()) {
+      throw pusht::InvalidInput("out " + path().string() + ": holds another sweep (" + difference +
+                                "); name another folder, or replace it with --overwrite");
+    }
+    writeStatus(pusht::ExitCode::kRuntimeFault, kUnderWay);
+    return;
+  }
+  folder_.refuseResults(overwrite_);
+  writeStatus(pusht::ExitCode::kRuntimeFault, kUnderWay);
+  folder_.removeResults();
+  pusht::writeFile(path() / kProvenanceFile, jsonText(provenance));
+  writeTables();
+}
+
+void SweepFolder::keep(std::size_t index, const json& metrics, const std::vector<EpisodeResult>& episodes) {
+  const fs::path row = rowPath(path(), index);
+  std::error_code error;
+  fs::create_directories(row, error);
+  if (error) {
+    throw pusht::RuntimeFault("cannot create " + row.string() + ": " + error.message());
+  }
+  pusht::writeFile(row / kEpisodesFile, episodesCsv(episodes));
+  pusht::writeFile(row / kMetricsFile, jsonText(metrics));
+  resume(index, metrics);
+}
+
+void SweepFolder::resume(std::size_t index, json row) {
+  row["row"] = index;
+  rows_.push_back(std::move(row));
+  if (rows_.size() % (description_.at("rows").size() / kTablesWritten + 1) == 0) {
+    writeTables();
+  }
+}
+
+void SweepFolder::refuse(const RunStatus& status) {
+  folder_.open();
+  if (!folder_.holdsResults()) {
+    writeStatus(status.exit_code, status.reason);
+  }
+}
+
+void SweepFolder::finish(pusht::ExitCode code, const std::string& reason) {
+  writeTables();
+  writeStatus(code, reason);
+}
+
+void SweepFolder::writeStatus(pusht::ExitCode code, const std::string& reason) const {
+  pusht::writeFile(path() / kStatusFile, jsonText({{"exit_code", static_cast<int>(code)},
+                                                   {"reason", reason},
+                                                   {"rows_finished", rows_.size()},
+                                                   {"rows", description_.at("rows").size()}}));
+}
+
+void SweepFolder::writeTables() const {
+  pusht::writeFile(path() / kSweepCsv, sweepCsv(rows_));
+  pusht::writeFile(path() / kSweepJson, jsonText({{"sweep", description_}, {"rows", rows_}}));
+}
+
+}  // namespace sim2sim

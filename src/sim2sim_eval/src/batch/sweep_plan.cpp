@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/sweep_plan.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <type_traits>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/joined.hpp"
+#include "pusht_task/numbers.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr std::size_t kMostRows = 100'000;
+constexpr int kMostShards = 1'000'000;
+
+/// "line 3, block_damp"
+std::string placeOf(const YAML::Node& node, const std::string& key) {
+  return "line " + std::to_string(node.Mark().line + 1) + ", " + key;
+}
+
+[[noreturn]] void refuse(const YAML::Node& node, const std::string& key, const std::string& rule) {
+  throw pusht::InvalidInput(placeOf(node, key) + ": " + rule);
+}
+
+std::string textAt(const YAML::Node& node, const std::string& key) {
+  if (!node.IsScalar()) {
+    refuse(node, key, "must be a single value");
+  }
+  return node.Scalar();
+}
+
+template <class Integer>
+Integer integerAt(const YAML::Node& node, const std::string& key) {
+  const std::string text = textAt(node, key);
+  const std::optional<Integer> value = pusht::decimal<Integer>(text);
+  if (!value) {
+    refuse(node, key, "'" + text + "' must be a decimal integer in range");
+  }
+  return *value;
+}
+
+/// Calls check(); what it refuses is in the line of `node`.
+template <class Check>
+void inLineOf(const YAML::Node& node, Check check) {
+  try {
+    check();
+  } catch (pusht::InvalidInput& error) {
+    error.addContext("line " + std::to_string(node.Mark().line + 1));
+    throw;
+  }
+}
+
+void setParameter(SimulatorChoice& row, const YAML::Node& key, const YAML::Node& value) {
+  const std::string name = textAt(key, "parameter");
+  inLineOf(key, [&] { row.parameters.at(name); });
+  inLineOf(value, [&] { row.parameters.set(name, textAt(value, name)); });
+}
+
+/// Throws InvalidInput in the line of `node` if the kind refuses the setting.
+void requireLoads(const YAML::Node& node, const SimulatorChoice& row) {
+  inLineOf(node, [&] { row.kind.get().load(row.parameters); });
+}
+
+void requireRoom(const YAML::Node& node, const std::string& key, std::size_t rows) {
+  if (rows > kMostRows) {
+    refuse(node, key, "must give at most " + std::to_string(kMostRows) + " rows");
+  }
+}
+
+/// Each key once; YAML itself would take the last.
+void requireDistinctKeys(const YAML::Node& map) {
+  std::set<std::string> seen;
+  for (const auto& entry : map) {
+    const std::string key = textAt(entry.first, "key");
+    if (!seen.insert(key).second) {
+      refuse(entry.first, key, "must be there once only");
+    }
+  }
+}
+
+std::vector<SimulatorChoice> rowsOfGrid(const SimulatorChoice& engine, const YAML::Node& grid) {
+  if (!grid.IsMap() || grid.size() == 0) {
+    refuse(grid, "grid", "must map parameters to lists of values");
+  }
+  requireDistinctKeys(grid);
+  std::vector<SimulatorChoice> rows = {engine};
+  for (const auto& entry : grid) {
+    if (!entry.second.IsSequence() || entry.second.size() == 0) {
+      refuse(entry.second, textAt(entry.first, "parameter"), "must be a list of values");
+    }
+    requireRoom(grid, "grid", rows.size() * entry.second.size());
+    std::vector<SimulatorChoice> combined;
+    for (const SimulatorChoice& row : rows) {
+      for (const YAML::Node& value : entry.second) {
+        combined.push_back(row);
+        setParameter(combined.back(), entry.first, value);
+      }
+    }
+    rows = std::move(combined);
+  }
+  for (const SimulatorChoice& row : rows) {
+    requireLoads(grid, row);
+  }
+  return rows;
+}
+
+std::vector<SimulatorChoice> rowsOfList(const SimulatorChoice& engine, const YAML::Node& list) {
+  if (!list.IsSequence() || list.size() == 0) {
+    refuse(list, "rows", "must be a list of settings");
+  }
+  requireRoom(list, "rows", list.size());
+  std::vector<SimulatorChoice> rows;
+  for (const YAML::Node& setting : list) {
+    if (!setting.IsMap()) {
+      refuse(setting, "rows", "each must map parameters to values");
+    }
+    requireDistinctKeys(setting);
+    rows.push_back(engine);
+    for (const auto& entry : setting) {
+      setParameter(rows.back(), entry.first, entry.second);
+    }
+    requireLoads(setting, rows.back());
+  }
+  return rows;
+}
+
+std::string settingOf(const SimulatorChoice& row) {
+  std::string setting = row.kind.get().name;
+  for (const pusht::Parameter& parameter : row.parameters) {
+    setting += ", " + parameter.name() + " " + pusht::textOf(parameter.value);
+  }
+  return setting;
+}
+
+void requireEachOnce(const std::vector<SimulatorChoice>& rows) {
+  std::set<std::string> seen;
+  for (const SimulatorChoice& row : rows) {
+    if (!seen.insert(settingOf(row)).second) {
+      throw pusht::InvalidInput("rows: " + settingOf(row) + " must be there once only");
+    }
+  }
+}
+
+SimulatorChoice simulatorAt(const YAML::Node& node, const std::string& key) {
+  std::optional<SimulatorChoice> choice;
+  inLineOf(node, [&] { choice = chooseSimulator(textAt(node, key), {}); });
+  return *choice;
+}
+
+SimulatorChoice referenceIn(const YAML::Node& root) {
+  SimulatorChoice reference =
+      root["reference"].IsDefined() ? simulatorAt(root["reference"], "reference") : chooseSimulator("mujoco", {});
+  if (const YAML::Node parameters = root["reference_parameters"]; parameters.IsDefined()) {
+    if (!parameters.IsMap()) {
+      refuse(parameters, "reference_parameters", "must map parameters to values");
+    }
+    requireDistinctKeys(parameters);
+    for (const auto& entry : parameters) {
+      setParameter(reference, entry.first, entry.second);
+    }
+  }
+  if (const YAML::Node scene = root["scene"]; scene.IsDefined()) {
+    inLineOf(scene, [&] { reference.parameters.set("scene", textAt(scene, "scene")); });
+  }
+  return reference;
+}
+
+/// In the order of the plan, each with its defaults.
+std::vector<SimulatorChoice> enginesIn(const YAML::Node& root) {
+  const YAML::Node node = root["engine"];
+  if (!node.IsDefined()) {
+    return {chooseSimulator("two_mass", {})};
+  }
+  if (!node.IsSequence()) {
+    return {simulatorAt(node, "engine")};
+  }
+  if (node.size() == 0) {
+    refuse(node, "engine", "must be a kind of simulator, or a list of kinds");
+  }
+  std::vector<SimulatorChoice> engines;
+  for (const YAML::Node& kind : node) {
+    engines.push_back(simulatorAt(kind, "engine"));
+  }
+  return engines;
+}
+
+std::vector<SimulatorChoice> rowsIn(const YAML::Node& root) {
+  const YAML::Node grid = root["grid"];
+  const YAML::Node list = root["rows"];
+  const std::vector<SimulatorChoice> engines = enginesIn(root);
+  if (grid.IsDefined() && list.IsDefined()) {
+    throw pusht::InvalidInput("must have either grid or rows");
+  }
+  if (!grid.IsDefined() && !list.IsDefined() && engines.size() == 1) {
+    throw pusht::InvalidInput("must have grid, rows, or a list of engines");
+  }
+  std::vector<SimulatorChoice> rows;
+  for (const SimulatorChoice& engine : engines) {
+    const std::vector<SimulatorChoice> settings = grid.IsDefined()   ? rowsOfGrid(engine, grid)
+                                                  : list.IsDefined() ? rowsOfList(engine, list)
+                                                                     : std::vector<SimulatorChoice>{engine};
+    rows.insert(rows.end(), settings.begin(), settings.end());
+  }
+  requireRoom(root, "rows", rows.size());
+  requireEachOnce(rows);
+  return rows;
+}
+
+SweepPlan planFrom(const YAML::Node& root) {
+  if (!root.IsMap()) {
+    throw pusht::InvalidInput("must map keys to values");
+  }
+  requireDistinctKeys(root);
+  constexpr std::array<const char*, 11> kKeys = {
+      "policy", "reference", "reference_parameters", "scene", "engine", "seed", "first_episode", "episodes", "horizon",
+      "grid",   "rows"};
+  for (const auto& entry : root) {
+    if (std::find(kKeys.begin(), kKeys.end(), entry.first.Scalar()) == kKeys.end()) {
+      refuse(entry.first, entry.first.Scalar(), "there is no such key; there are " + pusht::joined(kKeys));
+    }
+  }
+  SweepPlan plan{Protocol(), pusht::kShippedPolicy, referenceIn(root), rowsIn(root)};
+  if (const YAML::Node policy = root["policy"]; policy.IsDefined()) {
+    plan.policy = textAt(policy, "policy");
+  }
+  const auto take = [&](const char* key, auto& field) {
+    if (const YAML::Node node = root[key]; node.IsDefined()) {
+      field = integerAt<std::decay_t<decltype(field)>>(node, key);
+    }
+  };
+  take("seed", plan.protocol.seed);
+  take("first_episode", plan.protocol.first_episode);
+  take("episodes", plan.protocol.episodes);
+  take("horizon", plan.protocol.horizon);
+  plan.protocol.validate();
+  return plan;
+}
+
+}  // namespace
+
+SweepPlan readSweepPlan(const std::filesystem::path& path) {
+  const std::string text = pusht::readFile(path, "sweep");
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      throw pusht::InvalidInput("must be one YAML document");
+    }
+    return planFrom(documents.empty() ? YAML::Node() : documents.front());
+  } catch (const YAML::Exception& error) {
+    throw pusht::InvalidInput("sweep " + path.string() + ": line " + std::to_string(error.mark.line + 1) +
+                              ": must be YAML: " + error.msg);
+  } catch (pusht::Error& error) {
+    error.addContext("sweep " + path.string());
+    throw;
+  }
+}
+
+Shard Shard::from(const std::string& text) {
+  Shard shard;
+  const char* const end = text.data() + text.size();
+  const auto number = std::from_chars(text.data(), end, shard.number);
+  const bool slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
+  const auto of = slash ? std::from_chars(number.ptr + 1, end, shard.of) : number;
+  if (!slash || of.ec != std::errc() || of.ptr != end || shard.number < 1 || shard.number > shard.of ||
+      shard.of > kMostShards) {
+    throw pusht::InvalidInput("shard '" + text + "': must be I/N with I from 1 to N, e.g. 2/5");
+  }
+  return shard;
+}
+
+Protocol Shard::share(const Protocol& protocol) const {
+  if (of > protocol.episodes) {
+    throw pusht::InvalidInput("shard " + text() +
+                              ": there must be at least as many episodes as shards, but there are " +
+                              std::to_string(protocol.episodes));
+  }
+  const auto before = [&](int shards) {
+    return static_cast<int>(static_cast<std::int64_t>(protocol.episodes) * shards / of);
+  };
+  Protocol share = protocol;
+  share.first_episode = protocol.first_episode + before(number - 1);
+  share.episodes = before(number) - before(number - 1);
+  return share;
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/interruption.hpp"
+
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdint>
+#include <ctime>
+#include <iostream>
+#include <thread>
+
+#include "pusht_task/error.hpp"
+
+namespace sim2sim {
+namespace {
+
+std::atomic<std::int64_t> first_interrupt = 0;  // [ns] on the monotonic clock; 0: none yet
+static_assert(std::atomic<std::int64_t>::is_always_lock_free, "a signal handler may touch nothing else");
+
+constexpr unsigned int kPatience = 10;  // [s] for an end in order
+
+/// [ns] Two signals that are closer are one: `timeout` sends its own to the command and to the command's group.
+constexpr std::int64_t kOneSignal = 500'000'000;
+
+std::string last_words;  // written by a signal handler
+
+[[noreturn]] void endAtOnce(int /*number*/) {
+  [[maybe_unused]] const ssize_t count = ::write(STDERR_FILENO, last_words.data(), last_words.size());
+  ::_exit(static_cast<int>(pusht::ExitCode::kRuntimeFault));
+}
+
+void onInterrupt(int number) {
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  const std::int64_t time = now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+  std::int64_t first = 0;
+  if (first_interrupt.compare_exchange_strong(first, time)) {
+    ::alarm(kPatience);
+  } else if (time - first > kOneSignal) {
+    endAtOnce(number);
+  }
+}
+
+}  // namespace
+
+void catchInterrupts(const std::string& name) {
+  last_words = name + ": interrupted, and ended before it had stopped in order; what it was writing is lost\n";
+  struct sigaction action {};
+  action.sa_flags = SA_RESTART;
+  action.sa_handler = onInterrupt;
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    sigaction(number, &action, nullptr);
+  }
+  action.sa_handler = endAtOnce;
+  sigaction(SIGALRM, &action, nullptr);
+  // A file that grows beyond its limit and a reader that has gone are then errors of write(): results still get out.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+void catchInterruptsAside(const std::string& name) {
+  catchInterrupts(name);
+  std::thread([] {
+    while (true) {
+      ::pause();
+    }
+  }).detach();
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGALRM}) {
+    sigaddset(&signals, number);
+  }
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
+bool interrupted() { return first_interrupt != 0; }
+
+void warn(const std::string& warning) {
+  if (!warning.empty()) {
+    std::cerr << "WARNING: " << warning << std::endl;
+  }
+}
+
+}  // namespace sim2sim

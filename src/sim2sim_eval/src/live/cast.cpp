@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/live/cast.hpp"
+
+#include <utility>
+
+#include "pusht_task/error.hpp"
+
+namespace sim2sim {
+namespace {
+
+using pusht_msgs::DescribeResponse;
+
+std::string textOf(const pusht::Parameters& parameters) {
+  std::string text;
+  for (const pusht_msgs::Parameter& parameter : parameters) {
+    text += (text.empty() ? "" : ", ") + parameter.name + " " + parameter.value;
+  }
+  return text;
+}
+
+/// All that a node's numbers depend on.
+std::string identityOf(const DescribeResponse& node) {
+  return node.name + " " + node.version + " (" + textOf(node.parameters) + ") " + node.provenance;
+}
+
+}  // namespace
+
+Cast::Cast(const Services& services, std::chrono::milliseconds deadline)
+    : watchdog_(deadline),
+      parts_{Part{{services.worlds[kReferenceClosed], watchdog_}, {}, nullptr},
+             Part{{services.worlds[kEngineClosed], watchdog_}, {}, nullptr},
+             Part{{services.worlds[kEngineReplay], watchdog_}, {}, nullptr}},
+      policy_peer_(services.policy, watchdog_) {}
+
+void Cast::connect(const Settings& settings, std::chrono::milliseconds patience, const std::function<bool()>& stop) {
+  connectWorlds(settings, patience, stop);
+  policy_peer_.connect(patience, stop);
+  policy_ = std::make_unique<pusht::ServedPolicy>(policy_peer_);
+  requireThreeWorlds();
+  requireOneEngine();
+
+  std::string identity = identityOf(policy_peer_.description());
+  for (const Part& part : parts_) {
+    identity += "; " + identityOf(part.description);
+  }
+  if (identity_ && *identity_ != identity) {
+    throw pusht::BadDependency("the nodes have come back as " + identity + "; must be " + *identity_);
+  }
+  identity_ = std::move(identity);
+}
+
+void Cast::connectWorlds(const Settings& settings, std::chrono::milliseconds patience,
+                         const std::function<bool()>& stop) {
+  worlds_ = {};  // leaves those that have not been lost
+  std::array<std::unique_ptr<pusht::Simulator>, kModeCount> worlds;
+  for (std::size_t mode = 0; mode < kModeCount; ++mode) {
+    Part& part = parts_.at(mode);
+    const pusht::Parameters& asked = mode == kReferenceClosed ? settings.reference : settings.engine;
+    const pusht::Parameters& parameters = identity_ ? part.description.parameters : asked;  // as before the fault
+    part.peer.connect(patience, stop);
+    auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_);
+    if (!parameters.empty()) {
+      world->configure(parameters);
+    }
+    part.description = world->describe();  // not before: a node that dies meanwhile gets what was asked for next time
+    part.world = world.get();
+    worlds.at(mode) = std::move(world);
+  }
+  worlds_ =
+      worldsOf(std::move(worlds[kReferenceClosed]), std::move(worlds[kEngineClosed]), std::move(worlds[kEngineReplay]));
+}
+
+void Cast::requireThreeWorlds() const {
+  for (std::size_t a = 0; a < kModeCount; ++a) {
+    for (std::size_t b = a + 1; b < kModeCount; ++b) {
+      if (parts_.at(a).description.instance_id == parts_.at(b).description.instance_id) {
+        throw pusht::InvalidInput(parts_.at(a).peer.services() + " and " + parts_.at(b).peer.services() +
+                                  " are one node: each rollout needs a world of its own");
+      }
+    }
+  }
+}
+
+void Cast::requireOneEngine() const {
+  const std::string closed = identityOf(parts_[kEngineClosed].description);
+  const std::string replay = identityOf(parts_[kEngineReplay].description);
+  if (closed != replay) {
+    throw pusht::InvalidInput(parts_[kEngineReplay].peer.services() + " is " + replay + ": must be as " +
+                              parts_[kEngineClosed].peer.services() + ", " + closed);
+  }
+}
+
+void Cast::announce(int episode, int horizon) {
+  policy_peer_.requireSameOwner();
+  for (Part& part : parts_) {
+    part.peer.requireSameOwner();
+    part.world->announce(static_cast<std::uint64_t>(episode), horizon);
+  }
+}
+
+void Cast::requireUndisturbed() {
+  for (Part& part : parts_) {
+    part.world->describe();
+  }
+}
+
+}  // namespace sim2sim

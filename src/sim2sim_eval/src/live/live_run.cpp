@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/live/live_run.hpp"
+
+#include "pusht_task/error.hpp"
+
+namespace sim2sim {
+namespace {
+
+/// Faults in one episode after which the nodes are beyond help.
+constexpr int kMostFaults = 5;
+
+pusht::RuntimeFault interruptedIn(int episode) {
+  return pusht::RuntimeFault("interrupted in episode " + std::to_string(episode));
+}
+
+void runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, LiveObserver& observer,
+                const std::function<bool()>& stop) {
+  cast.announce(index, protocol.horizon);
+  cast.stamps().advance();
+  Flight flight(protocol, cast.worlds(), cast.policy());
+  const Episode& episode = flight.begin(index);
+  observer.onStep(episode, cast.stamps().now());
+  while (!episode.finished()) {
+    if (!pacer.wait(stop)) {
+      throw interruptedIn(index);
+    }
+    cast.stamps().advance();
+    flight.advance();
+    observer.onStep(episode, cast.stamps().now());
+  }
+  try {
+    cast.requireUndisturbed();
+  } catch (pusht::Error& error) {
+    error.addContext("end of episode " + std::to_string(index));
+    throw;
+  }
+  observer.onFinish(episode, cast.stamps().now());
+}
+
+}  // namespace
+
+void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& observer, const LiveOptions& options,
+             const std::function<bool()>& stop) {
+  bool lost = false;  // a node
+  int faults = 0;     // in this episode
+  for (int index = protocol.first_episode; index <= protocol.lastEpisode();) {
+    try {
+      if (lost) {
+        cast.connect(options.settings, options.patience, stop);
+        lost = false;
+      }
+      runEpisode(protocol, index, cast, pacer, observer, stop);
+      ++index;
+      faults = 0;
+    } catch (const pusht::PeerFault& fault) {
+      if (stop()) {  // what ends the run may end the nodes too, and a little earlier
+        throw interruptedIn(index);
+      }
+      if (!options.respawn || ++faults == kMostFaults) {
+        throw;
+      }
+      observer.onFault(index, fault);
+      lost = true;
+    }
+  }
+}
+
+}  // namespace sim2sim

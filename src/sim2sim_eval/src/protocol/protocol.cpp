@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/protocol/protocol.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <future>
+#include <limits>
+#include <mutex>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/spawn.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr std::uint64_t kFirstHeldOutSeed = 10'000;
+constexpr int kMaxEpisodes = 1'000'000;
+constexpr int kMaxFirstEpisode = 1'000'000'000;
+
+constexpr int kSmokeEpisodes = 2;
+constexpr int kSmokeHorizon = 40;  // [control steps]
+
+void requireWithin(const char* field, int value, int low, int high) {
+  if (value < low || value > high) {
+    throw pusht::InvalidInput(std::string(field) + " " + std::to_string(value) + ": must be from " +
+                              std::to_string(low) + " to " + std::to_string(high));
+  }
+}
+
+void requireFinite(const pusht::Action& action) {
+  if (!pusht::isFinite(action)) {
+    throw pusht::BadDependency("the policy's action (" + std::to_string(action[0]) + ", " + std::to_string(action[1]) +
+                               ") must be finite");
+  }
+}
+
+/// Runs `action`; an error of it then says where in the episode it came up.
+template <class Function>
+auto located(int episode, std::uint64_t seed, Mode mode, int step, const Function& action) {
+  try {
+    return action();
+  } catch (pusht::Error& error) {
+    error.addContext("episode " + std::to_string(episode) + " (spawn seed " + std::to_string(seed) + "), " +
+                     modeName(mode) + ", step " + std::to_string(step));
+    throw;
+  }
+}
+
+}  // namespace
+
+const char* modeName(Mode mode) {
+  constexpr std::array<const char*, kModeCount> kNames = {"reference_closed", "engine_closed", "engine_replay"};
+  return kNames.at(mode);
+}
+
+void Protocol::validate() const {
+  requireWithin("first_episode", first_episode, 0, kMaxFirstEpisode);
+  requireWithin("episodes", episodes, 1, kMaxEpisodes);
+  requireWithin("horizon", horizon, 1, pusht::kHorizon);
+  const auto end = static_cast<std::uint64_t>(first_episode) + static_cast<std::uint64_t>(episodes);
+  if (seed > std::numeric_limits<std::uint64_t>::max() - kFirstHeldOutSeed - end) {
+    throw pusht::InvalidInput("seed " + std::to_string(seed) +
+                              ": 10000 + seed + first_episode + episodes must be below 2^64");
+  }
+}
+
+std::uint64_t Protocol::spawnSeed(int episode) const {
+  return kFirstHeldOutSeed + seed + static_cast<std::uint64_t>(episode);
+}
+
+Protocol smokeRun(Protocol protocol) {
+  if (protocol.episodes != Protocol().episodes || protocol.horizon != Protocol().horizon) {
+    throw pusht::InvalidInput("episodes " + std::to_string(protocol.episodes) + ", horizon " +
+                              std::to_string(protocol.horizon) +
+                              ": must be left out for a smoke run, which has its own");
+  }
+  protocol.episodes = kSmokeEpisodes;
+  protocol.horizon = kSmokeHorizon;
+  return protocol;
+}
+
+Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pusht::Simulator> engine,
+                std::unique_ptr<pusht::Simulator> replay) {
+  return {std::make_unique<pusht::SimulatorLanes>(std::move(reference)),
+          std::make_unique<pusht::SimulatorLanes>(std::move(engine)),
+          std::make_unique<pusht::SimulatorLanes>(std::move(replay))};
+}
+
+Episode::Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts)
+    : index_(index), seed_(protocol.spawnSeed(index)), horizon_(protocol.horizon), rollouts_(std::move(rollouts)) {}
+
+int Episode::steps() const {
+  return std::max_element(rollouts_.begin(), rollouts_.end(),
+                          [](const auto& a, const auto& b) { return a.steps() < b.steps(); })
+      ->steps();
+}
+
+bool Episode::goesOn(Mode mode) const {
+  return mode == kEngineReplay ? rollouts_[kEngineReplay].steps() < rollouts_[kReferenceClosed].steps()
+                               : !rollouts_[mode].finished(horizon_);
+}
+
+bool Episode::finished() const {
+  return std::none_of(kModes.begin(), kModes.end(), [this](Mode mode) { return goesOn(mode); });
+}
+
+const pusht::Action& Episode::nextReplayed() const {
+  return rollouts_[kReferenceClosed].trace().actions.at(rollouts_[kEngineReplay].trace().steps());
+}
+
+EpisodeResult Episode::result() const {
+  EpisodeResult result{index_, seed_, {}};
+  const pusht::Trace& reference = rollouts_[kReferenceClosed].trace();
+  for (const Mode mode : kModes) {
+    const pusht::Rollout& rollout = rollouts_[mode];
+    RolloutResult& figures = result.modes[mode];
+    figures.steps = rollout.steps();
+    figures.success = rollout.success();
+    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+      figures.quantities[i] = has(mode, kQuantities[i]) ? kQuantities[i].compute(rollout, reference)
+                                                        : std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+  return result;
+}
+
+Flight::Flight(const Protocol& protocol, const Worlds& worlds, pusht::Policy& policy)
+    : protocol_(protocol), worlds_(worlds), policy_(policy), episodes_(worlds[kEngineClosed]->lanes()) {}
+
+bool Flight::full() const {
+  return std::all_of(episodes_.begin(), episodes_.end(), [](const auto& episode) { return episode.has_value(); });
+}
+
+bool Flight::empty() const {
+  return std::none_of(episodes_.begin(), episodes_.end(), [](const auto& episode) { return episode.has_value(); });
+}
+
+const Episode& Flight::begin(int index, const pusht::Trace* reference) {
+  const auto free = std::find(episodes_.begin(), episodes_.end(), std::nullopt);
+  const auto lane = static_cast<std::size_t>(free - episodes_.begin());
+  pusht::Rollout rolled_out =
+      reference != nullptr ? pusht::Rollout(*reference) : start(kReferenceClosed, lane, index, policy_.begin());
+  pusht::Rollout engine = start(kEngineClosed, lane, index, policy_.begin());
+  pusht::Rollout replay = start(kEngineReplay, lane, index, nullptr);
+  return episodes_.at(lane).emplace(
+      protocol_, index,
+      std::array<pusht::Rollout, kModeCount>{std::move(rolled_out), std::move(engine), std::move(replay)});
+}
+
+pusht::Rollout Flight::start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory) {
+  const std::uint64_t seed = protocol_.spawnSeed(index);
+  return located(index, seed, mode, 0, [&] {
+    pusht::BatchSimulator& world = *worlds_[mode];
+    world.reset(static_cast<int>(lane), pusht::spawn(seed));
+    return pusht::Rollout(world.state(static_cast<int>(lane)), std::move(memory));
+  });
+}
+
+void Flight::advance() {
+  askPolicy();
+  std::size_t next_answer = 0;
+  for (const Mode mode : kModes) {  // the replay follows the reference
+    advance(mode, next_answer);
+  }
+}
+
+void Flight::askPolicy() {
+  queries_.clear();
+  for (const Mode mode : {kReferenceClosed, kEngineClosed}) {
+    for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
+      if (steps(mode, lane)) {
+        queries_.push_back(episodes_[lane]->rollout(mode).query());
+      }
+    }
+  }
+  answers_.resize(queries_.size());
+  if (!queries_.empty()) {
+    policy_.act(queries_, answers_);
+  }
+}
+
+void Flight::advance(Mode mode, std::size_t& next_answer) {
+  actions_.assign(episodes_.size(), std::nullopt);
+  bool any = false;
+  for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
+    if (!steps(mode, lane)) {
+      continue;
+    }
+    const Episode& episode = *episodes_[lane];
+    const pusht::Action& action = mode == kEngineReplay ? episode.nextReplayed() : answers_.at(next_answer++);
+    located(episode.index(), episode.seed(), mode, episode.rollout(mode).steps(), [&] { requireFinite(action); });
+    actions_[lane] = action;
+    any = true;
+  }
+  if (!any) {
+    return;
+  }
+  worlds_[mode]->step(actions_);
+  for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
+    if (actions_[lane]) {
+      Episode& episode = *episodes_[lane];
+      located(episode.index(), episode.seed(), mode, episode.rollout(mode).steps(),
+              [&] { episode.record(mode, *actions_[lane], worlds_[mode]->state(static_cast<int>(lane))); });
+    }
+  }
+}
+
+std::vector<Episode> Flight::land() {
+  std::vector<Episode> landed;
+  for (std::optional<Episode>& episode : episodes_) {
+    if (episode && episode->finished()) {
+      landed.push_back(std::move(*episode));
+      episode.reset();
+    }
+  }
+  return landed;
+}
+
+Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy) {
+  Flight flight(protocol, worlds, policy);
+  flight.begin(index);
+  std::vector<Episode> landed = flight.land();
+  while (landed.empty()) {
+    flight.advance();
+    landed = flight.land();
+  }
+  return std::move(landed.front());
+}
+
+void runProtocol(const Protocol& protocol, const Players& players, int threads, const ReferenceCache* references,
+                 const std::function<void(const Episode&)>& deliver, const std::function<bool()>& stop) {
+  protocol.validate();
+  threads = std::min(threads, protocol.episodes);
+  const int in_flight = std::min(kEpisodesInFlight, (protocol.episodes + threads - 1) / threads);
+  std::atomic<int> next_episode = protocol.first_episode;
+  std::atomic<bool> failed = false;
+  std::mutex delivery;
+
+  const auto begin = [&](Flight& flight, int index) {
+    const auto recalled = references != nullptr ? references->find(protocol.spawnSeed(index)) : std::nullopt;
+    flight.begin(index, recalled ? &*recalled : nullptr);
+  };
+  const auto finish = [&](const Episode& episode) {
+    if (references != nullptr) {
+      references->keep(episode.seed(), episode.rollout(kReferenceClosed).trace());
+    }
+    const std::lock_guard<std::mutex> one_at_a_time(delivery);
+    deliver(episode);
+  };
+  const auto work = [&] {
+    if (next_episode > protocol.lastEpisode()) {
+      return;  // others have begun them all
+    }
+    const Worlds worlds = players.make_worlds(in_flight);
+    const auto policy = players.make_policy();
+    Flight flight(protocol, worlds, *policy);
+    while (!stop() && !failed) {
+      while (!flight.full() && next_episode <= protocol.lastEpisode()) {
+        if (const int index = next_episode++; index <= protocol.lastEpisode()) {
+          begin(flight, index);
+        }
+      }
+      if (flight.empty()) {
+        return;
+      }
+      flight.advance();
+      for (const Episode& episode : flight.land()) {
+        finish(episode);
+      }
+    }
+  };
+
+  if (threads == 1) {
+    return work();
+  }
+  std::vector<std::future<void>> workers;
+  workers.reserve(static_cast<std::size_t>(threads));
+  try {
+    for (int i = 0; i < threads; ++i) {
+      workers.push_back(std::async(std::launch::async, [&] {
+        try {
+          work();
+        } catch (...) {
+          failed = true;  // ends the other threads
+          throw;
+        }
+      }));
+    }
+  } catch (const std::system_error& error) {
+    failed = true;
+    throw pusht::RuntimeFault("cannot start thread " + std::to_string(workers.size() + 1) + " of " +
+                              std::to_string(threads) + ": " + error.what() + "; ask for fewer threads");
+  }
+  for (std::future<void>& worker : workers) {
+    worker.get();  // if it throws, the destructors of the others wait for their ends
+  }
+}
+
+}  // namespace sim2sim

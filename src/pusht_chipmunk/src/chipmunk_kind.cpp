@@ -30,7 +30,7 @@ const SimulatorKind& chipmunkKind() {
       "Chipmunk",
       chipmunkVersion(),
       {{kIterations, "", "sweeps of the contact solver in a substep", std::int64_t{defaults.iterations}, 1, 1000,
-        "more change nothing that can be seen"},
+        "more sweeps make no visible difference"},
        {kSlop, "m", "overlap that the solver leaves alone", defaults.collision_slop, 0.0, 0.01,
         "more is a third of the tee's width"},
        {kOverlapLeft, "", "share of an overlap that is left after a second", defaults.overlap_left, 0.0, 1.0,

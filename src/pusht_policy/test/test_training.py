@@ -163,7 +163,7 @@ class ReadDemonstrations(TemporaryFolderCase):
 
     def test_end_twice(self) -> None:
         content = messages(demonstration(7))
-        self.assertIn("seed 7: end: is there twice", self.refused(content + content[-1:]))
+        self.assertIn("seed 7: end: appears twice", self.refused(content + content[-1:]))
 
     def test_seed_twice_in_two_bags(self) -> None:
         bags = [

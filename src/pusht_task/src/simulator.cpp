@@ -98,8 +98,8 @@ std::string faultOfStart(const WorldState& start, const WorldState& state) {
       Number{"tee_yaw", start.tee_yaw, state.tee_yaw, std::abs(wrapAngle(state.tee_yaw - start.tee_yaw))}};
   for (const Number& n : pose) {
     if (!(n.distance <= kStartTolerance)) {
-      return std::string(n.name) + " " + shortestText(n.found) + ": must be " + shortestText(n.wanted) + ", to " +
-             shortestText(kStartTolerance);
+      return std::string(n.name) + " " + shortestText(n.found) + ": must be within " + shortestText(kStartTolerance) +
+             " of " + shortestText(n.wanted);
     }
   }
   // Velocities may be projected onto what the simulator can represent; rest always can.
@@ -109,7 +109,7 @@ std::string faultOfStart(const WorldState& start, const WorldState& state) {
   for (const Bounded& velocity : velocitiesOf(state)) {
     if (!std::isfinite(velocity.value) || (at_rest && std::abs(velocity.value) > kStartTolerance)) {
       return std::string(velocity.name) + " " + shortestText(velocity.value) + ": must be " +
-             (at_rest ? "0, to " + shortestText(kStartTolerance) : "finite");
+             (at_rest ? "within " + shortestText(kStartTolerance) + " of 0" : "finite");
     }
   }
   return "";

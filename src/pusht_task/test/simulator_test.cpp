@@ -56,12 +56,12 @@ TEST(Simulators, MustStartWhereTheyAreTold) {
     return faultOf([&] { puppet.reset(teeAt(0.1, 3.0)); });
   };
   EXPECT_EQ(reset(teeAt(0.1 + 1e-7, 3.0)), "none") << "in single precision";
-  EXPECT_EQ(reset(teeAt(0.11, 3.0)), "/mine: reset: tee_x 0.11: must be 0.1, to 1e-06");
-  EXPECT_EQ(reset(teeAt(0.1, 0.5)), "/mine: reset: tee_yaw 0.5: must be 3.0, to 1e-06");
+  EXPECT_EQ(reset(teeAt(0.11, 3.0)), "/mine: reset: tee_x 0.11: must be within 1e-06 of 0.1");
+  EXPECT_EQ(reset(teeAt(0.1, 0.5)), "/mine: reset: tee_yaw 0.5: must be within 1e-06 of 3.0");
   EXPECT_THAT(reset(teeAt(0.1, 3.0 + 2.0 * kPi)), HasSubstr("must be in [-pi, pi)"));
   WorldState moving = teeAt(0.1, 3.0);
   moving.tee_velocity.y() = 0.2;
-  EXPECT_EQ(reset(moving), "/mine: reset: tee_vy 0.2: must be 0, to 1e-06");
+  EXPECT_EQ(reset(moving), "/mine: reset: tee_vy 0.2: must be within 1e-06 of 0");
   EXPECT_THROW(puppet.step({}), InvalidInput) << "it needs a reset";
 }
 

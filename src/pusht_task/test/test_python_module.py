@@ -245,9 +245,9 @@ class Resets(SessionCase):
 
     def test_start_that_is_another_one(self) -> None:
         for fault, message in (
-            ("elsewhere", "reset: ValueError: tee_x 0.01: must be 0.0, to 1e-06"),
-            ("askew", r"reset: ValueError: tee_yaw 3.0: must be 0.0, to 1e-06"),
-            ("moving", "reset: ValueError: tee_yaw_rate 0.001: must be 0, to 1e-06"),
+            ("elsewhere", "reset: ValueError: tee_x 0.01: must be within 1e-06 of 0.0"),
+            ("askew", r"reset: ValueError: tee_yaw 3.0: must be within 1e-06 of 0.0"),
+            ("moving", "reset: ValueError: tee_yaw_rate 0.001: must be within 1e-06 of 0"),
         ):
             self.simulators[0].fault = fault
             self.refused_reset(message, exit_code=4, start=[WorldStateMessage()])

@@ -3,8 +3,7 @@
 #include "sim2sim_eval/batch/comparison.hpp"
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs one policy from the same starts in MuJoCo and in the two-mass engine, and measures the gap.",
-               "compare");
+  CLI::App app("Runs one policy from the same starts in two simulators, and measures the gap.", "compare");
   sim2sim::CompareOptions options;
   options.declare(app);
   return sim2sim::runCommand(app, argc, argv, [&] { sim2sim::compare(options); });

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures the suite against what it is to reach, in one run on one machine, and says what was met.
+"""Measures the suite against its targets, in one run on one machine, and says which are met.
 
-Ratios count, seconds depend on the machine. Needs the workspace sourced and nothing else running.
+Ratios count; seconds depend on the machine. Source the workspace first, and let nothing else run.
 """
 
 import argparse

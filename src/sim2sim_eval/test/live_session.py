@@ -266,7 +266,7 @@ class LiveSession(GoalCase):
         for command, rate, reason in (
             ("step", 0.0, "step: only while paused"),
             ("faster", 0.0, "command 'faster': must be pause, resume, step or rate"),
-            ("rate", 0.0, "rate 0: must be above 0 .*, or below: as fast as possible"),
+            ("rate", 0.0, r"rate 0: must be above 0 .*, or below 0 \(as fast as possible\)"),
             ("rate", math.inf, "rate inf: must be finite"),
         ):
             response = self.control(command, rate)

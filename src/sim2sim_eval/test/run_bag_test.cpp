@@ -227,7 +227,7 @@ TEST_F(RunBagTest, AResultThatIsNotThatOfTheStatesIsRefused) {
     recording.end(result);
   }
   EXPECT_THAT(refusal([this] { readRun(path_); }, pusht::ExitCode::kBadDependency),
-              HasSubstr("episode 3: its result is not what comes of the states that are recorded"));
+              HasSubstr("episode 3: its result does not follow from the recorded states"));
 }
 
 TEST_F(RunBagTest, WhatDoesNotFollowTheProtocolIsRefusedByName) {

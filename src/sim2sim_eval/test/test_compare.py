@@ -436,7 +436,7 @@ class Recompute(CompareCase):
             return not at(topic, message, "/engine", 5)
 
         for edit, named in (
-            (other_state, "episode 0: its result is not what comes of the states"),
+            (other_state, "episode 0: its result does not follow from the recorded states"),
             (other_action, "engine_replay, step 16: the action that is recorded is (0.25"),
             (other_start, "reference_closed, step 0: the start that is recorded is not the spawn"),
             (lost_state, "engine_closed: step 6 is recorded, must be 5"),

@@ -221,7 +221,7 @@ class Resuming(SweepCase):
             process.send_signal(signal.SIGINT)
             _, said = process.communicate(timeout=self.deadline)
         self.assertEqual(process.returncode, 4, said)
-        self.assertIn("with --out out the same command goes on with it", said)
+        self.assertIn("to continue, run the same command with --out out", said)
         status = self.load("out", "status.json")
         self.assertEqual((status["exit_code"], status["rows"]), (4, 150))
         self.assertGreater(status["rows_finished"], 0)
@@ -586,9 +586,9 @@ class BadPlans(SweepCase):
             "grid:\n  block_damp: [010x]": "line 2: block_damp '010x': must be a decimal",
             "grid: {}": "line 1, grid: must map parameters to lists",
             "rows: []": "line 1, rows: must be a list of settings",
-            "rows: [{}, {block_damp: 6.0}]": "baumgarte 40.0 must be there once only",
+            "rows: [{}, {block_damp: 6.0}]": "baumgarte 40.0 must appear only once",
             "episodez: 5\nrows: [{}]": "line 1, episodez: there is no such key; there are policy",
-            "episodes: 5\nepisodes: 6\nrows: [{}]": "line 2, episodes: must be there once only",
+            "episodes: 5\nepisodes: 6\nrows: [{}]": "line 2, episodes: must appear only once",
             "episodes: 0\nrows: [{}]": "episodes 0: must be from 1 to 1000000",
             "episodes: 5.5\nrows: [{}]": "line 1, episodes: '5.5' must be a decimal integer",
             "seed: -1\nrows: [{}]": "line 1, seed: '-1' must be a decimal integer",
@@ -597,13 +597,13 @@ class BadPlans(SweepCase):
             "scene: none.xml\nrows: [{}]": "none.xml",
             "policy: [a]\nrows: [{}]": "line 1, policy: must be a single value",
             "&a {grid: *a}": "grid",
-            "rows: [{block_damp: 1, block_damp: 2}]": "block_damp: must be there once only",
+            "rows: [{block_damp: 1, block_damp: 2}]": "block_damp: must appear only once",
             "rows: [{}]\n---\nepisodes: 6": "must be one YAML document",
             "episodes: 010\nrows: [{}]": "'010' must be a decimal integer",
             "engine: bullet\nrows: [{}]": "line 1: simulator 'bullet': there is none of that name",
             "reference: 6\nrows: [{}]": "line 1: simulator '6': there is none of that name",
             "engine: []": "line 1, engine: must be a kind of simulator, or a list of kinds",
-            "engine: [chipmunk, chipmunk]": "must be there once only",
+            "engine: [chipmunk, chipmunk]": "must appear only once",
             "engine: [two_mass, chipmunk]\ngrid: {block_damp: [1]}": "there is none of that name",
             "reference_parameters: 5\nrows: [{}]": "line 1, reference_parameters: must map",
             "reference: two_mass\nscene: a.xml\nrows: [{}]": "line 2: parameter 'scene'",

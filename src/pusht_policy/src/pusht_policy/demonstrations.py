@@ -73,7 +73,7 @@ def read_demonstrations(bags: Sequence[Path]) -> List[Demonstration]:
             seed = demonstration.seed
             if seed in bag_of_seed:
                 raise InputError(
-                    f"{bag}: seed {seed}: also in {bag_of_seed[seed]}; a seed must occur once only"
+                    f"{bag}: seed {seed}: also in {bag_of_seed[seed]}; a seed must occur only once"
                 )
             bag_of_seed[seed] = bag
             demonstrations.append(demonstration)
@@ -125,7 +125,7 @@ def _check_topics(path: Path, bag: Any) -> None:
 def _add_step(path: Path, recording: _Recording, message: Any) -> None:
     where = f"{path}: seed {message.seed}: step {message.step}"
     if recording.success is not None:
-        raise InputError(f"{where}: comes after the end; a seed must occur once only")
+        raise InputError(f"{where}: comes after the end; a seed must occur only once")
     expected = len(recording.actions)
     if message.step != expected:
         raise InputError(f"{where}: steps must be consecutive from 0, expected {expected}")
@@ -140,7 +140,7 @@ def _add_step(path: Path, recording: _Recording, message: Any) -> None:
 def _add_end(path: Path, recording: _Recording, message: Any) -> None:
     where = f"{path}: seed {message.seed}: end"
     if recording.success is not None:
-        raise InputError(f"{where}: is there twice; a seed must occur once only")
+        raise InputError(f"{where}: appears twice; a seed must occur only once")
     found = len(recording.actions)
     if message.steps != found or found == 0:
         raise InputError(

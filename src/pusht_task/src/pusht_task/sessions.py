@@ -440,13 +440,13 @@ def _started(simulator: Simulator, start: WorldState) -> WorldState:
             wanted, found = getattr(start, name), getattr(state, name)
             distance = abs(wrap_angle(found - wanted) if name == "tee_yaw" else found - wanted)
             if not distance <= START_TOLERANCE:
-                raise ValueError(f"{name} {found}: must be {wanted}, to {START_TOLERANCE}")
+                raise ValueError(f"{name} {found}: must be within {START_TOLERANCE} of {wanted}")
         # Velocities may be projected onto what the simulator can represent; rest always can.
         if all(getattr(start, name) == 0.0 for name in VELOCITIES):
             for name in VELOCITIES:
                 found = getattr(state, name)
                 if not abs(found) <= START_TOLERANCE:
-                    raise ValueError(f"{name} {found}: must be 0, to {START_TOLERANCE}")
+                    raise ValueError(f"{name} {found}: must be within {START_TOLERANCE} of 0")
     return state
 
 

@@ -98,7 +98,7 @@ void Peer::requireSameOwner() const {
   const std::string owner = ownerOf(services_ + "/describe");
   if (owner.empty()) {
     lose(ros::master::check()
-             ? services_ + ": the node has gone: it was shut down, or put out by a second one of that name"
+             ? services_ + ": the node has gone: it was shut down, or a second node of that name has replaced it"
              : "the ROS master at " + ros::master::getURI() + " has died");
   }
   if (owner != owner_) {

@@ -122,7 +122,7 @@ class Reader {
     computed.header = recorded.header;
     if (bytesOf(computed) != bytesOf(recorded)) {
       throw pusht::BadDependency("episode " + std::to_string(index) +
-                                 ": its result is not what comes of the states that are recorded");
+                                 ": its result does not follow from the recorded states");
     }
     if (!results_.emplace(index, result).second) {
       throw pusht::BadDependency("episode " + std::to_string(index) + ": must finish once");

@@ -13,7 +13,8 @@ constexpr int kMostThreads = 1024;
 }  // namespace
 
 void BatchOptions::declare(CLI::App& app) {
-  app.add_option("--threads", threads, "threads that run episodes; results do not depend on it (default: the cores)")
+  app.add_option("--threads", threads,
+                 "number of threads; it does not change the results (default: the number of cores)")
       ->check(decimalInteger() & CLI::Range(1, kMostThreads));
   app.add_option("--reference-cache", reference_cache,
                  "folder that keeps what the reference did, for every later run of the same policy and scene");

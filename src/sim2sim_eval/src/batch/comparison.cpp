@@ -87,7 +87,7 @@ void CompareOptions::declare(CLI::App& app) {
       ->check(decimalInteger())
       ->capture_default_str();
   app.add_option("--reference", reference, "kind of simulator: " + pusht::joined(kindNames()))->capture_default_str();
-  app.add_option("--engine", engine, "kind of simulator that is held against it")->capture_default_str();
+  app.add_option("--engine", engine, "kind of simulator that is compared with the reference")->capture_default_str();
   app.add_option("--set", engine_settings, "NAME=VALUE: a parameter of the engine; may be repeated")
       ->allow_extra_args(false);
   app.add_option("--set-reference", reference_settings, "NAME=VALUE: a parameter of the reference; may be repeated")

@@ -167,8 +167,8 @@ class Sweeper {
     }
     if (finished < protocol_.episodes) {
       throw pusht::RuntimeFault("interrupted in row " + std::to_string(index) + " of " +
-                                std::to_string(plan_.rows.size()) + "; with --out " + folder_.path().string() +
-                                " the same command goes on with it");
+                                std::to_string(plan_.rows.size()) + "; to continue, run the same command with --out " +
+                                folder_.path().string());
     }
     return episodes;
   }
@@ -284,8 +284,8 @@ void SweepOptions::declare(CLI::App& app) {
       ->check(decimalInteger() & CLI::PositiveNumber);
   app.add_option("--shard", shard, "only a share of the episodes, for `merge`: I/N, e.g. 2/5");
   app.add_option("--out", out,
-                 "folder for the results (default: the next free results/sweep-N); a sweep that it holds is gone on "
-                 "with");
+                 "folder for the results (default: the next free results/sweep-N); if it holds this sweep already, the "
+                 "sweep continues");
   app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
   batch.declare(app);
 }

@@ -176,7 +176,7 @@ std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::s
                               std::to_string(protocol.lastEpisode()) + " of seed " + std::to_string(protocol.seed));
   }
   if (pusht::readFile(path / kMetricsFile, "row") != jsonText(metrics(configuration, summarize(episodes)))) {
-    refuse(kMetricsFile, "does not say what its episodes say");
+    refuse(kMetricsFile, "does not agree with its episodes");
   }
   return episodes;
 }

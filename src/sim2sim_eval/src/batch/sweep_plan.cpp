@@ -83,7 +83,7 @@ void requireDistinctKeys(const YAML::Node& map) {
   for (const auto& entry : map) {
     const std::string key = textAt(entry.first, "key");
     if (!seen.insert(key).second) {
-      refuse(entry.first, key, "must be there once only");
+      refuse(entry.first, key, "must appear only once");
     }
   }
 }
@@ -146,7 +146,7 @@ void requireEachOnce(const std::vector<SimulatorChoice>& rows) {
   std::set<std::string> seen;
   for (const SimulatorChoice& row : rows) {
     if (!seen.insert(settingOf(row)).second) {
-      throw pusht::InvalidInput("rows: " + settingOf(row) + " must be there once only");
+      throw pusht::InvalidInput("rows: " + settingOf(row) + " must appear only once");
     }
   }
 }

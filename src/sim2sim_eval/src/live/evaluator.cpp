@@ -39,7 +39,7 @@ template <class Field, class Values>
 void set(const char* name, Field& field, const Values& values) {
   if (values.size() > 1) {
     throw pusht::InvalidInput(std::string(name) + " has " + std::to_string(values.size()) +
-                              " values: must have one, or none to be as the parameter");
+                              " values: must have one, or none: then the parameter counts");
   }
   if (!values.empty()) {
     field = static_cast<Field>(values.front());
@@ -404,7 +404,7 @@ void Evaluator::control(const pusht_msgs::ControlRequest& request) {
     pacer_.resume();
   } else if (request.command == pusht_msgs::ControlRequest::RATE) {
     if (request.rate == 0.0) {
-      throw pusht::InvalidInput("rate 0: must be above 0 (control steps per second), or below: as fast as possible");
+      throw pusht::InvalidInput("rate 0: must be above 0 (control steps per second), or below 0 (as fast as possible)");
     }
     pacer_.setRate(request.rate < 0.0 ? kFullSpeed : request.rate);
   } else if (request.command == pusht_msgs::ControlRequest::STEP) {

@@ -45,8 +45,7 @@ std::vector<pusht::Trace> referenceTraces(const sim2sim::Protocol& protocol, con
   pusht::MujocoWorld world(scene);
   std::vector<pusht::Trace> traces(protocol.episodes);
   for (int episode = 0; episode < protocol.episodes; ++episode) {
-    traces[episode] =
-        pusht::runClosedLoop(world, pusht::spawn(protocol.spawnSeed(episode)), policy, protocol.horizon).trace();
+    traces[episode] = pusht::runClosedLoop(world, protocol.start(episode), policy, protocol.horizon).trace();
   }
   return traces;
 }

@@ -58,7 +58,7 @@ SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::
 SimulatorRecord LoadedSimulator::record() const {
   SimulatorRecord record{kind.name, kind.title};
   for (const pusht::Parameter& parameter : model.parameters) {
-    record.add(parameter.name(), parameter.value, parameter.isDefault(), model.provenance);
+    record.add(parameter.name(), parameter.value, parameter.descriptor.unit, parameter.isDefault(), model.provenance);
   }
   return record;
 }

@@ -192,6 +192,13 @@ class LiveSession(GoalCase):
             self.assertAlmostEqual(mean.value, metrics[f"{mean.name}_{mean.unit}"], delta=1e-6)
         self.assertIn("mean_ang_divergence", [mean.name for mean in summary.means])
 
+    def test_given_starts_are_those_of_the_command(self) -> None:
+        starts = str(self.folder / "starts.csv")
+        self.batch_bytes(*BATCH, "--seed", "4", "--write-starts", starts)
+        expected = self.batch_bytes(*BATCH, "--starts", starts)
+        self.compare(starts=[starts])
+        self.assertEqual(result_bytes(self.out), expected)
+
     def test_second_goal_is_rejected(self) -> None:
         self.send_and_hold(0, 5)
         second = actionlib.SimpleActionClient("/sim2sim/compare", CompareAction)

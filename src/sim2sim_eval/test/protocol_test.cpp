@@ -129,7 +129,7 @@ TEST(Protocol, EndsAtSuccessOrAtTheHorizon) {
   Protocol protocol;
   protocol.episodes = 20;
   for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.05, 0.001), idlePolicy})) {
-    const double distance = pusht::spawn(episode.seed).tee_position.norm();
+    const double distance = protocol.start(episode.index).tee_position.norm();
     const RolloutResult& reference = episode.modes[kReferenceClosed];
     EXPECT_TRUE(reference.success);
     EXPECT_EQ(reference.steps, stepsToSuccess(distance, 0.05));
@@ -199,7 +199,7 @@ TEST(Protocol, EpisodesInFlightDoNotDisturbEachOther) {
   Protocol protocol;
   protocol.episodes = 2 * kEpisodesInFlight + 3;
   for (const EpisodeResult& episode : run(protocol, {enginePairs, expert})) {
-    const pusht::WorldState start = pusht::spawn(episode.seed);
+    const pusht::WorldState start = protocol.start(episode.index);
     pusht::TwoMassEngine reference(draggy());
     pusht::TwoMassEngine engine;
     const pusht::Rollout expected = pusht::runClosedLoop(reference, start, *expert(), protocol.horizon);

@@ -70,8 +70,9 @@ TEST(Quantities, SayTheSameInCsvAndMessage) {
 TEST(Quantities, SayTheSameInMetricsAndMessage) {
   const std::vector<EpisodeResult> episodes = distinctEpisodes();
   const Summary summary = summarize(episodes);
-  const nlohmann::json figures = metrics({}, summary);
-  const auto message = summaryMessage({}, summary, ros::Time(1.0));
+  const RunConfiguration configuration;
+  const nlohmann::json figures = metrics(configuration, summary);
+  const auto message = summaryMessage(configuration, summary, ros::Time(1.0));
   std::size_t next = 0;
   forEachQuantity([&](Mode mode, std::size_t i) {
     const double mean = (episodes[0].modes[mode].quantities[i] + episodes[1].modes[mode].quantities[i]) / 2.0;
@@ -86,7 +87,8 @@ TEST(Quantities, SayTheSameInMetricsAndMessage) {
 
 TEST(Quantities, HaveTheirLineInTheTableIfTheyCompare) {
   const Summary summary = summarize(distinctEpisodes());
-  const std::string text = table({}, summary);
+  const RunConfiguration configuration;
+  const std::string text = table(configuration, summary);
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
     const std::string figure = cell(summary.means[kEngineReplay][i], kQuantities[i].unit);
     EXPECT_EQ(text.find(figure) != std::string::npos, kQuantities[i].compares) << kQuantities[i].name;

@@ -22,12 +22,13 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-constexpr std::uint64_t kSeed = 10'007;
+const std::string kStart = "10007";
+const std::string kOther = "10008";
 const nlohmann::json kKey = {{"policy", "one"}};
 
 pusht::Trace someTrace() {
   pusht::TwoMassEngine engine;
-  pusht::Rollout rollout = pusht::begin(engine, pusht::spawn(kSeed));
+  pusht::Rollout rollout = pusht::begin(engine, pusht::spawn(10'007));
   for (int step = 0; step < 20; ++step) {
     pusht::advance(rollout, engine, pusht::testing::chase(engine.state()));
   }
@@ -52,7 +53,7 @@ class ReferenceCacheTest : public ::testing::Test {
     change(text);
     pusht::writeFile(file(), text);
     try {
-      cache_.find(kSeed);
+      cache_.find(kStart);
       return "";
     } catch (const pusht::BadDependency& error) {
       return error.what();
@@ -65,18 +66,18 @@ class ReferenceCacheTest : public ::testing::Test {
 
 TEST_F(ReferenceCacheTest, KeepsARolloutBitForBit) {
   const pusht::Trace trace = someTrace();
-  EXPECT_FALSE(cache_.find(kSeed));
-  cache_.keep(kSeed, trace);
-  const auto found = ReferenceCache(folder_.path() / "cache", kKey).find(kSeed);
+  EXPECT_FALSE(cache_.find(kStart));
+  cache_.keep(kStart, trace);
+  const auto found = ReferenceCache(folder_.path() / "cache", kKey).find(kStart);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->states, trace.states);
   EXPECT_EQ(found->actions, trace.actions);
-  EXPECT_FALSE(cache_.find(kSeed + 1));
-  EXPECT_FALSE(ReferenceCache(folder_.path() / "cache", {{"policy", "another"}}).find(kSeed));
+  EXPECT_FALSE(cache_.find(kOther));
+  EXPECT_FALSE(ReferenceCache(folder_.path() / "cache", {{"policy", "another"}}).find(kStart));
 }
 
 TEST_F(ReferenceCacheTest, RefusesADamagedFileByName) {
-  cache_.keep(kSeed, someTrace());
+  cache_.keep(kStart, someTrace());
   EXPECT_THAT(refusalAfter([](std::string& text) { text[text.size() - 5] ^= 1; }),
               HasSubstr("10007.reference: is damaged"));
   EXPECT_THAT(refusalAfter([](std::string& text) { text.resize(text.size() / 2); }), HasSubstr("is damaged"));
@@ -84,14 +85,14 @@ TEST_F(ReferenceCacheTest, RefusesADamagedFileByName) {
   EXPECT_THAT(refusalAfter([](std::string& text) { text.clear(); }), HasSubstr("must begin as"));
 }
 
-TEST_F(ReferenceCacheTest, RefusesAFileOfAnotherKeyOrSeed) {
+TEST_F(ReferenceCacheTest, RefusesAFileOfAnotherKeyOrStart) {
   ReferenceCache other(folder_.path() / "other", {{"policy", "another"}});
-  other.keep(kSeed, someTrace());
+  other.keep(kStart, someTrace());
   const fs::path foreign = file();
-  cache_.keep(kSeed, someTrace());
-  const auto refusal = [&](std::uint64_t seed) -> std::string {
+  cache_.keep(kStart, someTrace());
+  const auto refusal = [&](const std::string& start) -> std::string {
     try {
-      cache_.find(seed);
+      cache_.find(start);
       return "";
     } catch (const pusht::BadDependency& error) {
       return error.what();
@@ -99,16 +100,16 @@ TEST_F(ReferenceCacheTest, RefusesAFileOfAnotherKeyOrSeed) {
   };
   const fs::path folder = folder_.path() / "cache" / pusht::sha256(kKey.dump()).substr(0, 16);
   fs::copy_file(folder / "10007.reference", folder / "10008.reference");
-  EXPECT_THAT(refusal(kSeed + 1), HasSubstr("10008.reference: belongs to another run"));
+  EXPECT_THAT(refusal(kOther), HasSubstr("10008.reference: belongs to another run"));
   fs::copy_file(foreign, folder / "10007.reference", fs::copy_options::overwrite_existing);
-  EXPECT_THAT(refusal(kSeed), HasSubstr("10007.reference: belongs to another run"));
+  EXPECT_THAT(refusal(kStart), HasSubstr("10007.reference: belongs to another run"));
 }
 
 TEST_F(ReferenceCacheTest, AFolderThatCannotBeWrittenIsARuntimeFault) {
   std::ofstream(folder_.path() / "file") << "no folder";
   EXPECT_THROW(ReferenceCache(folder_.path() / "file", kKey), pusht::RuntimeFault);
   fs::remove_all(folder_.path() / "cache");
-  EXPECT_THROW(cache_.keep(kSeed, someTrace()), pusht::RuntimeFault);
+  EXPECT_THROW(cache_.keep(kStart, someTrace()), pusht::RuntimeFault);
 }
 
 }  // namespace

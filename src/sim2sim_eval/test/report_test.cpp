@@ -48,8 +48,9 @@ TEST(Summarize, CountsTheClosedLoopsAndAveragesTheReplay) {
 TEST(Summarize, TransferIsUndefinedWithoutReferenceSuccess) {
   const Summary summary = summarize(episodesWith(5, 0, 1));
   EXPECT_FALSE(summary.transfer);
-  EXPECT_TRUE(metrics({}, summary).at("transfer").is_null());
-  EXPECT_THAT(table({}, summary), HasSubstr("undefined"));
+  const RunConfiguration configuration;
+  EXPECT_TRUE(metrics(configuration, summary).at("transfer").is_null());
+  EXPECT_THAT(table(configuration, summary), HasSubstr("undefined"));
 }
 
 TEST(DoubtAboutPolicy, IsRaisedWhereATrainedOneNeverSucceedsAtHome) {

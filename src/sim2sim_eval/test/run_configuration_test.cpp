@@ -43,8 +43,8 @@ TEST(ConfigurationHash, TakesInWhatIsNotAsInTheCourse) {
 TEST(SimulatorRecords, NameFilesByTheirContent) {
   SimulatorRecord record{"mujoco", "MuJoCo"};
   const nlohmann::json provenance = {{"scene", {{"file", "/a/b.xml"}, {"sha256", "abc"}}}};
-  record.add("scene", std::string("b.xml"), false, provenance);
-  record.add("sweeps", std::int64_t{20}, true, provenance);
+  record.add("scene", std::string("b.xml"), "", false, provenance);
+  record.add("sweeps", std::int64_t{20}, "", true, provenance);
   EXPECT_EQ(record.parameters.dump(), R"({"scene":"sha256:abc","sweeps":20})");
   EXPECT_THAT(record.changed, ElementsAre("scene"));
 }

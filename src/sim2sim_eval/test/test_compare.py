@@ -363,6 +363,64 @@ class ResultsFolder(CompareCase):
         self.assertEqual(process.stderr, "")
 
 
+class GivenStarts(CompareCase):
+    """Starts from a file, instead of spawn seeds."""
+
+    RUN = ("--policy", "expert", "--episodes", "4", "--seed", "3")
+
+    def figures(self, out: str) -> List[Dict[str, str]]:
+        """The rows of a run, but for the spawn seeds."""
+        with (self.folder / out / "episodes.csv").open() as file:
+            return [{**row, "seed": ""} for row in csv.DictReader(file)]
+
+    def test_run_from_written_starts_is_the_run(self) -> None:
+        spawned = self.finished(*self.RUN, "--write-starts", "starts.csv", out="spawned")
+        cached = ("--reference-cache", "kept")
+        for name, more in {
+            "given": (),
+            "threads": ("--threads", "1"),
+            "cold": cached,
+            "warm": cached,
+        }.items():
+            given = self.finished(*self.RUN, "--starts", "starts.csv", *more, out=name)
+            self.assertEqual(self.figures(name), self.figures("spawned"), name)
+            self.assertNotEqual(given["config_hash"], spawned["config_hash"])
+            self.assertEqual(self.result_bytes(name), self.result_bytes("given"), name)
+        self.assertIn(",,reference_closed,", (self.folder / "given" / "episodes.csv").read_text())
+
+    def test_recompute_takes_the_starts_from_the_bag(self) -> None:
+        self.finished(*self.RUN, "--write-starts", "starts.csv", out="spawned")
+        self.finished(*self.RUN, "--starts", "starts.csv", "--record")
+        (self.folder / "starts.csv").unlink()
+        again = self.run_command(RECOMPUTE, "out/compare.bag", "--out", "again")
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual(self.result_bytes("again"), self.result_bytes("out"))
+
+    def test_part_of_a_run_takes_its_own_rows(self) -> None:
+        part = ("--policy", "expert", "--episodes", "2", "--first-episode", "5")
+        self.finished(*part, "--write-starts", "starts.csv", out="spawned")
+        self.finished(*part, "--starts", "starts.csv")
+        self.assertEqual(self.figures("out"), self.figures("spawned"))
+
+    def test_refusals(self) -> None:
+        text = "pusher_x,pusher_y,tee_x,tee_y,tee_yaw\n0.2,0.2,0,0,0\n0.2,0.2,0,0,none\n"
+        starts = self.write("starts.csv", text.encode())
+        for arguments, words in {
+            (
+                "--starts",
+                starts,
+                "--episodes",
+                "2",
+            ): "line 3: tee_yaw 'none': must be a decimal number",
+            ("--starts", "absent.csv"): "starts absent.csv",
+            ("--starts", "out/episodes.csv"): "starts out/episodes.csv: ",
+            ("--write-starts", "starts.csv"): "write_starts starts.csv: is there already",
+        }.items():
+            self.assertIn(words, self.refused(2, "--policy", "expert", *arguments))
+        self.assertEqual(Path(starts).read_text(), text)
+        self.finished("--policy", "expert", "--starts", "starts.csv", "--episodes", "1")
+
+
 class Recompute(CompareCase):
     """A run again from its bag."""
 

@@ -101,12 +101,25 @@ class Rows(SweepCase):
         )
         self.assertTrue(table[1].startswith("0,40.0,20.0,4.0,4,"), table[1])
 
+    def test_given_starts_are_those_of_compare_in_shards_too(self) -> None:
+        run = [COMPARE, "--policy", "expert", "--episodes", "4", "--seed", "3"]
+        self.run_command(*run, "--write-starts", "starts.csv", "--out", "spawned")
+        self.run_command(*run, "--starts", "starts.csv", "--out", "row")
+        plan = "{policy: expert, seed: 3, episodes: 4, starts: starts.csv, rows: [{}]}"
+        whole = self.finished("out", plan=plan)
+        self.assertEqual(self.result_bytes("row"), self.result_bytes("out/rows/000"))
+        process = self.merge(*self.shards(2, plan))
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertEqual(self.results("merged"), whole)
+
     def test_every_figure_has_its_columns(self) -> None:
         plan = "{policy: expert, episodes: 4, rows: [{block_damp: 20}, {pusher_mass: 2}]}"
         table = self.finished("out", plan=plan)["sweep.csv"].decode().splitlines()
         for cells, row in zip(csv.DictReader(table), ["rows/000", "rows/001"], strict=True):
             metrics = self.load("out/" + row, "metrics.json")
-            for key in [key for key in metrics if "_interval" in key and "reference_succ" not in key]:
+            for key in [
+                key for key in metrics if "_interval" in key and "reference_succ" not in key
+            ]:
                 figure = key.replace("success_interval", "success_rate").replace("_interval", "")
                 wanted = [metrics[figure], *metrics[key]]
                 found = [cells[figure + end] for end in ("", "_low", "_high")]

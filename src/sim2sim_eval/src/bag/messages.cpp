@@ -68,7 +68,7 @@ pusht_msgs::EpisodeResult toMessage(const EpisodeResult& episode, const ros::Tim
   pusht_msgs::EpisodeResult message;
   message.header.stamp = stamp;
   message.episode = static_cast<std::uint64_t>(episode.index);
-  message.seed = episode.seed;
+  message.seed = episode.seed.value_or(0);
   for (const Mode mode : kModes) {
     const RolloutResult& result = episode.modes[mode];
     pusht_msgs::RolloutResult rollout;
@@ -123,7 +123,7 @@ SimulatorRecord recordOf(const pusht_msgs::DescribeResponse& node) {
     const bool described = known != descriptors.end();
     const pusht::ParameterValue value =
         described && known->type == "text" ? pusht::ParameterValue(parameter.value) : pusht::valueOf(parameter.value);
-    record.add(parameter.name, value, described && parameter.value == known->default_value, provenance);
+    record.add(parameter.name, value, described ? known->unit : "", described && parameter.value == known->default_value, provenance);
   }
   return record;
 }

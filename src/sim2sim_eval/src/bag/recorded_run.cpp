@@ -116,7 +116,7 @@ class Reader {
     }
     const pusht_msgs::EpisodeResult recorded = *std::exchange(finished_, std::nullopt);
     const int index = indexOf(recorded.episode);
-    const EpisodeResult result = replay(protocol_, index, under_way_[index]);
+    const EpisodeResult result = replay(protocolOf(index), index, under_way_[index]);
     under_way_.erase(index);
     pusht_msgs::EpisodeResult computed = toMessage(result, recorded.header.stamp);
     computed.header = recorded.header;
@@ -127,6 +127,16 @@ class Reader {
     if (!results_.emplace(index, result).second) {
       throw pusht::BadDependency("episode " + std::to_string(index) + ": must finish once");
     }
+  }
+
+  /// Starts that were given are recorded nowhere else than in the worlds' first states: that of the reference counts.
+  Protocol protocolOf(int index) {
+    Protocol protocol = protocol_;
+    if (const std::vector<pusht::WorldState>& states = under_way_[index][kReferenceClosed].states;
+        protocol.starts && !states.empty()) {
+      protocol.starts = std::make_shared<Starts>(std::vector{states.front()}, index);
+    }
+    return protocol;
   }
 
   /// Equal for equal messages, with or without numbers that are not one.
@@ -209,7 +219,7 @@ void RecordedWorld::doReset(const pusht::WorldState& state) {
     throw pusht::BadDependency("no start is recorded");
   }
   if (!pusht::faultOfStart(state, trace_.states.front()).empty()) {
-    throw pusht::BadDependency("the start that is recorded is not the spawn");
+    throw pusht::BadDependency("the start that is recorded is not that of the episode");
   }
   step_ = 0;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/ros/served_simulator.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
@@ -54,6 +55,22 @@ class Recorder {
   RunBag bag_;
 };
 
+/// Those that `protocol` has, in a file that is not there yet; an empty `path` means none.
+void writeStarts(const fs::path& path, const Protocol& protocol) {
+  if (path.empty()) {
+    return;
+  }
+  std::error_code ignored;
+  if (fs::symlink_status(path, ignored).type() != fs::file_type::not_found) {
+    throw pusht::InvalidInput("write_starts " + path.string() + ": is there already; name a new file");
+  }
+  std::vector<pusht::WorldState> states;
+  for (int episode = protocol.first_episode; episode <= protocol.lastEpisode(); ++episode) {
+    states.push_back(protocol.start(episode));
+  }
+  pusht::writeFile(path, startsCsv(states));
+}
+
 /// Each parameter of a kind of the course, as an option of its own.
 void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::string>& settings) {
   for (const pusht::ParameterDescriptor& parameter : simulatorKind(kind).parameters) {
@@ -86,6 +103,10 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option("--seed", protocol.seed, "episode i starts from spawn seed 10000 + seed + i")
       ->check(decimalInteger())
       ->capture_default_str();
+  app.add_option("--starts", starts,
+                 "CSV file with the start of each episode, instead of spawn seeds: columns as the fields of "
+                 "WorldState.msg; velocities may be left out");
+  app.add_option("--write-starts", write_starts, "write the starts of the run into a new CSV file, for --starts");
   app.add_option("--reference", reference, "kind of simulator: " + pusht::joined(kindNames()))->capture_default_str();
   app.add_option("--engine", engine, "kind of simulator that is compared with the reference")->capture_default_str();
   app.add_option("--set", engine_settings, "NAME=VALUE: a parameter of the engine; may be repeated")
@@ -108,10 +129,15 @@ void compare(const CompareOptions& options) {
   configuration.protocol = options.smoke ? smokeRun(options.protocol) : options.protocol;
   configuration.smoke = options.smoke;
   configuration.protocol.validate();
+  configuration.protocol.starts =
+      givenStarts(options.starts, configuration.protocol.first_episode, configuration.protocol.episodes);
   const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_settings);
   const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_settings);
   RunFolder folder(options.out, options.overwrite);
-  folder.refuseInputs({{"policy", options.policy}, {"reference cache", options.batch.reference_cache}});
+  folder.refuseInputs({{"policy", options.policy},
+                       {"reference cache", options.batch.reference_cache},
+                       {"starts", options.starts},
+                       {"write_starts", options.write_starts}});
   const LoadedSimulator engine(chosen_engine);
   const Setup setup = loadFor(folder, [&] {
     const std::string policy = options.smoke ? pusht::kUntrainedPolicy : options.policy;
@@ -125,6 +151,7 @@ void compare(const CompareOptions& options) {
   const auto references = options.batch.references(setup, configuration.protocol.horizon);
 
   const nlohmann::ordered_json origin = setup.provenance(configuration, engine);
+  writeStarts(options.write_starts, configuration.protocol);
   Run run(configuration, folder, origin);
   try {
     std::optional<Recorder> recorder;

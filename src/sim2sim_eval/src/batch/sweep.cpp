@@ -57,12 +57,10 @@ json descriptionOf(const SweepPlan& plan, const Setup& setup) {
 /// InvalidInput as Protocol::validate().
 RunConfiguration rowOf(const json& description, std::size_t row) {
   RunConfiguration configuration;
-  configuration.protocol = {description.at("seed"), description.at("first_episode"), description.at("episodes"),
-                            description.at("horizon")};
+  configuration.protocol = protocolFrom(description);
   configuration.policy = description.at("policy");
   configuration.reference = simulatorFrom(description.at("inputs").at("reference"));
   configuration.engine = simulatorFrom(description.at("rows").at(row));
-  configuration.protocol.validate();
   return configuration;
 }
 
@@ -296,11 +294,14 @@ void sweep(const SweepOptions& options) {
     plan.protocol.episodes = options.episodes;
     plan.protocol.validate();
   }
+  plan.protocol.starts = givenStarts(plan.starts, plan.protocol.first_episode, plan.protocol.episodes);
   const Shard shard = options.shard.empty() ? Shard() : Shard::from(options.shard);
   const Protocol protocol = shard.share(plan.protocol);
   SweepFolder folder(options.out, options.overwrite, "sweep");
-  folder.refuseInputs(
-      {{"plan", options.plan}, {"policy", plan.policy}, {"reference cache", options.batch.reference_cache}});
+  folder.refuseInputs({{"plan", options.plan},
+                       {"policy", plan.policy},
+                       {"starts", plan.starts},
+                       {"reference cache", options.batch.reference_cache}});
   const Setup setup = loadFor(folder, [&] {
     return Setup({plan.policy, true, plan.protocol.seed}, plan.reference, plan.rows);
   });

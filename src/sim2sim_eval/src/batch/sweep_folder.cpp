@@ -173,7 +173,8 @@ std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::s
   }
   if (!as_asked) {
     refuse(kEpisodesFile, "must hold episodes " + std::to_string(protocol.first_episode) + " to " +
-                              std::to_string(protocol.lastEpisode()) + " of seed " + std::to_string(protocol.seed));
+                              std::to_string(protocol.lastEpisode()) +
+                              (protocol.starts ? " of the given starts" : " of seed " + std::to_string(protocol.seed)));
   }
   if (pusht::readFile(path / kMetricsFile, "row") != jsonText(metrics(configuration, summarize(episodes)))) {
     refuse(kMetricsFile, "does not agree with its episodes");
@@ -237,7 +238,8 @@ void SweepFolder::finish(pusht::ExitCode code, const std::string& reason) {
 }
 
 void SweepFolder::writeStatus(pusht::ExitCode code, const std::string& reason) const {
-  pusht::writeFile(path() / kStatusFile, jsonText({{"exit_code", static_cast<int>(code)},
+  pusht::writeFile(path() / kStatusFile, jsonText({{"format", kStatusFormat},
+                                                   {"exit_code", static_cast<int>(code)},
                                                    {"reason", reason},
                                                    {"rows_finished", rows_.size()},
                                                    {"rows", description_.at("rows").size()}}));

@@ -221,17 +221,20 @@ SweepPlan planFrom(const YAML::Node& root) {
     throw pusht::InvalidInput("must map keys to values");
   }
   requireDistinctKeys(root);
-  constexpr std::array<const char*, 11> kKeys = {
-      "policy", "reference", "reference_parameters", "scene", "engine", "seed", "first_episode", "episodes", "horizon",
-      "grid",   "rows"};
+  constexpr std::array<const char*, 12> kKeys = {"policy", "reference", "reference_parameters", "scene",    "engine",
+                                                 "starts", "seed",      "first_episode",        "episodes", "horizon",
+                                                 "grid",   "rows"};
   for (const auto& entry : root) {
     if (std::find(kKeys.begin(), kKeys.end(), entry.first.Scalar()) == kKeys.end()) {
       refuse(entry.first, entry.first.Scalar(), "there is no such key; there are " + pusht::joined(kKeys));
     }
   }
-  SweepPlan plan{Protocol(), pusht::kShippedPolicy, referenceIn(root), rowsIn(root)};
+  SweepPlan plan{Protocol(), pusht::kShippedPolicy, "", referenceIn(root), rowsIn(root)};
   if (const YAML::Node policy = root["policy"]; policy.IsDefined()) {
     plan.policy = textAt(policy, "policy");
+  }
+  if (const YAML::Node starts = root["starts"]; starts.IsDefined()) {
+    plan.starts = textAt(starts, "starts");
   }
   const auto take = [&](const char* key, auto& field) {
     if (const YAML::Node node = root[key]; node.IsDefined()) {

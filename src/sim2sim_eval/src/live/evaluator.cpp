@@ -80,9 +80,9 @@ nlohmann::ordered_json originOf(const RunConfiguration& configuration, const Cas
   return result;
 }
 
-/// The files that nodes have read, as far as they say so.
-std::vector<Input> inputsOf(const Cast& cast) {
-  std::vector<Input> inputs = {{"policy", cast.describePolicy().name}};
+/// The files that the run has read, and its nodes as far as they say so.
+std::vector<Input> inputsOf(const LiveRequest& request, const Cast& cast) {
+  std::vector<Input> inputs = {{"policy", cast.describePolicy().name}, {"starts", request.starts}};
   for (const Mode mode : kModes) {
     const std::vector<Input> files = filesIn(provenanceOf(cast.describe(mode)));
     inputs.insert(inputs.end(), files.begin(), files.end());
@@ -160,6 +160,7 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   set("horizon", request.protocol.horizon, goal.horizon);
   set("rate", request.rate, goal.rate);
   set("record", request.record, goal.record);
+  set("starts", request.starts, goal.starts);
   set("out", request.out, goal.out);
   set("overwrite", request.overwrite, goal.overwrite);
   const auto add = [](pusht::Parameters& settings, const auto& more) {  // the last of a name counts
@@ -202,6 +203,7 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   const auto settings = [&](const std::string& key) { return settingsFrom(key, parameters.text(key, "")); };
   request.settings = {settings("reference_parameters"), settings("engine_parameters")};
   request.record = parameters.flag("record", request.record);
+  request.starts = parameters.text("starts", request.starts);
   request.out = parameters.text("out", request.out);
   request.overwrite = parameters.flag("overwrite", request.overwrite);
   loaded.start = parameters.flag("start", loaded.start);
@@ -296,8 +298,9 @@ RunStatus Evaluator::execute(const Job& job) {
   }
 }
 
-void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
+void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   request.protocol.validate();
+  request.protocol.starts = givenStarts(request.starts, request.protocol.first_episode, request.protocol.episodes);
   pacer_.setRate(request.rate);
   begin(request.protocol.episodes);
   const LiveOptions options = {request.settings, parameters_.respawn, milliseconds(parameters_.patience)};
@@ -307,7 +310,7 @@ void Evaluator::compare(const LiveRequest& request, RunFolder& folder) {
 
   const RunConfiguration configuration = configurationOf(request, cast);
   const nlohmann::ordered_json provenance = originOf(configuration, cast);
-  folder.refuseInputs(inputsOf(cast));
+  folder.refuseInputs(inputsOf(request, cast));
   run_ = std::make_unique<Run>(configuration, folder, provenance);
   folder_ = std::filesystem::absolute(folder.path());
   broadcast_.begin(configuration, cast, makeBag(request, folder, provenance, cast));

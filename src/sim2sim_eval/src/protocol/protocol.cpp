@@ -39,12 +39,12 @@ void requireFinite(const pusht::Action& action) {
 
 /// Runs `action`; an error of it then says where in the episode it came up.
 template <class Function>
-auto located(int episode, std::uint64_t seed, Mode mode, int step, const Function& action) {
+auto located(const Protocol& protocol, int episode, Mode mode, int step, const Function& action) {
   try {
     return action();
   } catch (pusht::Error& error) {
-    error.addContext("episode " + std::to_string(episode) + " (spawn seed " + std::to_string(seed) + "), " +
-                     modeName(mode) + ", step " + std::to_string(step));
+    error.addContext("episode " + std::to_string(episode) + " (" + (protocol.starts ? "start " : "spawn seed ") +
+                     protocol.startName(episode) + "), " + modeName(mode) + ", step " + std::to_string(step));
     throw;
   }
 }
@@ -67,8 +67,16 @@ void Protocol::validate() const {
   }
 }
 
-std::uint64_t Protocol::spawnSeed(int episode) const {
-  return kFirstHeldOutSeed + seed + static_cast<std::uint64_t>(episode);
+std::optional<std::uint64_t> Protocol::spawnSeed(int episode) const {
+  return starts ? std::nullopt : std::optional(kFirstHeldOutSeed + seed + static_cast<std::uint64_t>(episode));
+}
+
+pusht::WorldState Protocol::start(int episode) const {
+  return starts ? starts->at(episode) : pusht::spawn(*spawnSeed(episode));
+}
+
+std::string Protocol::startName(int episode) const {
+  return starts ? starts->nameOf(episode) : std::to_string(*spawnSeed(episode));
 }
 
 Protocol smokeRun(Protocol protocol) {
@@ -151,10 +159,9 @@ const Episode& Flight::begin(int index, const pusht::Trace* reference) {
 }
 
 pusht::Rollout Flight::start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory) {
-  const std::uint64_t seed = protocol_.spawnSeed(index);
-  return located(index, seed, mode, 0, [&] {
+  return located(protocol_, index, mode, 0, [&] {
     pusht::BatchSimulator& world = *worlds_[mode];
-    world.reset(static_cast<int>(lane), pusht::spawn(seed));
+    world.reset(static_cast<int>(lane), protocol_.start(index));
     return pusht::Rollout(world.state(static_cast<int>(lane)), std::move(memory));
   });
 }
@@ -191,7 +198,7 @@ void Flight::advance(Mode mode, std::size_t& next_answer) {
     }
     const Episode& episode = *episodes_[lane];
     const pusht::Action& action = mode == kEngineReplay ? episode.nextReplayed() : answers_.at(next_answer++);
-    located(episode.index(), episode.seed(), mode, episode.rollout(mode).steps(), [&] { requireFinite(action); });
+    located(protocol_, episode.index(), mode, episode.rollout(mode).steps(), [&] { requireFinite(action); });
     actions_[lane] = action;
     any = true;
   }
@@ -202,7 +209,7 @@ void Flight::advance(Mode mode, std::size_t& next_answer) {
   for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
     if (actions_[lane]) {
       Episode& episode = *episodes_[lane];
-      located(episode.index(), episode.seed(), mode, episode.rollout(mode).steps(),
+      located(protocol_, episode.index(), mode, episode.rollout(mode).steps(),
               [&] { episode.record(mode, *actions_[lane], worlds_[mode]->state(static_cast<int>(lane))); });
     }
   }
@@ -240,12 +247,12 @@ void runProtocol(const Protocol& protocol, const Players& players, int threads, 
   std::mutex delivery;
 
   const auto begin = [&](Flight& flight, int index) {
-    const auto recalled = references != nullptr ? references->find(protocol.spawnSeed(index)) : std::nullopt;
+    const auto recalled = references != nullptr ? references->find(protocol.startName(index)) : std::nullopt;
     flight.begin(index, recalled ? &*recalled : nullptr);
   };
   const auto finish = [&](const Episode& episode) {
     if (references != nullptr) {
-      references->keep(episode.seed(), episode.rollout(kReferenceClosed).trace());
+      references->keep(protocol.startName(episode.index()), episode.rollout(kReferenceClosed).trace());
     }
     const std::lock_guard<std::mutex> one_at_a_time(delivery);
     deliver(episode);

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRolloutFormat = "reference rollout 1";
+constexpr const char* kRolloutFormat = "reference rollout 2";
 
 /// The numbers of a state, in the order in which they are kept.
 using StateNumbers = std::array<double, 10>;
@@ -66,10 +66,10 @@ ReferenceCache::ReferenceCache(const fs::path& folder, nlohmann::json key) : key
   }
 }
 
-fs::path ReferenceCache::fileOf(std::uint64_t seed) const { return folder_ / (std::to_string(seed) + ".reference"); }
+fs::path ReferenceCache::fileOf(const std::string& start) const { return folder_ / (start + ".reference"); }
 
-std::optional<pusht::Trace> ReferenceCache::find(std::uint64_t seed) const {
-  const fs::path file = fileOf(seed);
+std::optional<pusht::Trace> ReferenceCache::find(const std::string& start) const {
+  const fs::path file = fileOf(start);
   std::error_code ignored;
   if (fs::symlink_status(file, ignored).type() == fs::file_type::not_found) {
     return std::nullopt;
@@ -90,8 +90,8 @@ std::optional<pusht::Trace> ReferenceCache::find(std::uint64_t seed) const {
       !head.value("steps", nlohmann::json()).is_number_unsigned() || end_of_head == text.size()) {
     refuse("must begin as a \"" + std::string(kRolloutFormat) + "\"");
   }
-  if (head.value("key", nlohmann::json()) != key_ || head.value("seed", nlohmann::json()) != seed) {
-    refuse("belongs to another run: its key or seed is not that of this folder");
+  if (head.value("key", nlohmann::json()) != key_ || head.value("start", nlohmann::json()) != start) {
+    refuse("belongs to another run: its key or start is not that of this folder");
   }
   const auto steps = head.at("steps").get<std::size_t>();
   const std::string bytes = text.substr(end_of_head + 1);
@@ -102,8 +102,8 @@ std::optional<pusht::Trace> ReferenceCache::find(std::uint64_t seed) const {
   return traceOf(bytes.data(), steps);
 }
 
-void ReferenceCache::keep(std::uint64_t seed, const pusht::Trace& trace) const {
-  const fs::path file = fileOf(seed);
+void ReferenceCache::keep(const std::string& start, const pusht::Trace& trace) const {
+  const fs::path file = fileOf(start);
   std::error_code ignored;
   if (fs::exists(file, ignored)) {
     return;
@@ -111,7 +111,7 @@ void ReferenceCache::keep(std::uint64_t seed, const pusht::Trace& trace) const {
   const std::string bytes = bytesOf(trace);
   const nlohmann::json head = {{"format", kRolloutFormat},
                                {"key", key_},
-                               {"seed", seed},
+                               {"start", start},
                                {"steps", trace.steps()},
                                {"sha256", pusht::sha256(bytes)}};
   pusht::writeCacheFile(file, head.dump() + "\n" + bytes);

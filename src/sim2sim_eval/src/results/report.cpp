@@ -54,8 +54,8 @@ std::string csvHead() {
 std::string csvRow(const EpisodeResult& episode, Mode mode) {
   const RolloutResult& result = episode.modes[mode];
   const std::string success = result.success ? "true" : "false";
-  std::string row = std::to_string(episode.index) + "," + std::to_string(episode.seed) + "," + modeName(mode) + "," +
-                    std::to_string(result.steps) + "," + success;
+  std::string row = std::to_string(episode.index) + "," + (episode.seed ? std::to_string(*episode.seed) : "") + "," +
+                    modeName(mode) + "," + std::to_string(result.steps) + "," + success;
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
     row.append(",").append(has(mode, kQuantities[i]) ? shortestText(result.quantities[i]) : "");
   }
@@ -83,7 +83,7 @@ void readCsvRow(const std::string& row, Mode mode, EpisodeResult& episode) {
   std::vector<std::string> cells = split(row, ',');
   cells.resize(kFixedColumns + kQuantities.size());
   episode.index = numberFrom<int>(cells[0]);
-  episode.seed = numberFrom<std::uint64_t>(cells[1]);
+  episode.seed = cells[1].empty() ? std::nullopt : std::optional(numberFrom<std::uint64_t>(cells[1]));
   RolloutResult& result = episode.modes[mode];
   result.steps = numberFrom<int>(cells[3]);
   result.success = cells[4] == "true";

@@ -54,9 +54,12 @@ std::string differencesOf(const std::string& role, const SimulatorRecord& simula
 
 }  // namespace
 
-void SimulatorRecord::add(const std::string& parameter, const pusht::ParameterValue& value, bool is_default,
-                          const json& provenance) {
+void SimulatorRecord::add(const std::string& parameter, const pusht::ParameterValue& value, const std::string& unit,
+                          bool is_default, const json& provenance) {
   parameters[parameter] = std::visit([](const auto& plain) { return ordered_json(plain); }, value);
+  if (!unit.empty()) {
+    units[parameter] = unit;
+  }
   if (is_default) {
     return;
   }
@@ -71,6 +74,7 @@ ordered_json toJson(const SimulatorRecord& simulator) {
   return {{"name", simulator.name},
           {"title", simulator.title},
           {"parameters", simulator.parameters},
+          {"units", simulator.units},
           {"changed", simulator.changed}};
 }
 
@@ -79,6 +83,7 @@ SimulatorRecord simulatorFrom(const ordered_json& description) {
   description.at("name").get_to(simulator.name);
   description.at("title").get_to(simulator.title);
   simulator.parameters = description.at("parameters");
+  simulator.units = description.at("units");
   description.at("changed").get_to(simulator.changed);
   for (const std::string& name : simulator.changed) {
     simulator.parameters.at(name);
@@ -98,41 +103,53 @@ std::string configurationHash(const RunConfiguration& configuration) {
   }
   key += "|" + std::to_string(configuration.protocol.horizon) +
          differencesOf("reference", configuration.reference, kCourseReference) +
-         differencesOf("engine", configuration.engine, kCourseEngine);
+         differencesOf("engine", configuration.engine, kCourseEngine) +
+         (configuration.protocol.starts ? "|starts=" + configuration.protocol.starts->hash() : "");
   return pusht::md5(key).substr(0, kDigits);
 }
 
 ordered_json describe(const RunConfiguration& configuration) {
-  return {{"format", kDescriptionFormat},
-          {"policy", configuration.policy},
-          {"seed", configuration.protocol.seed},
-          {"first_episode", configuration.protocol.first_episode},
-          {"episodes", configuration.protocol.episodes},
-          {"horizon", configuration.protocol.horizon},
-          {"smoke", configuration.smoke},
-          {"reference_simulator", configuration.reference.name},
-          {"engine_simulator", configuration.engine.name},
-          {"knobs", configuration.engine.parameters},
-          {"simulators", {{"reference", toJson(configuration.reference)}, {"engine", toJson(configuration.engine)}}},
-          {"config_hash", configurationHash(configuration)}};
+  ordered_json description = {
+      {"format", kDescriptionFormat},
+      {"policy", configuration.policy},
+      {"seed", configuration.protocol.seed},
+      {"first_episode", configuration.protocol.first_episode},
+      {"episodes", configuration.protocol.episodes},
+      {"horizon", configuration.protocol.horizon},
+      {"smoke", configuration.smoke},
+      {"reference_simulator", configuration.reference.name},
+      {"engine_simulator", configuration.engine.name},
+      {"knobs", configuration.engine.parameters},
+      {"simulators", {{"reference", toJson(configuration.reference)}, {"engine", toJson(configuration.engine)}}},
+      {"config_hash", configurationHash(configuration)}};
+  if (configuration.protocol.starts) {
+    description["starts"] = configuration.protocol.starts->hash();
+  }
+  return description;
+}
+
+Protocol protocolFrom(const json& description) {
+  if (const json format = description.value("format", json(1)); format != kDescriptionFormat) {
+    throw pusht::InvalidInput("format " + format.dump() + ": must be " + std::to_string(kDescriptionFormat) +
+                              "; another version of the suite wrote it");
+  }
+  Protocol protocol{description.at("seed"), description.at("first_episode"), description.at("episodes"),
+                    description.at("horizon")};
+  if (const auto starts = description.find("starts"); starts != description.end()) {
+    protocol.starts = std::make_shared<Starts>(Starts::named(starts->get<std::string>()));
+  }
+  protocol.validate();
+  return protocol;
 }
 
 RunConfiguration configurationFrom(const ordered_json& description) {
   try {
-    if (const ordered_json format = description.value("format", ordered_json(1)); format != kDescriptionFormat) {
-      throw pusht::InvalidInput("format " + format.dump() + ": must be " + std::to_string(kDescriptionFormat) +
-                                "; another version of the suite wrote it");
-    }
     RunConfiguration configuration;
+    configuration.protocol = protocolFrom(description);
     description.at("policy").get_to(configuration.policy);
-    description.at("seed").get_to(configuration.protocol.seed);
-    description.at("first_episode").get_to(configuration.protocol.first_episode);
-    description.at("episodes").get_to(configuration.protocol.episodes);
-    description.at("horizon").get_to(configuration.protocol.horizon);
     description.at("smoke").get_to(configuration.smoke);
     configuration.reference = simulatorFrom(description.at("simulators").at("reference"));
     configuration.engine = simulatorFrom(description.at("simulators").at("engine"));
-    configuration.protocol.validate();
     if (describe(configuration) != description) {
       throw pusht::InvalidInput("its config_hash or one of its values does not fit the others");
     }

@@ -69,7 +69,8 @@ void RunFolder::writeStatus(const RunStatus& status) const {
 RunStatus underWay(int episodes) { return {pusht::ExitCode::kRuntimeFault, kUnderWay, 0, episodes, 0}; }
 
 std::string statusText(const RunStatus& status) {
-  nlohmann::json text = {{"exit_code", static_cast<int>(status.exit_code)},
+  nlohmann::json text = {{"format", kStatusFormat},
+                         {"exit_code", static_cast<int>(status.exit_code)},
                          {"reason", status.reason},
                          {"episodes_finished", status.episodes_finished},
                          {"episodes", status.episodes},

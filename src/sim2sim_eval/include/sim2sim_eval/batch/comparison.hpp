@@ -21,8 +21,10 @@ struct CompareOptions {
   std::vector<std::string> reference_settings{};  ///< as in chooseSimulator()
   std::string engine = "two_mass";                ///< kind
   std::vector<std::string> engine_settings{};
-  bool smoke = false;  ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
-  std::string out;     ///< results folder; empty: the next free results/compare-N
+  bool smoke = false;        ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
+  std::string starts;        ///< file for readStarts(); empty: spawn seeds
+  std::string write_starts;  ///< file to write them into; empty: none
+  std::string out;           ///< results folder; empty: the next free results/compare-N
   bool overwrite = false;
   bool record = false;  ///< write compare.bag
   BatchOptions batch;

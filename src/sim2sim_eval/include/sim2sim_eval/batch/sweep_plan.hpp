@@ -15,15 +15,16 @@ namespace sim2sim {
 struct SweepPlan {
   Protocol protocol;
   std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice; a file must be there
+  std::filesystem::path starts;                ///< file for readStarts(); empty: spawn seeds
   SimulatorChoice reference;
   std::vector<SimulatorChoice> rows;  ///< of the engine; each once
 };
 
 /// From YAML: `policy`, `reference` (a kind), `reference_parameters` (names with values; `scene: FILE` is short for one
-/// of MuJoCo), `engine` (a kind, or a list of kinds: each has all rows), `seed`, `first_episode`, `episodes`,
-/// `horizon`, and the engine's settings: either `grid` (for each parameter a list of values; every combination is a
-/// row, the last one varying fastest) or `rows` (a list of settings); neither where the kinds alone vary. Throws
-/// InvalidInput with file, line, key, value and rule.
+/// of MuJoCo), `engine` (a kind, or a list of kinds: each has all rows), `starts` (a file, as of `compare`), `seed`,
+/// `first_episode`, `episodes`, `horizon`, and the engine's settings: either `grid` (for each parameter a list of
+/// values; every combination is a row, the last one varying fastest) or `rows` (a list of settings); neither where the
+/// kinds alone vary. Throws InvalidInput with file, line, key, value and rule.
 SweepPlan readSweepPlan(const std::filesystem::path& path);
 
 /// A part of a sweep: all rows over a share of the episodes.

@@ -37,6 +37,7 @@ struct LiveRequest {
   double rate = 0.0;   ///< [control steps/s]; 0: as fast as possible
   Cast::Settings settings;
   bool record = true;      ///< write compare.bag
+  std::string starts;      ///< file for readStarts(); empty: spawn seeds
   std::string out;         ///< folder for the results; empty: the next free results/compare-N
   bool overwrite = false;  ///< replace results that are in the folder
 };
@@ -109,7 +110,7 @@ class Evaluator : private LiveObserver {
 
   std::optional<Job> nextJob();
   RunStatus execute(const Job& job);
-  void compare(const LiveRequest& request, RunFolder& folder);
+  void compare(LiveRequest request, RunFolder& folder);
   void begin(int episodes);
   void answer(Job& job, const RunStatus& status);
   bool stopped() const;

@@ -18,6 +18,7 @@
 #include "pusht_task/simulator.hpp"
 #include "sim2sim_eval/protocol/quantities.hpp"
 #include "sim2sim_eval/protocol/reference_cache.hpp"
+#include "sim2sim_eval/protocol/starts.hpp"
 
 namespace sim2sim {
 
@@ -54,15 +55,21 @@ struct Protocol {
   std::uint64_t seed = 0;  ///< of the run; episode i starts from spawn seed 10000 + seed + i
   int first_episode = 0;   ///< index; the others follow it
   int episodes = 50;
-  int horizon = pusht::kHorizon;  ///< [control steps]
+  int horizon = pusht::kHorizon;           ///< [control steps]
+  std::shared_ptr<const Starts> starts{};  ///< of all episodes; none: they come of the spawn seeds
 
   int lastEpisode() const { return first_episode + episodes - 1; }
 
   /// Throws InvalidInput with field, value and rule.
   void validate() const;
 
-  /// Spawn seed of an episode: held out, no demonstration starts there.
-  std::uint64_t spawnSeed(int episode) const;
+  /// Spawn seed of an episode: held out, no demonstration starts there. None where the starts are given.
+  std::optional<std::uint64_t> spawnSeed(int episode) const;
+
+  pusht::WorldState start(int episode) const;
+
+  /// Of the start, for who keeps what comes of it: its spawn seed, or a hash.
+  std::string startName(int episode) const;
 };
 
 /// `protocol` as short as the course's smoke run: 2 episodes of 40 control steps. Throws InvalidInput if `protocol`
@@ -80,7 +87,7 @@ struct RolloutResult {
 
 struct EpisodeResult {
   int index = 0;
-  std::uint64_t seed = 0;  ///< spawn seed
+  std::optional<std::uint64_t> seed{};  ///< spawn seed; none where the start was given
   std::array<RolloutResult, kModeCount> modes;
 };
 
@@ -97,7 +104,6 @@ class Episode {
   Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts);
 
   int index() const { return index_; }
-  std::uint64_t seed() const { return seed_; }  ///< spawn seed
   const pusht::Rollout& rollout(Mode mode) const { return rollouts_[mode]; }
 
   /// Control steps taken, those of the rollout that has taken most.
@@ -118,7 +124,7 @@ class Episode {
 
  private:
   int index_;
-  std::uint64_t seed_;
+  std::optional<std::uint64_t> seed_;
   int horizon_;
   std::array<pusht::Rollout, kModeCount> rollouts_;
 };

@@ -2,7 +2,6 @@
 /// Rollouts of the reference, kept on disk: they depend on no knob of the engine.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,23 +11,23 @@
 
 namespace sim2sim {
 
-/// A file for each rollout: FOLDER/<hash of the key>/<spawn seed>.reference, a line of JSON and the numbers of the
-/// trace as they are in memory. Several threads and runs may share a folder.
+/// A file for each rollout: FOLDER/<hash of the key>/<name of the start>.reference, a line of JSON and the numbers of
+/// the trace as they are in memory. Several threads and runs may share a folder.
 class ReferenceCache {
  public:
-  /// `key` is all that a rollout depends on, besides its spawn seed. Throws RuntimeFault if the folder cannot be
+  /// `key` is all that a rollout depends on, besides its start. Throws RuntimeFault if the folder cannot be
   /// created.
   ReferenceCache(const std::filesystem::path& folder, nlohmann::json key);
 
   /// What the reference did from a start, if that is kept. Throws BadDependency, naming the file, if it is damaged or
-  /// belongs to another key or seed.
-  std::optional<pusht::Trace> find(std::uint64_t seed) const;
+  /// belongs to another key or start. `start` is its name: a spawn seed or a hash.
+  std::optional<pusht::Trace> find(const std::string& start) const;
 
   /// Keeps a rollout that is not kept yet. Throws RuntimeFault if it cannot be written.
-  void keep(std::uint64_t seed, const pusht::Trace& trace) const;
+  void keep(const std::string& start, const pusht::Trace& trace) const;
 
  private:
-  std::filesystem::path fileOf(std::uint64_t seed) const;
+  std::filesystem::path fileOf(const std::string& start) const;
 
   nlohmann::json key_;
   std::filesystem::path folder_;

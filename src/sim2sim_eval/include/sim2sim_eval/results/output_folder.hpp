@@ -17,6 +17,8 @@ constexpr const char* kEpisodesFile = "episodes.csv";
 constexpr const char* kProvenanceFile = "provenance.json";
 constexpr const char* kStatusFile = "status.json";
 
+constexpr int kStatusFormat = 1;  ///< of status.json
+
 /// The reason in a status before the end, and for ever of a command that was killed.
 constexpr const char* kUnderWay = "under way, or killed";
 

@@ -18,10 +18,11 @@ struct SimulatorRecord {
   /// true or false, a number or a text for each name, in the simulator's own order. A file is named by its content:
   /// "sha256:...".
   nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
+  nlohmann::ordered_json units = nlohmann::ordered_json::object();  ///< of those parameters that have one
   std::vector<std::string> changed{};  ///< names of the parameters that have not their default
 
   /// Adds a parameter. If it is a file, `provenance` of the simulator has its SHA-256, under the parameter's name.
-  void add(const std::string& parameter, const pusht::ParameterValue& value, bool is_default,
+  void add(const std::string& parameter, const pusht::ParameterValue& value, const std::string& unit, bool is_default,
            const nlohmann::json& provenance);
 };
 
@@ -40,12 +41,17 @@ struct RunConfiguration {
 
 /// First 12 hex digits of the md5 of `episodes|KNOB|...|horizon`, as Python prints them, with the values of the
 /// course's three knobs, if the engine has them. Whatever else is not as in the course follows: `|reference=NAME`,
-/// `|engine=NAME`, and `|ROLE.PARAMETER=VALUE` for each parameter that has not its default. A smoke run counts as one
+/// `|engine=NAME`, and `|ROLE.PARAMETER=VALUE` for each parameter that has not its default, and
+/// `|starts=HASH` where the starts were given. A smoke run counts as one
 /// of the default length, as in the course.
 std::string configurationHash(const RunConfiguration& configuration);
 
 /// The configuration as JSON; part of metrics.json and of provenance.json.
 nlohmann::ordered_json describe(const RunConfiguration& configuration);
+
+/// The protocol of a configuration, or of a sweep, that describe() has described; given starts are known by their hash
+/// alone. Throws json::exception if there is none, InvalidInput if it cannot be run or is of another format.
+Protocol protocolFrom(const nlohmann::json& description);
 
 /// The configuration that `description` describes. Throws InvalidInput if it describes none, or is of another format.
 RunConfiguration configurationFrom(const nlohmann::ordered_json& description);

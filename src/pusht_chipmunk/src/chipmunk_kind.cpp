@@ -23,7 +23,6 @@ SimulatorModel load(const ParameterSet& parameters) {
 }  // namespace
 
 const SimulatorKind& chipmunkKind() {
-  constexpr double kStartTolerance = 1e-12;
   const ChipmunkParameters defaults;
   static const SimulatorKind kind = {
       "chipmunk",
@@ -36,7 +35,7 @@ const SimulatorKind& chipmunkKind() {
        {kOverlapLeft, "", "share of an overlap that is left after a second", defaults.overlap_left, 0.0, 1.0,
         "it is a share"}},
       {"libpusht_chipmunk.so", "libchipmunk.so"},
-      kStartTolerance,
+      ChipmunkWorld::kStartTolerance,
       load};
   return kind;
 }

@@ -172,7 +172,8 @@ struct ChipmunkWorld::Scene {
   chipmunk::Owned<cpSpace> space;  // last, hence freed first: it looks at its bodies then
 };
 
-ChipmunkWorld::ChipmunkWorld(const ChipmunkParameters& parameters) : Simulator("Chipmunk"), parameters_(parameters) {
+ChipmunkWorld::ChipmunkWorld(const ChipmunkParameters& parameters)
+    : Simulator("Chipmunk", kStartTolerance), parameters_(parameters) {
   greetInSilence();
   scene_ = std::make_unique<Scene>(parameters_);
 }

@@ -10,14 +10,23 @@
 
 #include "pusht_chipmunk/chipmunk_kind.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/testing/batch_simulator_suite.hpp"
 #include "pusht_task/testing/golden.hpp"
 #include "pusht_task/testing/simulator_suite.hpp"
 
 namespace pusht {
 namespace testing {
+namespace {
 
-INSTANTIATE_TEST_SUITE_P(ChipmunkWorld, SimulatorSuite,
-                         ::testing::Values(SimulatorFactory([] { return std::make_unique<ChipmunkWorld>(); })));
+std::vector<Subject> subjects() {
+  return {{chipmunkKind()},
+          {chipmunkKind(), {{"iterations", "10"}, {"collision_slop", "0.001"}, {"overlap_left", "0.5"}}}};
+}
+
+}  // namespace
+
+INSTANTIATE_TEST_SUITE_P(Chipmunk, SimulatorSuite, ::testing::ValuesIn(subjects()));
+INSTANTIATE_TEST_SUITE_P(Chipmunk, BatchSimulatorSuite, ::testing::ValuesIn(subjects()));
 
 }  // namespace testing
 

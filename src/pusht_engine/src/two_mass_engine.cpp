@@ -11,12 +11,9 @@
 
 namespace pusht {
 
-using two_mass::Bodies;
 using two_mass::kBar;
-using two_mass::kLaneCount;
 using two_mass::kPusher;
 using two_mass::kStem;
-using two_mass::Lanes;
 
 namespace {
 
@@ -30,58 +27,6 @@ const double kGreatestYaw = std::floor(kPi / kYawGrid) * kYawGrid;  // [rad]
 double onGrid(double value, double spacing) { return std::nearbyint(value / spacing) * spacing; }
 
 Eigen::Vector2d turnLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
-
-/// Throws InvalidInput if a knob is out of range.
-two_mass::Model modelOf(const TwoMassParameters& parameters) {
-  parameters.validate();
-  return {{parameters.pusher_mass, kBarMass, kStemMass},
-          {1.0 / parameters.pusher_mass, 1.0 / kBarMass, 1.0 / kStemMass},
-          parameters.block_damp,
-          parameters.baumgarte};
-}
-
-/// The bodies of a tee with its link at rest length.
-Bodies<double> bodiesOf(const WorldState& state) {
-  const Eigen::Vector2d offset(kStemOffset * std::sin(state.tee_yaw), -kStemOffset * std::cos(state.tee_yaw));
-  return {{state.pusher_position, state.tee_position, state.tee_position + offset},
-          {state.pusher_velocity, state.tee_velocity, state.tee_velocity + state.tee_yaw_rate * turnLeft(offset)}};
-}
-
-WorldState stateOf(const Bodies<double>& bodies) {
-  const auto& [positions, velocities] = bodies;
-  const Eigen::Vector2d arm = positions[kStem] - positions[kBar];
-  const Eigen::Vector2d arm_rate = velocities[kStem] - velocities[kBar];
-  WorldState state;
-  state.pusher_position = positions[kPusher];
-  state.pusher_velocity = velocities[kPusher];
-  state.tee_position = positions[kBar];
-  state.tee_velocity = velocities[kBar];
-  state.tee_yaw =
-      std::clamp(onGrid(two_mass::yaw(positions[kBar], positions[kStem]), kYawGrid), -kGreatestYaw, kGreatestYaw);
-  state.tee_yaw_rate = onGrid(turnLeft(arm).dot(arm_rate) / arm.squaredNorm(), kYawRateGrid);
-  return state;
-}
-
-/// Calls function(number of one world, number of the same kind of many) for every number of the bodies.
-template <class One, class Many, class Function>
-void forEachNumber(One& one, Many& many, Function function) {
-  for (std::size_t body = 0; body < two_mass::kBodyCount; ++body) {
-    for (Eigen::Index axis = 0; axis < 2; ++axis) {
-      function(one.positions[body][axis], many.positions[body][axis]);
-      function(one.velocities[body][axis], many.velocities[body][axis]);
-    }
-  }
-}
-
-void setLane(Bodies<Lanes>& group, std::size_t lane, const Bodies<double>& bodies) {
-  forEachNumber(bodies, group, [lane](double one, Lanes& many) { many[lane] = one; });
-}
-
-Bodies<double> laneOf(const Bodies<Lanes>& group, std::size_t lane) {
-  Bodies<double> bodies;
-  forEachNumber(bodies, group, [lane](double& one, const Lanes& many) { one = many[lane]; });
-  return bodies;
-}
 
 }  // namespace
 
@@ -104,89 +49,36 @@ void TwoMassParameters::validate() const {
   }
 }
 
-TwoMassEngine::TwoMassEngine(const TwoMassParameters& parameters)
-    : model_(modelOf(parameters)), bodies_(bodiesOf(WorldState())) {}
-
-void TwoMassEngine::doReset(const WorldState& state) { bodies_ = bodiesOf(state); }
-
-WorldState TwoMassEngine::doState() const { return stateOf(bodies_); }
-
-void TwoMassEngine::doStep(const Action& action) {
-  const Eigen::Vector2d command(action[0], action[1]);
-  for (int i = 0; i < kSubstepsPerControlStep; ++i) {
-    two_mass::substep(model_, command, bodies_);
-  }
+two_mass::Model TwoMassPhysics::modelOf(const TwoMassParameters& parameters) {
+  parameters.validate();
+  return {{parameters.pusher_mass, kBarMass, kStemMass},
+          {1.0 / parameters.pusher_mass, 1.0 / kBarMass, 1.0 / kStemMass},
+          parameters.block_damp,
+          parameters.baumgarte};
 }
 
-TwoMassLanes::TwoMassLanes(int lanes, const TwoMassParameters& parameters)
-    : model_(modelOf(parameters)),
-      groups_((lanes + kLaneCount - 1) / kLaneCount),
-      states_(lanes),
-      errors_(lanes, std::make_exception_ptr(InvalidInput("step: the world must be reset first"))) {
-  // Lanes that nobody has reset are stepped with the others.
-  for (std::size_t lane = 0; lane < groups_.size() * kLaneCount; ++lane) {
-    setLane(groups_[lane / kLaneCount], lane % kLaneCount, bodiesOf(WorldState()));
-  }
+two_mass::Bodies<double> TwoMassPhysics::bodiesOf(const WorldState& state) {
+  const Eigen::Vector2d offset(kStemOffset * std::sin(state.tee_yaw), -kStemOffset * std::cos(state.tee_yaw));
+  return {{state.pusher_position, state.tee_position, state.tee_position + offset},
+          {state.pusher_velocity, state.tee_velocity, state.tee_velocity + state.tee_yaw_rate * turnLeft(offset)}};
 }
 
-void TwoMassLanes::reset(int lane, const WorldState& state) {
-  const Bodies<double> bodies = bodiesOf(checkedStart(state));
-  setLane(groups_.at(lane / kLaneCount), lane % kLaneCount, bodies);
-  states_.at(lane) = stateOf(bodies);
-  errors_.at(lane) = nullptr;
+WorldState TwoMassPhysics::stateOf(const Bodies<double>& bodies) {
+  const auto& [positions, velocities] = bodies;
+  const Eigen::Vector2d arm = positions[kStem] - positions[kBar];
+  const Eigen::Vector2d arm_rate = velocities[kStem] - velocities[kBar];
+  WorldState state;
+  state.pusher_position = positions[kPusher];
+  state.pusher_velocity = velocities[kPusher];
+  state.tee_position = positions[kBar];
+  state.tee_velocity = velocities[kBar];
+  state.tee_yaw =
+      std::clamp(onGrid(two_mass::yaw(positions[kBar], positions[kStem]), kYawGrid), -kGreatestYaw, kGreatestYaw);
+  state.tee_yaw_rate = onGrid(turnLeft(arm).dot(arm_rate) / arm.squaredNorm(), kYawRateGrid);
+  return state;
 }
 
-WorldState TwoMassLanes::state(int lane) const {
-  if (errors_.at(lane) != nullptr) {
-    std::rethrow_exception(errors_.at(lane));
-  }
-  return states_.at(lane);
-}
-
-void TwoMassLanes::step(Actions actions) {
-  for (std::size_t group = 0; group < groups_.size(); ++group) {
-    stepGroup(group, actions);
-  }
-}
-
-void TwoMassLanes::stepGroup(std::size_t group, Actions actions) {
-  const std::size_t first = group * kLaneCount;
-  const std::size_t end = std::min(first + kLaneCount, states_.size());
-  two_mass::Vector2<Lanes> command(Lanes(0.0), Lanes(0.0));
-  Lanes::mask_type stepping(false);
-  for (std::size_t lane = first; lane < end; ++lane) {
-    if (!actions[lane] || errors_[lane] != nullptr) {
-      continue;
-    }
-    try {
-      const Action action = checkedAction(*actions[lane]);
-      command.x()[lane - first] = action[0];
-      command.y()[lane - first] = action[1];
-      stepping[lane - first] = true;
-    } catch (const Error&) {
-      errors_[lane] = std::current_exception();
-    }
-  }
-  if (!two_mass::any(stepping)) {
-    return;
-  }
-
-  Group stepped = groups_[group];
-  for (int i = 0; i < kSubstepsPerControlStep; ++i) {
-    two_mass::substep(model_, command, stepped);
-  }
-  for (std::size_t lane = first; lane < end; ++lane) {
-    if (stepping[lane - first]) {
-      const Bodies<double> bodies = laneOf(stepped, lane - first);
-      setLane(groups_[group], lane - first, bodies);
-      states_[lane] = stateOf(bodies);
-      try {
-        requirePlausibleStep(states_[lane]);
-      } catch (const Error&) {
-        errors_[lane] = std::current_exception();
-      }
-    }
-  }
-}
+template class PlanarSimulator<TwoMassPhysics>;
+template class PlanarLanes<TwoMassPhysics>;
 
 }  // namespace pusht

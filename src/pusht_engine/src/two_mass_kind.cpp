@@ -31,10 +31,13 @@ SimulatorModel load(const ParameterSet& parameters) {
 }  // namespace
 
 const SimulatorKind& twoMassKind() {
-  constexpr double kStartTolerance = 1e-12;
-  static const SimulatorKind kind = {
-      "two_mass", "two-mass engine", PUSHT_ENGINE_VERSION, describeKnobs(), {"libpusht_engine.so"}, kStartTolerance,
-      load};
+  static const SimulatorKind kind = {"two_mass",
+                                     "two-mass engine",
+                                     PUSHT_ENGINE_VERSION,
+                                     describeKnobs(),
+                                     {"libpusht_engine.so"},
+                                     TwoMassPhysics::kStartTolerance,
+                                     load};
   return kind;
 }
 

@@ -7,18 +7,32 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <string>
+#include <vector>
 
+#include "pusht_engine/two_mass_kind.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/testing/batch_simulator_suite.hpp"
 #include "pusht_task/testing/golden.hpp"
 #include "pusht_task/testing/simulator_suite.hpp"
 
 namespace pusht {
 
 namespace testing {
-INSTANTIATE_TEST_SUITE_P(TwoMassEngine, SimulatorSuite,
-                         ::testing::Values(SimulatorFactory([] { return std::make_unique<TwoMassEngine>(); })));
+namespace {
+
+std::vector<Subject> subjects() {
+  return {{twoMassKind()},
+          {twoMassKind(), {{"block_damp", "1.0"}}},
+          {twoMassKind(), {{"pusher_mass", "0.5"}}},
+          {twoMassKind(), {{"baumgarte", "20.0"}}}};
+}
+
+}  // namespace
+
+INSTANTIATE_TEST_SUITE_P(TwoMass, SimulatorSuite, ::testing::ValuesIn(subjects()));
+INSTANTIATE_TEST_SUITE_P(TwoMass, BatchSimulatorSuite, ::testing::ValuesIn(subjects()));
+
 }  // namespace testing
 
 namespace {
@@ -232,6 +246,7 @@ TEST(TwoMassParameters, EachKnobChangesATrajectory) {
 
 // The ranges are those in which the integration itself is stable: just inside it is, just outside it is not.
 
+/// Of any knobs, those that are refused too.
 two_mass::Model modelWith(const TwoMassParameters& knobs) {
   return {{knobs.pusher_mass, kBarMass, kStemMass},
           {1.0 / knobs.pusher_mass, 1.0 / kBarMass, 1.0 / kStemMass},

@@ -27,7 +27,6 @@ SimulatorModel load(const ParameterSet& parameters) {
 }  // namespace
 
 const SimulatorKind& mujocoKind() {
-  constexpr double kStartTolerance = 1e-12;
   static const SimulatorKind kind = {
       "mujoco",
       "MuJoCo",
@@ -35,7 +34,7 @@ const SimulatorKind& mujocoKind() {
       {{kScene, "", "MJCF file, or 'shipped' for the one that comes with the suite; must be this task",
         std::string(kShipped)}},
       {"libmujoco.so", "libpusht_mujoco.so"},
-      kStartTolerance,
+      MujocoWorld::kStartTolerance,
       load};
   return kind;
 }

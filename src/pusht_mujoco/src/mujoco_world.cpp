@@ -26,7 +26,7 @@ mjData* makeData(const mjModel& model) {
 }  // namespace
 
 MujocoWorld::MujocoWorld(std::shared_ptr<const MujocoScene> scene)
-    : scene_(std::move(scene)), data_(makeData(scene_->model())) {}
+    : Simulator("", kStartTolerance), scene_(std::move(scene)), data_(makeData(scene_->model())) {}
 
 void MujocoWorld::doReset(const WorldState& state) {
   const mjModel* model = &scene_->model();

@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "pusht_mujoco/mujoco_kind.hpp"
+#include "pusht_task/testing/batch_simulator_suite.hpp"
 #include "pusht_task/testing/golden.hpp"
 #include "pusht_task/testing/simulator_suite.hpp"
 
@@ -22,8 +24,8 @@ std::shared_ptr<const MujocoScene> scene() {
 }  // namespace
 
 namespace testing {
-INSTANTIATE_TEST_SUITE_P(MujocoWorld, SimulatorSuite,
-                         ::testing::Values(SimulatorFactory([] { return std::make_unique<MujocoWorld>(scene()); })));
+INSTANTIATE_TEST_SUITE_P(Mujoco, SimulatorSuite, ::testing::Values(Subject{mujocoKind()}));
+INSTANTIATE_TEST_SUITE_P(Mujoco, BatchSimulatorSuite, ::testing::Values(Subject{mujocoKind()}));
 }  // namespace testing
 
 namespace {

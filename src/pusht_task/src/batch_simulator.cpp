@@ -3,8 +3,6 @@
 
 #include <utility>
 
-#include "pusht_task/error.hpp"
-
 namespace pusht {
 namespace {
 
@@ -16,33 +14,34 @@ std::vector<std::unique_ptr<Simulator>> oneOf(std::unique_ptr<Simulator> world) 
 
 }  // namespace
 
+LaneFaults::LaneFaults(std::size_t lanes)
+    : faults_(lanes, std::make_exception_ptr(InvalidInput("the world must be reset first"))) {}
+
+void LaneFaults::raise(std::size_t lane) const {
+  if (has(lane)) {
+    std::rethrow_exception(faults_[lane]);
+  }
+}
+
 SimulatorLanes::SimulatorLanes(std::vector<std::unique_ptr<Simulator>> worlds)
-    : worlds_(std::move(worlds)),
-      errors_(worlds_.size(), std::make_exception_ptr(InvalidInput("step: the world must be reset first"))) {}
+    : worlds_(std::move(worlds)), faults_(worlds_.size()) {}
 
 SimulatorLanes::SimulatorLanes(std::unique_ptr<Simulator> world) : SimulatorLanes(oneOf(std::move(world))) {}
 
 void SimulatorLanes::reset(int lane, const WorldState& state) {
-  worlds_.at(lane)->reset(state);
-  errors_.at(lane) = nullptr;
+  faults_.reset(lane, [&] { worlds_.at(lane)->reset(state); });
 }
 
 void SimulatorLanes::step(Actions actions) {
   for (std::size_t lane = 0; lane < worlds_.size(); ++lane) {
-    if (actions[lane] && errors_[lane] == nullptr) {
-      try {
-        worlds_[lane]->step(*actions[lane]);
-      } catch (...) {
-        errors_[lane] = std::current_exception();
-      }
+    if (actions[lane] && !faults_.has(lane)) {
+      faults_.step(lane, [&] { worlds_[lane]->step(*actions[lane]); });
     }
   }
 }
 
 WorldState SimulatorLanes::state(int lane) const {
-  if (errors_.at(lane) != nullptr) {
-    std::rethrow_exception(errors_.at(lane));
-  }
+  faults_.raise(lane);
   return worlds_.at(lane)->state();
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
@@ -53,6 +54,19 @@ std::string faultOfYaw(double yaw) {
   return yaw >= -kPi && yaw < kPi ? "" : "tee_yaw " + shortestText(yaw) + " rad: must be in [-pi, pi)";
 }
 
+/// Runs `call`; its error says whose it is.
+template <class Call>
+void inNameOf(const std::string& name, const Call& call) {
+  try {
+    call();
+  } catch (Error& fault) {
+    if (!name.empty()) {
+      fault.addContext(name);
+    }
+    throw;
+  }
+}
+
 }  // namespace
 
 WorldState checkedStart(const WorldState& state) {
@@ -77,7 +91,7 @@ Action checkedAction(const Action& action) {
   return clip(action);
 }
 
-std::string faultOfStart(const WorldState& start, const WorldState& state) {
+std::string faultOfStart(const WorldState& start, const WorldState& state, double tolerance) {
   if (std::string fault = faultOfYaw(state.tee_yaw); !fault.empty()) {
     return fault;
   }
@@ -97,8 +111,8 @@ std::string faultOfStart(const WorldState& start, const WorldState& state) {
       number("tee_y", start.tee_position.y(), state.tee_position.y()),
       Number{"tee_yaw", start.tee_yaw, state.tee_yaw, std::abs(wrapAngle(state.tee_yaw - start.tee_yaw))}};
   for (const Number& n : pose) {
-    if (!(n.distance <= kStartTolerance)) {
-      return std::string(n.name) + " " + shortestText(n.found) + ": must be within " + shortestText(kStartTolerance) +
+    if (!(n.distance <= tolerance)) {
+      return std::string(n.name) + " " + shortestText(n.found) + ": must be within " + shortestText(tolerance) +
              " of " + shortestText(n.wanted);
     }
   }
@@ -107,12 +121,26 @@ std::string faultOfStart(const WorldState& start, const WorldState& state) {
   const bool at_rest =
       std::all_of(wanted.begin(), wanted.end(), [](const Bounded& velocity) { return velocity.value == 0.0; });
   for (const Bounded& velocity : velocitiesOf(state)) {
-    if (!std::isfinite(velocity.value) || (at_rest && std::abs(velocity.value) > kStartTolerance)) {
+    if (!std::isfinite(velocity.value) || (at_rest && std::abs(velocity.value) > tolerance)) {
       return std::string(velocity.name) + " " + shortestText(velocity.value) + ": must be " +
-             (at_rest ? "within " + shortestText(kStartTolerance) + " of 0" : "finite");
+             (at_rest ? "within " + shortestText(tolerance) + " of 0" : "finite");
     }
   }
   return "";
+}
+
+void requireStart(const WorldState& start, const WorldState& state, double tolerance) {
+  if (const std::string fault = faultOfStart(start, state, tolerance); !fault.empty()) {
+    throw SimulationFault("reset: " + fault);
+  }
+}
+
+double checkedStartTolerance(double tolerance) {
+  if (!(tolerance > 0.0 && tolerance <= kStartTolerance)) {
+    throw InvalidInput("start_tolerance " + shortestText(tolerance) + ": must be above 0 and at most " +
+                       shortestText(kStartTolerance));
+  }
+  return tolerance;
 }
 
 void requirePlausibleStep(const WorldState& state) {
@@ -127,13 +155,14 @@ void requirePlausibleStep(const WorldState& state) {
   }
 }
 
+Simulator::Simulator(std::string name, double start_tolerance)
+    : name_(std::move(name)), start_tolerance_(checkedStartTolerance(start_tolerance)) {}
+
 void Simulator::reset(const WorldState& state) {
   const WorldState start = checkedStart(state);
   ready_ = false;
   doReset(start);
-  if (const std::string fault = faultOfStart(start, this->state()); !fault.empty()) {
-    throw SimulationFault(name_ + (name_.empty() ? "" : ": ") + "reset: " + fault);
-  }
+  inNameOf(name_, [&] { requireStart(start, this->state(), start_tolerance_); });
   ready_ = true;
 }
 
@@ -144,14 +173,7 @@ void Simulator::step(const Action& action) {
   const Action clipped = checkedAction(action);
   ready_ = false;
   doStep(clipped);
-  try {
-    requirePlausibleStep(state());
-  } catch (Error& fault) {
-    if (!name_.empty()) {
-      fault.addContext(name_);
-    }
-    throw;
-  }
+  inNameOf(name_, [&] { requirePlausibleStep(state()); });
   ready_ = true;
 }
 

@@ -9,9 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/ros/conversions.hpp"
 #include "pusht_task/ros/policy_session.hpp"
+#include "pusht_task/ros/served_simulator.hpp"
 #include "pusht_task/ros/simulator_session.hpp"
 #include "pusht_task/spawn.hpp"
 
@@ -27,7 +29,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// The pusher goes where it is told; after `steps_to_failure` steps since the start the simulation fails.
 class Brittle : public Simulator {
  public:
-  explicit Brittle(int steps_to_failure) : steps_to_failure_(steps_to_failure) {}
+  explicit Brittle(int steps_to_failure) : Simulator("", 1e-12), steps_to_failure_(steps_to_failure) {}
 
  private:
   void doReset(const WorldState& state) override {
@@ -99,6 +101,18 @@ TEST_F(SimulatorSessions, DescribesItsKind) {
   EXPECT_EQ(steps.meaning, "until it breaks");
   EXPECT_EQ(steps.default_value, "2");
   EXPECT_EQ(steps.greatest, 10.0);
+}
+
+/// On the caller's side a world starts as near as its node says.
+TEST_F(SimulatorSessions, ToldOfByTheStartTolerance) {
+  pusht_msgs::DescribeResponse description = session_.describe();
+  EXPECT_EQ(startToleranceOf(description), 1e-12);
+  description.start_tolerance = 0.0;
+  EXPECT_EQ(startToleranceOf(description), kStartTolerance) << "of a node that does not say";
+  for (const double bad : {-1e-12, 0.1, kNan}) {
+    description.start_tolerance = bad;
+    EXPECT_THROW(startToleranceOf(description), BadDependency) << bad;
+  }
 }
 
 TEST_F(SimulatorSessions, RefusesWhatTheKindDoesNotTake) {

@@ -4,12 +4,16 @@
 
 #include <gmock/gmock.h>
 
-#include <memory>
+#include <limits>
 #include <string>
+#include <vector>
 
-#include "pusht_task/batch_simulator.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/testing/batch_simulator_suite.hpp"
+#include "pusht_task/testing/refusal.hpp"
+#include "pusht_task/testing/simulator_suite.hpp"
+#include "toy_world.hpp"
 
 namespace pusht {
 namespace {
@@ -97,20 +101,47 @@ TEST(Simulators, AreNotToldToStartOutOfRange) {
   EXPECT_THROW(puppet.reset(teeAt(1e300, 0.0)), InvalidInput);
 }
 
-TEST(Simulators, FailInTheirLaneAlone) {
-  auto far = std::make_unique<Puppet>();
-  far->after_step = teeAt(1e59, 0.0);
-  std::vector<std::unique_ptr<Simulator>> worlds;
-  worlds.push_back(std::move(far));
-  worlds.push_back(std::make_unique<Puppet>());
-  SimulatorLanes lanes(std::move(worlds));
-  lanes.reset(0, {});
-  lanes.reset(1, {});
-  const std::array<std::optional<Action>, 2> actions = {Action{}, Action{}};
-  lanes.step(actions);
-  EXPECT_THROW(lanes.state(0), SimulationFault);
-  EXPECT_EQ(lanes.state(1), WorldState());
+TEST(Simulators, StartAsNearAsTheySay) {
+  Puppet puppet("/mine", 1e-12);
+  puppet.after_reset = teeAt(0.25 + 1e-9, 0.0);
+  EXPECT_THAT(faultOf([&] { puppet.reset(teeAt(0.25, 0.0)); }), HasSubstr("must be within 1e-12 of 0.25"));
+  puppet.after_reset = teeAt(0.25 + 1e-13, 0.0);
+  EXPECT_EQ(faultOf([&] { puppet.reset(teeAt(0.25, 0.0)); }), "none");
+}
+
+TEST(Simulators, SayOfTheirStartsNoMoreThanTheTaskAllows) {
+  EXPECT_EQ(Puppet().startTolerance(), kStartTolerance);
+  for (const double bad : {0.0, -1e-9, 1.1e-6, std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(Puppet("/mine", bad), InvalidInput) << bad;
+  }
+  EXPECT_EQ(testing::refusalOf([] { checkedStartTolerance(0.1); }),
+            "start_tolerance 0.1: must be above 0 and at most 1e-06");
+}
+
+/// What is right for a kind in single precision is refused of one that says more of itself.
+TEST(Simulators, InSinglePrecisionMustSaySo) {
+  const SimulatorModel toy = testing::Subject{toyKind(ToyWorld::Precision::kSingle, 1e-12)}.load();
+  EXPECT_THAT(faultOf([&] { toy.make_world()->reset(spawn(3)); }), HasSubstr(", to 1e-12"));
+  const auto lanes = toy.make_lanes(2);
+  lanes->reset(0, {});
+  EXPECT_THROW(lanes->reset(1, spawn(3)), SimulationFault);
+  EXPECT_THAT(faultOf([&] { lanes->state(1); }), HasSubstr(", to 1e-12")) << "the lane keeps the error";
+  EXPECT_EQ(lanes->state(0), WorldState());
+  lanes->reset(1, {});
+  EXPECT_EQ(lanes->state(1), WorldState());
 }
 
 }  // namespace
+
+namespace testing {
+namespace {
+
+std::vector<Subject> toys() { return {{toyKind()}, {toyKind(ToyWorld::Precision::kSingle, 1e-6)}}; }
+
+}  // namespace
+
+INSTANTIATE_TEST_SUITE_P(Toys, SimulatorSuite, ::testing::ValuesIn(toys()));
+INSTANTIATE_TEST_SUITE_P(Toys, BatchSimulatorSuite, ::testing::ValuesIn(toys()));
+
+}  // namespace testing
 }  // namespace pusht

@@ -99,6 +99,8 @@ class Drift:
     def reset(self, start: WorldState) -> WorldState:
         if self.fault == "elsewhere":
             return replace(start, tee_x=start.tee_x + 0.01)
+        if self.fault == "rounded":
+            return replace(start, tee_x=float(np.float32(start.tee_x)))
         if self.fault == "moving":
             return replace(start, tee_yaw_rate=start.tee_yaw_rate + 1e-3)
         if self.fault == "askew":
@@ -253,6 +255,28 @@ class Resets(SessionCase):
             self.refused_reset(message, exit_code=4, start=[WorldStateMessage()])
             self.refused_step("needs a reset")
         self.reset(start=[WorldStateMessage(tee_vx=0.1)])  # motion may be projected
+
+    def test_start_tolerance_is_what_the_simulator_says(self) -> None:
+        self.assertEqual(self.session.describe().start_tolerance, 0.0, "it does not say")
+        self.simulators[0].fault = "rounded"
+        start = [WorldStateMessage(tee_x=0.1)]
+        self.reset(start=start)
+
+        def session(start_tolerance: float) -> SimulatorSession:
+            identity = Identity("drift", "1", start_tolerance=start_tolerance)
+            return SimulatorSession(self.make, DEFAULTS, identity, "here", self.updates.append)
+
+        for tolerance, accepted in ((1e-6, True), (1e-12, False)):
+            said = session(tolerance)
+            self.assertEqual(said.describe().start_tolerance, tolerance)
+            self.simulators[-1].fault = "rounded"
+            response = said.reset(ResetRequest(start=start))
+            self.assertEqual(bool(response.success), accepted)
+            if not accepted:
+                self.assertRegex(response.message, "must be within 1e-12 of 0.1")
+        for bad in (-1e-12, 0.1, math.nan):
+            with self.assertRaisesRegex(Refusal, f"start_tolerance {bad}: must be above 0"):
+                session(bad)
 
     def test_start_that_is_out_of_range(self) -> None:
         bad = WorldStateMessage(tee_x=1e300)

@@ -31,7 +31,7 @@
 namespace {
 
 using benchmark::State;
-using pusht::two_mass::kLaneCount;
+using pusht::simd::kLaneCount;
 
 // ---- Engine
 

@@ -27,6 +27,8 @@ struct ChipmunkParameters {
 /// which may use so much force and never pulls back. Bodies move after their collision was solved, as in the reference.
 class ChipmunkWorld : public Simulator {
  public:
+  static constexpr double kStartTolerance = 1e-12;  ///< [m, rad, m/s, rad/s]
+
   explicit ChipmunkWorld(const ChipmunkParameters& parameters = {});
   ~ChipmunkWorld() override;
 

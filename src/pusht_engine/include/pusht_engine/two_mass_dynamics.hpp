@@ -7,13 +7,18 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <type_traits>
 
-#include "pusht_engine/lanes.hpp"
+#include "pusht_engine/simd.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/types.hpp"
 
 namespace pusht::two_mass {
+
+using simd::any;
+using simd::Condition;
+using simd::scaled;
+using simd::select;
+using simd::Vector2;
 
 constexpr double kBarRadius = 0.032;       ///< [m] the disc that stands for the bar
 constexpr double kStemRadius = 0.026;      ///< [m] the disc that stands for the stem
@@ -29,16 +34,7 @@ constexpr std::array<Body, 2> kBlocks = {kBar, kStem};  ///< the masses of the t
 
 constexpr std::array<double, kBodyCount> kRadii = {kPusherRadius, kBarRadius, kStemRadius};  // [m]
 
-// Real is double for one world, Lanes for several, which bring an alignment of their own.
-template <class Real>
-using Vector2 = Eigen::Matrix<Real, 2, 1, std::is_same_v<Real, double> ? Eigen::AutoAlign : Eigen::DontAlign>;
-
-/// Factor times vector. (Eigen's own operators would give Lanes an alignment that is less than they need.)
-template <class Real>
-[[gnu::always_inline]] inline Vector2<Real> scaled(const Real& factor, const Vector2<Real>& vector) {
-  return Vector2<Real>(factor * vector.x(), factor * vector.y());
-}
-
+// Real is double for one world, simd::Lanes for several.
 template <class Real>
 using BodyVectors = std::array<Vector2<Real>, kBodyCount>;
 using BodyScalars = std::array<double, kBodyCount>;

@@ -3,13 +3,11 @@
 #pragma once
 
 #include <array>
-#include <exception>
-#include <vector>
+#include <cstddef>
 
+#include "pusht_engine/planar_simulator.hpp"
 #include "pusht_engine/two_mass_dynamics.hpp"
-#include "pusht_task/batch_simulator.hpp"
 #include "pusht_task/parameters.hpp"
-#include "pusht_task/simulator.hpp"
 
 namespace pusht {
 
@@ -62,43 +60,43 @@ double greatestBaumgarte(double block_damp);
 
 }  // namespace two_mass
 
+/// The two-mass physics, as PlanarSimulator wants it.
+struct TwoMassPhysics {
+  using Parameters = TwoMassParameters;
+  using Model = two_mass::Model;
+  template <class Real>
+  using Bodies = two_mass::Bodies<Real>;
+
+  static constexpr double kStartTolerance = 1e-12;
+
+  static Model modelOf(const TwoMassParameters& parameters);
+  /// With the link at rest length.
+  static Bodies<double> bodiesOf(const WorldState& state);
+  static WorldState stateOf(const Bodies<double>& bodies);
+
+  template <class Real>
+  static void substep(const Model& model, const simd::Vector2<Real>& command, Bodies<Real>& bodies) {
+    two_mass::substep(model, command, bodies);
+  }
+
+  template <class One, class Many, class Function>
+  static void forEachNumber(One& one, Many& many, Function function) {
+    for (std::size_t body = 0; body < two_mass::kBodyCount; ++body) {
+      for (Eigen::Index axis = 0; axis < 2; ++axis) {
+        function(one.positions[body][axis], many.positions[body][axis]);
+        function(one.velocities[body][axis], many.velocities[body][axis]);
+      }
+    }
+  }
+};
+
+extern template class PlanarSimulator<TwoMassPhysics>;
+extern template class PlanarLanes<TwoMassPhysics>;
+
 /// No walls, no friction, no continuous collision: its simplifications are the point.
-class TwoMassEngine : public Simulator {
- public:
-  /// Throws InvalidInput if a knob is out of range.
-  explicit TwoMassEngine(const TwoMassParameters& parameters = {});
+using TwoMassEngine = PlanarSimulator<TwoMassPhysics>;
 
-  const two_mass::Bodies<double>& bodies() const { return bodies_; }
-
- private:
-  void doReset(const WorldState& state) override;
-  void doStep(const Action& action) override;
-  WorldState doState() const override;
-
-  two_mass::Model model_;
-  two_mass::Bodies<double> bodies_;
-};
-
-/// The same engine for many worlds: they step together in SIMD lanes.
-class TwoMassLanes : public BatchSimulator {
- public:
-  /// Throws InvalidInput if a knob is out of range.
-  TwoMassLanes(int lanes, const TwoMassParameters& parameters = {});
-
-  int lanes() const override { return static_cast<int>(states_.size()); }
-  void reset(int lane, const WorldState& state) override;
-  void step(Actions actions) override;
-  WorldState state(int lane) const override;
-
- private:
-  using Group = two_mass::Bodies<two_mass::Lanes>;
-
-  void stepGroup(std::size_t group, Actions actions);
-
-  two_mass::Model model_;
-  std::vector<Group> groups_;  // lane i is lane i % kLaneCount of group i / kLaneCount
-  std::vector<WorldState> states_;
-  std::vector<std::exception_ptr> errors_;  // why a lane must be reset before it can go on
-};
+/// The same engine for many worlds.
+using TwoMassLanes = PlanarLanes<TwoMassPhysics>;
 
 }  // namespace pusht

@@ -12,6 +12,8 @@ namespace pusht {
 /// One PushT world in MuJoCo. Worlds of one scene may step in different threads.
 class MujocoWorld : public Simulator {
  public:
+  static constexpr double kStartTolerance = 1e-12;  ///< [m, rad, m/s, rad/s]
+
   explicit MujocoWorld(std::shared_ptr<const MujocoScene> scene);
 
  private:

@@ -2,11 +2,13 @@
 /// The seam behind which many worlds step together.
 #pragma once
 
+#include <cstddef>
 #include <exception>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "pusht_task/error.hpp"
 #include "pusht_task/simulator.hpp"
 #include "pusht_task/types.hpp"
 
@@ -26,7 +28,7 @@ class BatchSimulator {
 
   virtual int lanes() const = 0;
 
-  /// As Simulator::reset.
+  /// As Simulator::reset. A world that starts elsewhere leaves its lane with that error.
   virtual void reset(int lane, const WorldState& state) = 0;
 
   /// As Simulator::step in every lane that has an action. The error of a lane does not keep the others from stepping:
@@ -35,6 +37,47 @@ class BatchSimulator {
 
   /// As Simulator::state. Throws what kept the lane from a step since its reset, InvalidInput before the first one.
   virtual WorldState state(int lane) const = 0;
+};
+
+/// What keeps each lane from going on, for whoever implements a BatchSimulator: at first, that nobody has reset it.
+class LaneFaults {
+ public:
+  explicit LaneFaults(std::size_t lanes);
+
+  std::size_t size() const { return faults_.size(); }
+  bool has(std::size_t lane) const { return faults_.at(lane) != nullptr; }
+  /// Throws the fault of `lane`, if it has one.
+  void raise(std::size_t lane) const;
+
+  /// Runs `call`, which resets `lane`, and throws its error. After a refusal (InvalidInput) the lane is as it was, any
+  /// other error is its fault, and without one it has none.
+  template <class Call>
+  void reset(std::size_t lane, const Call& call) {
+    try {
+      call();
+      faults_.at(lane) = nullptr;
+    } catch (const InvalidInput&) {
+      throw;
+    } catch (...) {
+      faults_.at(lane) = std::current_exception();
+      throw;
+    }
+  }
+
+  /// Runs `call`, a part of a step of `lane`, whose error is the lane's fault. Returns whether there was none.
+  template <class Call>
+  bool step(std::size_t lane, const Call& call) {
+    try {
+      call();
+      return true;
+    } catch (...) {
+      faults_.at(lane) = std::current_exception();
+      return false;
+    }
+  }
+
+ private:
+  std::vector<std::exception_ptr> faults_;  // by lane
 };
 
 /// Any simulators, one a lane, stepped one after the other.
@@ -52,7 +95,7 @@ class SimulatorLanes : public BatchSimulator {
 
  private:
   std::vector<std::unique_ptr<Simulator>> worlds_;
-  std::vector<std::exception_ptr> errors_;  // since the reset, by lane
+  LaneFaults faults_;
 };
 
 }  // namespace pusht

@@ -60,7 +60,8 @@ constexpr double kWallThickness = 0.04;    ///< [m]
 }  // namespace dynamics
 
 // Trust in a simulator, ours or foreign.
-/// [m, rad, m/s, rad/s] How far a world may be from the start that it was reset to: single precision engines exist.
+/// [m, rad, m/s, rad/s] How far a world may be from the start that it was reset to: single-precision engines exist. A
+/// kind that starts nearer says so (SimulatorKind::start_tolerance), and none may ask for more.
 constexpr double kStartTolerance = 1e-6;
 // What lies beyond is no state of a table of 0.78 m but a simulation that has failed. The pusher of a world without
 // walls gets 30 m away in an episode.

@@ -31,8 +31,8 @@ struct SimulatorKind {
   std::vector<ParameterDescriptor> parameters;
   /// Shared libraries, as "libpusht_engine.so", whose code decides what the worlds do, besides libm and pusht_task's.
   std::vector<std::string> libraries;
-  /// [m, rad] How near to where it was told to a world starts: single-precision engines exist.
-  double start_tolerance;
+  /// [m, rad, m/s, rad/s] How near to where it was told to a world starts; its Simulator::startTolerance().
+  double start_tolerance = kStartTolerance;
   /// Throws InvalidInput with parameter, value and rule for values that do not go together, or a file that is not
   /// right; BadDependency for what is missing.
   std::function<SimulatorModel(const ParameterSet&)> load;

@@ -61,11 +61,14 @@ def serve_simulator(
     name: str,
     version: str,
     title: str = "",
+    start_tolerance: float = 0.0,
     parameters: Mapping[str, Value] = MappingProxyType({}),
 ) -> int:
     """The main of a simulator node: serves what `make(**parameters)` gives; returns the exit code.
 
     `name` is a word; `title` is what people call the simulator, if that is not its name.
+    `start_tolerance` [m, rad, m/s, rad/s] is how near to where it was told to it starts, at most
+    1e-6. One that does not say starts to 1e-6; the contract suite then asks for double precision.
     `parameters` are the knobs and switches with their defaults. They are private parameters of the
     node, and ~configure makes the simulator anew with others. `make` raises ValueError, with name,
     value and rule, for a value that it does not like.
@@ -81,7 +84,7 @@ def serve_simulator(
         )
 
     services = {"reset": Reset, "step": Step, "configure": Configure}
-    return _serve(start, services, Identity(name, version, title))
+    return _serve(start, services, Identity(name, version, title, start_tolerance))
 
 
 def serve_policy(act: Act, *, name: str, version: str) -> int:

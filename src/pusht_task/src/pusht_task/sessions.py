@@ -89,6 +89,8 @@ class Identity:
     name: str  # of the kind of simulator or policy
     version: str
     title: str = ""  # of a simulator, for people
+    # [m, rad, m/s, rad/s] how near to where it was told to a simulator starts; 0: it does not say
+    start_tolerance: float = 0.0
     instance_id: str = field(default_factory=lambda: str(uuid.uuid4()))
 
 
@@ -108,6 +110,10 @@ class SimulatorSession:
 
         `defaults` are those of `parameters`, if they are others.
         """
+        said = identity.start_tolerance
+        if not 0.0 <= said <= START_TOLERANCE:
+            raise Refusal(f"start_tolerance {said}: must be above 0 and at most {START_TOLERANCE}")
+        self._start_tolerance = said or START_TOLERANCE
         self._make = make
         self._descriptors = [
             _descriptor(name, value) for name, value in (defaults or parameters).items()
@@ -152,6 +158,7 @@ class SimulatorSession:
                 version=self._identity.version,
                 parameters=_parameter_messages(self._parameters),
                 parameter_descriptors=self._descriptors,
+                start_tolerance=self._identity.start_tolerance,
                 parameters_hash=_hash(self._parameters),
                 provenance=_provenance(),
                 frame_prefix=self._frame_prefix,
@@ -171,7 +178,9 @@ class SimulatorSession:
         start = _start(request)
         stamp = self._next_stamp(request.stamp)
         self._token = ""
-        state = self._simulate("reset", lambda: _started(self._simulator, start))
+        state = self._simulate(
+            "reset", lambda: _started(self._simulator, start, self._start_tolerance)
+        )
         self._token = request.token
         self._episode = request.episode
         self._horizon = request.horizon or HORIZON
@@ -432,21 +441,21 @@ def _state_message(state: WorldState) -> WorldStateMessage:
     return message
 
 
-def _started(simulator: Simulator, start: WorldState) -> WorldState:
-    """Resets the simulator, which must be where it was told to start then."""
+def _started(simulator: Simulator, start: WorldState, tolerance: float) -> WorldState:
+    """Resets the simulator, which must be where it was told to start then, to `tolerance`."""
     state = simulator.reset(start)
     if isinstance(state, WorldState):  # else it is refused as every state is
         for name in (*POSITIONS, "tee_yaw"):
             wanted, found = getattr(start, name), getattr(state, name)
             distance = abs(wrap_angle(found - wanted) if name == "tee_yaw" else found - wanted)
-            if not distance <= START_TOLERANCE:
-                raise ValueError(f"{name} {found}: must be within {START_TOLERANCE} of {wanted}")
+            if not distance <= tolerance:
+                raise ValueError(f"{name} {found}: must be within {tolerance} of {wanted}")
         # Velocities may be projected onto what the simulator can represent; rest always can.
         if all(getattr(start, name) == 0.0 for name in VELOCITIES):
             for name in VELOCITIES:
                 found = getattr(state, name)
-                if not abs(found) <= START_TOLERANCE:
-                    raise ValueError(f"{name} {found}: must be within {START_TOLERANCE} of 0")
+                if not abs(found) <= tolerance:
+                    raise ValueError(f"{name} {found}: must be within {tolerance} of 0")
     return state
 
 

@@ -45,6 +45,7 @@ from pusht_task.task import (
     HORIZON,
     PLAUSIBLE_SPEED,
     PUSHER_FRAME_HEIGHT,
+    START_TOLERANCE,
     TEE_FRAME_HEIGHT,
     WorldState,
     spawn,
@@ -55,7 +56,8 @@ DEADLINE = 30.0  # [s] for what must happen at once, whatever else keeps the mac
 CONTROL_STEP = rospy.Duration(0, 100_000_000)
 BAD_REQUEST = 2  # exit code
 HELD = 4  # exit code: by another caller
-REPRESENTED = 1e-12  # [m, rad, m/s, rad/s] how near a start must be to what was asked for
+# [m, rad, m/s, rad/s] How near a start must be to what was asked for, if the node does not say.
+REPRESENTED = 1e-12
 
 
 def run(suite: Type[unittest.TestCase]) -> None:
@@ -182,6 +184,7 @@ class SimulatorContract(ServedCase):
     frames: tf2_ros.Buffer
     listener: tf2_ros.TransformListener
     frame_prefix: str
+    start_tolerance: float
     before_reset: Any  # answer to a step before the first reset
 
     @classmethod
@@ -189,6 +192,7 @@ class SimulatorContract(ServedCase):
         cls.find(reset=Reset, step=Step, configure=Configure)
         description = cls.call("describe")
         cls.frame_prefix = description.frame_prefix
+        cls.start_tolerance = description.start_tolerance or REPRESENTED
         cls.before_reset = None if description.stamp else cls.call("step", step=-1)
         cls.states = Inbox(f"{cls.namespace}/state", WorldStateStamped)
         cls.frames = tf2_ros.Buffer()
@@ -239,7 +243,7 @@ class SimulatorContract(ServedCase):
     def test_yaw_is_wrapped(self) -> None:
         turned = replace(spawn(3), tee_yaw=3.0 + 10.0 * math.pi)
         state = self.accepted("reset", start=[message_of(turned)]).state
-        self.assertAlmostEqual(state.tee_yaw, 3.0, delta=REPRESENTED)
+        self.assertAlmostEqual(state.tee_yaw, 3.0, delta=self.start_tolerance)
 
     def test_reset_to_its_own_state_changes_no_bit(self) -> None:
         for start in (MOVING, *map(spawn, range(20))):
@@ -447,7 +451,7 @@ class SimulatorContract(ServedCase):
 
     def test_session_on_the_command_line(self) -> None:
         reset = self.rosservice("reset", "{seed: 7}")
-        self.assertAlmostEqual(reset["state"]["tee_x"], spawn(7).tee_x, delta=REPRESENTED)
+        self.assertAlmostEqual(reset["state"]["tee_x"], spawn(7).tee_x, delta=self.start_tolerance)
         step = self.rosservice("step", "{step: -1, action: [0.5, 0.0]}")
         self.assertEqual((step["success"], step["step"]), (True, 0))
         self.assertEqual(step["instance_id"], self.instance_id)
@@ -529,6 +533,8 @@ class SimulatorContract(ServedCase):
         self.assertEqual(bool(description.parameters_hash), bool(names))
         self.assertTrue(description.frame_prefix)
         self.assertFalse(description.frame_prefix.startswith("/"))
+        self.assertGreaterEqual(description.start_tolerance, 0.0)
+        self.assertLessEqual(description.start_tolerance, START_TOLERANCE)
 
     def test_configure_in_mid_episode(self) -> None:
         before = self.trajectory(spawn(3), PUSHES[:3])
@@ -591,9 +597,9 @@ class SimulatorContract(ServedCase):
         self.accepted("step")
 
     def assert_near(self, found: Any, wanted: WorldState) -> None:
-        self.assertLess(abs(wrap_angle(found.tee_yaw - wanted.tee_yaw)), REPRESENTED)
+        self.assertLess(abs(wrap_angle(found.tee_yaw - wanted.tee_yaw)), self.start_tolerance)
         numbers = numbers_of(message_of(replace(wanted, tee_yaw=found.tee_yaw)))
-        np.testing.assert_allclose(numbers_of(found), numbers, rtol=0, atol=REPRESENTED)
+        np.testing.assert_allclose(numbers_of(found), numbers, rtol=0, atol=self.start_tolerance)
 
 
 class PolicyContract(ServedCase):

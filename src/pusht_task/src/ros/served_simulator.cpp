@@ -26,12 +26,23 @@ typename Service::Response answerOf(ServiceCaller<Service>& caller, const typena
 
 }  // namespace
 
+double startToleranceOf(const pusht_msgs::DescribeResponse& description) {
+  if (description.start_tolerance == 0.0) {
+    return kStartTolerance;
+  }
+  try {
+    return checkedStartTolerance(description.start_tolerance);
+  } catch (const InvalidInput& refusal) {
+    throw BadDependency(description.name + ": " + refusal.what());
+  }
+}
+
 void StampSource::advance() { now_ += ros::Duration(kControlStep); }
 
 void StampSource::startAbove(const ros::Time& stamp) { now_ = std::max(now_, stamp); }
 
 ServedSimulator::ServedSimulator(const Peer& peer, StampSource& stamps)
-    : Simulator(peer.services()),
+    : Simulator(peer.services(), startToleranceOf(peer.description())),
       peer_(peer),
       stamps_(stamps),
       describe_(peer, "describe"),

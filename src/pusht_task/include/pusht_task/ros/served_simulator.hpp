@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pusht_msgs/Configure.h>
+#include <pusht_msgs/Describe.h>
 #include <pusht_msgs/Reset.h>
 #include <pusht_msgs/Step.h>
 
@@ -27,12 +28,17 @@ class StampSource {
   ros::Time now_;
 };
 
+/// [m, rad, m/s, rad/s] How near to where it was told to the world of a node starts: what the node says of itself, or
+/// what the task asks for if it does not. Throws BadDependency if it says what no simulator may.
+double startToleranceOf(const pusht_msgs::DescribeResponse& description);
+
 /// A world that is reset and stepped by services, and held meanwhile: others are refused. Beyond what Simulator says,
 /// it throws PeerFault, and RuntimeFault if another caller has reset the world or set its parameters. A step request is
 /// stamped with the time of `stamps`, which whoever drives the worlds advances before each reset and step.
 class ServedSimulator : public Simulator {
  public:
-  /// Takes the world over, whoever holds it. The peer must be connected; all must outlive the simulator.
+  /// Takes the world over, whoever holds it. The peer must be connected; all must outlive the simulator. Throws as
+  /// startToleranceOf, too.
   ServedSimulator(const Peer& peer, StampSource& stamps);
 
   /// Leaves the world to others, if it still answers.

@@ -2,8 +2,11 @@
 /// Starts and actions that put a world under load, for tests and benchmarks.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
+#include "pusht_task/constants.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/types.hpp"
 
@@ -21,10 +24,40 @@ inline WorldState movingState(std::uint64_t seed) {
   return state;
 }
 
+/// Starts that are allowed, and that no simulation can make sense of: too fast for a table, one body inside the other.
+inline std::array<WorldState, 2> absurdStates() {
+  WorldState fast = spawn(3);
+  fast.tee_velocity.x() = kPlausibleSpeed;
+  fast.pusher_velocity.y() = -kPlausibleSpeed;
+  fast.tee_yaw_rate = kPlausibleYawRate;
+  WorldState overlapping = spawn(3);
+  overlapping.pusher_position = overlapping.tee_position;
+  return {fast, overlapping};
+}
+
+/// Starts that are not allowed.
+inline std::array<WorldState, 4> statesBeyondWhatIsPlausible() {
+  std::array<WorldState, 4> beyond = {spawn(3), spawn(3), spawn(3), spawn(3)};
+  beyond[0].tee_position.x() = 1e11;
+  beyond[1].pusher_velocity.y() = -1e11;
+  beyond[2].tee_velocity.x() = 1e308;
+  beyond[3].tee_yaw_rate = 1e11;
+  return beyond;
+}
+
 /// Drives the pusher at the tee and through it, so that there is contact: reaction, not memory.
 inline Action chase(const WorldState& state) {
   const Eigen::Vector2d way = (state.tee_position - state.pusher_position).normalized();
   return {static_cast<float>(way.x()), static_cast<float>(way.y())};
+}
+
+/// For the worlds of a batch: most chase, so that contacts come and go; every fourth pushes straight on, and now and
+/// then the pusher is told to stand still.
+inline Action mixedAction(const WorldState& state, std::size_t world, int step) {
+  if (step % 17 == 16) {
+    return {0.0F, 0.0F};
+  }
+  return world % 4 == 3 ? Action{-1.0F, 0.25F} : chase(state);
 }
 
 }  // namespace pusht::testing

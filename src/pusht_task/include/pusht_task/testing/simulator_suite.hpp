@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What every Simulator must do, as a test suite to run over yours:
+/// What every Simulator must do, as a test suite to run over the worlds of your kind; batch_simulator_suite.hpp has the
+/// one for its lanes:
 ///
-///   INSTANTIATE_TEST_SUITE_P(Mine, SimulatorSuite, ::testing::Values(SimulatorFactory([] { return ...; })));
+///   std::vector<Subject> subjects() { return {{mineKind()}, {mineKind(), {{"friction", "0.3"}}}}; }
+///   INSTANTIATE_TEST_SUITE_P(Mine, SimulatorSuite, ::testing::ValuesIn(subjects()));
+///   INSTANTIATE_TEST_SUITE_P(Mine, BatchSimulatorSuite, ::testing::ValuesIn(subjects()));
+///
+/// One source of a test may include the suites.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -18,15 +22,11 @@
 #include "pusht_task/simulator.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/scenarios.hpp"
+#include "pusht_task/testing/subject.hpp"
 
 namespace pusht::testing {
 
-using SimulatorFactory = std::function<std::unique_ptr<Simulator>()>;
-
-class SimulatorSuite : public ::testing::TestWithParam<SimulatorFactory> {
- protected:
-  static std::unique_ptr<Simulator> make() { return GetParam()(); }
-};
+class SimulatorSuite : public SubjectSuite {};
 
 /// The states after the reset and after each of `steps` chasing control steps.
 inline std::vector<WorldState> chaseFrom(Simulator& world, const WorldState& start, int steps) {
@@ -48,17 +48,19 @@ inline void expectNear(const WorldState& a, const WorldState& b, double toleranc
   EXPECT_LE(std::abs(a.tee_yaw_rate - b.tee_yaw_rate), tolerance);
 }
 
+TEST_P(SimulatorSuite, IsAsNearToItsStartAsItsKindSays) { EXPECT_EQ(makeWorld()->startTolerance(), startTolerance()); }
+
 TEST_P(SimulatorSuite, ResetSetsTheStateWithVelocities) {
-  const auto world = make();
+  const auto world = makeWorld();
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
     const WorldState wanted = movingState(seed);
     world->reset(wanted);
-    expectNear(world->state(), wanted, 1e-12);
+    expectNear(world->state(), wanted, startTolerance());
   }
 }
 
 TEST_P(SimulatorSuite, ResetToItsOwnStateIsAFixedPointBitForBit) {
-  const auto world = make();
+  const auto world = makeWorld();
   for (std::uint64_t seed = 0; seed < 20000; ++seed) {
     WorldState start = movingState(seed);
     if (seed % 10 == 0) {  // where the yaw wraps
@@ -72,15 +74,15 @@ TEST_P(SimulatorSuite, ResetToItsOwnStateIsAFixedPointBitForBit) {
 }
 
 TEST_P(SimulatorSuite, ResetClearsAllHiddenState) {
-  const auto used = make();
+  const auto used = makeWorld();
   chaseFrom(*used, spawn(7), 40);
-  const auto fresh = make();
+  const auto fresh = makeWorld();
   EXPECT_EQ(chaseFrom(*used, spawn(3), 40), chaseFrom(*fresh, spawn(3), 40));
 }
 
 TEST_P(SimulatorSuite, TwoWorldsDoNotShareState) {
-  const auto a = make();
-  const auto b = make();
+  const auto a = makeWorld();
+  const auto b = makeWorld();
   const auto alone = chaseFrom(*a, spawn(3), 40);
   a->reset(spawn(3));
   b->reset(spawn(4));
@@ -92,14 +94,14 @@ TEST_P(SimulatorSuite, TwoWorldsDoNotShareState) {
 }
 
 TEST_P(SimulatorSuite, ChasingMovesTheTee) {
-  const auto world = make();
+  const auto world = makeWorld();
   const auto states = chaseFrom(*world, spawn(3), 40);
   EXPECT_GT((states.back().tee_position - states.front().tee_position).norm(), 0.02);
 }
 
 TEST_P(SimulatorSuite, ActionsAreClipped) {
-  const auto inside = make();
-  const auto outside = make();
+  const auto inside = makeWorld();
+  const auto outside = makeWorld();
   inside->reset(spawn(3));
   outside->reset(spawn(3));
   for (int i = 0; i < 5; ++i) {
@@ -110,7 +112,7 @@ TEST_P(SimulatorSuite, ActionsAreClipped) {
 }
 
 TEST_P(SimulatorSuite, RefusesActionsThatAreNotFiniteAndGoesOn) {
-  const auto world = make();
+  const auto world = makeWorld();
   world->reset(spawn(3));
   const WorldState before = world->state();
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
@@ -118,7 +120,7 @@ TEST_P(SimulatorSuite, RefusesActionsThatAreNotFiniteAndGoesOn) {
     EXPECT_THROW(world->step({0.0F, -bad}), InvalidInput);
     EXPECT_EQ(world->state(), before);
   }
-  const auto undisturbed = make();
+  const auto undisturbed = makeWorld();
   undisturbed->reset(spawn(3));
   undisturbed->step({0.5F, 0.5F});
   world->step({0.5F, 0.5F});
@@ -126,7 +128,7 @@ TEST_P(SimulatorSuite, RefusesActionsThatAreNotFiniteAndGoesOn) {
 }
 
 TEST_P(SimulatorSuite, RefusesStatesThatAreNotFinite) {
-  const auto world = make();
+  const auto world = makeWorld();
   world->reset(spawn(3));
   const WorldState before = world->state();
   WorldState bad = spawn(3);
@@ -136,41 +138,30 @@ TEST_P(SimulatorSuite, RefusesStatesThatAreNotFinite) {
 }
 
 TEST_P(SimulatorSuite, RefusesStatesBeyondWhatIsPlausible) {
-  const auto world = make();
+  const auto world = makeWorld();
   world->reset(spawn(3));
   const WorldState before = world->state();
-  std::vector<WorldState> beyond(4, spawn(3));
-  beyond[0].tee_position.x() = 1e11;
-  beyond[1].pusher_velocity.y() = -1e11;
-  beyond[2].tee_velocity.x() = 1e308;
-  beyond[3].tee_yaw_rate = 1e11;
-  for (const WorldState& start : beyond) {
+  for (const WorldState& start : statesBeyondWhatIsPlausible()) {
     EXPECT_THROW(world->reset(start), InvalidInput);
     EXPECT_EQ(world->state(), before);
   }
   world->step({0.0F, 0.0F});
 }
 
-TEST_P(SimulatorSuite, RefusesAStepBeforeTheFirstReset) { EXPECT_THROW(make()->step({0.0F, 0.0F}), InvalidInput); }
+TEST_P(SimulatorSuite, RefusesAStepBeforeTheFirstReset) { EXPECT_THROW(makeWorld()->step({0.0F, 0.0F}), InvalidInput); }
 
 TEST_P(SimulatorSuite, YawIsWrapped) {
-  const auto world = make();
+  const auto world = makeWorld();
   WorldState start = spawn(3);
   start.tee_yaw = 3.0 + 10.0 * kPi;
   world->reset(start);
-  EXPECT_NEAR(world->state().tee_yaw, 3.0, 1e-12);
+  EXPECT_NEAR(world->state().tee_yaw, 3.0, startTolerance());
 }
 
 /// F21: either an error or finite numbers, and a world that can be reset; never silently other data.
 TEST_P(SimulatorSuite, AbsurdStatesAreAnErrorOrStayFinite) {
-  WorldState fast = spawn(3);
-  fast.tee_velocity.x() = kPlausibleSpeed;
-  fast.pusher_velocity.y() = -kPlausibleSpeed;
-  fast.tee_yaw_rate = kPlausibleYawRate;
-  WorldState overlapping = spawn(3);
-  overlapping.pusher_position = overlapping.tee_position;
-  for (const WorldState& start : {fast, overlapping}) {
-    const auto world = make();
+  for (const WorldState& start : absurdStates()) {
+    const auto world = makeWorld();
     try {
       world->reset(start);
       for (int i = 0; i < 20; ++i) {
@@ -182,13 +173,13 @@ TEST_P(SimulatorSuite, AbsurdStatesAreAnErrorOrStayFinite) {
       EXPECT_THROW(world->step({0.0F, 0.0F}), InvalidInput) << "a failed world must be reset first";
     }
     world->reset(spawn(3));
-    expectNear(world->state(), spawn(3), 1e-12);
+    expectNear(world->state(), spawn(3), startTolerance());
   }
 }
 
 /// Success latches after five steps in tolerance, and stepping goes on; the world does not know.
 TEST_P(SimulatorSuite, LatchAndHorizon) {
-  const auto world = make();
+  const auto world = makeWorld();
   WorldState solved;
   solved.pusher_position = {0.2, 0.2};
   Rollout rollout = begin(*world, solved);

@@ -5,8 +5,9 @@
 
 #include <Eigen/Core>
 #include <experimental/simd>
+#include <type_traits>
 
-namespace pusht::two_mass {
+namespace pusht::simd {
 
 constexpr int kLaneCount = 8;  ///< worlds in one Lanes: enough to hide the latency of a division
 using Lanes = std::experimental::fixed_size_simd<double, kLaneCount>;
@@ -26,12 +27,22 @@ inline bool any(const Lanes::mask_type& condition) { return std::experimental::a
 template <class Real>
 using Condition = decltype(Real() < Real());
 
-}  // namespace pusht::two_mass
+// Lanes bring an alignment of their own.
+template <class Real>
+using Vector2 = Eigen::Matrix<Real, 2, 1, std::is_same_v<Real, double> ? Eigen::AutoAlign : Eigen::DontAlign>;
+
+/// Factor times vector. (Eigen's own operators would give Lanes an alignment that is less than they need.)
+template <class Real>
+[[gnu::always_inline]] inline Vector2<Real> scaled(const Real& factor, const Vector2<Real>& vector) {
+  return Vector2<Real>(factor * vector.x(), factor * vector.y());
+}
+
+}  // namespace pusht::simd
 
 /// What Eigen must know of a number, by Eigen's names.
 // NOLINTBEGIN(readability-identifier-naming)
 template <>
-struct Eigen::NumTraits<pusht::two_mass::Lanes> : Eigen::GenericNumTraits<pusht::two_mass::Lanes> {
+struct Eigen::NumTraits<pusht::simd::Lanes> : Eigen::GenericNumTraits<pusht::simd::Lanes> {
   enum {
     IsComplex = 0,
     IsInteger = 0,

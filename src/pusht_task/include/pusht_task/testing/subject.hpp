@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// What the suites of simulators are run over.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <memory>
+#include <ostream>
+#include <string>
+
+#include "pusht_task/simulator_kind.hpp"
+
+namespace pusht::testing {
+
+/// A kind of simulator with values for some of its parameters, by name.
+struct Subject {
+  SimulatorKind kind;
+  std::map<std::string, std::string> settings{};
+
+  SimulatorModel load() const {
+    ParameterSet parameters = kind.defaults();
+    for (const auto& [name, text] : settings) {
+      parameters.set(name, text);
+    }
+    return kind.load(parameters);
+  }
+};
+
+/// As gtest shows it.
+inline void PrintTo(const Subject& subject, std::ostream* out) {  // NOLINT(readability-identifier-naming)
+  *out << subject.kind.name;
+  for (const auto& [name, text] : subject.settings) {
+    *out << ' ' << name << '=' << text;
+  }
+}
+
+class SubjectSuite : public ::testing::TestWithParam<Subject> {
+ protected:
+  std::unique_ptr<Simulator> makeWorld() const { return model_.make_world(); }
+  std::unique_ptr<BatchSimulator> makeLanes(int lanes) const { return model_.make_lanes(lanes); }
+
+  /// [m, rad, m/s, rad/s] What the kind says.
+  static double startTolerance() { return GetParam().kind.start_tolerance; }
+
+ private:
+  SimulatorModel model_ = GetParam().load();
+};
+
+}  // namespace pusht::testing

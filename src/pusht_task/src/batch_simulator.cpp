@@ -18,7 +18,7 @@ LaneFaults::LaneFaults(std::size_t lanes)
     : faults_(lanes, std::make_exception_ptr(InvalidInput("the world must be reset first"))) {}
 
 void LaneFaults::raise(std::size_t lane) const {
-  if (has(lane)) {
+  if (faults_.at(lane) != nullptr) {
     std::rethrow_exception(faults_[lane]);
   }
 }

@@ -121,11 +121,11 @@ TEST(Simulators, SayOfTheirStartsNoMoreThanTheTaskAllows) {
 /// What is right for a kind in single precision is refused of one that says more of itself.
 TEST(Simulators, InSinglePrecisionMustSaySo) {
   const SimulatorModel toy = testing::Subject{toyKind(ToyWorld::Precision::kSingle, 1e-12)}.load();
-  EXPECT_THAT(faultOf([&] { toy.make_world()->reset(spawn(3)); }), HasSubstr(", to 1e-12"));
+  EXPECT_THAT(faultOf([&] { toy.make_world()->reset(spawn(3)); }), HasSubstr("must be within 1e-12 of"));
   const auto lanes = toy.make_lanes(2);
   lanes->reset(0, {});
   EXPECT_THROW(lanes->reset(1, spawn(3)), SimulationFault);
-  EXPECT_THAT(faultOf([&] { lanes->state(1); }), HasSubstr(", to 1e-12")) << "the lane keeps the error";
+  EXPECT_THAT(faultOf([&] { lanes->state(1); }), HasSubstr("must be within 1e-12 of")) << "the lane keeps the error";
   EXPECT_EQ(lanes->state(0), WorldState());
   lanes->reset(1, {});
   EXPECT_EQ(lanes->state(1), WorldState());

@@ -36,7 +36,8 @@ TEST(ConfigurationHash, TakesInWhatIsNotAsInTheCourse) {
   EXPECT_EQ(configurationHash(swapped), hashOf("50|300|reference=two_mass|reference.baumgarte=50.0|engine=mujoco"));
 
   RunConfiguration mine = course();
-  mine.engine = {"mine", "my own", {{"stiffness", 2.0}, {"walls", true}, {"shape", "boxes"}}, {"stiffness", "walls"}};
+  mine.engine = {
+      "mine", "my own", {{"stiffness", 2.0}, {"walls", true}, {"shape", "boxes"}}, {}, {"stiffness", "walls"}};
   EXPECT_EQ(configurationHash(mine), hashOf("50|300|engine=mine|engine.stiffness=2.0|engine.walls=True"));
 }
 

@@ -159,10 +159,14 @@ void PlanarLanes<Physics>::stepGroup(std::size_t group, Actions actions) {
   simd::Vector2<simd::Lanes> command(simd::Lanes(0.0), simd::Lanes(0.0));
   simd::Lanes::mask_type stepping(false);
   for (std::size_t lane = first; lane < end; ++lane) {
-    stepping[lane - first] = actions[lane] && !faults_.has(lane) && faults_.step(lane, [&] {
+    if (!actions[lane] || faults_.has(lane)) {
+      continue;
+    }
+    faults_.step(lane, [&] {
       const Action action = checkedAction(*actions[lane]);
       command.x()[lane - first] = action[0];
       command.y()[lane - first] = action[1];
+      stepping[lane - first] = true;
     });
   }
   if (!simd::any(stepping)) {

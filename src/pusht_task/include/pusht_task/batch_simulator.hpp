@@ -44,9 +44,8 @@ class LaneFaults {
  public:
   explicit LaneFaults(std::size_t lanes);
 
-  std::size_t size() const { return faults_.size(); }
-  bool has(std::size_t lane) const { return faults_.at(lane) != nullptr; }
-  /// Throws the fault of `lane`, if it has one.
+  bool has(std::size_t lane) const { return faults_[lane] != nullptr; }
+  /// Throws the fault of `lane`, if it has one; std::out_of_range if there is no such lane.
   void raise(std::size_t lane) const;
 
   /// Runs `call`, which resets `lane`, and throws its error. After a refusal (InvalidInput) the lane is as it was, any
@@ -64,15 +63,13 @@ class LaneFaults {
     }
   }
 
-  /// Runs `call`, a part of a step of `lane`, whose error is the lane's fault. Returns whether there was none.
+  /// Runs `call`, a part of a step of `lane`, whose error is the lane's fault.
   template <class Call>
-  bool step(std::size_t lane, const Call& call) {
+  void step(std::size_t lane, const Call& call) {
     try {
       call();
-      return true;
     } catch (...) {
-      faults_.at(lane) = std::current_exception();
-      return false;
+      faults_[lane] = std::current_exception();
     }
   }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <exception>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -48,8 +49,11 @@ struct InternalError : Error {
   explicit InternalError(const std::string& message) : Error(ExitCode::kInternalError, message) {}
 };
 
-/// What any failure means to a caller; one that is no Error is a defect.
+/// What any failure means to a caller; one that is no Error is a defect, but for memory that is used up.
 inline ExitCode exitCodeOf(const std::exception& failure) {
+  if (dynamic_cast<const std::bad_alloc*>(&failure) != nullptr) {
+    return ExitCode::kRuntimeFault;
+  }
   const auto* error = dynamic_cast<const Error*>(&failure);
   return error == nullptr ? ExitCode::kInternalError : error->exitCode();
 }

@@ -39,7 +39,7 @@ const std::vector<ResultFile>& resultFiles() {
       {Results::kRun, regexes("compare\\.bag\\.part")},  // of a run that was killed
       {Results::kSweep, regexes("sweep\\.(json|csv)")},
       {Results::kSweep, regexes("rows", "[0-9]{3,}", "(metrics\\.json|episodes\\.csv)(\\.part)?")},
-      {Results::kSweep, regexes("reference", "[0-9a-f]{16}", "[0-9]+\\.reference(\\.part)?")},
+      {Results::kSweep, regexes("reference", "[0-9a-f]{16}", "[0-9a-f]+\\.reference(\\.part)?")},
       {std::nullopt, regexes("provenance\\.json")},
       {std::nullopt, regexes("status\\.json")},
   };

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <new>
+#include <stdexcept>
+#include <string>
+
+#include "pusht_task/ros/node.hpp"
+
+namespace pusht {
+namespace {
+
+/// What is on stderr after reportFailure(), and its exit code.
+std::string reported(const std::exception& failure) {
+  ::testing::internal::CaptureStderr();
+  const int code = reportFailure("compare", failure);
+  return std::to_string(code) + " " + ::testing::internal::GetCapturedStderr();
+}
+
+TEST(ReportFailure, IsOneLineAndTheExitCodeOfTheKind) {
+  EXPECT_EQ(reported(InvalidInput("seed x: must be\na number")), "2 compare: seed x: must be a number\n");
+  EXPECT_EQ(reported(RuntimeFault("disk full")), "4 compare: disk full\n");
+  EXPECT_EQ(reported(std::logic_error("a defect")), "70 compare: a defect\n");
+}
+
+TEST(ReportFailure, MemoryThatIsUsedUpIsAFaultOfTheRun) {
+  EXPECT_EQ(reported(std::bad_alloc()), "4 compare: there is no more memory; ask for fewer threads or episodes\n");
+}
+
+}  // namespace
+}  // namespace pusht

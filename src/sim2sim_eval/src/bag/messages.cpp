@@ -123,7 +123,8 @@ SimulatorRecord recordOf(const pusht_msgs::DescribeResponse& node) {
     const bool described = known != descriptors.end();
     const pusht::ParameterValue value =
         described && known->type == "text" ? pusht::ParameterValue(parameter.value) : pusht::valueOf(parameter.value);
-    record.add(parameter.name, value, described ? known->unit : "", described && parameter.value == known->default_value, provenance);
+    record.add(parameter.name, value, described ? known->unit : "",
+               described && parameter.value == known->default_value, provenance);
   }
   return record;
 }

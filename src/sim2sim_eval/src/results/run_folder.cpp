@@ -69,12 +69,9 @@ void RunFolder::writeStatus(const RunStatus& status) const {
 RunStatus underWay(int episodes) { return {pusht::ExitCode::kRuntimeFault, kUnderWay, 0, episodes, 0}; }
 
 std::string statusText(const RunStatus& status) {
-  nlohmann::json text = {{"format", kStatusFormat},
-                         {"exit_code", static_cast<int>(status.exit_code)},
-                         {"reason", status.reason},
-                         {"episodes_finished", status.episodes_finished},
-                         {"episodes", status.episodes},
-                         {"faults_survived", status.faults_survived}};
+  nlohmann::json text = {{"format", kStatusFormat},     {"exit_code", static_cast<int>(status.exit_code)},
+                         {"reason", status.reason},     {"episodes_finished", status.episodes_finished},
+                         {"episodes", status.episodes}, {"faults_survived", status.faults_survived}};
   if (status.beside_earlier_results) {
     text["beside_earlier_results"] = true;
   }

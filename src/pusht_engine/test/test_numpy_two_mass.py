@@ -79,7 +79,7 @@ class Knobs(unittest.TestCase):
     def test_are_the_courses_knobs_of_the_engine(self) -> None:
         """Names and defaults as the header has them."""
         header = (PACKAGE / "include" / "pusht_engine" / "two_mass_engine.hpp").read_text()
-        table = header[header.index("kKnobs = {{") :]
+        table = header[header.index("kKnobs = {") :]
         names = re.findall(r'{"(\w+)", "[^"]+", "', table)
         given = inspect.signature(NumpyTwoMass).parameters
         self.assertEqual(list(given), names[: len(given)])

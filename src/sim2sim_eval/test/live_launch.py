@@ -237,7 +237,9 @@ class Arguments(LiveCase):
         for name in knobs:
             given = self.parameters_of(path, f"{name}:=1")["/sim2sim/engine_parameters"]
             self.assertEqual(given.strip(), f"{name}=1")
-            self.assert_argument("pusht_engine", "engine", name, f"/engine/{name}")
+        engine = Path(rospkg.RosPack().get_path("pusht_engine")) / "launch" / "engine.launch"
+        given = self.parameters_of(engine, "parameters:={block_damp: 20, baumgarte: 50.5}")
+        self.assertEqual((given["/engine/block_damp"], given["/engine/baumgarte"]), (20, 50.5))
 
     def assert_argument(self, package: str, launch: str, name: str, parameter: str) -> None:
         """A value that is not the default reaches the parameter."""

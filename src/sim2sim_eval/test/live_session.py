@@ -196,7 +196,7 @@ class LiveSession(GoalCase):
         starts = str(self.folder / "starts.csv")
         self.batch_bytes(*BATCH, "--seed", "4", "--write-starts", starts)
         expected = self.batch_bytes(*BATCH, "--starts", starts)
-        self.compare(starts=[starts])
+        self.compare(starts=starts)
         self.assertEqual(result_bytes(self.out), expected)
 
     def test_second_goal_is_rejected(self) -> None:

@@ -16,6 +16,7 @@ namespace sim2sim {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 /// `total` episodes, the first `reference` and `engine` of which succeed.
 std::vector<EpisodeResult> episodesWith(int total, int reference, int engine) {
@@ -108,12 +109,12 @@ TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
     lines.push_back(line);
   }
   ASSERT_EQ(lines.size(), 1U + 2U * kModeCount);
-  EXPECT_EQ(lines[0],
-            "episode,seed,mode,steps,success,final_position_error_m,final_angle_error_rad,"
-            "mean_position_divergence_m,mean_angle_divergence_rad");
-  EXPECT_EQ(lines[1], "0,10000,reference_closed,0,true,0.0,0.0,,");
-  EXPECT_EQ(lines[5], "1,10001,engine_closed,0,false,0.0,0.0,0.5,0.5");
-  EXPECT_EQ(lines[6], "1,10001,engine_replay,0,true,0.0,0.0,0.01,0.1");
+  // Further quantities come behind these.
+  EXPECT_THAT(lines[0], StartsWith("episode,seed,mode,steps,success,final_position_error_m,final_angle_error_rad,"
+                                   "mean_position_divergence_m,mean_angle_divergence_rad"));
+  EXPECT_THAT(lines[1], StartsWith("0,10000,reference_closed,0,true,0.0,0.0,,"));
+  EXPECT_THAT(lines[5], StartsWith("1,10001,engine_closed,0,false,0.0,0.0,0.5,0.5"));
+  EXPECT_THAT(lines[6], StartsWith("1,10001,engine_replay,0,true,0.0,0.0,0.01,0.1"));
 }
 
 TEST(Table, ShowsNoDivergenceBelowZero) {

@@ -69,7 +69,7 @@ TEST_F(StartsTest, HashAndNameTellStartsApart) {
 
 TEST_F(StartsTest, WhatIsNoStartIsRefusedByLineValueAndRule) {
   const std::string head = "pusher_x,pusher_y,tee_x,tee_y,tee_yaw";
-  EXPECT_THAT(refusal(head + "\n"), HasSubstr("has 0 rows, but 1 episodes need as many"));
+  EXPECT_THAT(refusal(head + "\n"), HasSubstr("has 0 rows: must have at least 1, one for each episode"));
   EXPECT_THAT(refusal(""), HasSubstr("has 0 rows"));
   EXPECT_THAT(refusal(head + "\n0,0,0,0,x\n"), HasSubstr("line 2: tee_yaw 'x': must be a decimal number"));
   EXPECT_THAT(refusal(head + "\n0,0,0,0,nan\n"), HasSubstr("tee_yaw 'nan': must be a decimal number"));

@@ -391,10 +391,12 @@ class GivenStarts(CompareCase):
     def test_recompute_takes_the_starts_from_the_bag(self) -> None:
         self.finished(*self.RUN, "--write-starts", "starts.csv", out="spawned")
         self.finished(*self.RUN, "--starts", "starts.csv", "--record")
-        (self.folder / "starts.csv").unlink()
+        (self.folder / "starts.csv").rename(self.folder / "kept.csv")
         again = self.run_command(RECOMPUTE, "out/compare.bag", "--out", "again")
         self.assertEqual(again.returncode, 0, again.stderr)
         self.assertEqual(self.result_bytes("again"), self.result_bytes("out"))
+        kept = self.load("again", "provenance.json")["starts"]
+        self.assertEqual(kept, (self.folder / "kept.csv").read_text())
 
     def test_part_of_a_run_takes_its_own_rows(self) -> None:
         part = ("--policy", "expert", "--episodes", "2", "--first-episode", "5")
@@ -415,10 +417,15 @@ class GivenStarts(CompareCase):
             ("--starts", "absent.csv"): "starts absent.csv",
             ("--starts", "out/episodes.csv"): "starts out/episodes.csv: ",
             ("--write-starts", "starts.csv"): "write_starts starts.csv: is there already",
+            ("--write-starts", "out"): "write_starts out: must not be the folder of the results",
         }.items():
             self.assertIn(words, self.refused(2, "--policy", "expert", *arguments))
         self.assertEqual(Path(starts).read_text(), text)
-        self.finished("--policy", "expert", "--starts", "starts.csv", "--episodes", "1")
+        one = ("--policy", "expert", "--episodes", "1")
+        self.compare(
+            *one, "--starts", "starts.csv", "--write-starts", "out/mine.csv", "--out", "out"
+        )
+        self.assertEqual(len((self.folder / "out" / "mine.csv").read_text().splitlines()), 2)
 
 
 class Recompute(CompareCase):
@@ -496,7 +503,10 @@ class Recompute(CompareCase):
         for edit, named in (
             (other_state, "episode 0: its result does not follow from the recorded states"),
             (other_action, "engine_replay, step 16: the action that is recorded is (0.25"),
-            (other_start, "reference_closed, step 0: the start that is recorded is not the spawn"),
+            (
+                other_start,
+                "reference_closed, step 0: the start that is recorded is not that of the episode",
+            ),
             (lost_state, "engine_closed: step 6 is recorded, must be 5"),
         ):
             self.assertIn(named, self.refused_bag(3, self.edited(edit)))

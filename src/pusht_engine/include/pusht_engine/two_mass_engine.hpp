@@ -44,14 +44,14 @@ struct Knob {
 /// - baumgarte: pushed at v = 1 m/s, the link gives way by up to 0.58 v / baumgarte; that is its length at 9.7.
 ///   Overlap adds to v: up to about 20, a hard push may still close it. The world then flies apart, which ends the
 ///   run. The upper end is greatestBaumgarte(0).
-constexpr std::array<Knob, 3> kKnobs = {{
-    {"pusher_mass", "kg", "inertia of the pusher in contact", &TwoMassParameters::pusher_mass, 1e-6, 1e6,
-     "beyond that nothing changes"},
-    {"block_damp", "1/s", "viscous drag rate of the tee, in place of table friction", &TwoMassParameters::block_damp,
-     0.0, 100.0, "more would turn the velocity round in every substep"},
-    {"baumgarte", "rad/s", "stabilisation frequency of the tee's link", &TwoMassParameters::baumgarte, 10.0, 82.8,
-     "a softer link closes under a push, a stiffer one shakes itself apart"},
-}};
+inline constexpr std::array kKnobs = {
+    Knob{"pusher_mass", "kg", "inertia of the pusher in contact", &TwoMassParameters::pusher_mass, 1e-6, 1e6,
+         "beyond that nothing changes"},
+    Knob{"block_damp", "1/s", "viscous drag rate of the tee, in place of table friction",
+         &TwoMassParameters::block_damp, 0.0, 100.0, "more would turn the velocity round in every substep"},
+    Knob{"baumgarte", "rad/s", "stabilisation frequency of the tee's link", &TwoMassParameters::baumgarte, 10.0, 82.8,
+         "a softer link closes under a push, a stiffer one shakes itself apart"},
+};
 
 /// [rad/s] The stiffest link that is stable with this drag [1/s]. With x = h baumgarte and c = h block_damp, a small
 /// error e of its length and the rate u go as u' = (1 - 2x - c) u - (x^2 / h) e, e' = e + h u'. The eigenvalues are

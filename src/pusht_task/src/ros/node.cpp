@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/reason.hpp"
 
 namespace pusht {
 namespace {
@@ -131,8 +132,7 @@ int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, 
 }
 
 int reportFailure(const std::string& reporter, const std::exception& failure) {
-  const bool out_of_memory = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr;
-  std::string message = out_of_memory ? "there is no more memory; ask for fewer threads or episodes" : failure.what();
+  std::string message = reasonOf(failure);
   std::replace_if(
       message.begin(), message.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
   std::cerr << reporter + ": " + message + "\n" << std::flush;  // at once: other processes write there too

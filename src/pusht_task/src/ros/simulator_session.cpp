@@ -8,6 +8,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/reason.hpp"
 #include "pusht_task/ros/conversions.hpp"
 #include "pusht_task/ros/node.hpp"
 #include "pusht_task/spawn.hpp"
@@ -264,7 +265,7 @@ bool SimulatorSession::inEpisode() const { return episode_ && episode_->steps < 
 pusht_msgs::DescribeResponse describeFailure(const std::exception& failure) {
   pusht_msgs::DescribeResponse response;
   response.success = 0;
-  response.message = failure.what();
+  response.message = reasonOf(failure);
   response.exit_code = static_cast<int>(exitCodeOf(failure));
   response.instance_id = newInstanceId();
   return response;

@@ -116,7 +116,7 @@ class Reader {
     }
     const pusht_msgs::EpisodeResult recorded = *std::exchange(finished_, std::nullopt);
     const int index = indexOf(recorded.episode);
-    const EpisodeResult result = replay(protocolOf(index), index, under_way_[index]);
+    const EpisodeResult result = replay(protocol_, index, under_way_[index]);
     under_way_.erase(index);
     pusht_msgs::EpisodeResult computed = toMessage(result, recorded.header.stamp);
     computed.header = recorded.header;
@@ -127,16 +127,6 @@ class Reader {
     if (!results_.emplace(index, result).second) {
       throw pusht::BadDependency("episode " + std::to_string(index) + ": must finish once");
     }
-  }
-
-  /// Starts that were given are recorded nowhere else than in the worlds' first states: that of the reference counts.
-  Protocol protocolOf(int index) {
-    Protocol protocol = protocol_;
-    if (const std::vector<pusht::WorldState>& states = under_way_[index][kReferenceClosed].states;
-        protocol.starts && !states.empty()) {
-      protocol.starts = std::make_shared<Starts>(std::vector{states.front()}, index);
-    }
-    return protocol;
   }
 
   /// Equal for equal messages, with or without numbers that are not one.
@@ -184,6 +174,14 @@ RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop) {
   RecordedRun run;
   run.provenance = descriptionIn(bag);
   run.configuration = configurationFrom(run.provenance.at("configuration"));
+  if (Protocol& protocol = run.configuration.protocol; protocol.starts) {
+    const std::string hash = protocol.starts->hash();
+    protocol.starts = std::make_shared<Starts>(
+        startsFrom(run.provenance.at("starts").get<std::string>(), protocol.first_episode, protocol.episodes));
+    if (protocol.starts->hash() != hash) {
+      throw pusht::BadDependency("its starts are " + protocol.starts->hash() + ", must be " + hash);
+    }
+  }
   std::map<std::string, Mode> modes;
   for (const Mode mode : kModes) {
     modes.emplace(run.provenance.at("state_topics").at(modeName(mode)).get<std::string>(), mode);

@@ -55,14 +55,21 @@ class Recorder {
   RunBag bag_;
 };
 
-/// Those that `protocol` has, in a file that is not there yet; an empty `path` means none.
+/// Throws InvalidInput unless a new file can have that `path`; an empty one means none.
+void requireNewFile(const fs::path& path, const fs::path& results) {
+  std::error_code ignored;
+  if (!path.empty() && fs::symlink_status(path, ignored).type() != fs::file_type::not_found) {
+    throw pusht::InvalidInput("write_starts " + path.string() + ": is there already; name a new file");
+  }
+  if (!path.empty() && fs::weakly_canonical(path, ignored) == fs::weakly_canonical(results, ignored)) {
+    throw pusht::InvalidInput("write_starts " + path.string() + ": must not be the folder of the results");
+  }
+}
+
+/// Writes those that `protocol` has; an empty `path` means none.
 void writeStarts(const fs::path& path, const Protocol& protocol) {
   if (path.empty()) {
     return;
-  }
-  std::error_code ignored;
-  if (fs::symlink_status(path, ignored).type() != fs::file_type::not_found) {
-    throw pusht::InvalidInput("write_starts " + path.string() + ": is there already; name a new file");
   }
   std::vector<pusht::WorldState> states;
   for (int episode = protocol.first_episode; episode <= protocol.lastEpisode(); ++episode) {
@@ -133,6 +140,7 @@ void compare(const CompareOptions& options) {
       givenStarts(options.starts, configuration.protocol.first_episode, configuration.protocol.episodes);
   const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_settings);
   const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_settings);
+  requireNewFile(options.write_starts, options.out);
   RunFolder folder(options.out, options.overwrite);
   folder.refuseInputs({{"policy", options.policy},
                        {"reference cache", options.batch.reference_cache},
@@ -151,9 +159,9 @@ void compare(const CompareOptions& options) {
   const auto references = options.batch.references(setup, configuration.protocol.horizon);
 
   const nlohmann::ordered_json origin = setup.provenance(configuration, engine);
-  writeStarts(options.write_starts, configuration.protocol);
   Run run(configuration, folder, origin);
   try {
+    writeStarts(options.write_starts, configuration.protocol);
     std::optional<Recorder> recorder;
     if (options.record) {
       recorder.emplace(folder.bagPath(), origin);

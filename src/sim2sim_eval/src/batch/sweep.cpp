@@ -12,6 +12,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/reason.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/sweep_folder.hpp"
 #include "sim2sim_eval/batch/sweep_plan.hpp"
@@ -199,7 +200,7 @@ void withStatus(SweepFolder& folder, const Body& body) {
     body();
   } catch (const std::exception& failure) {
     try {
-      folder.finish(pusht::exitCodeOf(failure), failure.what());
+      folder.finish(pusht::exitCodeOf(failure), pusht::reasonOf(failure));
     } catch (const pusht::RuntimeFault&) {
       // The first failure is the one to report.
     }

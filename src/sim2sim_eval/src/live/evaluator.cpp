@@ -14,6 +14,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/reason.hpp"
 #include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/interruption.hpp"
@@ -112,7 +113,7 @@ void writeStatusFile(const std::string& path, const RunStatus& status) {
 
 /// Leaves the reason why the node does not start where its results would be.
 void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failure) {
-  const RunStatus status = {pusht::exitCodeOf(failure), failure.what(), 0, 0, 0};
+  const RunStatus status = {pusht::exitCodeOf(failure), pusht::reasonOf(failure), 0, 0, 0};
   const auto attempt = [](const std::function<void()>& tell) {
     try {
       tell();
@@ -279,7 +280,7 @@ RunStatus Evaluator::execute(const Job& job) {
     pusht::reportFailure(ros::this_node::getName(), failure);
     const int finished = run_ ? static_cast<int>(run_->episodes().size()) : 0;
     const int episodes = run_ ? run_->configuration().protocol.episodes : job.request.protocol.episodes;
-    RunStatus status = {pusht::exitCodeOf(failure), failure.what(), finished, episodes, faults_survived_};
+    RunStatus status = {pusht::exitCodeOf(failure), pusht::reasonOf(failure), finished, episodes, faults_survived_};
     try {
       broadcast_.end();
     } catch (const std::exception&) {

@@ -111,7 +111,7 @@ WorldState stateIn(const std::string& line, const std::vector<Column>& columns) 
 }  // namespace
 
 Starts::Starts(std::vector<WorldState> states, int first)
-    : states_(std::move(states)), first_(first), hash_("sha256:" + pusht::sha256(startsCsv(states_))) {}
+    : states_(std::move(states)), first_(first), hash_("sha256:" + pusht::sha256(csv())) {}
 
 Starts Starts::named(std::string sha256) {
   Starts starts({}, 0);
@@ -126,8 +126,20 @@ std::string Starts::nameOf(int episode) const {
   return pusht::sha256(csvRow(at(episode))).substr(0, kDigits);
 }
 
+std::string Starts::csv() const { return startsCsv(states_); }
+
 Starts readStarts(const std::filesystem::path& path, int first, int count) {
-  std::istringstream text(pusht::readFile(path, "starts"));
+  const std::string csv = pusht::readFile(path, "starts");
+  try {
+    return startsFrom(csv, first, count);
+  } catch (pusht::Error& error) {
+    error.addContext("starts " + path.string());
+    throw;
+  }
+}
+
+Starts startsFrom(const std::string& csv, int first, int count) {
+  std::istringstream text(csv);
   std::vector<WorldState> states;
   std::vector<Column> columns;
   int number = 0;
@@ -140,12 +152,12 @@ Starts readStarts(const std::filesystem::path& path, int first, int count) {
       }
     }
   } catch (pusht::Error& error) {
-    error.addContext("starts " + path.string() + ": line " + std::to_string(number));
+    error.addContext("line " + std::to_string(number));
     throw;
   }
   if (static_cast<int>(states.size()) < count) {
-    throw pusht::InvalidInput("starts " + path.string() + ": has " + std::to_string(states.size()) + " rows, but " +
-                              std::to_string(count) + " episodes need as many; ask for fewer episodes");
+    throw pusht::InvalidInput("has " + std::to_string(states.size()) + " rows: must have at least " +
+                              std::to_string(count) + ", one for each episode");
   }
   return {std::move(states), first};
 }

@@ -62,11 +62,15 @@ void forEachLibrary(Function function) {
 
 nlohmann::ordered_json provenance(const RunConfiguration& configuration, const nlohmann::json& policy,
                                   const nlohmann::json& reference, const nlohmann::json& engine) {
-  return {{"configuration", describe(configuration)},
-          {"policy", policy},
-          {"reference", reference},
-          {"engine", engine},
-          {"software", buildAndMachine()}};
+  nlohmann::ordered_json provenance = {{"configuration", describe(configuration)},
+                                       {"policy", policy},
+                                       {"reference", reference},
+                                       {"engine", engine},
+                                       {"software", buildAndMachine()}};
+  if (configuration.protocol.starts) {
+    provenance["starts"] = configuration.protocol.starts->csv();
+  }
+  return provenance;
 }
 
 nlohmann::json buildAndMachine() {

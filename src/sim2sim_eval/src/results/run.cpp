@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/reason.hpp"
 
 namespace sim2sim {
 
@@ -34,8 +35,10 @@ std::string Run::progress() const {
 
 nlohmann::json Run::finish(std::ostream& out, int faults_survived) {
   const Summary& summary = this->summary();
-  out << "policy " << configuration_.policy << ", seed " << configuration_.protocol.seed << ", horizon "
-      << configuration_.protocol.horizon << " control steps\n"
+  const Protocol& protocol = configuration_.protocol;
+  out << "policy " << configuration_.policy << ", "
+      << (protocol.starts ? "starts " + protocol.starts->hash() : "seed " + std::to_string(protocol.seed))
+      << ", horizon " << configuration_.protocol.horizon << " control steps\n"
       << table(configuration_, summary) << "results: " << folder_.path().string() << "\n"
       << "config_hash: " << configurationHash(configuration_) << std::endl;
   nlohmann::json metrics = sim2sim::metrics(configuration_, summary);
@@ -51,7 +54,7 @@ void Run::abandon(std::ostream& out, const std::exception& failure, int faults_s
         << std::endl;
   }
   try {
-    folder_.abandon(episodes_, {code, failure.what(), static_cast<int>(episodes_.size()),
+    folder_.abandon(episodes_, {code, pusht::reasonOf(failure), static_cast<int>(episodes_.size()),
                                 configuration_.protocol.episodes, faults_survived});
   } catch (const pusht::RuntimeFault&) {
     out << "the finished episodes could not be written" << std::endl;

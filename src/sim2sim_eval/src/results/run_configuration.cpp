@@ -16,8 +16,8 @@ using nlohmann::ordered_json;
 
 namespace {
 
-/// Of a run's description. 1 named no parameters of the reference.
-constexpr int kDescriptionFormat = 2;
+/// Of a run's description. 1 named no parameters of the reference, 2 no units; 3 has all of kQuantities.
+constexpr int kDescriptionFormat = 3;
 
 constexpr const char* kCourseReference = "mujoco";
 constexpr const char* kCourseEngine = "two_mass";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Starts of one's own, in place of those that come of spawn seeds.
+/// Starts that are given, in place of those that come of spawn seeds.
 #pragma once
 
 #include <filesystem>
@@ -26,7 +26,10 @@ class Starts {
   /// The first 16 hex digits of the SHA-256 of that start: what a rollout from it depends on.
   std::string nameOf(int episode) const;
 
-  /// "sha256:..." of all states as startsCsv() writes them.
+  /// All of them, as startsCsv() writes them.
+  std::string csv() const;
+
+  /// "sha256:..." of csv().
   const std::string& hash() const { return hash_; }
 
  private:
@@ -39,6 +42,9 @@ class Starts {
 /// any order, as the fields of WorldState.msg; velocities that are left out are zero. Throws InvalidInput with file,
 /// line, value and rule, also for fewer rows and for what is no plausible start.
 Starts readStarts(const std::filesystem::path& path, int first, int count);
+
+/// The same of the text of such a file; the errors do not name a file.
+Starts startsFrom(const std::string& csv, int first, int count);
 
 /// The same, for all who share them; none if `path` is empty.
 std::shared_ptr<const Starts> givenStarts(const std::filesystem::path& path, int first, int count);

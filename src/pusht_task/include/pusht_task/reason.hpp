@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <exception>
+#include <new>
+#include <string>
+
+namespace pusht {
+
+/// What people are told of a failure, on stderr and in a status; its meaning to a caller is exitCodeOf().
+inline std::string reasonOf(const std::exception& failure) {
+  const bool out_of_memory = dynamic_cast<const std::bad_alloc*>(&failure) != nullptr;
+  return out_of_memory ? "there is no more memory; ask for fewer threads or episodes" : failure.what();
+}
+
+}  // namespace pusht

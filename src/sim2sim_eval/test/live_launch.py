@@ -73,9 +73,9 @@ class Runs(LiveCase):
         self.assertEqual(result_bytes(launch.out), self.batch_bytes(*wanted))
 
     def test_any_kind_stands_in_either_role(self) -> None:
-        roles = {"reference": "chipmunk", "engine": "mujoco"}
-        settings = {"reference_parameters": "iterations=10"}
-        launch = Launch(self, policy="expert", episodes=1, **roles, **settings)
+        roles: Dict[str, Any] = {"reference": "chipmunk", "engine": "mujoco"}
+        settings = "iterations=10"
+        launch = Launch(self, policy="expert", episodes=1, reference_parameters=settings, **roles)
         launch.ended()
         wanted = "--policy expert --episodes 1 --reference chipmunk --engine mujoco".split()
         batch = self.batch_bytes(*wanted, "--set-reference", "iterations=10")

@@ -60,7 +60,7 @@ class RecordedPolicy : public pusht::Policy {
 /// Gathers rollouts from messages, and computes the results of each episode that has finished.
 class Reader {
  public:
-  explicit Reader(const Protocol& protocol) : protocol_(protocol) {}
+  explicit Reader(Protocol protocol) : protocol_(std::move(protocol)) {}
 
   /// Messages with later stamps follow.
   void moveOnTo(const ros::Time& stamp) {

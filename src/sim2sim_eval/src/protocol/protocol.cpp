@@ -135,8 +135,8 @@ EpisodeResult Episode::result() const {
   return result;
 }
 
-Flight::Flight(const Protocol& protocol, const Worlds& worlds, pusht::Policy& policy)
-    : protocol_(protocol), worlds_(worlds), policy_(policy), episodes_(worlds[kEngineClosed]->lanes()) {}
+Flight::Flight(Protocol protocol, const Worlds& worlds, pusht::Policy& policy)
+    : protocol_(std::move(protocol)), worlds_(worlds), policy_(policy), episodes_(worlds[kEngineClosed]->lanes()) {}
 
 bool Flight::full() const {
   return std::all_of(episodes_.begin(), episodes_.end(), [](const auto& episode) { return episode.has_value(); });

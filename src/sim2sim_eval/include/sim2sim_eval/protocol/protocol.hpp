@@ -134,7 +134,7 @@ class Episode {
 class Flight {
  public:
   /// `worlds` and `policy` must outlive it, and are driven by it alone.
-  Flight(const Protocol& protocol, const Worlds& worlds, pusht::Policy& policy);
+  Flight(Protocol protocol, const Worlds& worlds, pusht::Policy& policy);
 
   bool full() const;
   bool empty() const;

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -19,6 +18,7 @@
 #include "pusht_task/simulator.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/bits.hpp"
+#include "pusht_task/testing/refusal.hpp"
 #include "pusht_task/testing/scenarios.hpp"
 #include "pusht_task/testing/subject.hpp"
 
@@ -91,16 +91,6 @@ class BatchSimulatorSuite : public SubjectSuite {
       both.step(but);
       ASSERT_EQ(both.different(but), kNone);
     }
-  }
-
-  /// What `call` throws, if that is an error of ours.
-  static std::string errorOf(const std::function<void()>& call) {
-    try {
-      call();
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "none";
   }
 };
 
@@ -201,23 +191,23 @@ TEST_P(BatchSimulatorSuite, AFaultIsThatOfAWorldAndStopsItsLaneAlone) {
   for (const WorldState& start : absurdStates()) {
     Lockstep both = inLockstep(5);
     const auto world = makeWorld();
-    const std::string expected = errorOf([&] {
+    const std::string expected = refusalOf<Error>([&] {
       world->reset(start);
       for (int step = 0; step < kFewSteps; ++step) {
         world->step({0.0F, 0.0F});
       }
     });
-    errorOf([&] { both.lanes->reset(1, start); });
+    refusalOf<Error>([&] { both.lanes->reset(1, start); });
     expectTheOthersGoOn(both, 1, Action{0.0F, 0.0F});
-    EXPECT_EQ(errorOf([&] { both.lanes->state(1); }), expected);
+    EXPECT_EQ(refusalOf<Error>([&] { both.lanes->state(1); }), expected);
     expectTheOthersGoOn(both, 1, Action{1.0F, 0.0F});
-    if (expected == "none") {
+    if (expected == kNotRefused) {
       for (int step = 0; step < kFewSteps; ++step) {
         world->step({1.0F, 0.0F});
       }
       EXPECT_TRUE(sameBits(both.lanes->state(1), world->state()));
     } else {
-      EXPECT_EQ(errorOf([&] { both.lanes->state(1); }), expected) << "still the first one";
+      EXPECT_EQ(refusalOf<Error>([&] { both.lanes->state(1); }), expected) << "still the first one";
     }
     both.reset(1, spawn(3));
     both.stepAll({0.5F, 0.5F});

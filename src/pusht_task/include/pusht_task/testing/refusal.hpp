@@ -8,14 +8,17 @@
 
 namespace pusht::testing {
 
-/// The message of the InvalidInput that `call` ends in.
-inline std::string refusalOf(const std::function<void()>& call) {
+constexpr const char* kNotRefused = "not refused";
+
+/// The message of the error of that kind in which `call` ends; kNotRefused if it ends well.
+template <class Kind = InvalidInput>
+std::string refusalOf(const std::function<void()>& call) {
   try {
     call();
-  } catch (const InvalidInput& refusal) {
+  } catch (const Kind& refusal) {
     return refusal.what();
   }
-  return "not refused";
+  return kNotRefused;
 }
 
 }  // namespace pusht::testing

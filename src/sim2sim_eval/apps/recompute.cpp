@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <utility>
 
 #include "pusht_task/error.hpp"
 #include "sim2sim_eval/bag/recorded_run.hpp"
@@ -47,9 +48,7 @@ void recompute(const fs::path& bag, const fs::path& out, bool overwrite) {
   sim2sim::RecordedRun recorded = sim2sim::loadFor(folder, [&] { return sim2sim::readRun(bag, sim2sim::interrupted); });
   recorded.provenance["bag"] = bag.string();
   sim2sim::Run run(recorded.configuration, folder, recorded.provenance);
-  for (const sim2sim::EpisodeResult& episode : recorded.episodes) {
-    run.add(episode);
-  }
+  run.take(std::move(recorded.episodes), std::move(recorded.bands));
   try {
     requireWhole(run, bag);
   } catch (const std::exception& failure) {

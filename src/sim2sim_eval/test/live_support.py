@@ -30,7 +30,10 @@ from pusht_msgs.msg import (  # type: ignore[import]
 from pusht_msgs.srv import Control, Describe  # type: ignore[import]
 from pusht_task.testing import DEADLINE, Inbox, sends, until
 
-RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
+RESULTS = {
+    *("metrics.json", "statistics.json", "episodes.csv", "divergence.csv"),
+    *("provenance.json", "status.json"),
+}
 RECORDED_RESULTS = RESULTS | {"compare.bag"}
 CALLER = "/live_test"
 WORLDS = ["reference", "engine", "engine_replay"]

@@ -107,7 +107,12 @@ const Eigen::Vector2d kAway(0.2, 0.1);
 const Eigen::Vector2d kOnTarget(0.0, 0.0);
 
 Summary someSummary() {
-  Summary summary{20, {12, 0.6, wilsonInterval(12, 20)}, {4, 0.2, wilsonInterval(4, 20)}, 1.0 / 3.0, {}};
+  Summary summary;
+  summary.episodes = 20;
+  summary.reference = {12, 0.6, wilsonInterval(12, 20)};
+  summary.engine = {4, 0.2, wilsonInterval(4, 20)};
+  summary.means.resize(kModeCount);
+  summary.yardsticks.resize(kModeCount);
   auto& replay = summary.means[kEngineReplay];
   replay[quantityIndex("mean_position_divergence")] = {0.0821, Interval{0.0682, 0.0953}};
   replay[quantityIndex("mean_angle_divergence")] = {0.948, Interval{0.771, 1.126}};
@@ -359,13 +364,12 @@ TEST(Picture, SaysWhatTheFinishedEpisodesSay) {
               IsSupersetOf({"divergence 0.082 m, 0.95 rad", "95% intervals [0.068, 0.095] m, [0.77, 1.13] rad"}));
 }
 
-TEST(Picture, ShowsNoDivergenceBelowZero) {
+TEST(Picture, MarksADivergenceThatDoesNotBeatTheNullModel) {
   Summary summary = someSummary();
-  auto& replay = summary.means[kEngineReplay];
-  replay[quantityIndex("mean_position_divergence")].interval = Interval{-0.085, 0.171};
-  replay[quantityIndex("mean_angle_divergence")].interval = Interval{-3.73, 5.58};
+  summary.yardsticks[kEngineReplay][0].minus_null = {-0.024, Interval{-0.03, -0.02}, 0.001};
+  summary.yardsticks[kEngineReplay][1].minus_null = {0.01, Interval{-0.1, 0.12}, 0.8};
   EXPECT_THAT(texts(DriftingEpisode(kAway, 0.02, 0.1).update(summary), "engine_replay"),
-              Contains("95% intervals [0.000, 0.171] m, [0.00, 5.58] rad"));
+              Contains("divergence 0.082 m, 0.95 rad (!)"));
 }
 
 TEST(Picture, SaysWhereTheRunIs) {

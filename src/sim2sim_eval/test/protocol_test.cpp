@@ -130,12 +130,12 @@ TEST(Protocol, EndsAtSuccessOrAtTheHorizon) {
   protocol.episodes = 20;
   for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.05, 0.001), idlePolicy})) {
     const double distance = protocol.start(episode.index).tee_position.norm();
-    const RolloutResult& reference = episode.modes[kReferenceClosed];
+    const RolloutResult& reference = episode.rollouts[kReferenceClosed];
     EXPECT_TRUE(reference.success);
     EXPECT_EQ(reference.steps, stepsToSuccess(distance, 0.05));
-    EXPECT_FALSE(episode.modes[kEngineClosed].success) << "0.03 m in 300 steps is not enough";
-    EXPECT_EQ(episode.modes[kEngineClosed].steps, pusht::kHorizon);
-    EXPECT_EQ(episode.modes[kEngineReplay].steps, reference.steps) << "the replay has the reference's length";
+    EXPECT_FALSE(episode.rollouts[kEngineClosed].success) << "0.03 m in 300 steps is not enough";
+    EXPECT_EQ(episode.rollouts[kEngineClosed].steps, pusht::kHorizon);
+    EXPECT_EQ(episode.rollouts[kEngineReplay].steps, reference.steps) << "the replay has the reference's length";
   }
 }
 
@@ -145,11 +145,11 @@ TEST(Protocol, DivergenceIsTheMeanOverCommonStepsStartIncluded) {
   protocol.episodes = 3;
   protocol.horizon = 10;
   for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.04, 0.01), idlePolicy})) {
-    const RolloutResult& replay = episode.modes[kEngineReplay];
+    const RolloutResult& replay = episode.rollouts[kEngineReplay];
     const double mean_step = (0.0 + 10.0) / 2.0;  // over steps 0 to 10
     EXPECT_NEAR(replay.at("mean_position_divergence"), (0.04 - 0.01) * 0.1 * mean_step, 1e-12);
     EXPECT_NEAR(replay.at("mean_angle_divergence"), 0.0, 1e-12) << "both turn at once";
-    EXPECT_TRUE(std::isnan(episode.modes[kReferenceClosed].at("mean_position_divergence")));
+    EXPECT_TRUE(std::isnan(episode.rollouts[kReferenceClosed].at("mean_position_divergence")));
   }
 }
 
@@ -174,7 +174,7 @@ TEST(Protocol, PartsOfARunAreTheRun) {
   protocol.episodes = 6;
   const auto rest = run(protocol, {enginePairs, expert});
   parts.insert(parts.end(), rest.begin(), rest.end());
-  EXPECT_EQ(episodesCsv(parts), episodesCsv(whole));
+  EXPECT_EQ(episodesCsv(protocol, parts), episodesCsv(protocol, whole));
 }
 
 /// The replay gets the reference's actions: in the same engine it is the reference, bit for bit.
@@ -186,11 +186,11 @@ TEST(Protocol, ReplayInTheSameSimulatorDoesNotDiverge) {
                   std::make_unique<pusht::TwoMassLanes>(lanes)};
   };
   for (const EpisodeResult& episode : run(protocol, {make_worlds, expert})) {
-    EXPECT_EQ(episode.modes[kEngineReplay].at("mean_position_divergence"), 0.0);
-    EXPECT_EQ(episode.modes[kEngineReplay].at("mean_angle_divergence"), 0.0);
-    EXPECT_EQ(episode.modes[kEngineClosed].steps, episode.modes[kReferenceClosed].steps);
-    EXPECT_EQ(episode.modes[kEngineClosed].at("final_position_error"),
-              episode.modes[kReferenceClosed].at("final_position_error"));
+    EXPECT_EQ(episode.rollouts[kEngineReplay].at("mean_position_divergence"), 0.0);
+    EXPECT_EQ(episode.rollouts[kEngineReplay].at("mean_angle_divergence"), 0.0);
+    EXPECT_EQ(episode.rollouts[kEngineClosed].steps, episode.rollouts[kReferenceClosed].steps);
+    EXPECT_EQ(episode.rollouts[kEngineClosed].at("final_position_error"),
+              episode.rollouts[kReferenceClosed].at("final_position_error"));
   }
 }
 
@@ -203,14 +203,14 @@ TEST(Protocol, EpisodesInFlightDoNotDisturbEachOther) {
     pusht::TwoMassEngine reference(draggy());
     pusht::TwoMassEngine engine;
     const pusht::Rollout expected = pusht::runClosedLoop(reference, start, *expert(), protocol.horizon);
-    EXPECT_EQ(episode.modes[kReferenceClosed].steps, expected.steps());
-    EXPECT_EQ(episode.modes[kReferenceClosed].success, expected.success());
-    EXPECT_EQ(episode.modes[kReferenceClosed].at("final_position_error"), expected.error().position);
+    EXPECT_EQ(episode.rollouts[kReferenceClosed].steps, expected.steps());
+    EXPECT_EQ(episode.rollouts[kReferenceClosed].success, expected.success());
+    EXPECT_EQ(episode.rollouts[kReferenceClosed].at("final_position_error"), expected.error().position);
     pusht::Rollout replay = pusht::begin(engine, start);
     for (const pusht::Action& action : expected.trace().actions) {
       pusht::advance(replay, engine, action);
     }
-    EXPECT_EQ(episode.modes[kEngineReplay].at("mean_position_divergence"),
+    EXPECT_EQ(episode.rollouts[kEngineReplay].at("mean_position_divergence"),
               meanDivergence(expected.trace(), replay.trace()).position);
   }
 }
@@ -218,9 +218,9 @@ TEST(Protocol, EpisodesInFlightDoNotDisturbEachOther) {
 TEST(Protocol, ResultsDoNotDependOnTheNumberOfThreads) {
   Protocol protocol;
   protocol.episodes = 37;
-  const std::string alone = episodesCsv(run(protocol, {enginePairs, expert}));
+  const std::string alone = episodesCsv(protocol, run(protocol, {enginePairs, expert}));
   for (const int threads : {2, 3, 4, 16}) {
-    EXPECT_EQ(episodesCsv(run(protocol, {enginePairs, expert}, threads)), alone) << threads << " threads";
+    EXPECT_EQ(episodesCsv(protocol, run(protocol, {enginePairs, expert}, threads)), alone) << threads << " threads";
   }
 }
 
@@ -317,7 +317,7 @@ TEST(Protocol, ResultsDoNotDependOnTheKernelsInstructionSet) {
   protocol.episodes = 6;
   const auto rows_with = [&](pusht::InstructionSet instruction_set) {
     const auto make_policy = [&] { return pusht::NetworkPolicy::load(PUSHT_SHIPPED_POLICY, instruction_set); };
-    return episodesCsv(run(protocol, {enginePairs, make_policy}));
+    return episodesCsv(protocol, run(protocol, {enginePairs, make_policy}));
   };
   const std::string baseline = rows_with(pusht::InstructionSet::kBaseline);
   for (const pusht::InstructionSet instruction_set : pusht::availableInstructionSets()) {
@@ -331,17 +331,113 @@ TEST(Protocol, TheReferenceIsRolledOutOnce) {
   const ReferenceCache references(folder.path(), {{"reference", "draggy"}});
   Protocol protocol;
   protocol.episodes = 20;
-  const std::string without = episodesCsv(run(protocol, {enginePairs, expert}));
-  EXPECT_EQ(episodesCsv(run(protocol, {enginePairs, expert}, 2, &references)), without);
+  const std::string without = episodesCsv(protocol, run(protocol, {enginePairs, expert}));
+  EXPECT_EQ(episodesCsv(protocol, run(protocol, {enginePairs, expert}, 2, &references)), without);
 
   const auto no_reference = [](int lanes) {
     Worlds worlds = enginePairs(lanes);
-    worlds[kReferenceClosed] = nullptr;
+    worlds[kReferenceClosed] = nullptr;  // nor the floor
     return worlds;
   };
   for (const int threads : {1, 2}) {
-    EXPECT_EQ(episodesCsv(run(protocol, {no_reference, expert}, threads, &references)), without);
+    EXPECT_EQ(episodesCsv(protocol, run(protocol, {no_reference, expert}, threads, &references)), without);
   }
+}
+
+/// Tees on one line: what an engine makes in a control step is the speeds' difference times the time.
+TEST(Probes, AReanchoredReplayStartsAnewFromTheReference) {
+  Protocol protocol;
+  protocol.episodes = 3;
+  protocol.horizon = 12;
+  protocol.probes = probesOf(false, {1, 5, 12});
+  const double a_step = (0.04 - 0.01) * pusht::kControlStep;
+  for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.04, 0.01), idlePolicy})) {
+    ASSERT_EQ(episode.rollouts.size(), kModeCount + 3U);
+    const RolloutResult& each = episode.rollouts[kModeCount];
+    const RolloutResult& fives = episode.rollouts[kModeCount + 1];
+    const RolloutResult& never = episode.rollouts[kModeCount + 2];
+    EXPECT_NEAR(each.at("anchor_position_error"), a_step, 1e-12);
+    EXPECT_NEAR(each.at("mean_position_divergence"), 12.0 * a_step / 13.0, 1e-12) << "zero at the start";
+    EXPECT_NEAR(fives.at("anchor_position_error"), 5.0 * a_step, 1e-12) << "taken before the world is put back";
+    EXPECT_NEAR(fives.at("mean_position_divergence"), (15.0 + 15.0 + 3.0) * a_step / 13.0, 1e-12);
+    EXPECT_NEAR(never.at("anchor_position_error"), 12.0 * a_step, 1e-12);
+    EXPECT_EQ(never.at("mean_position_divergence"), episode.rollouts[kEngineReplay].at("mean_position_divergence"));
+    EXPECT_TRUE(std::isnan(episode.rollouts[kEngineReplay].at("anchor_position_error"))) << "it is never put back";
+  }
+}
+
+TEST(Probes, TheNullModelRestsWhereItWasPutLast) {
+  Protocol protocol;
+  protocol.episodes = 3;
+  protocol.horizon = 10;
+  protocol.probes = probesOf(false, {5});
+  const double a_step = 0.04 * pusht::kControlStep;  // of the reference
+  for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.04, 0.01), idlePolicy})) {
+    EXPECT_NEAR(episode.rollouts[kEngineReplay].at("null_position_divergence"), 55.0 * a_step / 11.0, 1e-12);
+    EXPECT_NEAR(episode.rollouts[kModeCount].at("null_position_divergence"), 30.0 * a_step / 11.0, 1e-12);
+  }
+}
+
+TEST(Probes, EarlyDivergenceIsOfEpisodesThatLastLongEnough) {
+  for (const int horizon : {kEarlySteps - 1, kEarlySteps, kEarlySteps + 10}) {
+    Protocol protocol;
+    protocol.episodes = 1;
+    protocol.horizon = horizon;
+    const EpisodeResult episode = run(protocol, {ledWorlds(0.02, 0.01), idlePolicy}).front();
+    const double early = episode.rollouts[kEngineReplay].at("early_position_divergence");
+    if (horizon < kEarlySteps) {
+      EXPECT_TRUE(std::isnan(early));
+    } else {
+      EXPECT_NEAR(early, 0.01 * pusht::kControlStep * kEarlySteps / 2.0, 1e-12) << horizon;
+    }
+  }
+}
+
+/// The floor of a world that only carries a shift along is that shift.
+TEST(Probes, TheFloorIsTheReferenceFromAMovedStart) {
+  Protocol protocol;
+  protocol.episodes = 5;
+  const auto make_worlds = [](int lanes) {
+    return Worlds{std::make_unique<pusht::TwoMassLanes>(lanes), std::make_unique<pusht::TwoMassLanes>(lanes),
+                  std::make_unique<pusht::TwoMassLanes>(lanes)};
+  };
+  ASSERT_EQ(protocol.probes, floorProbes());
+  const auto deliver = [&](const Episode& episode) {
+    const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
+    for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
+      const pusht::Trace& floor = episode.probe(i).value();
+      EXPECT_EQ(floor.states.size(), reference.states.size());
+      EXPECT_EQ(floor.actions, reference.actions);
+      EXPECT_NEAR(floor.states[0].tee_position.x() - reference.states[0].tee_position.x(),
+                  protocol.probes[i].start_offset, 1e-15);
+      EXPECT_EQ(floor.states[0].tee_position.y(), reference.states[0].tee_position.y());
+    }
+    const EpisodeResult result = episode.result();
+    EXPECT_GT(result.rollouts[kModeCount].at("mean_position_divergence"), 0.0);
+    EXPECT_GT(result.rollouts[kModeCount + 1].at("mean_position_divergence"),
+              result.rollouts[kModeCount].at("mean_position_divergence"));
+  };
+  runProtocol(protocol, {make_worlds, expert}, 1, nullptr, deliver, kNeverStop);
+}
+
+TEST(Probes, AreKnownByName) {
+  for (const Probe& probe : probesOf(true, {1, 20, 300})) {
+    const Probe found = probeFrom(probe.name);
+    EXPECT_EQ(found, probe);
+    EXPECT_EQ(found.anchor_every, probe.anchor_every);
+    EXPECT_EQ(found.start_offset, probe.start_offset);
+  }
+  EXPECT_EQ(reanchorFrom("1,5,20"), (std::vector<int>{1, 5, 20}));
+  EXPECT_TRUE(reanchorFrom("").empty());
+  for (const char* name : {"floor_1e-7", "engine_reanchored_", "engine_reanchored_0", "engine_reanchored_05", ""}) {
+    EXPECT_THROW(probeFrom(name), pusht::InvalidInput) << name;
+  }
+  for (const char* list : {"1,x", "1,,5", "1.5", " 1"}) {
+    EXPECT_THROW(reanchorFrom(list), pusht::InvalidInput) << list;
+  }
+  EXPECT_THROW(probesOf(true, {0}), pusht::InvalidInput);
+  EXPECT_THROW(probesOf(true, {301}), pusht::InvalidInput);
+  EXPECT_THROW(probesOf(true, {5, 5}), pusht::InvalidInput);
 }
 
 TEST(Protocol, RefusesWhatItCannotRun) {

@@ -15,16 +15,26 @@
 namespace sim2sim {
 namespace {
 
-/// Two episodes in which every quantity of every mode has a value of its own.
-std::vector<EpisodeResult> distinctEpisodes() {
-  std::vector<EpisodeResult> episodes(2);
+/// With probes of every sort.
+Protocol withProbes() {
+  Protocol protocol;
+  protocol.probes = probesOf(true, {1, 5});
+  return protocol;
+}
+
+/// Twenty episodes in which every quantity of every rollout has a value of its own.
+std::vector<EpisodeResult> distinctEpisodes(const Protocol& protocol) {
+  std::vector<EpisodeResult> episodes(20);
   double value = 0.5;
   for (EpisodeResult& episode : episodes) {
     episode.index = static_cast<int>(&episode - episodes.data());
-    for (const Mode mode : kModes) {
-      episode.modes[mode].quantities.fill(std::nan(""));
+    episode.rollouts.resize(protocol.rolloutNames().size());
+    for (RolloutResult& rollout : episode.rollouts) {
+      rollout.quantities.fill(std::nan(""));
     }
-    forEachQuantity([&](Mode mode, std::size_t i) { episode.modes[mode].quantities[i] = value += 0.25; });
+    forEachQuantity(protocol, [&](std::size_t rollout, std::size_t i) {
+      episode.rollouts[rollout].quantities[i] = value += 0.0001220703125;  // a power of two: sums are exact
+    });
   }
   return episodes;
 }
@@ -44,54 +54,68 @@ std::vector<std::vector<std::string>> cellsOf(const std::string& csv) {
 }
 
 TEST(Quantities, SayTheSameInCsvAndMessage) {
-  const std::vector<EpisodeResult> episodes = distinctEpisodes();
-  const auto lines = cellsOf(episodesCsv(episodes));
+  const Protocol protocol = withProbes();
+  const std::vector<EpisodeResult> episodes = distinctEpisodes(protocol);
+  const auto lines = cellsOf(episodesCsv(protocol, episodes));
+  const std::size_t rollouts = protocol.rolloutNames().size();
+  ASSERT_EQ(lines.size(), 1 + episodes.size() * rollouts);
   for (std::size_t line = 1; line < lines.size(); ++line) {
-    const EpisodeResult& episode = episodes.at((line - 1) / kModeCount);
-    const Mode mode = kModes.at((line - 1) % kModeCount);
-    const auto message = toMessage(episode, ros::Time(1.0)).rollouts.at(mode);
+    const EpisodeResult& episode = episodes.at((line - 1) / rollouts);
+    const std::size_t rollout = (line - 1) % rollouts;
+    const auto message = toMessage(protocol, episode, ros::Time(1.0)).rollouts.at(rollout);
+    EXPECT_EQ(lines[line].at(2), message.mode);
     ASSERT_EQ(message.quantities.size(), kQuantities.size());
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
       const std::string column = std::string(kQuantities[i].name) + "_" + kQuantities[i].unit;
       const auto at = std::find(lines[0].begin(), lines[0].end(), column) - lines[0].begin();
       ASSERT_LT(at, static_cast<std::ptrdiff_t>(lines[0].size())) << column;
       EXPECT_EQ(message.quantities[i].name + "_" + message.quantities[i].unit, column);
-      if (has(mode, kQuantities[i])) {
-        EXPECT_EQ(std::stod(lines[line].at(at)), message.quantities[i].value) << column;
-        EXPECT_EQ(episode.modes[mode].at(kQuantities[i].name), message.quantities[i].value) << column;
-      } else {
+      if (std::isnan(episode.rollouts[rollout].quantities[i])) {
         EXPECT_EQ(lines[line].at(at), "") << column;
         EXPECT_TRUE(std::isnan(message.quantities[i].value)) << column;
+      } else {
+        EXPECT_EQ(std::stod(lines[line].at(at)), message.quantities[i].value) << column;
+        EXPECT_EQ(episode.rollouts[rollout].at(kQuantities[i].name), message.quantities[i].value) << column;
       }
     }
   }
 }
 
-TEST(Quantities, SayTheSameInMetricsAndMessage) {
-  const std::vector<EpisodeResult> episodes = distinctEpisodes();
-  const Summary summary = summarize(episodes);
-  const RunConfiguration configuration;
+TEST(Quantities, SayTheSameInMetricsStatisticsAndMessage) {
+  RunConfiguration configuration;
+  configuration.protocol = withProbes();
+  const std::vector<EpisodeResult> episodes = distinctEpisodes(configuration.protocol);
+  const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();
+  const Summary summary = summarize(configuration.protocol, episodes);
   const nlohmann::json figures = metrics(configuration, summary);
+  const nlohmann::json distributions = statistics(configuration.protocol, episodes);
   const auto message = summaryMessage(configuration, summary, ros::Time(1.0));
   std::size_t next = 0;
-  forEachQuantity([&](Mode mode, std::size_t i) {
-    const double mean = (episodes[0].modes[mode].quantities[i] + episodes[1].modes[mode].quantities[i]) / 2.0;
+  forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
+    double mean = 0.0;
+    for (const EpisodeResult& episode : episodes) {
+      mean += episode.rollouts[rollout].quantities[i] / 20.0;
+    }
     const auto& told = message.means.at(next++);
+    const std::string column = std::string(kQuantities[i].name) + "_" + kQuantities[i].unit;
     EXPECT_EQ(told.unit, kQuantities[i].unit);
-    EXPECT_EQ(told.value, mean) << told.name;
-    EXPECT_EQ(figures.at(told.name + "_" + told.unit), mean) << told.name;
+    EXPECT_NEAR(told.value, mean, 1e-12) << told.name;
+    EXPECT_NEAR(figures.at(told.name + "_" + told.unit), mean, 1e-6) << told.name;
     EXPECT_EQ(figures.at(told.name + "_interval_" + told.unit).size(), 2U) << told.name;
+    const nlohmann::json& distribution = distributions.at("rollouts").at(rollouts[rollout]).at(column);
+    EXPECT_EQ(distribution.at("mean"), figures.at(told.name + "_" + told.unit)) << column;
+    EXPECT_EQ(distribution.at("episodes"), 20) << column;
   });
   EXPECT_EQ(message.means.size(), next);
 }
 
-TEST(Quantities, HaveTheirLineInTheTableIfTheyCompare) {
-  const Summary summary = summarize(distinctEpisodes());
-  const RunConfiguration configuration;
+TEST(Quantities, AreInTheTableIfTheyHaveALabel) {
+  RunConfiguration configuration;
+  const Summary summary = summarize(configuration.protocol, distinctEpisodes(configuration.protocol));
   const std::string text = table(configuration, summary);
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
     const std::string figure = cell(summary.means[kEngineReplay][i], kQuantities[i].unit);
-    EXPECT_EQ(text.find(figure) != std::string::npos, kQuantities[i].compares) << kQuantities[i].name;
+    EXPECT_EQ(text.find(figure) != std::string::npos, kQuantities[i].label != nullptr) << kQuantities[i].name;
   }
 }
 

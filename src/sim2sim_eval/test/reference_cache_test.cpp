@@ -24,6 +24,7 @@ using ::testing::HasSubstr;
 
 const std::string kStart = "10007";
 const std::string kOther = "10008";
+const std::string kRollout = "reference";
 const nlohmann::json kKey = {{"policy", "one"}};
 
 pusht::Trace someTrace() {
@@ -53,7 +54,7 @@ class ReferenceCacheTest : public ::testing::Test {
     change(text);
     pusht::writeFile(file(), text);
     try {
-      cache_.find(kStart);
+      cache_.find(kStart, kRollout);
       return "";
     } catch (const pusht::BadDependency& error) {
       return error.what();
@@ -66,18 +67,19 @@ class ReferenceCacheTest : public ::testing::Test {
 
 TEST_F(ReferenceCacheTest, KeepsARolloutBitForBit) {
   const pusht::Trace trace = someTrace();
-  EXPECT_FALSE(cache_.find(kStart));
-  cache_.keep(kStart, trace);
-  const auto found = ReferenceCache(folder_.path() / "cache", kKey).find(kStart);
+  EXPECT_FALSE(cache_.find(kStart, kRollout));
+  cache_.keep(kStart, kRollout, trace);
+  const auto found = ReferenceCache(folder_.path() / "cache", kKey).find(kStart, kRollout);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->states, trace.states);
   EXPECT_EQ(found->actions, trace.actions);
-  EXPECT_FALSE(cache_.find(kOther));
-  EXPECT_FALSE(ReferenceCache(folder_.path() / "cache", {{"policy", "another"}}).find(kStart));
+  EXPECT_FALSE(cache_.find(kOther, kRollout));
+  EXPECT_FALSE(cache_.find(kStart, "floor_1e-6"));
+  EXPECT_FALSE(ReferenceCache(folder_.path() / "cache", {{"policy", "another"}}).find(kStart, kRollout));
 }
 
 TEST_F(ReferenceCacheTest, RefusesADamagedFileByName) {
-  cache_.keep(kStart, someTrace());
+  cache_.keep(kStart, kRollout, someTrace());
   EXPECT_THAT(refusalAfter([](std::string& text) { text[text.size() - 5] ^= 1; }),
               HasSubstr("10007.reference: is damaged"));
   EXPECT_THAT(refusalAfter([](std::string& text) { text.resize(text.size() / 2); }), HasSubstr("is damaged"));
@@ -87,12 +89,12 @@ TEST_F(ReferenceCacheTest, RefusesADamagedFileByName) {
 
 TEST_F(ReferenceCacheTest, RefusesAFileOfAnotherKeyOrStart) {
   ReferenceCache other(folder_.path() / "other", {{"policy", "another"}});
-  other.keep(kStart, someTrace());
+  other.keep(kStart, kRollout, someTrace());
   const fs::path foreign = file();
-  cache_.keep(kStart, someTrace());
+  cache_.keep(kStart, kRollout, someTrace());
   const auto refusal = [&](const std::string& start) -> std::string {
     try {
-      cache_.find(start);
+      cache_.find(start, kRollout);
       return "";
     } catch (const pusht::BadDependency& error) {
       return error.what();
@@ -101,6 +103,8 @@ TEST_F(ReferenceCacheTest, RefusesAFileOfAnotherKeyOrStart) {
   const fs::path folder = folder_.path() / "cache" / pusht::sha256(kKey.dump()).substr(0, 16);
   fs::copy_file(folder / "10007.reference", folder / "10008.reference");
   EXPECT_THAT(refusal(kOther), HasSubstr("10008.reference: belongs to another run"));
+  fs::copy_file(folder / "10007.reference", folder / "10008.floor_1e-6");
+  EXPECT_THROW(cache_.find(kOther, "floor_1e-6"), pusht::BadDependency);
   fs::copy_file(foreign, folder / "10007.reference", fs::copy_options::overwrite_existing);
   EXPECT_THAT(refusal(kStart), HasSubstr("10007.reference: belongs to another run"));
 }
@@ -109,7 +113,7 @@ TEST_F(ReferenceCacheTest, AFolderThatCannotBeWrittenIsARuntimeFault) {
   std::ofstream(folder_.path() / "file") << "no folder";
   EXPECT_THROW(ReferenceCache(folder_.path() / "file", kKey), pusht::RuntimeFault);
   fs::remove_all(folder_.path() / "cache");
-  EXPECT_THROW(cache_.keep(kStart, someTrace()), pusht::RuntimeFault);
+  EXPECT_THROW(cache_.keep(kStart, kRollout, someTrace()), pusht::RuntimeFault);
 }
 
 }  // namespace

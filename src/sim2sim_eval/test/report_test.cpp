@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -18,6 +19,19 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
+/// The modes alone.
+Protocol bare() {
+  Protocol protocol;
+  protocol.probes.clear();
+  return protocol;
+}
+
+RunConfiguration bareConfiguration() {
+  RunConfiguration configuration;
+  configuration.protocol = bare();
+  return configuration;
+}
+
 /// `total` episodes, the first `reference` and `engine` of which succeed.
 std::vector<EpisodeResult> episodesWith(int total, int reference, int engine) {
   std::vector<EpisodeResult> episodes;
@@ -25,41 +39,42 @@ std::vector<EpisodeResult> episodesWith(int total, int reference, int engine) {
     EpisodeResult episode;
     episode.index = i;
     episode.seed = 10'000U + static_cast<std::uint64_t>(i);
-    episode.modes[kReferenceClosed].success = i < reference;
-    episode.modes[kEngineClosed].success = i < engine;
-    episode.modes[kEngineClosed].at("mean_position_divergence") = 0.5;
-    episode.modes[kEngineClosed].at("mean_angle_divergence") = 0.5;
-    episode.modes[kEngineReplay].success = true;  // must not count
-    episode.modes[kEngineReplay].at("mean_position_divergence") = 0.01 * i;
-    episode.modes[kEngineReplay].at("mean_angle_divergence") = 0.1 * i;
+    episode.rollouts[kReferenceClosed].success = i < reference;
+    episode.rollouts[kEngineClosed].success = i < engine;
+    episode.rollouts[kEngineClosed].at("mean_position_divergence") = 0.5;
+    episode.rollouts[kEngineClosed].at("mean_angle_divergence") = 0.5;
+    episode.rollouts[kEngineReplay].success = true;  // must not count
+    episode.rollouts[kEngineReplay].at("mean_position_divergence") = 0.01 * i;
+    episode.rollouts[kEngineReplay].at("mean_angle_divergence") = 0.1 * i;
     episodes.push_back(episode);
   }
   return episodes;
 }
 
 TEST(Summarize, CountsTheClosedLoopsAndAveragesTheReplay) {
-  const Summary summary = summarize(episodesWith(50, 31, 10));
+  const Summary summary = summarize(bare(), episodesWith(50, 31, 10));
   EXPECT_EQ(summary.reference.successes, 31);
   EXPECT_EQ(summary.engine.successes, 10);
-  EXPECT_NEAR(summary.transfer.value(), 10.0 / 31.0, 1e-15);
+  EXPECT_NEAR(summary.outcomes.transfer.value(), 10.0 / 31.0, 1e-15);
   EXPECT_NEAR(summary.mean(kEngineReplay, "mean_position_divergence").value, 0.01 * 24.5, 1e-15);
   EXPECT_NEAR(summary.mean(kEngineReplay, "mean_angle_divergence").value, 0.1 * 24.5, 1e-14);
 }
 
 TEST(Summarize, TransferIsUndefinedWithoutReferenceSuccess) {
-  const Summary summary = summarize(episodesWith(5, 0, 1));
-  EXPECT_FALSE(summary.transfer);
-  const RunConfiguration configuration;
+  const Summary summary = summarize(bare(), episodesWith(5, 0, 1));
+  EXPECT_FALSE(summary.outcomes.transfer);
+  const RunConfiguration configuration = bareConfiguration();
   EXPECT_TRUE(metrics(configuration, summary).at("transfer").is_null());
   EXPECT_THAT(table(configuration, summary), HasSubstr("undefined"));
 }
 
 TEST(DoubtAboutPolicy, IsRaisedWhereATrainedOneNeverSucceedsAtHome) {
-  RunConfiguration configuration;
+  RunConfiguration configuration = bareConfiguration();
   configuration.policy = "stale.pt";
   const nlohmann::json checkpoint = {{"policy", {{"sha256", "8997"}}}};
   const auto doubt = [&](int reference_successes, const nlohmann::json& provenance) {
-    return doubtAboutPolicy(metrics(configuration, summarize(episodesWith(5, reference_successes, 1))), provenance);
+    return doubtAboutPolicy(metrics(configuration, summarize(bare(), episodesWith(5, reference_successes, 1))),
+                            provenance);
   };
   EXPECT_THAT(doubt(0, checkpoint), HasSubstr("policy stale.pt never succeeds in the reference"));
   EXPECT_EQ(doubt(1, checkpoint), "");
@@ -71,13 +86,13 @@ TEST(DoubtAboutPolicy, IsRaisedWhereATrainedOneNeverSucceedsAtHome) {
 }
 
 TEST(Metrics, HasTheCoursesKeysAtTheTopSortedAndRounded) {
-  RunConfiguration configuration;
+  RunConfiguration configuration = bareConfiguration();
   configuration.policy = "some/policy.pt";
   configuration.protocol.first_episode = 5;
   configuration.protocol.episodes = 3;
   configuration.reference = {"mujoco", "MuJoCo"};
   configuration.engine = {"two_mass", "two-mass engine"};
-  const std::string text = jsonText(metrics(configuration, summarize(episodesWith(3, 2, 1))));
+  const std::string text = jsonText(metrics(configuration, summarize(bare(), episodesWith(3, 2, 1))));
   const nlohmann::json json = nlohmann::json::parse(text);
   EXPECT_EQ(json.at("episodes"), 3);
   EXPECT_EQ(json.at("first_episode"), 5);
@@ -103,7 +118,7 @@ TEST(Metrics, HasTheCoursesKeysAtTheTopSortedAndRounded) {
 }
 
 TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
-  std::istringstream csv(episodesCsv(episodesWith(2, 1, 0)));
+  std::istringstream csv(episodesCsv(bare(), episodesWith(2, 1, 0)));
   std::vector<std::string> lines;
   for (std::string line; std::getline(csv, line);) {
     lines.push_back(line);
@@ -117,19 +132,69 @@ TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
   EXPECT_THAT(lines[6], StartsWith("1,10001,engine_replay,0,true,0.0,0.0,0.01,0.1"));
 }
 
-TEST(Table, ShowsNoDivergenceBelowZero) {
-  Summary summary = summarize(episodesWith(2, 1, 1));
-  summary.means[kEngineReplay][quantityIndex("mean_angle_divergence")] = {0.038, Interval{-0.447, 0.523}};
-  const RunConfiguration configuration;
-  EXPECT_THAT(table(configuration, summary), HasSubstr("0.0380 rad [0.0000, 0.5230]"));
-  EXPECT_EQ(metrics(configuration, summary).at("mean_ang_divergence_interval_rad").at(0), -0.447) << "as computed";
+/// As STATISTICS of paired outcomes want it: reference 31, engine 10, both 10.
+TEST(Summarize, PairsTheOutcomes) {
+  const Outcomes outcomes = summarize(bare(), episodesWith(50, 31, 10)).outcomes;
+  EXPECT_EQ(outcomes.table.both, 10);
+  EXPECT_EQ(outcomes.table.first_only, 21);
+  EXPECT_EQ(outcomes.table.second_only, 0);
+  EXPECT_EQ(outcomes.table.neither, 19);
+  EXPECT_NEAR(outcomes.difference, -21.0 / 50.0, 1e-15);
+  EXPECT_NEAR(outcomes.p_exact, std::pow(0.5, 20), 1e-18) << "21 of 21 discordant pairs on one side";
+  ASSERT_TRUE(outcomes.difference_interval && outcomes.transfer_interval);
+  EXPECT_LT(outcomes.difference_interval->high, 0.0);
+  EXPECT_LT(outcomes.transfer_interval->high, 1.0);
+}
+
+/// Replays that are 0.01 m worse than a tee that never moves, in every episode but for a small scatter.
+std::vector<EpisodeResult> episodesAgainstNull(double difference) {
+  std::vector<EpisodeResult> episodes = episodesWith(40, 20, 10);
+  for (EpisodeResult& episode : episodes) {
+    for (RolloutResult& rollout : episode.rollouts) {
+      rollout.quantities.fill(std::nan(""));
+    }
+    RolloutResult& replay = episode.rollouts[kEngineReplay];
+    replay.at("null_position_divergence") = 0.1 + 0.001 * (episode.index % 3);
+    replay.at("mean_position_divergence") = replay.at("null_position_divergence") + difference;
+    replay.at("null_angle_divergence") = 1.0;
+    replay.at("mean_angle_divergence") = 0.5 + 0.001 * (episode.index % 2);
+  }
+  return episodes;
+}
+
+TEST(Table, MarksADivergenceThatDoesNotBeatTheNullModel) {
+  const RunConfiguration configuration = bareConfiguration();
+  const Summary worse = summarize(bare(), episodesAgainstNull(0.01));
+  EXPECT_EQ(worse.yardsticks[kEngineReplay][0].beatsNull(), false);
+  EXPECT_EQ(worse.yardsticks[kEngineReplay][1].beatsNull(), true);
+  EXPECT_NEAR(worse.yardsticks[kEngineReplay][0].minus_null.value, 0.01, 1e-12);
+  EXPECT_NEAR(worse.yardsticks[kEngineReplay][1].share_of_null, 0.5005, 1e-9);
+  EXPECT_THAT(table(configuration, worse), HasSubstr("(!) not surely less than that of a tee that never moves"));
+  EXPECT_THAT(divergences(worse, ", "), HasSubstr("] (!), 0.5005 rad"));
+  EXPECT_EQ(metrics(configuration, worse).at("mean_pos_divergence_beats_null"), false);
+  EXPECT_EQ(metrics(configuration, worse).at("mean_ang_divergence_beats_null"), true);
+
+  const Summary better = summarize(bare(), episodesAgainstNull(-0.01));
+  EXPECT_EQ(better.yardsticks[kEngineReplay][0].beatsNull(), true);
+  EXPECT_EQ(table(configuration, better).find("(!)"), std::string::npos);
+}
+
+TEST(Table, GivesNoIntervalBelowTheFewestEpisodes) {
+  const RunConfiguration configuration = bareConfiguration();
+  const Summary few = summarize(bare(), episodesWith(kFewestEpisodes - 1, 5, 3));
+  EXPECT_FALSE(few.mean(kEngineReplay, "mean_position_divergence").interval);
+  EXPECT_TRUE(metrics(configuration, few).at("mean_pos_divergence_interval_m").is_null());
+  EXPECT_THAT(table(configuration, few), HasSubstr("most need 10 episodes"));
+  const Summary enough = summarize(bare(), episodesWith(kFewestEpisodes, 5, 3));
+  EXPECT_TRUE(enough.mean(kEngineReplay, "mean_position_divergence").interval);
+  EXPECT_GT(enough.mean(kEngineReplay, "mean_position_divergence").interval->low, 0.0);
 }
 
 TEST(Table, ShowsRatesWithIntervals) {
-  RunConfiguration configuration;
+  RunConfiguration configuration = bareConfiguration();
   configuration.reference = {"mujoco", "MuJoCo"};
   configuration.engine = {"two_mass", "two-mass engine"};
-  const Summary summary = summarize(episodesWith(50, 31, 10));
+  const Summary summary = summarize(bare(), episodesWith(50, 31, 10));
   const std::string text = table(configuration, summary);
   EXPECT_THAT(text, HasSubstr("MuJoCo (reference)"));
   EXPECT_THAT(text, HasSubstr("two-mass engine"));

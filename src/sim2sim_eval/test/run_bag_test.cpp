@@ -38,6 +38,7 @@ class Play {
   Play() {
     configuration_.protocol.first_episode = 3;
     configuration_.protocol.episodes = 3;
+    configuration_.protocol.probes = probesOf(true, {5});
     configuration_.policy = "expert";
     configuration_.reference = {"two_mass", "two-mass engine", {{"block_damp", 60.0}}, {"block_damp"}};
     configuration_.engine = {"two_mass", "two-mass engine", {{"block_damp", 6.0}}};
@@ -60,9 +61,15 @@ class Play {
   Worlds worlds_;
 };
 
+constexpr std::size_t kProbes = 3;
+
 RecordedEpisode recordOf(const Episode& episode) {
-  return {episode.rollout(kReferenceClosed).trace(), episode.rollout(kEngineClosed).trace(),
-          episode.rollout(kEngineReplay).trace()};
+  RecordedEpisode record{{episode.rollout(kReferenceClosed).trace(), episode.rollout(kEngineClosed).trace(),
+                          episode.rollout(kEngineReplay).trace()}};
+  for (std::size_t i = 0; i < kProbes; ++i) {
+    record.probes.push_back(episode.probe(i)->states);
+  }
+  return record;
 }
 
 /// Writes a run as an evaluator does.
@@ -80,15 +87,17 @@ class Recording {
     }
   }
 
-  void end(const EpisodeResult& result) {
-    bag_.write(toMessage(result, stamps_.now()));
+  void end(const Episode& episode, const EpisodeResult& result) {
+    const Protocol& protocol = configuration_.protocol;
+    bag_.writeProbes(protocol, episode, stamps_.now());
+    bag_.write(toMessage(protocol, result, stamps_.now()));
     finished_.push_back(result);
-    bag_.write(summaryMessage(configuration_, summarize(finished_), stamps_.now()));
+    bag_.write(summaryMessage(configuration_, summarize(protocol, finished_), stamps_.now()));
   }
 
   void record(const Episode& episode) {
     begin(episode, episode.steps());
-    end(episode.result());
+    end(episode, episode.result());
   }
 
   void finish() { bag_.finish(); }
@@ -130,7 +139,7 @@ TEST_F(RunBagTest, IsReadAsItWasRun) {
   }
   std::swap(results[1], results[2]);
   const RecordedRun run = readRun(path_);
-  EXPECT_EQ(episodesCsv(run.episodes), episodesCsv(results));
+  EXPECT_EQ(episodesCsv(run.configuration.protocol, run.episodes), episodesCsv(run.configuration.protocol, results));
   EXPECT_EQ(describe(run.configuration).dump(), describe(play_.configuration()).dump());
   EXPECT_EQ(run.provenance.dump(), play_.origin().dump());
 }
@@ -204,7 +213,8 @@ TEST_F(RunBagTest, AnEpisodeThatIsBegunAnewCountsFromThere) {
     recording.record(play_.run(4));
   }
   const RecordedRun run = readRun(path_);
-  EXPECT_EQ(episodesCsv(run.episodes), episodesCsv({play_.run(4).result()}));
+  EXPECT_EQ(episodesCsv(run.configuration.protocol, run.episodes),
+            episodesCsv(run.configuration.protocol, {play_.run(4).result()}));
 }
 
 TEST_F(RunBagTest, KnowsNoEpisodeBeforeOneHasFinished) {
@@ -222,9 +232,9 @@ TEST_F(RunBagTest, AResultThatIsNotThatOfTheStatesIsRefused) {
     const Episode episode = play_.run(3);
     recording.begin(episode, episode.steps());
     EpisodeResult result = episode.result();
-    double& angle = result.modes[kEngineReplay].at("mean_angle_divergence");
+    double& angle = result.rollouts[kEngineReplay].at("mean_angle_divergence");
     angle = std::nextafter(angle, 0.0);
-    recording.end(result);
+    recording.end(episode, result);
   }
   EXPECT_THAT(refusal([this] { readRun(path_); }, pusht::ExitCode::kBadDependency),
               HasSubstr("episode 3: its result does not follow from the recorded states"));
@@ -238,21 +248,24 @@ TEST_F(RunBagTest, WhatDoesNotFollowTheProtocolIsRefusedByName) {
     return refusal([&] { replay(play_.configuration().protocol, 5, record); }, pusht::ExitCode::kBadDependency);
   };
   EXPECT_EQ(replayed([](RecordedEpisode&) {}), "");
-  EXPECT_THAT(replayed([](RecordedEpisode& e) { e[kEngineClosed].states[0].tee_position.x() += 1e-5; }),
+  EXPECT_THAT(replayed([](RecordedEpisode& e) { e.modes[kEngineClosed].states[0].tee_position.x() += 1e-5; }),
               HasSubstr("episode 5 (spawn seed 10005), engine_closed, step 0: the start that is recorded is not"));
-  EXPECT_THAT(replayed([](RecordedEpisode& e) { e[kEngineReplay].actions[7][1] += 1e-6F; }),
+  EXPECT_THAT(replayed([](RecordedEpisode& e) { e.modes[kEngineReplay].actions[7][1] += 1e-6F; }),
               HasSubstr("engine_replay, step 7: the action that is recorded is ("));
   EXPECT_THAT(replayed([](RecordedEpisode& e) {
-                e[kEngineReplay].states.pop_back();
-                e[kEngineReplay].actions.pop_back();
+                e.modes[kEngineReplay].states.pop_back();
+                e.modes[kEngineReplay].actions.pop_back();
               }),
               HasSubstr("no more is recorded, but the rollout must go on"));
   EXPECT_THAT(replayed([](RecordedEpisode& e) {
-                e[kReferenceClosed].states.push_back(e[kReferenceClosed].states.back());
-                e[kReferenceClosed].actions.push_back({0.0F, 0.0F});
+                e.modes[kReferenceClosed].states.push_back(e.modes[kReferenceClosed].states.back());
+                e.modes[kReferenceClosed].actions.push_back({0.0F, 0.0F});
               }),
               HasSubstr("episode 5, reference_closed: "));
-  EXPECT_THAT(replayed([](RecordedEpisode& e) { e[kEngineClosed] = {}; }), HasSubstr("no start is recorded"));
+  EXPECT_THAT(replayed([](RecordedEpisode& e) { e.modes[kEngineClosed] = {}; }), HasSubstr("no start is recorded"));
+  EXPECT_THAT(replayed([](RecordedEpisode& e) { e.probes[1].pop_back(); }), HasSubstr("episode 5, floor_1e-6: "));
+  EXPECT_THAT(replayed([](RecordedEpisode& e) { e.probes.clear(); }),
+              HasSubstr("episode 5, floor_1e-9: 0 steps are recorded, must be "));
 }
 
 TEST_F(RunBagTest, AGapIsRefusedByName) {
@@ -296,12 +309,13 @@ TEST(Messages, SummaryIsOfTheFinishedEpisodesAndOfNone) {
   EXPECT_EQ(none.episodes_finished, 0U);
   EXPECT_EQ(none.reference.trials, 0U);
   EXPECT_TRUE(std::isnan(none.reference.rate) && std::isnan(none.transfer) && std::isnan(none.means.back().value));
-  const auto one = summaryMessage(play.configuration(), summarize({play.run(5).result()}), ros::Time(1.0));
+  const auto one = summaryMessage(play.configuration(),
+                                  summarize(play.configuration().protocol, {play.run(5).result()}), ros::Time(1.0));
   EXPECT_EQ(one.episodes_finished, 1U);
   EXPECT_EQ(one.reference.successes, 1U);
   EXPECT_EQ(one.policy, "expert");
-  EXPECT_FALSE(std::isnan(one.means.back().value));
-  EXPECT_TRUE(std::isnan(one.means.back().low)) << "one episode has no interval";
+  EXPECT_FALSE(std::isnan(one.means.front().value));
+  EXPECT_TRUE(std::isnan(one.means.front().low)) << "one episode has no interval";
 }
 
 }  // namespace

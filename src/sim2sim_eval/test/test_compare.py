@@ -29,7 +29,10 @@ from command_case import DEADLINE, CommandCase, Endless, executable  # noqa: E40
 PACKAGES = rospkg.RosPack()
 PATIENCE = 10.0  # s, in which a command that was asked to end must have ended
 SCENE = Path(PACKAGES.get_path("pusht_mujoco"), "scenes", "pusht.xml")
-RESULTS = {"metrics.json", "episodes.csv", "provenance.json", "status.json"}
+RESULTS = {
+    *("metrics.json", "statistics.json", "episodes.csv", "divergence.csv"),
+    *("provenance.json", "status.json"),
+}
 COMPARE = executable("sim2sim_eval", "compare")
 DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
 RECOMPUTE = executable("sim2sim_eval", "recompute")

@@ -8,10 +8,10 @@ namespace pusht {
 
 /// "a, b, c"; "none" if there are none.
 template <class Names>
-std::string joined(const Names& names) {
+std::string joined(const Names& names, const char* separator = ", ") {
   std::string text;
   for (const auto& name : names) {
-    text.append(text.empty() ? "" : ", ").append(name);
+    text.append(text.empty() ? "" : separator).append(name);
   }
   return text.empty() ? "none" : text;
 }

@@ -130,6 +130,7 @@ class SimulatorSession:
         self._horizon = 0
         self._steps = 0  # taken in the episode
         self._token = ""  # of who holds the world; empty: nobody
+        self._silent = False  # whether the episode is published
         self._last_request: Any = None  # the last one that was taken
         self._last: Any = None  # answer to it
 
@@ -176,12 +177,13 @@ class SimulatorSession:
         if self._last is not None and request.stamp and request == self._last_request:
             return self._last
         start = _start(request)
-        stamp = self._next_stamp(request.stamp)
+        stamp = self._stamp if request.silent else self._next_stamp(request.stamp)
         self._token = ""
         state = self._simulate(
             "reset", lambda: _started(self._simulator, start, self._start_tolerance)
         )
         self._token = request.token
+        self._silent = request.silent
         self._episode = request.episode
         self._horizon = request.horizon or HORIZON
         self._steps = 0
@@ -216,7 +218,7 @@ class SimulatorSession:
             )
         if not all(map(math.isfinite, request.action)):
             raise Refusal("action ({}, {}): must be finite".format(*request.action))
-        stamp = self._next_stamp(request.stamp)
+        stamp = self._stamp if self._silent else self._next_stamp(request.stamp)
         action = [min(max(axis, -ACTION_LIMIT), ACTION_LIMIT) for axis in request.action]
         state = self._simulate("step", lambda: _stepped(self._simulator, np.array(action)))
         self._stamp = stamp
@@ -298,6 +300,8 @@ class SimulatorSession:
         return stamp
 
     def _observe(self, action: Sequence[float]) -> None:
+        if self._silent:
+            return
         update = WorldStateStamped(
             episode=self._episode, step=self._steps, action=action, state=self._last.state
         )

@@ -65,6 +65,7 @@ ServedSimulator::~ServedSimulator() {
 void ServedSimulator::announce(std::uint64_t episode, int horizon) {
   episode_ = episode;
   horizon_ = horizon;
+  silent_ = false;
 }
 
 void ServedSimulator::configure(const Parameters& changes) {
@@ -97,7 +98,7 @@ void ServedSimulator::doStep(const Action& action) {
   request.episode = episode_;
   request.step = next_step_;
   request.action = {action[0], action[1]};
-  request.stamp = stamps_.now();
+  request.stamp = silent_ ? ros::Time() : stamps_.now();
   request.token = token_;
   state_ = fromMessage(answerOf(step_, request).state);
   ++next_step_;
@@ -106,7 +107,8 @@ void ServedSimulator::doStep(const Action& action) {
 pusht_msgs::ResetResponse ServedSimulator::take(pusht_msgs::ResetRequest request) {
   token_ = newInstanceId();
   request.token = token_;
-  request.stamp = stamps_.now();
+  request.silent = silent_ ? 1 : 0;
+  request.stamp = silent_ ? ros::Time() : stamps_.now();
   return answerOf(reset_, request);
 }
 

@@ -93,7 +93,7 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
   }
   return answer<pusht_msgs::ResetResponse>(instance_id_, [&](pusht_msgs::ResetResponse& response) {
     const WorldState start = startOf(request);
-    const ros::Time stamp = nextStamp(request.stamp);
+    const ros::Time stamp = request.silent != 0 ? stamp_ : nextStamp(request.stamp);
     configuration_.reset();
     try {
       world_->reset(start);
@@ -123,7 +123,7 @@ pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& r
     requireHold(request.token);
     requireStep(request);
     const Action action = {request.action[0], request.action[1]};
-    const ros::Time stamp = nextStamp(request.stamp);
+    const ros::Time stamp = episode_->begin.silent != 0 ? stamp_ : nextStamp(request.stamp);
     try {
       world_->step(action);
     } catch (const InvalidInput&) {
@@ -250,6 +250,9 @@ ros::Time SimulatorSession::nextStamp(const ros::Time& requested) const {
 }
 
 void SimulatorSession::observe(const Action& action) const {
+  if (episode_->begin.silent != 0) {
+    return;
+  }
   pusht_msgs::WorldStateStamped update;
   update.header.stamp = stamp_;
   update.header.frame_id = frame_prefix_ + "/table";

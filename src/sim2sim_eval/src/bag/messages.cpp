@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <optional>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/parameters.hpp"
+#include "pusht_task/ros/conversions.hpp"
 #include "sim2sim_eval/protocol/divergence.hpp"
 
 namespace sim2sim {
@@ -37,8 +39,8 @@ pusht_msgs::SuccessRate toMessage(const SuccessRate& rate, int trials) {
   return message;
 }
 
-pusht_msgs::Mean toMessage(const std::string& name, const char* unit, const Mean& mean) {
-  const Interval interval = aboveZero(mean.interval).value_or(Interval{kNan, kNan});
+pusht_msgs::Mean toMessage(const std::string& name, const char* unit, const Estimate& mean) {
+  const Interval interval = mean.interval.value_or(Interval{kNan, kNan});
   pusht_msgs::Mean message;
   message.name = name;
   message.unit = unit;
@@ -46,6 +48,14 @@ pusht_msgs::Mean toMessage(const std::string& name, const char* unit, const Mean
   message.low = interval.low;
   message.high = interval.high;
   return message;
+}
+
+/// Before the first episode has finished.
+Summary noSummary(const Protocol& protocol) {
+  Summary none;
+  none.reference = none.engine = {0, kNan, {kNan, kNan}};
+  none.means.resize(protocol.rolloutNames().size());
+  return none;
 }
 
 }  // namespace
@@ -64,17 +74,23 @@ pusht_msgs::Divergence divergenceMessage(const Episode& episode, int step, const
   return message;
 }
 
-pusht_msgs::EpisodeResult toMessage(const EpisodeResult& episode, const ros::Time& stamp) {
+pusht_msgs::EpisodeResult toMessage(const Protocol& protocol, const EpisodeResult& episode, const ros::Time& stamp) {
   pusht_msgs::EpisodeResult message;
   message.header.stamp = stamp;
   message.episode = static_cast<std::uint64_t>(episode.index);
   message.seed = episode.seed.value_or(0);
-  for (const Mode mode : kModes) {
-    const RolloutResult& result = episode.modes[mode];
+  const std::vector<std::string> modes = protocol.rolloutNames();
+  for (std::size_t mode = 0; mode < modes.size(); ++mode) {
+    const RolloutResult& result = episode.rollouts.at(mode);
     pusht_msgs::RolloutResult rollout;
-    rollout.mode = modeName(mode);
+    rollout.mode = modes[mode];
     rollout.steps = static_cast<std::uint32_t>(result.steps);
     rollout.success = result.success ? 1 : 0;
+    if (result.parting) {
+      rollout.parting_step = static_cast<std::uint32_t>(result.parting->step);
+      rollout.parting_cause = nameOf(result.parting->cause).name;
+      rollout.parting_first = nameOf(result.parting->first);
+    }
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
       pusht_msgs::Quantity quantity;
       quantity.name = kQuantities[i].name;
@@ -87,19 +103,38 @@ pusht_msgs::EpisodeResult toMessage(const EpisodeResult& episode, const ros::Tim
   return message;
 }
 
+pusht_msgs::Trace toMessage(const std::string& mode, int episode, const pusht::Trace& trace, const ros::Time& stamp) {
+  pusht_msgs::Trace message;
+  message.header.stamp = stamp;
+  message.episode = static_cast<std::uint64_t>(episode);
+  message.mode = mode;
+  std::transform(trace.states.begin(), trace.states.end(), std::back_inserter(message.states),
+                 [](const pusht::WorldState& state) { return pusht::toMessage(state); });
+  return message;
+}
+
 pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::optional<Summary>& finished,
                                    const ros::Time& stamp) {
-  const Summary none{0, {0, kNan, {kNan, kNan}}, {0, kNan, {kNan, kNan}}, std::nullopt, {}};
-  const Summary& summary = finished ? *finished : none;
+  const Summary summary = finished ? *finished : noSummary(configuration.protocol);
   pusht_msgs::Summary message;
   message.header.stamp = stamp;
   message.episodes = static_cast<std::uint32_t>(configuration.protocol.episodes);
   message.episodes_finished = static_cast<std::uint32_t>(summary.episodes);
   message.reference = toMessage(summary.reference, summary.episodes);
   message.engine = toMessage(summary.engine, summary.episodes);
-  message.transfer = summary.transfer.value_or(kNan);
-  forEachQuantity([&](Mode mode, std::size_t i) {
-    message.means.push_back(toMessage(metricName(mode, kQuantities[i]), kQuantities[i].unit, summary.means[mode][i]));
+  const Outcomes& outcomes = summary.outcomes;
+  message.both_succeed = static_cast<std::uint32_t>(outcomes.table.both);
+  message.only_reference_succeeds = static_cast<std::uint32_t>(outcomes.table.first_only);
+  message.only_engine_succeeds = static_cast<std::uint32_t>(outcomes.table.second_only);
+  message.neither_succeeds = static_cast<std::uint32_t>(outcomes.table.neither);
+  message.transfer = outcomes.transfer.value_or(kNan);
+  const Interval transfer = outcomes.transfer_interval.value_or(Interval{kNan, kNan});
+  message.transfer_low = transfer.low;
+  message.transfer_high = transfer.high;
+  const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();
+  forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
+    message.means.push_back(
+        toMessage(metricName(rollouts[rollout], kQuantities[i]), kQuantities[i].unit, summary.means[rollout][i]));
   });
   message.policy = configuration.policy;
   return message;

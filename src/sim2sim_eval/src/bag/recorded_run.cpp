@@ -3,6 +3,7 @@
 
 #include <console_bridge/console.h>
 #include <pusht_msgs/EpisodeResult.h>
+#include <pusht_msgs/Trace.h>
 #include <pusht_msgs/WorldStateStamped.h>
 #include <ros/serialization.h>
 #include <rosbag/bag.h>
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <system_error>
@@ -36,7 +38,7 @@ class RecordedPolicy : public pusht::Policy {
   explicit RecordedPolicy(const RecordedEpisode& record) : record_(record) {}
 
   /// Closed loops are begun in the order of their modes.
-  std::unique_ptr<Memory> begin() const override { return std::make_unique<Cursor>(record_.at(begun_++)); }
+  std::unique_ptr<Memory> begin() const override { return std::make_unique<Cursor>(record_.modes.at(begun_++)); }
 
   void act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) override {
     std::transform(queries.begin(), queries.end(), actions.begin(),
@@ -60,7 +62,7 @@ class RecordedPolicy : public pusht::Policy {
 /// Gathers rollouts from messages, and computes the results of each episode that has finished.
 class Reader {
  public:
-  explicit Reader(Protocol protocol) : protocol_(std::move(protocol)) {}
+  explicit Reader(Protocol protocol) : protocol_(std::move(protocol)), bands_(protocol_) {}
 
   /// Messages with later stamps follow.
   void moveOnTo(const ros::Time& stamp) {
@@ -70,7 +72,7 @@ class Reader {
   }
 
   void take(Mode mode, const pusht_msgs::WorldStateStamped& message) {
-    pusht::Trace& trace = under_way_[indexOf(message.episode)].at(mode);
+    pusht::Trace& trace = under_way_[indexOf(message.episode)].modes.at(mode);
     if (message.step == 0) {  // perhaps once more: an episode in which a node is lost is begun anew
       trace = {};
     } else if (message.step != trace.states.size()) {
@@ -83,11 +85,29 @@ class Reader {
     trace.states.push_back(pusht::fromMessage(message.state));
   }
 
+  void take(const pusht_msgs::Trace& message) {
+    const std::vector<Probe>& probes = protocol_.probes;
+    const auto probe =
+        std::find_if(probes.begin(), probes.end(), [&](const Probe& known) { return known.name == message.mode; });
+    if (probe == probes.end()) {
+      throw pusht::BadDependency("episode " + std::to_string(message.episode) + ": mode " + message.mode +
+                                 " is recorded, but is not one of the run");
+    }
+    RecordedEpisode& episode = under_way_[indexOf(message.episode)];
+    episode.probes.resize(probes.size());
+    std::vector<pusht::WorldState>& states = episode.probes[static_cast<std::size_t>(probe - probes.begin())];
+    states.clear();
+    std::transform(message.states.begin(), message.states.end(), std::back_inserter(states), pusht::fromMessage);
+  }
+
   /// The last states of the episode may come later: they have the same stamp.
   void take(const pusht_msgs::EpisodeResult& message) {
     settle();
     finished_ = message;
   }
+
+  /// Of the episodes that results() has.
+  const DivergenceBands& bands() const { return bands_; }
 
   /// By index.
   std::vector<EpisodeResult> results() {
@@ -116,9 +136,10 @@ class Reader {
     }
     const pusht_msgs::EpisodeResult recorded = *std::exchange(finished_, std::nullopt);
     const int index = indexOf(recorded.episode);
-    const EpisodeResult result = replay(protocol_, index, under_way_[index]);
+    const Episode episode = replay(protocol_, index, under_way_[index]);
+    const EpisodeResult result = episode.result();
     under_way_.erase(index);
-    pusht_msgs::EpisodeResult computed = toMessage(result, recorded.header.stamp);
+    pusht_msgs::EpisodeResult computed = toMessage(protocol_, result, recorded.header.stamp);
     computed.header = recorded.header;
     if (bytesOf(computed) != bytesOf(recorded)) {
       throw pusht::BadDependency("episode " + std::to_string(index) +
@@ -127,6 +148,7 @@ class Reader {
     if (!results_.emplace(index, result).second) {
       throw pusht::BadDependency("episode " + std::to_string(index) + ": must finish once");
     }
+    bands_.add(episode);
   }
 
   /// Equal for equal messages, with or without numbers that are not one.
@@ -136,6 +158,7 @@ class Reader {
   }
 
   Protocol protocol_;
+  DivergenceBands bands_;
   std::map<int, RecordedEpisode> under_way_;
   std::optional<pusht_msgs::EpisodeResult> finished_;  // waits for its last states
   std::map<int, EpisodeResult> results_;
@@ -171,8 +194,7 @@ nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
 }
 
 RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop) {
-  RecordedRun run;
-  run.provenance = descriptionIn(bag);
+  RecordedRun run{{}, descriptionIn(bag), DivergenceBands({}), {}};
   run.configuration = configurationFrom(run.provenance.at("configuration"));
   if (Protocol& protocol = run.configuration.protocol; protocol.starts) {
     const std::string hash = protocol.starts->hash();
@@ -188,7 +210,7 @@ RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop) {
   }
   run.provenance.erase("state_topics");
 
-  std::vector<std::string> topics = {kEpisodeTopic};
+  std::vector<std::string> topics = {kEpisodeTopic, kTraceTopic};
   for (const auto& [topic, mode] : modes) {
     topics.push_back(topic);
   }
@@ -200,13 +222,16 @@ RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop) {
     }
     reader.moveOnTo(instance.getTime());
     const auto mode = modes.find(instance.getTopic());
-    if (mode == modes.end()) {
-      reader.take(messageIn<pusht_msgs::EpisodeResult>(instance));
-    } else {
+    if (mode != modes.end()) {
       reader.take(mode->second, messageIn<pusht_msgs::WorldStateStamped>(instance));
+    } else if (instance.getTopic() == kTraceTopic) {
+      reader.take(messageIn<pusht_msgs::Trace>(instance));
+    } else {
+      reader.take(messageIn<pusht_msgs::EpisodeResult>(instance));
     }
   }
   run.episodes = reader.results();
+  run.bands = reader.bands();
   return run;
 }
 
@@ -233,20 +258,29 @@ void RecordedWorld::doStep(const pusht::Action& action) {
   ++step_;
 }
 
-EpisodeResult replay(const Protocol& protocol, int index, const RecordedEpisode& record) {
-  const Worlds worlds = worldsOf(std::make_unique<RecordedWorld>(record[kReferenceClosed]),
-                                 std::make_unique<RecordedWorld>(record[kEngineClosed]),
-                                 std::make_unique<RecordedWorld>(record[kEngineReplay]));
+Episode replay(const Protocol& protocol, int index, const RecordedEpisode& record) {
+  const Worlds worlds = worldsOf(std::make_unique<RecordedWorld>(record.modes[kReferenceClosed]),
+                                 std::make_unique<RecordedWorld>(record.modes[kEngineClosed]),
+                                 std::make_unique<RecordedWorld>(record.modes[kEngineReplay]));
   RecordedPolicy policy(record);
-  const Episode episode = runEpisode(protocol, index, worlds, policy);
-  for (const Mode mode : kModes) {
-    if (episode.rollout(mode).trace().steps() != record.at(mode).steps()) {
-      throw pusht::BadDependency("episode " + std::to_string(index) + ", " + modeName(mode) + ": " +
-                                 std::to_string(record.at(mode).steps()) + " steps are recorded, must be " +
-                                 std::to_string(episode.rollout(mode).steps()));
+  const auto require_steps = [&](const std::string& mode, std::size_t recorded, std::size_t wanted) {
+    if (recorded != wanted) {
+      throw pusht::BadDependency("episode " + std::to_string(index) + ", " + mode + ": " + std::to_string(recorded) +
+                                 " steps are recorded, must be " + std::to_string(wanted));
     }
+  };
+  Recalled recalled;
+  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
+    const pusht::Trace& reference = record.modes[kReferenceClosed];
+    const std::size_t states = i < record.probes.size() ? record.probes[i].size() : 0;
+    require_steps(protocol.probes[i].name, states, reference.states.size());
+    recalled.probes.emplace_back(pusht::Trace{record.probes[i], reference.actions});
   }
-  return episode.result();
+  Episode episode = runEpisode(protocol, index, worlds, policy, std::move(recalled));
+  for (const Mode mode : kModes) {
+    require_steps(modeName(mode), record.modes.at(mode).steps(), episode.rollout(mode).trace().steps());
+  }
+  return episode;
 }
 
 RecordedRun readRun(const fs::path& path, const std::function<bool()>& stop) {

@@ -12,6 +12,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/ros/conversions.hpp"
 #include "pusht_task/ros/transforms.hpp"
+#include "sim2sim_eval/bag/messages.hpp"
 
 namespace sim2sim {
 namespace {
@@ -91,6 +92,14 @@ void RunBag::writeWorlds(const Episode& episode, int step, const ros::Time& stam
 
 void RunBag::write(const tf2_msgs::TFMessage& fixed_frames, const ros::Time& stamp) {
   worker_.post([this, fixed_frames, stamp] { file_.writeLatched(kFixedTfTopic, stamp, fixed_frames); });
+}
+
+void RunBag::writeProbes(const Protocol& protocol, const Episode& episode, const ros::Time& stamp) {
+  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
+    worker_.post(
+        [this, message = sim2sim::toMessage(protocol.probes[i].name, episode.index(), episode.probe(i).value(),
+                                            stamp)] { file_.write(kTraceTopic, message.header.stamp, message); });
+  }
 }
 
 void RunBag::write(const pusht_msgs::Divergence& message) {

@@ -20,6 +20,27 @@ void BatchOptions::declare(CLI::App& app) {
                  "folder that keeps what the reference did, for every later run of the same policy and scene");
 }
 
+void GapOptions::declare(CLI::App& app) {
+  app.add_flag("--floor,!--no-floor", floor,
+               "replay the reference from starts moved by 1e-9 m and 1e-6 m: what it does not know about itself");
+  app.add_option("--reanchor", reanchor,
+                 "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: "
+                 "1,5,20")
+      ->expected(0, 1)
+      ->default_str("1,5,20");
+  app.add_option("--bound-position", bound.position, "[m] beyond it a rollout has parted from the reference")
+      ->check(decimalReal())
+      ->capture_default_str();
+  app.add_option("--bound-angle", bound.angle, "[rad] the same for the yaw")
+      ->check(decimalReal())
+      ->capture_default_str();
+}
+
+void GapOptions::apply(Protocol& protocol) const {
+  protocol.probes = probesOf(floor, reanchorFrom(reanchor));
+  protocol.bound = bound;
+}
+
 int BatchOptions::threadCount() const {
   cpu_set_t cores;
   return threads > 0 ? threads : sched_getaffinity(0, sizeof(cores), &cores) == 0 ? CPU_COUNT(&cores) : 1;

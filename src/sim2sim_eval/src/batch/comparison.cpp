@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/batch/comparison.hpp"
 
+#include <atomic>
 #include <exception>
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -39,7 +41,9 @@ class Recorder {
       bag_.writeWorlds(episode, step, stamp);
       bag_.write(divergenceMessage(episode, step, stamp));
     }
-    bag_.write(toMessage(episode.result(), stamp));
+    const Protocol& protocol = run.configuration().protocol;
+    bag_.writeProbes(protocol, episode, stamp);
+    bag_.write(toMessage(protocol, episode.result(), stamp));
     bag_.write(summaryMessage(run.configuration(), run.summary(), stamp));
   }
 
@@ -127,6 +131,12 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option("--out", out, "folder for the results (default: the next free results/compare-N)");
   app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
   app.add_flag("--record", record, "write the run into compare.bag");
+  app.add_option(
+         "--until-decided", until_decided,
+         "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 "
+         "to 1; --episodes is then the most that it may take")
+      ->check(decimalReal());
+  gap.declare(app);
   batch.declare(app);
 }
 
@@ -135,6 +145,11 @@ void compare(const CompareOptions& options) {
   RunConfiguration configuration;
   configuration.protocol = options.smoke ? smokeRun(options.protocol) : options.protocol;
   configuration.smoke = options.smoke;
+  configuration.until_decided = options.until_decided;
+  if (options.until_decided) {
+    const TransferBet valid(*options.until_decided);
+  }
+  options.gap.apply(configuration.protocol);
   configuration.protocol.validate();
   configuration.protocol.starts =
       givenStarts(options.starts, configuration.protocol.first_episode, configuration.protocol.episodes);
@@ -169,8 +184,8 @@ void compare(const CompareOptions& options) {
     ProgressBar bar("episodes", configuration.protocol.episodes);
     int reference_successes = 0;
     int engine_successes = 0;
-    const auto deliver = [&](const Episode& episode) {
-      run.add(episode.result());
+    const auto take = [&](const Episode& episode) {
+      run.add(episode);
       if (recorder) {
         recorder->record(episode, run);
       }
@@ -178,8 +193,21 @@ void compare(const CompareOptions& options) {
       engine_successes += episode.rollout(kEngineClosed).success() ? 1 : 0;
       bar.advance("success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
     };
+    std::atomic<bool> decided = false;
+    std::map<int, Episode> waiting;  // for those before them
+    int next = configuration.protocol.first_episode;
+    const auto take_in_order = [&](Episode&& episode) {
+      waiting.emplace(episode.index(), std::move(episode));
+      for (auto first = waiting.begin(); !decided && first != waiting.end() && first->first == next; ++next) {
+        take(first->second);
+        first = waiting.erase(first);
+        decided = run.decided();
+      }
+    };
+    const std::function<void(Episode &&)> deliver =
+        options.until_decided ? std::function<void(Episode &&)>(take_in_order) : take;
     runProtocol(configuration.protocol, setup.players(engine), options.batch.threadCount(),
-                references ? &*references : nullptr, deliver, interrupted);
+                references ? &*references : nullptr, deliver, [&] { return decided || interrupted(); });
     if (!run.whole()) {
       throw pusht::RuntimeFault("interrupted after " + run.progress());
     }

@@ -139,12 +139,12 @@ class Sweeper {
     Summary summary;
     if (const auto episodes = readRow(folder_.path(), index, configuration)) {
       bar_.skip(protocol_.episodes);
-      summary = summarize(*episodes);
+      summary = summarize(protocol_, *episodes);
       folder_.resume(index, metrics(configuration, summary));
     } else {
       const std::vector<EpisodeResult> run = runRow(index, engine, references);
-      summary = summarize(run);
-      folder_.keep(index, metrics(configuration, summary), run);
+      summary = summarize(protocol_, run);
+      folder_.keep(index, protocol_, metrics(configuration, summary), run);
     }
     printRow(configuration, settingText(index), summary);
   }
@@ -346,7 +346,8 @@ void merge(const MergeOptions& options) {
         }
         const RunConfiguration configuration = rowOf(shards.description, row);
         const std::vector<EpisodeResult> episodes = joinRow(shards, configuration, row);
-        folder.keep(row, metrics(configuration, summarize(episodes)), episodes);
+        const Protocol& protocol = configuration.protocol;
+        folder.keep(row, protocol, metrics(configuration, summarize(protocol, episodes)), episodes);
       }
     });
   } catch (const json::exception& error) {

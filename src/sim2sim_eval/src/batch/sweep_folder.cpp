@@ -7,7 +7,6 @@
 
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
-#include "sim2sim_eval/results/statistics.hpp"
 
 namespace sim2sim {
 namespace {
@@ -90,8 +89,10 @@ Columns columns(const json& metrics, const std::vector<std::string>& settings) {
   add("engine_successes");
   add("engine_success_rate", "engine_success_interval");
   add("transfer");
-  forEachQuantity([&](Mode mode, std::size_t i) {
-    const std::string name = metricName(mode, kQuantities[i]);
+  const Protocol protocol = protocolFrom(metrics);
+  const std::vector<std::string> rollouts = protocol.rolloutNames();
+  forEachQuantity(protocol, [&](std::size_t rollout, std::size_t i) {
+    const std::string name = metricName(rollouts[rollout], kQuantities[i]);
     add(name + "_" + kQuantities[i].unit, name + "_interval_" + kQuantities[i].unit);
   });
   return columns;
@@ -161,7 +162,7 @@ std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::s
   };
   std::vector<EpisodeResult> episodes;
   try {
-    episodes = episodesFromCsv(pusht::readFile(path / kEpisodesFile, "row"));
+    episodes = episodesFromCsv(configuration.protocol, pusht::readFile(path / kEpisodesFile, "row"));
   } catch (const pusht::InvalidInput& error) {
     refuse(kEpisodesFile, error.what());
   }
@@ -176,7 +177,7 @@ std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::s
                               std::to_string(protocol.lastEpisode()) +
                               (protocol.starts ? " of the given starts" : " of seed " + std::to_string(protocol.seed)));
   }
-  if (pusht::readFile(path / kMetricsFile, "row") != jsonText(metrics(configuration, summarize(episodes)))) {
+  if (pusht::readFile(path / kMetricsFile, "row") != jsonText(metrics(configuration, summarize(protocol, episodes)))) {
     refuse(kMetricsFile, "does not agree with its episodes");
   }
   return episodes;
@@ -205,14 +206,16 @@ void SweepFolder::begin(const json& description, const json& provenance) {
   writeTables();
 }
 
-void SweepFolder::keep(std::size_t index, const json& metrics, const std::vector<EpisodeResult>& episodes) {
+void SweepFolder::keep(std::size_t index, const Protocol& protocol, const json& metrics,
+                       const std::vector<EpisodeResult>& episodes) {
   const fs::path row = rowPath(path(), index);
   std::error_code error;
   fs::create_directories(row, error);
   if (error) {
     throw pusht::RuntimeFault("cannot create " + row.string() + ": " + error.message());
   }
-  pusht::writeFile(row / kEpisodesFile, episodesCsv(episodes));
+  pusht::writeFile(row / kEpisodesFile, episodesCsv(protocol, episodes));
+  pusht::writeFile(row / kStatisticsFile, jsonText(statistics(protocol, episodes)));
   pusht::writeFile(row / kMetricsFile, jsonText(metrics));
   resume(index, metrics);
 }

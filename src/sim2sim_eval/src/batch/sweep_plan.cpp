@@ -216,14 +216,37 @@ std::vector<SimulatorChoice> rowsIn(const YAML::Node& root) {
   return rows;
 }
 
+std::vector<Probe> probesIn(const YAML::Node& root) {
+  bool floor = true;
+  if (const YAML::Node node = root["floor"]; node.IsDefined()) {
+    const std::string text = textAt(node, "floor");
+    if (text != "true" && text != "false") {
+      refuse(node, "floor", "'" + text + "' must be true or false");
+    }
+    floor = text == "true";
+  }
+  std::vector<int> reanchor;
+  const YAML::Node node = root["reanchor"];
+  if (node.IsDefined() && !node.IsSequence()) {
+    refuse(node, "reanchor", "must be a list of control steps");
+  }
+  for (const YAML::Node& every : node) {
+    reanchor.push_back(integerAt<int>(every, "reanchor"));
+  }
+  std::vector<Probe> probes;
+  inLineOf(node.IsDefined() ? node : root, [&] { probes = probesOf(floor, reanchor); });
+  return probes;
+}
+
 SweepPlan planFrom(const YAML::Node& root) {
   if (!root.IsMap()) {
     throw pusht::InvalidInput("must map keys to values");
   }
   requireDistinctKeys(root);
-  constexpr std::array<const char*, 12> kKeys = {"policy", "reference", "reference_parameters", "scene",    "engine",
-                                                 "starts", "seed",      "first_episode",        "episodes", "horizon",
-                                                 "grid",   "rows"};
+  constexpr std::array kKeys = {"policy", "reference", "reference_parameters", "scene",       "engine",
+                                "starts", "seed",      "first_episode",        "episodes",    "horizon",
+                                "floor",  "reanchor",  "bound_position",       "bound_angle", "grid",
+                                "rows"};
   for (const auto& entry : root) {
     if (std::find(kKeys.begin(), kKeys.end(), entry.first.Scalar()) == kKeys.end()) {
       refuse(entry.first, entry.first.Scalar(), "there is no such key; there are " + pusht::joined(kKeys));
@@ -236,6 +259,18 @@ SweepPlan planFrom(const YAML::Node& root) {
   if (const YAML::Node starts = root["starts"]; starts.IsDefined()) {
     plan.starts = textAt(starts, "starts");
   }
+  plan.protocol.probes = probesIn(root);
+  const auto take_real = [&](const char* key, double& field) {
+    if (const YAML::Node node = root[key]; node.IsDefined()) {
+      const std::optional<double> value = pusht::decimal<double>(textAt(node, key));
+      if (!value) {
+        refuse(node, key, "'" + node.Scalar() + "' must be a decimal number");
+      }
+      field = *value;
+    }
+  };
+  take_real("bound_position", plan.protocol.bound.position);
+  take_real("bound_angle", plan.protocol.bound.angle);
   const auto take = [&](const char* key, auto& field) {
     if (const YAML::Node node = root[key]; node.IsDefined()) {
       field = integerAt<std::decay_t<decltype(field)>>(node, key);

@@ -86,10 +86,12 @@ void Broadcast::repeat() const {
 void Broadcast::finish(const Episode& episode, const Summary& finished, const ros::Time& stamp) {
   finished_ = finished;
   summary_ = summaryMessage(configuration_, finished_, stamp);
-  const pusht_msgs::EpisodeResult result = toMessage(episode.result(), stamp);
+  const Protocol& protocol = configuration_.protocol;
+  const pusht_msgs::EpisodeResult result = toMessage(protocol, episode.result(), stamp);
   episode_.publish(result);
   summary_topic_.publish(summary_);
   if (bag_) {
+    bag_->writeProbes(protocol, episode, stamp);
     bag_->write(result);
     bag_->write(summary_);
   }

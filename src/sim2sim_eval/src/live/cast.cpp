@@ -98,6 +98,12 @@ void Cast::announce(int episode, int horizon) {
   }
 }
 
+void Cast::silence() {
+  for (Part& part : parts_) {
+    part.world->silence();
+  }
+}
+
 void Cast::requireUndisturbed() {
   for (Part& part : parts_) {
     part.world->describe();

@@ -64,6 +64,7 @@ RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast) {
   RunConfiguration configuration;
   configuration.protocol = request.protocol;
   configuration.smoke = request.smoke;
+  configuration.until_decided = request.until_decided;
   configuration.policy = cast.describePolicy().name;
   configuration.reference = recordOf(cast.describe(kReferenceClosed));
   configuration.engine = recordOf(cast.describe(kEngineClosed));
@@ -159,6 +160,17 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   set("first_episode", request.protocol.first_episode, goal.first_episode);
   set("episodes", request.protocol.episodes, goal.episodes);
   set("horizon", request.protocol.horizon, goal.horizon);
+  set("bound_position", request.protocol.bound.position, goal.bound_position);
+  set("bound_angle", request.protocol.bound.angle, goal.bound_angle);
+  if (!goal.until_decided.empty()) {
+    set("until_decided", request.until_decided.emplace(), goal.until_decided);
+    const TransferBet valid(*request.until_decided);
+  }
+  set("floor", request.floor, goal.floor);
+  if (!goal.reanchor.empty()) {
+    request.reanchor.assign(goal.reanchor.begin(), goal.reanchor.end());
+  }
+  request.protocol.probes = probesOf(request.floor, request.reanchor);
   set("rate", request.rate, goal.rate);
   set("record", request.record, goal.record);
   set("starts", request.starts, goal.starts);
@@ -195,6 +207,15 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   request.protocol.first_episode = parameters.integer("first_episode", request.protocol.first_episode);
   request.protocol.episodes = parameters.integer("episodes", request.protocol.episodes);
   request.protocol.horizon = parameters.integer("horizon", request.protocol.horizon);
+  request.protocol.bound.position = parameters.real("bound_position", request.protocol.bound.position);
+  request.protocol.bound.angle = parameters.real("bound_angle", request.protocol.bound.angle);
+  if (const double share = parameters.real("until_decided", 0.0); share != 0.0) {
+    const TransferBet valid(share);
+    request.until_decided = share;
+  }
+  request.floor = parameters.flag("floor", request.floor);
+  request.reanchor = reanchorFrom(parameters.text("reanchor", ""));
+  request.protocol.probes = probesOf(request.floor, request.reanchor);
   request.smoke = parameters.flag("smoke", request.smoke);
   if (request.smoke) {
     request.protocol = smokeRun(request.protocol);
@@ -274,7 +295,7 @@ RunStatus Evaluator::execute(const Job& job) {
     writeStatusFile(parameters_.status_file, underWay(job.request.protocol.episodes));
     folder.emplace(job.request.out, job.request.overwrite);
     compare(job.request, *folder);
-    const int episodes = run_->configuration().protocol.episodes;
+    const auto episodes = static_cast<int>(run_->episodes().size());
     return {pusht::ExitCode::kOk, "finished", episodes, episodes, faults_survived_};
   } catch (const std::exception& failure) {
     pusht::reportFailure(ros::this_node::getName(), failure);
@@ -430,8 +451,8 @@ void Evaluator::onStep(const Episode& episode, const ros::Time& stamp) {
   }
 }
 
-void Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
-  run_->add(episode.result());
+bool Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
+  run_->add(episode);
   broadcast_.finish(episode, run_->summary(), stamp);
   const std::string line = line_->of(run_->summary());
   if (!line.empty()) {
@@ -443,6 +464,7 @@ void Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
     ++episodes_finished_;
   }
   tellProgress();
+  return !run_->decided();
 }
 
 void Evaluator::begin(int episodes) {

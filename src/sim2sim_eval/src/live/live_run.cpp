@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/live/live_run.hpp"
 
+#include <utility>
+
 #include "pusht_task/error.hpp"
 
 namespace sim2sim {
@@ -13,28 +15,31 @@ pusht::RuntimeFault interruptedIn(int episode) {
   return pusht::RuntimeFault("interrupted in episode " + std::to_string(episode));
 }
 
-void runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, LiveObserver& observer,
+/// Whether the run needs further episodes.
+bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, LiveObserver& observer,
                 const std::function<bool()>& stop) {
   cast.announce(index, protocol.horizon);
   cast.stamps().advance();
   Flight flight(protocol, cast.worlds(), cast.policy());
-  const Episode& episode = flight.begin(index);
-  observer.onStep(episode, cast.stamps().now());
-  while (!episode.finished()) {
+  const Episode& under_way = flight.begin(index);
+  observer.onStep(under_way, cast.stamps().now());
+  while (!under_way.finished()) {
     if (!pacer.wait(stop)) {
       throw interruptedIn(index);
     }
     cast.stamps().advance();
     flight.advance();
-    observer.onStep(episode, cast.stamps().now());
+    observer.onStep(under_way, cast.stamps().now());
   }
+  cast.silence();
+  const Episode episode = std::move(flight.land().front());
   try {
     cast.requireUndisturbed();
   } catch (pusht::Error& error) {
     error.addContext("end of episode " + std::to_string(index));
     throw;
   }
-  observer.onFinish(episode, cast.stamps().now());
+  return observer.onFinish(episode, cast.stamps().now());
 }
 
 }  // namespace
@@ -49,7 +54,9 @@ void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& o
         cast.connect(options.settings, options.patience, stop);
         lost = false;
       }
-      runEpisode(protocol, index, cast, pacer, observer, stop);
+      if (!runEpisode(protocol, index, cast, pacer, observer, stop)) {
+        return;
+      }
       ++index;
       faults = 0;
     } catch (const pusht::PeerFault& fault) {

@@ -291,12 +291,15 @@ Result successResult(const SuccessRate& rate, int episodes) {
       "95% interval " + inBrackets(rate.interval, 2)};
 }
 
-Result divergenceResult(const Mean& position, const Mean& angle) {
-  Result result{"divergence " + fixedText(position.value, 3) + " m, " + fixedText(angle.value, 2) + " rad", ""};
-  const std::optional<Interval> positions = aboveZero(position.interval);
-  const std::optional<Interval> angles = aboveZero(angle.interval);
-  if (positions && angles) {
-    result.certainty = "95% intervals " + inBrackets(*positions, 3) + " m, " + inBrackets(*angles, 2) + " rad";
+Result divergenceResult(const Summary& summary) {
+  const Estimate& position = summary.mean(kEngineReplay, "mean_position_divergence");
+  const Estimate& angle = summary.mean(kEngineReplay, "mean_angle_divergence");
+  Result result{"divergence " + fixedText(position.value, 3) + " m" + doubtMark(summary, "mean_position_divergence") +
+                    ", " + fixedText(angle.value, 2) + " rad" + doubtMark(summary, "mean_angle_divergence"),
+                ""};
+  if (position.interval && angle.interval) {
+    result.certainty =
+        "95% intervals " + inBrackets(*position.interval, 3) + " m, " + inBrackets(*angle.interval, 2) + " rad";
   }
   return result;
 }
@@ -308,8 +311,7 @@ Result resultOf(Mode mode, const Summary& summary) {
     case kEngineClosed:
       return successResult(summary.engine, summary.episodes);
     default:
-      return divergenceResult(summary.mean(mode, "mean_position_divergence"),
-                              summary.mean(mode, "mean_angle_divergence"));
+      return divergenceResult(summary);
   }
 }
 

@@ -7,6 +7,17 @@
 
 namespace sim2sim {
 
+Divergence& Divergence::operator+=(const Divergence& other) {
+  position += other.position;
+  angle += other.angle;
+  return *this;
+}
+
+Divergence Divergence::operator/(std::size_t count) const {
+  const auto n = static_cast<double>(count);
+  return {position / n, angle / n};
+}
+
 Divergence divergence(const pusht::WorldState& a, const pusht::WorldState& b) {
   return {(a.tee_position - b.tee_position).norm(), std::abs(pusht::wrapAngle(a.tee_yaw - b.tee_yaw))};
 }
@@ -23,11 +34,9 @@ Divergence meanDivergence(const pusht::Trace& a, const pusht::Trace& b) {
   Divergence sum;
   const std::vector<Divergence> steps = divergenceBySteps(a, b);
   for (const Divergence& step : steps) {
-    sum.position += step.position;
-    sum.angle += step.angle;
+    sum += step;
   }
-  const auto count = static_cast<double>(steps.size());
-  return {sum.position / count, sum.angle / count};
+  return sum / steps.size();
 }
 
 }  // namespace sim2sim

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <future>
+#include <iterator>
 #include <limits>
 #include <mutex>
 #include <string>
@@ -39,14 +40,52 @@ void requireFinite(const pusht::Action& action) {
 
 /// Runs `action`; an error of it then says where in the episode it came up.
 template <class Function>
-auto located(const Protocol& protocol, int episode, Mode mode, int step, const Function& action) {
+auto located(const Protocol& protocol, int episode, const std::string& mode, const int& step, const Function& action) {
   try {
     return action();
   } catch (pusht::Error& error) {
     error.addContext("episode " + std::to_string(episode) + " (" + (protocol.starts ? "start " : "spawn seed ") +
-                     protocol.startName(episode) + "), " + modeName(mode) + ", step " + std::to_string(step));
+                     protocol.startName(episode) + "), " + mode + ", step " + std::to_string(step));
     throw;
   }
+}
+
+/// The name in a reference cache of what the policy does in the reference.
+constexpr const char* kKeptReference = "reference";
+
+/// What is kept of an episode.
+Recalled recall(const Protocol& protocol, int episode, const ReferenceCache& references) {
+  const std::string start = protocol.startName(episode);
+  Recalled recalled{references.find(start, kKeptReference), {}};
+  for (const Probe& probe : protocol.probes) {
+    recalled.probes.push_back(probe.role == Role::kReference ? references.find(start, probe.name) : std::nullopt);
+  }
+  return recalled;
+}
+
+/// Keeps all of an episode that depends on the reference alone.
+void keep(const Protocol& protocol, const Episode& episode, const ReferenceCache& references) {
+  const std::string start = protocol.startName(episode.index());
+  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
+    if (protocol.probes[i].role == Role::kReference) {
+      references.keep(start, protocol.probes[i].name, episode.probe(i).value());
+    }
+  }
+  references.keep(start, kKeptReference, episode.rollout(kReferenceClosed).trace());
+}
+
+RolloutResult resultOf(const Protocol& protocol, std::size_t rollout, const RolloutView& view) {
+  RolloutResult result;
+  result.steps = view.rollout.steps();
+  result.success = view.rollout.success();
+  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+    const bool has = protocol.has(rollout, kQuantities[i].scope);
+    result.quantities[i] = has ? kQuantities[i].compute(view) : std::numeric_limits<double>::quiet_NaN();
+  }
+  if (rollout != kReferenceClosed) {
+    result.parting = partingOf(view.reference, view.rollout.trace(), protocol.bound);
+  }
+  return result;
 }
 
 }  // namespace
@@ -60,6 +99,7 @@ void Protocol::validate() const {
   requireWithin("first_episode", first_episode, 0, kMaxFirstEpisode);
   requireWithin("episodes", episodes, 1, kMaxEpisodes);
   requireWithin("horizon", horizon, 1, pusht::kHorizon);
+  bound.validate();
   const auto end = static_cast<std::uint64_t>(first_episode) + static_cast<std::uint64_t>(episodes);
   if (seed > std::numeric_limits<std::uint64_t>::max() - kFirstHeldOutSeed - end) {
     throw pusht::InvalidInput("seed " + std::to_string(seed) +
@@ -73,6 +113,29 @@ std::optional<std::uint64_t> Protocol::spawnSeed(int episode) const {
 
 pusht::WorldState Protocol::start(int episode) const {
   return starts ? starts->at(episode) : pusht::spawn(*spawnSeed(episode));
+}
+
+std::vector<std::string> Protocol::rolloutNames() const {
+  std::vector<std::string> names;
+  std::transform(kModes.begin(), kModes.end(), std::back_inserter(names), modeName);
+  std::transform(probes.begin(), probes.end(), std::back_inserter(names),
+                 [](const Probe& probe) { return probe.name; });
+  return names;
+}
+
+bool Protocol::has(std::size_t rollout, Scope scope) const {
+  const Probe* const probe = rollout < kModeCount ? nullptr : &probes.at(rollout - kModeCount);
+  switch (scope) {
+    case Scope::kModes:
+      return probe == nullptr;
+    case Scope::kCompared:
+      return rollout != kReferenceClosed;
+    case Scope::kAnchored:
+      return probe != nullptr && probe->anchor_every > 0;
+    case Scope::kFloor:
+      return probe != nullptr && *probe == floorProbes().back();
+  }
+  return false;
 }
 
 std::string Protocol::startName(int episode) const {
@@ -97,8 +160,11 @@ Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pus
           std::make_unique<pusht::SimulatorLanes>(std::move(replay))};
 }
 
-Episode::Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts)
-    : index_(index), seed_(protocol.spawnSeed(index)), horizon_(protocol.horizon), rollouts_(std::move(rollouts)) {}
+Episode::Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts,
+                 Recalled recalled)
+    : protocol_(protocol), index_(index), rollouts_(std::move(rollouts)), recalled_(std::move(recalled)) {
+  recalled_.probes.resize(protocol_.probes.size());
+}
 
 int Episode::steps() const {
   return std::max_element(rollouts_.begin(), rollouts_.end(),
@@ -108,7 +174,7 @@ int Episode::steps() const {
 
 bool Episode::goesOn(Mode mode) const {
   return mode == kEngineReplay ? rollouts_[kEngineReplay].steps() < rollouts_[kReferenceClosed].steps()
-                               : !rollouts_[mode].finished(horizon_);
+                               : !rollouts_[mode].finished(protocol_.horizon);
 }
 
 bool Episode::finished() const {
@@ -120,17 +186,15 @@ const pusht::Action& Episode::nextReplayed() const {
 }
 
 EpisodeResult Episode::result() const {
-  EpisodeResult result{index_, seed_, {}};
+  EpisodeResult result{index_, protocol_.spawnSeed(index_), {}};
   const pusht::Trace& reference = rollouts_[kReferenceClosed].trace();
   for (const Mode mode : kModes) {
-    const pusht::Rollout& rollout = rollouts_[mode];
-    RolloutResult& figures = result.modes[mode];
-    figures.steps = rollout.steps();
-    figures.success = rollout.success();
-    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-      figures.quantities[i] = has(mode, kQuantities[i]) ? kQuantities[i].compute(rollout, reference)
-                                                        : std::numeric_limits<double>::quiet_NaN();
-    }
+    result.rollouts.push_back(resultOf(protocol_, mode, {rollouts_[mode], reference}));
+  }
+  for (std::size_t i = 0; i < protocol_.probes.size(); ++i) {
+    const pusht::Rollout rollout(recalled_.probes[i].value());
+    const RolloutView view{rollout, reference, protocol_.probes[i].anchor_every};
+    result.rollouts.push_back(resultOf(protocol_, kModeCount + i, view));
   }
   return result;
 }
@@ -146,20 +210,21 @@ bool Flight::empty() const {
   return std::none_of(episodes_.begin(), episodes_.end(), [](const auto& episode) { return episode.has_value(); });
 }
 
-const Episode& Flight::begin(int index, const pusht::Trace* reference) {
+const Episode& Flight::begin(int index, Recalled recalled) {
   const auto free = std::find(episodes_.begin(), episodes_.end(), std::nullopt);
   const auto lane = static_cast<std::size_t>(free - episodes_.begin());
-  pusht::Rollout rolled_out =
-      reference != nullptr ? pusht::Rollout(*reference) : start(kReferenceClosed, lane, index, policy_.begin());
+  pusht::Rollout reference =
+      recalled.reference ? pusht::Rollout(*recalled.reference) : start(kReferenceClosed, lane, index, policy_.begin());
   pusht::Rollout engine = start(kEngineClosed, lane, index, policy_.begin());
   pusht::Rollout replay = start(kEngineReplay, lane, index, nullptr);
   return episodes_.at(lane).emplace(
       protocol_, index,
-      std::array<pusht::Rollout, kModeCount>{std::move(rolled_out), std::move(engine), std::move(replay)});
+      std::array<pusht::Rollout, kModeCount>{std::move(reference), std::move(engine), std::move(replay)},
+      std::move(recalled));
 }
 
 pusht::Rollout Flight::start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory) {
-  return located(protocol_, index, mode, 0, [&] {
+  return located(protocol_, index, modeName(mode), 0, [&] {
     pusht::BatchSimulator& world = *worlds_[mode];
     world.reset(static_cast<int>(lane), protocol_.start(index));
     return pusht::Rollout(world.state(static_cast<int>(lane)), std::move(memory));
@@ -198,7 +263,7 @@ void Flight::advance(Mode mode, std::size_t& next_answer) {
     }
     const Episode& episode = *episodes_[lane];
     const pusht::Action& action = mode == kEngineReplay ? episode.nextReplayed() : answers_.at(next_answer++);
-    located(protocol_, episode.index(), mode, episode.rollout(mode).steps(), [&] { requireFinite(action); });
+    located(protocol_, episode.index(), modeName(mode), episode.rollout(mode).steps(), [&] { requireFinite(action); });
     actions_[lane] = action;
     any = true;
   }
@@ -209,7 +274,7 @@ void Flight::advance(Mode mode, std::size_t& next_answer) {
   for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
     if (actions_[lane]) {
       Episode& episode = *episodes_[lane];
-      located(protocol_, episode.index(), mode, episode.rollout(mode).steps(),
+      located(protocol_, episode.index(), modeName(mode), episode.rollout(mode).steps(),
               [&] { episode.record(mode, *actions_[lane], worlds_[mode]->state(static_cast<int>(lane))); });
     }
   }
@@ -217,18 +282,36 @@ void Flight::advance(Mode mode, std::size_t& next_answer) {
 
 std::vector<Episode> Flight::land() {
   std::vector<Episode> landed;
-  for (std::optional<Episode>& episode : episodes_) {
-    if (episode && episode->finished()) {
-      landed.push_back(std::move(*episode));
-      episode.reset();
+  for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
+    if (episodes_[lane] && episodes_[lane]->finished()) {
+      probe(*episodes_[lane], lane);
+      landed.push_back(std::move(*episodes_[lane]));
+      episodes_[lane].reset();
     }
   }
   return landed;
 }
 
-Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy) {
+void Flight::probe(Episode& episode, std::size_t lane) const {
+  const int index = episode.index();
+  for (std::size_t i = 0; i < protocol_.probes.size(); ++i) {
+    if (episode.probe(i)) {
+      continue;
+    }
+    const Probe& probe = protocol_.probes[i];
+    pusht::BatchSimulator& world = *worlds_[probe.role == Role::kReference ? kReferenceClosed : kEngineReplay];
+    int step = 0;
+    located(protocol_, index, probe.name, step, [&] {
+      const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
+      episode.recordProbe(i, runProbe(probe, protocol_.start(index), reference, world, lane, step));
+    });
+  }
+}
+
+Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy,
+                   Recalled recalled) {
   Flight flight(protocol, worlds, policy);
-  flight.begin(index);
+  flight.begin(index, std::move(recalled));
   std::vector<Episode> landed = flight.land();
   while (landed.empty()) {
     flight.advance();
@@ -238,7 +321,7 @@ Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pu
 }
 
 void runProtocol(const Protocol& protocol, const Players& players, int threads, const ReferenceCache* references,
-                 const std::function<void(const Episode&)>& deliver, const std::function<bool()>& stop) {
+                 const std::function<void(Episode&&)>& deliver, const std::function<bool()>& stop) {
   protocol.validate();
   threads = std::min(threads, protocol.episodes);
   const int in_flight = std::min(kEpisodesInFlight, (protocol.episodes + threads - 1) / threads);
@@ -247,15 +330,14 @@ void runProtocol(const Protocol& protocol, const Players& players, int threads, 
   std::mutex delivery;
 
   const auto begin = [&](Flight& flight, int index) {
-    const auto recalled = references != nullptr ? references->find(protocol.startName(index)) : std::nullopt;
-    flight.begin(index, recalled ? &*recalled : nullptr);
+    flight.begin(index, references != nullptr ? recall(protocol, index, *references) : Recalled());
   };
-  const auto finish = [&](const Episode& episode) {
+  const auto finish = [&](Episode&& episode) {
     if (references != nullptr) {
-      references->keep(protocol.startName(episode.index()), episode.rollout(kReferenceClosed).trace());
+      keep(protocol, episode, *references);
     }
     const std::lock_guard<std::mutex> one_at_a_time(delivery);
-    deliver(episode);
+    deliver(std::move(episode));
   };
   const auto work = [&] {
     if (next_episode > protocol.lastEpisode()) {
@@ -274,8 +356,8 @@ void runProtocol(const Protocol& protocol, const Players& players, int threads, 
         return;
       }
       flight.advance();
-      for (const Episode& episode : flight.land()) {
-        finish(episode);
+      for (Episode& episode : flight.land()) {
+        finish(std::move(episode));
       }
     }
   };

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRolloutFormat = "reference rollout 2";
+constexpr const char* kRolloutFormat = "reference rollout 3";
 
 /// The numbers of a state, in the order in which they are kept.
 using StateNumbers = std::array<double, 10>;
@@ -66,10 +66,12 @@ ReferenceCache::ReferenceCache(const fs::path& folder, nlohmann::json key) : key
   }
 }
 
-fs::path ReferenceCache::fileOf(const std::string& start) const { return folder_ / (start + ".reference"); }
+fs::path ReferenceCache::fileOf(const std::string& start, const std::string& rollout) const {
+  return folder_ / (start + "." + rollout);
+}
 
-std::optional<pusht::Trace> ReferenceCache::find(const std::string& start) const {
-  const fs::path file = fileOf(start);
+std::optional<pusht::Trace> ReferenceCache::find(const std::string& start, const std::string& rollout) const {
+  const fs::path file = fileOf(start, rollout);
   std::error_code ignored;
   if (fs::symlink_status(file, ignored).type() == fs::file_type::not_found) {
     return std::nullopt;
@@ -90,8 +92,9 @@ std::optional<pusht::Trace> ReferenceCache::find(const std::string& start) const
       !head.value("steps", nlohmann::json()).is_number_unsigned() || end_of_head == text.size()) {
     refuse("must begin as a \"" + std::string(kRolloutFormat) + "\"");
   }
-  if (head.value("key", nlohmann::json()) != key_ || head.value("start", nlohmann::json()) != start) {
-    refuse("belongs to another run: its key or start is not that of this folder");
+  if (head.value("key", nlohmann::json()) != key_ || head.value("start", nlohmann::json()) != start ||
+      head.value("rollout", nlohmann::json()) != rollout) {
+    refuse("belongs to another run: its key, start or rollout is not that of this folder");
   }
   const auto steps = head.at("steps").get<std::size_t>();
   const std::string bytes = text.substr(end_of_head + 1);
@@ -102,18 +105,16 @@ std::optional<pusht::Trace> ReferenceCache::find(const std::string& start) const
   return traceOf(bytes.data(), steps);
 }
 
-void ReferenceCache::keep(const std::string& start, const pusht::Trace& trace) const {
-  const fs::path file = fileOf(start);
+void ReferenceCache::keep(const std::string& start, const std::string& rollout, const pusht::Trace& trace) const {
+  const fs::path file = fileOf(start, rollout);
   std::error_code ignored;
   if (fs::exists(file, ignored)) {
     return;
   }
   const std::string bytes = bytesOf(trace);
-  const nlohmann::json head = {{"format", kRolloutFormat},
-                               {"key", key_},
-                               {"start", start},
-                               {"steps", trace.steps()},
-                               {"sha256", pusht::sha256(bytes)}};
+  const nlohmann::json head = {{"format", kRolloutFormat}, {"key", key_},
+                               {"start", start},           {"rollout", rollout},
+                               {"steps", trace.steps()},   {"sha256", pusht::sha256(bytes)}};
   pusht::writeCacheFile(file, head.dump() + "\n" + bytes);
 }
 

@@ -33,13 +33,13 @@ struct ResultFile {
 const std::vector<ResultFile>& resultFiles() {
   static const auto regexes = [](const auto&... parts) { return std::vector<std::regex>{std::regex(parts)...}; };
   static const std::vector<ResultFile> files = {
-      {Results::kRun, regexes("metrics\\.json")},
-      {Results::kRun, regexes("episodes\\.csv")},
+      {Results::kRun, regexes("(metrics|statistics)\\.json")},
+      {Results::kRun, regexes("(episodes|divergence)\\.csv")},
       {Results::kRun, regexes("compare\\.bag")},
       {Results::kRun, regexes("compare\\.bag\\.part")},  // of a run that was killed
       {Results::kSweep, regexes("sweep\\.(json|csv)")},
-      {Results::kSweep, regexes("rows", "[0-9]{3,}", "(metrics\\.json|episodes\\.csv)(\\.part)?")},
-      {Results::kSweep, regexes("reference", "[0-9a-f]{16}", "[0-9a-f]+\\.reference(\\.part)?")},
+      {Results::kSweep, regexes("rows", "[0-9]{3,}", "((metrics|statistics)\\.json|episodes\\.csv)(\\.part)?")},
+      {Results::kSweep, regexes("reference", "[0-9a-f]{16}", "[0-9a-f]+\\.(reference|floor_1e-[69])(\\.part)?")},
       {std::nullopt, regexes("provenance\\.json")},
       {std::nullopt, regexes("status\\.json")},
   };

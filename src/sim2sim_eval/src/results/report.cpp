@@ -2,9 +2,13 @@
 #include "sim2sim_eval/results/report.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
+#include <iomanip>
 #include <limits>
+#include <optional>
 #include <sstream>
 
 #include "pusht_task/error.hpp"
@@ -20,46 +24,39 @@ using pusht::shortestText;
 
 namespace {
 
-SuccessRate successRate(const std::vector<EpisodeResult>& episodes, Mode mode) {
-  const auto successes = static_cast<int>(std::count_if(
-      episodes.begin(), episodes.end(), [mode](const EpisodeResult& episode) { return episode.modes[mode].success; }));
-  const auto trials = static_cast<int>(episodes.size());
-  return {successes, static_cast<double>(successes) / trials, wilsonInterval(successes, trials)};
-}
-
-Mean meanOver(const std::vector<EpisodeResult>& episodes, Mode mode, std::size_t quantity) {
-  std::vector<double> samples;
-  samples.reserve(episodes.size());
-  for (const EpisodeResult& episode : episodes) {
-    samples.push_back(episode.modes[mode].quantities[quantity]);
-  }
-  return meanOf(samples);
-}
+/// null where there is none.
+json rounded(double value) { return std::isfinite(value) ? json(roundToMicro(value)) : json(); }
 
 json rounded(const std::optional<Interval>& interval) {
-  return interval ? json{roundToMicro(interval->low), roundToMicro(interval->high)} : json();
+  return interval ? json{rounded(interval->low), rounded(interval->high)} : json();
 }
 
+constexpr int kStatisticsFormat = 1;  // of statistics.json
+constexpr std::array kQuantiles = {0.05, 0.25, 0.75, 0.95};
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kFixedColumns = 5;  // those before the quantities
+constexpr std::size_t kFixedColumns = 5;    // those before the quantities
+constexpr std::size_t kPartingColumns = 3;  // those behind them
 
 std::string csvHead() {
   std::string head = "episode,seed,mode,steps,success";
   for (const Quantity& quantity : kQuantities) {
     head.append(",").append(quantity.name).append("_").append(quantity.unit);
   }
-  return head + "\n";
+  return head + ",parting_step,parting_cause,parting_first\n";
 }
 
-std::string csvRow(const EpisodeResult& episode, Mode mode) {
-  const RolloutResult& result = episode.modes[mode];
+std::string csvRow(const EpisodeResult& episode, const std::string& mode, const RolloutResult& result) {
   const std::string success = result.success ? "true" : "false";
   std::string row = std::to_string(episode.index) + "," + (episode.seed ? std::to_string(*episode.seed) : "") + "," +
-                    modeName(mode) + "," + std::to_string(result.steps) + "," + success;
-  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-    row.append(",").append(has(mode, kQuantities[i]) ? shortestText(result.quantities[i]) : "");
+                    mode + "," + std::to_string(result.steps) + "," + success;
+  for (const double value : result.quantities) {
+    row.append(",").append(std::isnan(value) ? "" : shortestText(value));
   }
-  return row + "\n";
+  if (!result.parting) {
+    return row + ",,,\n";
+  }
+  return row + "," + std::to_string(result.parting->step) + "," + nameOf(result.parting->cause).name + "," +
+         nameOf(result.parting->first) + "\n";
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -78,18 +75,49 @@ Number numberFrom(const std::string& text) {
   return number;  // what is not all of a number does not give the same text again
 }
 
+/// None where the cells name none.
+std::optional<Parting> partingFrom(const std::string& step, const std::string& cause, const std::string& first) {
+  const auto known = std::find_if(kCauses.begin(), kCauses.end(), [&](const auto& name) { return cause == name.name; });
+  const auto who = std::find(kFirstNames.begin(), kFirstNames.end(), first);
+  if (known == kCauses.end() || who == kFirstNames.end()) {
+    return std::nullopt;
+  }
+  return Parting{numberFrom<int>(step), known->cause, static_cast<First>(who - kFirstNames.begin())};
+}
+
 /// The row that csvRow() wrote, as far as it can be read.
-void readCsvRow(const std::string& row, Mode mode, EpisodeResult& episode) {
+void readCsvRow(const std::string& row, EpisodeResult& episode, RolloutResult& result) {
   std::vector<std::string> cells = split(row, ',');
-  cells.resize(kFixedColumns + kQuantities.size());
+  cells.resize(kFixedColumns + kQuantities.size() + kPartingColumns);
   episode.index = numberFrom<int>(cells[0]);
   episode.seed = cells[1].empty() ? std::nullopt : std::optional(numberFrom<std::uint64_t>(cells[1]));
-  RolloutResult& result = episode.modes[mode];
   result.steps = numberFrom<int>(cells[3]);
   result.success = cells[4] == "true";
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-    result.quantities[i] = has(mode, kQuantities[i]) ? numberFrom<double>(cells[kFixedColumns + i]) : kNone;
+    const std::string& cell = cells[kFixedColumns + i];
+    result.quantities[i] = cell.empty() ? kNone : numberFrom<double>(cell);
   }
+  const std::size_t behind = kFixedColumns + kQuantities.size();
+  result.parting = partingFrom(cells[behind], cells[behind + 1], cells[behind + 2]);
+}
+
+/// Of the samples of a quantity.
+json distribution(std::vector<double> samples, const Quantity& quantity) {
+  json figures = {{"episodes", samples.size()}};
+  if (samples.empty()) {
+    return figures;
+  }
+  const Estimate mean = meanOf(samples, quantity);
+  std::sort(samples.begin(), samples.end());
+  const Estimate median = medianOf(samples);
+  figures["mean"] = rounded(mean.value);
+  figures["mean_interval"] = rounded(mean.interval);
+  figures["median"] = rounded(median.value);
+  figures["median_interval"] = rounded(median.interval);
+  for (const double probability : kQuantiles) {
+    figures["quantiles"][shortestText(probability)] = rounded(quantileOf(samples, probability));
+  }
+  return figures;
 }
 
 std::string bracketed(const Interval& interval, int digits) {
@@ -100,28 +128,129 @@ std::string padded(const std::string& text, std::size_t width) {
   return text + std::string(width > text.size() ? width - text.size() : 1, ' ');
 }
 
-}  // namespace
-
-Summary summarize(const std::vector<EpisodeResult>& episodes) {
-  const SuccessRate reference = successRate(episodes, kReferenceClosed);
-  const SuccessRate engine = successRate(episodes, kEngineClosed);
-  std::optional<double> transfer;
-  if (reference.successes > 0) {
-    transfer = engine.rate / reference.rate;
-  }
-  Summary summary{static_cast<int>(episodes.size()), reference, engine, transfer, {}};
-  forEachQuantity(
-      [&](Mode mode, std::size_t quantity) { summary.means[mode][quantity] = meanOver(episodes, mode, quantity); });
-  return summary;
+/// Of the table.
+std::string line(const std::string& head, const std::string& left, const std::string& right) {
+  constexpr std::size_t kHead = 24;
+  constexpr std::size_t kColumn = 32;
+  return padded(head, kHead) + padded(left, kColumn) + right + "\n";
 }
 
-std::string metricName(Mode mode, const Quantity& quantity) {
-  return mode == kEngineReplay && quantity.course_key != nullptr ? quantity.course_key
-                                                                 : std::string(modeName(mode)) + "_" + quantity.name;
+std::string percent(double share) { return std::isinf(share) ? "any" : fixedText(100.0 * share, 0) + " %"; }
+
+std::string transferText(const Outcomes& outcomes) {
+  if (!outcomes.transfer) {
+    return "undefined: the reference never succeeds";
+  }
+  const std::optional<Interval>& interval = outcomes.transfer_interval;
+  return percent(*outcomes.transfer) +
+         (interval ? " [" + percent(interval->low) + ", " + percent(interval->high) + "]" : "");
+}
+
+std::string probabilityText(double p) {
+  constexpr double kLeast = 1e-4;
+  return p < kLeast ? "< 0.0001" : fixedText(p, 4);
+}
+
+std::string timesText(double multiple) {
+  std::ostringstream text;
+  text << std::scientific << std::setprecision(1) << multiple;
+  return std::isnan(multiple) ? "undefined" : text.str() + " times";
+}
+
+/// "46 of 50 episodes, half by 1.3 s"
+std::string partedText(const Partings& partings) {
+  const std::string count = std::to_string(partings.parted) + " of " + std::to_string(partings.episodes) + " episodes";
+  return partings.median_step ? count + ", half by " + fixedText(*partings.median_step * pusht::kControlStep, 1) + " s"
+                              : count;
+}
+
+/// "first contact begins: 24 of 46"
+std::string causeText(const Partings& partings) {
+  if (partings.parted == 0) {
+    return "";
+  }
+  const CauseName& cause = mostFrequentCause(partings);
+  return std::string("most at: ") + cause.label + ", " +
+         std::to_string(partings.causes[static_cast<std::size_t>(cause.cause)]);
+}
+
+/// The replay's divergences, a column each, with what they must be read against.
+std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
+  std::array<std::string, kDivergencePairs.size()> units;
+  std::array<std::string, kDivergencePairs.size()> labels;
+  for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
+    const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
+    units[i] = quantity.unit;
+    labels[i] = quantity.label;
+  }
+  const Summary::Yardsticks& yardsticks = summary.yardsticks[kEngineReplay];
+  constexpr int kDigits = 4;
+  bool any_doubt = false;
+  const auto mean = [&](std::size_t i) {
+    const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
+    const std::string mark = doubtMark(summary, quantity.name);
+    any_doubt = any_doubt || !mark.empty();
+    return cell(summary.mean(kEngineReplay, quantity.name), units[i]) + mark;
+  };
+  const auto median = [&](std::size_t i) { return cell(yardsticks[i].median, units[i]); };
+  const auto minus_null = [&](std::size_t i) {
+    return signedText(yardsticks[i].minus_null.value, yardsticks[i].minus_null.interval, units[i], kDigits);
+  };
+  const auto over_floor = [&](std::size_t i) { return timesText(yardsticks[i].over_floor); };
+  std::string lines = line("divergence, open loop", labels[0], labels[1]) + line("  mean", mean(0), mean(1)) +
+                      line("  median", median(0), median(1)) + line("  - null model", minus_null(0), minus_null(1));
+  if (std::isfinite(yardsticks[0].over_floor)) {
+    lines += line("  / floor (1e-6 m)", over_floor(0), over_floor(1));
+  }
+  lines += line("  less in closed loop",
+                signedText(summary.absorbed[0].value, summary.absorbed[0].interval, units[0], kDigits),
+                signedText(summary.absorbed[1].value, summary.absorbed[1].interval, units[1], kDigits)) +
+           line("  beyond the bound", partedText(summary.partings), causeText(summary.partings));
+  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
+    if (const int every = protocol.probes[i].anchor_every; every > 0) {
+      const auto error = [&](const char* quantity) {
+        return cell(summary.mean(kModeCount + i, quantity), kQuantities[quantityIndex(quantity)].unit);
+      };
+      lines += line("  made in " + std::to_string(every) + (every == 1 ? " step" : " steps"),
+                    error("anchor_position_error"), error("anchor_angle_error"));
+    }
+  }
+  return lines + (any_doubt ? "(!) not surely less than that of a tee that never moves\n" : "");
+}
+
+json outcomes(const Outcomes& outcomes) {
+  return {{"both_succeed", outcomes.table.both},
+          {"only_reference_succeeds", outcomes.table.first_only},
+          {"only_engine_succeeds", outcomes.table.second_only},
+          {"neither_succeeds", outcomes.table.neither},
+          {"success_difference", rounded(outcomes.difference)},
+          {"success_difference_interval", rounded(outcomes.difference_interval)},
+          {"success_difference_p", outcomes.p},
+          {"success_difference_exact_p", outcomes.p_exact}};
+}
+
+/// The keys of metrics.json that say how to read a mean divergence.
+json yardstick(const std::string& name, const std::string& unit, const Yardstick& yardstick) {
+  const std::optional<bool> beats_null = yardstick.beatsNull();
+  return {{name + "_median_" + unit, rounded(yardstick.median.value)},
+          {name + "_median_interval_" + unit, rounded(yardstick.median.interval)},
+          {name + "_minus_null_" + unit, rounded(yardstick.minus_null.value)},
+          {name + "_minus_null_interval_" + unit, rounded(yardstick.minus_null.interval)},
+          {name + "_share_of_null", rounded(yardstick.share_of_null)},
+          {name + "_over_floor", rounded(yardstick.over_floor)},
+          {name + "_beats_null", beats_null ? json(*beats_null) : json()}};
+}
+
+}  // namespace
+
+std::string metricName(const std::string& rollout, const Quantity& quantity) {
+  return rollout == modeName(kEngineReplay) && quantity.course_key != nullptr ? quantity.course_key
+                                                                              : rollout + "_" + quantity.name;
 }
 
 json metrics(const RunConfiguration& configuration, const Summary& summary) {
   json metrics = describe(configuration);
+  metrics["episodes"] = summary.episodes;  // fewer than asked for, where it was decided before
   metrics.update({
       {"engine_success_rate", roundToMicro(summary.engine.rate)},
       {"confidence", kConfidence},
@@ -130,20 +259,60 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
       {"reference_success_rate", roundToMicro(summary.reference.rate)},
       {"reference_successes", summary.reference.successes},
       {"reference_success_interval", rounded(summary.reference.interval)},
-      {"transfer", summary.transfer ? json(roundToMicro(*summary.transfer)) : json()},
+      {"transfer", rounded(summary.outcomes.transfer.value_or(kNone))},
+      {"transfer_interval", rounded(summary.outcomes.transfer_interval)},
   });
-  forEachQuantity([&](Mode mode, std::size_t i) {
-    const std::string name = metricName(mode, kQuantities[i]);
+  metrics.update(outcomes(summary.outcomes));
+  const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();
+  forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
+    const std::string name = metricName(rollouts[rollout], kQuantities[i]);
     const std::string unit = kQuantities[i].unit;
-    metrics[name + "_" + unit] = roundToMicro(summary.means[mode][i].value);
-    metrics[name + "_interval_" + unit] = rounded(summary.means[mode][i].interval);
+    metrics[name + "_" + unit] = rounded(summary.means[rollout][i].value);
+    metrics[name + "_interval_" + unit] = rounded(summary.means[rollout][i].interval);
   });
+  for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
+    for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
+      const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
+      metrics.update(yardstick(metricName(rollouts[rollout], quantity), quantity.unit, summary.yardsticks[rollout][i]));
+    }
+  }
+  for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
+    const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
+    const std::string name = std::string("absorbed_") + quantity.label;
+    metrics[name + "_" + quantity.unit] = rounded(summary.absorbed[i].value);
+    metrics[name + "_interval_" + quantity.unit] = rounded(summary.absorbed[i].interval);
+  }
+  const Partings& partings = summary.partings;
+  metrics["parted"] = partings.parted;
+  metrics["median_parting_step"] = partings.median_step ? json(*partings.median_step) : json();
   if (configuration.reference.name == "mujoco") {  // as the course calls them
     for (const char* key : {"success_rate", "successes", "success_interval"}) {
       metrics[std::string("mj_") + key] = metrics[std::string("reference_") + key];
     }
   }
   return metrics;
+}
+
+json decision(const TransferBet& bet, double share) {
+  constexpr std::array kVerdicts = {"undecided", "keeps", "does not keep"};
+  const std::optional<int> after = bet.decidedAfter();
+  return {{"share", share},
+          {"verdict", kVerdicts.at(static_cast<std::size_t>(bet.verdict()))},
+          {"episodes", after ? json(*after) : json()},
+          {"transfer_sequence", rounded(transferSequence(bet.counts()))}};
+}
+
+std::string decisionText(const TransferBet& bet, double share) {
+  const Interval transfer = transferSequence(bet.counts());
+  const std::string known =
+      " (transfer is in [" + percent(transfer.low) + ", " + percent(transfer.high) + "], whenever the run stops)\n";
+  const std::string success = percent(share) + " of the reference's success";
+  if (bet.verdict() == Verdict::kUndecided) {
+    return "not decided after " + std::to_string(bet.counts().pairs()) + " episodes: does the engine keep " + success +
+           "?" + known;
+  }
+  return "decided after " + std::to_string(*bet.decidedAfter()) + " episodes: the engine " +
+         (bet.verdict() == Verdict::kKeeps ? "keeps" : "does not keep") + " " + success + known;
 }
 
 std::string doubtAboutPolicy(const json& metrics, const json& provenance) {
@@ -162,26 +331,29 @@ std::string jsonText(const json& json) {
   return json.dump(kIndent, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-std::string episodesCsv(const std::vector<EpisodeResult>& episodes) {
+std::string episodesCsv(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
+  const std::vector<std::string> modes = protocol.rolloutNames();
   std::string csv = csvHead();
   for (const EpisodeResult& episode : episodes) {
-    for (const Mode mode : kModes) {
-      csv += csvRow(episode, mode);
+    for (std::size_t i = 0; i < modes.size(); ++i) {
+      csv += csvRow(episode, modes[i], episode.rollouts.at(i));
     }
   }
   return csv;
 }
 
-std::vector<EpisodeResult> episodesFromCsv(const std::string& text) {
+std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::string& text) {
   const std::vector<std::string> lines = split(text, '\n');
-  const std::size_t count = lines.empty() ? 0 : (lines.size() - 1) / kModeCount;
+  const std::size_t rollouts = protocol.rolloutNames().size();
+  const std::size_t count = lines.empty() ? 0 : (lines.size() - 1) / rollouts;
   std::vector<EpisodeResult> episodes(count);
   for (std::size_t i = 0; i < count; ++i) {
-    for (const Mode mode : kModes) {
-      readCsvRow(lines[1 + i * kModeCount + mode], mode, episodes[i]);
+    episodes[i].rollouts.resize(rollouts);
+    for (std::size_t rollout = 0; rollout < rollouts; ++rollout) {
+      readCsvRow(lines[1 + i * rollouts + rollout], episodes[i], episodes[i].rollouts[rollout]);
     }
   }
-  const std::vector<std::string> expected = split(episodesCsv(episodes), '\n');
+  const std::vector<std::string> expected = split(episodesCsv(protocol, episodes), '\n');
   const auto [found, wanted] = std::mismatch(lines.begin(), lines.end(), expected.begin(), expected.end());
   if (found != lines.end() || wanted != expected.end()) {
     throw pusht::InvalidInput("line " + std::to_string(found - lines.begin() + 1) +
@@ -194,42 +366,67 @@ std::string cell(const SuccessRate& rate) {
   return std::to_string(rate.successes) + "  " + fixedText(rate.rate, 3) + " " + bracketed(rate.interval, 3);
 }
 
-std::string cell(const Mean& mean, const std::string& unit) {
+std::string cell(const Estimate& estimate, const std::string& unit) {
   constexpr int kDigits = 4;
-  const std::string value = fixedText(mean.value, kDigits) + " " + unit;
-  const std::optional<Interval> interval = aboveZero(mean.interval);
-  return interval ? value + " " + bracketed(*interval, kDigits) : value;
+  const std::string value = fixedText(estimate.value, kDigits) + " " + unit;
+  return estimate.interval ? value + " " + bracketed(*estimate.interval, kDigits) : value;
+}
+
+std::string signedText(double value, const std::optional<Interval>& interval, const std::string& unit, int digits) {
+  return (value > 0.0 ? "+" : "") + fixedText(value, digits) + (unit.empty() ? "" : " " + unit) +
+         (interval ? " " + bracketed(*interval, digits) : "");
+}
+
+std::string doubtMark(const Summary& summary, std::string_view divergence) {
+  for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
+    if (divergence == kDivergencePairs[i].divergence) {
+      return summary.yardsticks[kEngineReplay][i].beatsNull().value_or(true) ? "" : " (!)";
+    }
+  }
+  return "";
 }
 
 std::string divergences(const Summary& summary, const std::string& separator) {
   std::string text;
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-    if (kQuantities[i].compares) {
+    if (kQuantities[i].label != nullptr) {
       text.append(text.empty() ? "" : separator).append(cell(summary.means[kEngineReplay][i], kQuantities[i].unit));
+      text.append(doubtMark(summary, kQuantities[i].name));
     }
   }
   return text;
 }
 
-std::string table(const RunConfiguration& configuration, const Summary& summary) {
-  constexpr std::size_t kFirst = 24;
-  constexpr std::size_t kColumn = 30;
-  const std::string transfer = summary.transfer ? fixedText(100.0 * *summary.transfer, 0) + " %" : "undefined";
-  std::string table = padded("", kFirst) + padded(configuration.reference.title + " (reference)", kColumn) +
-                      configuration.engine.title + "\n" + padded("success, closed loop", kFirst) +
-                      padded(cell(summary.reference), kColumn) + cell(summary.engine) + "\n" +
-                      padded("transfer", kFirst) + padded("", kColumn) + transfer + "\n";
-  const char* first = "divergence, open loop";
-  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-    if (kQuantities[i].compares) {
-      table += padded(first, kFirst) + padded(kQuantities[i].label, kColumn) +
-               cell(summary.means[kEngineReplay][i], kQuantities[i].unit) + "\n";
-      first = "";
-    }
+json statistics(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
+  json statistics = {{"format", kStatisticsFormat}, {"confidence", kConfidence}, {"episodes", episodes.size()}};
+  const std::vector<std::string> rollouts = protocol.rolloutNames();
+  forEachQuantity(protocol, [&](std::size_t rollout, std::size_t i) {
+    const std::string name = std::string(kQuantities[i].name) + "_" + kQuantities[i].unit;
+    statistics["rollouts"][rollouts[rollout]][name] = distribution(samplesOf(episodes, rollout, i), kQuantities[i]);
+  });
+  for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
+    statistics["rollouts"][rollouts[rollout]]["parting"] = toJson(partingsOf(episodes, rollout));
   }
+  return statistics;
+}
+
+std::string table(const RunConfiguration& configuration, const Summary& summary) {
+  const Outcomes& outcomes = summary.outcomes;
+  const PairTable& pairs = outcomes.table;
+  std::string table =
+      line("", configuration.reference.title + " (reference)", configuration.engine.title) +
+      line("success, closed loop", cell(summary.reference), cell(summary.engine)) +
+      line("transfer", "", transferText(outcomes)) +
+      line("engine - reference", "McNemar p " + probabilityText(outcomes.p),
+           signedText(outcomes.difference, outcomes.difference_interval, "", 3)) +
+      line("the same episodes",
+           "both " + std::to_string(pairs.both) + ", reference only " + std::to_string(pairs.first_only),
+           "engine only " + std::to_string(pairs.second_only) + ", neither " + std::to_string(pairs.neither)) +
+      divergenceLines(configuration.protocol, summary);
   return table + "(" + std::to_string(summary.episodes) + " episodes; in brackets " +
-         fixedText(100.0 * kConfidence, 0) +
-         " % intervals: Wilson for success, Student's t over episodes for divergence)\n";
+         fixedText(100.0 * kConfidence, 0) + " % intervals" +
+         (summary.episodes < kFewestEpisodes ? "; most need " + std::to_string(kFewestEpisodes) + " episodes" : "") +
+         ". Null model: a tee that never moves.)\n";
 }
 
 }  // namespace sim2sim

@@ -11,20 +11,39 @@
 namespace sim2sim {
 
 Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance)
-    : configuration_(std::move(configuration)), folder_(folder) {
+    : configuration_(std::move(configuration)), folder_(folder), bands_(configuration_.protocol) {
+  if (configuration_.until_decided) {
+    bet_.emplace(*configuration_.until_decided);
+  }
   folder_.begin(provenance, configuration_.protocol.episodes);
 }
 
-void Run::add(const EpisodeResult& episode) {
-  const auto after = std::upper_bound(episodes_.begin(), episodes_.end(), episode,
+void Run::add(const Episode& episode) {
+  const EpisodeResult result = episode.result();
+  const auto after = std::upper_bound(episodes_.begin(), episodes_.end(), result,
                                       [](const auto& a, const auto& b) { return a.index < b.index; });
-  episodes_.insert(after, episode);
+  episodes_.insert(after, result);
+  bands_.add(episode);
+  watch(result);
   summary_.reset();
+}
+
+void Run::take(std::vector<EpisodeResult> episodes, DivergenceBands bands) {
+  episodes_ = std::move(episodes);
+  bands_ = std::move(bands);
+  std::for_each(episodes_.begin(), episodes_.end(), [this](const EpisodeResult& episode) { watch(episode); });
+  summary_.reset();
+}
+
+void Run::watch(const EpisodeResult& episode) {
+  if (bet_) {
+    bet_->add(episode.rollouts[kReferenceClosed].success, episode.rollouts[kEngineClosed].success);
+  }
 }
 
 const Summary& Run::summary() const {
   if (!summary_) {
-    summary_ = summarize(episodes_);
+    summary_ = summarize(configuration_.protocol, episodes_);
   }
   return *summary_;
 }
@@ -39,10 +58,14 @@ nlohmann::json Run::finish(std::ostream& out, int faults_survived) {
   out << "policy " << configuration_.policy << ", "
       << (protocol.starts ? "starts " + protocol.starts->hash() : "seed " + std::to_string(protocol.seed))
       << ", horizon " << configuration_.protocol.horizon << " control steps\n"
-      << table(configuration_, summary) << "results: " << folder_.path().string() << "\n"
+      << table(configuration_, summary) << (bet_ ? decisionText(*bet_, *configuration_.until_decided) : "")
+      << "results: " << folder_.path().string() << "\n"
       << "config_hash: " << configurationHash(configuration_) << std::endl;
   nlohmann::json metrics = sim2sim::metrics(configuration_, summary);
-  folder_.finish(metrics, episodes_, faults_survived);
+  if (bet_) {
+    metrics["decision"] = decision(*bet_, *configuration_.until_decided);
+  }
+  folder_.finish(protocol, metrics, episodes_, bands_, faults_survived);
   return metrics;
 }
 
@@ -54,8 +77,9 @@ void Run::abandon(std::ostream& out, const std::exception& failure, int faults_s
         << std::endl;
   }
   try {
-    folder_.abandon(episodes_, {code, pusht::reasonOf(failure), static_cast<int>(episodes_.size()),
-                                configuration_.protocol.episodes, faults_survived});
+    folder_.abandon(configuration_.protocol, episodes_,
+                    {code, pusht::reasonOf(failure), static_cast<int>(episodes_.size()),
+                     configuration_.protocol.episodes, faults_survived});
   } catch (const pusht::RuntimeFault&) {
     out << "the finished episodes could not be written" << std::endl;
   }

@@ -7,6 +7,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 
 namespace sim2sim {
@@ -16,8 +17,8 @@ using nlohmann::ordered_json;
 
 namespace {
 
-/// Of a run's description. 1 named no parameters of the reference, 2 no units; 3 has all of kQuantities.
-constexpr int kDescriptionFormat = 3;
+/// Of a run's description. 1 named no parameters of the reference, 2 no units; 3 had no probes and no bound.
+constexpr int kDescriptionFormat = 4;
 
 constexpr const char* kCourseReference = "mujoco";
 constexpr const char* kCourseEngine = "two_mass";
@@ -50,6 +51,22 @@ std::string differencesOf(const std::string& role, const SimulatorRecord& simula
     }
   }
   return differences;
+}
+
+std::vector<std::string> probeNames(const RunConfiguration& configuration) {
+  std::vector<std::string> names;
+  for (const Probe& probe : configuration.protocol.probes) {
+    names.push_back(probe.name);
+  }
+  return names;
+}
+
+/// "|bound=0.03,0.2", unless it is the default.
+std::string boundDifference(const Bound& bound) {
+  const Bound usual;
+  return bound.position == usual.position && bound.angle == usual.angle
+             ? ""
+             : "|bound=" + pusht::shortestText(bound.position) + "," + pusht::shortestText(bound.angle);
 }
 
 }  // namespace
@@ -104,7 +121,11 @@ std::string configurationHash(const RunConfiguration& configuration) {
   key += "|" + std::to_string(configuration.protocol.horizon) +
          differencesOf("reference", configuration.reference, kCourseReference) +
          differencesOf("engine", configuration.engine, kCourseEngine) +
-         (configuration.protocol.starts ? "|starts=" + configuration.protocol.starts->hash() : "");
+         (configuration.protocol.starts ? "|starts=" + configuration.protocol.starts->hash() : "") +
+         (configuration.protocol.probes == floorProbes() ? ""
+                                                         : "|probes=" + pusht::joined(probeNames(configuration), ",")) +
+         boundDifference(configuration.protocol.bound) +
+         (configuration.until_decided ? "|until_decided=" + pusht::shortestText(*configuration.until_decided) : "");
   return pusht::md5(key).substr(0, kDigits);
 }
 
@@ -117,6 +138,9 @@ ordered_json describe(const RunConfiguration& configuration) {
       {"episodes", configuration.protocol.episodes},
       {"horizon", configuration.protocol.horizon},
       {"smoke", configuration.smoke},
+      {"probes", probeNames(configuration)},
+      {"bound",
+       {{"position_m", configuration.protocol.bound.position}, {"angle_rad", configuration.protocol.bound.angle}}},
       {"reference_simulator", configuration.reference.name},
       {"engine_simulator", configuration.engine.name},
       {"knobs", configuration.engine.parameters},
@@ -124,6 +148,9 @@ ordered_json describe(const RunConfiguration& configuration) {
       {"config_hash", configurationHash(configuration)}};
   if (configuration.protocol.starts) {
     description["starts"] = configuration.protocol.starts->hash();
+  }
+  if (configuration.until_decided) {
+    description["until_decided"] = *configuration.until_decided;
   }
   return description;
 }
@@ -135,6 +162,12 @@ Protocol protocolFrom(const json& description) {
   }
   Protocol protocol{description.at("seed"), description.at("first_episode"), description.at("episodes"),
                     description.at("horizon")};
+  protocol.probes.clear();
+  for (const json& name : description.at("probes")) {
+    protocol.probes.push_back(probeFrom(name.get<std::string>()));
+  }
+  const json& bound = description.at("bound");
+  protocol.bound = {bound.at("position_m"), bound.at("angle_rad")};
   if (const auto starts = description.find("starts"); starts != description.end()) {
     protocol.starts = std::make_shared<Starts>(Starts::named(starts->get<std::string>()));
   }
@@ -150,6 +183,9 @@ RunConfiguration configurationFrom(const ordered_json& description) {
     description.at("smoke").get_to(configuration.smoke);
     configuration.reference = simulatorFrom(description.at("simulators").at("reference"));
     configuration.engine = simulatorFrom(description.at("simulators").at("engine"));
+    if (const auto share = description.find("until_decided"); share != description.end()) {
+      configuration.until_decided = share->get<double>();
+    }
     if (describe(configuration) != description) {
       throw pusht::InvalidInput("its config_hash or one of its values does not fit the others");
     }

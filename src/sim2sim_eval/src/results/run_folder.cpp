@@ -30,10 +30,13 @@ void RunFolder::begin(const nlohmann::json& provenance, int episodes) {
 
 fs::path RunFolder::bagPath() const { return path() / kBag; }
 
-void RunFolder::finish(const nlohmann::json& metrics, const std::vector<EpisodeResult>& episodes, int faults_survived) {
+void RunFolder::finish(const Protocol& protocol, const nlohmann::json& metrics,
+                       const std::vector<EpisodeResult>& episodes, const DivergenceBands& bands, int faults_survived) {
   const auto count = static_cast<int>(episodes.size());
   try {
-    pusht::writeFile(path() / kEpisodesFile, episodesCsv(episodes));
+    pusht::writeFile(path() / kEpisodesFile, episodesCsv(protocol, episodes));
+    pusht::writeFile(path() / kBandsFile, bands.csv());
+    pusht::writeFile(path() / kStatisticsFile, jsonText(statistics(protocol, episodes)));
     pusht::writeFile(path() / kMetricsFile, jsonText(metrics));
     writeStatus({pusht::ExitCode::kOk, "finished", count, count, faults_survived});
   } catch (const pusht::RuntimeFault& fault) {
@@ -48,9 +51,10 @@ void RunFolder::finish(const nlohmann::json& metrics, const std::vector<EpisodeR
   }
 }
 
-void RunFolder::abandon(const std::vector<EpisodeResult>& episodes, const RunStatus& status) const {
+void RunFolder::abandon(const Protocol& protocol, const std::vector<EpisodeResult>& episodes,
+                        const RunStatus& status) const {
   if (status.exit_code != pusht::ExitCode::kInternalError) {  // after a defect no figure can be trusted
-    pusht::writeFile(path() / kEpisodesFile, episodesCsv(episodes));
+    pusht::writeFile(path() / kEpisodesFile, episodesCsv(protocol, episodes));
   }
   writeStatus(status);
 }

@@ -34,7 +34,8 @@ double startToleranceOf(const pusht_msgs::DescribeResponse& description);
 
 /// A world that is reset and stepped by services, and held meanwhile: others are refused. Beyond what Simulator says,
 /// it throws PeerFault, and RuntimeFault if another caller has reset the world or set its parameters. A step request is
-/// stamped with the time of `stamps`, which whoever drives the worlds advances before each reset and step.
+/// stamped with the time of `stamps`, which whoever drives the worlds advances before each reset and step, unless these
+/// are silent.
 class ServedSimulator : public Simulator {
  public:
   /// Takes the world over, whoever holds it. The peer must be connected; all must outlive the simulator. Throws as
@@ -46,6 +47,9 @@ class ServedSimulator : public Simulator {
 
   /// The episode that the next reset begins.
   void announce(std::uint64_t episode, int horizon);
+
+  /// Until the next announcement, what resets begin is not published, and stamps rest.
+  void silence() { silent_ = true; }
 
   /// Sets parameters, and ends the episode under way. From now on the world must have those that come of it.
   void configure(const Parameters& changes);
@@ -72,6 +76,7 @@ class ServedSimulator : public Simulator {
   std::string token_;            // of the hold; another one for each reset
   std::uint64_t episode_ = 0;
   int horizon_ = 0;
+  bool silent_ = false;
   int next_step_ = 0;
   WorldState state_;
 };

@@ -6,9 +6,11 @@
 #include <pusht_msgs/Divergence.h>
 #include <pusht_msgs/EpisodeResult.h>
 #include <pusht_msgs/Summary.h>
+#include <pusht_msgs/Trace.h>
 #include <ros/time.h>
 
 #include <optional>
+#include <string>
 
 #include "sim2sim_eval/protocol/protocol.hpp"
 #include "sim2sim_eval/results/report.hpp"
@@ -18,7 +20,10 @@ namespace sim2sim {
 /// Of the states after `step` control steps. NaN where a rollout has ended before.
 pusht_msgs::Divergence divergenceMessage(const Episode& episode, int step, const ros::Time& stamp);
 
-pusht_msgs::EpisodeResult toMessage(const EpisodeResult& episode, const ros::Time& stamp);
+pusht_msgs::EpisodeResult toMessage(const Protocol& protocol, const EpisodeResult& episode, const ros::Time& stamp);
+
+/// What a probe did.
+pusht_msgs::Trace toMessage(const std::string& mode, int episode, const pusht::Trace& trace, const ros::Time& stamp);
 
 /// Of a run with the summary of its `finished` episodes, if there are any.
 pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::optional<Summary>& finished,

@@ -15,6 +15,7 @@
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/simulator.hpp"
 #include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_eval/results/bands.hpp"
 #include "sim2sim_eval/results/report.hpp"
 
 namespace sim2sim {
@@ -34,16 +35,20 @@ class RecordedWorld : public pusht::Simulator {
   std::size_t step_ = 0;
 };
 
-/// The rollouts of an episode, by mode.
-using RecordedEpisode = std::array<pusht::Trace, kModeCount>;
+/// The rollouts of an episode.
+struct RecordedEpisode {
+  std::array<pusht::Trace, kModeCount> modes;
+  std::vector<std::vector<pusht::WorldState>> probes{};  ///< as those of the protocol
+};
 
 /// Runs an episode over recorded worlds. Throws BadDependency if the record does not follow the protocol.
-EpisodeResult replay(const Protocol& protocol, int index, const RecordedEpisode& record);
+Episode replay(const Protocol& protocol, int index, const RecordedEpisode& record);
 
 /// What the bag of a run holds.
 struct RecordedRun {
   RunConfiguration configuration;
   nlohmann::ordered_json provenance;
+  DivergenceBands bands;                ///< of these episodes
   std::vector<EpisodeResult> episodes;  ///< the finished ones by index, computed anew from what the worlds did
 };
 

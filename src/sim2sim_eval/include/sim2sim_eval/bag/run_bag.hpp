@@ -23,6 +23,7 @@ namespace sim2sim {
 constexpr const char* kConfigurationTopic = "/sim2sim/configuration";  ///< std_msgs/String: JSON; latched
 constexpr const char* kDivergenceTopic = "/sim2sim/divergence";        ///< pusht_msgs/Divergence
 constexpr const char* kEpisodeTopic = "/sim2sim/episode";              ///< pusht_msgs/EpisodeResult
+constexpr const char* kTraceTopic = "/sim2sim/trace";                  ///< pusht_msgs/Trace: the probes
 constexpr const char* kSummaryTopic = "/sim2sim/summary";              ///< pusht_msgs/Summary; latched
 constexpr const char* kMarkersTopic = "/sim2sim/markers";              ///< visualization_msgs/MarkerArray
 constexpr const char* kTfTopic = "/tf";                                ///< tf2_msgs/TFMessage: the worlds' frames
@@ -54,6 +55,9 @@ class RunBag {
   void writeWorlds(const Episode& episode, int step, const ros::Time& stamp);
 
   void write(const tf2_msgs::TFMessage& fixed_frames, const ros::Time& stamp);
+  /// The probes of an episode that has finished.
+  void writeProbes(const Protocol& protocol, const Episode& episode, const ros::Time& stamp);
+
   void write(const pusht_msgs::Divergence& message);
   void write(const pusht_msgs::EpisodeResult& message);
   void write(const pusht_msgs::Summary& message);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/protocol/protocol.hpp"
 #include "sim2sim_eval/protocol/reference_cache.hpp"
 
 namespace sim2sim {
@@ -23,6 +24,19 @@ struct BatchOptions {
 
   /// The cache that they ask for. Throws as ReferenceCache does.
   std::optional<ReferenceCache> references(const Setup& setup, int horizon) const;
+};
+
+/// How divergence is measured, besides its means.
+struct GapOptions {
+  bool floor = true;
+  std::string reanchor{};  ///< as in reanchorFrom()
+  Bound bound{};
+
+  /// Declares the options on a command line.
+  void declare(CLI::App& app);
+
+  /// Throws as probesOf() and reanchorFrom() do.
+  void apply(Protocol& protocol) const;
 };
 
 }  // namespace sim2sim

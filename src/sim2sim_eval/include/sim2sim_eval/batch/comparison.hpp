@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,12 +22,14 @@ struct CompareOptions {
   std::vector<std::string> reference_settings{};  ///< as in chooseSimulator()
   std::string engine = "two_mass";                ///< kind
   std::vector<std::string> engine_settings{};
-  bool smoke = false;        ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
-  std::string starts;        ///< file for readStarts(); empty: spawn seeds
-  std::string write_starts;  ///< file to write them into; empty: none
-  std::string out;           ///< results folder; empty: the next free results/compare-N
+  std::optional<double> until_decided{};  ///< as in RunConfiguration
+  bool smoke = false;                     ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
+  std::string starts;                     ///< file for readStarts(); empty: spawn seeds
+  std::string write_starts;               ///< file to write them into; empty: none
+  std::string out;                        ///< results folder; empty: the next free results/compare-N
   bool overwrite = false;
   bool record = false;  ///< write compare.bag
+  GapOptions gap;
   BatchOptions batch;
 
   /// Declares the options on a command line.

@@ -54,7 +54,8 @@ class SweepFolder {
   void begin(const nlohmann::json& description, const nlohmann::json& provenance);
 
   /// Writes a row; rows come in order. Throws RuntimeFault if it cannot be written.
-  void keep(std::size_t index, const nlohmann::json& metrics, const std::vector<EpisodeResult>& episodes);
+  void keep(std::size_t index, const Protocol& protocol, const nlohmann::json& metrics,
+            const std::vector<EpisodeResult>& episodes);
 
   /// The same for a row that is on disk already.
   void resume(std::size_t index, nlohmann::json metrics);

@@ -22,7 +22,8 @@ struct SweepPlan {
 
 /// From YAML: `policy`, `reference` (a kind), `reference_parameters` (names with values; `scene: FILE` is short for one
 /// of MuJoCo), `engine` (a kind, or a list of kinds: each has all rows), `starts` (a file, as of `compare`), `seed`,
-/// `first_episode`, `episodes`, `horizon`, and the engine's settings: either `grid` (for each parameter a list of
+/// `first_episode`, `episodes`, `horizon`, `floor`, `reanchor` (a list), `bound_position`,
+/// `bound_angle`, and the engine's settings: either `grid` (for each parameter a list of
 /// values; every combination is a row, the last one varying fastest) or `rows` (a list of settings); neither where the
 /// kinds alone vary. Throws InvalidInput with file, line, key, value and rule.
 SweepPlan readSweepPlan(const std::filesystem::path& path);

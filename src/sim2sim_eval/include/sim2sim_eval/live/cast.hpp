@@ -43,6 +43,9 @@ class Cast {
   /// Makes ready for an episode. Throws PeerFault if a node has been replaced.
   void announce(int episode, int horizon);
 
+  /// From now until the next announcement nobody sees what the worlds do, nor do stamps grow.
+  void silence();
+
   /// An episode counts if this does not throw at its end: PeerFault if a world has been replaced, RuntimeFault if
   /// another caller has configured one.
   void requireUndisturbed();

@@ -33,6 +33,9 @@ namespace sim2sim {
 struct LiveRequest {
   Cast::Services services;
   Protocol protocol;
+  std::optional<double> until_decided{};  ///< as in RunConfiguration
+  bool floor = true;                      ///< as in probesOf(); so is the next
+  std::vector<int> reanchor{};
   bool smoke = false;  ///< short; the policy node should be given the untrained policy
   double rate = 0.0;   ///< [control steps/s]; 0: as fast as possible
   Cast::Settings settings;
@@ -116,7 +119,7 @@ class Evaluator : private LiveObserver {
   bool stopped() const;
 
   void onStep(const Episode& episode, const ros::Time& stamp) override;
-  void onFinish(const Episode& episode, const ros::Time& stamp) override;
+  bool onFinish(const Episode& episode, const ros::Time& stamp) override;
   void onFault(int episode, const pusht::PeerFault& fault) override;
 
   ros::NodeHandle node_;

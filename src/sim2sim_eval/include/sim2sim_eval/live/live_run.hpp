@@ -23,7 +23,8 @@ class LiveObserver {
 
   /// The start of an episode, and every control step. An episode that a fault has made void begins again from 0.
   virtual void onStep(const Episode& episode, const ros::Time& stamp) = 0;
-  virtual void onFinish(const Episode& episode, const ros::Time& stamp) = 0;
+  /// Returns whether the run needs further episodes.
+  virtual bool onFinish(const Episode& episode, const ros::Time& stamp) = 0;
   /// A node was lost in `episode`, which is void; the run waits for the node to come back.
   virtual void onFault(int episode, const pusht::PeerFault& fault) = 0;
 };

@@ -2,6 +2,7 @@
 /// How far two traces of the tee are apart.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "pusht_task/rollout.hpp"
@@ -11,6 +12,9 @@ namespace sim2sim {
 struct Divergence {
   double position = 0.0;  ///< [m] distance of the tee origins
   double angle = 0.0;     ///< [rad] absolute difference of the yaws, wrapped, in [0, pi]
+
+  Divergence& operator+=(const Divergence& other);
+  Divergence operator/(std::size_t count) const;
 };
 
 Divergence divergence(const pusht::WorldState& a, const pusht::WorldState& b);

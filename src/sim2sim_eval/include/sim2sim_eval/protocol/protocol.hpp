@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +17,8 @@
 #include "pusht_task/policy.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/simulator.hpp"
+#include "sim2sim_eval/protocol/parting.hpp"
+#include "sim2sim_eval/protocol/probes.hpp"
 #include "sim2sim_eval/protocol/quantities.hpp"
 #include "sim2sim_eval/protocol/reference_cache.hpp"
 #include "sim2sim_eval/protocol/starts.hpp"
@@ -35,28 +38,15 @@ constexpr std::array<Mode, kModeCount> kModes = {kReferenceClosed, kEngineClosed
 /// As in episodes.csv: "reference_closed", ...
 const char* modeName(Mode mode);
 
-/// Whether rollouts of that mode have the quantity.
-constexpr bool has(Mode mode, const Quantity& quantity) { return mode != kReferenceClosed || !quantity.compares; }
-
-/// Calls function(mode, index in kQuantities) for every quantity in every mode that has it.
-template <class Function>
-void forEachQuantity(const Function& function) {
-  for (const Mode mode : kModes) {
-    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-      if (has(mode, kQuantities[i])) {
-        function(mode, i);
-      }
-    }
-  }
-}
-
-/// Which episodes are run.
+/// Which episodes are run, and in which rollouts.
 struct Protocol {
   std::uint64_t seed = 0;  ///< of the run; episode i starts from spawn seed 10000 + seed + i
   int first_episode = 0;   ///< index; the others follow it
   int episodes = 50;
-  int horizon = pusht::kHorizon;           ///< [control steps]
-  std::shared_ptr<const Starts> starts{};  ///< of all episodes; none: they come of the spawn seeds
+  int horizon = pusht::kHorizon;              ///< [control steps]
+  std::shared_ptr<const Starts> starts{};     ///< of all episodes; none: they come of the spawn seeds
+  std::vector<Probe> probes = floorProbes();  ///< run when the modes of an episode have ended
+  Bound bound{};                              ///< beyond it a rollout has parted from the reference
 
   int lastEpisode() const { return first_episode + episodes - 1; }
 
@@ -68,9 +58,27 @@ struct Protocol {
 
   pusht::WorldState start(int episode) const;
 
+  /// Of every rollout of an episode, in the order of its results: the modes, then the probes.
+  std::vector<std::string> rolloutNames() const;
+
+  /// Whether a rollout has the quantities of a scope; `rollout` is its place in rolloutNames().
+  bool has(std::size_t rollout, Scope scope) const;
+
   /// Of the start, for who keeps what comes of it: its spawn seed, or a hash.
   std::string startName(int episode) const;
 };
+
+/// Calls function(rollout, index in kQuantities) for every quantity that a rollout of `protocol` has.
+template <class Function>
+void forEachQuantity(const Protocol& protocol, const Function& function) {
+  for (std::size_t rollout = 0; rollout < kModeCount + protocol.probes.size(); ++rollout) {
+    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+      if (protocol.has(rollout, kQuantities[i].scope)) {
+        function(rollout, i);
+      }
+    }
+  }
+}
 
 /// `protocol` as short as the course's smoke run: 2 episodes of 40 control steps. Throws InvalidInput if `protocol`
 /// names other numbers than the default ones: they would be in the course's configuration hash, and nowhere else.
@@ -80,6 +88,7 @@ struct RolloutResult {
   int steps = 0;
   bool success = false;  ///< whether success latched at any step
   QuantityValues quantities{};
+  std::optional<Parting> parting{};  ///< from the reference, if it leaves the protocol's bound
 
   double at(std::string_view quantity) const { return quantities[quantityIndex(quantity)]; }
   double& at(std::string_view quantity) { return quantities[quantityIndex(quantity)]; }
@@ -88,7 +97,13 @@ struct RolloutResult {
 struct EpisodeResult {
   int index = 0;
   std::optional<std::uint64_t> seed{};  ///< spawn seed; none where the start was given
-  std::array<RolloutResult, kModeCount> modes;
+  std::vector<RolloutResult> rollouts = std::vector<RolloutResult>(kModeCount);  ///< by mode, then by probe
+};
+
+/// Of a rollout that took place before; none where it must be run.
+struct Recalled {
+  std::optional<pusht::Trace> reference{};
+  std::vector<std::optional<pusht::Trace>> probes{};  ///< as those of the protocol; may be shorter
 };
 
 /// The worlds in which episodes run: for each mode a lane for each episode in flight.
@@ -98,13 +113,16 @@ using Worlds = std::array<std::unique_ptr<pusht::BatchSimulator>, kModeCount>;
 Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pusht::Simulator> engine,
                 std::unique_ptr<pusht::Simulator> replay);
 
-/// One episode: three rollouts from one start, advanced in lockstep by a Flight.
+/// One episode: three rollouts from one start, advanced in lockstep by a Flight, and the probes that follow.
 class Episode {
  public:
-  Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts);
+  Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts, Recalled recalled = {});
 
   int index() const { return index_; }
   const pusht::Rollout& rollout(Mode mode) const { return rollouts_[mode]; }
+
+  /// What a probe of the protocol did, once it has been run.
+  const std::optional<pusht::Trace>& probe(std::size_t probe) const { return recalled_.probes.at(probe); }
 
   /// Control steps taken, those of the rollout that has taken most.
   int steps() const;
@@ -120,13 +138,16 @@ class Episode {
     rollouts_[mode].record(action, state);
   }
 
+  void recordProbe(std::size_t probe, pusht::Trace trace) { recalled_.probes.at(probe) = std::move(trace); }
+
+  /// Once all probes have been run.
   EpisodeResult result() const;
 
  private:
+  Protocol protocol_;
   int index_;
-  std::optional<std::uint64_t> seed_;
-  int horizon_;
   std::array<pusht::Rollout, kModeCount> rollouts_;
+  Recalled recalled_;
 };
 
 /// Episodes in flight: they advance together, so that the policy sees batches and worlds step in lanes. What becomes
@@ -139,16 +160,17 @@ class Flight {
   bool full() const;
   bool empty() const;
 
-  /// Resets worlds to the start of an episode; the flight must not be full. `reference` is what the reference did in
-  /// it; without, the reference is rolled out. The episode stays where it is until it lands. Throws the error of a
-  /// world; its message begins with episode, mode and step.
-  const Episode& begin(int index, const pusht::Trace* reference = nullptr);
+  /// Resets worlds to the start of an episode; the flight must not be full. What is recalled of it is not rolled out.
+  /// The episode stays where it is until it lands. Throws the error of a world; its message begins with episode, mode
+  /// and step.
+  const Episode& begin(int index, Recalled recalled = {});
 
   /// One control step of every rollout that goes on. Throws as begin(), and BadDependency for an action that is not
   /// finite.
   void advance();
 
-  /// Takes out the episodes that have finished.
+  /// Takes out the episodes that have finished, when their probes have been run, in the worlds that they leave. Throws
+  /// as begin().
   std::vector<Episode> land();
 
  private:
@@ -156,6 +178,7 @@ class Flight {
   pusht::Rollout start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory);
   bool steps(Mode mode, std::size_t lane) const { return episodes_[lane] && episodes_[lane]->goesOn(mode); }
   void advance(Mode mode, std::size_t& next_action);
+  void probe(Episode& episode, std::size_t lane) const;
 
   Protocol protocol_;
   const Worlds& worlds_;
@@ -167,7 +190,8 @@ class Flight {
 };
 
 /// Runs one episode.
-Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy);
+Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy,
+                   Recalled recalled = {});
 
 /// Episodes in flight at once in each thread of a run: enough for the lanes of the engine and the policy's batches.
 constexpr int kEpisodesInFlight = 8;
@@ -179,10 +203,10 @@ struct Players {
 };
 
 /// Runs the protocol in `threads` threads. `deliver` gets every episode when it has finished, not in order but one at a
-/// time; `stop` is asked before every control step and ends the run early when true. The reference is not rolled out
-/// for episodes that are in `references`, and kept there for the others. Results depend neither on the number of
-/// threads nor on `references`.
+/// time; `stop` is asked before every control step and ends the run early when true. Neither the reference nor its
+/// floor is rolled out for episodes that are in `references`; those of the others are kept there. Results depend
+/// neither on the number of threads nor on `references`.
 void runProtocol(const Protocol& protocol, const Players& players, int threads, const ReferenceCache* references,
-                 const std::function<void(const Episode&)>& deliver, const std::function<bool()>& stop);
+                 const std::function<void(Episode&&)>& deliver, const std::function<bool()>& stop);
 
 }  // namespace sim2sim

@@ -6,39 +6,89 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <stdexcept>
 #include <string_view>
 
+#include "pusht_task/constants.hpp"
 #include "pusht_task/rollout.hpp"
 
 namespace sim2sim {
 
-// How to compute them, from a rollout and what the reference did in the same episode.
+/// A rollout, and what the reference did in the same episode.
+struct RolloutView {
+  const pusht::Rollout& rollout;
+  const pusht::Trace& reference;
+  int anchor_every = 0;  ///< control steps after which it was put to the reference's state; 0: never
+};
+
+// How to compute them. NaN where an episode has none.
 
 /// [m] from the tee's origin to the target, after the last step.
-double finalPositionError(const pusht::Rollout& rollout, const pusht::Trace& reference);
+double finalPositionError(const RolloutView& view);
 /// [rad] of the tee's yaw from the target's, after the last step; in [0, pi].
-double finalAngleError(const pusht::Rollout& rollout, const pusht::Trace& reference);
-/// [m] from the reference's tee, mean over the steps that both have.
-double meanPositionDivergence(const pusht::Rollout& rollout, const pusht::Trace& reference);
+double finalAngleError(const RolloutView& view);
+/// [m] from the reference's tee, mean over the steps that both have, the start included.
+double meanPositionDivergence(const RolloutView& view);
 /// [rad] from the reference's yaw, mean over the steps that both have; in [0, pi].
-double meanAngleDivergence(const pusht::Rollout& rollout, const pusht::Trace& reference);
+double meanAngleDivergence(const RolloutView& view);
+/// The same over the first kEarlySteps: none where a rollout is shorter, so that all episodes count alike.
+double earlyPositionDivergence(const RolloutView& view);
+double earlyAngleDivergence(const RolloutView& view);
+/// The null model's mean divergence over the steps that both have: that of a tee that stays where it started, or where
+/// it was last put to the reference's state.
+double nullPositionDivergence(const RolloutView& view);
+double nullAngleDivergence(const RolloutView& view);
+/// Mean of the divergence just before the rollout is put to the reference's state: what `anchor_every` control steps
+/// make.
+double anchorPositionError(const RolloutView& view);
+double anchorAngleError(const RolloutView& view);
+
+/// [1/step] How fast the reference amplifies a small difference; growthRate() of a floor, in protocol/parting.hpp.
+double growthRateOf(const RolloutView& view);
+
+/// [control steps] The horizon that nearly all episodes have in common: 2 s.
+constexpr int kEarlySteps = 20;
+
+/// Which rollouts have a quantity.
+enum class Scope {
+  kModes,     ///< the modes: what became of the task
+  kCompared,  ///< all but the reference itself
+  kAnchored,  ///< those that are put to the reference's state
+  kFloor,     ///< the reference from a start that is moved by 1e-6 m
+};
 
 /// What is measured of every rollout.
 struct Quantity {
   const char* name;   ///< as in messages; with the unit, a column of episodes.csv
   const char* unit;   ///< "m"
-  bool compares;      ///< with the reference, which hence has none of its own
-  const char* label;  ///< in tables, where what compares has a line
-  double (*compute)(const pusht::Rollout& rollout, const pusht::Trace& reference);
+  Scope scope;        ///< which rollouts have it
+  double least;       ///< value that there can be
+  double limit;       ///< the largest value that there can be
+  const char* label;  ///< of its line in the table; nullptr: it has none
+  double (*compute)(const RolloutView& view);
   const char* course_key;  ///< in metrics.json, of its mean over the replays; nullptr where the course has none
 };
 
+inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+
 inline constexpr std::array kQuantities = {
-    Quantity{"final_position_error", "m", false, "", finalPositionError, nullptr},
-    Quantity{"final_angle_error", "rad", false, "", finalAngleError, nullptr},
-    Quantity{"mean_position_divergence", "m", true, "position", meanPositionDivergence, "mean_pos_divergence"},
-    Quantity{"mean_angle_divergence", "rad", true, "angle", meanAngleDivergence, "mean_ang_divergence"},
+    Quantity{"final_position_error", "m", Scope::kModes, 0.0, kUnlimited, nullptr, finalPositionError, nullptr},
+    Quantity{"final_angle_error", "rad", Scope::kModes, 0.0, pusht::kPi, nullptr, finalAngleError, nullptr},
+    Quantity{"mean_position_divergence", "m", Scope::kCompared, 0.0, kUnlimited, "position", meanPositionDivergence,
+             "mean_pos_divergence"},
+    Quantity{"mean_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, "angle", meanAngleDivergence,
+             "mean_ang_divergence"},
+    Quantity{"early_position_divergence", "m", Scope::kCompared, 0.0, kUnlimited, nullptr, earlyPositionDivergence,
+             nullptr},
+    Quantity{"early_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, nullptr, earlyAngleDivergence,
+             nullptr},
+    Quantity{"null_position_divergence", "m", Scope::kCompared, 0.0, kUnlimited, nullptr, nullPositionDivergence,
+             nullptr},
+    Quantity{"null_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, nullptr, nullAngleDivergence, nullptr},
+    Quantity{"anchor_position_error", "m", Scope::kAnchored, 0.0, kUnlimited, nullptr, anchorPositionError, nullptr},
+    Quantity{"anchor_angle_error", "rad", Scope::kAnchored, 0.0, pusht::kPi, nullptr, anchorAngleError, nullptr},
+    Quantity{"growth_rate", "per_step", Scope::kFloor, -kUnlimited, kUnlimited, nullptr, growthRateOf, nullptr},
 };
 
 /// One number for each of kQuantities; NaN where there is none.

@@ -11,7 +11,7 @@
 
 namespace sim2sim {
 
-/// A file for each rollout: FOLDER/<hash of the key>/<name of the start>.reference, a line of JSON and the numbers of
+/// A file for each rollout: FOLDER/<hash of the key>/<name of the start>.<rollout>, a line of JSON and the numbers of
 /// the trace as they are in memory. Several threads and runs may share a folder.
 class ReferenceCache {
  public:
@@ -19,15 +19,16 @@ class ReferenceCache {
   /// created.
   ReferenceCache(const std::filesystem::path& folder, nlohmann::json key);
 
-  /// What the reference did from a start, if that is kept. Throws BadDependency, naming the file, if it is damaged or
-  /// belongs to another key or start. `start` is its name: a spawn seed or a hash.
-  std::optional<pusht::Trace> find(const std::string& start) const;
+  /// What the reference did from a start, if that is kept. `start` is its name: a spawn seed or a hash; `rollout` is
+  /// "reference", or a probe of it. Throws BadDependency, naming the file, if it is damaged or belongs to another key,
+  /// start or rollout.
+  std::optional<pusht::Trace> find(const std::string& start, const std::string& rollout) const;
 
   /// Keeps a rollout that is not kept yet. Throws RuntimeFault if it cannot be written.
-  void keep(const std::string& start, const pusht::Trace& trace) const;
+  void keep(const std::string& start, const std::string& rollout, const pusht::Trace& trace) const;
 
  private:
-  std::filesystem::path fileOf(const std::string& start) const;
+  std::filesystem::path fileOf(const std::string& start, const std::string& rollout) const;
 
   nlohmann::json key_;
   std::filesystem::path folder_;

@@ -13,6 +13,8 @@ enum class Results { kRun, kSweep };
 
 // Files of a run, and of a sweep's rows.
 constexpr const char* kMetricsFile = "metrics.json";
+constexpr const char* kStatisticsFile = "statistics.json";
+constexpr const char* kBandsFile = "divergence.csv";
 constexpr const char* kEpisodesFile = "episodes.csv";
 constexpr const char* kProvenanceFile = "provenance.json";
 constexpr const char* kStatusFile = "status.json";

@@ -2,7 +2,6 @@
 /// What a run says: its metrics, its rows, its table.
 #pragma once
 
-#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -11,36 +10,23 @@
 
 #include "sim2sim_eval/protocol/protocol.hpp"
 #include "sim2sim_eval/results/run_configuration.hpp"
-#include "sim2sim_eval/results/statistics.hpp"
+#include "sim2sim_eval/results/summary.hpp"
+#include "sim2sim_eval/statistics/sequential.hpp"
 
 namespace sim2sim {
 
-struct SuccessRate {
-  int successes;
-  double rate;
-  Interval interval;
-};
-
-struct Summary {
-  int episodes;
-  SuccessRate reference;
-  SuccessRate engine;
-  std::optional<double> transfer;  ///< engine over reference success; none if the reference never succeeds
-  std::array<std::array<Mean, kQuantities.size()>, kModeCount> means;  ///< over episodes; NaN where there is none
-
-  const Mean& mean(Mode mode, std::string_view quantity) const { return means[mode][quantityIndex(quantity)]; }
-};
-
-/// The name in metrics.json of the mean of a quantity in a mode: "mean_pos_divergence" as the course has it, or
+/// The name in metrics.json of the mean of a quantity in a rollout: "mean_pos_divergence" as the course has it, or
 /// "engine_closed_final_angle_error". The key is NAME_UNIT, that of the interval NAME_interval_UNIT.
-std::string metricName(Mode mode, const Quantity& quantity);
-
-/// Of at least one episode, in index order.
-Summary summarize(const std::vector<EpisodeResult>& episodes);
+std::string metricName(const std::string& rollout, const Quantity& quantity);
 
 /// metrics.json: the course's keys and ours, rounded to six decimals; keys `mj_...` only where MuJoCo is the reference.
 /// `summary` is that of the whole run.
 nlohmann::json metrics(const RunConfiguration& configuration, const Summary& summary);
+
+/// What a run that ends when it is decided says of `share`: for metrics.json, and for people. The intervals of the
+/// other figures are those of a run of fixed length: they hold less often where a run was stopped by what it found.
+nlohmann::json decision(const TransferBet& bet, double share);
+std::string decisionText(const TransferBet& bet, double share);
 
 /// Says that the policy looks untrained or stale, if it does; else empty. The course's guard: for checkpoints, which
 /// `provenance`, as in provenance.json, knows by a SHA-256; not for scripts or what somebody's own node runs.
@@ -49,15 +35,26 @@ std::string doubtAboutPolicy(const nlohmann::json& metrics, const nlohmann::json
 /// The text of a JSON file: sorted keys, indent 2, ASCII.
 std::string jsonText(const nlohmann::json& json);
 
-/// episodes.csv: one row per episode and mode, reals in shortest round-trip form.
-std::string episodesCsv(const std::vector<EpisodeResult>& episodes);
+/// episodes.csv: one row per episode and rollout of the protocol, reals in shortest round-trip form.
+std::string episodesCsv(const Protocol& protocol, const std::vector<EpisodeResult>& episodes);
 
 /// The episodes that episodesCsv() has written. Throws InvalidInput, naming the line, if the text is anything else.
-std::vector<EpisodeResult> episodesFromCsv(const std::string& text);
+std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::string& text);
+
+/// statistics.json: of every quantity in every rollout the number of episodes that have it, mean, standard deviation,
+/// median and quantiles.
+nlohmann::json statistics(const Protocol& protocol, const std::vector<EpisodeResult>& episodes);
 
 /// "0.0817 m [0.0700, 0.0934]", "11  0.220 [0.128, 0.352]": figures with their intervals, for people.
 std::string cell(const SuccessRate& rate);
-std::string cell(const Mean& mean, const std::string& unit);
+std::string cell(const Estimate& estimate, const std::string& unit);
+
+/// "-0.0240 m [-0.0310, -0.0170]": a difference.
+std::string signedText(double value, const std::optional<Interval>& interval, const std::string& unit, int digits);
+
+/// " (!)" behind a mean divergence of the replay that is not surely less than that of a tee that never moves; else
+/// empty.
+std::string doubtMark(const Summary& summary, std::string_view divergence);
 
 /// The mean divergences of the replay, one cell after the other.
 std::string divergences(const Summary& summary, const std::string& separator);

@@ -12,6 +12,7 @@
 #include "sim2sim_eval/protocol/protocol.hpp"
 #include "sim2sim_eval/results/report.hpp"
 #include "sim2sim_eval/results/run_folder.hpp"
+#include "sim2sim_eval/statistics/sequential.hpp"
 
 namespace sim2sim {
 
@@ -23,14 +24,20 @@ class Run {
 
   const RunConfiguration& configuration() const { return configuration_; }
 
-  /// In any order; each once.
-  void add(const EpisodeResult& episode);
+  /// In any order, each once; in that of their indices if the run ends when it is decided.
+  void add(const Episode& episode);
+
+  /// Episodes that have been gathered elsewhere, instead of add().
+  void take(std::vector<EpisodeResult> episodes, DivergenceBands bands);
 
   /// The finished episodes, by index.
   const std::vector<EpisodeResult>& episodes() const { return episodes_; }
   /// Of the finished episodes; there must be one.
   const Summary& summary() const;
-  bool whole() const { return static_cast<int>(episodes_.size()) == configuration_.protocol.episodes; }
+  bool whole() const { return decided() || static_cast<int>(episodes_.size()) == configuration_.protocol.episodes; }
+
+  /// Whether no further episode is needed; only of a run that ends when it is decided.
+  bool decided() const { return bet_ && bet_->verdict() != Verdict::kUndecided; }
 
   /// "3 of 50 episodes"
   std::string progress() const;
@@ -43,9 +50,13 @@ class Run {
   void abandon(std::ostream& out, const std::exception& failure, int faults_survived = 0) const;
 
  private:
+  void watch(const EpisodeResult& episode);
+
   RunConfiguration configuration_;
   RunFolder& folder_;
   std::vector<EpisodeResult> episodes_;
+  DivergenceBands bands_;
+  std::optional<TransferBet> bet_;
   mutable std::optional<Summary> summary_;  // of these episodes, if it has been asked for
 };
 

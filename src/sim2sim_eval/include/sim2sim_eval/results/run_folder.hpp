@@ -9,6 +9,7 @@
 
 #include "pusht_task/error.hpp"
 #include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_eval/results/bands.hpp"
 #include "sim2sim_eval/results/output_folder.hpp"
 #include "sim2sim_eval/results/report.hpp"
 
@@ -45,10 +46,11 @@ class RunFolder {
   void begin(const nlohmann::json& provenance, int episodes);
 
   /// The results of a whole run. If they cannot be written, the status says so, and RuntimeFault is thrown.
-  void finish(const nlohmann::json& metrics, const std::vector<EpisodeResult>& episodes, int faults_survived);
+  void finish(const Protocol& protocol, const nlohmann::json& metrics, const std::vector<EpisodeResult>& episodes,
+              const DivergenceBands& bands, int faults_survived);
 
   /// The finished episodes of a run that ended early.
-  void abandon(const std::vector<EpisodeResult>& episodes, const RunStatus& status) const;
+  void abandon(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, const RunStatus& status) const;
 
   /// Only says why there was no run. Results that the run would have replaced stay; the status says so. Throws as
   /// begin() does.

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Two engines, or two settings of one, over the same episodes of the same reference: what differs, pair by pair.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_eval/statistics/intervals.hpp"
+#include "sim2sim_eval/statistics/pairs.hpp"
+
+namespace sim2sim {
+
+/// The results of a run, or of a row of a sweep, as its folder has them.
+struct RunResults {
+  std::filesystem::path folder;
+  nlohmann::json metrics;
+  Protocol protocol;
+  std::vector<EpisodeResult> episodes;
+
+  /// What tells it from others, for people: "two-mass engine, block_damp 20.0".
+  std::string title() const;
+};
+
+/// Throws InvalidInput, naming the file, if `folder` does not hold the results of a whole run.
+RunResults readResults(const std::filesystem::path& folder);
+
+/// The folders of all rows of a sweep, in order; `folder` itself if it is a run. Throws InvalidInput if it is neither.
+std::vector<std::filesystem::path> runsIn(const std::filesystem::path& folder);
+
+/// One figure of two runs: the mean over episodes of the difference, other - baseline.
+struct ContrastRow {
+  std::string name;  ///< of the mean in metrics.json, without its unit
+  std::string unit;
+  int episodes;  ///< that have the figure in both
+  Difference difference;
+  std::optional<double> adjusted_p{};  ///< after Holm, over the whole family
+};
+
+struct Contrast {
+  std::string title;                   ///< of the other
+  PairTable successes;                 ///< of the engine; first: the baseline
+  double difference;                   ///< of the success rates, other - baseline
+  std::optional<Interval> interval{};  ///< of that, Tango's
+  double p;                            ///< McNemar's, mid-p
+  double adjusted_p{};                 ///< after Holm, over the whole family
+  std::vector<int> lost{};             ///< episodes in which only the baseline succeeds
+  std::vector<int> gained{};           ///< episodes in which only the other succeeds
+  std::vector<ContrastRow> rows{};
+};
+
+/// Each of `others` against `baseline`. The p-values of all figures of all contrasts are one family. Throws
+/// InvalidInput if two do not pair: policy, starts, horizon, reference, or what the reference did are not the same.
+std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others);
+
+nlohmann::json toJson(const RunResults& baseline, const std::vector<Contrast>& contrasts);
+
+/// For people.
+std::string table(const RunResults& baseline, const std::vector<Contrast>& contrasts);
+
+}  // namespace sim2sim

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/results/contrast.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/numbers.hpp"
+#include "sim2sim_eval/results/output_folder.hpp"
+#include "sim2sim_eval/results/report.hpp"
+#include "sim2sim_eval/results/run_configuration.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kFormat = 1;  // of the JSON of contrasts
+constexpr const char* kRows = "rows";
+
+/// What two runs must have in common, by its place in metrics.json.
+constexpr std::array kCommon = {"/policy",   "/seed",    "/starts", "/first_episode",
+                                "/episodes", "/horizon", "/smoke",  "/simulators/reference"};
+
+/// The figures that are contrasted: those of the engine's modes that depend on the engine.
+bool isContrasted(const Protocol& protocol, std::size_t rollout, const Quantity& quantity) {
+  const bool of_engine = rollout == kEngineClosed || rollout == kEngineReplay;
+  const bool of_null = std::any_of(kDivergencePairs.begin(), kDivergencePairs.end(), [&](const DivergencePair& pair) {
+    return std::string(pair.null_model) == quantity.name;
+  });
+  return of_engine && !of_null && protocol.has(rollout, quantity.scope);
+}
+
+bool sameReference(const EpisodeResult& a, const EpisodeResult& b) {
+  const RolloutResult& one = a.rollouts[kReferenceClosed];
+  const RolloutResult& other = b.rollouts[kReferenceClosed];
+  return one.steps == other.steps && one.success == other.success &&
+         one.at("final_position_error") == other.at("final_position_error") &&
+         one.at("final_angle_error") == other.at("final_angle_error");
+}
+
+void requirePairs(const RunResults& baseline, const RunResults& other) {
+  const auto refuse = [&](const std::string& why) {
+    throw pusht::InvalidInput(baseline.folder.string() + " and " + other.folder.string() + ": do not pair: " + why);
+  };
+  for (const char* key : kCommon) {
+    const json::json_pointer place(key);
+    const json one = baseline.metrics.value(place, json());
+    const json two = other.metrics.value(place, json());
+    if (one != two) {
+      const json difference = json::diff(one, two);
+      const json::json_pointer where(difference[0].at("path").get<std::string>());
+      const auto text = [&](const json& whole) { return whole.contains(where) ? whole.at(where).dump() : "nothing"; };
+      refuse(std::string(key + 1) + where.to_string() + " is " + text(one) + " and " + text(two));
+    }
+  }
+  for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
+    if (!sameReference(baseline.episodes[i], other.episodes[i])) {
+      refuse("the reference did not do the same in episode " + std::to_string(baseline.episodes[i].index));
+    }
+  }
+}
+
+ContrastRow rowOf(const RunResults& baseline, const RunResults& other, std::size_t rollout, std::size_t quantity) {
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
+    const double difference = other.episodes[i].rollouts[rollout].quantities[quantity] -
+                              baseline.episodes[i].rollouts[rollout].quantities[quantity];
+    if (!std::isnan(difference)) {
+      differences.push_back(difference);
+    }
+  }
+  return {metricName(modeName(static_cast<Mode>(rollout)), kQuantities[quantity]), kQuantities[quantity].unit,
+          static_cast<int>(differences.size()), meanDifference(differences)};
+}
+
+Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
+  Contrast contrast;
+  contrast.title = other.title();
+  for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
+    const bool before = baseline.episodes[i].rollouts[kEngineClosed].success;
+    const bool now = other.episodes[i].rollouts[kEngineClosed].success;
+    contrast.successes.add(before, now);
+    if (before != now) {
+      (now ? contrast.gained : contrast.lost).push_back(baseline.episodes[i].index);
+    }
+  }
+  const PairTable& table = contrast.successes;
+  contrast.difference = (table.second_only - table.first_only) / static_cast<double>(table.pairs());
+  contrast.interval = tangoInterval(table);
+  contrast.p = mcnemarMidP(table);
+  for (std::size_t rollout = 0; rollout < kModeCount; ++rollout) {
+    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+      if (isContrasted(baseline.protocol, rollout, kQuantities[i])) {
+        contrast.rows.push_back(rowOf(baseline, other, rollout, i));
+      }
+    }
+  }
+  return contrast;
+}
+
+/// Sets the adjusted p-values.
+void adjust(std::vector<Contrast>& contrasts) {
+  std::vector<double> family;
+  for (const Contrast& contrast : contrasts) {
+    family.push_back(contrast.p);
+    for (const ContrastRow& row : contrast.rows) {
+      if (row.difference.p) {
+        family.push_back(*row.difference.p);
+      }
+    }
+  }
+  const std::vector<double> adjusted = holm(family);
+  auto next = adjusted.begin();
+  for (Contrast& contrast : contrasts) {
+    contrast.adjusted_p = *next++;
+    for (ContrastRow& row : contrast.rows) {
+      if (row.difference.p) {
+        row.adjusted_p = *next++;
+      }
+    }
+  }
+}
+
+json jsonOf(const std::optional<Interval>& interval) { return interval ? json{interval->low, interval->high} : json(); }
+
+json jsonOf(const std::optional<double>& number) { return number ? json(*number) : json(); }
+
+/// "0.0012", with a star where that is a finding.
+std::string probabilityCell(const std::optional<double>& p) {
+  constexpr double kLeast = 1e-4;
+  if (!p) {
+    return "";
+  }
+  return (*p < kLeast ? "< 0.0001" : pusht::fixedText(*p, 4)) + (*p <= 1.0 - kConfidence ? " *" : "");
+}
+
+std::string line(const std::string& name, const std::string& difference, const std::string& p,
+                 const std::string& adjusted) {
+  constexpr std::size_t kName = 42;
+  constexpr std::size_t kDifference = 38;
+  constexpr std::size_t kProbability = 11;
+  const auto padded = [](std::string text, std::size_t width) {
+    text.resize(std::max(width, text.size() + 1), ' ');
+    return text;
+  };
+  return "  " + padded(name, kName) + padded(difference, kDifference) + padded(p, kProbability) + adjusted + "\n";
+}
+
+std::string listed(const std::vector<int>& episodes) {
+  constexpr std::size_t kMost = 12;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMost, episodes.size()); ++i) {
+    text += (i == 0 ? "" : ", ") + std::to_string(episodes[i]);
+  }
+  return episodes.empty() ? "none" : text + (episodes.size() > kMost ? ", ..." : "");
+}
+
+}  // namespace
+
+std::string RunResults::title() const {
+  const SimulatorRecord engine = simulatorFrom(metrics.at("simulators").at("engine"));
+  std::string title = engine.title;
+  for (const std::string& name : engine.changed) {
+    title.append(", ").append(name).append(" ").append(engine.parameters.at(name).dump());
+  }
+  return title;
+}
+
+RunResults readResults(const fs::path& folder) {
+  const auto refuse = [&](const char* file, const std::string& why) {
+    throw pusht::InvalidInput("results " + (folder / file).string() + ": " + why);
+  };
+  RunResults results{folder, {}, {}, {}};
+  results.metrics = json::parse(pusht::readFile(folder / kMetricsFile, "results"), nullptr, false);
+  try {
+    results.protocol = protocolFrom(results.metrics);
+    results.title();
+  } catch (const std::exception& error) {
+    refuse(kMetricsFile, std::string("must be that of a whole run: ") + error.what());
+  }
+  try {
+    results.episodes = episodesFromCsv(results.protocol, pusht::readFile(folder / kEpisodesFile, "results"));
+  } catch (const pusht::InvalidInput& error) {
+    refuse(kEpisodesFile, error.what());
+  }
+  if (static_cast<int>(results.episodes.size()) != results.protocol.episodes) {
+    refuse(kEpisodesFile, "has " + std::to_string(results.episodes.size()) + " episodes, must have " +
+                              std::to_string(results.protocol.episodes) + " as metrics.json says");
+  }
+  return results;
+}
+
+std::vector<fs::path> runsIn(const fs::path& folder) {
+  std::error_code ignored;
+  if (fs::exists(folder / kMetricsFile, ignored)) {
+    return {folder};
+  }
+  std::vector<fs::path> rows;
+  for (const fs::directory_entry& row : fs::directory_iterator(folder / kRows, ignored)) {
+    if (fs::exists(row.path() / kMetricsFile, ignored)) {
+      rows.push_back(row.path());
+    }
+  }
+  if (rows.empty()) {
+    throw pusht::InvalidInput("results " + folder.string() + ": must be the folder of a whole run or of a sweep");
+  }
+  std::sort(rows.begin(), rows.end(), [](const fs::path& a, const fs::path& b) {
+    return std::make_pair(a.filename().string().size(), a) < std::make_pair(b.filename().string().size(), b);
+  });
+  return rows;
+}
+
+std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others) {
+  std::vector<Contrast> contrasts;
+  for (const RunResults& other : others) {
+    requirePairs(baseline, other);
+    contrasts.push_back(contrastOf(baseline, other));
+  }
+  adjust(contrasts);
+  return contrasts;
+}
+
+json toJson(const RunResults& baseline, const std::vector<Contrast>& contrasts) {
+  json result = {{"format", kFormat},
+                 {"confidence", kConfidence},
+                 {"baseline", {{"title", baseline.title()}, {"simulator", baseline.metrics["simulators"]["engine"]}}},
+                 {"episodes", baseline.protocol.episodes},
+                 {"contrasts", json::array()}};
+  for (const Contrast& contrast : contrasts) {
+    json figures = json::object();
+    figures["engine_success_rate"] = {{"unit", ""},
+                                      {"episodes", contrast.successes.pairs()},
+                                      {"difference", contrast.difference},
+                                      {"interval", jsonOf(contrast.interval)},
+                                      {"p", contrast.p},
+                                      {"adjusted_p", contrast.adjusted_p}};
+    for (const ContrastRow& row : contrast.rows) {
+      figures[row.name + "_" + row.unit] = {{"unit", row.unit},
+                                            {"episodes", row.episodes},
+                                            {"difference", row.difference.value},
+                                            {"interval", jsonOf(row.difference.interval)},
+                                            {"p", jsonOf(row.difference.p)},
+                                            {"adjusted_p", jsonOf(row.adjusted_p)}};
+    }
+    result["contrasts"].push_back({{"title", contrast.title},
+                                   {"both_succeed", contrast.successes.both},
+                                   {"only_baseline_succeeds", contrast.lost},
+                                   {"only_other_succeeds", contrast.gained},
+                                   {"neither_succeeds", contrast.successes.neither},
+                                   {"figures", figures}});
+  }
+  return result;
+}
+
+std::string table(const RunResults& baseline, const std::vector<Contrast>& contrasts) {
+  constexpr int kRateDigits = 3;
+  constexpr int kDigits = 4;
+  std::string text;
+  for (const Contrast& contrast : contrasts) {
+    text += contrast.title + "\n  against " + baseline.title() + ", " + std::to_string(contrast.successes.pairs()) +
+            " episodes\n" + line("", "difference", "p", "Holm") +
+            line("engine_success_rate", signedText(contrast.difference, contrast.interval, "", kRateDigits),
+                 probabilityCell(contrast.p), probabilityCell(contrast.adjusted_p));
+    for (const ContrastRow& row : contrast.rows) {
+      text += line(row.name, signedText(row.difference.value, row.difference.interval, row.unit, kDigits),
+                   probabilityCell(row.difference.p), probabilityCell(row.adjusted_p));
+    }
+    text += "  success lost in " + std::to_string(contrast.lost.size()) + " episodes: " + listed(contrast.lost) +
+            "\n  success gained in " + std::to_string(contrast.gained.size()) + ": " + listed(contrast.gained) + "\n";
+  }
+  return text + "(in brackets " + pusht::fixedText(100.0 * kConfidence, 0) +
+         " % intervals of each difference alone; Holm: p corrected for the number of figures above; * at most 0.05)\n";
+}
+
+}  // namespace sim2sim

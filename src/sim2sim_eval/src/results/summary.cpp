@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/results/summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace sim2sim {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// The place of the floor with the largest shift of the start, if the protocol has one.
+std::optional<std::size_t> widestFloor(const Protocol& protocol) {
+  const auto floor = std::find(protocol.probes.begin(), protocol.probes.end(), floorProbes().back());
+  return floor == protocol.probes.end()
+             ? std::nullopt
+             : std::optional(kModeCount + static_cast<std::size_t>(floor - protocol.probes.begin()));
+}
+
+SuccessRate successRate(const std::vector<EpisodeResult>& episodes, Mode mode) {
+  const auto successes =
+      static_cast<int>(std::count_if(episodes.begin(), episodes.end(),
+                                     [mode](const EpisodeResult& episode) { return episode.rollouts[mode].success; }));
+  const auto trials = static_cast<int>(episodes.size());
+  return {successes, static_cast<double>(successes) / trials, wilsonInterval(successes, trials)};
+}
+
+Outcomes outcomesOf(const std::vector<EpisodeResult>& episodes) {
+  PairTable table;
+  for (const EpisodeResult& episode : episodes) {
+    table.add(episode.rollouts[kReferenceClosed].success, episode.rollouts[kEngineClosed].success);
+  }
+  Outcomes outcomes;
+  outcomes.table = table;
+  outcomes.difference = (table.second_only - table.first_only) / static_cast<double>(table.pairs());
+  outcomes.difference_interval = tangoInterval(table);
+  outcomes.p = mcnemarMidP(table);
+  outcomes.p_exact = mcnemarExact(table);
+  const int reference = table.both + table.first_only;
+  if (reference > 0) {
+    outcomes.transfer = (table.both + table.second_only) / static_cast<double>(reference);
+    outcomes.transfer_interval = tangInterval(table);
+  }
+  return outcomes;
+}
+
+/// Of one quantity, by episode: what a rollout has more than another.
+Difference differenceOf(const std::vector<EpisodeResult>& episodes, std::size_t more, std::size_t less,
+                        std::size_t quantity) {
+  std::vector<double> differences;
+  differences.reserve(episodes.size());
+  for (const EpisodeResult& episode : episodes) {
+    differences.push_back(episode.rollouts[more].quantities[quantity] - episode.rollouts[less].quantities[quantity]);
+  }
+  return meanDifference(differences);
+}
+
+double ratio(double a, double b) { return b > 0.0 ? a / b : kNone; }
+
+/// `floor` is the place of the floor's rollout, if there is one.
+Yardstick yardstickOf(const std::vector<EpisodeResult>& episodes, const Summary& summary, std::size_t rollout,
+                      const DivergencePair& pair, std::optional<std::size_t> floor) {
+  const std::size_t divergence = quantityIndex(pair.divergence);
+  const std::size_t null_model = quantityIndex(pair.null_model);
+  std::vector<double> differences;
+  differences.reserve(episodes.size());
+  for (const EpisodeResult& episode : episodes) {
+    const QuantityValues& values = episode.rollouts[rollout].quantities;
+    differences.push_back(values[divergence] - values[null_model]);
+  }
+  const double mean = summary.means[rollout][divergence].value;
+  return {medianOf(samplesOf(episodes, rollout, divergence)), meanDifference(differences),
+          ratio(mean, summary.means[rollout][null_model].value),
+          floor ? ratio(mean, summary.means[*floor][divergence].value) : kNone};
+}
+
+}  // namespace
+
+std::optional<bool> Yardstick::beatsNull() const {
+  return minus_null.interval ? std::optional(minus_null.interval->high < 0.0) : std::nullopt;
+}
+
+std::vector<double> samplesOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout, std::size_t quantity) {
+  std::vector<double> samples;
+  samples.reserve(episodes.size());
+  for (const EpisodeResult& episode : episodes) {
+    if (const double sample = episode.rollouts[rollout].quantities[quantity]; !std::isnan(sample)) {
+      samples.push_back(sample);
+    }
+  }
+  return samples;
+}
+
+Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity) {
+  if (samples.empty()) {
+    return {};
+  }
+  if (quantity.least == 0.0) {
+    return meanOf(samples, quantity.limit);
+  }
+  const Difference mean = meanDifference(samples);
+  return {mean.value, mean.interval};
+}
+
+Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
+  Summary summary;
+  summary.episodes = static_cast<int>(episodes.size());
+  summary.reference = successRate(episodes, kReferenceClosed);
+  summary.engine = successRate(episodes, kEngineClosed);
+  summary.outcomes = outcomesOf(episodes);
+  summary.means.resize(episodes.front().rollouts.size());
+  for (std::size_t rollout = 0; rollout < summary.means.size(); ++rollout) {
+    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+      const std::vector<double> samples = samplesOf(episodes, rollout, i);
+      summary.means[rollout][i] = meanOf(samples, kQuantities[i]);
+    }
+  }
+  summary.yardsticks.resize(summary.means.size());
+  const std::optional<std::size_t> floor = widestFloor(protocol);
+  for (std::size_t rollout = kReferenceClosed + 1; rollout < summary.means.size(); ++rollout) {
+    for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
+      summary.yardsticks[rollout][i] = yardstickOf(episodes, summary, rollout, kDivergencePairs[i], floor);
+    }
+  }
+  for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
+    const std::size_t quantity = quantityIndex(kDivergencePairs[i].divergence);
+    summary.absorbed[i] = differenceOf(episodes, kEngineReplay, kEngineClosed, quantity);
+  }
+  summary.partings = partingsOf(episodes, kEngineReplay);
+  return summary;
+}
+
+}  // namespace sim2sim

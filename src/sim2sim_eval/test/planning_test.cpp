@@ -134,6 +134,7 @@ TEST(Planning, RefusesWhatHasNoMeaning) {
   EXPECT_THROW(episodesFor(std::nan(""), 1.0), pusht::InvalidInput);
   EXPECT_THROW(mcnemarPower(0.2, 0.3, 50), pusht::InvalidInput);
   EXPECT_THROW(mcnemarPower(0.0, 0.0, 50), pusht::InvalidInput);
+  EXPECT_THROW(mcnemarPower(0.2, 0.1, kMostEpisodes + 1), pusht::InvalidInput);
   EXPECT_THROW(mcnemarPower(0.2, 0.1, 0), pusht::InvalidInput);
   EXPECT_THROW(smallestRateDifference(1.2, 50), pusht::InvalidInput);
   EXPECT_THROW(episodesForRates(0.2, 0.0), pusht::InvalidInput);
@@ -141,7 +142,7 @@ TEST(Planning, RefusesWhatHasNoMeaning) {
   try {
     smallestDifference(1.0, 5);
   } catch (const pusht::InvalidInput& error) {
-    EXPECT_STREQ(error.what(), "episodes 5.0: must be from 20 to 100000");
+    EXPECT_STREQ(error.what(), "episodes 5: must be at least 20");
   }
 }
 

@@ -39,13 +39,17 @@ std::vector<EpisodeResult> episodesWith(int total, int reference, int engine) {
     EpisodeResult episode;
     episode.index = i;
     episode.seed = 10'000U + static_cast<std::uint64_t>(i);
+    for (RolloutResult& rollout : episode.rollouts) {
+      rollout.at("final_position_error") = 0.0;
+      rollout.at("final_angle_error") = 0.0;
+    }
     episode.rollouts[kReferenceClosed].success = i < reference;
     episode.rollouts[kEngineClosed].success = i < engine;
     episode.rollouts[kEngineClosed].at("mean_position_divergence") = 0.5;
     episode.rollouts[kEngineClosed].at("mean_angle_divergence") = 0.5;
     episode.rollouts[kEngineReplay].success = true;  // must not count
     episode.rollouts[kEngineReplay].at("mean_position_divergence") = 0.01 * i;
-    episode.rollouts[kEngineReplay].at("mean_angle_divergence") = 0.1 * i;
+    episode.rollouts[kEngineReplay].at("mean_angle_divergence") = 0.05 * i;
     episodes.push_back(episode);
   }
   return episodes;
@@ -57,7 +61,7 @@ TEST(Summarize, CountsTheClosedLoopsAndAveragesTheReplay) {
   EXPECT_EQ(summary.engine.successes, 10);
   EXPECT_NEAR(summary.outcomes.transfer.value(), 10.0 / 31.0, 1e-15);
   EXPECT_NEAR(summary.mean(kEngineReplay, "mean_position_divergence").value, 0.01 * 24.5, 1e-15);
-  EXPECT_NEAR(summary.mean(kEngineReplay, "mean_angle_divergence").value, 0.1 * 24.5, 1e-14);
+  EXPECT_NEAR(summary.mean(kEngineReplay, "mean_angle_divergence").value, 0.05 * 24.5, 1e-14);
 }
 
 TEST(Summarize, TransferIsUndefinedWithoutReferenceSuccess) {
@@ -104,7 +108,7 @@ TEST(Metrics, HasTheCoursesKeysAtTheTopSortedAndRounded) {
   EXPECT_EQ(json.at("mj_success_rate"), 0.666667);
   EXPECT_EQ(json.at("engine_success_rate"), 0.333333);
   EXPECT_EQ(json.at("mean_pos_divergence_m"), 0.01);
-  EXPECT_EQ(json.at("mean_ang_divergence_rad"), 0.1);
+  EXPECT_EQ(json.at("mean_ang_divergence_rad"), 0.05);
   EXPECT_EQ(json.at("transfer"), 0.5);
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) {
@@ -129,7 +133,7 @@ TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
                                    "mean_position_divergence_m,mean_angle_divergence_rad"));
   EXPECT_THAT(lines[1], StartsWith("0,10000,reference_closed,0,true,0.0,0.0,,"));
   EXPECT_THAT(lines[5], StartsWith("1,10001,engine_closed,0,false,0.0,0.0,0.5,0.5"));
-  EXPECT_THAT(lines[6], StartsWith("1,10001,engine_replay,0,true,0.0,0.0,0.01,0.1"));
+  EXPECT_THAT(lines[6], StartsWith("1,10001,engine_replay,0,true,0.0,0.0,0.01,0.05"));
 }
 
 /// As STATISTICS of paired outcomes want it: reference 31, engine 10, both 10.

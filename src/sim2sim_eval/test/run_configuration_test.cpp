@@ -81,7 +81,7 @@ TEST(Configuration, OfAnotherFormatIsRefusedByName) {
     configurationFrom(old);
     FAIL() << "not refused";
   } catch (const pusht::InvalidInput& refusal) {
-    EXPECT_STREQ(refusal.what(), "format 1: must be 3; another version of the suite wrote it");
+    EXPECT_STREQ(refusal.what(), "format 1: must be 4; another version of the suite wrote it");
   }
 }
 

@@ -271,14 +271,16 @@ Episode replay(const Protocol& protocol, int index, const RecordedEpisode& recor
   };
   Recalled recalled;
   for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
-    const pusht::Trace& reference = record.modes[kReferenceClosed];
-    const std::size_t states = i < record.probes.size() ? record.probes[i].size() : 0;
-    require_steps(protocol.probes[i].name, states, reference.states.size());
-    recalled.probes.emplace_back(pusht::Trace{record.probes[i], reference.actions});
+    const auto states = i < record.probes.size() ? record.probes[i] : std::vector<pusht::WorldState>();
+    recalled.probes.emplace_back(pusht::Trace{states, record.modes[kReferenceClosed].actions});
   }
   Episode episode = runEpisode(protocol, index, worlds, policy, std::move(recalled));
   for (const Mode mode : kModes) {
     require_steps(modeName(mode), record.modes.at(mode).steps(), episode.rollout(mode).trace().steps());
+  }
+  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
+    const std::size_t states = episode.rollout(kReferenceClosed).trace().states.size();
+    require_steps(protocol.probes[i].name, episode.probe(i)->states.size(), states);
   }
   return episode;
 }

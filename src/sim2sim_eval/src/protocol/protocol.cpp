@@ -40,12 +40,12 @@ void requireFinite(const pusht::Action& action) {
 
 /// Runs `action`; an error of it then says where in the episode it came up.
 template <class Function>
-auto located(const Protocol& protocol, int episode, const std::string& mode, const int& step, const Function& action) {
+auto located(const Protocol& protocol, int episode, std::string_view mode, const int& step, const Function& action) {
   try {
     return action();
   } catch (pusht::Error& error) {
     error.addContext("episode " + std::to_string(episode) + " (" + (protocol.starts ? "start " : "spawn seed ") +
-                     protocol.startName(episode) + "), " + mode + ", step " + std::to_string(step));
+                     protocol.startName(episode) + "), " + std::string(mode) + ", step " + std::to_string(step));
     throw;
   }
 }
@@ -79,8 +79,9 @@ RolloutResult resultOf(const Protocol& protocol, std::size_t rollout, const Roll
   result.steps = view.rollout.steps();
   result.success = view.rollout.success();
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-    const bool has = protocol.has(rollout, kQuantities[i].scope);
-    result.quantities[i] = has ? kQuantities[i].compute(view) : std::numeric_limits<double>::quiet_NaN();
+    if (protocol.has(rollout, kQuantities[i].scope)) {
+      result.quantities[i] = kQuantities[i].compute(view);
+    }
   }
   if (rollout != kReferenceClosed) {
     result.parting = partingOf(view.reference, view.rollout.trace(), protocol.bound);

@@ -46,13 +46,22 @@ Outcomes outcomesOf(const std::vector<EpisodeResult>& episodes) {
   return outcomes;
 }
 
-/// Of one quantity, by episode: what a rollout has more than another.
-Difference differenceOf(const std::vector<EpisodeResult>& episodes, std::size_t more, std::size_t less,
-                        std::size_t quantity) {
+/// A figure of a rollout.
+struct Place {
+  std::size_t rollout;
+  std::size_t quantity;
+};
+
+/// What one figure is more than the other, over the episodes that have both.
+Difference differenceOf(const std::vector<EpisodeResult>& episodes, const Place& more, const Place& less) {
   std::vector<double> differences;
   differences.reserve(episodes.size());
   for (const EpisodeResult& episode : episodes) {
-    differences.push_back(episode.rollouts[more].quantities[quantity] - episode.rollouts[less].quantities[quantity]);
+    const double difference = episode.rollouts[more.rollout].quantities[more.quantity] -
+                              episode.rollouts[less.rollout].quantities[less.quantity];
+    if (!std::isnan(difference)) {
+      differences.push_back(difference);
+    }
   }
   return meanDifference(differences);
 }
@@ -64,14 +73,9 @@ Yardstick yardstickOf(const std::vector<EpisodeResult>& episodes, const Summary&
                       const DivergencePair& pair, std::optional<std::size_t> floor) {
   const std::size_t divergence = quantityIndex(pair.divergence);
   const std::size_t null_model = quantityIndex(pair.null_model);
-  std::vector<double> differences;
-  differences.reserve(episodes.size());
-  for (const EpisodeResult& episode : episodes) {
-    const QuantityValues& values = episode.rollouts[rollout].quantities;
-    differences.push_back(values[divergence] - values[null_model]);
-  }
   const double mean = summary.means[rollout][divergence].value;
-  return {medianOf(samplesOf(episodes, rollout, divergence)), meanDifference(differences),
+  return {medianOf(samplesOf(episodes, rollout, divergence)),
+          differenceOf(episodes, {rollout, divergence}, {rollout, null_model}),
           ratio(mean, summary.means[rollout][null_model].value),
           floor ? ratio(mean, summary.means[*floor][divergence].value) : kNone};
 }
@@ -126,7 +130,7 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   }
   for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
     const std::size_t quantity = quantityIndex(kDivergencePairs[i].divergence);
-    summary.absorbed[i] = differenceOf(episodes, kEngineReplay, kEngineClosed, quantity);
+    summary.absorbed[i] = differenceOf(episodes, {kEngineReplay, quantity}, {kEngineClosed, quantity});
   }
   summary.partings = partingsOf(episodes, kEngineReplay);
   return summary;

@@ -120,7 +120,7 @@ Estimate medianOf(std::vector<double> samples) {
 
 double quantileOf(const std::vector<double>& sorted, double p) {
   if (sorted.empty()) {
-    refuse("number of samples", 0.0, "at least 1");
+    refuse("number of samples", 0, "at least 1");
   }
   if (!(p >= 0.0 && p <= 1.0)) {
     refuse("p", p, "from 0 to 1");

@@ -6,6 +6,7 @@
 #include <boost/math/distributions/complement.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
+#include <string>
 
 #include "sim2sim_eval/statistics/common.hpp"
 #include "sim2sim_eval/statistics/intervals.hpp"
@@ -17,9 +18,9 @@ double normalQuantile(double p) { return boost::math::quantile(boost::math::norm
 
 double testQuantile() { return normalQuantile(0.5 * (1.0 + kConfidence)); }
 
-void requireEpisodes(int episodes, int fewest) {
-  if (episodes < fewest || episodes > kMostEpisodes) {
-    refuse("episodes", episodes, "from " + std::to_string(fewest) + " to " + std::to_string(kMostEpisodes));
+void requireEpisodes(int episodes) {
+  if (episodes < 1 || episodes > kMostEpisodes) {
+    refuse("episodes", episodes, "from 1 to " + std::to_string(kMostEpisodes));
   }
 }
 
@@ -80,7 +81,9 @@ double powerOf(double discordant, double difference, int episodes) {
 
 double smallestDifference(double standard_deviation, int episodes) {
   requireDeviation(standard_deviation);
-  requireEpisodes(episodes, kFewestPairs);
+  if (episodes < kFewestPairs) {
+    refuse("episodes", episodes, "at least " + std::to_string(kFewestPairs));
+  }
   return (testQuantile() + normalQuantile(kPower)) * standard_deviation / std::sqrt(episodes);
 }
 
@@ -94,13 +97,13 @@ std::optional<int> episodesFor(double standard_deviation, double difference) {
 
 double mcnemarPower(double discordant, double difference, int episodes) {
   requireRates(discordant, difference);
-  requireEpisodes(episodes, 1);
+  requireEpisodes(episodes);
   return powerOf(discordant, difference, episodes);
 }
 
 std::optional<double> smallestRateDifference(double discordant, int episodes) {
   requireRates(discordant, 0.0);
-  requireEpisodes(episodes, 1);
+  requireEpisodes(episodes);
   constexpr int kBits = 20;
   const auto found = [&](double difference) { return powerOf(discordant, difference, episodes) >= kPower; };
   return found(discordant) ? std::optional(edge(found, discordant, 0.0, kBits)) : std::nullopt;

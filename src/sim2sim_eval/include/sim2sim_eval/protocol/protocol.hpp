@@ -87,7 +87,7 @@ Protocol smokeRun(Protocol protocol);
 struct RolloutResult {
   int steps = 0;
   bool success = false;  ///< whether success latched at any step
-  QuantityValues quantities{};
+  QuantityValues quantities = noQuantities();
   std::optional<Parting> parting{};  ///< from the reference, if it leaves the protocol's bound
 
   double at(std::string_view quantity) const { return quantities[quantityIndex(quantity)]; }

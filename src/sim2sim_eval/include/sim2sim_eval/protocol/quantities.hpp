@@ -94,6 +94,15 @@ inline constexpr std::array kQuantities = {
 /// One number for each of kQuantities; NaN where there is none.
 using QuantityValues = std::array<double, kQuantities.size()>;
 
+/// None of them.
+constexpr QuantityValues noQuantities() {
+  QuantityValues none{};
+  for (double& value : none) {
+    value = std::numeric_limits<double>::quiet_NaN();
+  }
+  return none;
+}
+
 /// The place of a quantity in kQuantities. Throws std::out_of_range if there is none of that name.
 constexpr std::size_t quantityIndex(std::string_view name) {
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {

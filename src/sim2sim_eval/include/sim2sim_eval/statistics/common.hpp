@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/math/tools/roots.hpp>
 #include <string>
+#include <type_traits>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
@@ -12,8 +13,15 @@
 namespace sim2sim {
 
 /// Throws pusht::InvalidInput: `name value: must be rule`.
-[[noreturn]] inline void refuse(const std::string& name, double value, const std::string& rule) {
-  throw pusht::InvalidInput(name + " " + pusht::shortestText(value) + ": must be " + rule);
+template <class Number>
+[[noreturn]] void refuse(const std::string& name, Number value, const std::string& rule) {
+  std::string text;
+  if constexpr (std::is_integral_v<Number>) {
+    text = std::to_string(value);
+  } else {
+    text = pusht::shortestText(value);
+  }
+  throw pusht::InvalidInput(name + " " + text + ": must be " + rule);
 }
 
 /// How far `holds` holds on the way from `inside`, where it does, to `outside`; all the way if it holds there too.

@@ -7,10 +7,10 @@
 namespace sim2sim {
 
 constexpr double kPower = 0.8;          ///< how often a difference that is there must be found
-constexpr int kMostEpisodes = 100'000;  ///< of a plan
+constexpr int kMostEpisodes = 100'000;  ///< of a plan for rates, and of an answer
 
 /// The smallest mean of paired differences that Student's t finds in `episodes` pairs, in the unit of their standard
-/// deviation. Episodes from kFewestPairs.
+/// deviation. At least kFewestPairs episodes.
 /// Source: the normal approximation, (z_0.975 + z_0.8) s / sqrt(n). The t test itself finds it in 75.7 % of cases with
 /// 20 pairs, in 78.4 % with 50, in 79.6 % with 200.
 double smallestDifference(double standard_deviation, int episodes);

@@ -37,6 +37,7 @@ std::vector<sim2sim::RunResults> read(const std::vector<std::string>& folders, i
 }
 
 void contrast(const std::vector<std::string>& folders, int against, const fs::path& out) {
+  sim2sim::requireNewFile("out", out);
   std::vector<sim2sim::RunResults> runs = read(folders, against);
   const sim2sim::RunResults baseline = runs.front();
   runs.erase(runs.begin());

@@ -33,6 +33,9 @@ RESULTS = {
     *("metrics.json", "statistics.json", "episodes.csv", "divergence.csv"),
     *("provenance.json", "status.json"),
 }
+UNFINISHED = {"episodes.csv", "provenance.json", "status.json"}
+FLOORS = ("floor_1e-9", "floor_1e-6")
+ROLLOUTS = ("reference_closed", "engine_closed", "engine_replay", *FLOORS)
 COMPARE = executable("sim2sim_eval", "compare")
 DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
@@ -125,8 +128,8 @@ class Measurement(CompareCase):
         metrics = self.finished("--policy", "expert", "--episodes", "6", "--seed", "4")
         with (self.folder / "out" / "episodes.csv").open() as file:
             rows = list(csv.DictReader(file))
-        self.assertEqual(len(rows), 18)
-        self.assertEqual([row["seed"] for row in rows[::3]], [str(10004 + i) for i in range(6)])
+        self.assertEqual([row["mode"] for row in rows], 6 * list(ROLLOUTS))
+        self.assertEqual([row["seed"] for row in rows[:: len(ROLLOUTS)]], [str(10004 + i) for i in range(6)])
         successes = [
             row for row in rows if row["mode"] == "reference_closed" and row["success"] == "true"
         ]
@@ -157,7 +160,7 @@ class Measurement(CompareCase):
             with (self.folder / out / "episodes.csv").open() as file:
                 rows[out] = list(csv.DictReader(file))
         for a, b in zip(rows["a"], rows["b"]):
-            self.assertEqual(a == b, a["mode"] == "reference_closed")
+            self.assertEqual(a == b, a["mode"] in ("reference_closed", *FLOORS))
 
     def test_expert_solves_at_least_49_of_50(self) -> None:
         process = self.run_command(DEMONSTRATE, "--episodes", "50", "--out", "demonstrations.bag")
@@ -448,7 +451,7 @@ class Recompute(CompareCase):
         """The one line that tells what a run lacks; what it has is kept."""
         process = self.recompute(bag, "--out", out)
         self.assert_one_line(process, 4, "recompute")
-        self.assertEqual(self.files(out), RESULTS - {"metrics.json"})
+        self.assertEqual(self.files(out), UNFINISHED)
         self.assertIn(self.load(out, "status.json")["reason"], process.stderr)
         return process.stderr
 
@@ -801,7 +804,7 @@ class Faults(CompareCase):
         process = self.run_command("bash", "-c", limited)
         self.assert_one_line(process, 4)
         self.assertIn("cannot write out/episodes.csv: File too large", process.stderr)
-        self.assertEqual(self.files("out"), RESULTS - {"metrics.json", "episodes.csv"})
+        self.assertEqual(self.files("out"), UNFINISHED - {"episodes.csv"})
         self.assertEqual(self.load("out", "status.json")["exit_code"], 4)
 
     def test_f22_bag_that_cannot_be_written(self) -> None:
@@ -861,7 +864,7 @@ class Faults(CompareCase):
             status = self.load(out, "status.json")
             self.assertIn("interrupted after", status["reason"])
             self.assertIn("NOT A WHOLE RUN", printed)
-            self.assertEqual(self.files(out), RESULTS - {"metrics.json"})
+            self.assertEqual(self.files(out), UNFINISHED)
             rows = (self.folder / out / "episodes.csv").read_text().splitlines()
             self.assertEqual(len(rows), 1 + 3 * status["episodes_finished"])
             self.assertGreater(status["episodes_finished"], 0)

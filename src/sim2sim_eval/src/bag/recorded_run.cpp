@@ -193,28 +193,34 @@ nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
   return nlohmann::ordered_json::parse(messageIn<std_msgs::String>(*view.begin()).data);
 }
 
-RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop) {
-  RecordedRun run{{}, descriptionIn(bag), DivergenceBands({}), {}};
-  run.configuration = configurationFrom(run.provenance.at("configuration"));
-  if (Protocol& protocol = run.configuration.protocol; protocol.starts) {
-    const std::string hash = protocol.starts->hash();
-    protocol.starts = std::make_shared<Starts>(
-        startsFrom(run.provenance.at("starts").get<std::string>(), protocol.first_episode, protocol.episodes));
-    if (protocol.starts->hash() != hash) {
-      throw pusht::BadDependency("its starts are " + protocol.starts->hash() + ", must be " + hash);
-    }
+/// The starts that the bag holds, if they were given; `protocol` knows their hash.
+void takeStarts(Protocol& protocol, const nlohmann::ordered_json& provenance) {
+  if (!protocol.starts) {
+    return;
   }
+  const std::string hash = protocol.starts->hash();
+  protocol.starts = std::make_shared<Starts>(
+      startsFrom(provenance.at("starts").get<std::string>(), protocol.first_episode, protocol.episodes));
+  if (protocol.starts->hash() != hash) {
+    throw pusht::BadDependency("its starts are " + protocol.starts->hash() + ", must be " + hash);
+  }
+}
+
+RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop) {
+  nlohmann::ordered_json provenance = descriptionIn(bag);
+  RunConfiguration configuration = configurationFrom(provenance.at("configuration"));
+  takeStarts(configuration.protocol, provenance);
   std::map<std::string, Mode> modes;
   for (const Mode mode : kModes) {
-    modes.emplace(run.provenance.at("state_topics").at(modeName(mode)).get<std::string>(), mode);
+    modes.emplace(provenance.at("state_topics").at(modeName(mode)).get<std::string>(), mode);
   }
-  run.provenance.erase("state_topics");
+  provenance.erase("state_topics");
 
   std::vector<std::string> topics = {kEpisodeTopic, kTraceTopic};
   for (const auto& [topic, mode] : modes) {
     topics.push_back(topic);
   }
-  Reader reader(run.configuration.protocol);
+  Reader reader(configuration.protocol);
   rosbag::View view(bag, rosbag::TopicQuery(topics));
   for (const rosbag::MessageInstance& instance : view) {
     if (stop()) {
@@ -230,9 +236,8 @@ RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop) {
       reader.take(messageIn<pusht_msgs::EpisodeResult>(instance));
     }
   }
-  run.episodes = reader.results();
-  run.bands = reader.bands();
-  return run;
+  std::vector<EpisodeResult> episodes = reader.results();
+  return {std::move(configuration), std::move(provenance), reader.bands(), std::move(episodes)};
 }
 
 }  // namespace

@@ -59,17 +59,6 @@ class Recorder {
   RunBag bag_;
 };
 
-/// Throws InvalidInput unless a new file can have that `path`; an empty one means none.
-void requireNewFile(const fs::path& path, const fs::path& results) {
-  std::error_code ignored;
-  if (!path.empty() && fs::symlink_status(path, ignored).type() != fs::file_type::not_found) {
-    throw pusht::InvalidInput("write_starts " + path.string() + ": is there already; name a new file");
-  }
-  if (!path.empty() && fs::weakly_canonical(path, ignored) == fs::weakly_canonical(results, ignored)) {
-    throw pusht::InvalidInput("write_starts " + path.string() + ": must not be the folder of the results");
-  }
-}
-
 /// Writes those that `protocol` has; an empty `path` means none.
 void writeStarts(const fs::path& path, const Protocol& protocol) {
   if (path.empty()) {
@@ -155,7 +144,12 @@ void compare(const CompareOptions& options) {
       givenStarts(options.starts, configuration.protocol.first_episode, configuration.protocol.episodes);
   const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_settings);
   const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_settings);
-  requireNewFile(options.write_starts, options.out);
+  requireNewFile("write_starts", options.write_starts);
+  std::error_code ignored;
+  if (!options.write_starts.empty() &&
+      fs::weakly_canonical(options.write_starts, ignored) == fs::weakly_canonical(options.out, ignored)) {
+    throw pusht::InvalidInput("write_starts " + options.write_starts + ": must not be the folder of the results");
+  }
   RunFolder folder(options.out, options.overwrite);
   folder.refuseInputs({{"policy", options.policy},
                        {"reference cache", options.batch.reference_cache},

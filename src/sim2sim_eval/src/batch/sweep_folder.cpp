@@ -88,13 +88,32 @@ Columns columns(const json& metrics, const std::vector<std::string>& settings) {
   add(reference + "_success_rate", reference + "_success_interval");
   add("engine_successes");
   add("engine_success_rate", "engine_success_interval");
-  add("transfer");
+  add("success_difference", "success_difference_interval");
+  add("success_difference_p");
+  add("transfer", "transfer_interval");
   const Protocol protocol = protocolFrom(metrics);
   const std::vector<std::string> rollouts = protocol.rolloutNames();
   forEachQuantity(protocol, [&](std::size_t rollout, std::size_t i) {
     const std::string name = metricName(rollouts[rollout], kQuantities[i]);
     add(name + "_" + kQuantities[i].unit, name + "_interval_" + kQuantities[i].unit);
   });
+  for (const DivergencePair& pair : kDivergencePairs) {
+    const Quantity& quantity = kQuantities[quantityIndex(pair.divergence)];
+    const std::string unit = quantity.unit;
+    for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
+      const std::string name = metricName(rollouts[rollout], quantity);
+      for (const char* figure : {"_median_", "_minus_null_"}) {
+        add(name + figure + unit, name + figure + "interval_" + unit);
+      }
+      for (const char* figure : {"_share_of_null", "_over_floor", "_beats_null"}) {
+        add(name + figure);
+      }
+    }
+    const std::string absorbed = std::string("absorbed_") + quantity.label;
+    add(absorbed + "_" + unit, absorbed + "_interval_" + unit);
+  }
+  add("parted");
+  add("median_parting_step");
   return columns;
 }
 

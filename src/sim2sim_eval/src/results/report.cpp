@@ -373,6 +373,9 @@ std::string cell(const Estimate& estimate, const std::string& unit) {
 }
 
 std::string signedText(double value, const std::optional<Interval>& interval, const std::string& unit, int digits) {
+  if (std::isnan(value)) {
+    return "none";
+  }
   return (value > 0.0 ? "+" : "") + fixedText(value, digits) + (unit.empty() ? "" : " " + unit) +
          (interval ? " " + bracketed(*interval, digits) : "");
 }

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -13,6 +14,9 @@ namespace sim2sim {
 /// Parses the command line into `app`, runs `body` and returns its exit code. Every failure becomes one line
 /// on stderr and the exit code of its kind; signals are caught.
 int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
+
+/// Throws InvalidInput, with `what` in front, if there is something at `path` already; an empty one means none.
+void requireNewFile(const std::string& what, const std::filesystem::path& path);
 
 /// Accept whole decimal numbers only: CLI11 itself takes 010 for eight, and nothing for zero.
 CLI::Validator decimalInteger();

@@ -1,0 +1,260 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""What may be concluded: yardsticks, probes, decisions and contrasts, as a user meets them."""
+
+import csv
+import json
+import math
+import os
+import sys
+import unittest
+from pathlib import Path
+from typing import Any, Dict, List
+
+import numpy as np
+from scipy import stats  # type: ignore[import]
+
+sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
+from command_case import CommandCase, executable  # noqa: E402
+
+COMPARE = executable("sim2sim_eval", "compare")
+CONTRAST = executable("sim2sim_eval", "contrast")
+RECOMPUTE = executable("sim2sim_eval", "recompute")
+SWEEP = executable("sim2sim_eval", "sweep")
+BOUND = 0.03  # m, the default
+FILES = ("metrics.json", "statistics.json", "episodes.csv", "divergence.csv")
+EXPERT = ("--policy", "expert")
+RANDOM_OFTEN = ("--episodes", "60", *EXPERT)
+
+
+class GapCase(CommandCase):
+    def finished(self, program: str, *arguments: str) -> str:
+        process = self.run_command(program, *arguments)
+        self.assertEqual(process.returncode, 0, process.stderr)
+        output: str = process.stdout
+        return output
+
+    def refused(self, program: str, *arguments: str) -> str:
+        process = self.run_command(program, *arguments)
+        self.assertEqual(process.returncode, 2, process.stderr)
+        self.assertEqual(len(process.stderr.splitlines()), 1, process.stderr)
+        message: str = process.stderr
+        return message
+
+    def bytes_of(self, out: str) -> List[bytes]:
+        return [(self.folder / out / name).read_bytes() for name in FILES]
+
+    def rows(self, out: str, mode: str) -> List[Dict[str, str]]:
+        with (self.folder / out / "episodes.csv").open() as file:
+            return [row for row in csv.DictReader(file) if row["mode"] == mode]
+
+    def column(self, out: str, mode: str, name: str) -> Any:
+        """NaN where there is none."""
+        return np.array([float(row[name] or math.nan) for row in self.rows(out, mode)])
+
+
+class Probes(GapCase):
+    def test_are_the_same_whatever_the_threads_the_cache_and_the_way(self) -> None:
+        run = ("--episodes", "12", "--reanchor", "1,5", *EXPERT)
+        self.finished(COMPARE, *run, "--out", "one", "--threads", "1", "--record")
+        self.finished(COMPARE, *run, "--out", "two", "--threads", "2", "--reference-cache", "kept")
+        self.finished(COMPARE, *run, "--out", "kept-one", "--reference-cache", "kept")
+        self.finished(RECOMPUTE, "one/compare.bag", "--out", "again")
+        wanted = self.bytes_of("one")
+        for out in ("two", "kept-one", "again"):
+            self.assertEqual(self.bytes_of(out), wanted, out)
+        kept = {path.suffix for path in (self.folder / "kept").rglob("*") if path.is_file()}
+        self.assertEqual(kept, {".reference", ".floor_1e-9", ".floor_1e-6"})
+
+    def test_what_else_is_measured_does_not_touch_the_course(self) -> None:
+        run = ("--episodes", "12", *EXPERT)
+        self.finished(COMPARE, *run, "--out", "full", "--reanchor")
+        self.finished(COMPARE, *run, "--out", "bare", "--no-floor")
+        full, bare = (self.load(out, "metrics.json") for out in ("full", "bare"))
+        self.assertEqual(full["probes"][-1], "engine_reanchored_20", "1, 5, 20 where none is named")
+        self.assertEqual(bare["probes"], [])
+        for key in ("mean_pos_divergence_m", "mean_ang_divergence_rad", "mj_success_rate"):
+            self.assertEqual(full[key], bare[key], key)
+        for mode in ("reference_closed", "engine_closed", "engine_replay"):
+            self.assertEqual(self.rows("full", mode), self.rows("bare", mode))
+        self.assertIsNone(bare["mean_pos_divergence_over_floor"])
+
+    def test_yardsticks_follow_from_the_rows(self) -> None:
+        self.finished(COMPARE, "--episodes", "30", "--reanchor", "1,5", *EXPERT, "--out", "out")
+        metrics = self.load("out", "metrics.json")
+        mean = self.column("out", "engine_replay", "mean_position_divergence_m")
+        null = self.column("out", "engine_replay", "null_position_divergence_m")
+        floor = self.column("out", "floor_1e-6", "mean_position_divergence_m")
+        difference = stats.ttest_rel(mean, null)
+        interval = metrics["mean_pos_divergence_minus_null_interval_m"]
+        low, high = stats.t.interval(
+            0.95, len(mean) - 1, loc=np.mean(mean - null), scale=stats.sem(mean - null)
+        )
+        self.assertAlmostEqual(interval[0], low, places=5)
+        self.assertAlmostEqual(interval[1], high, places=5)
+        self.assertEqual(metrics["mean_pos_divergence_beats_null"], bool(high < 0))
+        self.assertTrue(0 <= difference.pvalue <= 1)
+        self.assertAlmostEqual(
+            metrics["mean_pos_divergence_over_floor"] * floor.mean() / mean.mean(), 1, places=4
+        )
+        each = self.column("out", "engine_reanchored_1", "anchor_position_error_m")
+        five = self.column("out", "engine_reanchored_5", "anchor_position_error_m")
+        self.assertTrue(np.nanmean(five) > np.nanmean(each) > 0)
+
+    def test_partings_follow_from_the_bands(self) -> None:
+        self.finished(COMPARE, "--episodes", "20", *EXPERT, "--out", "out")
+        parted = [row for row in self.rows("out", "engine_replay") if row["parting_step"]]
+        self.assertTrue(parted)
+        statistics = self.load("out", "statistics.json")["rollouts"]["engine_replay"]["parting"]
+        self.assertEqual(statistics["parted"]["episodes"], len(parted))
+        self.assertEqual(
+            sum(cause["episodes"] for cause in statistics["causes"].values()), len(parted)
+        )
+        self.assertEqual(self.load("out", "metrics.json")["parted"], len(parted))
+        with (self.folder / "out" / "divergence.csv").open() as file:
+            bands = [row for row in csv.DictReader(file) if row["mode"] == "engine_replay"]
+        self.assertEqual(bands[0]["episodes"], "20")
+        self.assertEqual(float(bands[0]["position_0.50_m"]), 0.0, "one start")
+        counts = [int(band["episodes"]) for band in bands]
+        self.assertEqual(counts, sorted(counts, reverse=True), "episodes end, none begin")
+        for band in bands:
+            quantiles = [float(band[f"position_{p}_m"]) for p in ("0.05", "0.50", "0.95")]
+            self.assertEqual(quantiles, sorted(quantiles))
+
+    def test_bad_input_is_refused_in_one_line(self) -> None:
+        cases = {
+            ("--reanchor", "0"): "reanchor 0: must be from 1 to 300 control steps",
+            ("--reanchor", "5,5"): "reanchor 5: is named twice",
+            ("--reanchor", "5;6"): "reanchor '5;6': must be numbers of control steps",
+            ("--bound-position", "0"): "bound position 0.0: must be finite and above 0",
+            ("--bound-angle", "-1"): "bound angle -1.0: must be finite and above 0",
+            ("--until-decided", "1.5"): "share 1.5: must be",
+        }
+        for arguments, reason in cases.items():
+            self.assertIn(reason, self.refused(COMPARE, *arguments, "--out", "out"))
+            self.assertFalse((self.folder / "out").exists())
+
+
+class UntilDecided(GapCase):
+    def test_stops_at_the_same_episode_however_it_runs(self) -> None:
+        run = (*EXPERT, "--episodes", "200", "--until-decided", "0.9")
+        self.finished(COMPARE, *run, "--out", "one", "--threads", "1", "--record")
+        self.finished(COMPARE, *run, "--out", "two", "--threads", "2")
+        self.finished(RECOMPUTE, "one/compare.bag", "--out", "again")
+        for out in ("two", "again"):
+            self.assertEqual(self.bytes_of(out), self.bytes_of("one"), out)
+        metrics = self.load("one", "metrics.json")
+        decision = metrics["decision"]
+        self.assertIn(decision["verdict"], ("keeps", "does not keep"))
+        self.assertEqual(decision["episodes"], metrics["episodes"])
+        self.assertLess(metrics["episodes"], 200)
+        self.assertEqual(self.load("one", "status.json")["episodes"], metrics["episodes"])
+
+        # The episodes themselves are those of a run of that length.
+        self.finished(COMPARE, *EXPERT, "--episodes", str(metrics["episodes"]), "--out", "as-long")
+        name = "episodes.csv"
+        self.assertEqual(
+            (self.folder / "as-long" / name).read_bytes(),
+            (self.folder / "one" / name).read_bytes(),
+        )
+
+    def test_says_when_the_episodes_do_not_decide(self) -> None:
+        output = self.finished(
+            COMPARE, *EXPERT, "--episodes", "3", "--until-decided", "0.5", "--out", "out"
+        )
+        self.assertIn("not decided after 3 episodes", output)
+        decision = self.load("out", "metrics.json")["decision"]
+        self.assertEqual((decision["verdict"], decision["episodes"]), ("undecided", None))
+
+
+class Contrast(GapCase):
+    def test_is_what_scipy_says(self) -> None:
+        for damping in ("6", "60"):
+            self.finished(
+                COMPARE, *RANDOM_OFTEN, "--block_damp", damping, "--out", f"damp-{damping}"
+            )
+        output = self.finished(CONTRAST, "damp-6", "damp-60", "--out", "contrast.json")
+        self.assertIn("two-mass engine, block_damp 60.0", output)
+        found = json.loads((self.folder / "contrast.json").read_text())["contrasts"][0]
+        figures = found["figures"]
+        for mode, name, unit in (
+            ("engine_replay", "mean_position_divergence", "m"),
+            ("engine_replay", "mean_angle_divergence", "rad"),
+            ("engine_closed", "final_position_error", "m"),
+        ):
+            before, now = (
+                self.column(out, mode, f"{name}_{unit}") for out in ("damp-6", "damp-60")
+            )
+            key = {
+                "mean_position_divergence": "mean_pos_divergence",
+                "mean_angle_divergence": "mean_ang_divergence",
+            }.get(name, f"{mode}_{name}")
+            figure = figures[f"{key}_{unit}"]
+            self.assertAlmostEqual(figure["difference"], np.mean(now - before), places=12)
+            self.assertAlmostEqual(figure["p"], stats.ttest_rel(now, before).pvalue, places=9)
+        successes = [
+            {
+                int(row["episode"])
+                for row in self.rows(out, "engine_closed")
+                if row["success"] == "true"
+            }
+            for out in ("damp-6", "damp-60")
+        ]
+        self.assertEqual(set(found["only_baseline_succeeds"]), successes[0] - successes[1])
+        self.assertEqual(set(found["only_other_succeeds"]), successes[1] - successes[0])
+        ps = {key: figure["p"] for key, figure in figures.items() if figure["p"] is not None}
+        order = sorted(ps, key=lambda key: ps[key])
+        wanted, largest = {}, 0.0
+        for rank, key in enumerate(order):
+            largest = max(largest, min(1.0, ps[key] * (len(ps) - rank)))
+            wanted[key] = largest
+        for key in ps:
+            self.assertAlmostEqual(figures[key]["adjusted_p"], wanted[key], places=12)
+
+    def test_rows_of_a_sweep_against_one_of_them(self) -> None:
+        (self.folder / "plan.yaml").write_text(
+            "policy: expert\nepisodes: 30\nreanchor: [5]\ngrid:\n  block_damp: [2, 6, 20]\n"
+        )
+        self.finished(SWEEP, "plan.yaml", "--out", "sweep")
+        output = self.finished(CONTRAST, "sweep", "--against", "1", "--out", "contrast.json")
+        self.assertEqual(output.count("against two-mass engine, 30 episodes"), 2)
+        self.finished(CONTRAST, "sweep/rows/001", "sweep/rows/002", "--out", "pair.json")
+        all_rows, pair = (
+            json.loads((self.folder / f"{name}.json").read_text())["contrasts"]
+            for name in ("contrast", "pair")
+        )
+        self.assertEqual(len(all_rows), 2)
+        for key, figure in pair[0]["figures"].items():
+            same = all_rows[1]["figures"][key]
+            self.assertEqual(figure["p"], same["p"], key)
+            if figure["p"] is not None:
+                self.assertLessEqual(figure["adjusted_p"], same["adjusted_p"], "a larger family")
+
+    def test_what_does_not_pair_is_refused(self) -> None:
+        run = ("--episodes", "4", *EXPERT)
+        self.finished(COMPARE, *run, "--out", "a")
+        self.finished(COMPARE, *run, "--out", "seed", "--seed", "7")
+        self.finished(COMPARE, "--episodes", "3", *EXPERT, "--out", "fewer")
+        self.finished(COMPARE, *run, "--out", "other", "--reference", "two_mass")
+        for other, reason in {
+            "seed": "seed is 0 and 7",
+            "fewer": "episodes is 4 and 3",
+            "other": "simulators/reference",
+            "nothing": "results nothing: must be the folder of a whole run or of a sweep",
+        }.items():
+            self.assertIn(reason, self.refused(CONTRAST, "a", other))
+        self.assertIn("is one run; name two, or a sweep", self.refused(CONTRAST, "a"))
+        self.assertIn(
+            "against 2: must be from 0 to 1", self.refused(CONTRAST, "a", "a", "--against", "2")
+        )
+        rows = self.folder / "a" / "episodes.csv"
+        rows.write_text(rows.read_text().replace("true", "false", 1))
+        self.finished(COMPARE, *run, "--out", "b")
+        self.assertIn("episode", self.refused(CONTRAST, "a", "b"))
+        self.assertIn(
+            "is there already", self.refused(CONTRAST, "b", "b", "--out", "a/metrics.json")
+        )
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -208,7 +208,11 @@ class LiveRuns:
         from pusht_msgs.msg import CompareGoal
 
         goal = CompareGoal(
-            episodes=[LIVE_EPISODES], out=[self._folder], overwrite=[True], record=[record]
+            episodes=[LIVE_EPISODES],
+            out=[self._folder],
+            overwrite=[True],
+            record=[record],
+            floor=[False],  # the three modes alone
         )
         self._ends.clear()
         before = [processor.seconds for processor in self._processors]

@@ -125,6 +125,7 @@ int main(int argc, char** argv) {
       "Times the protocol with the shipped policy beside the bare mj_step calls that it contains; prints JSON.",
       "benchmark_protocol");
   sim2sim::Protocol protocol;
+  protocol.probes.clear();  // as the bare calls have none
   int repetitions = 7;
   app.add_option("--episodes", protocol.episodes, "number of episodes")
       ->check(sim2sim::decimalInteger())

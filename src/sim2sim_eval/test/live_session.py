@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One set of nodes, many goals: the evaluator's action, its ~control, its topics, the bytes."""
 
+import json
 import math
 from pathlib import Path
 from typing import Any, Dict, List, Set, Tuple
@@ -199,6 +200,25 @@ class LiveSession(GoalCase):
         self.compare(starts=starts)
         self.assertEqual(result_bytes(self.out), expected)
 
+    def test_probes_are_those_of_the_command_and_nobody_sees_them(self) -> None:
+        self.compare(reanchor=[1, 5])
+        self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH, "--reanchor", "1,5"))
+        taken = {(row["mode"], int(row["episode"])): int(row["steps"]) for row in rows(self.out)}
+        for world, mode in (("reference", "reference_closed"), ("engine_replay",) * 2):
+            last = EPISODES - 1
+            end = taken[mode, last]
+            seen = self.states[world].until(
+                lambda state, end=end: (state.episode, state.step) == (last, end)
+            )
+            steps = sum(taken[mode, episode] + 1 for episode in range(EPISODES))
+            self.assertEqual(len(seen), steps, "the modes alone")
+
+    def test_ends_when_it_is_decided(self) -> None:
+        decided = ("--policy", "expert", "--episodes", "60", "--until-decided", "0.9")
+        self.compare(episodes=60, until_decided=0.9)
+        self.assertEqual(result_bytes(self.out), self.batch_bytes(*decided))
+        self.assertLess(json.loads((self.out / "metrics.json").read_text())["episodes"], 60)
+
     def test_second_goal_is_rejected(self) -> None:
         self.send_and_hold(0, 5)
         second = actionlib.SimpleActionClient("/sim2sim/compare", CompareAction)
@@ -331,7 +351,11 @@ class LiveSession(GoalCase):
             self.assertEqual((row["mode"], row["steps"]), (rollout.mode, str(rollout.steps)))
             self.assertEqual(row["success"] == "true", rollout.success)
             columns = [f"{quantity.name}_{quantity.unit}" for quantity in rollout.quantities]
-            self.assertEqual(columns, list(row)[-len(columns) :])
+            parting = ["parting_step", "parting_cause", "parting_first"]
+            self.assertEqual([*columns, *parting], list(row)[-len(columns) - len(parting) :])
+            self.assertEqual(row["parting_step"], str(rollout.parting_step or ""))
+            self.assertEqual(row["parting_cause"], rollout.parting_cause)
+            self.assertEqual(row["parting_first"], rollout.parting_first)
             for column, quantity in zip(columns, rollout.quantities):
                 cell = "" if math.isnan(quantity.value) else quantity.value
                 self.assertEqual(row[column] and float(row[column]), cell)

@@ -866,7 +866,7 @@ class Faults(CompareCase):
             self.assertIn("NOT A WHOLE RUN", printed)
             self.assertEqual(self.files(out), UNFINISHED)
             rows = (self.folder / out / "episodes.csv").read_text().splitlines()
-            self.assertEqual(len(rows), 1 + 3 * status["episodes_finished"])
+            self.assertEqual(len(rows), 1 + len(ROLLOUTS) * status["episodes_finished"])
             self.assertGreater(status["episodes_finished"], 0)
 
     def test_f29_policy_that_never_returns(self) -> None:

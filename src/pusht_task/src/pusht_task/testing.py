@@ -486,6 +486,17 @@ class SimulatorContract(ServedCase):
         self.assertEqual([update.header.stamp for update in updates], stamps)
         self.assertEqual([update.step for update in updates], [0, 1, 2, 3, 4, 5] * 3)
 
+    def test_silent_episodes_are_simulated_but_not_published(self) -> None:
+        loud = [self.begin(episode=1), self.accepted("step", episode=1, step=0, action=(1, 0))]
+        silent = [self.accepted("reset", episode=2, silent=True)]
+        silent += [self.accepted("step", episode=2, step=0, action=(1, 0))]
+        self.assertEqual([data(a.state) for a in silent], [data(a.state) for a in loud])
+        self.assertEqual({answer.stamp for answer in silent}, {loud[-1].stamp}, "stamps rest")
+        after = [self.accepted("reset", episode=3), self.accepted("step", episode=3, step=0)]
+        self.assertEqual(after[0].stamp, loud[-1].stamp + CONTROL_STEP)
+        updates = self.updates_until(after[-1])
+        self.assertEqual([(u.episode, u.step) for u in updates], [(1, 1), (3, 0), (3, 1)])
+
     def test_state_messages_are_the_answers(self) -> None:
         asked = [(0.25, -0.5), (3.0, -3.0)]
         answers = [self.begin(episode=9)]

@@ -67,24 +67,32 @@ void requirePairs(const RunResults& baseline, const RunResults& other) {
 
 ContrastRow rowOf(const RunResults& baseline, const RunResults& other, std::size_t rollout, std::size_t quantity) {
   std::vector<double> differences;
+  DifferenceSequence watched;
   for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
     const double difference = other.episodes[i].rollouts[rollout].quantities[quantity] -
                               baseline.episodes[i].rollouts[rollout].quantities[quantity];
     if (!std::isnan(difference)) {
       differences.push_back(difference);
+      watched.add(difference);
     }
   }
-  return {metricName(modeName(static_cast<Mode>(rollout)), kQuantities[quantity]), kQuantities[quantity].unit,
-          static_cast<int>(differences.size()), meanDifference(differences)};
+  return {metricName(modeName(static_cast<Mode>(rollout)), kQuantities[quantity]),
+          kQuantities[quantity].unit,
+          static_cast<int>(differences.size()),
+          meanDifference(differences),
+          {},
+          watched.decidedAfter()};
 }
 
 Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
   Contrast contrast;
   contrast.title = other.title();
+  AnyDifference watched;
   for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
     const bool before = baseline.episodes[i].rollouts[kEngineClosed].success;
     const bool now = other.episodes[i].rollouts[kEngineClosed].success;
     contrast.successes.add(before, now);
+    watched.add(before, now);
     if (before != now) {
       (now ? contrast.gained : contrast.lost).push_back(baseline.episodes[i].index);
     }
@@ -93,6 +101,7 @@ Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
   contrast.difference = (table.second_only - table.first_only) / static_cast<double>(table.pairs());
   contrast.interval = tangoInterval(table);
   contrast.p = mcnemarMidP(table);
+  contrast.decided_after = watched.decidedAfter();
   for (std::size_t rollout = 0; rollout < kModeCount; ++rollout) {
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
       if (isContrasted(baseline.protocol, rollout, kQuantities[i])) {
@@ -128,7 +137,12 @@ void adjust(std::vector<Contrast>& contrasts) {
 
 json jsonOf(const std::optional<Interval>& interval) { return interval ? json{interval->low, interval->high} : json(); }
 
-json jsonOf(const std::optional<double>& number) { return number ? json(*number) : json(); }
+template <class Number>
+json jsonOf(const std::optional<Number>& number) {
+  return number ? json(*number) : json();
+}
+
+std::string countCell(const std::optional<int>& count) { return count ? std::to_string(*count) : "-"; }
 
 /// "0.0012", with a star where that is a finding.
 std::string probabilityCell(const std::optional<double>& p) {
@@ -140,7 +154,7 @@ std::string probabilityCell(const std::optional<double>& p) {
 }
 
 std::string line(const std::string& name, const std::string& difference, const std::string& p,
-                 const std::string& adjusted) {
+                 const std::string& adjusted, const std::string& decided) {
   constexpr std::size_t kName = 42;
   constexpr std::size_t kDifference = 38;
   constexpr std::size_t kProbability = 11;
@@ -148,7 +162,8 @@ std::string line(const std::string& name, const std::string& difference, const s
     text.resize(std::max(width, text.size() + 1), ' ');
     return text;
   };
-  return "  " + padded(name, kName) + padded(difference, kDifference) + padded(p, kProbability) + adjusted + "\n";
+  return "  " + padded(name, kName) + padded(difference, kDifference) + padded(p, kProbability) +
+         padded(adjusted, kProbability) + decided + "\n";
 }
 
 std::string listed(const std::vector<int>& episodes) {
@@ -238,14 +253,16 @@ json toJson(const RunResults& baseline, const std::vector<Contrast>& contrasts) 
                                       {"difference", contrast.difference},
                                       {"interval", jsonOf(contrast.interval)},
                                       {"p", contrast.p},
-                                      {"adjusted_p", contrast.adjusted_p}};
+                                      {"adjusted_p", contrast.adjusted_p},
+                                      {"decided_after", jsonOf(contrast.decided_after)}};
     for (const ContrastRow& row : contrast.rows) {
       figures[row.name + "_" + row.unit] = {{"unit", row.unit},
                                             {"episodes", row.episodes},
                                             {"difference", row.difference.value},
                                             {"interval", jsonOf(row.difference.interval)},
                                             {"p", jsonOf(row.difference.p)},
-                                            {"adjusted_p", jsonOf(row.adjusted_p)}};
+                                            {"adjusted_p", jsonOf(row.adjusted_p)},
+                                            {"decided_after", jsonOf(row.decided_after)}};
     }
     result["contrasts"].push_back({{"title", contrast.title},
                                    {"both_succeed", contrast.successes.both},
@@ -263,18 +280,19 @@ std::string table(const RunResults& baseline, const std::vector<Contrast>& contr
   std::string text;
   for (const Contrast& contrast : contrasts) {
     text += contrast.title + "\n  against " + baseline.title() + ", " + std::to_string(contrast.successes.pairs()) +
-            " episodes\n" + line("", "difference", "p", "Holm") +
+            " episodes\n" + line("", "difference", "p", "Holm", "decided after") +
             line("engine_success_rate", signedText(contrast.difference, contrast.interval, "", kRateDigits),
-                 probabilityCell(contrast.p), probabilityCell(contrast.adjusted_p));
+                 probabilityCell(contrast.p), probabilityCell(contrast.adjusted_p), countCell(contrast.decided_after));
     for (const ContrastRow& row : contrast.rows) {
       text += line(row.name, signedText(row.difference.value, row.difference.interval, row.unit, kDigits),
-                   probabilityCell(row.difference.p), probabilityCell(row.adjusted_p));
+                   probabilityCell(row.difference.p), probabilityCell(row.adjusted_p), countCell(row.decided_after));
     }
     text += "  success lost in " + std::to_string(contrast.lost.size()) + " episodes: " + listed(contrast.lost) +
             "\n  success gained in " + std::to_string(contrast.gained.size()) + ": " + listed(contrast.gained) + "\n";
   }
   return text + "(in brackets " + pusht::fixedText(100.0 * kConfidence, 0) +
-         " % intervals of each difference alone; Holm: p corrected for the number of figures above; * at most 0.05)\n";
+         " % intervals of each difference alone; Holm: p corrected for the number of figures above; * at most 0.05; "
+         "decided after: so many\nepisodes, had one looked after each)\n";
 }
 
 }  // namespace sim2sim

@@ -305,7 +305,7 @@ json decision(const TransferBet& bet, double share) {
 std::string decisionText(const TransferBet& bet, double share) {
   const Interval transfer = transferSequence(bet.counts());
   const std::string known =
-      " (transfer is in [" + percent(transfer.low) + ", " + percent(transfer.high) + "], whenever the run stops)\n";
+      " (two-sided: transfer is in [" + percent(transfer.low) + ", " + percent(transfer.high) + "], whenever the run stops)\n";
   const std::string success = percent(share) + " of the reference's success";
   if (bet.verdict() == Verdict::kUndecided) {
     return "not decided after " + std::to_string(bet.counts().pairs()) + " episodes: does the engine keep " + success +

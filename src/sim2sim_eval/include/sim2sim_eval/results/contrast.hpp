@@ -11,6 +11,7 @@
 #include "sim2sim_eval/protocol/protocol.hpp"
 #include "sim2sim_eval/statistics/intervals.hpp"
 #include "sim2sim_eval/statistics/pairs.hpp"
+#include "sim2sim_eval/statistics/sequential.hpp"
 
 namespace sim2sim {
 
@@ -38,6 +39,8 @@ struct ContrastRow {
   int episodes;  ///< that have the figure in both
   Difference difference;
   std::optional<double> adjusted_p{};  ///< after Holm, over the whole family
+  /// [episodes] after which the sign was decided, had one looked after each of them; DifferenceSequence. None: not yet.
+  std::optional<int> decided_after{};
 };
 
 struct Contrast {
@@ -47,6 +50,7 @@ struct Contrast {
   std::optional<Interval> interval{};  ///< of that, Tango's
   double p;                            ///< McNemar's, mid-p
   double adjusted_p{};                 ///< after Holm, over the whole family
+  std::optional<int> decided_after{};  ///< as in ContrastRow; AnyDifference
   std::vector<int> lost{};             ///< episodes in which only the baseline succeeds
   std::vector<int> gained{};           ///< episodes in which only the other succeeds
   std::vector<ContrastRow> rows{};

@@ -49,19 +49,6 @@ std::string padded(std::string text, std::size_t width) {
   return text;
 }
 
-double deviationOf(const std::vector<double>& samples) {
-  const auto n = static_cast<double>(samples.size());
-  double mean = 0.0;
-  for (const double sample : samples) {
-    mean += sample / n;
-  }
-  double squares = 0.0;
-  for (const double sample : samples) {
-    squares += (sample - mean) * (sample - mean);
-  }
-  return std::sqrt(squares / (n - 1.0));
-}
-
 /// The spread of a quantity's difference, by episode, between two places.
 template <class Value>
 std::optional<double> spreadOf(const RunResults& run, const Value& difference) {
@@ -71,7 +58,7 @@ std::optional<double> spreadOf(const RunResults& run, const Value& difference) {
       differences.push_back(value);
     }
   }
-  return differences.size() < 2 ? std::nullopt : std::optional(deviationOf(differences));
+  return differences.size() < 2 ? std::nullopt : std::optional(sim2sim::standardDeviation(differences));
 }
 
 template <class Both>
@@ -161,7 +148,16 @@ std::string needed(const Question& question) {
   return significant(*question.wanted) + ": " + (episodes ? std::to_string(*episodes) + " episodes" : "none suffice");
 }
 
+void requirePositive(const std::string& name, const std::optional<double>& difference) {
+  if (difference && !(*difference > 0.0)) {
+    throw pusht::InvalidInput(name + " " + significant(*difference) + ": must be above 0");
+  }
+}
+
 void plan(const Options& options) {
+  requirePositive("success", options.success);
+  requirePositive("position", options.position);
+  requirePositive("angle", options.angle);
   const RunResults pilot = sim2sim::readResults(options.pilot);
   std::optional<RunResults> other;
   if (!options.other.empty()) {
@@ -170,20 +166,23 @@ void plan(const Options& options) {
   }
   constexpr std::size_t kText = 44;
   constexpr std::size_t kColumn = 10;
-  std::cout << padded("smallest difference shown in [episodes]", kText);
+  std::ostringstream table;  // whole or not at all
+  table << padded("smallest difference shown in [episodes]", kText);
   for (const int episodes : options.episodes) {
-    std::cout << padded(std::to_string(episodes), kColumn);
+    table << padded(std::to_string(episodes), kColumn);
   }
-  std::cout << "\n";
+  table << "\n";
   for (const Question& question : questionsOf(options, pilot, other)) {
-    std::cout << padded(question.text, kText);
+    table << padded(question.text, kText);
     for (const int episodes : options.episodes) {
-      std::cout << padded(shown(question, episodes), kColumn);
+      table << padded(shown(question, episodes), kColumn);
     }
-    std::cout << needed(question) << "\n";
+    table << needed(question) << "\n";
   }
-  std::cout << "(found in 80 % of runs at 5 %, two-sided; spreads as in the " << pilot.episodes.size()
-            << " episodes of " << pilot.folder.string() << ")" << std::endl;
+  table << "(found in 80 % of runs at 5 %, two-sided; spreads as in the " << pilot.episodes.size() << " episodes of "
+        << pilot.folder.string() << ")"
+        << "\n";
+  std::cout << table.str() << std::flush;
 }
 
 }  // namespace

@@ -432,7 +432,7 @@ TEST(Probes, AreKnownByName) {
   for (const char* name : {"floor_1e-7", "engine_reanchored_", "engine_reanchored_0", "engine_reanchored_05", ""}) {
     EXPECT_THROW(probeFrom(name), pusht::InvalidInput) << name;
   }
-  for (const char* list : {"1,x", "1,,5", "1.5", " 1"}) {
+  for (const char* list : {"1,x", "1,,5", "1,5,", "1.5", " 1"}) {
     EXPECT_THROW(reanchorFrom(list), pusht::InvalidInput) << list;
   }
   EXPECT_THROW(probesOf(true, {0}), pusht::InvalidInput);

@@ -129,7 +129,9 @@ class Measurement(CompareCase):
         with (self.folder / "out" / "episodes.csv").open() as file:
             rows = list(csv.DictReader(file))
         self.assertEqual([row["mode"] for row in rows], 6 * list(ROLLOUTS))
-        self.assertEqual([row["seed"] for row in rows[:: len(ROLLOUTS)]], [str(10004 + i) for i in range(6)])
+        self.assertEqual(
+            [row["seed"] for row in rows[:: len(ROLLOUTS)]], [str(10004 + i) for i in range(6)]
+        )
         successes = [
             row for row in rows if row["mode"] == "reference_closed" and row["success"] == "true"
         ]

@@ -31,6 +31,7 @@ PLAN = """
 policy: expert
 episodes: 7
 horizon: 150
+reanchor: [5]
 grid:
   block_damp: [6, 20]
   pusher_mass: [4, 1.5]

@@ -200,8 +200,14 @@ void compare(const CompareOptions& options) {
     };
     const std::function<void(Episode &&)> deliver =
         options.until_decided ? std::function<void(Episode &&)>(take_in_order) : take;
-    runProtocol(configuration.protocol, setup.players(engine), options.batch.threadCount(),
-                references ? &*references : nullptr, deliver, [&] { return decided || interrupted(); });
+    try {
+      runProtocol(configuration.protocol, setup.players(engine), options.batch.threadCount(),
+                  references ? &*references : nullptr, deliver, [&] { return decided || interrupted(); });
+    } catch (const pusht::Error&) {
+      if (!decided) {  // else it is of an episode that is not needed
+        throw;
+      }
+    }
     if (!run.whole()) {
       throw pusht::RuntimeFault("interrupted after " + run.progress());
     }

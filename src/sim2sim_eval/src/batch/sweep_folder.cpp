@@ -14,19 +14,10 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kSweepJson = "sweep.json";
 constexpr const char* kSweepCsv = "sweep.csv";
 constexpr const char* kRows = "rows";
 
 constexpr std::size_t kTablesWritten = 100;  // in the course of a sweep, about
-
-/// rows/007
-fs::path rowPath(const fs::path& folder, std::size_t index) {
-  constexpr std::size_t kDigits = 3;
-  std::string name = std::to_string(index);
-  name.insert(0, kDigits - std::min(name.size(), kDigits), '0');
-  return folder / kRows / name;
-}
 
 json parsedFile(const fs::path& path, const std::string& what) {
   json parsed = json::parse(pusht::readFile(path, what), nullptr, false);
@@ -109,11 +100,11 @@ Columns columns(const json& metrics, const std::vector<std::string>& settings) {
         add(name + figure);
       }
     }
-    const std::string absorbed = std::string("absorbed_") + quantity.label;
-    add(absorbed + "_" + unit, absorbed + "_interval_" + unit);
   }
   add("parted");
   add("median_parting_step");
+  add("floor_parted");
+  add("predictability_horizon_step");
   return columns;
 }
 
@@ -146,7 +137,7 @@ std::string firstDifference(const json& found, const json& wanted) {
 }  // namespace
 
 SweepOnDisk readSweep(const fs::path& folder) {
-  const fs::path file = folder / kSweepJson;
+  const fs::path file = folder / kSweepFile;
   const json description = parsedFile(file, "sweep").value("sweep", json());
   if (!description.is_object()) {
     throw pusht::InvalidInput("sweep " + file.string() + ": must say what it is under \"sweep\"");
@@ -156,7 +147,7 @@ SweepOnDisk readSweep(const fs::path& folder) {
 
 std::vector<Input> inputsOf(const fs::path& shard) {
   std::vector<Input> inputs;
-  for (const char* name : {kSweepJson, kProvenanceFile, kRows}) {
+  for (const char* name : {kSweepFile, kProvenanceFile, kRows}) {
     inputs.push_back({"shard", shard / name});
   }
   return inputs;
@@ -171,7 +162,7 @@ std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted) {
 
 std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::size_t index,
                                                   const RunConfiguration& configuration) {
-  const fs::path path = rowPath(folder, index);
+  const fs::path path = rowFolder(folder, index);
   std::error_code ignored;
   if (!fs::exists(path / kMetricsFile, ignored)) {  // it is written last
     return std::nullopt;
@@ -209,7 +200,7 @@ void SweepFolder::begin(const json& description, const json& provenance) {
   description_ = description;
   folder_.open();
   std::error_code error;
-  if (!overwrite_ && fs::exists(path() / kSweepJson, error)) {
+  if (!overwrite_ && fs::exists(path() / kSweepFile, error)) {
     const std::string difference = differenceOf(readSweep(path()), {path(), description, provenance});
     if (!difference.empty()) {
       throw pusht::InvalidInput("out " + path().string() + ": holds another sweep (" + difference +
@@ -227,7 +218,7 @@ void SweepFolder::begin(const json& description, const json& provenance) {
 
 void SweepFolder::keep(std::size_t index, const Protocol& protocol, const json& metrics,
                        const std::vector<EpisodeResult>& episodes) {
-  const fs::path row = rowPath(path(), index);
+  const fs::path row = rowFolder(path(), index);
   std::error_code error;
   fs::create_directories(row, error);
   if (error) {
@@ -269,7 +260,7 @@ void SweepFolder::writeStatus(pusht::ExitCode code, const std::string& reason) c
 
 void SweepFolder::writeTables() const {
   pusht::writeFile(path() / kSweepCsv, sweepCsv(rows_));
-  pusht::writeFile(path() / kSweepJson, jsonText({{"sweep", description_}, {"rows", rows_}}));
+  pusht::writeFile(path() / kSweepFile, jsonText({{"sweep", description_}, {"rows", rows_}}));
 }
 
 }  // namespace sim2sim

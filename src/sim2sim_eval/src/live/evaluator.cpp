@@ -126,6 +126,15 @@ void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failu
   attempt([&] { RunFolder(parameters.text("out", ""), parameters.flag("overwrite", false)).refuse(status); });
 }
 
+/// None for 0. Throws InvalidInput as TransferBet does.
+std::optional<double> decidedShare(double share) {
+  if (share == 0.0) {
+    return std::nullopt;
+  }
+  const TransferBet valid(share);
+  return share;
+}
+
 }  // namespace
 
 pusht::Parameters settingsFrom(const std::string& what, const std::string& text) {
@@ -163,8 +172,9 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   set("bound_position", request.protocol.bound.position, goal.bound_position);
   set("bound_angle", request.protocol.bound.angle, goal.bound_angle);
   if (!goal.until_decided.empty()) {
-    set("until_decided", request.until_decided.emplace(), goal.until_decided);
-    const TransferBet valid(*request.until_decided);
+    double share = 0.0;
+    set("until_decided", share, goal.until_decided);
+    request.until_decided = decidedShare(share);
   }
   set("floor", request.floor, goal.floor);
   if (!goal.reanchor.empty()) {
@@ -209,10 +219,7 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   request.protocol.horizon = parameters.integer("horizon", request.protocol.horizon);
   request.protocol.bound.position = parameters.real("bound_position", request.protocol.bound.position);
   request.protocol.bound.angle = parameters.real("bound_angle", request.protocol.bound.angle);
-  if (const double share = parameters.real("until_decided", 0.0); share != 0.0) {
-    const TransferBet valid(share);
-    request.until_decided = share;
-  }
+  request.until_decided = decidedShare(parameters.real("until_decided", 0.0));
   request.floor = parameters.flag("floor", request.floor);
   request.reanchor = reanchorFrom(parameters.text("reanchor", ""));
   request.protocol.probes = probesOf(request.floor, request.reanchor);

@@ -45,7 +45,7 @@ std::vector<Probe> probesOf(bool floor, const std::vector<int>& reanchor) {
 
 std::vector<int> reanchorFrom(const std::string& text) {
   std::vector<int> steps;
-  std::istringstream list(text);
+  std::istringstream list(text.empty() ? text : text + ",");  // so that an empty last one is seen
   for (std::string number; std::getline(list, number, ',');) {
     const std::optional<int> every = pusht::decimal<int>(number);
     if (!every) {

@@ -131,6 +131,8 @@ bool Protocol::has(std::size_t rollout, Scope scope) const {
       return probe == nullptr;
     case Scope::kCompared:
       return rollout != kReferenceClosed;
+    case Scope::kClosed:
+      return rollout == kEngineClosed;
     case Scope::kAnchored:
       return probe != nullptr && probe->anchor_every > 0;
     case Scope::kFloor:
@@ -162,9 +164,9 @@ Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pus
 }
 
 Episode::Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts,
-                 Recalled recalled)
-    : protocol_(protocol), index_(index), rollouts_(std::move(rollouts)), recalled_(std::move(recalled)) {
-  recalled_.probes.resize(protocol_.probes.size());
+                 std::vector<std::optional<pusht::Trace>> probes)
+    : protocol_(protocol), index_(index), rollouts_(std::move(rollouts)), probes_(std::move(probes)) {
+  probes_.resize(protocol_.probes.size());
 }
 
 int Episode::steps() const {
@@ -190,10 +192,11 @@ EpisodeResult Episode::result() const {
   EpisodeResult result{index_, protocol_.spawnSeed(index_), {}};
   const pusht::Trace& reference = rollouts_[kReferenceClosed].trace();
   for (const Mode mode : kModes) {
-    result.rollouts.push_back(resultOf(protocol_, mode, {rollouts_[mode], reference}));
+    result.rollouts.push_back(
+        resultOf(protocol_, mode, {rollouts_[mode], reference, 0, &rollouts_[kEngineReplay].trace()}));
   }
   for (std::size_t i = 0; i < protocol_.probes.size(); ++i) {
-    const pusht::Rollout rollout(recalled_.probes[i].value());
+    const pusht::Rollout rollout(probes_[i].value());
     const RolloutView view{rollout, reference, protocol_.probes[i].anchor_every};
     result.rollouts.push_back(resultOf(protocol_, kModeCount + i, view));
   }
@@ -221,7 +224,7 @@ const Episode& Flight::begin(int index, Recalled recalled) {
   return episodes_.at(lane).emplace(
       protocol_, index,
       std::array<pusht::Rollout, kModeCount>{std::move(reference), std::move(engine), std::move(replay)},
-      std::move(recalled));
+      std::move(recalled.probes));
 }
 
 pusht::Rollout Flight::start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory) {

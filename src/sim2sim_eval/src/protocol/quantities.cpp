@@ -45,6 +45,18 @@ Divergence nullDivergence(const RolloutView& view) {
   return sum / commonSteps(view);
 }
 
+/// Of the replay, less that of the closed loop.
+Divergence absorbed(const RolloutView& view) {
+  const std::size_t count = std::min(commonSteps(view), view.replay->states.size());
+  Divergence replay;
+  Divergence closed;
+  for (std::size_t k = 0; k < count; ++k) {
+    replay += divergence(view.reference.states[k], view.replay->states[k]);
+    closed += divergence(view.reference.states[k], statesOf(view)[k]);
+  }
+  return Divergence{replay.position - closed.position, replay.angle - closed.angle} / count;
+}
+
 Divergence anchorError(const RolloutView& view) {
   const auto every = static_cast<std::size_t>(view.anchor_every);
   Divergence sum;
@@ -75,6 +87,9 @@ double nullPositionDivergence(const RolloutView& view) { return nullDivergence(v
 double nullAngleDivergence(const RolloutView& view) { return nullDivergence(view).angle; }
 
 double growthRateOf(const RolloutView& view) { return growthRate(view.reference, view.rollout.trace()); }
+
+double absorbedPositionDivergence(const RolloutView& view) { return absorbed(view).position; }
+double absorbedAngleDivergence(const RolloutView& view) { return absorbed(view).angle; }
 
 double anchorPositionError(const RolloutView& view) { return anchorError(view).position; }
 double anchorAngleError(const RolloutView& view) { return anchorError(view).angle; }

@@ -27,7 +27,7 @@ std::size_t binOf(double divergence) {
 double valueOf(std::size_t bin) { return bin == 0 ? 0.0 : kLeast * std::pow(kRatio, static_cast<double>(bin) - 0.5); }
 
 /// The value that the share `p` of all counted ones does not exceed.
-double quantileOf(const std::vector<std::uint32_t>& bins, std::uint64_t total, double p) {
+double rankedValue(const std::vector<std::uint32_t>& bins, std::uint64_t total, double p) {
   const auto rank = static_cast<std::uint64_t>(std::ceil(p * static_cast<double>(total)));
   std::uint64_t seen = 0;
   std::size_t bin = 0;
@@ -93,7 +93,7 @@ std::string DivergenceBands::csv() const {
       text += curve.mode + "," + std::to_string(step) + "," + std::to_string(episodes);
       for (const Bins& component : curve.steps[step]) {
         for (const double p : kQuantiles) {
-          text += "," + shortText(quantileOf(component, episodes, p));
+          text += "," + shortText(rankedValue(component, episodes, p));
         }
       }
       text += "\n";

@@ -20,15 +20,15 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr int kFormat = 1;  // of the JSON of contrasts
-constexpr const char* kRows = "rows";
 
 /// What two runs must have in common, by its place in metrics.json.
-constexpr std::array kCommon = {"/policy",   "/seed",    "/starts", "/first_episode",
-                                "/episodes", "/horizon", "/smoke",  "/simulators/reference"};
+constexpr std::array kCommon = {"/policy",  "/seed",  "/starts", "/first_episode", "/episodes",
+                                "/horizon", "/smoke", "/probes", "/until_decided", "/simulators/reference"};
 
-/// The figures that are contrasted: those of the engine's modes that depend on the engine.
+/// The figures that are contrasted: those that depend on the engine.
 bool isContrasted(const Protocol& protocol, std::size_t rollout, const Quantity& quantity) {
-  const bool of_engine = rollout == kEngineClosed || rollout == kEngineReplay;
+  const bool of_engine =
+      rollout < kModeCount ? rollout != kReferenceClosed : protocol.probes[rollout - kModeCount].role == Role::kEngine;
   const bool of_null = std::any_of(kDivergencePairs.begin(), kDivergencePairs.end(), [&](const DivergencePair& pair) {
     return std::string(pair.null_model) == quantity.name;
   });
@@ -76,7 +76,7 @@ ContrastRow rowOf(const RunResults& baseline, const RunResults& other, std::size
       watched.add(difference);
     }
   }
-  return {metricName(modeName(static_cast<Mode>(rollout)), kQuantities[quantity]),
+  return {metricName(baseline.protocol.rolloutNames()[rollout], kQuantities[quantity]),
           kQuantities[quantity].unit,
           static_cast<int>(differences.size()),
           meanDifference(differences),
@@ -102,7 +102,8 @@ Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
   contrast.interval = tangoInterval(table);
   contrast.p = mcnemarMidP(table);
   contrast.decided_after = watched.decidedAfter();
-  for (std::size_t rollout = 0; rollout < kModeCount; ++rollout) {
+  const std::size_t rollouts = baseline.protocol.rolloutNames().size();
+  for (std::size_t rollout = 0; rollout < rollouts; ++rollout) {
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
       if (isContrasted(baseline.protocol, rollout, kQuantities[i])) {
         contrast.rows.push_back(rowOf(baseline, other, rollout, i));
@@ -215,18 +216,20 @@ std::vector<fs::path> runsIn(const fs::path& folder) {
   if (fs::exists(folder / kMetricsFile, ignored)) {
     return {folder};
   }
+  const json sweep = json::parse(pusht::readFile(folder / kSweepFile, "results"), nullptr, false);
+  const std::size_t count =
+      sweep.is_object() ? sweep.value(json::json_pointer("/sweep/rows"), json::array()).size() : 0;
+  if (count == 0) {
+    throw pusht::InvalidInput("results " + (folder / kSweepFile).string() + ": must be that of a sweep");
+  }
   std::vector<fs::path> rows;
-  for (const fs::directory_entry& row : fs::directory_iterator(folder / kRows, ignored)) {
-    if (fs::exists(row.path() / kMetricsFile, ignored)) {
-      rows.push_back(row.path());
+  for (std::size_t row = 0; row < count; ++row) {
+    rows.push_back(rowFolder(folder, row));
+    if (!fs::exists(rows.back() / kMetricsFile, ignored)) {
+      throw pusht::InvalidInput("results " + folder.string() + ": row " + std::to_string(row) + " of " +
+                                std::to_string(count) + " has not finished; run the sweep again to continue it");
     }
   }
-  if (rows.empty()) {
-    throw pusht::InvalidInput("results " + folder.string() + ": must be the folder of a whole run or of a sweep");
-  }
-  std::sort(rows.begin(), rows.end(), [](const fs::path& a, const fs::path& b) {
-    return std::make_pair(a.filename().string().size(), a) < std::make_pair(b.filename().string().size(), b);
-  });
   return rows;
 }
 
@@ -292,7 +295,7 @@ std::string table(const RunResults& baseline, const std::vector<Contrast>& contr
   }
   return text + "(in brackets " + pusht::fixedText(100.0 * kConfidence, 0) +
          " % intervals of each difference alone; Holm: p corrected for the number of figures above; * at most 0.05; "
-         "decided after: so many\nepisodes, had one looked after each)\n";
+         "decided after: so many\nepisodes, had one looked after each at this figure alone)\n";
 }
 
 }  // namespace sim2sim

@@ -121,6 +121,13 @@ std::string nameOf(Results results) { return results == Results::kRun ? "a run" 
 
 }  // namespace
 
+fs::path rowFolder(const fs::path& sweep, std::size_t row) {
+  constexpr std::size_t kDigits = 3;
+  std::string name = std::to_string(row);
+  name.insert(0, kDigits - std::min(name.size(), kDigits), '0');
+  return sweep / "rows" / name;
+}
+
 OutputFolder::OutputFolder(fs::path path, std::string command, Results results)
     : path_(std::move(path)), command_(std::move(command)), results_(results) {
   std::error_code ignored;

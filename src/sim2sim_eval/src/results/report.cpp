@@ -24,8 +24,28 @@ using pusht::shortestText;
 
 namespace {
 
+template <class Number>
+Number numberFrom(const std::string& text) {
+  Number number{};
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;  // what is not all of a number does not give the same text again
+}
+
+/// To six decimals, as the course has it, or to six digits that count, where that says more: floors are small.
+double readable(double value) {
+  constexpr double kSmall = 1e-3;
+  constexpr int kDigits = 6;
+  if (value == 0.0 || std::abs(value) >= kSmall) {
+    return roundToMicro(value);
+  }
+  std::array<char, 32> text{};
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific, kDigits - 1);
+  return numberFrom<double>(std::string(text.data(), end.ptr));
+}
+
 /// null where there is none.
-json rounded(double value) { return std::isfinite(value) ? json(roundToMicro(value)) : json(); }
+json rounded(double value) { return std::isfinite(value) ? json(readable(value)) : json(); }
 
 json rounded(const std::optional<Interval>& interval) {
   return interval ? json{rounded(interval->low), rounded(interval->high)} : json();
@@ -68,13 +88,6 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-template <class Number>
-Number numberFrom(const std::string& text) {
-  Number number{};
-  std::from_chars(text.data(), text.data() + text.size(), number);
-  return number;  // what is not all of a number does not give the same text again
-}
-
 /// None where the cells name none.
 std::optional<Parting> partingFrom(const std::string& step, const std::string& cause, const std::string& first) {
   const auto known = std::find_if(kCauses.begin(), kCauses.end(), [&](const auto& name) { return cause == name.name; });
@@ -112,6 +125,7 @@ json distribution(std::vector<double> samples, const Quantity& quantity) {
   const Estimate median = medianOf(samples);
   figures["mean"] = rounded(mean.value);
   figures["mean_interval"] = rounded(mean.interval);
+  figures["standard_deviation"] = samples.size() < 2 ? json() : rounded(standardDeviation(samples));
   figures["median"] = rounded(median.value);
   figures["median_interval"] = rounded(median.interval);
   for (const double probability : kQuantiles) {
@@ -202,10 +216,13 @@ std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
   if (std::isfinite(yardsticks[0].over_floor)) {
     lines += line("  / floor (1e-6 m)", over_floor(0), over_floor(1));
   }
-  lines += line("  less in closed loop",
-                signedText(summary.absorbed[0].value, summary.absorbed[0].interval, units[0], kDigits),
-                signedText(summary.absorbed[1].value, summary.absorbed[1].interval, units[1], kDigits)) +
-           line("  beyond the bound", partedText(summary.partings), causeText(summary.partings));
+  const auto absorbed = [&](const char* quantity) {
+    const Estimate& estimate = summary.mean(kEngineClosed, quantity);
+    return signedText(estimate.value, estimate.interval, kQuantities[quantityIndex(quantity)].unit, kDigits);
+  };
+  lines +=
+      line("  less in closed loop", absorbed("absorbed_position_divergence"), absorbed("absorbed_angle_divergence")) +
+      line("  beyond the bound", partedText(summary.partings), causeText(summary.partings));
   for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
     if (const int every = protocol.probes[i].anchor_every; every > 0) {
       const auto error = [&](const char* quantity) {
@@ -267,7 +284,9 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
   forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
     const std::string name = metricName(rollouts[rollout], kQuantities[i]);
     const std::string unit = kQuantities[i].unit;
-    metrics[name + "_" + unit] = rounded(summary.means[rollout][i].value);
+    const double mean = summary.means[rollout][i].value;
+    const bool of_course = rollout == kEngineReplay && kQuantities[i].course_key != nullptr;
+    metrics[name + "_" + unit] = of_course ? json(roundToMicro(mean)) : rounded(mean);
     metrics[name + "_interval_" + unit] = rounded(summary.means[rollout][i].interval);
   });
   for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
@@ -276,15 +295,12 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
       metrics.update(yardstick(metricName(rollouts[rollout], quantity), quantity.unit, summary.yardsticks[rollout][i]));
     }
   }
-  for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
-    const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
-    const std::string name = std::string("absorbed_") + quantity.label;
-    metrics[name + "_" + quantity.unit] = rounded(summary.absorbed[i].value);
-    metrics[name + "_interval_" + quantity.unit] = rounded(summary.absorbed[i].interval);
-  }
   const Partings& partings = summary.partings;
   metrics["parted"] = partings.parted;
   metrics["median_parting_step"] = partings.median_step ? json(*partings.median_step) : json();
+  metrics["floor_parted"] = summary.floor ? json(summary.floor->parted) : json();
+  const bool predictable = !summary.floor || !summary.floor->median_step;
+  metrics["predictability_horizon_step"] = predictable ? json() : json(*summary.floor->median_step);
   if (configuration.reference.name == "mujoco") {  // as the course calls them
     for (const char* key : {"success_rate", "successes", "success_interval"}) {
       metrics[std::string("mj_") + key] = metrics[std::string("reference_") + key];
@@ -305,7 +321,8 @@ json decision(const TransferBet& bet, double share) {
 std::string decisionText(const TransferBet& bet, double share) {
   const Interval transfer = transferSequence(bet.counts());
   const std::string known =
-      " (two-sided: transfer is in [" + percent(transfer.low) + ", " + percent(transfer.high) + "], whenever the run stops)\n";
+      " (two-sided: transfer is in [" + percent(transfer.low) + ", " + percent(transfer.high) +
+      "], whenever the run stops; the intervals above\nare those of a run of fixed length, and hold less often here)\n";
   const std::string success = percent(share) + " of the reference's success";
   if (bet.verdict() == Verdict::kUndecided) {
     return "not decided after " + std::to_string(bet.counts().pairs()) + " episodes: does the engine keep " + success +
@@ -383,7 +400,7 @@ std::string signedText(double value, const std::optional<Interval>& interval, co
 std::string doubtMark(const Summary& summary, std::string_view divergence) {
   for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
     if (divergence == kDivergencePairs[i].divergence) {
-      return summary.yardsticks[kEngineReplay][i].beatsNull().value_or(true) ? "" : " (!)";
+      return summary.yardsticks[kEngineReplay][i].beatsNull().value_or(false) ? "" : " (!)";
     }
   }
   return "";
@@ -428,7 +445,9 @@ std::string table(const RunConfiguration& configuration, const Summary& summary)
       divergenceLines(configuration.protocol, summary);
   return table + "(" + std::to_string(summary.episodes) + " episodes; in brackets " +
          fixedText(100.0 * kConfidence, 0) + " % intervals" +
-         (summary.episodes < kFewestEpisodes ? "; most need " + std::to_string(kFewestEpisodes) + " episodes" : "") +
+         (summary.episodes < kFewestPairs ? "; most need " + std::to_string(kFewestEpisodes) +
+                                                " episodes, differences " + std::to_string(kFewestPairs)
+                                          : "") +
          ". Null model: a tee that never moves.)\n";
 }
 

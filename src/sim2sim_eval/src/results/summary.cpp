@@ -128,11 +128,10 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
       summary.yardsticks[rollout][i] = yardstickOf(episodes, summary, rollout, kDivergencePairs[i], floor);
     }
   }
-  for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
-    const std::size_t quantity = quantityIndex(kDivergencePairs[i].divergence);
-    summary.absorbed[i] = differenceOf(episodes, {kEngineReplay, quantity}, {kEngineClosed, quantity});
-  }
   summary.partings = partingsOf(episodes, kEngineReplay);
+  if (floor) {
+    summary.floor = partingsOf(episodes, *floor);
+  }
   return summary;
 }
 

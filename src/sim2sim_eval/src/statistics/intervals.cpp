@@ -100,6 +100,10 @@ Estimate meanOf(const std::vector<double>& samples, double limit) {
           Interval{std::min(moments.mean * std::exp(-h), limit), std::min(moments.mean * std::exp(h), limit)}};
 }
 
+double standardDeviation(const std::vector<double>& samples) {
+  return momentsOf(samples).standard_error * std::sqrt(static_cast<double>(samples.size()));
+}
+
 Estimate medianOf(std::vector<double> samples) {
   requireFinite(samples, "sample");
   if (samples.empty()) {

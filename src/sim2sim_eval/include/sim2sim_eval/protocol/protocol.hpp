@@ -116,13 +116,14 @@ Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pus
 /// One episode: three rollouts from one start, advanced in lockstep by a Flight, and the probes that follow.
 class Episode {
  public:
-  Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts, Recalled recalled = {});
+  Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts,
+          std::vector<std::optional<pusht::Trace>> probes = {});
 
   int index() const { return index_; }
   const pusht::Rollout& rollout(Mode mode) const { return rollouts_[mode]; }
 
   /// What a probe of the protocol did, once it has been run.
-  const std::optional<pusht::Trace>& probe(std::size_t probe) const { return recalled_.probes.at(probe); }
+  const std::optional<pusht::Trace>& probe(std::size_t probe) const { return probes_.at(probe); }
 
   /// Control steps taken, those of the rollout that has taken most.
   int steps() const;
@@ -138,7 +139,7 @@ class Episode {
     rollouts_[mode].record(action, state);
   }
 
-  void recordProbe(std::size_t probe, pusht::Trace trace) { recalled_.probes.at(probe) = std::move(trace); }
+  void recordProbe(std::size_t probe, pusht::Trace trace) { probes_.at(probe) = std::move(trace); }
 
   /// Once all probes have been run.
   EpisodeResult result() const;
@@ -147,7 +148,7 @@ class Episode {
   Protocol protocol_;
   int index_;
   std::array<pusht::Rollout, kModeCount> rollouts_;
-  Recalled recalled_;
+  std::vector<std::optional<pusht::Trace>> probes_;  // by probe of the protocol; none: not yet run
 };
 
 /// Episodes in flight: they advance together, so that the policy sees batches and worlds step in lanes. What becomes
@@ -203,7 +204,8 @@ struct Players {
 };
 
 /// Runs the protocol in `threads` threads. `deliver` gets every episode when it has finished, not in order but one at a
-/// time; `stop` is asked before every control step and ends the run early when true. Neither the reference nor its
+/// time; `stop` is asked before every control step of the modes and ends the run early when
+/// true. Neither the reference nor its
 /// floor is rolled out for episodes that are in `references`; those of the others are kept there. Results depend
 /// neither on the number of threads nor on `references`.
 void runProtocol(const Protocol& protocol, const Players& players, int threads, const ReferenceCache* references,

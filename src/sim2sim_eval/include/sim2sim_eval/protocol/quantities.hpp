@@ -19,7 +19,8 @@ namespace sim2sim {
 struct RolloutView {
   const pusht::Rollout& rollout;
   const pusht::Trace& reference;
-  int anchor_every = 0;  ///< control steps after which it was put to the reference's state; 0: never
+  int anchor_every = 0;                  ///< control steps after which it was put to the reference's state; 0: never
+  const pusht::Trace* replay = nullptr;  ///< of the engine, for its closed loop
 };
 
 // How to compute them. NaN where an episode has none.
@@ -44,6 +45,10 @@ double nullAngleDivergence(const RolloutView& view);
 double anchorPositionError(const RolloutView& view);
 double anchorAngleError(const RolloutView& view);
 
+/// How much less the closed loop diverges than the replay, mean over the steps that both and the reference have: what
+/// the policy's feedback removes. Below 0 it adds.
+double absorbedPositionDivergence(const RolloutView& view);
+double absorbedAngleDivergence(const RolloutView& view);
 /// [1/step] How fast the reference amplifies a small difference; growthRate() of a floor, in protocol/parting.hpp.
 double growthRateOf(const RolloutView& view);
 
@@ -54,6 +59,7 @@ constexpr int kEarlySteps = 20;
 enum class Scope {
   kModes,     ///< the modes: what became of the task
   kCompared,  ///< all but the reference itself
+  kClosed,    ///< the engine in closed loop
   kAnchored,  ///< those that are put to the reference's state
   kFloor,     ///< the reference from a start that is moved by 1e-6 m
 };
@@ -86,6 +92,10 @@ inline constexpr std::array kQuantities = {
     Quantity{"null_position_divergence", "m", Scope::kCompared, 0.0, kUnlimited, nullptr, nullPositionDivergence,
              nullptr},
     Quantity{"null_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, nullptr, nullAngleDivergence, nullptr},
+    Quantity{"absorbed_position_divergence", "m", Scope::kClosed, -kUnlimited, kUnlimited, nullptr,
+             absorbedPositionDivergence, nullptr},
+    Quantity{"absorbed_angle_divergence", "rad", Scope::kClosed, -pusht::kPi, pusht::kPi, nullptr,
+             absorbedAngleDivergence, nullptr},
     Quantity{"anchor_position_error", "m", Scope::kAnchored, 0.0, kUnlimited, nullptr, anchorPositionError, nullptr},
     Quantity{"anchor_angle_error", "rad", Scope::kAnchored, 0.0, pusht::kPi, nullptr, anchorAngleError, nullptr},
     Quantity{"growth_rate", "per_step", Scope::kFloor, -kUnlimited, kUnlimited, nullptr, growthRateOf, nullptr},

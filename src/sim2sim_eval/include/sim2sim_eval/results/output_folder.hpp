@@ -2,6 +2,7 @@
 /// A folder that one command at a time writes results into.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -18,6 +19,11 @@ constexpr const char* kBandsFile = "divergence.csv";
 constexpr const char* kEpisodesFile = "episodes.csv";
 constexpr const char* kProvenanceFile = "provenance.json";
 constexpr const char* kStatusFile = "status.json";
+
+constexpr const char* kSweepFile = "sweep.json";
+
+/// The folder of a row of a sweep: rows/007.
+std::filesystem::path rowFolder(const std::filesystem::path& sweep, std::size_t row);
 
 constexpr int kStatusFormat = 1;  ///< of status.json
 

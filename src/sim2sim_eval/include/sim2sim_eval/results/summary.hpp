@@ -65,9 +65,7 @@ struct Summary {
   std::vector<Means> means;            ///< over the episodes that have the quantity, by rollout; NaN where none has
   std::vector<Yardsticks> yardsticks;  ///< by rollout; none for the reference
   Partings partings{};                 ///< of the replay
-  /// How much less the closed loop diverges than the replay, over the same episodes: what the policy's feedback
-  /// removes; by kDivergencePairs.
-  std::array<Difference, kDivergencePairs.size()> absorbed{};
+  std::optional<Partings> floor{};     ///< of the widest floor, if there is one: when the reference leaves itself
 
   const Estimate& mean(std::size_t rollout, std::string_view quantity) const {
     return means.at(rollout)[quantityIndex(quantity)];

@@ -51,6 +51,9 @@ Estimate meanOf(const std::vector<double>& samples, double limit = std::numeric_
 /// (Statistics & Probability Letters, 1986).
 Estimate medianOf(std::vector<double> samples);
 
+/// Of at least two samples, which are some of many; in their unit.
+double standardDeviation(const std::vector<double>& samples);
+
 /// The `p` quantile, 0 <= p <= 1, of at least one sample in rising order; between two of them it is interpolated.
 /// Source: type 7 of R. J. Hyndman and Y. Fan, "Sample Quantiles in Statistical Packages" (1996); numpy's default.
 double quantileOf(const std::vector<double>& sorted, double p);

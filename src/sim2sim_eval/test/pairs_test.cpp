@@ -30,7 +30,7 @@ void forEachTable(int pairs, const std::function<void(const PairTable&)>& visit)
   }
 }
 
-void expectNear(const std::optional<Interval>& interval, double low, double high, double tolerance) {
+void expectEnds(const std::optional<Interval>& interval, double low, double high, double tolerance) {
   ASSERT_TRUE(interval);
   EXPECT_NEAR(interval->low, low, tolerance);
   EXPECT_NEAR(interval->high, high, tolerance);
@@ -41,8 +41,8 @@ void expectNear(const std::optional<Interval>& interval, double low, double high
 /// intervals for paired binomial proportions" (Statistics in Medicine, 2014): first is after, second before.
 TEST(Pairs, MatchTheWorkedExampleOfFagerland) {
   const PairTable airways = {1, 7, 1, 12};
-  expectNear(tangoInterval(airways), -0.517, -0.026, 0.0005);
-  expectNear(tangInterval(airways), 0.065, 0.907, 0.0005);
+  expectEnds(tangoInterval(airways), -0.517, -0.026, 0.0005);
+  expectEnds(tangInterval(airways), 0.065, 0.907, 0.0005);
   EXPECT_NEAR(mcnemarExact(airways), 0.0703, 0.00005);
   EXPECT_NEAR(mcnemarMidP(airways), 0.0391, 0.00005);
 }
@@ -50,28 +50,28 @@ TEST(Pairs, MatchTheWorkedExampleOfFagerland) {
 /// What an independent program found: it searches for the most likely table that has the difference or the ratio
 /// numerically (scipy 1.10, optimize.minimize_scalar), where we use the closed forms of the papers.
 TEST(Pairs, MatchANumericalSearchForTheMostLikelyTable) {
-  expectNear(tangoInterval({59, 16, 6, 80}), -0.12402343245834008, -0.005433394817170249, 1e-7);
-  expectNear(tangInterval({59, 16, 6, 80}), 0.7475790588858745, 0.9876149301461644, 1e-7);
-  expectNear(tangoInterval({6, 24, 3, 17}), -0.5747650977335065, -0.23777366352953214, 1e-7);
-  expectNear(tangInterval({6, 24, 3, 17}), 0.15850320837126844, 0.5403980326149325, 1e-7);
-  expectNear(tangoInterval({3, 2, 12, 33}), 0.06111240683061966, 0.34470874847776345, 1e-7);
-  expectNear(tangInterval({3, 2, 12, 33}), 1.3376195704136244, 7.135462688895675, 1e-6);
-  expectNear(tangoInterval({0, 30, 0, 20}), -0.7239161026974344, -0.4618143774758937, 1e-7);
-  expectNear(tangInterval({0, 30, 0, 20}), 0.0, 0.1280486274402845, 1e-7);
+  expectEnds(tangoInterval({59, 16, 6, 80}), -0.12402343245834008, -0.005433394817170249, 1e-7);
+  expectEnds(tangInterval({59, 16, 6, 80}), 0.7475790588858745, 0.9876149301461644, 1e-7);
+  expectEnds(tangoInterval({6, 24, 3, 17}), -0.5747650977335065, -0.23777366352953214, 1e-7);
+  expectEnds(tangInterval({6, 24, 3, 17}), 0.15850320837126844, 0.5403980326149325, 1e-7);
+  expectEnds(tangoInterval({3, 2, 12, 33}), 0.06111240683061966, 0.34470874847776345, 1e-7);
+  expectEnds(tangInterval({3, 2, 12, 33}), 1.3376195704136244, 7.135462688895675, 1e-6);
+  expectEnds(tangoInterval({0, 30, 0, 20}), -0.7239161026974344, -0.4618143774758937, 1e-7);
+  expectEnds(tangInterval({0, 30, 0, 20}), 0.0, 0.1280486274402845, 1e-7);
 }
 
 /// Where both always agree, the equations can be solved by hand.
 TEST(Pairs, WithoutDiscordantPairsHaveAClosedForm) {
   const double z2 = kZ * kZ;
-  expectNear(tangoInterval({10, 0, 0, 40}), -z2 / (50.0 + z2), z2 / (50.0 + z2), 1e-12);
-  expectNear(tangInterval({10, 0, 0, 40}), 10.0 / (10.0 + z2), (10.0 + z2) / 10.0, 1e-12);
+  expectEnds(tangoInterval({10, 0, 0, 40}), -z2 / (50.0 + z2), z2 / (50.0 + z2), 1e-12);
+  expectEnds(tangInterval({10, 0, 0, 40}), 10.0 / (10.0 + z2), (10.0 + z2) / 10.0, 1e-12);
 }
 
 /// With every pair discordant the difference is 2 p - 1, p being the rate of the second; and the score is Wilson's.
 TEST(TangoInterval, IsWilsonsIfAllPairsAreDiscordant) {
   for (const int successes : {0, 3, 10, 19, 20}) {
     const Interval wilson = wilsonInterval(successes, 20);
-    expectNear(tangoInterval({0, 20 - successes, successes, 0}), 2.0 * wilson.low - 1.0, 2.0 * wilson.high - 1.0,
+    expectEnds(tangoInterval({0, 20 - successes, successes, 0}), 2.0 * wilson.low - 1.0, 2.0 * wilson.high - 1.0,
                1e-12);
   }
 }
@@ -90,7 +90,7 @@ TEST(TangoInterval, StaysWithinItsRangeAndHoldsWhatWasSeen) {
 TEST(Pairs, MirrorTheirIntervalsWhenTheRolesSwap) {
   forEachTable(10, [](const PairTable& table) {
     const Interval difference = *tangoInterval(table);
-    expectNear(tangoInterval(swapped(table)), -difference.high, -difference.low, 1e-9);
+    expectEnds(tangoInterval(swapped(table)), -difference.high, -difference.low, 1e-9);
     const std::optional<Interval> ratio = tangInterval(table);
     const std::optional<Interval> inverse = tangInterval(swapped(table));
     if (ratio && inverse && ratio->low > 0.0) {

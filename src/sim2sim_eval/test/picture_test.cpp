@@ -113,6 +113,9 @@ Summary someSummary() {
   summary.engine = {4, 0.2, wilsonInterval(4, 20)};
   summary.means.resize(kModeCount);
   summary.yardsticks.resize(kModeCount);
+  for (Yardstick& yardstick : summary.yardsticks[kEngineReplay]) {
+    yardstick.minus_null = {-0.024, Interval{-0.03, -0.02}, 0.001};
+  }
   auto& replay = summary.means[kEngineReplay];
   replay[quantityIndex("mean_position_divergence")] = {0.0821, Interval{0.0682, 0.0953}};
   replay[quantityIndex("mean_angle_divergence")] = {0.948, Interval{0.771, 1.126}};
@@ -366,7 +369,6 @@ TEST(Picture, SaysWhatTheFinishedEpisodesSay) {
 
 TEST(Picture, MarksADivergenceThatDoesNotBeatTheNullModel) {
   Summary summary = someSummary();
-  summary.yardsticks[kEngineReplay][0].minus_null = {-0.024, Interval{-0.03, -0.02}, 0.001};
   summary.yardsticks[kEngineReplay][1].minus_null = {0.01, Interval{-0.1, 0.12}, 0.8};
   EXPECT_THAT(texts(DriftingEpisode(kAway, 0.02, 0.1).update(summary), "engine_replay"),
               Contains("divergence 0.082 m, 0.95 rad (!)"));

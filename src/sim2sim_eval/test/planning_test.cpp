@@ -17,7 +17,7 @@
 namespace sim2sim {
 namespace {
 
-std::mt19937_64 seeded(std::uint64_t seed) { return std::mt19937_64(seed); }
+std::mt19937_64 randomPlan(std::uint64_t seed) { return std::mt19937_64(seed); }
 
 /// How often Student's t finds a mean difference, in units of the standard deviation, if the differences are normal.
 double powerOfT(double difference, int pairs) {
@@ -88,7 +88,7 @@ TEST(McNemarPower, MatchesTheSumOverAllOutcomes) {
 
 /// The test itself, on drawn pairs.
 TEST(McNemarPower, IsHowOftenTheTestFindsIt) {
-  std::mt19937_64 random = seeded(5);
+  std::mt19937_64 random = randomPlan(5);
   std::uniform_real_distribution<double> uniform;
   constexpr int kRuns = 2000;
   int found = 0;

@@ -159,7 +159,8 @@ std::vector<EpisodeResult> episodesAgainstNull(double difference) {
     }
     RolloutResult& replay = episode.rollouts[kEngineReplay];
     replay.at("null_position_divergence") = 0.1 + 0.001 * (episode.index % 3);
-    replay.at("mean_position_divergence") = replay.at("null_position_divergence") + difference + 1e-4 * (episode.index % 2);
+    replay.at("mean_position_divergence") =
+        replay.at("null_position_divergence") + difference + 1e-4 * (episode.index % 2);
     replay.at("null_angle_divergence") = 1.0;
     replay.at("mean_angle_divergence") = 0.5 + 0.001 * (episode.index % 2);
   }

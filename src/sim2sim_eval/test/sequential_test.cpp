@@ -28,7 +28,7 @@ struct Probabilities {
 /// The two-mass engine against MuJoCo, at the default knob (docs/statistics.md).
 constexpr Probabilities kDefault = {0.1240, 0.4885, 0.0661};
 
-std::mt19937_64 seeded(std::uint64_t seed) { return std::mt19937_64(seed); }
+std::mt19937_64 randomWalk(std::uint64_t seed) { return std::mt19937_64(seed); }
 
 struct Pair {
   bool first;
@@ -76,7 +76,7 @@ class Purses {
 };
 
 TEST(TransferBet, IsTheGameAsItIsPlayed) {
-  std::mt19937_64 random = seeded(1);
+  std::mt19937_64 random = randomWalk(1);
   for (const double share : {0.1, 0.31, 0.5, 1.0}) {
     TransferBet bet(share);
     Purses more(share, 1.0);
@@ -170,7 +170,7 @@ TEST(TransferBet, RefusesSharesThatItCannotBetOn) {
 
 /// At the truth each verdict is one in at most 5 % of runs, within four standard errors; well below it, it is found.
 TEST(TransferBet, ErrsAsRarelyAsItSays) {
-  std::mt19937_64 random = seeded(2);
+  std::mt19937_64 random = randomWalk(2);
   const double truth = (kDefault.both + kDefault.second_only) / (kDefault.both + kDefault.first_only);
   constexpr int kRuns = 500;
   int keeps = 0;
@@ -222,7 +222,7 @@ TEST(TransferSequence, BeginsWithEverything) {
 TEST(TransferSequence, RefusesNegativeCounts) { EXPECT_THROW(transferSequence({1, -1, 1, 1}), pusht::InvalidInput); }
 
 TEST(TransferSequence, MirrorsWhenTheRolesSwapAndHoldsWhatWasSeen) {
-  std::mt19937_64 random = seeded(3);
+  std::mt19937_64 random = randomWalk(3);
   PairTable table;
   for (int i = 1; i <= 600; ++i) {
     const Pair pair = draw({0.2, 0.3, 0.3}, random);
@@ -379,7 +379,7 @@ TEST(DifferenceSequence, HasNoIntervalWithoutSpread) {
 
 /// Skewed differences with mean 0: the sign is called in at most 5 % of runs, within four standard errors.
 TEST(DifferenceSequence, ErrsAboutAsRarelyAsItSays) {
-  std::mt19937_64 random = seeded(4);
+  std::mt19937_64 random = randomWalk(4);
   std::lognormal_distribution<double> distance(0.0, 0.5);
   constexpr int kRuns = 500;
   int called = 0;

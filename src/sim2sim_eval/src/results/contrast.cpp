@@ -216,6 +216,9 @@ std::vector<fs::path> runsIn(const fs::path& folder) {
   if (fs::exists(folder / kMetricsFile, ignored)) {
     return {folder};
   }
+  if (!fs::exists(folder / kSweepFile, ignored)) {
+    throw pusht::InvalidInput("results " + folder.string() + ": must be the folder of a whole run or of a sweep");
+  }
   const json sweep = json::parse(pusht::readFile(folder / kSweepFile, "results"), nullptr, false);
   const std::size_t count =
       sweep.is_object() ? sweep.value(json::json_pointer("/sweep/rows"), json::array()).size() : 0;

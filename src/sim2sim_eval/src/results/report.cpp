@@ -52,7 +52,7 @@ json rounded(const std::optional<Interval>& interval) {
 }
 
 constexpr int kStatisticsFormat = 1;  // of statistics.json
-constexpr std::array kQuantiles = {0.05, 0.25, 0.75, 0.95};
+constexpr std::array kShownQuantiles = {0.05, 0.25, 0.75, 0.95};
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFixedColumns = 5;    // those before the quantities
 constexpr std::size_t kPartingColumns = 3;  // those behind them
@@ -128,7 +128,7 @@ json distribution(std::vector<double> samples, const Quantity& quantity) {
   figures["standard_deviation"] = samples.size() < 2 ? json() : rounded(standardDeviation(samples));
   figures["median"] = rounded(median.value);
   figures["median_interval"] = rounded(median.interval);
-  for (const double probability : kQuantiles) {
+  for (const double probability : kShownQuantiles) {
     figures["quantiles"][shortestText(probability)] = rounded(quantileOf(samples, probability));
   }
   return figures;

@@ -9,7 +9,7 @@
 namespace sim2sim {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoRatio = std::numeric_limits<double>::quiet_NaN();
 
 /// The place of the floor with the largest shift of the start, if the protocol has one.
 std::optional<std::size_t> widestFloor(const Protocol& protocol) {
@@ -66,7 +66,7 @@ Difference differenceOf(const std::vector<EpisodeResult>& episodes, const Place&
   return meanDifference(differences);
 }
 
-double ratio(double a, double b) { return b > 0.0 ? a / b : kNone; }
+double ratio(double a, double b) { return b > 0.0 ? a / b : kNoRatio; }
 
 /// `floor` is the place of the floor's rollout, if there is one.
 Yardstick yardstickOf(const std::vector<EpisodeResult>& episodes, const Summary& summary, std::size_t rollout,
@@ -77,7 +77,7 @@ Yardstick yardstickOf(const std::vector<EpisodeResult>& episodes, const Summary&
   return {medianOf(samplesOf(episodes, rollout, divergence)),
           differenceOf(episodes, {rollout, divergence}, {rollout, null_model}),
           ratio(mean, summary.means[rollout][null_model].value),
-          floor ? ratio(mean, summary.means[*floor][divergence].value) : kNone};
+          floor ? ratio(mean, summary.means[*floor][divergence].value) : kNoRatio};
 }
 
 }  // namespace

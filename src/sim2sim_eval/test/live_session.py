@@ -207,11 +207,13 @@ class LiveSession(GoalCase):
         for world, mode in (("reference", "reference_closed"), ("engine_replay",) * 2):
             last = EPISODES - 1
             end = taken[mode, last]
-            seen = self.states[world].until(
-                lambda state, end=end: (state.episode, state.step) == (last, end)
-            )
+
+            def ended(state: Any, end: int = end) -> bool:
+                return bool((state.episode, state.step) == (last, end))
+
+            seen = self.states[world].until(ended)
             steps = sum(taken[mode, episode] + 1 for episode in range(EPISODES))
-            self.assertEqual(len(seen), steps, "the modes alone")
+            self.assertEqual(len(seen), steps + 1, "the modes, and the reset that takes it over")
 
     def test_ends_when_it_is_decided(self) -> None:
         decided = ("--policy", "expert", "--episodes", "60", "--until-decided", "0.9")

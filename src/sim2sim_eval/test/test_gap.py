@@ -8,7 +8,6 @@ import math
 import os
 import sys
 import unittest
-from pathlib import Path
 from typing import Any, Dict, List
 
 import numpy as np

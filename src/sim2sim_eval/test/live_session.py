@@ -4,6 +4,7 @@
 
 import json
 import math
+from collections import Counter
 from pathlib import Path
 from typing import Any, Dict, List, Set, Tuple
 
@@ -213,7 +214,10 @@ class LiveSession(GoalCase):
 
             seen = self.states[world].until(ended)
             steps = sum(taken[mode, episode] + 1 for episode in range(EPISODES))
-            self.assertEqual(len(seen), steps + 1, "the modes, and the reset that takes it over")
+            times = Counter((state.episode, state.step) for state in seen)
+            self.assertEqual(len(times), steps, "the modes alone")
+            twice = {state for state, count in times.items() if count > 1}
+            self.assertLessEqual(twice, {(0, 0)}, "the reset that takes the world over may be seen")
 
     def test_ends_when_it_is_decided(self) -> None:
         decided = ("--policy", "expert", "--episodes", "60", "--until-decided", "0.9")

@@ -11,6 +11,9 @@ namespace {
 /// Faults in one episode after which the nodes are beyond help.
 constexpr int kMostFaults = 5;
 
+/// Control steps of probes after which all nodes are asked whether they are still there: about ten times a second.
+constexpr int kStepsPerCheck = 100;
+
 pusht::RuntimeFault interruptedIn(int episode) {
   return pusht::RuntimeFault("interrupted in episode " + std::to_string(episode));
 }
@@ -32,7 +35,16 @@ bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, L
     observer.onStep(under_way, cast.stamps().now());
   }
   cast.silence();
-  const Episode episode = std::move(flight.land().front());
+  int probed = 0;
+  const auto watch = [&] {  // the nodes that rest meanwhile may be lost, too
+    if (stop()) {
+      throw interruptedIn(index);
+    }
+    if (++probed % kStepsPerCheck == 0) {
+      cast.requireUndisturbed();
+    }
+  };
+  const Episode episode = std::move(flight.land(watch).front());
   try {
     cast.requireUndisturbed();
   } catch (pusht::Error& error) {

@@ -71,7 +71,7 @@ Probe probeFrom(const std::string& name) {
 }
 
 pusht::Trace runProbe(const Probe& probe, const pusht::WorldState& start, const pusht::Trace& reference,
-                      pusht::BatchSimulator& world, std::size_t lane, int& step) {
+                      pusht::BatchSimulator& world, std::size_t lane, const std::function<void(int)>& before_step) {
   const int in_lane = static_cast<int>(lane);
   pusht::WorldState moved = start;
   moved.tee_position.x() += probe.start_offset;
@@ -80,7 +80,8 @@ pusht::Trace runProbe(const Probe& probe, const pusht::WorldState& start, const 
   trace.states.push_back(world.state(in_lane));
   trace.actions = reference.actions;
   std::vector<std::optional<pusht::Action>> actions(static_cast<std::size_t>(world.lanes()));
-  for (step = 0; step < static_cast<int>(reference.steps()); ++step) {
+  for (int step = 0; step < static_cast<int>(reference.steps()); ++step) {
+    before_step(step);
     const auto k = static_cast<std::size_t>(step);
     if (probe.anchor_every > 0 && step > 0 && step % probe.anchor_every == 0) {
       world.reset(in_lane, reference.states[k]);

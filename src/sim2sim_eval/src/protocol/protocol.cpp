@@ -284,11 +284,11 @@ void Flight::advance(Mode mode, std::size_t& next_answer) {
   }
 }
 
-std::vector<Episode> Flight::land() {
+std::vector<Episode> Flight::land(const std::function<void()>& watch) {
   std::vector<Episode> landed;
   for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
     if (episodes_[lane] && episodes_[lane]->finished()) {
-      probe(*episodes_[lane], lane);
+      probe(*episodes_[lane], lane, watch);
       landed.push_back(std::move(*episodes_[lane]));
       episodes_[lane].reset();
     }
@@ -296,7 +296,7 @@ std::vector<Episode> Flight::land() {
   return landed;
 }
 
-void Flight::probe(Episode& episode, std::size_t lane) const {
+void Flight::probe(Episode& episode, std::size_t lane, const std::function<void()>& watch) const {
   const int index = episode.index();
   for (std::size_t i = 0; i < protocol_.probes.size(); ++i) {
     if (episode.probe(i)) {
@@ -305,9 +305,13 @@ void Flight::probe(Episode& episode, std::size_t lane) const {
     const Probe& probe = protocol_.probes[i];
     pusht::BatchSimulator& world = *worlds_[probe.role == Role::kReference ? kReferenceClosed : kEngineReplay];
     int step = 0;
+    const auto before_step = [&](int next) {
+      step = next;
+      watch();
+    };
     located(protocol_, index, probe.name, step, [&] {
       const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-      episode.recordProbe(i, runProbe(probe, protocol_.start(index), reference, world, lane, step));
+      episode.recordProbe(i, runProbe(probe, protocol_.start(index), reference, world, lane, before_step));
     });
   }
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -42,9 +43,9 @@ std::vector<int> reanchorFrom(const std::string& text);
 /// The probe of that name. Throws InvalidInput if there is none.
 Probe probeFrom(const std::string& name);
 
-/// Runs a probe in a lane of `world`. `start` is that of the episode, `reference` what the reference did in it; `step`
-/// is the one that is under way. Throws as BatchSimulator does.
+/// Runs a probe in a lane of `world`. `start` is that of the episode, `reference` what the reference did in it; before
+/// each step, `before_step` is given its index, and may throw. Throws as BatchSimulator does.
 pusht::Trace runProbe(const Probe& probe, const pusht::WorldState& start, const pusht::Trace& reference,
-                      pusht::BatchSimulator& world, std::size_t lane, int& step);
+                      pusht::BatchSimulator& world, std::size_t lane, const std::function<void(int)>& before_step);
 
 }  // namespace sim2sim

@@ -170,16 +170,16 @@ class Flight {
   /// finite.
   void advance();
 
-  /// Takes out the episodes that have finished, when their probes have been run, in the worlds that they leave. Throws
-  /// as begin().
-  std::vector<Episode> land();
+  /// Takes out the episodes that have finished, when their probes have been run, in the worlds that they leave.
+  /// `watch` is called before every step of a probe, and may throw. Throws as begin().
+  std::vector<Episode> land(const std::function<void()>& watch = [] {});
 
  private:
   void askPolicy();
   pusht::Rollout start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory);
   bool steps(Mode mode, std::size_t lane) const { return episodes_[lane] && episodes_[lane]->goesOn(mode); }
   void advance(Mode mode, std::size_t& next_action);
-  void probe(Episode& episode, std::size_t lane) const;
+  void probe(Episode& episode, std::size_t lane, const std::function<void()>& watch) const;
 
   Protocol protocol_;
   const Worlds& worlds_;

@@ -94,8 +94,9 @@ Columns columns(const json& metrics, const std::vector<std::string>& settings) {
     for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
       const std::string name = metricName(rollouts[rollout], quantity);
       for (const char* figure : {"_median_", "_minus_null_"}) {
-        const std::string mean = name + figure;
-        add(mean + unit, mean + "interval_" + unit);
+        std::string interval = name + figure;
+        const std::string value = interval + unit;
+        add(value, interval.append("interval_").append(unit));
       }
       for (const char* figure : {"_share_of_null", "_over_floor", "_beats_null"}) {
         add(name + figure);

@@ -163,9 +163,9 @@ Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pus
           std::make_unique<pusht::SimulatorLanes>(std::move(replay))};
 }
 
-Episode::Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts,
+Episode::Episode(Protocol protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts,
                  std::vector<std::optional<pusht::Trace>> probes)
-    : protocol_(protocol), index_(index), rollouts_(std::move(rollouts)), probes_(std::move(probes)) {
+    : protocol_(std::move(protocol)), index_(index), rollouts_(std::move(rollouts)), probes_(std::move(probes)) {
   probes_.resize(protocol_.probes.size());
 }
 

@@ -116,7 +116,7 @@ Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pus
 /// One episode: three rollouts from one start, advanced in lockstep by a Flight, and the probes that follow.
 class Episode {
  public:
-  Episode(const Protocol& protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts,
+  Episode(Protocol protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts,
           std::vector<std::optional<pusht::Trace>> probes = {});
 
   int index() const { return index_; }

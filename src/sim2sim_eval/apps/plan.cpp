@@ -141,6 +141,9 @@ std::string needed(const Question& question) {
   if (!question.wanted) {
     return "";
   }
+  if (!question.deviation && !question.discordant) {
+    return "unknown: the pilot is too short";
+  }
   const std::optional<int> episodes = question.deviation ? sim2sim::episodesFor(*question.deviation, *question.wanted)
                                       : *question.wanted <= question.discordant.value_or(0.0)
                                           ? sim2sim::episodesForRates(*question.discordant, *question.wanted)

@@ -178,7 +178,7 @@ std::string partedText(const Partings& partings) {
                               : count;
 }
 
-/// "first contact begins: 24 of 46"
+/// "most at: sticking on bar, 17"
 std::string causeText(const Partings& partings) {
   if (partings.parted == 0) {
     return "";

@@ -204,10 +204,9 @@ struct Players {
 };
 
 /// Runs the protocol in `threads` threads. `deliver` gets every episode when it has finished, not in order but one at a
-/// time; `stop` is asked before every control step of the modes and ends the run early when
-/// true. Neither the reference nor its
-/// floor is rolled out for episodes that are in `references`; those of the others are kept there. Results depend
-/// neither on the number of threads nor on `references`.
+/// time; `stop` is asked before every control step of the modes and ends the run early when true. Neither the reference
+/// nor its floor is rolled out for episodes that are in `references`; those of the others are kept there. Results
+/// depend neither on the number of threads nor on `references`.
 void runProtocol(const Protocol& protocol, const Players& players, int threads, const ReferenceCache* references,
                  const std::function<void(Episode&&)>& deliver, const std::function<bool()>& stop);
 

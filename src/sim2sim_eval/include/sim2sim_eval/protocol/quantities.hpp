@@ -69,8 +69,8 @@ struct Quantity {
   const char* name;   ///< as in messages; with the unit, a column of episodes.csv
   const char* unit;   ///< "m"
   Scope scope;        ///< which rollouts have it
-  double least;       ///< value that there can be
-  double limit;       ///< the largest value that there can be
+  double least;       ///< that there can be
+  double limit;       ///< the largest that there can be
   const char* label;  ///< of its line in the table; nullptr: it has none
   double (*compute)(const RolloutView& view);
   const char* course_key;  ///< in metrics.json, of its mean over the replays; nullptr where the course has none

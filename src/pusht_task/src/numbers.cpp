@@ -46,6 +46,12 @@ std::string fixedText(double value, int digits) {
               std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, digits));
 }
 
+std::string significantText(double value, int digits) {
+  Buffer buffer{};
+  return text(buffer,
+              std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, digits));
+}
+
 double roundToMicro(double value) {
   constexpr int kDigits = 6;
   const std::string rounded = fixedText(value, kDigits);

@@ -59,5 +59,12 @@ TEST(RoundToMicro, IsPythons) {
   EXPECT_EQ(roundToMicro(1e15), 1e15);
 }
 
+TEST(SignificantText, HasTheDigitsThatCount) {
+  EXPECT_EQ(significantText(0.0123456, 3), "0.0123");
+  EXPECT_EQ(significantText(1.23456e-9, 3), "1.23e-09");
+  EXPECT_EQ(significantText(67.9, 2), "68");
+  EXPECT_EQ(significantText(0.0, 3), "0");
+}
+
 }  // namespace
 }  // namespace pusht

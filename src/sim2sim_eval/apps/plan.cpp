@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Says before a run what differences it can show.
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <iomanip>
 #include <iostream>
 #include <optional>
 #include <sstream>
@@ -12,9 +9,11 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/results/contrast.hpp"
 #include "sim2sim_eval/results/summary.hpp"
+#include "sim2sim_eval/results/text.hpp"
 #include "sim2sim_eval/statistics/planning.hpp"
 
 namespace {
@@ -39,36 +38,17 @@ struct Question {
 };
 
 std::string significant(double value) {
-  std::ostringstream text;
-  text << std::setprecision(2) << value;
-  return text.str();
+  constexpr int kDigits = 2;
+  return pusht::significantText(value, kDigits);
 }
 
-std::string padded(std::string text, std::size_t width) {
-  text.resize(std::max(width, text.size() + 1), ' ');
-  return text;
-}
-
-/// The spread of a quantity's difference, by episode, between two places.
-template <class Value>
-std::optional<double> spreadOf(const RunResults& run, const Value& difference) {
-  std::vector<double> differences;
-  for (std::size_t i = 0; i < run.episodes.size(); ++i) {
-    if (const double value = difference(i); !std::isnan(value)) {
-      differences.push_back(value);
-    }
-  }
+std::optional<double> deviationOf(const std::vector<double>& differences) {
   return differences.size() < 2 ? std::nullopt : std::optional(sim2sim::standardDeviation(differences));
 }
 
-template <class Both>
-double discordanceOf(const RunResults& run, const Both& both) {
-  int discordant = 0;
-  for (std::size_t i = 0; i < run.episodes.size(); ++i) {
-    const auto [one, other] = both(i);
-    discordant += one != other ? 1 : 0;
-  }
-  return discordant / static_cast<double>(run.episodes.size());
+/// The share of pairs in which only one succeeds.
+double discordanceOf(const sim2sim::PairTable& table) {
+  return (table.first_only + table.second_only) / static_cast<double>(table.pairs());
 }
 
 std::vector<Question> questionsOf(const Options& options, const RunResults& pilot,
@@ -76,51 +56,27 @@ std::vector<Question> questionsOf(const Options& options, const RunResults& pilo
   using sim2sim::kEngineClosed;
   using sim2sim::kEngineReplay;
   using sim2sim::kReferenceClosed;
-  const auto succeeded = [](const RunResults& run, std::size_t episode, std::size_t rollout) {
-    return run.episodes[episode].rollouts[rollout].success;
-  };
-  const auto figure = [](const RunResults& run, std::size_t episode, const char* quantity) {
-    return run.episodes[episode].rollouts[kEngineReplay].at(quantity);
-  };
   const std::array<std::pair<std::string, std::optional<double>>, 2> names = {
       std::make_pair("position divergence [m]", options.position), {"angle divergence [rad]", options.angle}};
 
   std::vector<Question> questions;
-  questions.push_back({"success, engine - reference",
-                       {},
-                       discordanceOf(pilot,
-                                     [&](std::size_t i) {
-                                       return std::make_pair(succeeded(pilot, i, kReferenceClosed),
-                                                             succeeded(pilot, i, kEngineClosed));
-                                     }),
-                       options.success});
+  const auto success = [&](const std::string& text, const sim2sim::PairTable& table) {
+    questions.push_back({text, {}, discordanceOf(table), options.success});
+  };
+  success("success, engine - reference",
+          sim2sim::pairsOf(pilot.episodes, kReferenceClosed, pilot.episodes, kEngineClosed));
   if (other) {
-    questions.push_back({"success, other - pilot",
-                         {},
-                         discordanceOf(pilot,
-                                       [&](std::size_t i) {
-                                         return std::make_pair(succeeded(pilot, i, kEngineClosed),
-                                                               succeeded(*other, i, kEngineClosed));
-                                       }),
-                         options.success});
+    success("success, other - pilot", sim2sim::pairsOf(pilot.episodes, kEngineClosed, other->episodes, kEngineClosed));
   }
   for (std::size_t k = 0; k < sim2sim::kDivergencePairs.size(); ++k) {
-    const sim2sim::DivergencePair& pair = sim2sim::kDivergencePairs[k];
-    const auto& [name, wanted] = names.at(k);
-    questions.push_back(
-        {name + ", against null model",
-         spreadOf(pilot,
-                  [&](std::size_t i) { return figure(pilot, i, pair.divergence) - figure(pilot, i, pair.null_model); }),
-         {},
-         wanted});
+    const sim2sim::Place divergence{kEngineReplay, sim2sim::quantityIndex(sim2sim::kDivergencePairs[k].divergence)};
+    const sim2sim::Place null_model{kEngineReplay, sim2sim::quantityIndex(sim2sim::kDivergencePairs[k].null_model)};
+    const auto spread = [&](const std::string& text, const std::vector<double>& differences) {
+      questions.push_back({names.at(k).first + text, deviationOf(differences), {}, names.at(k).second});
+    };
+    spread(", against null model", sim2sim::differencesOf(pilot.episodes, divergence, pilot.episodes, null_model));
     if (other) {
-      questions.push_back({name + ", other - pilot",
-                           spreadOf(pilot,
-                                    [&](std::size_t i) {
-                                      return figure(*other, i, pair.divergence) - figure(pilot, i, pair.divergence);
-                                    }),
-                           {},
-                           wanted});
+      spread(", other - pilot", sim2sim::differencesOf(other->episodes, divergence, pilot.episodes, divergence));
     }
   }
   return questions;
@@ -170,15 +126,15 @@ void plan(const Options& options) {
   constexpr std::size_t kText = 44;
   constexpr std::size_t kColumn = 10;
   std::ostringstream table;  // whole or not at all
-  table << padded("smallest difference shown in [episodes]", kText);
+  table << sim2sim::padded("smallest difference shown in [episodes]", kText);
   for (const int episodes : options.episodes) {
-    table << padded(std::to_string(episodes), kColumn);
+    table << sim2sim::padded(std::to_string(episodes), kColumn);
   }
   table << "\n";
   for (const Question& question : questionsOf(options, pilot, other)) {
-    table << padded(question.text, kText);
+    table << sim2sim::padded(question.text, kText);
     for (const int episodes : options.episodes) {
-      table << padded(shown(question, episodes), kColumn);
+      table << sim2sim::padded(shown(question, episodes), kColumn);
     }
     table << needed(question) << "\n";
   }

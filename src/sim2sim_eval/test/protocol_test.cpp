@@ -102,6 +102,12 @@ Worlds enginePairs(int lanes) {
           std::make_unique<pusht::TwoMassLanes>(lanes)};
 }
 
+/// The engine against itself.
+Worlds sameEngines(int lanes) {
+  return {std::make_unique<pusht::TwoMassLanes>(lanes), std::make_unique<pusht::TwoMassLanes>(lanes),
+          std::make_unique<pusht::TwoMassLanes>(lanes)};
+}
+
 const std::function<bool()> kNeverStop = [] { return false; };
 
 std::vector<EpisodeResult> run(const Protocol& protocol, const Players& players, int threads = 1,
@@ -181,11 +187,7 @@ TEST(Protocol, PartsOfARunAreTheRun) {
 TEST(Protocol, ReplayInTheSameSimulatorDoesNotDiverge) {
   Protocol protocol;
   protocol.episodes = 10;
-  const auto make_worlds = [](int lanes) {
-    return Worlds{std::make_unique<pusht::TwoMassLanes>(lanes), std::make_unique<pusht::TwoMassLanes>(lanes),
-                  std::make_unique<pusht::TwoMassLanes>(lanes)};
-  };
-  for (const EpisodeResult& episode : run(protocol, {make_worlds, expert})) {
+  for (const EpisodeResult& episode : run(protocol, {sameEngines, expert})) {
     EXPECT_EQ(episode.rollouts[kEngineReplay].at("mean_position_divergence"), 0.0);
     EXPECT_EQ(episode.rollouts[kEngineReplay].at("mean_angle_divergence"), 0.0);
     EXPECT_EQ(episode.rollouts[kEngineClosed].steps, episode.rollouts[kReferenceClosed].steps);
@@ -397,10 +399,6 @@ TEST(Probes, EarlyDivergenceIsOfEpisodesThatLastLongEnough) {
 TEST(Probes, TheFloorIsTheReferenceFromAMovedStart) {
   Protocol protocol;
   protocol.episodes = 5;
-  const auto make_worlds = [](int lanes) {
-    return Worlds{std::make_unique<pusht::TwoMassLanes>(lanes), std::make_unique<pusht::TwoMassLanes>(lanes),
-                  std::make_unique<pusht::TwoMassLanes>(lanes)};
-  };
   ASSERT_EQ(protocol.probes, floorProbes());
   const auto deliver = [&](const Episode& episode) {
     const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
@@ -417,7 +415,7 @@ TEST(Probes, TheFloorIsTheReferenceFromAMovedStart) {
     EXPECT_GT(result.rollouts[kModeCount + 1].at("mean_position_divergence"),
               result.rollouts[kModeCount].at("mean_position_divergence"));
   };
-  runProtocol(protocol, {make_worlds, expert}, 1, nullptr, deliver, kNeverStop);
+  runProtocol(protocol, {sameEngines, expert}, 1, nullptr, deliver, kNeverStop);
 }
 
 TEST(Probes, AreKnownByName) {

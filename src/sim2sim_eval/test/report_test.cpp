@@ -143,7 +143,7 @@ TEST(Summarize, PairsTheOutcomes) {
   EXPECT_EQ(outcomes.table.first_only, 21);
   EXPECT_EQ(outcomes.table.second_only, 0);
   EXPECT_EQ(outcomes.table.neither, 19);
-  EXPECT_NEAR(outcomes.difference, -21.0 / 50.0, 1e-15);
+  EXPECT_NEAR(outcomes.table.difference(), -21.0 / 50.0, 1e-15);
   EXPECT_NEAR(outcomes.p_exact, std::pow(0.5, 20), 1e-18) << "21 of 21 discordant pairs on one side";
   ASSERT_TRUE(outcomes.difference_interval && outcomes.transfer_interval);
   EXPECT_LT(outcomes.difference_interval->high, 0.0);

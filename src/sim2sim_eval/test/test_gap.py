@@ -115,7 +115,7 @@ class Probes(GapCase):
         five = self.column("out", "engine_reanchored_5", "anchor_position_error_m")
         self.assertTrue(np.nanmean(five) > np.nanmean(each) > 0)
 
-    def test_partings_follow_from_the_bands(self) -> None:
+    def test_partings_and_bands_count_the_rows(self) -> None:
         self.finished(COMPARE, "--episodes", "20", *EXPERT, "--out", "out")
         parted = [row for row in self.rows("out", "engine_replay") if row["parting_step"]]
         self.assertTrue(parted)

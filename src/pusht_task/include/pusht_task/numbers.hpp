@@ -38,6 +38,9 @@ std::string shortestText(double value);
 /// `value` with `digits` digits after the point, correctly rounded: 0.082000.
 std::string fixedText(double value, int digits);
 
+/// `value` with the first `digits` digits that count, as C's %g writes it: 0.0123, 1.23e-09.
+std::string significantText(double value, int digits);
+
 /// The double nearest to `value` rounded to six decimals, as Python's round(value, 6).
 double roundToMicro(double value);
 

@@ -34,7 +34,7 @@ class Recorder {
   Recorder(const fs::path& path, const nlohmann::ordered_json& provenance)
       : bag_(path, provenance, defaultWorldNames(), nextStamp()) {}
 
-  void record(const Episode& episode, const Run& run) {
+  void record(const Episode& episode, const EpisodeResult& result, const Run& run) {
     ros::Time stamp;
     for (int step = 0; step <= episode.steps(); ++step) {
       stamp = nextStamp();
@@ -43,7 +43,7 @@ class Recorder {
     }
     const Protocol& protocol = run.configuration().protocol;
     bag_.writeProbes(protocol, episode, stamp);
-    bag_.write(toMessage(protocol, episode.result(), stamp));
+    bag_.write(toMessage(protocol, result, stamp));
     bag_.write(summaryMessage(run.configuration(), run.summary(), stamp));
   }
 
@@ -57,6 +57,27 @@ class Recorder {
 
   pusht::StampSource stamps_;
   RunBag bag_;
+};
+
+/// Hands episodes that come in any order on in that of their indices, until nobody needs further ones.
+class InOrder {
+ public:
+  /// `take` gets the episodes from index `first` on, and returns whether it needs further ones.
+  InOrder(int first, std::function<bool(const Episode&)> take) : next_(first), take_(std::move(take)) {}
+
+  void add(Episode&& episode) {
+    waiting_.emplace(episode.index(), std::move(episode));
+    for (auto first = waiting_.begin(); goes_on_ && first != waiting_.end() && first->first == next_; ++next_) {
+      goes_on_ = take_(first->second);
+      first = waiting_.erase(first);
+    }
+  }
+
+ private:
+  int next_;
+  std::function<bool(const Episode&)> take_;
+  bool goes_on_ = true;
+  std::map<int, Episode> waiting_;  // for those before them
 };
 
 /// Writes those that `protocol` has; an empty `path` means none.
@@ -179,27 +200,27 @@ void compare(const CompareOptions& options) {
     int reference_successes = 0;
     int engine_successes = 0;
     const auto take = [&](const Episode& episode) {
-      run.add(episode);
+      const EpisodeResult result = run.add(episode);
       if (recorder) {
-        recorder->record(episode, run);
+        recorder->record(episode, result, run);
       }
-      reference_successes += episode.rollout(kReferenceClosed).success() ? 1 : 0;
-      engine_successes += episode.rollout(kEngineClosed).success() ? 1 : 0;
+      reference_successes += result.rollouts[kReferenceClosed].success ? 1 : 0;
+      engine_successes += result.rollouts[kEngineClosed].success ? 1 : 0;
       bar.advance("success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
     };
     std::atomic<bool> decided = false;
-    std::map<int, Episode> waiting;  // for those before them
-    int next = configuration.protocol.first_episode;
-    const auto take_in_order = [&](Episode&& episode) {
-      waiting.emplace(episode.index(), std::move(episode));
-      for (auto first = waiting.begin(); !decided && first != waiting.end() && first->first == next; ++next) {
-        take(first->second);
-        first = waiting.erase(first);
-        decided = run.decided();
+    InOrder in_order(configuration.protocol.first_episode, [&](const Episode& episode) {
+      take(episode);
+      decided = run.decided();
+      return !decided;
+    });
+    const auto deliver = [&](Episode&& episode) {
+      if (options.until_decided) {
+        in_order.add(std::move(episode));
+      } else {
+        take(episode);
       }
     };
-    const std::function<void(Episode &&)> deliver =
-        options.until_decided ? std::function<void(Episode &&)>(take_in_order) : take;
     try {
       runProtocol(configuration.protocol, setup.players(engine), options.batch.threadCount(),
                   references ? &*references : nullptr, deliver, [&] { return decided || interrupted(); });

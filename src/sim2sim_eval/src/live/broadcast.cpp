@@ -83,16 +83,17 @@ void Broadcast::repeat() const {
   markers_.publish(update_);
 }
 
-void Broadcast::finish(const Episode& episode, const Summary& finished, const ros::Time& stamp) {
+void Broadcast::finish(const Episode& episode, const EpisodeResult& result, const Summary& finished,
+                       const ros::Time& stamp) {
   finished_ = finished;
   summary_ = summaryMessage(configuration_, finished_, stamp);
   const Protocol& protocol = configuration_.protocol;
-  const pusht_msgs::EpisodeResult result = toMessage(protocol, episode.result(), stamp);
-  episode_.publish(result);
+  const pusht_msgs::EpisodeResult message = toMessage(protocol, result, stamp);
+  episode_.publish(message);
   summary_topic_.publish(summary_);
   if (bag_) {
     bag_->writeProbes(protocol, episode, stamp);
-    bag_->write(result);
+    bag_->write(message);
     bag_->write(summary_);
   }
   draw(episode, stamp, true);

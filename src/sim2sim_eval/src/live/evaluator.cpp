@@ -459,8 +459,8 @@ void Evaluator::onStep(const Episode& episode, const ros::Time& stamp) {
 }
 
 bool Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
-  run_->add(episode);
-  broadcast_.finish(episode, run_->summary(), stamp);
+  const EpisodeResult result = run_->add(episode);
+  broadcast_.finish(episode, result, run_->summary(), stamp);
   const std::string line = line_->of(run_->summary());
   if (!line.empty()) {
     ROS_INFO_STREAM(line);

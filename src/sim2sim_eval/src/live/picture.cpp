@@ -14,6 +14,7 @@
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
 #include "sim2sim_eval/protocol/divergence.hpp"
+#include "sim2sim_eval/results/text.hpp"
 
 namespace sim2sim {
 
@@ -275,10 +276,6 @@ void drawGhost(Sheet& sheet, Mode mode, const pusht::WorldState& state) {
   outline.points = pusht::teeOutline();
 }
 
-std::string inBrackets(const Interval& interval, int digits) {
-  return "[" + fixedText(interval.low, digits) + ", " + fixedText(interval.high, digits) + "]";
-}
-
 /// A figure of the finished episodes in large, and how sure it is in small.
 struct Result {
   std::string figure;
@@ -288,7 +285,7 @@ struct Result {
 Result successResult(const SuccessRate& rate, int episodes) {
   return {
       "success " + std::to_string(rate.successes) + "/" + std::to_string(episodes) + " = " + fixedText(rate.rate, 2),
-      "95% interval " + inBrackets(rate.interval, 2)};
+      "95% interval " + bracketed(rate.interval, 2)};
 }
 
 Result divergenceResult(const Summary& summary) {
@@ -299,7 +296,7 @@ Result divergenceResult(const Summary& summary) {
                 ""};
   if (position.interval && angle.interval) {
     result.certainty =
-        "95% intervals " + inBrackets(*position.interval, 3) + " m, " + inBrackets(*angle.interval, 2) + " rad";
+        "95% intervals " + bracketed(*position.interval, 3) + " m, " + bracketed(*angle.interval, 2) + " rad";
   }
   return result;
 }

@@ -2,7 +2,6 @@
 #include "sim2sim_eval/results/bands.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numeric>
 
@@ -35,14 +34,6 @@ double rankedValue(const std::vector<std::uint32_t>& bins, std::uint64_t total, 
     ++bin;
   }
   return valueOf(bin);
-}
-
-/// With three digits that count: more would pretend.
-std::string shortText(double value) {
-  constexpr int kDigits = 3;
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, kDigits);
-  return std::string(text.data(), end.ptr);
 }
 
 }  // namespace
@@ -93,7 +84,8 @@ std::string DivergenceBands::csv() const {
       text += curve.mode + "," + std::to_string(step) + "," + std::to_string(episodes);
       for (const Bins& component : curve.steps[step]) {
         for (const double p : kQuantiles) {
-          text += "," + shortText(rankedValue(component, episodes, p));
+          constexpr int kDigits = 3;  // more would pretend
+          text += "," + pusht::significantText(rankedValue(component, episodes, p), kDigits);
         }
       }
       text += "\n";

@@ -12,6 +12,7 @@
 #include "sim2sim_eval/results/output_folder.hpp"
 #include "sim2sim_eval/results/report.hpp"
 #include "sim2sim_eval/results/run_configuration.hpp"
+#include "sim2sim_eval/results/text.hpp"
 
 namespace sim2sim {
 namespace {
@@ -66,15 +67,11 @@ void requirePairs(const RunResults& baseline, const RunResults& other) {
 }
 
 ContrastRow rowOf(const RunResults& baseline, const RunResults& other, std::size_t rollout, std::size_t quantity) {
-  std::vector<double> differences;
+  const Place place{rollout, quantity};
+  const std::vector<double> differences = differencesOf(other.episodes, place, baseline.episodes, place);
   DifferenceSequence watched;
-  for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
-    const double difference = other.episodes[i].rollouts[rollout].quantities[quantity] -
-                              baseline.episodes[i].rollouts[rollout].quantities[quantity];
-    if (!std::isnan(difference)) {
-      differences.push_back(difference);
-      watched.add(difference);
-    }
+  for (const double difference : differences) {
+    watched.add(difference);
   }
   return {metricName(baseline.protocol.rolloutNames()[rollout], kQuantities[quantity]),
           kQuantities[quantity].unit,
@@ -91,16 +88,14 @@ Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
   for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
     const bool before = baseline.episodes[i].rollouts[kEngineClosed].success;
     const bool now = other.episodes[i].rollouts[kEngineClosed].success;
-    contrast.successes.add(before, now);
     watched.add(before, now);
     if (before != now) {
       (now ? contrast.gained : contrast.lost).push_back(baseline.episodes[i].index);
     }
   }
-  const PairTable& table = contrast.successes;
-  contrast.difference = (table.second_only - table.first_only) / static_cast<double>(table.pairs());
-  contrast.interval = tangoInterval(table);
-  contrast.p = mcnemarMidP(table);
+  contrast.successes = watched.counts();
+  contrast.interval = tangoInterval(contrast.successes);
+  contrast.p = mcnemarMidP(contrast.successes);
   contrast.decided_after = watched.decidedAfter();
   const std::size_t rollouts = baseline.protocol.rolloutNames().size();
   for (std::size_t rollout = 0; rollout < rollouts; ++rollout) {
@@ -145,13 +140,9 @@ json jsonOf(const std::optional<Number>& number) {
 
 std::string countCell(const std::optional<int>& count) { return count ? std::to_string(*count) : "-"; }
 
-/// "0.0012", with a star where that is a finding.
+/// With a star where that is a finding.
 std::string probabilityCell(const std::optional<double>& p) {
-  constexpr double kLeast = 1e-4;
-  if (!p) {
-    return "";
-  }
-  return (*p < kLeast ? "< 0.0001" : pusht::fixedText(*p, 4)) + (*p <= 1.0 - kConfidence ? " *" : "");
+  return p ? probabilityText(*p) + (*p <= 1.0 - kConfidence ? " *" : "") : "";
 }
 
 std::string line(const std::string& name, const std::string& difference, const std::string& p,
@@ -159,10 +150,6 @@ std::string line(const std::string& name, const std::string& difference, const s
   constexpr std::size_t kName = 42;
   constexpr std::size_t kDifference = 38;
   constexpr std::size_t kProbability = 11;
-  const auto padded = [](std::string text, std::size_t width) {
-    text.resize(std::max(width, text.size() + 1), ' ');
-    return text;
-  };
   return "  " + padded(name, kName) + padded(difference, kDifference) + padded(p, kProbability) +
          padded(adjusted, kProbability) + decided + "\n";
 }
@@ -256,7 +243,7 @@ json toJson(const RunResults& baseline, const std::vector<Contrast>& contrasts) 
     json figures = json::object();
     figures["engine_success_rate"] = {{"unit", ""},
                                       {"episodes", contrast.successes.pairs()},
-                                      {"difference", contrast.difference},
+                                      {"difference", contrast.successes.difference()},
                                       {"interval", jsonOf(contrast.interval)},
                                       {"p", contrast.p},
                                       {"adjusted_p", contrast.adjusted_p},
@@ -287,7 +274,7 @@ std::string table(const RunResults& baseline, const std::vector<Contrast>& contr
   for (const Contrast& contrast : contrasts) {
     text += contrast.title + "\n  against " + baseline.title() + ", " + std::to_string(contrast.successes.pairs()) +
             " episodes\n" + line("", "difference", "p", "Holm", "decided after") +
-            line("engine_success_rate", signedText(contrast.difference, contrast.interval, "", kRateDigits),
+            line("engine_success_rate", signedText(contrast.successes.difference(), contrast.interval, "", kRateDigits),
                  probabilityCell(contrast.p), probabilityCell(contrast.adjusted_p), countCell(contrast.decided_after));
     for (const ContrastRow& row : contrast.rows) {
       text += line(row.name, signedText(row.difference.value, row.difference.interval, row.unit, kDigits),

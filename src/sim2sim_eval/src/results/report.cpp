@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <iomanip>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -14,6 +13,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
+#include "sim2sim_eval/results/text.hpp"
 
 namespace sim2sim {
 
@@ -38,10 +38,7 @@ double readable(double value) {
   if (value == 0.0 || std::abs(value) >= kSmall) {
     return roundToMicro(value);
   }
-  std::array<char, 32> text{};
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific, kDigits - 1);
-  return numberFrom<double>(std::string(text.data(), end.ptr));
+  return numberFrom<double>(pusht::significantText(value, kDigits));
 }
 
 /// null where there is none.
@@ -134,14 +131,6 @@ json distribution(std::vector<double> samples, const Quantity& quantity) {
   return figures;
 }
 
-std::string bracketed(const Interval& interval, int digits) {
-  return "[" + fixedText(interval.low, digits) + ", " + fixedText(interval.high, digits) + "]";
-}
-
-std::string padded(const std::string& text, std::size_t width) {
-  return text + std::string(width > text.size() ? width - text.size() : 1, ' ');
-}
-
 /// Of the table.
 std::string line(const std::string& head, const std::string& left, const std::string& right) {
   constexpr std::size_t kHead = 24;
@@ -160,15 +149,9 @@ std::string transferText(const Outcomes& outcomes) {
          (interval ? " [" + percent(interval->low) + ", " + percent(interval->high) + "]" : "");
 }
 
-std::string probabilityText(double p) {
-  constexpr double kLeast = 1e-4;
-  return p < kLeast ? "< 0.0001" : fixedText(p, 4);
-}
-
 std::string timesText(double multiple) {
-  std::ostringstream text;
-  text << std::scientific << std::setprecision(1) << multiple;
-  return std::isnan(multiple) ? "undefined" : text.str() + " times";
+  constexpr int kDigits = 2;
+  return std::isnan(multiple) ? "undefined" : pusht::significantText(multiple, kDigits) + " times";
 }
 
 /// "46 of 50 episodes, half by 1.3 s"
@@ -240,7 +223,7 @@ json outcomes(const Outcomes& outcomes) {
           {"only_reference_succeeds", outcomes.table.first_only},
           {"only_engine_succeeds", outcomes.table.second_only},
           {"neither_succeeds", outcomes.table.neither},
-          {"success_difference", rounded(outcomes.difference)},
+          {"success_difference", rounded(outcomes.table.difference())},
           {"success_difference_interval", rounded(outcomes.difference_interval)},
           {"success_difference_p", outcomes.p},
           {"success_difference_exact_p", outcomes.p_exact}};
@@ -389,14 +372,6 @@ std::string cell(const Estimate& estimate, const std::string& unit) {
   return estimate.interval ? value + " " + bracketed(*estimate.interval, kDigits) : value;
 }
 
-std::string signedText(double value, const std::optional<Interval>& interval, const std::string& unit, int digits) {
-  if (std::isnan(value)) {
-    return "none";
-  }
-  return (value > 0.0 ? "+" : "") + fixedText(value, digits) + (unit.empty() ? "" : " " + unit) +
-         (interval ? " " + bracketed(*interval, digits) : "");
-}
-
 std::string doubtMark(const Summary& summary, std::string_view divergence) {
   for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
     if (divergence == kDivergencePairs[i].divergence) {
@@ -438,7 +413,7 @@ std::string table(const RunConfiguration& configuration, const Summary& summary)
       line("success, closed loop", cell(summary.reference), cell(summary.engine)) +
       line("transfer", "", transferText(outcomes)) +
       line("engine - reference", "McNemar p " + probabilityText(outcomes.p),
-           signedText(outcomes.difference, outcomes.difference_interval, "", 3)) +
+           signedText(outcomes.table.difference(), outcomes.difference_interval, "", 3)) +
       line("the same episodes",
            "both " + std::to_string(pairs.both) + ", reference only " + std::to_string(pairs.first_only),
            "engine only " + std::to_string(pairs.second_only) + ", neither " + std::to_string(pairs.neither)) +

@@ -18,7 +18,7 @@ Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::orde
   folder_.begin(provenance, configuration_.protocol.episodes);
 }
 
-void Run::add(const Episode& episode) {
+EpisodeResult Run::add(const Episode& episode) {
   const EpisodeResult result = episode.result();
   const auto after = std::upper_bound(episodes_.begin(), episodes_.end(), result,
                                       [](const auto& a, const auto& b) { return a.index < b.index; });
@@ -26,6 +26,7 @@ void Run::add(const Episode& episode) {
   bands_.add(episode);
   watch(result);
   summary_.reset();
+  return result;
 }
 
 void Run::take(std::vector<EpisodeResult> episodes, DivergenceBands bands) {

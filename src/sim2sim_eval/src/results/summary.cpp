@@ -28,13 +28,9 @@ SuccessRate successRate(const std::vector<EpisodeResult>& episodes, Mode mode) {
 }
 
 Outcomes outcomesOf(const std::vector<EpisodeResult>& episodes) {
-  PairTable table;
-  for (const EpisodeResult& episode : episodes) {
-    table.add(episode.rollouts[kReferenceClosed].success, episode.rollouts[kEngineClosed].success);
-  }
+  const PairTable table = pairsOf(episodes, kReferenceClosed, episodes, kEngineClosed);
   Outcomes outcomes;
   outcomes.table = table;
-  outcomes.difference = (table.second_only - table.first_only) / static_cast<double>(table.pairs());
   outcomes.difference_interval = tangoInterval(table);
   outcomes.p = mcnemarMidP(table);
   outcomes.p_exact = mcnemarExact(table);
@@ -46,26 +42,6 @@ Outcomes outcomesOf(const std::vector<EpisodeResult>& episodes) {
   return outcomes;
 }
 
-/// A figure of a rollout.
-struct Place {
-  std::size_t rollout;
-  std::size_t quantity;
-};
-
-/// What one figure is more than the other, over the episodes that have both.
-Difference differenceOf(const std::vector<EpisodeResult>& episodes, const Place& more, const Place& less) {
-  std::vector<double> differences;
-  differences.reserve(episodes.size());
-  for (const EpisodeResult& episode : episodes) {
-    const double difference = episode.rollouts[more.rollout].quantities[more.quantity] -
-                              episode.rollouts[less.rollout].quantities[less.quantity];
-    if (!std::isnan(difference)) {
-      differences.push_back(difference);
-    }
-  }
-  return meanDifference(differences);
-}
-
 double ratio(double a, double b) { return b > 0.0 ? a / b : kNoRatio; }
 
 /// `floor` is the place of the floor's rollout, if there is one.
@@ -75,12 +51,35 @@ Yardstick yardstickOf(const std::vector<EpisodeResult>& episodes, const Summary&
   const std::size_t null_model = quantityIndex(pair.null_model);
   const double mean = summary.means[rollout][divergence].value;
   return {medianOf(samplesOf(episodes, rollout, divergence)),
-          differenceOf(episodes, {rollout, divergence}, {rollout, null_model}),
+          meanDifference(differencesOf(episodes, {rollout, divergence}, episodes, {rollout, null_model})),
           ratio(mean, summary.means[rollout][null_model].value),
           floor ? ratio(mean, summary.means[*floor][divergence].value) : kNoRatio};
 }
 
 }  // namespace
+
+std::vector<double> differencesOf(const std::vector<EpisodeResult>& more, const Place& place_in_more,
+                                  const std::vector<EpisodeResult>& less, const Place& place_in_less) {
+  std::vector<double> differences;
+  differences.reserve(more.size());
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    const double difference = more[i].rollouts[place_in_more.rollout].quantities[place_in_more.quantity] -
+                              less[i].rollouts[place_in_less.rollout].quantities[place_in_less.quantity];
+    if (!std::isnan(difference)) {
+      differences.push_back(difference);
+    }
+  }
+  return differences;
+}
+
+PairTable pairsOf(const std::vector<EpisodeResult>& first, std::size_t rollout_in_first,
+                  const std::vector<EpisodeResult>& second, std::size_t rollout_in_second) {
+  PairTable table;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    table.add(first[i].rollouts[rollout_in_first].success, second[i].rollouts[rollout_in_second].success);
+  }
+  return table;
+}
 
 std::optional<bool> Yardstick::beatsNull() const {
   return minus_null.interval ? std::optional(minus_null.interval->high < 0.0) : std::nullopt;

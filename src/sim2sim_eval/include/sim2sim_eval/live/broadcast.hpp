@@ -38,7 +38,7 @@ class Broadcast {
   pusht_msgs::Divergence step(const Episode& episode, const ros::Time& stamp, bool paced);
 
   /// An episode has finished; `finished` are all that have, by index.
-  void finish(const Episode& episode, const Summary& finished, const ros::Time& stamp);
+  void finish(const Episode& episode, const EpisodeResult& result, const Summary& finished, const ros::Time& stamp);
 
   /// The run has ended, well or not: the bag is put in its place. Throws RuntimeFault if that fails.
   void end();

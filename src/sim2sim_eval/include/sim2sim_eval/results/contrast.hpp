@@ -46,8 +46,7 @@ struct ContrastRow {
 struct Contrast {
   std::string title;                   ///< of the other
   PairTable successes;                 ///< of the engine; first: the baseline
-  double difference;                   ///< of the success rates, other - baseline
-  std::optional<Interval> interval{};  ///< of that, Tango's
+  std::optional<Interval> interval{};  ///< of the difference of the rates, Tango's
   double p;                            ///< McNemar's, mid-p
   double adjusted_p{};                 ///< after Holm, over the whole family
   std::optional<int> decided_after{};  ///< as in ContrastRow; AnyDifference

@@ -49,9 +49,6 @@ nlohmann::json statistics(const Protocol& protocol, const std::vector<EpisodeRes
 std::string cell(const SuccessRate& rate);
 std::string cell(const Estimate& estimate, const std::string& unit);
 
-/// "-0.0240 m [-0.0310, -0.0170]": a difference.
-std::string signedText(double value, const std::optional<Interval>& interval, const std::string& unit, int digits);
-
 /// " (!)" behind a mean divergence of the replay that is not surely less than that of a tee that never moves; else
 /// empty.
 std::string doubtMark(const Summary& summary, std::string_view divergence);

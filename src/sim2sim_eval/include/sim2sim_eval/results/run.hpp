@@ -24,8 +24,8 @@ class Run {
 
   const RunConfiguration& configuration() const { return configuration_; }
 
-  /// In any order, each once; in that of their indices if the run ends when it is decided.
-  void add(const Episode& episode);
+  /// In any order, each once; in that of their indices if the run ends when it is decided. Returns what it adds.
+  EpisodeResult add(const Episode& episode);
 
   /// Episodes that have been gathered elsewhere, instead of add().
   void take(std::vector<EpisodeResult> episodes, DivergenceBands bands);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -21,10 +22,24 @@ struct SuccessRate {
   Interval interval;
 };
 
+/// Where a figure stands in the results of an episode.
+struct Place {
+  std::size_t rollout;
+  std::size_t quantity;
+};
+
+/// What one figure is more than the other, episode by episode, of those that have both. The two may be of one run, or
+/// of two runs over the same episodes.
+std::vector<double> differencesOf(const std::vector<EpisodeResult>& more, const Place& place_in_more,
+                                  const std::vector<EpisodeResult>& less, const Place& place_in_less);
+
+/// Who succeeds in which episodes, likewise.
+PairTable pairsOf(const std::vector<EpisodeResult>& first, std::size_t rollout_in_first,
+                  const std::vector<EpisodeResult>& second, std::size_t rollout_in_second);
+
 /// How the engine's successes stand to the reference's, over the same episodes.
 struct Outcomes {
-  PairTable table;
-  double difference;                            ///< of the rates, engine - reference
+  PairTable table;                              ///< first: the reference
   std::optional<Interval> difference_interval;  ///< Tango's
   double p;                                     ///< McNemar's test, mid-p: are the rates equal?
   double p_exact;

@@ -22,6 +22,8 @@ struct PairTable {
   /// Throws pusht::InvalidInput if a count is negative, as all functions of a table do.
   void validate() const;
   int pairs() const { return both + first_only + second_only + neither; }
+  /// Of the success rates, second - first.
+  double difference() const { return (second_only - first_only) / static_cast<double>(pairs()); }
 };
 
 /// Of the difference of success rates, second - first, in [-1, 1]; none below kFewestEpisodes pairs.

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Figures as people read them, wherever they are printed.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "sim2sim_eval/statistics/intervals.hpp"
+
+namespace sim2sim {
+
+/// "[0.0700, 0.0934]"
+std::string bracketed(const Interval& interval, int digits);
+
+/// `text` filled up with blanks to `width`; one blank at least.
+std::string padded(const std::string& text, std::size_t width);
+
+/// "-0.0240 m [-0.0310, -0.0170]": a difference. "none" for NaN.
+std::string signedText(double value, const std::optional<Interval>& interval, const std::string& unit, int digits);
+
+/// "0.0012", "< 0.0001"
+std::string probabilityText(double p);
+
+}  // namespace sim2sim

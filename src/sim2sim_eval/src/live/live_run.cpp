@@ -35,6 +35,15 @@ bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, L
     observer.onStep(under_way, cast.stamps().now());
   }
   cast.silence();
+  const auto end_undisturbed = [&] {
+    try {
+      cast.requireUndisturbed();
+    } catch (pusht::Error& error) {
+      error.addContext("end of episode " + std::to_string(index));
+      throw;
+    }
+  };
+  end_undisturbed();
   int probed = 0;
   const auto watch = [&] {  // the nodes that rest meanwhile may be lost, too
     if (stop()) {
@@ -45,12 +54,7 @@ bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, L
     }
   };
   const Episode episode = std::move(flight.land(watch).front());
-  try {
-    cast.requireUndisturbed();
-  } catch (pusht::Error& error) {
-    error.addContext("end of episode " + std::to_string(index));
-    throw;
-  }
+  end_undisturbed();
   return observer.onFinish(episode, cast.stamps().now());
 }
 

@@ -1,67 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_policy/policy_choice.hpp"
 
+#include <boost/dll/runtime_symbol_info.hpp>
+#include <boost/dll/shared_library.hpp>
 #include <system_error>
-#include <utility>
-#include <vector>
 
-#include "pusht_policy/network_policy.hpp"
+#include "network_choice.hpp"
 #include "pusht_policy/scripted_expert.hpp"
-#include "pusht_task/files.hpp"
+#include "pusht_task/error.hpp"
 
 namespace pusht {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// What libtorch computes with, as far as that is loaded. A BLAS may have its code in a library behind the one that
-/// libtorch calls.
-const std::vector<std::string> kLibtorchLibraries = {"libtorch_cpu.so", "libc10.so",   "libdnnl.so", "libsleef.so",
-                                                     "libXNNPACK.so",   "libgomp.so",  "libblas.so", "libblis",
-                                                     "liblapack.so",    "libopenblas", "libatlas",   "libmkl"};
-
-nlohmann::json provenanceOf(const NetworkInfo& info) {
-  nlohmann::json provenance = {{"sha256", info.sha256},
-                               {"runs_on", info.runsOnKernel() ? "fixed-order kernel" : "libtorch"},
-                               {"libtorch", info.libtorch_version},
-                               {"blas", info.blas}};
-  if (info.runsOnKernel()) {
-    provenance["operations"] = info.operations;
-    provenance["instruction_set"] = info.instruction_set;
-  } else {
-    provenance["libtorch_choices"] = libtorchChoices();
-    provenance["note"] = "the bits of this run depend on the BLAS; not on the kernel: " + info.why_not_on_kernel;
-  }
-  return provenance;
-}
-
-/// What its bits depend on, besides libraries: the kernel computes the same everywhere, libtorch does not. The BLAS is
-/// known by its bytes: another may have come under its name.
-nlohmann::json identityOf(const NetworkInfo& info) {
-  if (info.runsOnKernel()) {
-    return {{"sha256", info.sha256}, {"operations", info.operations}};
-  }
-  return {{"sha256", info.sha256},
-          {"libtorch", info.libtorch_version},
-          {"libtorch_choices", libtorchChoices()},
-          {"blas", info.blas.empty() ? "" : sha256(readFile(info.blas, "BLAS"))}};
-}
-
-ChosenPolicy trained(const fs::path& path, const std::string& name, const std::function<bool()>& stop) {
-  const std::shared_ptr<const NetworkPolicy> policy =
-      NetworkPolicy::load(path, availableInstructionSets().back(), NetworkPolicy::kLoadDeadline, stop);
-  return {[policy] { return policy->clone(); },
-          name,
-          identityOf(policy->info()),
-          provenanceOf(policy->info()),
-          policy->info().runsOnKernel() ? std::vector<std::string>() : kLibtorchLibraries,
-          ""};
-}
-
-ChosenPolicy untrained(std::uint64_t seed, const std::string& warning = "") {
-  const std::shared_ptr<const NetworkPolicy> policy = NetworkPolicy::untrained(seed);
-  const nlohmann::json identity = {{"untrained_seed", seed}, {"libtorch", policy->info().libtorch_version}};
-  return {[policy] { return policy->clone(); }, kUntrainedPolicy, identity, provenanceOf(policy->info()), {}, warning};
+/// The library of the networks; it stays loaded, since policies of it may live until the program ends.
+const NetworkPolicies& networkPolicies() {
+  static const NetworkPolicies* const policies = [] {
+    const fs::path path = fs::path(boost::dll::this_line_location().string()).replace_filename(kNetworkPolicyLibrary);
+    try {
+      namespace mode = boost::dll::load_mode;
+      // Global, so that it can be asked which BLAS there is. Never freed.
+      const auto& library = *new boost::dll::shared_library(path.string(), mode::rtld_now | mode::rtld_global);
+      return &library.get<const NetworkPolicies>(kNetworkPolicies);
+    } catch (const boost::system::system_error& error) {
+      throw BadDependency("library " + path.string() + ": cannot be loaded: " + error.what());
+    }
+  }();
+  return *policies;
 }
 
 }  // namespace
@@ -76,21 +42,22 @@ ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, c
             ""};
   }
   if (choice.policy == kUntrainedPolicy) {
-    return untrained(choice.untrained_seed);
+    return networkPolicies().untrained(choice.untrained_seed, "");
   }
   if (choice.policy == kShippedPolicy) {
-    return trained(shipped, kShippedPolicy, stop);
+    return networkPolicies().trained(shipped, kShippedPolicy, stop);
   }
   std::error_code ignored;
   const bool missing = fs::status(choice.policy, ignored).type() == fs::file_type::not_found;
   if (choice.require_policy || choice.policy.empty() || !missing) {
-    return trained(choice.policy, choice.policy, stop);
+    return networkPolicies().trained(choice.policy, choice.policy, stop);
   }
   // The course's guard, the one place where a measurement goes on with something else than was asked for.
-  return untrained(choice.untrained_seed,
-                   "policy " + choice.policy +
-                       ": there is no such file. Running an UNTRAINED policy instead: success and transfer say nothing "
-                       "until a trained one is named.");
+  return networkPolicies().untrained(
+      choice.untrained_seed,
+      "policy " + choice.policy +
+          ": there is no such file. Running an UNTRAINED policy instead: success and transfer say nothing "
+          "until a trained one is named.");
 }
 
 }  // namespace pusht

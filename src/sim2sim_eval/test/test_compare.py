@@ -9,6 +9,7 @@ import json
 import os
 import pickle
 import pty
+import shutil
 import signal
 import subprocess
 import sys
@@ -709,6 +710,24 @@ class Faults(CompareCase):
             json.dumps({"checkpoint": {"sha256": "0" * 64}})
         )
         self.assertIn("SHA-256", self.refused(3, "--policy", policy))
+
+    def test_f33_library_of_the_networks_that_is_not_there(self) -> None:
+        library = Path(executable("sim2sim_eval", "compare")).parents[1] / "libpusht_policy.so"
+        shutil.copy(library, self.folder)
+        alone = {"LD_LIBRARY_PATH": f"{self.folder}:{os.environ['LD_LIBRARY_PATH']}"}
+        line = self.refused(3, "--episodes", "1", environment=alone)
+        self.assertIn(f"library {self.folder}/libpusht_network_policy.so: cannot be loaded", line)
+        self.finished("--policy", "expert", "--episodes", "1", environment=alone)
+
+    def test_expert_needs_no_libtorch(self) -> None:
+        watched = {"LD_DEBUG": "files"}
+        for policy, needs in (("expert", False), ("bc", True)):
+            process = self.compare(
+                *("--policy", policy, "--episodes", "1", "--out", policy), environment=watched
+            )
+            self.assertEqual(process.returncode, 0)
+            self.assertIn("libpusht_policy.so", process.stderr)
+            self.assertEqual("libtorch" in process.stderr, needs, policy)
 
     def test_f7_policy_that_does_not_fit(self) -> None:
         nan_weights = Straight()

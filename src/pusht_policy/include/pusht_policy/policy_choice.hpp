@@ -29,11 +29,12 @@ struct ChosenPolicy {
   std::string name;                               ///< the string given, or "fresh-untrained"
   nlohmann::json identity;    ///< two policies with the same one, run by the same code, act the same, bit by bit
   nlohmann::json provenance;  ///< where it comes from and what it runs on
-  std::vector<std::string> libraries;  ///< begin the names of those that compute it, if loaded, besides our own
+  std::vector<std::string> libraries;  ///< begin the names of those that compute it, besides pusht_policy, if loaded
   std::string warning;                 ///< says that something else runs than was asked for; else empty
 };
 
-/// `shipped` is the checkpoint that "bc" names. Throws as NetworkPolicy::load does, which heeds `stop`.
+/// `shipped` is the checkpoint that "bc" names. Throws as NetworkPolicy::load does, which heeds `stop`; and
+/// BadDependency if the library of the networks, which is loaded for all but the expert, is not beside this one.
 ChosenPolicy choosePolicy(
     const PolicyChoice& choice, const std::filesystem::path& shipped,
     const std::function<bool()>& stop = [] { return false; });

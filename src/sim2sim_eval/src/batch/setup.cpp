@@ -8,7 +8,7 @@
 namespace sim2sim {
 namespace {
 
-/// Those that compute a rollout, besides the simulator's own and those that a policy on libtorch takes.
+/// Those that compute a rollout, besides those of the simulators and of the policy.
 const std::vector<std::string> kLibraries = {"libm.so", "libpusht_task.so", "libpusht_policy.so",
                                              "libsim2sim_protocol.so"};
 

@@ -66,4 +66,4 @@ ChosenPolicy untrained(std::uint64_t seed, const std::string& warning) {
 }  // namespace
 }  // namespace pusht
 
-extern "C" const pusht::NetworkPolicies pusht_network_policies = {pusht::trained, pusht::untrained};
+extern "C" const pusht::NetworkPolicies kNetworkPolicies = {pusht::trained, pusht::untrained};

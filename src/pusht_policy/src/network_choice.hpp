@@ -13,9 +13,9 @@
 namespace pusht {
 
 constexpr const char* kNetworkPolicyLibrary = "libpusht_network_policy.so";
-constexpr const char* kNetworkPolicies = "pusht_network_policies";
+constexpr const char* kNetworkPoliciesSymbol = "kNetworkPolicies";
 
-/// What that library offers, under the name kNetworkPolicies.
+/// What that library offers, under the name kNetworkPoliciesSymbol.
 struct NetworkPolicies {
   /// The checkpoint at `path`, by `name`. Throws as NetworkPolicy::load(), which heeds `stop`.
   ChosenPolicy (*trained)(const std::filesystem::path& path, const std::string& name,
@@ -25,4 +25,4 @@ struct NetworkPolicies {
 
 }  // namespace pusht
 
-extern "C" const pusht::NetworkPolicies pusht_network_policies;
+extern "C" const pusht::NetworkPolicies kNetworkPolicies;

@@ -14,20 +14,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The library of the networks; it stays loaded, since policies of it may live until the program ends.
+const boost::dll::shared_library& loadNetworkPolicies() {
+  const fs::path path = fs::path(boost::dll::this_line_location().string()).replace_filename(kNetworkPolicyLibrary);
+  try {
+    namespace mode = boost::dll::load_mode;
+    // Global, so that it can be asked which BLAS there is. Never freed: its policies may live until the program ends.
+    return *new boost::dll::shared_library(path.string(), mode::rtld_now | mode::rtld_global);
+  } catch (const boost::system::system_error& error) {
+    throw BadDependency("library " + path.string() + ": cannot be loaded: " + error.what());
+  }
+}
+
 const NetworkPolicies& networkPolicies() {
-  static const NetworkPolicies* const policies = [] {
-    const fs::path path = fs::path(boost::dll::this_line_location().string()).replace_filename(kNetworkPolicyLibrary);
-    try {
-      namespace mode = boost::dll::load_mode;
-      // Global, so that it can be asked which BLAS there is. Never freed.
-      const auto& library = *new boost::dll::shared_library(path.string(), mode::rtld_now | mode::rtld_global);
-      return &library.get<const NetworkPolicies>(kNetworkPolicies);
-    } catch (const boost::system::system_error& error) {
-      throw BadDependency("library " + path.string() + ": cannot be loaded: " + error.what());
-    }
-  }();
-  return *policies;
+  static const boost::dll::shared_library& library = loadNetworkPolicies();
+  return library.get<const NetworkPolicies>(kNetworkPoliciesSymbol);
 }
 
 }  // namespace

@@ -94,6 +94,13 @@ void AsideFile::write(const std::string& content, bool to_disk) {
   }
 }
 
+void AsideFile::writeAt(std::size_t offset, const std::string& content) {
+  if (::pwrite(descriptor_, content.data(), content.size(), static_cast<off_t>(offset)) !=
+      static_cast<ssize_t>(content.size())) {
+    fail();
+  }
+}
+
 void AsideFile::moveIntoPlace() {
   if (std::rename(aside_.c_str(), path_.c_str()) != 0) {
     fail();

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Computes the results of a run again from its bag.
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "pusht_task/error.hpp"
 #include "sim2sim_eval/bag/recorded_run.hpp"
@@ -12,6 +14,7 @@
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/results/run.hpp"
 #include "sim2sim_eval/results/run_folder.hpp"
+#include "sim2sim_eval/results/traces.hpp"
 
 namespace {
 
@@ -42,15 +45,35 @@ void requireWhole(const sim2sim::Run& run, const fs::path& bag) {
   }
 }
 
-void recompute(const fs::path& bag, const fs::path& out, bool overwrite) {
-  sim2sim::RunFolder folder(out, overwrite, "recompute");
+struct Options {
+  fs::path bag;
+  fs::path out;
+  bool overwrite = false;
+  bool traces = false;  // write traces.npy
+};
+
+void recompute(const Options& options) {
+  const fs::path& bag = options.bag;
+  sim2sim::RunFolder folder(options.out, options.overwrite, "recompute");
   folder.refuseInputs({{"bag", bag}});
-  sim2sim::RecordedRun recorded = sim2sim::loadFor(folder, [&] { return sim2sim::readRun(bag, sim2sim::interrupted); });
+  std::vector<sim2sim::Episode> episodes;
+  const auto keep = [&](sim2sim::Episode&& episode) {
+    if (options.traces) {
+      episodes.push_back(std::move(episode));
+    }
+  };
+  sim2sim::RecordedRun recorded =
+      sim2sim::loadFor(folder, [&] { return sim2sim::readRun(bag, sim2sim::interrupted, keep); });
   recorded.provenance["bag"] = bag.string();
   sim2sim::Run run(recorded.configuration, folder, recorded.provenance);
   run.take(std::move(recorded.episodes), std::move(recorded.bands));
   try {
     requireWhole(run, bag);
+    if (options.traces) {
+      sim2sim::TraceFile traces(folder.tracesPath(), recorded.configuration.protocol);
+      std::for_each(episodes.begin(), episodes.end(), [&](const sim2sim::Episode& episode) { traces.add(episode); });
+      traces.finish();
+    }
   } catch (const std::exception& failure) {
     run.abandon(std::cout, failure);
     throw;
@@ -62,11 +85,10 @@ void recompute(const fs::path& bag, const fs::path& out, bool overwrite) {
 
 int main(int argc, char** argv) {
   CLI::App app("Computes the results of a run again from its bag; they are the same, byte for byte.", "recompute");
-  std::string bag;
-  std::string out;
-  bool overwrite = false;
-  app.add_option("bag", bag, "compare.bag of a run")->required();
-  app.add_option("--out", out, "folder for the results (default: the next free results/recompute-N)");
-  app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
-  return sim2sim::runCommand(app, argc, argv, [&] { recompute(bag, out, overwrite); });
+  Options options;
+  app.add_option("bag", options.bag, "compare.bag of a run")->required();
+  app.add_option("--out", options.out, "folder for the results (default: the next free results/recompute-N)");
+  app.add_flag("--overwrite", options.overwrite, "replace results that are in the folder already");
+  app.add_flag("--traces", options.traces, "write what the worlds did into traces.npy");
+  return sim2sim::runCommand(app, argc, argv, [&] { recompute(options); });
 }

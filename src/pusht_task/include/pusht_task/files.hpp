@@ -2,6 +2,7 @@
 /// Files that are complete or absent, and their fingerprints.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -26,6 +27,9 @@ class AsideFile {
 
   /// Throws RuntimeFault if that fails. `to_disk`: returns when the disk has it.
   void write(const std::string& content, bool to_disk);
+
+  /// Writes over what stands `offset` bytes from the begin. Throws RuntimeFault if that fails.
+  void writeAt(std::size_t offset, const std::string& content);
 
   /// Puts the file in place of `path`. Throws RuntimeFault if that fails.
   void moveIntoPlace();

@@ -26,6 +26,7 @@ STEM_OFFSET = 0.06  # [m] from the bar's centre to the stem's, along body -y
 BAR_MASS = 0.06  # [kg]
 STEM_MASS = 0.045  # [kg]
 CENTER_OF_MASS_OFFSET = STEM_OFFSET * STEM_MASS / (BAR_MASS + STEM_MASS)  # [m] along body -y
+WALL_INNER_FACE = 0.39  # [m] |x| or |y|
 
 # Trust in a simulator.
 START_TOLERANCE = 1e-6  # [m, rad, m/s, rad/s] how far a world may be from the start it was reset to

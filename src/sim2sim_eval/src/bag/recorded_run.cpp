@@ -62,7 +62,8 @@ class RecordedPolicy : public pusht::Policy {
 /// Gathers rollouts from messages, and computes the results of each episode that has finished.
 class Reader {
  public:
-  explicit Reader(Protocol protocol) : protocol_(std::move(protocol)), bands_(protocol_) {}
+  Reader(Protocol protocol, std::function<void(Episode&&)> each)
+      : protocol_(std::move(protocol)), each_(std::move(each)), bands_(protocol_) {}
 
   /// Messages with later stamps follow.
   void moveOnTo(const ros::Time& stamp) {
@@ -136,7 +137,7 @@ class Reader {
     }
     const pusht_msgs::EpisodeResult recorded = *std::exchange(finished_, std::nullopt);
     const int index = indexOf(recorded.episode);
-    const Episode episode = replay(protocol_, index, under_way_[index]);
+    Episode episode = replay(protocol_, index, under_way_[index]);
     const EpisodeResult result = episode.result();
     under_way_.erase(index);
     pusht_msgs::EpisodeResult computed = toMessage(protocol_, result, recorded.header.stamp);
@@ -149,6 +150,7 @@ class Reader {
       throw pusht::BadDependency("episode " + std::to_string(index) + ": must finish once");
     }
     bands_.add(episode);
+    each_(std::move(episode));
   }
 
   /// Equal for equal messages, with or without numbers that are not one.
@@ -158,6 +160,7 @@ class Reader {
   }
 
   Protocol protocol_;
+  std::function<void(Episode&&)> each_;
   DivergenceBands bands_;
   std::map<int, RecordedEpisode> under_way_;
   std::optional<pusht_msgs::EpisodeResult> finished_;  // waits for its last states
@@ -206,7 +209,8 @@ void takeStarts(Protocol& protocol, const nlohmann::ordered_json& provenance) {
   }
 }
 
-RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop) {
+RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop,
+                  const std::function<void(Episode&&)>& each) {
   nlohmann::ordered_json provenance = descriptionIn(bag);
   RunConfiguration configuration = configurationFrom(provenance.at("configuration"));
   takeStarts(configuration.protocol, provenance);
@@ -220,7 +224,7 @@ RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop) {
   for (const auto& [topic, mode] : modes) {
     topics.push_back(topic);
   }
-  Reader reader(configuration.protocol);
+  Reader reader(configuration.protocol, each);
   rosbag::View view(bag, rosbag::TopicQuery(topics));
   for (const rosbag::MessageInstance& instance : view) {
     if (stop()) {
@@ -290,7 +294,8 @@ Episode replay(const Protocol& protocol, int index, const RecordedEpisode& recor
   return episode;
 }
 
-RecordedRun readRun(const fs::path& path, const std::function<bool()>& stop) {
+RecordedRun readRun(const fs::path& path, const std::function<bool()>& stop,
+                    const std::function<void(Episode&&)>& each) {
   const std::string name = "bag " + path.string();
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) {
@@ -299,7 +304,7 @@ RecordedRun readRun(const fs::path& path, const std::function<bool()>& stop) {
   const QuietLibraries quiet;
   try {
     const rosbag::Bag bag(path.string());
-    return runIn(bag, stop);
+    return runIn(bag, stop, each);
   } catch (pusht::Error& error) {
     error.addContext(name);
     throw;

@@ -21,6 +21,7 @@
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/results/run.hpp"
 #include "sim2sim_eval/results/run_folder.hpp"
+#include "sim2sim_eval/results/traces.hpp"
 #include "sim2sim_eval/simulators.hpp"
 
 namespace sim2sim {
@@ -141,6 +142,7 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option("--out", out, "folder for the results (default: the next free results/compare-N)");
   app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
   app.add_flag("--record", record, "write the run into compare.bag");
+  app.add_flag("--traces", traces, "write what the worlds did into traces.npy, for `report` and for NumPy");
   app.add_option(
          "--until-decided", until_decided,
          "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 "
@@ -196,6 +198,10 @@ void compare(const CompareOptions& options) {
     if (options.record) {
       recorder.emplace(folder.bagPath(), origin);
     }
+    std::optional<TraceFile> traces;
+    if (options.traces) {
+      traces.emplace(folder.tracesPath(), configuration.protocol);
+    }
     ProgressBar bar("episodes", configuration.protocol.episodes);
     int reference_successes = 0;
     int engine_successes = 0;
@@ -203,6 +209,9 @@ void compare(const CompareOptions& options) {
       const EpisodeResult result = run.add(episode);
       if (recorder) {
         recorder->record(episode, result, run);
+      }
+      if (traces) {
+        traces->add(episode);
       }
       reference_successes += result.rollouts[kReferenceClosed].success ? 1 : 0;
       engine_successes += result.rollouts[kEngineClosed].success ? 1 : 0;
@@ -234,6 +243,9 @@ void compare(const CompareOptions& options) {
     }
     if (recorder) {
       recorder->finish();
+    }
+    if (traces) {
+      traces->finish();
     }
   } catch (const std::exception& failure) {
     run.abandon(std::cout, failure);

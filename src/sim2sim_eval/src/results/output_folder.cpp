@@ -36,6 +36,7 @@ const std::vector<ResultFile>& resultFiles() {
       {Results::kRun, regexes("(metrics|statistics)\\.json")},
       {Results::kRun, regexes("(episodes|divergence)\\.csv")},
       {Results::kRun, regexes("compare\\.bag")},
+      {Results::kRun, regexes("traces\\.npy(\\.part)?")},
       {Results::kRun, regexes("compare\\.bag\\.part")},  // of a run that was killed
       {Results::kSweep, regexes("sweep\\.(json|csv)")},
       {Results::kSweep, regexes("rows", "[0-9]{3,}", "((metrics|statistics)\\.json|episodes\\.csv)(\\.part)?")},

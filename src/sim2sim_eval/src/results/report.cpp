@@ -31,16 +31,6 @@ Number numberFrom(const std::string& text) {
   return number;  // what is not all of a number does not give the same text again
 }
 
-/// To six decimals, as the course has it, or to six digits that count, where that says more: floors are small.
-double readable(double value) {
-  constexpr double kSmall = 1e-3;
-  constexpr int kDigits = 6;
-  if (value == 0.0 || std::abs(value) >= kSmall) {
-    return roundToMicro(value);
-  }
-  return numberFrom<double>(pusht::significantText(value, kDigits));
-}
-
 /// null where there is none.
 json rounded(double value) { return std::isfinite(value) ? json(readable(value)) : json(); }
 
@@ -138,7 +128,7 @@ std::string line(const std::string& head, const std::string& left, const std::st
   return padded(head, kHead) + padded(left, kColumn) + right + "\n";
 }
 
-std::string percent(double share) { return std::isinf(share) ? "any" : fixedText(100.0 * share, 0) + " %"; }
+std::string percent(double share) { return std::isinf(share) ? "any" : fixedText(100.0 * readable(share), 0) + " %"; }
 
 std::string transferText(const Outcomes& outcomes) {
   if (!outcomes.transfer) {
@@ -363,12 +353,12 @@ std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::
 }
 
 std::string cell(const SuccessRate& rate) {
-  return std::to_string(rate.successes) + "  " + fixedText(rate.rate, 3) + " " + bracketed(rate.interval, 3);
+  return std::to_string(rate.successes) + "  " + fixedText(readable(rate.rate), 3) + " " + bracketed(rate.interval, 3);
 }
 
 std::string cell(const Estimate& estimate, const std::string& unit) {
   constexpr int kDigits = 4;
-  const std::string value = fixedText(estimate.value, kDigits) + " " + unit;
+  const std::string value = fixedText(readable(estimate.value), kDigits) + " " + unit;
   return estimate.interval ? value + " " + bracketed(*estimate.interval, kDigits) : value;
 }
 

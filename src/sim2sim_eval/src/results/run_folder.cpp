@@ -12,6 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kBag = "compare.bag";
+constexpr const char* kTraces = "traces.npy";
 
 }  // namespace
 
@@ -29,6 +30,8 @@ void RunFolder::begin(const nlohmann::json& provenance, int episodes) {
 }
 
 fs::path RunFolder::bagPath() const { return path() / kBag; }
+
+fs::path RunFolder::tracesPath() const { return path() / kTraces; }
 
 void RunFolder::finish(const Protocol& protocol, const nlohmann::json& metrics,
                        const std::vector<EpisodeResult>& episodes, const DivergenceBands& bands, int faults_survived) {

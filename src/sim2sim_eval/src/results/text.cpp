@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/results/text.hpp"
 
+#include <charconv>
 #include <cmath>
 
 #include "pusht_task/numbers.hpp"
@@ -9,8 +10,20 @@ namespace sim2sim {
 
 using pusht::fixedText;
 
+double readable(double value) {
+  constexpr double kSmall = 1e-3;
+  constexpr int kDigits = 6;
+  if (value == 0.0 || std::abs(value) >= kSmall) {
+    return pusht::roundToMicro(value);
+  }
+  const std::string text = pusht::significantText(value, kDigits);
+  double rounded = 0.0;
+  std::from_chars(text.data(), text.data() + text.size(), rounded);
+  return rounded;
+}
+
 std::string bracketed(const Interval& interval, int digits) {
-  return "[" + fixedText(interval.low, digits) + ", " + fixedText(interval.high, digits) + "]";
+  return "[" + fixedText(readable(interval.low), digits) + ", " + fixedText(readable(interval.high), digits) + "]";
 }
 
 std::string padded(const std::string& text, std::size_t width) {
@@ -21,14 +34,14 @@ std::string signedText(double value, const std::optional<Interval>& interval, co
   if (std::isnan(value)) {
     return "none";
   }
-  return (value > 0.0 ? "+" : "") + fixedText(value, digits) + (unit.empty() ? "" : " " + unit) +
+  return (value > 0.0 ? "+" : "") + fixedText(readable(value), digits) + (unit.empty() ? "" : " " + unit) +
          (interval ? " " + bracketed(*interval, digits) : "");
 }
 
 std::string probabilityText(double p) {
   constexpr double kLeast = 1e-4;
   constexpr int kDigits = 4;
-  return p < kLeast ? "< 0.0001" : fixedText(p, kDigits);
+  return p < kLeast ? "< 0.0001" : fixedText(readable(p), kDigits);
 }
 
 }  // namespace sim2sim

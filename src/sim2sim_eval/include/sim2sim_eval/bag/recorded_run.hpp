@@ -53,8 +53,10 @@ struct RecordedRun {
 };
 
 /// Throws InvalidInput if `path` is not the bag of a run or was not closed, BadDependency if what it records does not
-/// follow the protocol, RuntimeFault if `stop` holds before the end.
+/// follow the protocol, RuntimeFault if `stop` holds before the end. `each` gets the finished episodes, in the order in
+/// which the bag has them.
 RecordedRun readRun(
-    const std::filesystem::path& path, const std::function<bool()>& stop = [] { return false; });
+    const std::filesystem::path& path, const std::function<bool()>& stop = [] { return false; },
+    const std::function<void(Episode&&)>& each = [](Episode&&) {});
 
 }  // namespace sim2sim

@@ -29,6 +29,7 @@ struct CompareOptions {
   std::string out;                        ///< results folder; empty: the next free results/compare-N
   bool overwrite = false;
   bool record = false;  ///< write compare.bag
+  bool traces = false;  ///< write traces.npy
   GapOptions gap;
   BatchOptions batch;
 

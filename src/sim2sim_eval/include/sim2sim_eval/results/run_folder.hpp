@@ -61,6 +61,9 @@ class RunFolder {
   /// Where the run's bag belongs; whoever records writes it.
   std::filesystem::path bagPath() const;
 
+  /// The same for a TraceFile.
+  std::filesystem::path tracesPath() const;
+
  private:
   void writeStatus(const RunStatus& status) const;
 

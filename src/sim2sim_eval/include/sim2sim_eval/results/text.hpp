@@ -10,6 +10,10 @@
 
 namespace sim2sim {
 
+/// `value` to six decimals, as the course has it, or to six digits that count, where that says more: floors are small.
+/// Files have figures so, and what is printed is rounded from that: the two agree to the last digit.
+double readable(double value);
+
 /// "[0.0700, 0.0934]"
 std::string bracketed(const Interval& interval, int digits);
 

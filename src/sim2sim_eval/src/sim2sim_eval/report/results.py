@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The results of runs, as the commands have written them, checked."""
+
+import csv
+import json
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Sequence, Tuple
+
+import numpy as np
+
+EXIT_BAD_INPUT = 2
+EXIT_BAD_DEPENDENCY = 3
+EXIT_FAULT = 4
+
+REFERENCE, ENGINE, REPLAY = MODES = ("reference_closed", "engine_closed", "engine_replay")
+METRICS_FORMAT = 4
+STATISTICS_FORMAT = 1
+KINDS = {  # of an episode: who succeeds in it (reference, engine)
+    (True, False): "only_reference_succeeds",
+    (True, True): "both_succeed",
+    (False, False): "neither_succeeds",
+    (False, True): "only_engine_succeeds",
+}
+TRACE_FIELDS = (
+    *("episode", "mode", "step", "pusher_x", "pusher_y", "tee_x", "tee_y", "tee_yaw"),
+    *("action_x", "action_y"),
+)
+
+Json = Dict[str, Any]
+Traces = Dict[Tuple[int, str], Any]  # by episode and mode: an array of records
+
+
+class Refusal(Exception):
+    """Why there is no report: one line that names the thing, its value and the rule."""
+
+    def __init__(self, message: str, exit_code: int = EXIT_BAD_INPUT) -> None:
+        super().__init__(message)
+        self.exit_code = exit_code
+
+
+@dataclass(frozen=True)
+class Episode:
+    """A row of the table: the rows of an episode's modes in episodes.csv, by mode."""
+
+    index: int
+    modes: Dict[str, Dict[str, str]]
+
+    def succeeds(self, mode: str) -> bool:
+        return self.modes[mode]["success"] == "true"
+
+    def steps(self, mode: str) -> int:
+        return int(self.modes[mode]["steps"])
+
+    @property
+    def kind(self) -> str:
+        return KINDS[self.succeeds(REFERENCE), self.succeeds(ENGINE)]
+
+
+@dataclass(frozen=True)
+class Run:
+    """What the folder of a run holds."""
+
+    folder: Path
+    metrics: Json
+    statistics: Json
+    provenance: Json
+    episodes: List[Episode]
+    bands: Dict[str, Dict[str, Any]]  # by mode: columns of divergence.csv
+
+    def title(self, role: str) -> str:
+        """What people call the simulator."""
+        title: str = self.metrics["simulators"][role]["title"]
+        return title
+
+    @property
+    def changed(self) -> str:
+        """The parameters of the engine that are not the defaults: "block_damp 20"."""
+        engine = self.metrics["simulators"]["engine"]
+        return ", ".join(f"{name} {engine['parameters'][name]}" for name in engine["changed"])
+
+    @property
+    def name(self) -> str:
+        """The engine, and what is changed of it."""
+        return " with ".join(filter(None, [self.title("engine"), self.changed]))
+
+    def first_of_each_kind(self) -> List[int]:
+        first: Dict[str, int] = {}
+        for episode in self.episodes:
+            first.setdefault(episode.kind, episode.index)
+        return [first[kind] for kind in KINDS.values() if kind in first]
+
+
+def is_sweep(folder: Path) -> bool:
+    return (folder / "sweep.json").exists()
+
+
+def read_run(folder: Path) -> Run:
+    """Refuses what is no whole run of this version."""
+    if is_sweep(folder):
+        raise Refusal(f"{folder}: is a sweep; it must stand alone")
+    metrics = _json(folder / "metrics.json", "the folder of a whole run is needed")
+    _require_format(folder / "metrics.json", metrics, METRICS_FORMAT)
+    statistics = _json(folder / "statistics.json")
+    _require_format(folder / "statistics.json", statistics, STATISTICS_FORMAT)
+    provenance = _json(folder / "provenance.json")
+    try:
+        if provenance["configuration"]["config_hash"] != metrics["config_hash"]:
+            raise Refusal(f"{folder}: metrics.json and provenance.json must be of one run")
+        if statistics["episodes"] != metrics["episodes"]:
+            raise Refusal(f"{folder}: metrics.json and statistics.json must be of one run")
+        run = Run(
+            folder=folder,
+            metrics=metrics,
+            statistics=statistics,
+            provenance=provenance,
+            episodes=_episodes(folder / "episodes.csv", metrics["episodes"]),
+            bands=_bands(folder / "divergence.csv"),
+        )
+        counts = {kind: metrics[kind] for kind in KINDS.values()}
+        titles = [run.title("reference"), run.name]
+    except (KeyError, TypeError) as error:
+        raise Refusal(f"{folder}: {error!r} is not as a run of this version has it") from None
+    counted = {kind: sum(e.kind == kind for e in run.episodes) for kind in counts}
+    if counts != counted or not all(titles):
+        raise Refusal(f"{folder}: metrics.json and episodes.csv must be of one run")
+    return run
+
+
+def read_traces(run: Run) -> Optional[Traces]:
+    """What the worlds did, from traces.npy, or else from the bag; None where there is neither."""
+    path, bag = run.folder / "traces.npy", run.folder / "compare.bag"
+    if path.exists():
+        return _traces(path, run)
+    if not bag.exists():
+        return None
+    with tempfile.TemporaryDirectory() as scratch:
+        again = Path(scratch, "again")
+        rosrun("recompute", str(bag), "--traces", "--out", str(again))
+        if (again / "metrics.json").read_bytes() != (run.folder / "metrics.json").read_bytes():
+            raise Refusal(f"{bag}: must be of the run of the metrics.json beside it")
+        return _traces(again / "traces.npy", run)
+
+
+def contrast(baseline: Run, others: Sequence[Run]) -> List[Json]:
+    """The others against the baseline, pair by pair, as the command `contrast` has it."""
+    with tempfile.TemporaryDirectory() as scratch:
+        out = Path(scratch, "contrast.json")
+        folders = [str(run.folder) for run in (baseline, *others)]
+        rosrun("contrast", *folders, "--against", "0", "--out", str(out))
+        contrasts: List[Json] = json.loads(out.read_text(encoding="utf-8"))["contrasts"]
+        return contrasts
+
+
+def rosrun(command: str, *arguments: str) -> None:
+    """Runs a command of the suite. Refuses with its own line if it refuses."""
+    try:
+        process = subprocess.run(
+            ["rosrun", "sim2sim_eval", command, *arguments],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+    except FileNotFoundError:
+        raise Refusal(
+            "rosrun: not found; source the workspace's setup.bash", EXIT_BAD_DEPENDENCY
+        ) from None
+    if process.returncode != 0:
+        lines = process.stderr.strip().splitlines() or [f"{command} failed"]
+        raise Refusal(lines[-1], process.returncode if process.returncode > 0 else EXIT_FAULT)
+
+
+def _json(path: Path, rule: str = "it is needed") -> Json:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError):
+        raise Refusal(f"{path}: no such file; {rule}") from None
+    except ValueError as error:
+        raise Refusal(f"{path}: must be JSON: {error}") from None
+    if not isinstance(content, dict):
+        raise Refusal(f"{path}: must be a JSON object")
+    return content
+
+
+def _require_format(path: Path, content: Json, wanted: int) -> None:
+    if content.get("format") != wanted:
+        raise Refusal(f"{path}: format {content.get('format')!r}: must be {wanted}")
+
+
+def _rows(path: Path) -> List[Dict[str, str]]:
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+    except FileNotFoundError:
+        raise Refusal(f"{path}: no such file; it is needed") from None
+    except (csv.Error, ValueError) as error:
+        raise Refusal(f"{path}: must be CSV: {error}") from None
+    if any(None in row or None in row.values() for row in rows):
+        raise Refusal(f"{path}: every row must have as many columns as the first line")
+    return rows
+
+
+def _episodes(path: Path, count: int) -> List[Episode]:
+    modes: Dict[int, Dict[str, Dict[str, str]]] = {}
+    try:
+        for row in _rows(path):
+            modes.setdefault(int(row["episode"]), {})[row["mode"]] = row
+        episodes = [Episode(index, modes[index]) for index in sorted(modes)]
+        for episode in episodes:
+            for mode in MODES:
+                episode.steps(mode)
+    except (KeyError, ValueError) as error:
+        raise Refusal(f"{path}: {error!r}: is no results of a run") from None
+    if len(episodes) != count:
+        raise Refusal(f"{path}: has {len(episodes)} episodes: must be {count}")
+    return episodes
+
+
+def _bands(path: Path) -> Dict[str, Dict[str, Any]]:
+    bands: Dict[str, Dict[str, List[float]]] = {}
+    try:
+        for row in _rows(path):
+            columns = bands.setdefault(row.pop("mode"), {name: [] for name in row if name})
+            for name, text in row.items():
+                columns[name].append(float(text))
+    except (KeyError, ValueError) as error:
+        raise Refusal(f"{path}: {error!r}: is no divergence of a run") from None
+    if not {ENGINE, REPLAY} <= bands.keys():
+        raise Refusal(f"{path}: must have the modes {ENGINE} and {REPLAY}")
+    return {mode: {k: np.array(v) for k, v in columns.items()} for mode, columns in bands.items()}
+
+
+def _traces(path: Path, run: Run) -> Traces:
+    try:
+        records = np.load(path, allow_pickle=False)
+    except (OSError, ValueError) as error:
+        raise Refusal(f"{path}: must be a NumPy array: {error}") from None
+    if records.dtype.names != TRACE_FIELDS:
+        raise Refusal(f"{path}: must have the fields {', '.join(TRACE_FIELDS)}")
+    begins = np.flatnonzero(records["step"] == 0)
+    traces = {
+        (int(trace["episode"][0]), trace["mode"][0].decode("ascii", "replace")): trace
+        for trace in np.split(records, begins[1:])
+        if len(trace)
+    }
+    wanted = {(e.index, mode): e.steps(mode) + 1 for e in run.episodes for mode in MODES}
+    if {key: len(trace) for key, trace in traces.items()} != wanted:
+        raise Refusal(f"{path}: must have the steps of episodes.csv beside it")
+    return traces

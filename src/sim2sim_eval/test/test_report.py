@@ -1,0 +1,514 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reports: what they say, what they refuse, and how they look and move in a browser."""
+
+import html
+import json
+import logging
+import math
+import os
+import re
+import shutil
+import sys
+import unittest
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+from selenium import webdriver  # type: ignore[import]
+from selenium.webdriver.chrome.options import Options  # type: ignore[import]
+from selenium.webdriver.chrome.service import Service  # type: ignore[import]
+from selenium.webdriver.support.wait import WebDriverWait  # type: ignore[import]
+
+sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
+from command_case import CommandCase, executable  # noqa: E402
+
+COMPARE = executable("sim2sim_eval", "compare")
+RECOMPUTE = executable("sim2sim_eval", "recompute")
+REPORT = executable("sim2sim_eval", "report")
+SWEEP = executable("sim2sim_eval", "sweep")
+EPISODES = 30
+WALL_OUTSIDE = 0.41  # m, the edge of the picture
+ON_TABLE = 0.39  # m, in which the pusher is seen whole
+SIZES = ((1366, 768), (1920, 1080), (390, 844))  # a laptop, a screen, a phone
+logging.getLogger("selenium").setLevel(logging.WARNING)
+logging.getLogger("urllib3").setLevel(logging.WARNING)
+NUMBER = r"[+-]?\d+\.\d{3,4}"
+
+
+def program(name: str) -> str:
+    path = shutil.which(name)
+    assert path, f"{name} is not installed"
+    return path
+
+
+class ReportCase(CommandCase):
+    """The run of all tests is made once."""
+
+    made: "Any" = None
+    printed: str  # by the run
+    run_folder: Path
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        case = CommandCase()
+        case.setUp()
+        cls.made = case
+        cls.run_folder = case.folder / "run"
+        process = case.run_command(
+            *(COMPARE, "--episodes", str(EPISODES), "--traces", "--record", "--out", "run")
+        )
+        assert process.returncode == 0, process.stderr
+        cls.printed = process.stdout
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.made.doCleanups()
+
+    def report(self, *arguments: str) -> str:
+        process = self.run_command(REPORT, *arguments, "--out", "report.html")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertEqual((process.stdout, process.stderr), ("report.html\n", ""))
+        return (self.folder / "report.html").read_text(encoding="utf-8")
+
+    def copy(self, name: str = "copy") -> Path:
+        shutil.copytree(self.run_folder, self.folder / name)
+        return self.folder / name
+
+    def change(self, path: Path, **values: Any) -> None:
+        content = json.loads(path.read_text())
+        content.update(values)
+        path.write_text(json.dumps(content))
+
+
+class Content(ReportCase):
+    def test_figures_are_those_of_the_terminal(self) -> None:
+        page = html.unescape(self.report(str(self.run_folder)))
+        table = self.printed[: self.printed.index("results:")]
+        figures = re.findall(rf"{NUMBER}(?: m| rad)?(?: \[{NUMBER}, {NUMBER}\])", table)
+        self.assertGreaterEqual(len(figures), 9)
+        less_in_closed_loop = re.search("less in closed loop.*", table)
+        assert less_in_closed_loop
+        for figure in figures:
+            if figure not in less_in_closed_loop[0]:
+                self.assertIn(figure, page)
+        transfer = re.search(r"\d+ % \[.*?\]", table)
+        counts = re.search(
+            r"both (\d+), reference only (\d+) +engine only (\d+), neither (\d+)", table
+        )
+        assert transfer and counts
+        self.assertIn(transfer[0], page)
+        cells = re.search(
+            r'"both">(\d+)<.*?"lost">(\d+)<.*?"won">(\d+)<.*?"neither">(\d+)<', page, re.DOTALL
+        )
+        assert cells
+        self.assertEqual(cells.groups(), counts.groups())
+
+    def test_is_one_file_with_the_same_bytes_again(self) -> None:
+        page = self.report(str(self.run_folder))
+        self.assertEqual(page, self.report(str(self.run_folder)))
+        self.assertLess(len(page), 3_000_000)
+        self.assertEqual(re.findall(r'(?:src|href)="(?!#)[^"]*"', page), [])
+        self.assertEqual(re.findall(r"url\((?!#|data:)", page), [])
+        ids = re.findall(r'\bid="([^"]+)"', page)
+        self.assertEqual(len(ids), len(set(ids)))
+
+    def test_bag_and_traces_give_the_same_report(self) -> None:
+        page = self.report(str(self.run_folder))
+        (self.copy("run") / "traces.npy").unlink()
+        self.assertEqual(page, self.report("run"))
+
+    def test_run_without_states_has_no_animation(self) -> None:
+        folder = self.copy()
+        (folder / "traces.npy").unlink()
+        (folder / "compare.bag").unlink()
+        page = self.report("copy")
+        self.assertIn("neither traces.npy nor compare.bag", page)
+        self.assertNotIn("<canvas", page)
+
+    def test_traces_have_the_same_bytes_from_a_bag_and_for_any_number_of_threads(self) -> None:
+        run = (COMPARE, "--episodes", str(EPISODES), "--traces", "--threads")
+        for threads in ("1", "3"):
+            self.assertEqual(
+                self.run_command(*run, threads, "--out", threads).returncode, 0, threads
+            )
+        bag = str(self.run_folder / "compare.bag")
+        process = self.run_command(RECOMPUTE, bag, "--traces", "--out", "bag")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        expected = (self.run_folder / "traces.npy").read_bytes()
+        for folder in ("1", "3", "bag"):
+            self.assertEqual((self.folder / folder / "traces.npy").read_bytes(), expected, folder)
+
+    def test_states_of_traces_give_the_divergence_of_the_table(self) -> None:
+        traces = np.load(self.run_folder / "traces.npy")
+        means = []
+        for episode in range(EPISODES):
+            own = traces[traces["episode"] == episode]
+            a, b = (own[own["mode"] == m] for m in (b"reference_closed", b"engine_replay"))
+            means.append(np.hypot(a["tee_x"] - b["tee_x"], a["tee_y"] - b["tee_y"]).mean())
+            self.assertTrue(np.isnan(a["action_x"][-1]) and not np.isnan(a["action_x"][:-1]).any())
+        metrics = json.loads((self.run_folder / "metrics.json").read_text())
+        self.assertAlmostEqual(np.mean(means), metrics["mean_pos_divergence_m"], places=6)
+
+    def test_several_runs_stand_side_by_side(self) -> None:
+        process = self.run_command(
+            *(COMPARE, "--episodes", str(EPISODES), "--engine", "chipmunk", "--out", "other")
+        )
+        self.assertEqual(process.returncode, 0, process.stderr)
+        page = html.unescape(self.report(str(self.run_folder), "other", "--images", "images"))
+        self.assertIn("Pair by pair, against two-mass engine", page)
+        self.assertIn('id="run1"', page)
+        contrast = self.run_command(
+            executable("sim2sim_eval", "contrast"), str(self.run_folder), "other"
+        ).stdout
+        row = re.search(rf"engine_success_rate +({NUMBER} \[{NUMBER}, {NUMBER}\])", contrast)
+        assert row
+        self.assertIn(row[1], page)
+        images = {path.name for path in (self.folder / "images").iterdir()}
+        drawn = {"success"} | {
+            f"{n}-{f}" for n in "01" for f in ("yardsticks", "divergence", "causes")
+        }
+        self.assertEqual(images, {f"{name}.{kind}" for name in drawn for kind in ("png", "pdf")})
+
+    def test_sweep(self) -> None:
+        (self.folder / "plan.yaml").write_text(
+            "{policy: expert, episodes: 20, grid: {block_damp: [2, 20]}}"
+        )
+        process = self.run_command(SWEEP, "plan.yaml", "--out", "sweep")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        page = self.report("sweep")
+        self.assertEqual(page.count("<svg"), 2)
+        self.assertIn("Pair by pair, against row 0", page)
+        rows = json.loads((self.folder / "sweep" / "sweep.json").read_text())["rows"]
+        for row in rows:
+            self.assertIn(f"{row['mean_pos_divergence_m']:.4f}", page)
+
+    def test_text_of_others_is_text(self) -> None:
+        folder = self.copy()
+        evil = '</script><img src=x onerror="alert(1)">'
+        metrics = json.loads((folder / "metrics.json").read_text())
+        metrics["simulators"]["engine"]["title"] = evil
+        metrics["policy"] = evil
+        self.change(folder / "metrics.json", **metrics)
+        provenance = json.loads((folder / "provenance.json").read_text())
+        provenance["configuration"]["policy"] = evil
+        self.change(folder / "provenance.json", **provenance)
+        page = self.report("copy")
+        self.assertNotIn(evil, page)
+        self.assertNotIn("<img", page)
+        self.assertIn("onerror", page, "it is shown, as text")
+
+
+class Refusals(ReportCase):
+    def refused(self, *arguments: str, code: int = 2) -> str:
+        process = self.run_command(REPORT, *arguments, "--out", "refused.html")
+        self.assert_one_line(process, code, "report")
+        self.assertFalse(list(self.folder.glob("refused*")), "nothing is written")
+        return process.stderr
+
+    def test_what_is_no_run(self) -> None:
+        self.assertIn("none/metrics.json: no such file", self.refused("none"))
+        (self.folder / "empty").mkdir()
+        self.assertIn("empty/metrics.json: no such file", self.refused("empty"))
+        self.assertIn("DIR", self.refused())
+
+    def test_damaged_files(self) -> None:
+        names = ("metrics.json", "statistics.json", "provenance.json", "episodes.csv")
+        for name in (*names, "divergence.csv", "traces.npy"):
+            for damage in ("half", "empty", "foreign"):
+                with self.subTest(name=name, damage=damage):
+                    folder = self.copy()
+                    content = (folder / name).read_bytes()
+                    damaged = {
+                        "half": content[: len(content) // 2],
+                        "empty": b"",
+                        "foreign": b"[1]\n",
+                    }
+                    (folder / name).write_bytes(damaged[damage])
+                    self.assertIn(
+                        f"copy/{name}" if name != "traces.npy" else "copy", self.refused("copy")
+                    )
+                    shutil.rmtree(folder)
+
+    def test_files_of_different_runs(self) -> None:
+        process = self.run_command(
+            *(COMPARE, "--episodes", str(EPISODES), "--seed", "7", "--traces", "--record"),
+            *("--out", "other"),
+        )
+        self.assertEqual(process.returncode, 0, process.stderr)
+        for name in ("episodes.csv", "traces.npy", "compare.bag"):
+            with self.subTest(name):
+                folder = self.copy()
+                if name == "compare.bag":
+                    (folder / "traces.npy").unlink()
+                shutil.copy(self.folder / "other" / name, folder / name)
+                self.refused("copy")
+                shutil.rmtree(folder)
+
+    def test_another_format(self) -> None:
+        folder = self.copy()
+        self.change(folder / "metrics.json", format=3)
+        self.assertIn("metrics.json: format 3: must be 4", self.refused("copy"))
+
+    def test_runs_that_do_not_pair(self) -> None:
+        process = self.run_command(COMPARE, "--episodes", "10", "--out", "short")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("short", self.refused(str(self.run_folder), "short"))
+
+    def test_damaged_bag(self) -> None:
+        folder = self.copy()
+        (folder / "traces.npy").unlink()
+        bag = (folder / "compare.bag").read_bytes()
+        (folder / "compare.bag").write_bytes(bag[: len(bag) // 2])
+        self.assertIn("compare.bag", self.refused("copy"))
+
+    def test_bad_options(self) -> None:
+        self.assertIn(
+            "animate 30: must be from 0 to 29",
+            self.refused(str(self.run_folder), "--animate", "30"),
+        )
+        self.assertIn(
+            "must be episodes like 7,12", self.refused(str(self.run_folder), "--animate", "x")
+        )
+
+    def test_folder_that_cannot_be_written(self) -> None:
+        process = self.run_command(REPORT, str(self.run_folder), "--out", "none/report.html")
+        self.assert_one_line(process, 4, "report")
+
+
+class Browser(ReportCase):
+    """The report in Chromium."""
+
+    browser: Any
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        super().setUpClass()
+        process = cls.made.run_command(REPORT, "run")
+        assert process.returncode == 0, process.stderr
+        options = Options()
+        options.binary_location = program("chromium")
+        for argument in (
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-dev-shm-usage",
+            "--hide-scrollbars",
+            "--disable-gpu",
+        ):
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        cls.browser = webdriver.Chrome(service=Service(program("chromedriver")), options=options)
+        cls.addClassCleanup(cls.browser.quit)
+
+    def open(self, width: int = 1366, height: int = 768) -> None:
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+        self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        self.browser.get(f"file://{self.run_folder / 'report.html'}")
+        self.assertEqual(self.browser.get_log("browser"), [], "the console is silent")
+
+    def run_script(self, script: str, *arguments: Any) -> Any:
+        return self.browser.execute_script(script, *arguments)
+
+    def pusher_on(self, canvas: str) -> Tuple[float, float]:
+        """Where the pusher is drawn [m]: the middle of the pixels of its colour, without arrow."""
+        x, y, edge = self.run_script(
+            """
+            const canvas = document.querySelector(arguments[0]);
+            const { width, height } = canvas;
+            const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+            let [left, right, top, bottom] = [width, 0, width, 0];
+            for (let i = 0; i < data.length; i += 4) {
+              if (data[i] === 0xf4 && data[i + 1] === 0xf4 && data[i + 2] === 0xf2) {
+                const [x, y] = [(i / 4) % width, Math.floor(i / 4 / width)];
+                [left, right] = [Math.min(left, x), Math.max(right, x)];
+                [top, bottom] = [Math.min(top, y), Math.max(bottom, y)];
+              }
+            }
+            return [(left + right + 1) / 2, (top + bottom + 1) / 2, width];
+            """,
+            canvas,
+        )
+        scale = 2 * WALL_OUTSIDE / edge
+        return x * scale - WALL_OUTSIDE, WALL_OUTSIDE - y * scale
+
+    def test_shows_the_states_to_the_pixel(self) -> None:
+        self.open()
+        traces = np.load(self.run_folder / "traces.npy")
+        pixel = 2 * WALL_OUTSIDE / 640
+        self.addCleanup(self.browser.get_log, "browser")  # it complains of reading pixels
+        rng = np.random.default_rng(0)
+        seen = 0
+        for episode in rng.integers(0, EPISODES, 5):
+            for mode in ("engine_closed", "engine_replay"):
+                own = traces[traces["episode"] == episode]
+                shown = {
+                    "canvas.left": own[own["mode"] == b"reference_closed"],
+                    "canvas.right": own[own["mode"] == mode.encode()],
+                }
+                last = max(len(trace) for trace in shown.values()) - 1
+                for step in rng.integers(0, last + 1, 4):
+                    self.run_script(
+                        """
+                        const player = window.players.run0;
+                        player.mode.value = arguments[1];
+                        player.show(arguments[0]);
+                        player.seek(arguments[2]);
+                        // Without what else has the pusher's colour.
+                        for (const view of [player.left, player.right]) {
+                          view.tee = () => {};
+                          view.path = () => {};
+                        }
+                        player.draw();
+                        """,
+                        *(int(episode), mode, int(step)),
+                    )
+                    for canvas, trace in shown.items():
+                        state = trace[min(step, len(trace) - 1)]
+                        if max(abs(state["pusher_x"]), abs(state["pusher_y"])) > ON_TABLE:
+                            continue  # the engine lets it out
+                        seen += 1
+                        x, y = self.pusher_on(canvas)
+                        where = (canvas, int(episode), mode, int(step))
+                        self.assertAlmostEqual(x, state["pusher_x"], delta=pixel, msg=where)
+                        self.assertAlmostEqual(y, state["pusher_y"], delta=pixel, msg=where)
+        self.assertGreater(seen, 40)
+
+    def test_tee_is_drawn_where_it_is(self) -> None:
+        self.open()
+        self.addCleanup(self.browser.get_log, "browser")
+        traces = np.load(self.run_folder / "traces.npy")
+        for episode in (0, 7):
+            own = traces[(traces["episode"] == episode) & (traces["mode"] == b"reference_closed")]
+            for step in (0, len(own) // 2, len(own) - 1):
+                state = own[step]
+                sin, cos = math.sin(state["tee_yaw"]), math.cos(state["tee_yaw"])
+                bar_end = (state["tee_x"] + 0.05 * cos, state["tee_y"] + 0.05 * sin)
+                stem_end = (state["tee_x"] + 0.09 * sin, state["tee_y"] - 0.09 * cos)
+                beside = (
+                    state["tee_x"] + 0.05 * cos + 0.05 * sin,
+                    state["tee_y"] + 0.05 * sin - 0.05 * cos,
+                )
+                colors = self.run_script(
+                    """
+                    const player = window.players.run0;
+                    player.show(arguments[0]);
+                    player.seek(arguments[1]);
+                    const view = player.left;
+                    view.clear();
+                    const draw = view.context;
+                    const color = ([x, y]) =>
+                      draw.getImageData(view.x(x), view.y(y), 1, 1).data.join();
+                    const before = arguments[2].map(color);
+                    view.tee(player.reference.at(arguments[1]), { fill: "#5aaaff" });
+                    return arguments[2].map((point, i) => [before[i], color(point)]);
+                    """,
+                    *(episode, step, [list(map(float, p)) for p in (bar_end, stem_end, beside)]),
+                )
+                self.assertEqual([after for _, after in colors[:2]], ["90,170,255,255"] * 2)
+                self.assertEqual(colors[2][0], colors[2][1], "beside the stem there is no tee")
+
+    def test_plays_pauses_and_scrubs(self) -> None:
+        self.open()
+
+        def clock() -> str:
+            return str(self.run_script("return window.players.run0.clock.textContent"))
+
+        picture = "return document.querySelector('canvas.left').toDataURL()"
+        first = self.run_script(picture)
+        button = self.browser.find_element("css selector", "button.play")
+        button.click()
+        WebDriverWait(self.browser, 20).until(lambda _: float(clock().split()[0]) > 0.3)
+        self.assertNotEqual(self.run_script(picture), first)
+        self.assertEqual(button.text, "Pause")
+        button.click()
+        self.assertEqual(button.text, "Play")
+        stopped = clock()
+        self.run_script(
+            """
+            const frame = () => new Promise((done) => requestAnimationFrame(done));
+            return frame().then(frame);
+            """
+        )
+        self.assertEqual(clock(), stopped)
+        last = self.run_script(
+            """
+            const scrub = document.querySelector(".scrub");
+            scrub.value = scrub.max;
+            scrub.dispatchEvent(new Event("input"));
+            return Number(scrub.max);
+            """
+        )
+        self.assertEqual(clock(), f"{last * 0.1:.1f} s")
+        self.assertEqual(self.browser.get_log("browser"), [])
+
+    def test_first_episode_of_each_kind_is_offered(self) -> None:
+        self.open()
+        rows: Dict[str, Dict[str, bool]] = {}
+        for line in (self.run_folder / "episodes.csv").read_text().splitlines()[1:]:
+            cells = line.split(",")
+            rows.setdefault(cells[0], {})[cells[2]] = cells[4] == "true"
+        names = {(True, False): "reference only", (True, True): "both"}
+        names.update({(False, False): "neither", (False, True): "engine only"})
+        first: Dict[str, str] = {}
+        for episode, success in rows.items():
+            kind = names[success["reference_closed"], success["engine_closed"]]
+            first.setdefault(kind, f"{kind}: {episode}")
+        buttons = [b.text for b in self.browser.find_elements("css selector", ".kinds button")]
+        self.assertEqual(buttons, [first[name] for name in names.values() if name in first])
+
+    def test_table_sorts(self) -> None:
+        self.open()
+        rows = "[...document.querySelectorAll('.episodes tbody tr')]"
+        column = f"return {rows}.map((row) => row.cells[5].textContent)"
+        head = "document.querySelectorAll('.episodes thead button')[5].click();"
+        before = self.run_script(column)
+        self.assertEqual(len(before), EPISODES)
+        ascending = self.run_script(head + column)
+        self.assertEqual(ascending, sorted(before, key=float))
+        self.assertEqual(self.run_script(head + column), sorted(before, key=float, reverse=True))
+
+    def test_path_leads_to_its_episode(self) -> None:
+        self.open()
+        paths = self.browser.find_elements("css selector", ".paths button")
+        self.assertEqual(len(paths), EPISODES)
+        self.run_script("arguments[0].click()", paths[12])
+        self.assertEqual(self.run_script("return window.players.run0.select.value"), "12")
+
+    def test_nothing_overflows_or_clips(self) -> None:
+        for width, height in SIZES:
+            with self.subTest(width=width):
+                self.open(width, height)
+                wide: List[str] = self.run_script(
+                    """
+                    const limit = document.documentElement.clientWidth;
+                    return [...document.querySelectorAll("body *")]
+                      .filter((e) => !e.closest(".scroll") && !e.closest("svg"))
+                      .filter((e) => e.getBoundingClientRect().right > limit + 1)
+                      .map((e) => e.tagName + "." + e.className);
+                    """
+                )
+                self.assertEqual(wide, [])
+                self.assertEqual(
+                    self.run_script("return document.documentElement.scrollWidth"), width
+                )
+                outside: List[str] = self.run_script(
+                    """
+                    return [...document.querySelectorAll(".drawing svg")].flatMap((svg) => {
+                      const box = svg.getBoundingClientRect();
+                      return [...svg.querySelectorAll("text")].filter((text) => {
+                        const own = text.getBoundingClientRect();
+                        const beside = Math.max(box.left - own.left, own.right - box.right);
+                        return Math.max(beside, own.bottom - box.bottom) > 1;
+                      }).map((text) => text.textContent);
+                    });
+                    """
+                )
+                self.assertEqual(outside, [])
+        answer = self.run_script(
+            "return document.querySelector('.words').getBoundingClientRect().bottom"
+        )
+        self.assertLess(answer, 844, "the answer is on a phone's first screen")
+
+
+if __name__ == "__main__":
+    unittest.main()

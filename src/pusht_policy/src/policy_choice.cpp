@@ -14,20 +14,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const boost::dll::shared_library& loadNetworkPolicies() {
+const NetworkPolicies& loadNetworkPolicies() {
   const fs::path path = fs::path(boost::dll::this_line_location().string()).replace_filename(kNetworkPolicyLibrary);
   try {
     namespace mode = boost::dll::load_mode;
     // Global, so that it can be asked which BLAS there is. Never freed: its policies may live until the program ends.
-    return *new boost::dll::shared_library(path.string(), mode::rtld_now | mode::rtld_global);
+    static const auto& library = *new boost::dll::shared_library(path.string(), mode::rtld_now | mode::rtld_global);
+    return library.get<const NetworkPolicies>(kNetworkPoliciesSymbol);
   } catch (const boost::system::system_error& error) {
     throw BadDependency("library " + path.string() + ": cannot be loaded: " + error.what());
   }
 }
 
 const NetworkPolicies& networkPolicies() {
-  static const boost::dll::shared_library& library = loadNetworkPolicies();
-  return library.get<const NetworkPolicies>(kNetworkPoliciesSymbol);
+  static const NetworkPolicies& policies = loadNetworkPolicies();
+  return policies;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@ import logging
 import math
 import os
 import re
+import shlex
 import shutil
 import sys
 import unittest
@@ -85,13 +86,15 @@ class Content(ReportCase):
     def test_figures_are_those_of_the_terminal(self) -> None:
         page = html.unescape(self.report(str(self.run_folder)))
         table = self.printed[: self.printed.index("results:")]
-        figures = re.findall(rf"{NUMBER}(?: m| rad)?(?: \[{NUMBER}, {NUMBER}\])", table)
-        self.assertGreaterEqual(len(figures), 9)
-        less_in_closed_loop = re.search("less in closed loop.*", table)
-        assert less_in_closed_loop
+        figures = re.findall(rf"{NUMBER}(?: m| rad)?(?: \[{NUMBER}, {NUMBER}\])(?: \(!\))?", table)
+        self.assertGreaterEqual(len(figures), 11)
+        figures += re.findall(r"\d+ times|McNemar p \S+", table)
         for figure in figures:
-            if figure not in less_in_closed_loop[0]:
-                self.assertIn(figure, page)
+            self.assertIn(figure, page)
+        parted = re.search(r"beyond the bound +(\d+ of \d+), half by (\S+ s)", table)
+        assert parted
+        self.assertIn(f"In open loop {parted[1]} episodes leave", page)
+        self.assertIn(f"Half of all have left it by {parted[2]}.", page)
         transfer = re.search(r"\d+ % \[.*?\]", table)
         counts = re.search(
             r"both (\d+), reference only (\d+) +engine only (\d+), neither (\d+)", table
@@ -185,18 +188,54 @@ class Content(ReportCase):
 
     def test_text_of_others_is_text(self) -> None:
         folder = self.copy()
-        evil = '</script><img src=x onerror="alert(1)">'
+        evil = '</script><img src=x onerror="alert(1)"> $\\x$'
         metrics = json.loads((folder / "metrics.json").read_text())
         metrics["simulators"]["engine"]["title"] = evil
         metrics["policy"] = evil
         self.change(folder / "metrics.json", **metrics)
         provenance = json.loads((folder / "provenance.json").read_text())
-        provenance["configuration"]["policy"] = evil
+        provenance["configuration"].update(policy=evil, simulators=metrics["simulators"])
         self.change(folder / "provenance.json", **provenance)
         page = self.report("copy")
         self.assertNotIn(evil, page)
         self.assertNotIn("<img", page)
         self.assertIn("onerror", page, "it is shown, as text")
+
+    def test_rare_runs(self) -> None:
+        """Each with what its page must say."""
+        (self.folder / "starts.csv").write_text(
+            "pusher_x,pusher_y,tee_x,tee_y,tee_yaw\n-0.2,0.0,-0.1,0.05,0.3\n"
+        )
+        runs = {
+            "--smoke": "The policy is untrained",
+            "--policy fresh-untrained --episodes 20": "Nothing to transfer",
+            "--policy expert --episodes 1 --starts starts.csv": "Too few episodes to tell",
+            "--episodes 20 --no-floor --reanchor 1,5": "made in 5 steps",
+            "--until-decided 0.9 --episodes 60": "does not keep 90 % of the success",
+            "--reference two_mass --policy expert --episodes 20": "No loss of skill is shown",
+            "--set block_damp=20 --set pusher_mass=2 --set baumgarte=70 --episodes 20": "baumgarte",
+        }
+        for number, (options, said) in enumerate(runs.items()):
+            with self.subTest(options):
+                out = str(number)
+                process = self.run_command(COMPARE, *options.split(), "--traces", "--out", out)
+                self.assertEqual(process.returncode, 0, process.stderr)
+                self.assertIn(said, html.unescape(self.report(out)))
+
+    def test_command_makes_the_run_again(self) -> None:
+        options = ["--set", "block_damp=20.5", "--reanchor", "5", "--bound-angle", "0.123456789"]
+        options += ["--episodes", "12", "--first-episode", "3", "--seed", "4", "--no-floor"]
+        process = self.run_command(COMPARE, *options, "--out", "run")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        command = re.search(r'<pre class="command">(.*?)</pre>', self.report("run"), re.DOTALL)
+        assert command
+        words = shlex.split(html.unescape(command[1]))
+        self.assertEqual(words[:3], ["rosrun", "sim2sim_eval", "compare"])
+        process = self.run_command(COMPARE, *words[3:], "--out", "again")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        for name in ("metrics.json", "episodes.csv"):
+            again = (self.folder / "again" / name).read_bytes()
+            self.assertEqual(again, (self.folder / "run" / name).read_bytes(), name)
 
 
 class Refusals(ReportCase):
@@ -236,7 +275,8 @@ class Refusals(ReportCase):
             *("--out", "other"),
         )
         self.assertEqual(process.returncode, 0, process.stderr)
-        for name in ("episodes.csv", "traces.npy", "compare.bag"):
+        names = ("episodes.csv", "traces.npy", "compare.bag", "provenance.json")
+        for name in (*names, "statistics.json", "divergence.csv"):
             with self.subTest(name):
                 folder = self.copy()
                 if name == "compare.bag":
@@ -244,6 +284,24 @@ class Refusals(ReportCase):
                 shutil.copy(self.folder / "other" / name, folder / name)
                 self.refused("copy")
                 shutil.rmtree(folder)
+
+    def test_missing_keys_and_columns(self) -> None:
+        for name, damage in {
+            "metrics.json": lambda text: text.replace('"transfer"', '"other"'),
+            "statistics.json": lambda text: text.replace('"parting"', '"other"'),
+            "episodes.csv": lambda text: text.replace("parting_step", "other"),
+            "divergence.csv": lambda text: text.replace("angle_0.50_rad", "other"),
+            "provenance.json": lambda text: text.replace('"probes"', '"other"'),
+        }.items():
+            with self.subTest(name):
+                path = self.copy() / name
+                path.write_text(damage(path.read_text()))
+                self.refused("copy")
+                shutil.rmtree(path.parent)
+
+    def test_run_that_has_not_ended_well(self) -> None:
+        (self.copy() / "metrics.json").unlink()
+        self.assertIn("the folder of a whole run is needed", self.refused("copy"))
 
     def test_another_format(self) -> None:
         folder = self.copy()
@@ -382,30 +440,29 @@ class Browser(ReportCase):
             for step in (0, len(own) // 2, len(own) - 1):
                 state = own[step]
                 sin, cos = math.sin(state["tee_yaw"]), math.cos(state["tee_yaw"])
-                bar_end = (state["tee_x"] + 0.05 * cos, state["tee_y"] + 0.05 * sin)
-                stem_end = (state["tee_x"] + 0.09 * sin, state["tee_y"] - 0.09 * cos)
-                beside = (
-                    state["tee_x"] + 0.05 * cos + 0.05 * sin,
-                    state["tee_y"] + 0.05 * sin - 0.05 * cos,
-                )
+                on_tee = [  # both ends of the bar, and of the stem
+                    (state["tee_x"] + along * cos, state["tee_y"] + along * sin)
+                    for along in (-0.05, 0.05)
+                ]
+                on_tee.append((state["tee_x"] + 0.09 * sin, state["tee_y"] - 0.09 * cos))
+                beside = [  # left and right of the stem
+                    (x + 0.06 * sin, y - 0.06 * cos) for x, y in on_tee[:2]
+                ]
                 colors = self.run_script(
                     """
                     const player = window.players.run0;
+                    const draw = player.left.context;
+                    player.left.path = player.left.pusher = () => {};
                     player.show(arguments[0]);
                     player.seek(arguments[1]);
-                    const view = player.left;
-                    view.clear();
-                    const draw = view.context;
-                    const color = ([x, y]) =>
-                      draw.getImageData(view.x(x), view.y(y), 1, 1).data.join();
-                    const before = arguments[2].map(color);
-                    view.tee(player.reference.at(arguments[1]), { fill: "#5aaaff" });
-                    return arguments[2].map((point, i) => [before[i], color(point)]);
+                    const { left } = player;
+                    return arguments[2].map(([x, y]) =>
+                      draw.getImageData(left.x(x), left.y(y), 1, 1).data.join());
                     """,
-                    *(episode, step, [list(map(float, p)) for p in (bar_end, stem_end, beside)]),
+                    *(episode, step, [list(map(float, point)) for point in on_tee + beside]),
                 )
-                self.assertEqual([after for _, after in colors[:2]], ["90,170,255,255"] * 2)
-                self.assertEqual(colors[2][0], colors[2][1], "beside the stem there is no tee")
+                self.assertEqual(colors[:3], ["90,170,255,255"] * 3, (episode, step))
+                self.assertNotIn("90,170,255,255", colors[3:], (episode, step))
 
     def test_plays_pauses_and_scrubs(self) -> None:
         self.open()
@@ -504,10 +561,25 @@ class Browser(ReportCase):
                     """
                 )
                 self.assertEqual(outside, [])
-        answer = self.run_script(
-            "return document.querySelector('.words').getBoundingClientRect().bottom"
-        )
-        self.assertLess(answer, 844, "the answer is on a phone's first screen")
+                overlaps: List[str] = self.run_script(
+                    """
+                    return [...document.querySelectorAll(".drawing svg")].flatMap((svg) => {
+                      const texts = [...svg.querySelectorAll("text")];
+                      const boxes = texts.map((text) => text.getBoundingClientRect());
+                      const common = (a, b, from, to) =>
+                        Math.min(a[to], b[to]) - Math.max(a[from], b[from]);
+                      const meet = (a, b) =>
+                        common(a, b, "left", "right") > 1 && common(a, b, "top", "bottom") > 2;
+                      return boxes.flatMap((box, i) => boxes.slice(0, i)
+                        .filter((other) => meet(box, other)).map(() => texts[i].textContent));
+                    });
+                    """
+                )
+                self.assertEqual(overlaps, [])
+                answer = self.run_script(
+                    "return document.querySelector('.words').getBoundingClientRect().bottom"
+                )
+                self.assertLess(answer, height, "the answer is on the first screen")
 
 
 if __name__ == "__main__":

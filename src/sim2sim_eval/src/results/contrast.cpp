@@ -147,7 +147,7 @@ std::string probabilityCell(const std::optional<double>& p) {
 
 std::string line(const std::string& name, const std::string& difference, const std::string& p,
                  const std::string& adjusted, const std::string& decided) {
-  constexpr std::size_t kName = 42;
+  constexpr std::size_t kName = 44;
   constexpr std::size_t kDifference = 38;
   constexpr std::size_t kProbability = 11;
   return "  " + padded(name, kName) + padded(difference, kDifference) + padded(p, kProbability) +

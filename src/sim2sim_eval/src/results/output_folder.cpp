@@ -41,6 +41,7 @@ const std::vector<ResultFile>& resultFiles() {
       {Results::kSweep, regexes("sweep\\.(json|csv)")},
       {Results::kSweep, regexes("rows", "[0-9]{3,}", "((metrics|statistics)\\.json|episodes\\.csv)(\\.part)?")},
       {Results::kSweep, regexes("reference", "[0-9a-f]{16}", "[0-9a-f]+\\.(reference|floor_1e-[69])(\\.part)?")},
+      {std::nullopt, regexes("report\\.html")},
       {std::nullopt, regexes("provenance\\.json")},
       {std::nullopt, regexes("status\\.json")},
   };

@@ -141,12 +141,12 @@ std::string transferText(const Outcomes& outcomes) {
 
 std::string timesText(double multiple) {
   constexpr int kDigits = 2;
-  return std::isnan(multiple) ? "undefined" : pusht::significantText(multiple, kDigits) + " times";
+  return std::isnan(multiple) ? "undefined" : pusht::significantText(readable(multiple), kDigits) + " times";
 }
 
-/// "46 of 50 episodes, half by 1.3 s"
+/// "46 of 50, half by 1.3 s"
 std::string partedText(const Partings& partings) {
-  const std::string count = std::to_string(partings.parted) + " of " + std::to_string(partings.episodes) + " episodes";
+  const std::string count = std::to_string(partings.parted) + " of " + std::to_string(partings.episodes);
   return partings.median_step ? count + ", half by " + fixedText(*partings.median_step * pusht::kControlStep, 1) + " s"
                               : count;
 }

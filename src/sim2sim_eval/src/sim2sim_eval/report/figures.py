@@ -3,11 +3,13 @@
 
 import io
 import re
+import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import matplotlib  # type: ignore[import]
+from pusht_task.task import CONTROL_STEP
 
 from sim2sim_eval.report.results import ENGINE, REPLAY, Json, Run
 
@@ -43,6 +45,7 @@ STYLE: Dict[str, Any] = {
     "xtick.color": DIM,
     "ytick.color": DIM,
 }
+LONGEST_LINE = 26  # characters of a name beside its bar
 COMPONENTS = (("position", "m"), ("angle", "rad"))
 _LEVELS = ("0.05", "0.25", "0.50", "0.75", "0.95")  # of the bands
 
@@ -65,19 +68,7 @@ class Drawing:
         text = io.StringIO()
         with matplotlib.rc_context({**STYLE, "svg.hashsalt": self.name}):
             self.figure.savefig(text, format="svg", metadata={"Date": None})
-        svg = text.getvalue()
-        svg = svg[svg.index("<svg") :]
-        for color, variable in VARIABLES.items():
-            svg = svg.replace(color, variable)
-        svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
-        ids = set(re.findall(r'id="([^"]+)"', svg))
-        svg = re.sub(
-            r'(id="|href="#|url\(#)([^")]+)',
-            lambda m: f"{m[1]}{self.name}-{m[2]}" if m[2] in ids else m[0],
-            svg,
-        )
-        svg = re.sub(r' width="[\d.]+pt" height="[\d.]+pt"', "", svg, count=1)
-        return svg
+        return inline(text.getvalue(), self.name)
 
     def save(self, folder: Path) -> Iterator[Tuple[Path, bytes]]:
         """The files for papers."""
@@ -91,6 +82,21 @@ class Drawing:
             yield folder / f"{self.name}.{kind}", content.getvalue()
 
 
+def inline(svg: str, name: str) -> str:
+    """An SVG file as a part of a page: with the page's colours, and ids of its own."""
+    svg = svg[svg.index("<svg") :]
+    for color, variable in VARIABLES.items():
+        svg = svg.replace(color, variable)
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
+    ids = set(re.findall(r'id="([^"]+)"', svg))
+    svg = re.sub(
+        r'(id="|href="#|url\(#)([^")]+)',
+        lambda m: f"{m[1]}{name}-{m[2]}" if m[2] in ids else m[0],
+        svg,
+    )
+    return re.sub(r' width="[\d.]+pt" height="[\d.]+pt"', "", svg, count=1)
+
+
 def draw(run: Run, prefix: str) -> Dict[str, Drawing]:
     """All figures of a run; `prefix` tells runs apart."""
     with matplotlib.rc_context(STYLE):
@@ -101,18 +107,22 @@ def draw(run: Run, prefix: str) -> Dict[str, Drawing]:
 def draw_rates(runs: Sequence[Run]) -> Drawing:
     """Success with intervals: the reference, and the engine of each run."""
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(5.6, 0.75 + 0.5 * (len(runs) + 1)), constrained_layout=True)
-        axes = figure.subplots()
         first = runs[0].metrics
         bars = [(f"{runs[0].title('reference')}", first, "reference")]
         bars += [(run.name, run.metrics, "engine") for run in runs]
+        # Names are text, not mathematics.
+        names = [textwrap.fill(name, LONGEST_LINE).replace("$", r"\$") for name, _, _ in bars]
+        lines = sum(name.count("\n") + 1 for name in names)
+        size = (5.6, 0.75 + 0.3 * len(bars) + 0.2 * lines)
+        figure = Figure(figsize=size, constrained_layout=True)
+        axes = figure.subplots()
         for row, (_, metrics, role) in enumerate(bars):
             color = COLORS["reference"] if role == "reference" else COLORS[ENGINE]
             rate = metrics[f"{role}_success_rate"]
             low, high = metrics[f"{role}_success_interval"]
             axes.barh(row, rate, height=0.55, color=color, alpha=0.85)
             axes.plot([low, high], [row, row], color=INK, linewidth=2.5, solid_capstyle="butt")
-        axes.set_yticks(range(len(bars)), [name for name, _, _ in bars])
+        axes.set_yticks(range(len(bars)), names)
         axes.tick_params(axis="y", length=0, labelcolor=INK)
         axes.invert_yaxis()
         axes.set_xlim(0, 1)
@@ -124,17 +134,18 @@ def draw_rates(runs: Sequence[Run]) -> Drawing:
 
 def _yardsticks(run: Run) -> Drawing:
     """Mean divergences beside what they must be read against."""
-    figure = Figure(figsize=(6.2, 2.3), constrained_layout=True)
     rows = [
-        ("a tee that never moves", REPLAY, "null_{}_divergence", DIM),
-        ("same actions", REPLAY, "mean_{}_divergence", COLORS[REPLAY]),
+        ("open loop", REPLAY, "mean_{}_divergence", COLORS[REPLAY]),
+        ("its null model", REPLAY, "null_{}_divergence", DIM),
         ("closed loop", ENGINE, "mean_{}_divergence", COLORS[ENGINE]),
+        ("its null model", ENGINE, "null_{}_divergence", DIM),
     ]
     rows += [
         (f"floor, {name[len('floor_'):]} m", name, "mean_{}_divergence", COLORS["reference"])
         for name in reversed(run.metrics["probes"])
         if name.startswith("floor_")
     ]
+    figure = Figure(figsize=(6.2, 0.8 + 0.28 * len(rows)), constrained_layout=True)
     for axes, (component, unit) in zip(figure.subplots(1, 2, sharey=True), COMPONENTS):
         for row, (_, mode, quantity, color) in enumerate(rows):
             figures = run.statistics["rollouts"][mode][f"{quantity.format(component)}_{unit}"]
@@ -158,9 +169,9 @@ def _bands(run: Run) -> Drawing:
     grid = figure.subplots(3, 2, sharex=True, sharey="row", height_ratios=[3, 3, 1.2])
     bound = run.metrics["bound"]
     limits = {"position": bound["position_m"], "angle": bound["angle_rad"]}
-    for column, (mode, name) in enumerate(((REPLAY, "same actions"), (ENGINE, "closed loop"))):
+    for column, (mode, name) in enumerate(((REPLAY, "open loop"), (ENGINE, "closed loop"))):
         band, color = run.bands[mode], COLORS[mode]
-        seconds = band["step"] * 0.1
+        seconds = band["step"] * CONTROL_STEP
         grid[0, column].set_title(name, color=INK, fontsize=12, loc="left")
         for axes, (component, unit) in zip(grid[:, column], COMPONENTS):
             levels = [band[f"{component}_{level}_{unit}"] for level in _LEVELS]
@@ -198,6 +209,6 @@ def _causes(run: Run) -> Drawing:
     axes.tick_params(axis="y", length=0, labelcolor=INK)
     axes.invert_yaxis()
     axes.set_xlim(0, 1)
-    axes.set_xlabel("share of the episodes that leave the bound")
+    axes.set_xlabel("share of the episodes that leave the bound, open loop")
     axes.grid(axis="y", visible=False)
     return Drawing("causes", "First causes: " + ", ".join(names), figure)

@@ -21,16 +21,12 @@ const element = (name, properties = {}) => Object.assign(document.createElement(
 // The states of a mode: numbers in SI units, by step.
 function unpack(text) {
   const bytes = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
-  const numbers = new Int16Array(bytes.buffer);
-  const [length, angle, speed] = geometry.units;
+  const numbers = new Float32Array(bytes.buffer);
   return {
     count: numbers.length / FIELDS,
     at(step) {
       const n = numbers.subarray(FIELDS * step, FIELDS * (step + 1));
-      return {
-        pusher: [n[0] * length, n[1] * length], tee: [n[2] * length, n[3] * length], yaw: n[4] * angle,
-        action: [n[5] * speed, n[6] * speed],
-      };
+      return { pusher: [n[0], n[1]], tee: [n[2], n[3]], yaw: n[4], action: [n[5], n[6]] };
     },
   };
 }
@@ -190,7 +186,7 @@ class Player {
     this.last = Math.max(this.reference.count, this.engine.count) - 1;
     this.scrub.max = this.last;
     const replays = this.mode.value === "engine_replay";
-    this.caption.textContent = `${this.data.titles.engine}, ${replays ? "same actions" : "closed loop"}`;
+    this.caption.textContent = `${this.data.titles.engine}, ${replays ? "open loop" : "closed loop"}`;
     this.caption.className = `chosen ${replays ? "replay" : "engine"}`;
     const common = Math.min(this.reference.count, this.engine.count);
     this.apart = Array.from({ length: common }, (_, step) => divergence(this.reference.at(step), this.engine.at(step)));
@@ -290,6 +286,7 @@ function drawPaths(box, data, player) {
   }
   for (const { episode, kind, states } of data.episodes) {
     const button = element("button", { type: "button", className: kind, title: `episode ${episode}: ${KIND_NAMES[kind]}` });
+    button.setAttribute("aria-label", button.title);
     const canvas = element("canvas", { width: 208, height: 208 });
     button.append(canvas, element("span", { textContent: episode }));
     button.addEventListener("click", () => {

@@ -5,7 +5,6 @@ import base64
 import json
 import re
 import shlex
-import subprocess
 import tempfile
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence
@@ -23,6 +22,7 @@ from sim2sim_eval.report.results import (
     REFERENCE,
     REPLAY,
     Json,
+    Episode,
     Refusal,
     Run,
     Traces,
@@ -31,7 +31,10 @@ from sim2sim_eval.report.results import (
 )
 
 RATE_DIGITS, DIVERGENCE_DIGITS = 3, 4  # as in the table that the commands print
-LENGTH_UNIT, ANGLE_UNIT, SPEED_UNIT = 1e-4, 1e-4, 1e-4  # [m, rad, m/s] of one step of an int16
+SIGNIFICANT = 0.05  # after Holm
+COMPONENTS = (("position", "m"), ("angle", "rad"))
+REANCHORED = "engine_reanchored_"
+UNTRAINED = "fresh-untrained"
 MOST_ANIMATED = 200  # episodes, unless more are asked for
 CONTRASTED = {
     "engine_success_rate": ("success rate", RATE_DIGITS),
@@ -40,7 +43,7 @@ CONTRASTED = {
 }
 WORDS = (
     *("Reference", "Closed loop", "Open loop", "Success", "Tolerance", "Transfer", "Divergence"),
-    *("Null model", "Floor", "Parting", "Band", "Control step", "Spawn seed", "Tee"),
+    *("Null model", "Floor", "Parting", "Band", "Holm", "Control step", "Spawn seed", "Tee"),
 )
 CAUTION = [
     "Neither simulator is the truth. The gap says how far they agree, not which of them is right.",
@@ -60,7 +63,7 @@ class Page:
             lstrip_blocks=True,
             undefined=jinja2.StrictUndefined,
         )
-        self.environment.filters["signed"] = _signed
+        self.environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "sort_keys": True}
         self.shared = {
             "css": jinja2.utils.markupsafe.Markup((here / "page.css").read_text("utf-8")),
             "script": jinja2.utils.markupsafe.Markup((here / "page.js").read_text("utf-8")),
@@ -89,20 +92,29 @@ class Page:
 
     def of_sweep(self, folder: Path) -> str:
         """Curves over every parameter that varies, and every row against the first."""
+        try:
+            rows = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))["rows"]
+        except ValueError as error:
+            raise Refusal(f"{folder / 'sweep.json'}: must be JSON: {error}") from None
         with tempfile.TemporaryDirectory() as scratch:
             curves = _plot_sweep(folder, Path(scratch, "curves.svg"))
             pairs = _plot_sweep(folder, Path(scratch, "pairs.svg"), "--against", "0")
             out = Path(scratch, "contrast.json")
             rosrun("contrast", str(folder), "--against", "0", "--out", str(out))
             contrasts = json.loads(out.read_text(encoding="utf-8"))
-        rows = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))["rows"]
         return self._render(
             title=f"Sweep {folder.resolve().name}",
             rates=None,
             contrasts=[_contrast(c) for c in contrasts["contrasts"]],
             baseline="row 0",
             runs=[],
-            sweep={"curves": curves, "pairs": pairs, "rows": rows},
+            sweep={
+                "curves": curves,
+                "pairs": pairs,
+                "summary": _sweep_summary(rows[0]),
+                "rows": [_sweep_row(row) for row in rows],
+                "caution": CAUTION,
+            },
         )
 
     def _render(self, **context: Any) -> str:
@@ -120,7 +132,7 @@ def glossary() -> List[Dict[str, str]]:
         r"^\*\*(.+?)\*\*([^:]*): (.+?)(?=\n\n|\Z)", path.read_text("utf-8"), re.M | re.S
     )
     meanings = {word: _plain(meaning) for word, _, meaning in entries}
-    return [{"word": w, "meaning": meanings[w]} for w in WORDS if w in meanings]
+    return [{"word": word, "meaning": meanings[word]} for word in WORDS]
 
 
 def verdict(run: Run) -> Dict[str, Any]:
@@ -128,18 +140,6 @@ def verdict(run: Run) -> Dict[str, Any]:
     m = run.metrics
     reference, engine = run.title("reference"), run.name
     difference = m["success_difference_interval"]
-    rates = (
-        f"{m['reference_success_rate']:.{RATE_DIGITS}f} of the episodes succeed in {reference}, "
-        f"{m['engine_success_rate']:.{RATE_DIGITS}f} in {engine}"
-    )
-    if difference is None:
-        headline = f"Too few episodes to tell: {rates}"
-    elif difference[1] < 0:
-        headline = f"The skill transfers only in part: {rates}"
-    elif difference[0] > 0:
-        headline = f"The skill transfers, and more: {rates}"
-    else:
-        headline = f"No loss of skill is shown: {rates}"
     mean_position = _figure(m, "mean_pos_divergence", "m")
     mean_angle = _figure(m, "mean_ang_divergence", "rad")
     null_position = _figure(m, f"{REPLAY}_null_position_divergence", "m", interval=False)
@@ -148,82 +148,188 @@ def verdict(run: Run) -> Dict[str, Any]:
         f"In closed loop, policy {m['policy']} succeeds in {_rate(m, 'reference')} of "
         f"{m['episodes']} episodes in {reference} and in {_rate(m, 'engine')} of the same episodes "
         f"in {engine}: {_signed(m['success_difference'], RATE_DIGITS)}"
-        f"{_interval(difference, RATE_DIGITS)}, {_probability(m['success_difference_p'])}. "
+        f"{_interval(difference, RATE_DIGITS)}, McNemar {_probability(m['success_difference_p'])}. "
         f"Transfer: {_transfer(m)}.",
-        f"Given the actions that {reference} saw, the tee in {engine} is {mean_position} and "
-        f"{mean_angle} from where it is in {reference}, on average over the episode. A tee that never "
-        f"moves would be {null_position} and {null_angle} away.",
+        f"Given the exact actions of {reference}, the tee in {engine} is {mean_position} and "
+        f"{mean_angle} from where it is in {reference}, on average over the episode. A tee that "
+        f"never moves would be {null_position} and {null_angle} away.",
     ]
-    doubts = [
-        name
-        for name, key in (("position", "mean_pos_divergence"), ("angle", "mean_ang_divergence"))
-        if m[f"{key}_beats_null"] is not True
-    ]
-    if doubts:
-        sentences.append(
-            f"(!) In {' and '.join(doubts)} the engine is not surely better than that tee: it "
-            "predicts nothing there over whole episodes."
-        )
+    if "decision" in m:
+        sentences.insert(0, _decision(m, engine))
+    return {
+        "headline": _headline(m, reference, engine),
+        "sentences": sentences + _doubts(m),
+        "caution": _caution(m, reference),
+    }
+
+
+def _headline(m: Json, reference: str, engine: str) -> str:
+    rates = (
+        f"{m['reference_success_rate']:.{RATE_DIGITS}f} of the episodes succeed in {reference}, "
+        f"{m['engine_success_rate']:.{RATE_DIGITS}f} in {engine}"
+    )
+    if m["reference_successes"] == 0:
+        return f"Nothing to transfer: the policy never succeeds in {reference}"
+    difference = m["success_difference_interval"]
+    if difference is None:
+        return f"Too few episodes to tell: {rates}"
+    if difference[1] < 0:
+        kept = "only in part" if m["engine_successes"] else "not at all"
+        return f"The skill transfers {kept}: {rates}"
+    if difference[0] > 0:
+        return f"The skill transfers, and more: {rates}"
+    return f"No loss of skill is shown: {rates}"
+
+
+def _decision(m: Json, engine: str) -> str:
+    decision = m["decision"]
+    kept = f"{100 * decision['share']:.0f} % of the success in the reference"
+    if decision["episodes"] is None:
+        return f"It was not decided after {m['episodes']} episodes whether {engine} keeps {kept}."
+    return f"Decided after {decision['episodes']} episodes: {engine} {decision['verdict']} {kept}."
+
+
+def _doubts(m: Json) -> List[str]:
+    """What each divergence does not show."""
+    doubts = []
+    for name, key, unit in (("position", "mean_pos", "m"), ("angle", "mean_ang", "rad")):
+        beats = m[f"{key}_divergence_beats_null"]
+        interval = m[f"{key}_divergence_minus_null_interval_{unit}"]
+        if beats is None:
+            doubts.append(f"(!) In {name} there are too few episodes to tell it from that tee.")
+        elif not beats and interval[0] > 0:
+            doubts.append(f"(!) In {name} it is further away than that tee.")
+        elif not beats:
+            doubts.append(f"(!) In {name} it is not shown to be nearer than that tee.")
+    return doubts
+
+
+def _caution(m: Json, reference: str) -> List[str]:
     caution = list(CAUTION)
-    if m["smoke"]:
+    if "decision" in m:
         caution.insert(
-            0, "This is a smoke run of an untrained policy: it only shows that all works."
+            0,
+            "The run ended when it was decided. The intervals are those of a run of fixed length, "
+            "and hold less often here.",
         )
-    return {"headline": headline, "sentences": sentences, "caution": caution}
+    if m["policy"] == UNTRAINED:
+        caution.insert(0, "The policy is untrained: success and transfer say nothing.")
+    elif m["reference_successes"] == 0:
+        caution.insert(
+            0,
+            f"The policy never succeeds in {reference}. A trained one does: is this the right "
+            "checkpoint, and is its normalisation inside?",
+        )
+    return caution
 
 
 def command_of(run: Run) -> str:
-    """The command that makes the run again. A run over nodes is made by its launch file."""
+    """The command that makes the run again; one over nodes is made by its launch file."""
     c = run.provenance["configuration"]
-    words = ["rosrun", "sim2sim_eval", "compare"]
-    if c["smoke"]:
-        return " ".join([*words, "--smoke"])
-    words += ["--policy", str(c["policy"]), "--episodes", str(c["episodes"])]
-    if c["first_episode"]:
-        words += ["--first-episode", str(c["first_episode"])]
-    words += ["--starts", "STARTS.csv"] if "starts" in c else ["--seed", str(c["seed"])]
+    live = "nodes" in run.provenance
+    words = ["roslaunch", "sim2sim_eval", "compare.launch"] if live else []
+    words = words or ["rosrun", "sim2sim_eval", "compare"]
+
+    def add(name: str, value: Any) -> None:
+        text = value if isinstance(value, str) else json.dumps(value)
+        if live:
+            words.append(f"{name}:={text}")
+        else:
+            words.extend([f"--{name.replace('_', '-')}", text])
+
+    for name in ("policy", "episodes", "first_episode"):
+        add(name, c[name])
+    add(*(("starts", "STARTS.csv") if "starts" in c else ("seed", c["seed"])))
     for role, option in (("reference", "--set-reference"), ("engine", "--set")):
         simulator = c["simulators"][role]
-        words += [f"--{role}", simulator["name"]]
-        for name in simulator["changed"]:
-            words += [option, f"{name}={simulator['parameters'][name]}"]
+        add(role, simulator["name"])
+        values = {name: simulator["parameters"][name] for name in simulator["changed"]}
+        settings = [f"{k}={v if isinstance(v, str) else json.dumps(v)}" for k, v in values.items()]
+        if live and settings:
+            add(f"{role}_parameters", " ".join(settings))
+        for setting in [] if live else settings:
+            words.extend([option, setting])
     anchors = [p.rsplit("_", 1)[1] for p in c["probes"] if p.startswith("engine_reanchored_")]
     if anchors:
-        words += ["--reanchor", ",".join(anchors)]
+        add("reanchor", ",".join(anchors))
     if not any(p.startswith("floor_") for p in c["probes"]):
-        words.append("--no-floor")
-    words += ["--bound-position", f"{c['bound']['position_m']:g}"]
-    words += ["--bound-angle", f"{c['bound']['angle_rad']:g}"]
+        words.append("floor:=false" if live else "--no-floor")
+    add("bound_position", c["bound"]["position_m"])
+    add("bound_angle", c["bound"]["angle_rad"])
+    if c.get("until_decided"):
+        add("until_decided", c["until_decided"])
+    if live:
+        add("horizon", c["horizon"])
+    if c["smoke"]:
+        words = words[:3] + ["smoke:=true" if live else "--smoke"]
     return " ".join(shlex.quote(word) for word in words)
 
 
+def notes_on_command(run: Run) -> List[str]:
+    """What the command alone does not bring."""
+    c = run.provenance["configuration"]
+    notes = []
+    if "starts" in c:
+        notes.append("STARTS.csv is the text under starts in the provenance.")
+    if "nodes" in run.provenance:
+        notes.append("The provenance names the nodes. Those of others must be started again, too.")
+    for simulator in c["simulators"].values():
+        for name in simulator["changed"]:
+            if str(simulator["parameters"][name]).startswith("sha256:"):
+                notes.append(f"{name} was a file with this checksum.")
+    return notes
+
+
+def _sweep_summary(row: Json) -> str:
+    reference = row["simulators"]["reference"]["title"]
+    starts = "given starts" if "starts" in row else f"seed {row['seed']}"
+    return (
+        f"Policy {row['policy']}, {row['episodes']} episodes for every row, {starts}. In "
+        f"{reference}, the reference of all rows, it succeeds in {_rate(row, 'reference')}."
+    )
+
+
+def _sweep_row(row: Json) -> Json:
+    engine = row["simulators"]["engine"]
+    divergences = []
+    for key, unit in (("mean_pos_divergence", "m"), ("mean_ang_divergence", "rad")):
+        mark = "" if row[f"{key}_beats_null"] is True else " (!)"
+        divergences.append(_figure(row, key, unit) + mark)
+    values = ", ".join(f"{name} {engine['parameters'][name]}" for name in engine["changed"])
+    return {
+        "engine": engine["title"],
+        "changed": values or "as shipped",
+        "success": _rate(row, "engine"),
+        "divergences": divergences,
+    }
+
+
 def _section(run: Run, number: int, traces: Optional[Traces], animate: Sequence[int]) -> Json:
-    m = run.metrics
-    animated = _animated(run, animate) if traces is not None else []
+    animated = _animated(run, animate)
+    player = None
+    if traces is not None:
+        player = {
+            "titles": {"reference": run.title("reference"), "engine": run.name},
+            "bound": run.metrics["bound"],
+            "first": run.first_of_each_kind(),
+            "episodes": [_animation(e, traces) for e in run.episodes if e.index in animated],
+        }
     return {
         "id": f"run{number}",
-        "name": run.name,
+        "folder": run.folder.resolve().name,
         "reference": run.title("reference"),
         "engine": run.name,
-        "folder": run.folder.resolve().name,
-        "metrics": m,
+        "metrics": run.metrics,
         "verdict": verdict(run),
-        "figures": _figures(run),
+        "divergences": _divergences(run),
         "drawings": figures.draw(run, f"run{number}-"),
         "parting": _parting(run),
         "parameters": _parameters(run),
         "provenance": json.dumps(run.provenance, indent=2, sort_keys=True),
         "command": command_of(run),
-        "first": run.first_of_each_kind(),
+        "notes": notes_on_command(run),
         "animated": len(animated),
-        "player": {
-            "titles": {"reference": run.title("reference"), "engine": run.name},
-            "bound": m["bound"],
-            "first": [i for i in run.first_of_each_kind() if i in animated],
-            "episodes": [_animation(e, traces) for e in run.episodes if e.index in animated],
-        }
-        if traces is not None
-        else None,
+        "player": player,
         "table": [_row(e) for e in run.episodes],
     }
 
@@ -237,23 +343,19 @@ def _animated(run: Run, asked: Sequence[int]) -> List[int]:
     return sorted({*known[:MOST_ANIMATED], *asked, *run.first_of_each_kind()})
 
 
-def _animation(episode: Any, traces: Optional[Traces]) -> Json:
-    assert traces is not None
+def _animation(episode: Episode, traces: Traces) -> Json:
     states = {mode: _packed(traces[episode.index, mode]) for mode in MODES}
     return {"episode": episode.index, "kind": episode.kind, "states": states}
 
 
 def _packed(trace: Any) -> str:
-    """Five numbers and the action of every state, as int16."""
-    columns = [(name, LENGTH_UNIT) for name in ("pusher_x", "pusher_y", "tee_x", "tee_y")]
-    columns += [("tee_yaw", ANGLE_UNIT), ("action_x", SPEED_UNIT), ("action_y", SPEED_UNIT)]
-    limit = np.iinfo(np.int16).max
-    table = np.stack([np.nan_to_num(trace[name]) / unit for name, unit in columns], axis=1)
-    steps = np.clip(np.rint(table), -limit, limit).astype("<i2")
-    return base64.b64encode(steps.tobytes()).decode("ascii")
+    """Seven float32 of every state; the last action, which there is none of, is 0."""
+    names = ("pusher_x", "pusher_y", "tee_x", "tee_y", "tee_yaw", "action_x", "action_y")
+    table = np.stack([np.nan_to_num(trace[name]) for name in names], axis=1)
+    return base64.b64encode(table.astype("<f4").tobytes()).decode("ascii")
 
 
-def _row(episode: Any) -> List[Any]:
+def _row(episode: Episode) -> List[Any]:
     reference, engine, replay = (episode.modes[mode] for mode in MODES)
     number = lambda text: float(f"{float(text):.4f}") if text else None  # noqa: E731
     return [
@@ -269,30 +371,43 @@ def _row(episode: Any) -> List[Any]:
     ]
 
 
-def _figures(run: Run) -> List[Json]:
+def _divergences(run: Run) -> List[Json]:
     """The lines of the table that the commands print, as they print them."""
     m = run.metrics
-    lines = [
-        {"head": "success, closed loop", "cells": [_rate(m, "reference"), _rate(m, "engine")]},
-    ]
-    names = {"mean": "", "median": "_median", "less null model": "_minus_null"}
-    divergences = []
-    for name, suffix in names.items():
-        cells = []
-        for key, unit in (("mean_pos_divergence", "m"), ("mean_ang_divergence", "rad")):
-            text = _figure(m, key + suffix, unit, signed=suffix == "_minus_null")
-            doubted = name == "mean" and m[f"{key}_beats_null"] is not True
-            cells.append(text + (" (!)" if doubted else ""))
-        divergences.append({"head": name, "cells": cells})
-    return [{"success": lines, "divergence": divergences}]
+    means = (("mean_pos_divergence", "m"), ("mean_ang_divergence", "rad"))
+
+    def line(head: str, quantities: Sequence[Any], **style: Any) -> Json:
+        return {"head": head, "cells": [_figure(m, key, unit, **style) for key, unit in quantities]}
+
+    mean = line("mean", means)
+    for i, (key, _) in enumerate(means):
+        mean["cells"][i] += "" if m[f"{key}_beats_null"] is True else " (!)"
+    lines = [mean]
+    lines.append(line("median", [(f"{key}_median", unit) for key, unit in means]))
+    less_null = [(f"{key}_minus_null", unit) for key, unit in means]
+    lines.append(line("less null model", less_null, signed=True))
+    factors = [m[f"{key}_over_floor"] for key, _ in means]
+    if factors[0] is not None:
+        cells = ["undefined" if f is None else f"{f:.2g} times" for f in factors]
+        lines.append({"head": "over the floor (1e-6 m)", "cells": cells})
+    absorbed = [(f"{ENGINE}_absorbed_{name}_divergence", unit) for name, unit in COMPONENTS]
+    lines.append(line("less in closed loop", absorbed, signed=True))
+    for probe in m["probes"]:
+        every = probe[len(REANCHORED) :] if probe.startswith(REANCHORED) else None
+        if every:
+            errors = [(f"{probe}_anchor_{name}_error", unit) for name, unit in COMPONENTS]
+            lines.append(line(f"made in {every} step{'' if every == '1' else 's'}", errors))
+    return lines
 
 
 def _parting(run: Run) -> str:
     m = run.metrics
-    median = m["median_parting_step"]
-    half = "" if median is None else f", half of them by {median * task.CONTROL_STEP:.1f} s"
     bound = f"{m['bound']['position_m']:g} m or {m['bound']['angle_rad']:g} rad"
-    return f"{m['parted']} of {m['episodes']} episodes leave the bound of {bound}{half}."
+    parted = f"In open loop {m['parted']} of {m['episodes']} episodes leave the bound of {bound}"
+    median = m["median_parting_step"]
+    if median is None:
+        return f"{parted}."
+    return f"{parted}. Half of all have left it by {median * task.CONTROL_STEP:.1f} s."
 
 
 def _parameters(run: Run) -> List[Json]:
@@ -327,24 +442,15 @@ def _contrast(content: Json) -> Json:
                 "difference": text + _interval(figure["interval"], digits),
                 "p": _probability(figure["p"]),
                 "adjusted": _probability(figure["adjusted_p"]),
-                "finding": figure["adjusted_p"] is not None
-                and figure["adjusted_p"] <= 1.0 - _CONFIDENCE,
+                "finding": figure["adjusted_p"] is not None and figure["adjusted_p"] <= SIGNIFICANT,
             }
         )
     return {"title": content["title"], "rows": rows}
 
 
-def _plot_sweep(folder: Path, out: Path, *arguments: str) -> Any:
-    process = subprocess.run(
-        ["rosrun", "sim2sim_eval", "plot_sweep", str(folder), "--out", str(out), *arguments],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    if process.returncode != 0:
-        raise Refusal(process.stderr.strip().splitlines()[-1], process.returncode)
-    svg = out.read_text(encoding="utf-8")
-    return svg[svg.index("<svg") :]
+def _plot_sweep(folder: Path, out: Path, *arguments: str) -> str:
+    rosrun("plot_sweep", str(folder), "--out", str(out), *arguments)
+    return figures.inline(out.read_text(encoding="utf-8"), out.stem)
 
 
 def _rate(metrics: Json, role: str) -> str:
@@ -357,7 +463,7 @@ def _figure(
 ) -> str:
     value = metrics[f"{key}_{unit}"]
     if value is None:
-        return "none"
+        return "none"  # as the commands say it
     text = _signed(value, DIVERGENCE_DIGITS) if signed else f"{value:.{DIVERGENCE_DIGITS}f}"
     rest = _interval(metrics[f"{key}_interval_{unit}"], DIVERGENCE_DIGITS) if interval else ""
     return f"{text} {unit}{rest}"
@@ -398,7 +504,6 @@ def _plain(markdown: str) -> str:
     return " ".join(text.split())
 
 
-_CONFIDENCE = 0.95
 _GEOMETRY = {
     "barHalfLength": task.BAR_HALF_LENGTH,
     "stemHalfLength": task.STEM_HALF_LENGTH,
@@ -407,5 +512,4 @@ _GEOMETRY = {
     "pusherRadius": task.PUSHER_RADIUS,
     "wall": task.WALL_INNER_FACE,
     "controlStep": task.CONTROL_STEP,
-    "units": [LENGTH_UNIT, ANGLE_UNIT, SPEED_UNIT],
 }

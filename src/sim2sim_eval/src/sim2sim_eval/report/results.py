@@ -3,6 +3,7 @@
 
 import csv
 import json
+import math
 import subprocess
 import tempfile
 from dataclasses import dataclass
@@ -107,10 +108,7 @@ def read_run(folder: Path) -> Run:
     _require_format(folder / "statistics.json", statistics, STATISTICS_FORMAT)
     provenance = _json(folder / "provenance.json")
     try:
-        if provenance["configuration"]["config_hash"] != metrics["config_hash"]:
-            raise Refusal(f"{folder}: metrics.json and provenance.json must be of one run")
-        if statistics["episodes"] != metrics["episodes"]:
-            raise Refusal(f"{folder}: metrics.json and statistics.json must be of one run")
+        _require_one_run(folder, metrics, statistics, provenance)
         run = Run(
             folder=folder,
             metrics=metrics,
@@ -120,12 +118,13 @@ def read_run(folder: Path) -> Run:
             bands=_bands(folder / "divergence.csv"),
         )
         counts = {kind: metrics[kind] for kind in KINDS.values()}
-        titles = [run.title("reference"), run.name]
     except (KeyError, TypeError) as error:
-        raise Refusal(f"{folder}: {error!r} is not as a run of this version has it") from None
-    counted = {kind: sum(e.kind == kind for e in run.episodes) for kind in counts}
-    if counts != counted or not all(titles):
+        raise Refusal(f"{folder}: is not as a run of this version has it: {error!r}") from None
+    if counts != {kind: sum(e.kind == kind for e in run.episodes) for kind in counts}:
         raise Refusal(f"{folder}: metrics.json and episodes.csv must be of one run")
+    for mode in (ENGINE, REPLAY):
+        if list(run.bands[mode]["episodes"]) != _still_running(run.episodes, mode):
+            raise Refusal(f"{folder}: divergence.csv and episodes.csv must be of one run")
     return run
 
 
@@ -184,6 +183,23 @@ def _json(path: Path, rule: str = "it is needed") -> Json:
     return content
 
 
+def _require_one_run(folder: Path, metrics: Json, statistics: Json, provenance: Json) -> None:
+    """Whether the files say the same where they say the same thing."""
+    for key, value in provenance["configuration"].items():
+        if key in metrics and key != "episodes" and metrics[key] != value:
+            raise Refusal(f"{folder}: metrics.json and provenance.json differ in {key}")
+    for name, unit, key in (("position", "m", "pos"), ("angle", "rad", "ang")):
+        figures = statistics["rollouts"][REPLAY][f"mean_{name}_divergence_{unit}"]
+        if figures["mean"] != metrics[f"mean_{key}_divergence_{unit}"]:
+            raise Refusal(f"{folder}: metrics.json and statistics.json must be of one run")
+
+
+def _still_running(episodes: Sequence[Episode], mode: str) -> List[int]:
+    """How many episodes last at each step, in this mode and in the reference."""
+    lasts = [min(episode.steps(mode), episode.steps(REFERENCE)) for episode in episodes]
+    return [sum(last >= step for last in lasts) for step in range(max(lasts) + 1)]
+
+
 def _require_format(path: Path, content: Json, wanted: int) -> None:
     if content.get("format") != wanted:
         raise Refusal(f"{path}: format {content.get('format')!r}: must be {wanted}")
@@ -199,6 +215,8 @@ def _rows(path: Path) -> List[Dict[str, str]]:
         raise Refusal(f"{path}: must be CSV: {error}") from None
     if any(None in row or None in row.values() for row in rows):
         raise Refusal(f"{path}: every row must have as many columns as the first line")
+    if any(text in ("inf", "-inf", "nan") for row in rows for text in row.values()):
+        raise Refusal(f"{path}: every number must be finite")
     return rows
 
 
@@ -212,7 +230,7 @@ def _episodes(path: Path, count: int) -> List[Episode]:
             for mode in MODES:
                 episode.steps(mode)
     except (KeyError, ValueError) as error:
-        raise Refusal(f"{path}: {error!r}: is no results of a run") from None
+        raise Refusal(f"{path}: must be the episodes of a run: {error!r}") from None
     if len(episodes) != count:
         raise Refusal(f"{path}: has {len(episodes)} episodes: must be {count}")
     return episodes
@@ -226,7 +244,7 @@ def _bands(path: Path) -> Dict[str, Dict[str, Any]]:
             for name, text in row.items():
                 columns[name].append(float(text))
     except (KeyError, ValueError) as error:
-        raise Refusal(f"{path}: {error!r}: is no divergence of a run") from None
+        raise Refusal(f"{path}: must be the divergence of a run: {error!r}") from None
     if not {ENGINE, REPLAY} <= bands.keys():
         raise Refusal(f"{path}: must have the modes {ENGINE} and {REPLAY}")
     return {mode: {k: np.array(v) for k, v in columns.items()} for mode, columns in bands.items()}
@@ -237,8 +255,8 @@ def _traces(path: Path, run: Run) -> Traces:
         records = np.load(path, allow_pickle=False)
     except (OSError, ValueError) as error:
         raise Refusal(f"{path}: must be a NumPy array: {error}") from None
-    if records.dtype.names != TRACE_FIELDS:
-        raise Refusal(f"{path}: must have the fields {', '.join(TRACE_FIELDS)}")
+    if not isinstance(records, np.ndarray) or records.dtype.names != TRACE_FIELDS:
+        raise Refusal(f"{path}: must be one array with the fields {', '.join(TRACE_FIELDS)}")
     begins = np.flatnonzero(records["step"] == 0)
     traces = {
         (int(trace["episode"][0]), trace["mode"][0].decode("ascii", "replace")): trace
@@ -248,4 +266,10 @@ def _traces(path: Path, run: Run) -> Traces:
     wanted = {(e.index, mode): e.steps(mode) + 1 for e in run.episodes for mode in MODES}
     if {key: len(trace) for key, trace in traces.items()} != wanted:
         raise Refusal(f"{path}: must have the steps of episodes.csv beside it")
+    for episode in run.episodes:
+        for mode in MODES:
+            last = traces[episode.index, mode][-1]
+            away = float(episode.modes[mode]["final_position_error_m"])
+            if not math.isclose(math.hypot(last["tee_x"], last["tee_y"]), away, abs_tol=1e-9):
+                raise Refusal(f"{path}: must end episode {episode.index} as episodes.csv does")
     return traces

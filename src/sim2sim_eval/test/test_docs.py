@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs what the docs say, and compares with the output that they show.
+
+In a `console` block a line after `$ ` is a command, and the lines below it are what it prints. A
+line `...` stands for any lines, `...` at a line's end for any rest. A block whose first line is a
+comment with a file name is that file.
+"""
+
+import os
+import re
+import sys
+import unittest
+from pathlib import Path
+from typing import Iterator, List, Tuple
+
+import rospkg  # type: ignore[import]
+
+sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
+from command_case import CommandCase  # noqa: E402
+
+DOCS = Path(rospkg.RosPack().get_path("sim2sim_eval")).parents[1] / "docs"
+KNOB = ("falls", "falls", "no-difference")  # as in the solutions
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+FILE = re.compile(r"# ([\w.]+)\n")
+
+
+def pattern_of(lines: List[str]) -> str:
+    """A regular expression for the output."""
+    pattern = ""
+    for line in lines:
+        if line == "...":
+            pattern += r"(?:.*\n)*?"
+        else:
+            rest = line.endswith("...")
+            pattern += re.escape(line[:-3] if rest else line) + (r".*\n" if rest else r" *\n")
+    return pattern
+
+
+def commands(block: str) -> Iterator[Tuple[str, List[str]]]:
+    for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+        command, *output = part.splitlines()
+        yield command, output
+
+
+class Docs(CommandCase):
+    def check(self, name: str) -> int:
+        """How many commands were run, in one folder, one after the other."""
+        count = 0
+        for language, block in BLOCK.findall((DOCS / name).read_text(encoding="utf-8")):
+            file = FILE.match(block)
+            if file:
+                csv = file[1].endswith(".csv")  # has no comments
+                (self.folder / file[1]).write_text(block[file.end() :] if csv else block)
+            if language != "console":
+                continue
+            for command, output in commands(block):
+                with self.subTest(command):
+                    process = self.run_command("bash", "-c", command)
+                    self.assertEqual(process.returncode, 0, process.stderr)
+                    count += 1
+                    if not re.fullmatch(pattern_of(output), process.stdout):
+                        self.assertEqual(process.stdout, "\n".join(output))
+        return count
+
+    def test_tutorial(self) -> None:
+        self.assertEqual(self.check("tutorial.md"), 11)
+
+    def test_bring_your_own(self) -> None:
+        self.assertEqual(self.check("bring_your_own.md"), 4)
+
+
+class Exercises(CommandCase):
+    """The checks tell right answers from wrong ones, and give none away."""
+
+    def check(self, *arguments: str) -> Tuple[int, str]:
+        process = self.run_command(str(DOCS / "exercises" / "check"), *arguments)
+        return process.returncode, process.stdout + process.stderr
+
+    def test_transfer(self) -> None:
+        code, text = self.check("transfer", "--keeps", "20", "60", "--no-better-in", "angle")
+        self.assertEqual((code, text.count(": right")), (0, 2))
+        code, text = self.check("transfer", "--keeps", "90", "100", "--no-better-in", "neither")
+        self.assertEqual((code, text.count("not right")), (1, 2))
+        self.assertNotRegex(text, r"\d", "no figure is given away")
+
+    def test_observation(self) -> None:
+        exercise = DOCS / "exercises" / "observation.py"
+        self.assertEqual(self.check("observation", str(exercise))[0], 2)
+        solution = DOCS / "exercises" / "solutions" / "observation.py"
+        self.assertEqual(self.check("observation", str(solution))[0], 0)
+        text = solution.read_text()
+        wrong = {
+            "the wrong turn": ("1.5 * math.pi", "0.5 * math.pi"),
+            "not wrapped": (" % (2.0 * math.pi) - math.pi", " - math.pi"),
+            "the wrong order": ("math.sin(yaw), math.cos(yaw)", "math.cos(yaw), math.sin(yaw)"),
+            "too few": (", 1.0]", "]"),
+        }
+        for name, (right, changed) in wrong.items():
+            with self.subTest(name):
+                mine = self.folder / "mine.py"
+                mine.write_text(text.replace(right, changed))
+                self.assertEqual(self.check("observation", str(mine))[0], 1)
+        mine.write_text("no python")
+        self.assertEqual(self.check("observation", str(mine))[0], 2)
+
+    def test_knob(self) -> None:
+        code, text = self.check("knob", *KNOB)
+        self.assertEqual((code, text.count(": right")), (0, 3))
+        code, text = self.check("knob", "rises", "rises", "rises")
+        self.assertEqual(code, 1)
+
+
+class Pattern(unittest.TestCase):
+    def test_dots_stand_for_anything_and_nothing_else_does(self) -> None:
+        pattern = pattern_of(["a", "...", "b 0.5", "c..."])
+        for text in ("a\nb 0.5\nc\n", "a\nx\ny\nb 0.5  \ncd\n"):
+            self.assertIsNotNone(re.fullmatch(pattern, text))
+        for text in ("a\nb 0x5\nc\n", "a\nb 0.5\nc\nd\n", "b 0.5\nc\n"):
+            self.assertIsNone(re.fullmatch(pattern, text))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -19,7 +19,7 @@ Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::orde
 }
 
 EpisodeResult Run::add(const Episode& episode) {
-  const EpisodeResult result = episode.result();
+  EpisodeResult result = episode.result();
   const auto after = std::upper_bound(episodes_.begin(), episodes_.end(), result,
                                       [](const auto& a, const auto& b) { return a.index < b.index; });
   episodes_.insert(after, result);

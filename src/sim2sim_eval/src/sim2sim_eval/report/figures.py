@@ -6,7 +6,7 @@ import re
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterator, Optional, Sequence, Tuple
 
 import matplotlib  # type: ignore[import]
 from pusht_task.task import CONTROL_STEP
@@ -120,14 +120,10 @@ def draw_rates(runs: Sequence[Run]) -> Drawing:
             color = COLORS["reference"] if role == "reference" else COLORS[ENGINE]
             rate = metrics[f"{role}_success_rate"]
             low, high = metrics[f"{role}_success_interval"]
-            axes.barh(row, rate, height=0.55, color=color, alpha=0.85)
-            axes.plot([low, high], [row, row], color=INK, linewidth=2.5, solid_capstyle="butt")
-        axes.set_yticks(range(len(bars)), names)
-        axes.tick_params(axis="y", length=0, labelcolor=INK)
-        axes.invert_yaxis()
+            _draw_share(axes, row, rate, (low, high), color)
+        _name_rows(axes, names)
         axes.set_xlim(0, 1)
         axes.set_xlabel("success rate, closed loop")
-        axes.grid(axis="y", visible=False)
     texts = [f"{name} {m[f'{role}_success_rate']:.3f}" for name, m, role in bars]
     return Drawing("success", "Success rates: " + ", ".join(texts), figure)
 
@@ -156,10 +152,7 @@ def _yardsticks(run: Run) -> Drawing:
             axes.plot(figures["mean"], row, "o", color=color, markersize=7)
         axes.set_xscale("log")
         axes.set_xlabel(f"{component} [{unit}]")
-        axes.set_yticks(range(len(rows)), [row[0] for row in rows])
-        axes.tick_params(axis="y", length=0, labelcolor=INK)
-        axes.grid(axis="y", visible=False)
-    axes.invert_yaxis()
+        _name_rows(axes, [row[0] for row in rows])
     return Drawing("yardsticks", "Mean divergences with null model and floor", figure)
 
 
@@ -200,15 +193,25 @@ def _causes(run: Run) -> Drawing:
     figure = Figure(figsize=(5.6, 0.9 + 0.36 * max(1, len(shown))), constrained_layout=True)
     axes = figure.subplots()
     for row, (_, cause) in enumerate(shown):
-        axes.barh(row, cause["share"], height=0.55, color=COLORS[REPLAY], alpha=0.85)
-        interval: Optional[List[float]] = cause.get("interval")
-        if interval is not None:
-            axes.plot(interval, [row, row], color=INK, linewidth=2, solid_capstyle="butt")
+        _draw_share(axes, row, cause["share"], cause.get("interval"), COLORS[REPLAY])
     names = [f"{name.replace('_', ' ')}  {cause['episodes']}" for name, cause in shown]
-    axes.set_yticks(range(len(shown)), names)
-    axes.tick_params(axis="y", length=0, labelcolor=INK)
-    axes.invert_yaxis()
+    _name_rows(axes, names)
     axes.set_xlim(0, 1)
     axes.set_xlabel("share of the episodes that leave the bound, open loop")
-    axes.grid(axis="y", visible=False)
     return Drawing("causes", "First causes: " + ", ".join(names), figure)
+
+
+def _draw_share(
+    axes: Any, row: int, share: float, interval: Optional[Sequence[float]], color: str
+) -> None:
+    axes.barh(row, share, height=0.55, color=color, alpha=0.85)
+    if interval is not None:
+        axes.plot(interval, [row, row], color=INK, linewidth=2.5, solid_capstyle="butt")
+
+
+def _name_rows(axes: Any, names: Sequence[str]) -> None:
+    """Rows from top to bottom, with their names on the left."""
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(max(1, len(names)) - 0.5, -0.5)
+    axes.tick_params(axis="y", length=0, labelcolor=INK)
+    axes.grid(axis="y", visible=False)

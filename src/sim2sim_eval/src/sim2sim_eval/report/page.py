@@ -14,25 +14,25 @@ import numpy as np
 import rospkg  # type: ignore[import]
 from pusht_task import task
 
+from sim2sim_eval.command import Refusal, rosrun
 from sim2sim_eval.report import figures
+from sim2sim_eval.report.figures import COMPONENTS
 from sim2sim_eval.report.results import (
     ENGINE,
     KINDS,
     MODES,
     REFERENCE,
     REPLAY,
-    Json,
     Episode,
-    Refusal,
+    Json,
     Run,
     Traces,
     contrast,
-    rosrun,
 )
 
 RATE_DIGITS, DIVERGENCE_DIGITS = 3, 4  # as in the table that the commands print
 SIGNIFICANT = 0.05  # after Holm
-COMPONENTS = (("position", "m"), ("angle", "rad"))
+MEANS = (("mean_pos_divergence", "m"), ("mean_ang_divergence", "rad"))  # keys of metrics.json
 REANCHORED = "engine_reanchored_"
 UNTRAINED = "fresh-untrained"
 MOST_ANIMATED = 200  # episodes, unless more are asked for
@@ -192,9 +192,9 @@ def _decision(m: Json, engine: str) -> str:
 def _doubts(m: Json) -> List[str]:
     """What each divergence does not show."""
     doubts = []
-    for name, key, unit in (("position", "mean_pos", "m"), ("angle", "mean_ang", "rad")):
-        beats = m[f"{key}_divergence_beats_null"]
-        interval = m[f"{key}_divergence_minus_null_interval_{unit}"]
+    for (name, _), (key, unit) in zip(COMPONENTS, MEANS):
+        beats = m[f"{key}_beats_null"]
+        interval = m[f"{key}_minus_null_interval_{unit}"]
         if beats is None:
             doubts.append(f"(!) In {name} there are too few episodes to tell it from that tee.")
         elif not beats and interval[0] > 0:
@@ -227,8 +227,8 @@ def command_of(run: Run) -> str:
     """The command that makes the run again; one over nodes is made by its launch file."""
     c = run.provenance["configuration"]
     live = "nodes" in run.provenance
-    words = ["roslaunch", "sim2sim_eval", "compare.launch"] if live else []
-    words = words or ["rosrun", "sim2sim_eval", "compare"]
+    program = ("roslaunch", "compare.launch") if live else ("rosrun", "compare")
+    words = [program[0], "sim2sim_eval", program[1]]
 
     def add(name: str, value: Any) -> None:
         text = value if isinstance(value, str) else json.dumps(value)
@@ -249,7 +249,7 @@ def command_of(run: Run) -> str:
             add(f"{role}_parameters", " ".join(settings))
         for setting in [] if live else settings:
             words.extend([option, setting])
-    anchors = [p.rsplit("_", 1)[1] for p in c["probes"] if p.startswith("engine_reanchored_")]
+    anchors = [p[len(REANCHORED) :] for p in c["probes"] if p.startswith(REANCHORED)]
     if anchors:
         add("reanchor", ",".join(anchors))
     if not any(p.startswith("floor_") for p in c["probes"]):
@@ -291,17 +291,19 @@ def _sweep_summary(row: Json) -> str:
 
 def _sweep_row(row: Json) -> Json:
     engine = row["simulators"]["engine"]
-    divergences = []
-    for key, unit in (("mean_pos_divergence", "m"), ("mean_ang_divergence", "rad")):
-        mark = "" if row[f"{key}_beats_null"] is True else " (!)"
-        divergences.append(_figure(row, key, unit) + mark)
     values = ", ".join(f"{name} {engine['parameters'][name]}" for name in engine["changed"])
     return {
         "engine": engine["title"],
         "changed": values or "as shipped",
         "success": _rate(row, "engine"),
-        "divergences": divergences,
+        "divergences": _means(row),
     }
+
+
+def _means(metrics: Json) -> List[str]:
+    """The mean divergences, marked where they do not surely beat the null model."""
+    marks = ["" if metrics[f"{key}_beats_null"] is True else " (!)" for key, _ in MEANS]
+    return [_figure(metrics, *mean) + mark for mean, mark in zip(MEANS, marks)]
 
 
 def _section(run: Run, number: int, traces: Optional[Traces], animate: Sequence[int]) -> Json:
@@ -357,7 +359,10 @@ def _packed(trace: Any) -> str:
 
 def _row(episode: Episode) -> List[Any]:
     reference, engine, replay = (episode.modes[mode] for mode in MODES)
-    number = lambda text: float(f"{float(text):.4f}") if text else None  # noqa: E731
+
+    def number(text: str) -> Optional[float]:
+        return round(float(text), DIVERGENCE_DIGITS) if text else None
+
     return [
         episode.index,
         reference.get("seed", ""),
@@ -374,19 +379,15 @@ def _row(episode: Episode) -> List[Any]:
 def _divergences(run: Run) -> List[Json]:
     """The lines of the table that the commands print, as they print them."""
     m = run.metrics
-    means = (("mean_pos_divergence", "m"), ("mean_ang_divergence", "rad"))
 
     def line(head: str, quantities: Sequence[Any], **style: Any) -> Json:
         return {"head": head, "cells": [_figure(m, key, unit, **style) for key, unit in quantities]}
 
-    mean = line("mean", means)
-    for i, (key, _) in enumerate(means):
-        mean["cells"][i] += "" if m[f"{key}_beats_null"] is True else " (!)"
-    lines = [mean]
-    lines.append(line("median", [(f"{key}_median", unit) for key, unit in means]))
-    less_null = [(f"{key}_minus_null", unit) for key, unit in means]
+    lines = [{"head": "mean", "cells": _means(m)}]
+    lines.append(line("median", [(f"{key}_median", unit) for key, unit in MEANS]))
+    less_null = [(f"{key}_minus_null", unit) for key, unit in MEANS]
     lines.append(line("less null model", less_null, signed=True))
-    factors = [m[f"{key}_over_floor"] for key, _ in means]
+    factors = [m[f"{key}_over_floor"] for key, _ in MEANS]
     if factors[0] is not None:
         cells = ["undefined" if f is None else f"{f:.2g} times" for f in factors]
         lines.append({"head": "over the floor (1e-6 m)", "cells": cells})

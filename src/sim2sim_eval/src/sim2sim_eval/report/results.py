@@ -4,7 +4,6 @@
 import csv
 import json
 import math
-import subprocess
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,9 +11,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-EXIT_BAD_INPUT = 2
-EXIT_BAD_DEPENDENCY = 3
-EXIT_FAULT = 4
+from sim2sim_eval.command import Refusal, rosrun
 
 REFERENCE, ENGINE, REPLAY = MODES = ("reference_closed", "engine_closed", "engine_replay")
 METRICS_FORMAT = 4
@@ -32,14 +29,6 @@ TRACE_FIELDS = (
 
 Json = Dict[str, Any]
 Traces = Dict[Tuple[int, str], Any]  # by episode and mode: an array of records
-
-
-class Refusal(Exception):
-    """Why there is no report: one line that names the thing, its value and the rule."""
-
-    def __init__(self, message: str, exit_code: int = EXIT_BAD_INPUT) -> None:
-        super().__init__(message)
-        self.exit_code = exit_code
 
 
 @dataclass(frozen=True)
@@ -151,24 +140,6 @@ def contrast(baseline: Run, others: Sequence[Run]) -> List[Json]:
         rosrun("contrast", *folders, "--against", "0", "--out", str(out))
         contrasts: List[Json] = json.loads(out.read_text(encoding="utf-8"))["contrasts"]
         return contrasts
-
-
-def rosrun(command: str, *arguments: str) -> None:
-    """Runs a command of the suite. Refuses with its own line if it refuses."""
-    try:
-        process = subprocess.run(
-            ["rosrun", "sim2sim_eval", command, *arguments],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-    except FileNotFoundError:
-        raise Refusal(
-            "rosrun: not found; source the workspace's setup.bash", EXIT_BAD_DEPENDENCY
-        ) from None
-    if process.returncode != 0:
-        lines = process.stderr.strip().splitlines() or [f"{command} failed"]
-        raise Refusal(lines[-1], process.returncode if process.returncode > 0 else EXIT_FAULT)
 
 
 def _json(path: Path, rule: str = "it is needed") -> Json:

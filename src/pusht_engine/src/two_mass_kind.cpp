@@ -15,7 +15,7 @@ std::vector<ParameterDescriptor> describeKnobs() {
   return descriptors;
 }
 
-SimulatorModel load(const ParameterSet& parameters) {
+SimulatorModel loadKnobs(const ParameterSet& parameters) {
   TwoMassParameters knobs;
   for (const two_mass::Knob& knob : two_mass::kKnobs) {
     knobs.*knob.value = parameters.get<double>(knob.name);
@@ -31,13 +31,9 @@ SimulatorModel load(const ParameterSet& parameters) {
 }  // namespace
 
 const SimulatorKind& twoMassKind() {
-  static const SimulatorKind kind = {"two_mass",
-                                     "two-mass engine",
-                                     PUSHT_ENGINE_VERSION,
-                                     describeKnobs(),
-                                     {"libpusht_engine.so"},
-                                     TwoMassPhysics::kStartTolerance,
-                                     load};
+  static const SimulatorKind kind = {"two_mass",      "two-mass engine",      PUSHT_ENGINE_VERSION,
+                                     describeKnobs(), {"libpusht_engine.so"}, TwoMassPhysics::kStartTolerance,
+                                     loadKnobs};
   return kind;
 }
 

@@ -97,9 +97,23 @@ ParameterSet::ParameterSet(const std::vector<ParameterDescriptor>& descriptors) 
 }
 
 void ParameterSet::set(const std::string& name, const std::string& text) {
-  const Parameter& parameter = at(name);
-  parameters_[&parameter - parameters_.data()].value = parameter.descriptor.read(text);
+  Parameter& parameter = place(name);
+  parameter.value = parameter.descriptor.read(text);
+  parameter.set_by_name = true;
+  for (const Preset& preset : parameter.descriptor.presets) {
+    if (parameter.value != ParameterValue(preset.word)) {
+      continue;
+    }
+    for (const auto& [other_name, other_text] : preset.settings) {
+      Parameter& other = place(other_name);
+      if (!other.set_by_name) {
+        other.value = other.descriptor.read(other_text);
+      }
+    }
+  }
 }
+
+Parameter& ParameterSet::place(const std::string& name) { return parameters_[&at(name) - parameters_.data()]; }
 
 const Parameter& ParameterSet::at(const std::string& name) const {
   const auto place = std::find_if(parameters_.begin(), parameters_.end(),

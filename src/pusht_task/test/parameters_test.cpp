@@ -84,6 +84,21 @@ TEST(ParameterSets, ChangeValuesAndKeepTheOrder) {
   EXPECT_EQ(merged(toy(), {parameter("drag", "1"), parameter("drag", "2")}).get<double>("drag"), 2.0);
 }
 
+TEST(ParameterSets, APresetSetsWhatIsNotSetByName) {
+  ParameterDescriptor level = {"level", "", "", std::string("high")};
+  level.words = {"high", "low"};
+  level.presets = {{"high", {{"drag", "6"}, {"walls", "true"}}}, {"low", {{"drag", "1"}, {"walls", "false"}}}};
+  const ParameterSet defaults({level, {"drag", "1/s", "", 6.0}, {"walls", "", "", true}});
+  const ParameterSet low = merged(defaults, {parameter("level", "low")});
+  EXPECT_EQ(low.get<double>("drag"), 1.0);
+  EXPECT_FALSE(low.get<bool>("walls"));
+  const ParameterSet named = merged(defaults, {parameter("drag", "2"), parameter("level", "low")});
+  EXPECT_EQ(named.get<double>("drag"), 2.0);
+  EXPECT_EQ(merged(defaults, {parameter("level", "low"), parameter("drag", "2")}), named) << "in either order";
+  EXPECT_EQ(merged(named, {parameter("level", "high")}).get<double>("drag"), 2.0) << "it stays";
+  EXPECT_EQ(merged(low, {parameter("level", "high")}), defaults);
+}
+
 TEST(ParameterSets, NameWhatIsNotThere) {
   EXPECT_EQ(refusalOf([] { merged(toy(), {parameter("dragg", "1")}); }),
             "parameter 'dragg': there is none of that name; there are: mass, drag, walls");

@@ -377,6 +377,13 @@ def figures(result: Dict[str, Any]) -> List[Figure]:
             None,
             1.02,
         ),
+        Figure(
+            "",
+            "faithful engine over bare mj_step",
+            rate["faithful/world"] / rate["mujoco/bare"],
+            "x",
+            5.0,
+        ),
         Figure("P6", "policy, one row at a time", rate[policy + "/1"], "rows/s", 60e3),
         Figure("P6", "policy, batches of 16", rate[policy + "/16"], "rows/s", 110e3),
         Figure("P7", "allocations in a control step (a test)", None, ""),

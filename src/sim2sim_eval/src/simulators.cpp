@@ -5,37 +5,22 @@
 #include <set>
 
 #include "pusht_chipmunk/chipmunk_kind.hpp"
+#include "pusht_engine/rigid_body_kind.hpp"
 #include "pusht_engine/two_mass_kind.hpp"
 #include "pusht_mujoco/mujoco_kind.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/joined.hpp"
 
 namespace sim2sim {
 
-const std::vector<std::reference_wrapper<const pusht::SimulatorKind>>& simulatorKinds() {
-  static const std::vector<std::reference_wrapper<const pusht::SimulatorKind>> kinds = {
-      pusht::mujocoKind(), pusht::twoMassKind(), pusht::chipmunkKind()};
+const pusht::SimulatorKinds& simulatorKinds() {
+  static const pusht::SimulatorKinds kinds = {pusht::mujocoKind(), pusht::twoMassKind(), pusht::rigidBodyKind(),
+                                              pusht::chipmunkKind()};
   return kinds;
 }
 
-std::vector<std::string> kindNames() {
-  std::vector<std::string> names;
-  names.reserve(simulatorKinds().size());
-  for (const pusht::SimulatorKind& kind : simulatorKinds()) {
-    names.push_back(kind.name);
-  }
-  return names;
-}
+std::vector<std::string> kindNames() { return pusht::kindNames(simulatorKinds()); }
 
-const pusht::SimulatorKind& simulatorKind(const std::string& name) {
-  for (const pusht::SimulatorKind& kind : simulatorKinds()) {
-    if (kind.name == name) {
-      return kind;
-    }
-  }
-  throw pusht::InvalidInput("simulator '" + name +
-                            "': there is none of that name; there are: " + pusht::joined(kindNames()));
-}
+const pusht::SimulatorKind& simulatorKind(const std::string& name) { return pusht::kindNamed(name, simulatorKinds()); }
 
 SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::string>& settings) {
   SimulatorChoice choice{simulatorKind(kind), simulatorKind(kind).defaults()};

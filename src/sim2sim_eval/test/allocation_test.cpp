@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "pusht_engine/rigid_body_engine.hpp"
 #include "pusht_engine/two_mass_engine.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/rollout.hpp"
@@ -117,6 +118,8 @@ int allocationsOfChase(pusht::Simulator& world) {
 TEST(Allocations, NoneInAStepOfASimulator) {
   pusht::TwoMassEngine engine;
   EXPECT_EQ(allocationsOfChase(engine), 0);
+  pusht::RigidBodyEngine rigid;
+  EXPECT_EQ(allocationsOfChase(rigid), 0);
   pusht::MujocoWorld mujoco(std::make_shared<const pusht::MujocoScene>());
   EXPECT_EQ(allocationsOfChase(mujoco), 0);
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -21,6 +22,12 @@ ParameterValue valueOf(const std::string& text);
 /// The text that reads back as `value`: "true", "20", "20.0", "shaped".
 std::string textOf(const ParameterValue& value);
 
+/// What a word sets: the parameters that it names, unless they are set by name.
+struct Preset {
+  std::string word;
+  std::vector<std::pair<std::string, std::string>> settings;  ///< names and texts
+};
+
 /// What a parameter is, and which values it takes.
 struct ParameterDescriptor {
   std::string name;
@@ -35,6 +42,9 @@ struct ParameterDescriptor {
 
   /// Of a text: what it may be; empty: anything.
   std::vector<std::string> words{};
+
+  /// Of a text: what its words set besides. The parameters that they set must default to what the default word sets.
+  std::vector<Preset> presets{};
 
   /// "real", "integer", "boolean" or "text".
   const char* type() const;
@@ -51,6 +61,7 @@ struct ParameterDescriptor {
 struct Parameter {
   ParameterDescriptor descriptor;
   ParameterValue value;
+  bool set_by_name = false;  ///< a preset does not change it any more
 
   const std::string& name() const { return descriptor.name; }
   bool isDefault() const { return value == descriptor.default_value; }
@@ -63,8 +74,8 @@ class ParameterSet {
   /// With their defaults.
   explicit ParameterSet(const std::vector<ParameterDescriptor>& descriptors);
 
-  /// Throws InvalidInput if there is none of that name (the message says which there are), or as
-  /// ParameterDescriptor::read.
+  /// And what its preset sets, whichever comes first. Throws InvalidInput if there is none of that name (the message
+  /// says which there are), or as ParameterDescriptor::read.
   void set(const std::string& name, const std::string& text);
 
   /// Throws InvalidInput if there is none of that name.
@@ -81,9 +92,12 @@ class ParameterSet {
   auto end() const { return parameters_.end(); }
 
  private:
+  Parameter& place(const std::string& name);
+
   std::vector<Parameter> parameters_;
 };
 
+/// Whether names and values are the same.
 bool operator==(const ParameterSet& a, const ParameterSet& b);
 
 }  // namespace pusht

@@ -40,6 +40,14 @@ struct SimulatorKind {
   ParameterSet defaults() const { return ParameterSet(parameters); }
 };
 
+/// Kinds that can be chosen from by their names, which differ. They must outlive it.
+using SimulatorKinds = std::vector<std::reference_wrapper<const SimulatorKind>>;
+
+std::vector<std::string> kindNames(const SimulatorKinds& kinds);
+
+/// Throws InvalidInput, with the names that there are, if there is none of that `name`.
+const SimulatorKind& kindNamed(const std::string& name, const SimulatorKinds& kinds);
+
 /// Lanes of single worlds, one stepped after the other.
 std::function<std::unique_ptr<BatchSimulator>(int lanes)> lanesOf(
     const std::function<std::unique_ptr<Simulator>()>& make_world);

@@ -13,11 +13,11 @@
 namespace sim2sim {
 
 /// The kinds that there are; the first is the course's reference, the second its engine.
-const std::vector<std::reference_wrapper<const pusht::SimulatorKind>>& simulatorKinds();
+const pusht::SimulatorKinds& simulatorKinds();
 
 std::vector<std::string> kindNames();
 
-/// Throws InvalidInput, with the names that there are, if there is none of that `name`.
+/// Throws as pusht::kindNamed.
 const pusht::SimulatorKind& simulatorKind(const std::string& name);
 
 /// A simulator that is asked for: a kind, and values for its parameters.

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The rigid-body engine as a kind of simulator.
+#pragma once
+
+#include "pusht_task/simulator_kind.hpp"
+
+namespace pusht {
+
+/// "rigid_body". Its parameters are the switches, and `preset`, which sets those that are not set by name: `faithful`
+/// (all on, the default), `shaped` (only the tee's shape and inertia are on) or `simple` (all off).
+const SimulatorKind& rigidBodyKind();
+
+}  // namespace pusht

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_engine/rigid_body_kind.hpp"
+
+#include <functional>
+
+#include "pusht_engine/rigid_body_engine.hpp"
+
+namespace pusht {
+namespace {
+
+using rigid_body::kSwitches;
+using rigid_body::Switch;
+
+Preset preset(const std::string& word, const std::function<bool(const Switch&)>& is_on) {
+  Preset result = {word, {}};
+  for (const Switch& each : kSwitches) {
+    result.settings.emplace_back(each.name, textOf(is_on(each)));
+  }
+  return result;
+}
+
+std::vector<ParameterDescriptor> describeSwitches() {
+  ParameterDescriptor presets = {"preset", "", "sets the switches that are not set by name", std::string("faithful")};
+  presets.words = {"faithful", "shaped", "simple"};
+  presets.presets = {preset("faithful", [](const Switch&) { return true; }),
+                     preset("shaped",
+                            [](const Switch& each) {
+                              return each.value == &RigidBodyParameters::shape ||
+                                     each.value == &RigidBodyParameters::tee_inertia;
+                            }),
+                     preset("simple", [](const Switch&) { return false; })};
+  std::vector<ParameterDescriptor> descriptors = {presets};
+  for (const Switch& each : kSwitches) {
+    descriptors.push_back({each.name, "", each.meaning, RigidBodyParameters().*each.value});
+  }
+  return descriptors;
+}
+
+SimulatorModel loadSwitches(const ParameterSet& parameters) {
+  RigidBodyParameters switches;
+  for (const Switch& each : kSwitches) {
+    switches.*each.value = parameters.get<bool>(each.name);
+  }
+  SimulatorModel model;
+  model.parameters = parameters;
+  model.make_world = [switches] { return std::make_unique<RigidBodyEngine>(switches); };
+  // One after the other. RigidBodyLanes has the same bits, but takes twice as long where a SIMD register holds two
+  // doubles: what each world does depends on so many conditions that masks cost more than company saves.
+  model.make_lanes = lanesOf(model.make_world);
+  return model;
+}
+
+}  // namespace
+
+const SimulatorKind& rigidBodyKind() {
+  static const SimulatorKind kind = {"rigid_body",
+                                     "rigid-body engine",
+                                     PUSHT_ENGINE_VERSION,
+                                     describeSwitches(),
+                                     {"libpusht_engine.so", "libccd.so"},
+                                     RigidBodyPhysics::kStartTolerance,
+                                     loadSwitches};
+  return kind;
+}
+
+}  // namespace pusht

@@ -99,7 +99,8 @@ TEST(Quantities, SayTheSameInMetricsStatisticsAndMessage) {
     const auto& told = message.means.at(next++);
     const std::string column = std::string(kQuantities[i].name) + "_" + kQuantities[i].unit;
     EXPECT_EQ(told.unit, kQuantities[i].unit);
-    EXPECT_NEAR(told.value, mean, 1e-12) << told.name;
+    EXPECT_NEAR(summary.means[rollout][i].value, mean, 1e-12) << told.name;
+    EXPECT_EQ(told.value, printedMean(summary, rollout, i).value) << told.name;
     EXPECT_NEAR(figures.at(told.name + "_" + told.unit), mean, 1e-6) << told.name;
     EXPECT_EQ(figures.at(told.name + "_interval_" + told.unit).size(), 2U) << told.name;
     const nlohmann::json& distribution = distributions.at("rollouts").at(rollouts[rollout]).at(column);

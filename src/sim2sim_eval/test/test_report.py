@@ -24,6 +24,7 @@ from selenium.webdriver.support.wait import WebDriverWait  # type: ignore[import
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
 from command_case import CommandCase, executable  # noqa: E402
 
+ATTRIBUTE = executable("sim2sim_eval", "attribute")
 COMPARE = executable("sim2sim_eval", "compare")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
 REPORT = executable("sim2sim_eval", "report")
@@ -32,9 +33,17 @@ EPISODES = 30
 WALL_OUTSIDE = 0.41  # m, the edge of the picture
 ON_TABLE = 0.39  # m, in which the pusher is seen whole
 SIZES = ((1366, 768), (1920, 1080), (390, 844))  # a laptop, a screen, a phone
+A4_WIDTH = 718  # px between margins
+PAGES = ("run", "runs", "sweep", "ladder")
 logging.getLogger("selenium").setLevel(logging.WARNING)
 logging.getLogger("urllib3").setLevel(logging.WARNING)
 NUMBER = r"[+-]?\d+\.\d{3,4}"
+
+
+LADDER = """
+{policy: expert, episodes: 24, horizon: 60, engine: rigid_body, reanchor: [5, 20],
+ grid: {servo: [false, true], drag: [false, true], coulomb: [false, true]}}
+"""
 
 
 def program(name: str) -> str:
@@ -161,6 +170,9 @@ class Content(ReportCase):
         page = html.unescape(self.report(str(self.run_folder), "other", "--images", "images"))
         self.assertIn("Pair by pair, against two-mass engine", page)
         self.assertIn('id="run1"', page)
+        headline = re.search("<h1>(.*)</h1>", page)
+        assert headline
+        self.assertEqual(headline[1], "Chipmunk succeeds more often than two-mass engine")
         contrast = self.run_command(
             executable("sim2sim_eval", "contrast"), str(self.run_folder), "other"
         ).stdout
@@ -180,11 +192,40 @@ class Content(ReportCase):
         process = self.run_command(SWEEP, "plan.yaml", "--out", "sweep")
         self.assertEqual(process.returncode, 0, process.stderr)
         page = self.report("sweep")
+        headline = "<h1>No difference from two-mass engine, block_damp 2.0 in success is shown of"
+        self.assertIn(headline, page)
         self.assertEqual(page.count("<svg"), 2)
-        self.assertIn("Pair by pair, against row 0", page)
+        self.assertIn("Pair by pair, against two-mass engine, block_damp 2.0", page)
         rows = json.loads((self.folder / "sweep" / "sweep.json").read_text())["rows"]
         for row in rows:
             self.assertIn(f"{row['mean_pos_divergence_m']:.4f}", page)
+
+    def test_cause(self) -> None:
+        (self.folder / "ladder.yaml").write_text(LADDER)
+        for words in ((SWEEP, "ladder.yaml", "--out", "ladder"), (ATTRIBUTE, "ladder")):
+            process = self.run_command(*words)
+            self.assertEqual(process.returncode, 0, process.stderr)
+        page = html.unescape(self.report("ladder", "--images", "images"))
+        self.assertIn("<h1>What closes the gap in position: ", page)
+        gaps = json.loads((self.folder / "ladder" / "attribution.json").read_text())["gaps"]
+        for gap in gaps.values():
+            self.assertIn(f"<h3>{gap['title']}", page)
+            for name, found in gap["switches"].items():
+                ends = found["share_interval"]
+                text = f"{found['share']:+.4f}" if found["share"] > 0 else f"{found['share']:.4f}"
+                if ends:
+                    text += f" [{ends[0]:.4f}, {ends[1]:.4f}]"
+                self.assertIn(text, page, name)
+        images = {path.name for path in (self.folder / "images").iterdir()}
+        kinds = ("png", "pdf")
+        drawn = {f"{name}.{kind}" for name in ("shares", "staircase") for kind in kinds}
+        self.assertEqual(images, drawn)
+        attribution = self.folder / "ladder" / "attribution.json"
+        for damage in (b"", b"[1]", b'{"format": 2}', b'{"format": 1}'):
+            attribution.write_bytes(damage)
+            process = self.run_command(REPORT, "ladder", "--out", "no.html")
+            self.assert_one_line(process, 2, "report")
+            self.assertIn("attribution.json", process.stderr)
 
     def test_text_of_others_is_text(self) -> None:
         folder = self.copy()
@@ -342,8 +383,23 @@ class Browser(ReportCase):
     @classmethod
     def setUpClass(cls) -> None:
         super().setUpClass()
-        process = cls.made.run_command(REPORT, "run")
-        assert process.returncode == 0, process.stderr
+        (cls.made.folder / "plan.yaml").write_text(
+            "{policy: expert, episodes: 20, grid: {block_damp: [2, 20], pusher_mass: [1, 4]}}"
+        )
+        (cls.made.folder / "ladder.yaml").write_text(LADDER)
+        sizes = ("--episodes", str(EPISODES))
+        for words in (
+            (COMPARE, *sizes, "--engine", "chipmunk", "--out", "other"),
+            (SWEEP, "plan.yaml", "--out", "sweep"),
+            (REPORT, "run", "--out", "run.html"),
+            (REPORT, "run", "other", "--out", "runs.html"),
+            (REPORT, "sweep", "--out", "sweep.html"),
+            (SWEEP, "ladder.yaml", "--out", "ladder"),
+            (ATTRIBUTE, "ladder"),
+            (REPORT, "ladder", "--out", "ladder.html"),
+        ):
+            process = cls.made.run_command(*words)
+            assert process.returncode == 0, process.stderr
         options = Options()
         options.binary_location = program("chromium")
         for argument in (
@@ -358,10 +414,10 @@ class Browser(ReportCase):
         cls.browser = webdriver.Chrome(service=Service(program("chromedriver")), options=options)
         cls.addClassCleanup(cls.browser.quit)
 
-    def open(self, width: int = 1366, height: int = 768) -> None:
+    def open(self, width: int = 1366, height: int = 768, page: str = "run") -> None:
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
         self.browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-        self.browser.get(f"file://{self.run_folder / 'report.html'}")
+        self.browser.get(f"file://{self.made.folder / page}.html")
         self.assertEqual(self.browser.get_log("browser"), [], "the console is silent")
 
     def run_script(self, script: str, *arguments: Any) -> Any:
@@ -532,54 +588,123 @@ class Browser(ReportCase):
         self.assertEqual(self.run_script("return window.players.run0.select.value"), "12")
 
     def test_nothing_overflows_or_clips(self) -> None:
-        for width, height in SIZES:
-            with self.subTest(width=width):
-                self.open(width, height)
-                wide: List[str] = self.run_script(
+        for page in PAGES:
+            for width, height in SIZES:
+                with self.subTest(page=page, width=width):
+                    self.open(width, height, page)
+                    self.assert_nothing_overflows(width)
+                    answer = self.run_script(
+                        "return document.querySelector('.words, h1').getBoundingClientRect().bottom"
+                    )
+                    self.assertLess(answer, height, "the answer is on the first screen")
+
+    def test_paper(self) -> None:
+        self.addCleanup(self.browser.execute_cdp_cmd, "Emulation.setEmulatedMedia", {"media": ""})
+        for page in PAGES:
+            with self.subTest(page=page):
+                self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+                self.open(A4_WIDTH, 1000, page)
+                self.assert_nothing_overflows(A4_WIDTH)
+                controls = "return [...document.querySelectorAll('.controls, .picks, .pages')]"
+                shown = self.run_script(controls + ".filter((e) => e.offsetParent).length")
+                self.assertEqual(shown, 0, "nothing to press")
+                hidden: List[str] = self.run_script(
                     """
-                    const limit = document.documentElement.clientWidth;
-                    return [...document.querySelectorAll("body *")]
-                      .filter((e) => !e.closest(".scroll") && !e.closest("svg"))
-                      .filter((e) => e.getBoundingClientRect().right > limit + 1)
-                      .map((e) => e.tagName + "." + e.className);
-                    """
-                )
-                self.assertEqual(wide, [])
-                self.assertEqual(
-                    self.run_script("return document.documentElement.scrollWidth"), width
-                )
-                outside: List[str] = self.run_script(
-                    """
-                    return [...document.querySelectorAll(".drawing svg")].flatMap((svg) => {
-                      const box = svg.getBoundingClientRect();
-                      return [...svg.querySelectorAll("text")].filter((text) => {
-                        const own = text.getBoundingClientRect();
-                        const beside = Math.max(box.left - own.left, own.right - box.right);
-                        return Math.max(beside, own.bottom - box.bottom) > 1;
-                      }).map((text) => text.textContent);
-                    });
-                    """
-                )
-                self.assertEqual(outside, [])
-                overlaps: List[str] = self.run_script(
-                    """
-                    return [...document.querySelectorAll(".drawing svg")].flatMap((svg) => {
-                      const texts = [...svg.querySelectorAll("text")];
-                      const boxes = texts.map((text) => text.getBoundingClientRect());
-                      const common = (a, b, from, to) =>
-                        Math.min(a[to], b[to]) - Math.max(a[from], b[from]);
-                      const meet = (a, b) =>
-                        common(a, b, "left", "right") > 1 && common(a, b, "top", "bottom") > 2;
-                      return boxes.flatMap((box, i) => boxes.slice(0, i)
-                        .filter((other) => meet(box, other)).map(() => texts[i].textContent));
-                    });
+                    return [...document.querySelectorAll(".scroll")]
+                      .filter((e) => e.scrollWidth > e.clientWidth + 1)
+                      .map((e) => e.firstElementChild.className);
                     """
                 )
-                self.assertEqual(overlaps, [])
-                answer = self.run_script(
-                    "return document.querySelector('.words').getBoundingClientRect().bottom"
-                )
-                self.assertLess(answer, height, "the answer is on the first screen")
+                self.assertEqual(hidden, [], "nothing can be scrolled")
+
+    def test_is_legible_in_light_and_dark(self) -> None:
+        """WCAG: contrast of text at least 4.5; here against the card that it is on."""
+        self.addCleanup(
+            self.browser.execute_cdp_cmd, "Emulation.setEmulatedMedia", {"features": []}
+        )
+        for scheme, paper in (("light", "rgb(246, 247, 249)"), ("dark", "rgb(20, 24, 31)")):
+            for page in PAGES:
+                with self.subTest(scheme=scheme, page=page):
+                    feature = {"name": "prefers-color-scheme", "value": scheme}
+                    self.browser.execute_cdp_cmd(
+                        "Emulation.setEmulatedMedia", {"features": [feature]}
+                    )
+                    self.open(page=page)
+                    background = "return getComputedStyle(document.body).backgroundColor"
+                    self.assertEqual(self.run_script(background), paper)
+                    faint: List[str] = self.run_script(
+                        """
+                        const channel = (c) =>
+                          c <= 10 ? c / 3294 : ((c / 255 + 0.055) / 1.055) ** 2.4;
+                        const luminance = (color) => {
+                          const [r, g, b] = color.match(/[0-9.]+/g).map(Number).map(channel);
+                          return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+                        };
+                        const behind = (e) => {
+                          for (; e; e = e.parentElement) {
+                            const color = getComputedStyle(e).backgroundColor;
+                            if (!/, 0\\)$/.test(color)) return color;
+                          }
+                          return "rgb(255, 255, 255)";
+                        };
+                        const contrast = (e, color) => {
+                          const both = [luminance(color), luminance(behind(e))];
+                          return (Math.max(...both) + 0.05) / (Math.min(...both) + 0.05);
+                        };
+                        const own = (e) =>
+                          [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim());
+                        return [...document.querySelectorAll("body *")]
+                          .filter((e) => own(e) && e.getClientRects().length)
+                          .filter((e) => !e.closest(".paths"))
+                          .filter((e) => {
+                            const style = getComputedStyle(e);
+                            return contrast(e, e.closest("svg") ? style.fill : style.color) < 4.5;
+                          })
+                          .map((e) => `${e.tagName}.${e.getAttribute("class")} ${e.textContent}`);
+                        """
+                    )
+                    self.assertEqual(faint, [])
+
+    def assert_nothing_overflows(self, width: int) -> None:
+        wide: List[str] = self.run_script(
+            """
+            const limit = document.documentElement.clientWidth;
+            return [...document.querySelectorAll("body *")]
+              .filter((e) => !e.closest(".scroll") && !e.closest("svg"))
+              .filter((e) => e.getBoundingClientRect().right > limit + 1)
+              .map((e) => e.tagName + "." + e.className);
+            """
+        )
+        self.assertEqual(wide, [])
+        self.assertEqual(self.run_script("return document.documentElement.scrollWidth"), width)
+        outside: List[str] = self.run_script(
+            """
+            return [...document.querySelectorAll(".drawing svg")].flatMap((svg) => {
+              const box = svg.getBoundingClientRect();
+              return [...svg.querySelectorAll("text")].filter((text) => {
+                const own = text.getBoundingClientRect();
+                const beside = Math.max(box.left - own.left, own.right - box.right);
+                return Math.max(beside, own.bottom - box.bottom) > 1;
+              }).map((text) => text.textContent);
+            });
+            """
+        )
+        self.assertEqual(outside, [])
+        overlaps: List[str] = self.run_script(
+            """
+            return [...document.querySelectorAll(".drawing svg")].flatMap((svg) => {
+              const texts = [...svg.querySelectorAll("text")];
+              const boxes = texts.map((text) => text.getBoundingClientRect());
+              const common = (a, b, from, to) =>
+                Math.min(a[to], b[to]) - Math.max(a[from], b[from]);
+              const meet = (a, b) =>
+                common(a, b, "left", "right") > 1 && common(a, b, "top", "bottom") > 2;
+              return boxes.flatMap((box, i) => boxes.slice(0, i)
+                .filter((other) => meet(box, other)).map(() => texts[i].textContent));
+            });
+            """
+        )
+        self.assertEqual(overlaps, [])
 
 
 if __name__ == "__main__":

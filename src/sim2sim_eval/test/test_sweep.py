@@ -616,8 +616,8 @@ class BadPlans(SweepCase):
         plans: Dict[str, str] = {
             "": "must map keys to values",
             "grid: [": "must be YAML",
-            "episodes: 5": "must have grid, rows, or a list of engines",
-            "{grid: {block_damp: [1]}, rows: [{}]}": "must have either grid or rows",
+            "episodes: 5": "must have grid, rows, permutations, or a list of engines",
+            "{grid: {block_damp: [1]}, rows: [{}]}": "must have either grid, rows or permutations",
             "grid:\n  block_dump: [1]": "line 2: parameter 'block_dump': there is none of",
             "grid:\n  block_damp: 1": "line 2, block_damp: must be a list",
             "grid:\n  block_damp: [1, -2]": "line 2: block_damp -2.0: must be from 0.0 to",

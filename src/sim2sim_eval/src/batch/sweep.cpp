@@ -17,6 +17,7 @@
 #include "sim2sim_eval/batch/sweep_folder.hpp"
 #include "sim2sim_eval/batch/sweep_plan.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/results/attribution.hpp"
 #include "sim2sim_eval/results/run_folder.hpp"
 
 namespace sim2sim {
@@ -50,6 +51,9 @@ json descriptionOf(const SweepPlan& plan, const Setup& setup) {
   description["inputs"] = setup.identity();
   for (const SimulatorChoice& engine : plan.rows) {
     description["rows"].push_back(json(toJson(LoadedSimulator(engine).record())));
+  }
+  if (plan.sample) {
+    description["permutations"] = toJson(*plan.sample);
   }
   return description;
 }

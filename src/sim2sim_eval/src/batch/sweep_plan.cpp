@@ -134,6 +134,53 @@ std::vector<SimulatorChoice> rowsOfList(const SimulatorChoice& engine, const YAM
   return rows;
 }
 
+OrderSample sampleIn(const YAML::Node& node) {
+  if (!node.IsMap()) {
+    refuse(node, "permutations", "must map switches, orders and, if need be, seed");
+  }
+  requireDistinctKeys(node);
+  OrderSample sample;
+  for (const auto& entry : node) {
+    const std::string key = textAt(entry.first, "key");
+    if (key == "switches") {
+      if (!entry.second.IsSequence() || entry.second.size() < 2) {
+        refuse(entry.second, key, "must be a list of two parameters or more");
+      }
+      for (const YAML::Node& name : entry.second) {
+        sample.players.push_back(textAt(name, key));
+      }
+    } else if (key == "orders") {
+      sample.orders = integerAt<int>(entry.second, key);
+    } else if (key == "seed") {
+      sample.seed = integerAt<std::uint32_t>(entry.second, key);
+    } else {
+      refuse(entry.first, key, "there is no such key; there are switches, orders, seed");
+    }
+  }
+  constexpr int kMostOrders = 10'000;
+  if (sample.players.empty() || sample.orders < 1 || sample.orders > kMostOrders) {
+    refuse(node, "permutations", "must have switches and orders, from 1 to " + std::to_string(kMostOrders));
+  }
+  return sample;
+}
+
+/// A row for each combination along the orders, switches set by name.
+std::vector<SimulatorChoice> rowsOfSample(const SimulatorChoice& engine, const YAML::Node& node,
+                                          const OrderSample& sample) {
+  std::vector<Coalition> combinations;
+  inLineOf(node, [&] { combinations = coalitionsAlong(sample.draw()); });
+  requireRoom(node, "permutations", combinations.size());
+  std::vector<SimulatorChoice> rows;
+  for (const Coalition on : combinations) {
+    rows.push_back(engine);
+    for (std::size_t i = 0; i < sample.players.size(); ++i) {
+      inLineOf(node, [&] { rows.back().parameters.set(sample.players[i], (on >> i & 1U) != 0 ? "true" : "false"); });
+    }
+  }
+  requireLoads(node, rows.front());
+  return rows;
+}
+
 std::string settingOf(const SimulatorChoice& row) {
   std::string setting = row.kind.get().name;
   for (const pusht::Parameter& parameter : row.parameters) {
@@ -194,19 +241,25 @@ std::vector<SimulatorChoice> enginesIn(const YAML::Node& root) {
   return engines;
 }
 
-std::vector<SimulatorChoice> rowsIn(const YAML::Node& root) {
+std::vector<SimulatorChoice> rowsIn(const YAML::Node& root, const std::optional<OrderSample>& sample) {
   const YAML::Node grid = root["grid"];
   const YAML::Node list = root["rows"];
+  const YAML::Node permutations = root["permutations"];
   const std::vector<SimulatorChoice> engines = enginesIn(root);
-  if (grid.IsDefined() && list.IsDefined()) {
-    throw pusht::InvalidInput("must have either grid or rows");
+  const int ways = (grid.IsDefined() ? 1 : 0) + (list.IsDefined() ? 1 : 0) + (permutations.IsDefined() ? 1 : 0);
+  if (ways > 1) {
+    throw pusht::InvalidInput("must have either grid, rows or permutations");
   }
-  if (!grid.IsDefined() && !list.IsDefined() && engines.size() == 1) {
-    throw pusht::InvalidInput("must have grid, rows, or a list of engines");
+  if (ways == 0 && engines.size() == 1) {
+    throw pusht::InvalidInput("must have grid, rows, permutations, or a list of engines");
+  }
+  if (sample && engines.size() > 1) {
+    throw pusht::InvalidInput("permutations: must be of one engine");
   }
   std::vector<SimulatorChoice> rows;
   for (const SimulatorChoice& engine : engines) {
-    const std::vector<SimulatorChoice> settings = grid.IsDefined()   ? rowsOfGrid(engine, grid)
+    const std::vector<SimulatorChoice> settings = sample             ? rowsOfSample(engine, permutations, *sample)
+                                                  : grid.IsDefined() ? rowsOfGrid(engine, grid)
                                                   : list.IsDefined() ? rowsOfList(engine, list)
                                                                      : std::vector<SimulatorChoice>{engine};
     rows.insert(rows.end(), settings.begin(), settings.end());
@@ -243,16 +296,20 @@ SweepPlan planFrom(const YAML::Node& root) {
     throw pusht::InvalidInput("must map keys to values");
   }
   requireDistinctKeys(root);
-  constexpr std::array kKeys = {"policy", "reference", "reference_parameters", "scene",       "engine",
-                                "starts", "seed",      "first_episode",        "episodes",    "horizon",
-                                "floor",  "reanchor",  "bound_position",       "bound_angle", "grid",
-                                "rows"};
+  constexpr std::array kKeys = {"policy", "reference",   "reference_parameters", "scene",       "engine",
+                                "starts", "seed",        "first_episode",        "episodes",    "horizon",
+                                "floor",  "reanchor",    "bound_position",       "bound_angle", "grid",
+                                "rows",   "permutations"};
   for (const auto& entry : root) {
     if (std::find(kKeys.begin(), kKeys.end(), entry.first.Scalar()) == kKeys.end()) {
       refuse(entry.first, entry.first.Scalar(), "there is no such key; there are " + pusht::joined(kKeys));
     }
   }
-  SweepPlan plan{Protocol(), pusht::kShippedPolicy, "", referenceIn(root), rowsIn(root)};
+  std::optional<OrderSample> sample;
+  if (const YAML::Node permutations = root["permutations"]; permutations.IsDefined()) {
+    sample = sampleIn(permutations);
+  }
+  SweepPlan plan{Protocol(), pusht::kShippedPolicy, "", referenceIn(root), rowsIn(root, sample), sample};
   if (const YAML::Node policy = root["policy"]; policy.IsDefined()) {
     plan.policy = textAt(policy, "policy");
   }

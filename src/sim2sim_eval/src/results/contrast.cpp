@@ -44,28 +44,6 @@ bool sameReference(const EpisodeResult& a, const EpisodeResult& b) {
          one.at("final_angle_error") == other.at("final_angle_error");
 }
 
-void requirePairs(const RunResults& baseline, const RunResults& other) {
-  const auto refuse = [&](const std::string& why) {
-    throw pusht::InvalidInput(baseline.folder.string() + " and " + other.folder.string() + ": do not pair: " + why);
-  };
-  for (const char* key : kCommon) {
-    const json::json_pointer place(key);
-    const json one = baseline.metrics.value(place, json());
-    const json two = other.metrics.value(place, json());
-    if (one != two) {
-      const json difference = json::diff(one, two);
-      const json::json_pointer where(difference[0].at("path").get<std::string>());
-      const auto text = [&](const json& whole) { return whole.contains(where) ? whole.at(where).dump() : "nothing"; };
-      refuse(std::string(key + 1) + where.to_string() + " is " + text(one) + " and " + text(two));
-    }
-  }
-  for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
-    if (!sameReference(baseline.episodes[i], other.episodes[i])) {
-      refuse("the reference did not do the same in episode " + std::to_string(baseline.episodes[i].index));
-    }
-  }
-}
-
 ContrastRow rowOf(const RunResults& baseline, const RunResults& other, std::size_t rollout, std::size_t quantity) {
   const Place place{rollout, quantity};
   const std::vector<double> differences = differencesOf(other.episodes, place, baseline.episodes, place);
@@ -221,6 +199,28 @@ std::vector<fs::path> runsIn(const fs::path& folder) {
     }
   }
   return rows;
+}
+
+void requirePairs(const RunResults& baseline, const RunResults& other) {
+  const auto refuse = [&](const std::string& why) {
+    throw pusht::InvalidInput(baseline.folder.string() + " and " + other.folder.string() + ": do not pair: " + why);
+  };
+  for (const char* key : kCommon) {
+    const json::json_pointer place(key);
+    const json one = baseline.metrics.value(place, json());
+    const json two = other.metrics.value(place, json());
+    if (one != two) {
+      const json difference = json::diff(one, two);
+      const json::json_pointer where(difference[0].at("path").get<std::string>());
+      const auto text = [&](const json& whole) { return whole.contains(where) ? whole.at(where).dump() : "nothing"; };
+      refuse(std::string(key + 1) + where.to_string() + " is " + text(one) + " and " + text(two));
+    }
+  }
+  for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
+    if (!sameReference(baseline.episodes[i], other.episodes[i])) {
+      refuse("the reference did not do the same in episode " + std::to_string(baseline.episodes[i].index));
+    }
+  }
 }
 
 std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others) {

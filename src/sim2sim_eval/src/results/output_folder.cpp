@@ -39,6 +39,7 @@ const std::vector<ResultFile>& resultFiles() {
       {Results::kRun, regexes("traces\\.npy(\\.part)?")},
       {Results::kRun, regexes("compare\\.bag\\.part")},  // of a run that was killed
       {Results::kSweep, regexes("sweep\\.(json|csv)")},
+      {Results::kSweep, regexes("attribution\\.(json|csv)")},
       {Results::kSweep, regexes("rows", "[0-9]{3,}", "((metrics|statistics)\\.json|episodes\\.csv)(\\.part)?")},
       {Results::kSweep, regexes("reference", "[0-9a-f]{16}", "[0-9a-f]+\\.(reference|floor_1e-[69])(\\.part)?")},
       {std::nullopt, regexes("report\\.html")},

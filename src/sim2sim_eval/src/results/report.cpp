@@ -162,6 +162,10 @@ std::string causeText(const Partings& partings) {
 }
 
 /// The replay's divergences, a column each, with what they must be read against.
+bool isOfCourse(std::size_t rollout, std::size_t quantity) {
+  return rollout == kEngineReplay && kQuantities[quantity].course_key != nullptr;
+}
+
 std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
   std::array<std::string, kDivergencePairs.size()> units;
   std::array<std::string, kDivergencePairs.size()> labels;
@@ -177,7 +181,7 @@ std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
     const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
     const std::string mark = doubtMark(summary, quantity.name);
     any_doubt = any_doubt || !mark.empty();
-    return cell(summary.mean(kEngineReplay, quantity.name), units[i]) + mark;
+    return cell(printedMean(summary, kEngineReplay, quantityIndex(quantity.name)), units[i]) + mark;
   };
   const auto median = [&](std::size_t i) { return cell(yardsticks[i].median, units[i]); };
   const auto minus_null = [&](std::size_t i) {
@@ -257,9 +261,8 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
   forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
     const std::string name = metricName(rollouts[rollout], kQuantities[i]);
     const std::string unit = kQuantities[i].unit;
-    const double mean = summary.means[rollout][i].value;
-    const bool of_course = rollout == kEngineReplay && kQuantities[i].course_key != nullptr;
-    metrics[name + "_" + unit] = of_course ? json(roundToMicro(mean)) : rounded(mean);
+    metrics[name + "_" + unit] = isOfCourse(rollout, i) ? json(printedMean(summary, rollout, i).value)
+                                                        : rounded(summary.means[rollout][i].value);
     metrics[name + "_interval_" + unit] = rounded(summary.means[rollout][i].interval);
   });
   for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
@@ -362,6 +365,14 @@ std::string cell(const Estimate& estimate, const std::string& unit) {
   return estimate.interval ? value + " " + bracketed(*estimate.interval, kDigits) : value;
 }
 
+Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t quantity) {
+  Estimate mean = summary.means[rollout][quantity];
+  if (isOfCourse(rollout, quantity)) {
+    mean.value = roundToMicro(mean.value);
+  }
+  return mean;
+}
+
 std::string doubtMark(const Summary& summary, std::string_view divergence) {
   for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
     if (divergence == kDivergencePairs[i].divergence) {
@@ -375,7 +386,8 @@ std::string divergences(const Summary& summary, const std::string& separator) {
   std::string text;
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
     if (kQuantities[i].label != nullptr) {
-      text.append(text.empty() ? "" : separator).append(cell(summary.means[kEngineReplay][i], kQuantities[i].unit));
+      text.append(text.empty() ? "" : separator)
+          .append(cell(printedMean(summary, kEngineReplay, i), kQuantities[i].unit));
       text.append(doubtMark(summary, kQuantities[i].name));
     }
   }

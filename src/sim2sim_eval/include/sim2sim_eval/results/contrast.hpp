@@ -55,8 +55,12 @@ struct Contrast {
   std::vector<ContrastRow> rows{};
 };
 
-/// Each of `others` against `baseline`. The p-values of all figures of all contrasts are one family. Throws
-/// InvalidInput if two do not pair: policy, starts, horizon, reference, or what the reference did are not the same.
+/// Throws InvalidInput if two runs do not pair: policy, starts, horizon, probes, reference, or what the reference did
+/// are not the same.
+void requirePairs(const RunResults& baseline, const RunResults& other);
+
+/// Each of `others` against `baseline`. The p-values of all figures of all contrasts are one family. Throws as
+/// requirePairs().
 std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others);
 
 nlohmann::json toJson(const RunResults& baseline, const std::vector<Contrast>& contrasts);

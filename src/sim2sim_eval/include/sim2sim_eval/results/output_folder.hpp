@@ -22,6 +22,10 @@ constexpr const char* kStatusFile = "status.json";
 
 constexpr const char* kSweepFile = "sweep.json";
 
+// Of what is said of a sweep.
+constexpr const char* kAttributionFile = "attribution.json";
+constexpr const char* kAttributionTable = "attribution.csv";
+
 /// The folder of a row of a sweep: rows/007.
 std::filesystem::path rowFolder(const std::filesystem::path& sweep, std::size_t row);
 

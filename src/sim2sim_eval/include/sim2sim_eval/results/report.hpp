@@ -49,6 +49,9 @@ nlohmann::json statistics(const Protocol& protocol, const std::vector<EpisodeRes
 std::string cell(const SuccessRate& rate);
 std::string cell(const Estimate& estimate, const std::string& unit);
 
+/// The mean of a quantity in a rollout as metrics.json has it: the course rounds its own to six decimals.
+Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t quantity);
+
 /// " (!)" behind a mean divergence of the replay that is not surely less than that of a tee that never moves; else
 /// empty.
 std::string doubtMark(const Summary& summary, std::string_view divergence);

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure  # type: ignore[import]  # noqa: E402
 
 # The hues of rviz, dark enough for white paper. In the page each is a variable that a theme sets.
 INK, DIM, GRID = "#1d2430", "#5c6676", "#d9dee7"
-COLORS = {"reference": "#1467b8", ENGINE: "#957600", REPLAY: "#c2334d"}
+COLORS = {"reference": "#1467b8", ENGINE: "#8a6d00", REPLAY: "#c2334d"}
 VARIABLES = {
     INK: "var(--ink)",
     DIM: "var(--dim)",
@@ -121,7 +121,7 @@ def draw_rates(runs: Sequence[Run]) -> Drawing:
             rate = metrics[f"{role}_success_rate"]
             low, high = metrics[f"{role}_success_interval"]
             _draw_share(axes, row, rate, (low, high), color)
-        _name_rows(axes, names)
+        name_rows(axes, names)
         axes.set_xlim(0, 1)
         axes.set_xlabel("success rate, closed loop")
     texts = [f"{name} {m[f'{role}_success_rate']:.3f}" for name, m, role in bars]
@@ -152,7 +152,7 @@ def _yardsticks(run: Run) -> Drawing:
             axes.plot(figures["mean"], row, "o", color=color, markersize=7)
         axes.set_xscale("log")
         axes.set_xlabel(f"{component} [{unit}]")
-        _name_rows(axes, [row[0] for row in rows])
+        name_rows(axes, [row[0] for row in rows])
     return Drawing("yardsticks", "Mean divergences with null model and floor", figure)
 
 
@@ -195,7 +195,7 @@ def _causes(run: Run) -> Drawing:
     for row, (_, cause) in enumerate(shown):
         _draw_share(axes, row, cause["share"], cause.get("interval"), COLORS[REPLAY])
     names = [f"{name.replace('_', ' ')}  {cause['episodes']}" for name, cause in shown]
-    _name_rows(axes, names)
+    name_rows(axes, names)
     axes.set_xlim(0, 1)
     axes.set_xlabel("share of the episodes that leave the bound, open loop")
     return Drawing("causes", "First causes: " + ", ".join(names), figure)
@@ -209,7 +209,7 @@ def _draw_share(
         axes.plot(interval, [row, row], color=INK, linewidth=2.5, solid_capstyle="butt")
 
 
-def _name_rows(axes: Any, names: Sequence[str]) -> None:
+def name_rows(axes: Any, names: Sequence[str]) -> None:
     """Rows from top to bottom, with their names on the left."""
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(max(1, len(names)) - 0.5, -0.5)

@@ -16,6 +16,8 @@ from pusht_task import task
 
 from sim2sim_eval.command import Refusal, rosrun
 from sim2sim_eval.report import figures
+from sim2sim_eval.report.attribution import Attribution, read_attribution
+from sim2sim_eval.report.attribution import draw as draw_attribution
 from sim2sim_eval.report.figures import COMPONENTS
 from sim2sim_eval.report.results import (
     ENGINE,
@@ -35,6 +37,7 @@ SIGNIFICANT = 0.05  # after Holm
 MEANS = (("mean_pos_divergence", "m"), ("mean_ang_divergence", "rad"))  # keys of metrics.json
 REANCHORED = "engine_reanchored_"
 UNTRAINED = "fresh-untrained"
+FEWEST_PAIRS = 20  # episodes, below which shares have no intervals
 MOST_ANIMATED = 200  # episodes, unless more are asked for
 CONTRASTED = {
     "engine_success_rate": ("success rate", RATE_DIGITS),
@@ -80,6 +83,9 @@ class Page:
         title = f"{runs[0].title('reference')} to {engines}"
         return self._render(
             title=title,
+            headline=(
+                comparison(contrasts, runs[0].name) if contrasts else verdict(runs[0])["headline"]
+            ),
             rates=figures.draw_rates(runs),
             contrasts=[_contrast(c) for c in contrasts],
             baseline=runs[0].name,
@@ -104,9 +110,10 @@ class Page:
             contrasts = json.loads(out.read_text(encoding="utf-8"))
         return self._render(
             title=f"Sweep {folder.resolve().name}",
+            headline=comparison(contrasts["contrasts"], contrasts["baseline"]["title"]),
             rates=None,
             contrasts=[_contrast(c) for c in contrasts["contrasts"]],
-            baseline="row 0",
+            baseline=contrasts["baseline"]["title"],
             runs=[],
             sweep={
                 "curves": curves,
@@ -117,7 +124,22 @@ class Page:
             },
         )
 
+    def of_attribution(self, folder: Path) -> str:
+        """A sweep over switches of which the cause of the gap is known."""
+        attribution = read_attribution(folder)
+        return self._render(
+            title=f"Sweep {folder.resolve().name}",
+            headline=cause(attribution),
+            rates=None,
+            contrasts=[],
+            baseline="",
+            runs=[],
+            sweep=None,
+            attribution=_attribution(attribution),
+        )
+
     def _render(self, **context: Any) -> str:
+        context.setdefault("attribution", None)
         return self.environment.get_template("page.html.j2").render(**self.shared, **context)
 
 
@@ -161,6 +183,119 @@ def verdict(run: Run) -> Dict[str, Any]:
         "sentences": sentences + _doubts(m),
         "caution": _caution(m, reference),
     }
+
+
+def comparison(contrasts: Sequence[Json], baseline: str) -> str:
+    """What the pairs say of success, in a line. It names one or two, and counts more."""
+    more: List[str] = []
+    less: List[str] = []
+    alike: List[str] = []
+    for pair in contrasts:
+        success = pair["figures"]["engine_success_rate"]
+        found = (more if success["difference"] > 0 else less) if _is_finding(success) else alike
+        found.append(pair["title"])
+
+    def several(names: Sequence[str]) -> str:
+        if len(names) < 3:
+            return " and ".join(names)
+        return f"all {len(names)}" if len(names) == len(contrasts) else f"{len(names)} others"
+
+    def succeed(names: Sequence[str], how: str) -> List[str]:
+        verb = "succeeds" if len(names) == 1 else "succeed"
+        return [f"{several(names)} {verb} {how} often than {baseline}"] if names else []
+
+    clauses = succeed(more, "more") + succeed(less, "less")
+    if alike:
+        clauses.append(f"no difference from {baseline} in success is shown of {several(alike)}")
+    line = "; ".join(clauses) or f"Only {baseline}: nothing to compare it with"
+    return line[0].upper() + line[1:]
+
+
+def cause(attribution: Attribution) -> str:
+    """Who closes most of the gap in position, in open loop."""
+    gap = attribution.gaps("position")[0]
+    if gap["all_off"] <= gap["all_on"]:
+        return "Together the switches close no gap"
+    ranked = attribution.ranked(gap)[:3]
+    most = [f"{name} {100 * part:.0f}\u00a0%" for name, part in ranked if part > 0]
+    return f"What closes the gap in position: {', '.join(most)}"
+
+
+def _attribution(attribution: Attribution) -> Json:
+    content = attribution.content
+    position = attribution.gaps("position")[0]
+    angle = attribution.gaps("angle")[0]
+    success = attribution.success
+    return {
+        "sentences": [
+            f"{content['engine']} against {content['reference']}, policy {content['policy']}, "
+            f"{content['episodes']} episodes, {_combinations(attribution)}.",
+            f"In open loop the tees are {position['all_off']:.4f} m and {angle['all_off']:.4f} rad "
+            f"apart with all switches off, and {position['all_on']:.4f} m and "
+            f"{angle['all_on']:.4f} rad with all on. In closed loop the engine lacks "
+            f"{success['all_off']:.3f} of success with all off, and {success['all_on']:.3f} with "
+            "all on.",
+        ],
+        "drawings": draw_attribution(attribution),
+        "exact": attribution.is_exact,
+        "few": content["episodes"] < FEWEST_PAIRS,
+        "gaps": [_gap_table(attribution, content["gaps"][name]) for name in content["order"]],
+        "pairs": [
+            {
+                "title": gap["title"],
+                "rows": [
+                    {
+                        "names": " and ".join(pair["switches"]),
+                        "value": f"{_signed(pair['value'], DIVERGENCE_DIGITS)} {gap['unit']}"
+                        f"{_interval(pair['interval'], DIVERGENCE_DIGITS)}",
+                    }
+                    for pair in sorted(gap["interactions"], key=lambda p: -abs(p["value"]))[:5]
+                ],
+            }
+            for gap in (position, angle)
+            if gap["interactions"]
+        ],
+        "caution": [
+            "A share depends on the horizon, and on what a switch means while others are off "
+            "(docs/ladder.md).",
+            "Closed loops are chaotic: simulators that agree in all but the last bit may differ in "
+            "success.",
+            *CAUTION,
+        ],
+    }
+
+
+def _combinations(attribution: Attribution) -> str:
+    content = attribution.content
+    count = len(attribution.switches)
+    switches = f"{count} switch{'' if count == 1 else 'es'}"
+    if attribution.is_exact:
+        return f"every one of {content['combinations']} combinations of {switches}"
+    orders = f"along {content['orders']} random orders of switching on"
+    return f"{content['combinations']} combinations of {switches}, {orders}"
+
+
+def _gap_table(attribution: Attribution, gap: Json) -> Json:
+    rows = []
+    for name in attribution.switches:
+        found = gap["switches"][name]
+        part = found["part"]
+        rows.append(
+            {
+                "name": name,
+                "cells": [
+                    _signed(found["share"], DIVERGENCE_DIGITS)
+                    + _interval(found["share_interval"], DIVERGENCE_DIGITS),
+                    "" if part is None else f"{100 * part:.0f} %",
+                    *(
+                        _signed(found[effect]["value"], DIVERGENCE_DIGITS)
+                        for effect in ("alone", "leave_one_out")
+                        if attribution.is_exact
+                    ),
+                ],
+            }
+        )
+    return {"title": gap["title"], "unit": gap["unit"], "rows": rows}
 
 
 def _headline(m: Json, reference: str, engine: str) -> str:
@@ -443,10 +578,14 @@ def _contrast(content: Json) -> Json:
                 "difference": text + _interval(figure["interval"], digits),
                 "p": _probability(figure["p"]),
                 "adjusted": _probability(figure["adjusted_p"]),
-                "finding": figure["adjusted_p"] is not None and figure["adjusted_p"] <= SIGNIFICANT,
+                "finding": _is_finding(figure),
             }
         )
     return {"title": content["title"], "rows": rows}
+
+
+def _is_finding(figure: Json) -> bool:
+    return figure["adjusted_p"] is not None and figure["adjusted_p"] <= SIGNIFICANT
 
 
 def _plot_sweep(folder: Path, out: Path, *arguments: str) -> str:

@@ -91,11 +91,11 @@ def read_run(folder: Path) -> Run:
     """Refuses what is no whole run of this version."""
     if is_sweep(folder):
         raise Refusal(f"{folder}: is a sweep; it must stand alone")
-    metrics = _json(folder / "metrics.json", "the folder of a whole run is needed")
-    _require_format(folder / "metrics.json", metrics, METRICS_FORMAT)
-    statistics = _json(folder / "statistics.json")
-    _require_format(folder / "statistics.json", statistics, STATISTICS_FORMAT)
-    provenance = _json(folder / "provenance.json")
+    metrics = read_json(folder / "metrics.json", "the folder of a whole run is needed")
+    require_format(folder / "metrics.json", metrics, METRICS_FORMAT)
+    statistics = read_json(folder / "statistics.json")
+    require_format(folder / "statistics.json", statistics, STATISTICS_FORMAT)
+    provenance = read_json(folder / "provenance.json")
     try:
         _require_one_run(folder, metrics, statistics, provenance)
         run = Run(
@@ -142,7 +142,7 @@ def contrast(baseline: Run, others: Sequence[Run]) -> List[Json]:
         return contrasts
 
 
-def _json(path: Path, rule: str = "it is needed") -> Json:
+def read_json(path: Path, rule: str = "it is needed") -> Json:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError):
@@ -171,7 +171,7 @@ def _still_running(episodes: Sequence[Episode], mode: str) -> List[int]:
     return [sum(last >= step for last in lasts) for step in range(max(lasts) + 1)]
 
 
-def _require_format(path: Path, content: Json, wanted: int) -> None:
+def require_format(path: Path, content: Json, wanted: int) -> None:
     if content.get("format") != wanted:
         raise Refusal(f"{path}: format {content.get('format')!r}: must be {wanted}")
 

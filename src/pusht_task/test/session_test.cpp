@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -52,7 +54,8 @@ class Brittle : public Simulator {
 class SimulatorSessions : public ::testing::Test {
  protected:
   SimulatorSessions()
-      : session_(kind(), kind().defaults(), "brittle", [this](const auto& update) { seen_.push_back(update); }) {}
+      : session_(kind(), kind().defaults(), "brittle", [this](const auto& update) { seen_.push_back(update); }),
+        served_(&session_) {}
 
   static SimulatorKind kind() {
     SimulatorKind kind;
@@ -75,18 +78,31 @@ class SimulatorSessions : public ::testing::Test {
     pusht_msgs::ResetRequest request;
     request.episode = episode;
     request.stamp = stamp;
-    return session_.reset(request);
+    return served_->reset(request);
   }
   pusht_msgs::StepResponse step(std::int32_t index, const ros::Time& stamp = {}) {
     pusht_msgs::StepRequest request;
     request.step = index;
     request.action = {1.0F, 0.0F};
     request.stamp = stamp;
-    return session_.step(request);
+    return served_->step(request);
+  }
+  pusht_msgs::ConfigureResponse configure(const std::string& kind, const Parameters& changes = {}) {
+    pusht_msgs::ConfigureRequest request;
+    request.kind = kind;
+    request.parameters = changes;
+    request.end_episode = 1;
+    return served_->configure(request);
+  }
+  pusht_msgs::DescribeResponse describe(const std::string& kind) const {
+    pusht_msgs::DescribeRequest request;
+    request.kind = kind;
+    return served_->describe(request);
   }
 
   std::vector<pusht_msgs::WorldStateStamped> seen_;
   SimulatorSession session_;
+  SimulatorSession* served_;  // the one that is asked
 };
 
 TEST_F(SimulatorSessions, DescribesItsKind) {
@@ -219,6 +235,163 @@ TEST_F(SimulatorSessions, ARepeatedConfigureIsAnsweredAgain) {
   EXPECT_EQ(session_.configure(request), first) << "what was refused has changed nothing";
   ASSERT_EQ(session_.reset({}).success, 1);
   EXPECT_THAT(session_.configure(request).message, HasSubstr("reset by another caller"));
+}
+
+TEST_F(SimulatorSessions, AreOfOneKindUnlessThereAreOthers) {
+  EXPECT_THAT(session_.describe().kinds, IsEmpty());
+  ASSERT_EQ(configure("", {parameter("steps", "5")}).success, 1);
+  EXPECT_EQ(configure("brittle").parameters, std::vector{parameter("steps", "2")}) << "its own, with the defaults";
+  for (const char* const other : {"tough", "Brittle", "brittle "}) {
+    const std::string reason =
+        std::string("simulator '") + other + "': must be brittle, the only kind that this node can be";
+    EXPECT_EQ(configure(other).message, reason);
+    EXPECT_EQ(describe(other).message, reason);
+  }
+}
+
+/// Sessions that can become one of another kind, with a parameter of the same name and default and one more.
+class KindsOfSessions : public SimulatorSessions {
+ protected:
+  KindsOfSessions()
+      : session_of_kinds_(brittle_, brittle_.defaults(), "any", [this](const auto& update) { seen_.push_back(update); },
+                          {brittle_, tough_}) {
+    served_ = &session_of_kinds_;
+  }
+
+  static SimulatorKind tough() {
+    SimulatorKind tough = kind();
+    tough.name = "tough";
+    tough.title = "something tough";
+    tough.version = "2";
+    tough.parameters.push_back({"label", "", "for people", std::string("plain"), 0, 0, "", {"plain", "broken"}});
+    tough.parameters.back().presets = {{"plain", {{"steps", "2"}}}};
+    tough.start_tolerance = 1e-9;
+    tough.load = [load = tough.load](const ParameterSet& parameters) {
+      if (parameters.get<std::string>("label") == "broken") {
+        throw BadDependency("no such engine");
+      }
+      SimulatorModel model = load(parameters);
+      model.provenance["tough"] = true;
+      return model;
+    };
+    return tough;
+  }
+
+  const SimulatorKind brittle_ = kind();
+  const SimulatorKind tough_ = tough();
+  SimulatorSession session_of_kinds_;
+};
+
+TEST_F(KindsOfSessions, BecomeAnotherWithItsDefaults) {
+  ASSERT_EQ(configure("", {parameter("steps", "5")}).success, 1);
+  const auto before = served_->describe();
+  EXPECT_THAT(before.kinds, ElementsAre("brittle", "tough"));
+
+  const auto configured = configure("tough");
+  ASSERT_EQ(configured.success, 1) << configured.message;
+  EXPECT_THAT(configured.parameters, ElementsAre(parameter("steps", "2"), parameter("label", "plain")));
+  const auto after = served_->describe();
+  EXPECT_EQ(after.name, "tough");
+  EXPECT_EQ(after.title, "something tough");
+  EXPECT_EQ(after.version, "2");
+  EXPECT_EQ(after.kinds, before.kinds);
+  EXPECT_EQ(after.parameters, configured.parameters);
+  EXPECT_EQ(after.parameters_hash, configured.parameters_hash);
+  EXPECT_THAT(after.parameter_descriptors, SizeIs(2));
+  EXPECT_EQ(after.start_tolerance, 1e-9);
+  EXPECT_EQ(after.provenance, R"({"tough":true})");
+  EXPECT_EQ(after.instance_id, before.instance_id);
+  EXPECT_EQ(after.frame_prefix, before.frame_prefix);
+  EXPECT_THAT(served_->step({}).message, HasSubstr("step before reset"));
+
+  EXPECT_THAT(configure("", {parameter("label", "broken")}).message, HasSubstr("no such engine"));
+  ASSERT_EQ(configure("brittle").success, 1);
+  EXPECT_EQ(served_->describe().parameters, std::vector{parameter("steps", "2")}) << "what was set is forgotten";
+  EXPECT_EQ(configure("", {parameter("label", "plain")}).success, 0) << "of another kind";
+}
+
+TEST_F(KindsOfSessions, SetParametersOnTopOfTheDefaults) {
+  EXPECT_THAT(configure("tough", {parameter("steps", "7")}).parameters,
+              ElementsAre(parameter("steps", "7"), parameter("label", "plain")));
+  EXPECT_THAT(configure("tough", {}).parameters, ElementsAre(parameter("steps", "2"), parameter("label", "plain")))
+      << "of the kind that it is already";
+  EXPECT_THAT(configure("", {parameter("steps", "3")}).parameters,
+              ElementsAre(parameter("steps", "3"), parameter("label", "plain")));
+}
+
+TEST_F(KindsOfSessions, SimulateWithTheWorldThatTheyHaveBecome) {
+  ASSERT_EQ(configure("tough", {parameter("steps", "1")}).success, 1);
+  ASSERT_EQ(reset().success, 1);
+  EXPECT_EQ(step(0).success, 1);
+  EXPECT_THAT(step(1).message, HasSubstr("broken on purpose"));
+  EXPECT_THAT(seen_, SizeIs(2));
+}
+
+TEST_F(KindsOfSessions, ChangeNothingWhenTheyRefuse) {
+  reset();
+  step(0);
+  const auto before = served_->describe();
+  const std::string unknown = "simulator 'rubber': there is none of that name; there are: brittle, tough";
+  EXPECT_EQ(describe("rubber").message, unknown);
+  EXPECT_EQ(describe("rubber").exit_code, static_cast<int>(ExitCode::kInvalidInput));
+  EXPECT_EQ(describe("rubber").instance_id, before.instance_id);
+  for (const auto& [kind, changes, reason] :
+       {std::tuple("rubber", Parameters{}, unknown),
+        std::tuple("brittle", Parameters{parameter("label", "plain")},
+                   std::string("parameter 'label': there is none of that name; there are: steps")),
+        std::tuple("tough", Parameters{parameter("steps", "11")},
+                   std::string("steps 11: must be from 0.0 to 10.0: nobody is that patient")),
+        std::tuple("tough", Parameters{parameter("label", "broken")}, std::string("no such engine"))}) {
+    EXPECT_EQ(configure(kind, changes).message, reason);
+    EXPECT_EQ(served_->describe(), before);
+  }
+  EXPECT_EQ(step(1).success, 1) << "the episode goes on";
+}
+
+TEST_F(KindsOfSessions, DescribeWhatTheyWouldBe) {
+  ASSERT_EQ(configure("", {parameter("steps", "5")}).success, 1);
+  const auto begun = reset();
+  const auto before = served_->describe();
+  const auto planned = describe("tough");
+  ASSERT_EQ(planned.success, 1) << planned.message;
+  EXPECT_EQ(planned.instance_id, before.instance_id);
+  EXPECT_EQ(planned.name, "tough");
+  EXPECT_EQ(planned.title, "something tough");
+  EXPECT_EQ(planned.version, "2");
+  EXPECT_EQ(planned.kinds, before.kinds);
+  EXPECT_THAT(planned.parameters, ElementsAre(parameter("steps", "2"), parameter("label", "plain")));
+  EXPECT_EQ(planned.parameter_descriptors.at(1).default_value, "plain");
+  ASSERT_THAT(planned.parameter_descriptors[1].presets, SizeIs(1));
+  EXPECT_EQ(planned.parameter_descriptors[1].presets[0].word, "plain");
+  EXPECT_THAT(planned.parameter_descriptors[1].presets[0].settings, ElementsAre(parameter("steps", "2")));
+  EXPECT_EQ(planned.start_tolerance, 1e-9);
+  EXPECT_EQ(planned.parameters_hash + planned.provenance, "");
+  EXPECT_EQ(planned.frame_prefix, "any");
+  EXPECT_EQ(planned.stamp, begun.stamp);
+  EXPECT_EQ(describe("brittle").parameters, std::vector{parameter("steps", "2")}) << "not as it is";
+  EXPECT_EQ(served_->describe(), before);
+  EXPECT_EQ(step(0).success, 1);
+}
+
+TEST_F(KindsOfSessions, BecomeAnotherForWhoHoldsThem) {
+  pusht_msgs::ResetRequest mine;
+  mine.token = "mine";
+  ASSERT_EQ(served_->reset(mine).success, 1);
+  EXPECT_THAT(configure("tough").message, HasSubstr("held by another caller"));
+  EXPECT_THAT(configure("rubber").message, HasSubstr("held by another caller")) << "the hold comes first";
+
+  pusht_msgs::ConfigureRequest request;
+  request.kind = "tough";
+  request.token = "mine";
+  EXPECT_THAT(served_->configure(request).message, HasSubstr("mid-episode"));
+  EXPECT_EQ(served_->describe().name, "brittle");
+  request.end_episode = 1;
+  const auto first = served_->configure(request);
+  ASSERT_EQ(first.success, 1) << first.message;
+  EXPECT_EQ(served_->configure(request), first) << "asked again, it answers again";
+  request.kind = "brittle";
+  EXPECT_THAT(served_->configure(request).message, HasSubstr("its episode has ended")) << "another request";
+  EXPECT_EQ(served_->describe().name, "tough");
 }
 
 TEST_F(SimulatorSessions, EveryAnswerNamesTheInstance) {

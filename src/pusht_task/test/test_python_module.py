@@ -23,6 +23,7 @@ from pusht_msgs.msg import WorldState as WorldStateMessage
 from pusht_msgs.srv import (  # type: ignore[import]
     ActRequest,
     ConfigureRequest,
+    DescribeRequest,
     ResetRequest,
     StepRequest,
 )
@@ -153,10 +154,14 @@ class SessionCase(unittest.TestCase):
         return self.accepted(self.session.step(StepRequest(step=step, action=action, **fields)))
 
     def configure(
-        self, values: Mapping[str, str] = {}, end_episode: bool = False, token: str = ""
+        self,
+        values: Mapping[str, str] = {},
+        end_episode: bool = False,
+        token: str = "",
+        kind: str = "",
     ) -> Any:
         parameters = [Parameter(name, value) for name, value in values.items()]
-        return self.session.configure(ConfigureRequest(parameters, end_episode, token))
+        return self.session.configure(ConfigureRequest(kind, parameters, end_episode, token))
 
     def accepted(self, response: Any) -> Any:
         self.assertTrue(response.success, response.message)
@@ -527,6 +532,73 @@ class Configurations(SessionCase):
         self.assertEqual((description.name, description.version), ("drift", "1"))
         self.assertEqual((description.frame_prefix, description.stamp), ("here", Time(3)))
         self.assertIn("numpy", json.loads(description.provenance))
+
+
+class Kinds(SessionCase):
+    """An object in Python is of one kind and stays so."""
+
+    def test_own_kind_again_has_its_defaults(self) -> None:
+        self.accepted(self.configure({"drift": "0.6", "label": "mine"}))
+        response = self.accepted(self.configure({"count": "4"}, kind="drift"))
+        values = {parameter.name: parameter.value for parameter in response.parameters}
+        self.assertEqual(
+            values, {"drift": "0.5", "label": "plain", "count": "4", "sticky": "false"}
+        )
+        self.assertEqual([simulator.drift for simulator in self.simulators], [0.5, 0.6, 0.5])
+        self.assertEqual(DEFAULTS["count"], 3)
+
+    def test_defaults_are_those_of_the_simulator(self) -> None:
+        """Not the values that the node started with."""
+        values: Dict[str, Value] = {**DEFAULTS, "drift": 0.7}
+        identity = Identity("drift", "1")
+        self.session = SimulatorSession(
+            self.make, values, identity, "here", self.updates.append, defaults=DEFAULTS
+        )
+        would_be = self.session.describe(DescribeRequest("drift"))
+        self.assertEqual(would_be.parameters[0], Parameter("drift", "0.5"))
+        response = self.accepted(self.configure(kind="drift"))
+        self.assertEqual(response.parameters, would_be.parameters)
+
+    def test_repeated_one_is_answered_again(self) -> None:
+        self.reset(token="mine")
+        first = self.accepted(self.configure({}, True, "mine", "drift"))
+        again = self.accepted(self.configure({}, True, "mine", "drift"))
+        self.assertEqual(data(again), data(first))
+        self.assertEqual(len(self.simulators), 2, "nothing is made anew for it")
+        other = self.configure({}, True, "mine")
+        self.refused(other, "its episode has ended", ExitCode.RUNTIME_FAULT)
+
+    def test_other_kinds_are_refused(self) -> None:
+        self.reset()
+        before = self.session.describe()
+        for kind in ("mujoco", "Drift", "drift "):
+            reason = f"simulator '{kind}': must be drift, the only kind that this node can be"
+            self.refused(self.configure({}, end_episode=True, kind=kind), rf"\A{reason}\Z")
+            self.refused(self.session.describe(DescribeRequest(kind)), rf"\A{reason}\Z")
+        stray = self.configure({"dirft": "1"}, end_episode=True, kind="drift")
+        self.refused(stray, "dirft: there is none of that name")
+        self.assertEqual(data(self.session.describe()), data(before))
+        self.step(step=0)
+
+    def test_hold_comes_first(self) -> None:
+        self.reset(token="mine")
+        for kind in ("drift", "mujoco"):
+            answer = self.configure(kind=kind)
+            self.refused(answer, "held by another caller", ExitCode.RUNTIME_FAULT)
+        self.refused(self.configure(token="mine", kind="drift"), "mid-episode")
+
+    def test_describe_what_it_would_be(self) -> None:
+        self.accepted(self.configure({"drift": "0.6"}))
+        self.reset(stamp=Time(3))
+        before = self.session.describe()
+        would_be = self.accepted(self.session.describe(DescribeRequest("drift")))
+        self.assertEqual((would_be.name, would_be.kinds), ("drift", []))
+        self.assertEqual(would_be.parameters[0], Parameter("drift", "0.5"))
+        self.assertEqual(would_be.parameter_descriptors, before.parameter_descriptors)
+        self.assertEqual((would_be.parameters_hash, would_be.provenance), ("", ""))
+        self.assertEqual((would_be.frame_prefix, would_be.stamp), ("here", Time(3)))
+        self.assertEqual(data(self.session.describe()), data(before))
+        self.step(step=0)
 
 
 class Parameters(unittest.TestCase):

@@ -20,6 +20,7 @@ from pusht_msgs.msg import WorldState as WorldStateMessage
 from pusht_msgs.srv import (  # type: ignore[import]
     ActResponse,
     ConfigureResponse,
+    DescribeRequest,
     DescribeResponse,
     ResetResponse,
     StepResponse,
@@ -115,9 +116,8 @@ class SimulatorSession:
             raise Refusal(f"start_tolerance {said}: must be above 0 and at most {START_TOLERANCE}")
         self._start_tolerance = said or START_TOLERANCE
         self._make = make
-        self._descriptors = [
-            _descriptor(name, value) for name, value in (defaults or parameters).items()
-        ]
+        self._defaults = dict(defaults or parameters)
+        self._descriptors = [_descriptor(name, value) for name, value in self._defaults.items()]
         self._parameters = dict(parameters)
         self._simulator = _made(make, self._parameters)
         self._identity = identity
@@ -149,22 +149,8 @@ class SimulatorSession:
     def configure(self, request: Any) -> ConfigureResponse:
         return self._answer(self._configure, request, ConfigureResponse)
 
-    def describe(self, _request: Any = None) -> DescribeResponse:
-        with self._lock:
-            return DescribeResponse(
-                success=True,
-                instance_id=self._identity.instance_id,
-                name=self._identity.name,
-                title=self._identity.title,
-                version=self._identity.version,
-                parameters=_parameter_messages(self._parameters),
-                parameter_descriptors=self._descriptors,
-                start_tolerance=self._identity.start_tolerance,
-                parameters_hash=_hash(self._parameters),
-                provenance=_provenance(),
-                frame_prefix=self._frame_prefix,
-                stamp=_time(self._stamp),
-            )
+    def describe(self, request: Any = None) -> DescribeResponse:
+        return self._answer(self._describe, request or DescribeRequest(), DescribeResponse)
 
     def _answer(self, serve: Callable[[Any], Any], request: Any, response_type: Any) -> Any:
         with self._lock:
@@ -172,6 +158,31 @@ class SimulatorSession:
                 return serve(request)
             except Refusal as refusal:
                 return _refused(response_type, refusal, self._identity)
+
+    def _describe(self, request: Any) -> DescribeResponse:
+        parameters = self._base_for(request.kind)
+        as_it_is = not request.kind  # not what it would be
+        return DescribeResponse(
+            success=True,
+            instance_id=self._identity.instance_id,
+            name=self._identity.name,
+            title=self._identity.title,
+            version=self._identity.version,
+            parameters=_parameter_messages(parameters),
+            parameter_descriptors=self._descriptors,
+            start_tolerance=self._identity.start_tolerance,
+            parameters_hash=_hash(parameters) if as_it_is else "",
+            provenance=_provenance() if as_it_is else "",
+            frame_prefix=self._frame_prefix,
+            stamp=_time(self._stamp),
+        )
+
+    def _base_for(self, kind: str) -> Dict[str, Value]:
+        """The parameters on top of which those of a request count."""
+        if kind not in ("", self._identity.name):
+            only = f"must be {self._identity.name}, the only kind that this node can be"
+            raise Refusal(f"simulator '{kind}': {only}")
+        return self._defaults if kind else self._parameters
 
     def _reset(self, request: Any) -> ResetResponse:
         if self._last is not None and request.stamp and request == self._last_request:
@@ -244,11 +255,12 @@ class SimulatorSession:
                 f"configure in mid-episode, after {self._steps} of {self._horizon} control steps:"
                 " set end_episode to end it"
             )
+        base = self._base_for(request.kind)
         changes = {
-            change.name: _from_text(change.value, self._parameters.get(change.name))
+            change.name: _from_text(change.value, base.get(change.name))
             for change in request.parameters
         }
-        parameters = merged(self._parameters, changes)
+        parameters = merged(base, changes)
         self._simulator = _made(self._make, parameters)
         self._parameters = parameters
         self._token = ""

@@ -10,6 +10,7 @@ In a .test file, beside the node under test:
 By hand: rosrun pusht_task simulator_contract --text _simulator:=/mine
 """
 
+import contextlib
 import io
 import itertools
 import math
@@ -607,10 +608,133 @@ class SimulatorContract(ServedCase):
         self.refused("no_such_knob", "configure", parameters=[stray], end_episode=True)
         self.accepted("step")
 
-    def assert_near(self, found: Any, wanted: WorldState) -> None:
-        self.assertLess(abs(wrap_angle(found.tee_yaw - wanted.tee_yaw)), self.start_tolerance)
+    # What it can become.
+
+    def stay(self) -> Any:
+        """Its description; when the test has ended, it is made what it was."""
+        before = self.call("describe")
+
+        def restore() -> None:
+            kind = before.name if before.kinds else ""
+            self.accepted("reset")
+            fields = {"parameters": before.parameters, "end_episode": True}
+            self.accepted("configure", kind=kind, **fields)
+            after = self.call("describe")
+            after.stamp = before.stamp
+            self.assertEqual(data(after), data(before))
+
+        self.addCleanup(restore)
+        return before
+
+    def test_kinds(self) -> None:
+        description = self.call("describe")
+        self.assertEqual(len(description.kinds), len(set(description.kinds)))
+        if description.kinds:
+            self.assertIn(description.name, description.kinds)
+
+    def test_describe_what_it_would_be(self) -> None:
+        self.begin()
+        before = self.call("describe")
+        for kind in before.kinds or [before.name]:
+            would_be = self.accepted("describe", kind=kind)
+            self.assertEqual((would_be.name, would_be.kinds), (kind, before.kinds))
+            self.assertTrue(would_be.version)
+            self.assertGreaterEqual(would_be.start_tolerance, 0.0)
+            self.assertLessEqual(would_be.start_tolerance, START_TOLERANCE)
+            self.assertEqual((would_be.parameters_hash, would_be.provenance), ("", ""))
+            self.assertEqual(would_be.frame_prefix, before.frame_prefix)
+            self.assertEqual(would_be.stamp, before.stamp)
+            if would_be.parameter_descriptors:
+                defaults = [
+                    Parameter(d.name, d.default_value) for d in would_be.parameter_descriptors
+                ]
+                self.assertEqual(would_be.parameters, defaults)
+            if kind == before.name:
+                self.assertEqual(would_be.parameter_descriptors, before.parameter_descriptors)
+        self.assertEqual(data(self.call("describe")), data(before))
+        self.accepted("step", step=0)
+
+    def test_becomes_each_kind(self) -> None:
+        before = self.stay()
+        old = before
+        for kind in [*before.kinds, before.name]:
+            would_be = self.accepted("describe", kind=kind)
+            self.accepted("reset", token="mine")
+            self.refused("held by another caller", "configure", HELD, kind=kind, end_episode=True)
+            self.refused("mid-episode", "configure", token="mine", kind=kind)
+            fields = {"kind": kind, "token": "mine", "end_episode": True}
+            response = self.accepted("configure", **fields)
+            self.assertEqual(data(self.accepted("configure", **fields)), data(response))
+            self.assertEqual(response.parameters, would_be.parameters)
+            self.refused("reset", "step", step=-1)
+
+            found = self.assert_described()
+            self.assertEqual(found.parameters_hash, response.parameters_hash)
+            would_be.parameters_hash = found.parameters_hash
+            would_be.provenance = found.provenance
+            would_be.stamp = found.stamp
+            self.assertEqual(data(found), data(would_be))
+            self.assert_told(found, old)
+            reset = self.accepted("reset", seed=3)
+            tolerance = found.start_tolerance or REPRESENTED
+            self.assert_near(reset.state, spawn(3), tolerance)
+            self.assertEqual(reset.parameters_hash, found.parameters_hash)
+            self.accepted("step", step=0)
+            old = found
+
+    def assert_told(self, now: Any, before: Any) -> None:
+        """The node's parameters are those with which it would come back as it is `now`."""
+        told = rospy.get_param(self.namespace)
+        for parameter in now.parameters:
+            self.assertEqual(_told(told[parameter.name]), _told(parameter.value), parameter.name)
+        others = {p.name for p in before.parameters} - {p.name for p in now.parameters}
+        self.assertFalse(others & set(told), f"parameters of {before.name}")
+        if now.kinds:
+            self.assertEqual(told["kind"], now.name)
+
+    def test_parameters_of_a_kind_are_its_defaults(self) -> None:
+        before = self.stay()
+        number = self.number()
+        defaults = self.accepted("describe", kind=before.name).parameters
+        whole = re.fullmatch(r"[+-]?\d+", number.value)
+        value = int(number.value) + 1 if whole else 1.01 * float(number.value)
+        changed = Parameter(number.name, repr(value))
+        self.accepted("configure", parameters=[changed], end_episode=True)
+        response = self.accepted("configure", kind=before.name)
+        self.assertEqual(response.parameters, defaults)
+        response = self.accepted("configure", kind=before.name, parameters=[changed])
+        found = {p.name: p.value for p in response.parameters}
+        self.assertEqual(float(found.pop(number.name)), value)
+        wanted = {p.name: p.value for p in defaults if p.name != number.name}
+        self.assertEqual(found, wanted)
+
+    def test_f36_refused_kind_changes_nothing(self) -> None:
+        undisturbed = self.trajectory(spawn(3), PUSHES[:2])
+        self.trajectory(spawn(3), PUSHES[:1])
+        before = self.call("describe")
+        told = rospy.get_param(self.namespace)
+        there = ", ".join(before.kinds)
+        only = f"must be {before.name}, the only kind that this node can be"
+        rule = f"there is none of that name; there are: {there}" if there else only
+        for kind in ("no_such_kind", before.name.upper(), f"{before.name} "):
+            reason = f"simulator '{kind}': {rule}"
+            self.refused(reason, "configure", kind=kind, end_episode=True)
+            self.refused(reason, "describe", kind=kind)
+        stray = [Parameter("no_such_knob", "1.0")]
+        for kind in before.kinds or [before.name]:
+            fields = {"kind": kind, "parameters": stray, "end_episode": True}
+            self.refused("no_such_knob", "configure", **fields)
+        self.assertEqual(data(self.call("describe")), data(before))
+        self.assertEqual(rospy.get_param(self.namespace), told)
+        step = self.accepted("step", step=1, action=PUSHES[1])
+        self.assertEqual(data(step.state), undisturbed[2])
+
+    def assert_near(self, found: Any, wanted: WorldState, tolerance: float = 0.0) -> None:
+        """To `tolerance`; 0: the one of what the node was at first."""
+        tolerance = tolerance or self.start_tolerance
+        self.assertLess(abs(wrap_angle(found.tee_yaw - wanted.tee_yaw)), tolerance)
         numbers = numbers_of(message_of(replace(wanted, tee_yaw=found.tee_yaw)))
-        np.testing.assert_allclose(numbers_of(found), numbers, rtol=0, atol=self.start_tolerance)
+        np.testing.assert_allclose(numbers_of(found), numbers, rtol=0, atol=tolerance)
 
 
 class PolicyContract(ServedCase):
@@ -723,6 +847,13 @@ def data(message: Any) -> bytes:
     buffer = io.BytesIO()
     message.serialize(buffer)
     return buffer.getvalue()
+
+
+def _told(value: Any) -> Any:
+    """What is compared of a parameter: the parameter server's, or a text that stands for it."""
+    with contextlib.suppress(ValueError):
+        return float(str(value))
+    return str(value).lower()
 
 
 def message_of(state: WorldState) -> WorldStateMessage:

@@ -33,7 +33,7 @@ std::string shown(const XmlRpcValue& value) {
 std::string textIn(XmlRpcValue value) {
   switch (value.getType()) {
     case XmlRpcValue::TypeInt:
-      return shortestText(static_cast<int>(value));
+      return std::to_string(static_cast<int>(value));
     case XmlRpcValue::TypeDouble:
       return shortestText(static_cast<double>(value));
     case XmlRpcValue::TypeBoolean:

@@ -46,28 +46,31 @@ struct Tally {
 
 class SimulatorNode {
  public:
-  SimulatorNode(const ros::NodeHandle& node, const SimulatorKind& kind, const ParameterSet& parameters,
-                const std::string& frame_prefix)
+  SimulatorNode(const ros::NodeHandle& node, const SimulatorKind& kind, const SimulatorKinds& kinds,
+                const ParameterSet& parameters, const std::string& frame_prefix)
       : frame_prefix_(frame_prefix),
         node_(node),
         state_(node_.advertise<pusht_msgs::WorldStateStamped>("state", kQueue)),
         markers_(node_.advertise<visualization_msgs::MarkerArray>("markers", 1, true)),
         health_(kind.name, "requests", [this](DiagnosticStatusWrapper& status) { tally_.report(status); }),
-        session_(kind, parameters, frame_prefix,
-                 [this](const pusht_msgs::WorldStateStamped& update) { publish(update); }),
+        session_(
+            kind, parameters, frame_prefix, [this](const pusht_msgs::WorldStateStamped& update) { publish(update); },
+            kinds),
         services_{node_.advertiseService("reset", &SimulatorNode::reset, this),
                   node_.advertiseService("step", &SimulatorNode::step, this),
                   node_.advertiseService("configure", &SimulatorNode::configure, this),
-                  node_.advertiseService("describe", &SimulatorNode::describe, this)} {
+                  node_.advertiseService("describe", &SimulatorNode::describe, this)},
+        caption_(captionOf(session_.describe())) {
     fixed_frames_.sendTransform(targetFrame(frame_prefix_));
-    markers_.publish(worldMarkers(frame_prefix_));
+    show();
     repeating_ =
         node_.createSteadyTimer(ros::WallDuration(kRepeatPeriod), [this](const ros::SteadyTimerEvent&) { repeat(); });
   }
 
  private:
   static constexpr std::uint32_t kQueue = 1000;
-  static constexpr double kRepeatPeriod = 1.0;  // [s]
+  static constexpr double kRepeatPeriod = 1.0;       // [s]
+  static constexpr double kShowPeriod = 1.0 / 30.0;  // [s] at least: a run at full speed does not pay for its picture
 
   bool reset(pusht_msgs::ResetRequest& request, pusht_msgs::ResetResponse& response) {
     response = tally_.count(session_.reset(request));
@@ -78,21 +81,50 @@ class SimulatorNode {
     return true;
   }
   bool configure(pusht_msgs::ConfigureRequest& request, pusht_msgs::ConfigureResponse& response) {
+    const pusht_msgs::DescribeResponse before = session_.describe();
     response = tally_.count(session_.configure(request));
     if (response.success != 0) {
-      setParameters(node_, response.parameters);
+      follow(request.kind, before, response.parameters);
+      caption_ = captionOf(session_.describe());
+      show();
     }
     return true;
   }
-  bool describe(pusht_msgs::DescribeRequest& /*request*/, pusht_msgs::DescribeResponse& response) {
-    response = session_.describe();
+  bool describe(pusht_msgs::DescribeRequest& request, pusht_msgs::DescribeResponse& response) {
+    response = session_.describe(request);
     return true;
   }
 
+  /// Makes the node's parameters tell what it is. Wherever it dies meanwhile, it can be started with them.
+  void follow(const std::string& kind, const pusht_msgs::DescribeResponse& before, const Parameters& now) {
+    if (!kind.empty() && !before.kinds.empty()) {
+      for (const pusht_msgs::Parameter& old : before.parameters) {
+        node_.deleteParam(old.name);
+      }
+      node_.setParam("kind", kind);
+      health_.setHardware(kind);
+    }
+    setParameters(node_, now);
+  }
+
   void publish(const pusht_msgs::WorldStateStamped& update) {
-    moving_ = movingFrames(frame_prefix_, fromMessage(update.state), update.header.stamp);
+    const WorldState state = fromMessage(update.state);
+    moving_ = movingFrames(frame_prefix_, state, update.header.stamp);
     frames_.sendTransform(moving_);
     state_.publish(update);
+    caption_.moment = {update.episode, update.step, state};
+    if (ros::SteadyTime::now() - shown_ >= ros::WallDuration(kShowPeriod) && markers_.getNumSubscribers() > 0) {
+      show();
+    }  // else repeat() does
+  }
+
+  /// Geometry and caption together: only the last message is latched.
+  void show() {
+    visualization_msgs::MarkerArray picture = worldMarkers(frame_prefix_);
+    const visualization_msgs::MarkerArray caption = captionMarkers(frame_prefix_, caption_);
+    picture.markers.insert(picture.markers.end(), caption.markers.begin(), caption.markers.end());
+    markers_.publish(picture);
+    shown_ = ros::SteadyTime::now();
   }
 
   /// For whoever came after the last step, or has forgotten (rviz's Reset). tf2 warns of what has the same stamp twice.
@@ -101,7 +133,7 @@ class SimulatorNode {
       frame.header.stamp += ros::Duration(0, 1);
     }
     frames_.sendTransform(moving_);
-    markers_.publish(worldMarkers(frame_prefix_));
+    show();
   }
 
   std::string frame_prefix_;
@@ -115,6 +147,8 @@ class SimulatorNode {
   Health health_;
   SimulatorSession session_;
   std::array<ros::ServiceServer, 4> services_;
+  Caption caption_;
+  ros::SteadyTime shown_;
   ros::SteadyTimer repeating_;
 };
 
@@ -180,25 +214,24 @@ int serve(int argc, char** argv, const std::string& node_name,
 }
 
 std::shared_ptr<SimulatorNode> makeNode(const ros::NodeHandle& node, const SimulatorKind& kind,
-                                        ParameterReader& parameters) {
+                                        const SimulatorKinds& kinds, ParameterReader& parameters) {
   const std::string frame_prefix = parameters.text("frame_prefix", ros::this_node::getName().substr(1));
   const ParameterSet values = parameters.changed(kind.defaults());
   parameters.refuseUnknown();
-  return std::make_shared<SimulatorNode>(node, kind, values, frame_prefix);
+  return std::make_shared<SimulatorNode>(node, kind, kinds, values, frame_prefix);
 }
 
 }  // namespace
 
 int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKind& kind) {
   return serve(argc, argv, node_name, [&](const ros::NodeHandle& node, ParameterReader& parameters) {
-    return makeNode(node, kind, parameters);
+    return makeNode(node, kind, {}, parameters);
   });
 }
 
-int serveSimulator(int argc, char** argv, const std::string& node_name,
-                   const std::function<const SimulatorKind&(const std::string& name)>& find) {
+int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKinds& kinds) {
   return serve(argc, argv, node_name, [&](const ros::NodeHandle& node, ParameterReader& parameters) {
-    return makeNode(node, find(parameters.text("kind", "")), parameters);
+    return makeNode(node, kindNamed(parameters.text("kind", ""), kinds), kinds, parameters);
   });
 }
 

@@ -24,6 +24,21 @@ typename Service::Response answerOf(ServiceCaller<Service>& caller, const typena
   }
 }
 
+/// What the peer would be as one of `kind`, without becoming it.
+pusht_msgs::DescribeResponse describedAs(const std::string& kind, const Peer& peer) {
+  if (kind.empty()) {
+    return peer.description();
+  }
+  pusht_msgs::DescribeRequest request;
+  request.kind = kind;
+  pusht_msgs::DescribeResponse description = ServiceCaller<pusht_msgs::Describe>(peer, "describe").call(request);
+  if (description.name != kind) {
+    throw BadDependency(peer.services() + ": describes '" + description.name + "': must be '" + kind +
+                        "', which it was asked for");
+  }
+  return description;
+}
+
 }  // namespace
 
 double startToleranceOf(const pusht_msgs::DescribeResponse& description) {
@@ -41,18 +56,27 @@ void StampSource::advance() { now_ += ros::Duration(kControlStep); }
 
 void StampSource::startAbove(const ros::Time& stamp) { now_ = std::max(now_, stamp); }
 
-ServedSimulator::ServedSimulator(const Peer& peer, StampSource& stamps)
-    : Simulator(peer.services(), startToleranceOf(peer.description())),
+ServedSimulator::ServedSimulator(const Peer& peer, const StampSource& stamps, double start_tolerance)
+    : Simulator(peer.services(), start_tolerance),
       peer_(peer),
       stamps_(stamps),
       describe_(peer, "describe"),
       configure_(peer, "configure"),
       reset_(peer, "reset"),
       step_(peer, "step"),
-      parameters_hash_(peer.description().parameters_hash) {
+      kind_(peer.description().name),
+      parameters_hash_(peer.description().parameters_hash) {}
+
+// Delegates, so that the destructor lets go of a world that refuses what follows.
+ServedSimulator::ServedSimulator(const Peer& peer, StampSource& stamps, const std::string& kind,
+                                 const Parameters& changes)
+    : ServedSimulator(peer, stamps, startToleranceOf(describedAs(kind, peer))) {
   stamps.startAbove(peer.description().stamp);
   stamps.advance();
   requireParameters(take({}).parameters_hash);
+  if (!kind.empty() || !changes.empty()) {
+    configure(kind, changes);
+  }
 }
 
 ServedSimulator::~ServedSimulator() {
@@ -68,16 +92,22 @@ void ServedSimulator::announce(std::uint64_t episode, int horizon) {
   silent_ = false;
 }
 
-void ServedSimulator::configure(const Parameters& changes) {
+void ServedSimulator::configure(const std::string& kind, const Parameters& changes) {
   pusht_msgs::ConfigureRequest request;
+  request.kind = kind;
   request.parameters = changes;
   request.end_episode = 1;
   request.token = token_;
   parameters_hash_ = configure_.call(request).parameters_hash;
+  kind_ = kind.empty() ? kind_ : kind;
 }
 
 pusht_msgs::DescribeResponse ServedSimulator::describe() {
   pusht_msgs::DescribeResponse description = describe_.call({});
+  if (description.name != kind_) {
+    throw RuntimeFault(peer_.services() + ": is '" + description.name + "': must be '" + kind_ +
+                       "'; another caller has configured the world");
+  }
   requireParameters(description.parameters_hash);
   return description;
 }

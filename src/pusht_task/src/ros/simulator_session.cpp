@@ -22,6 +22,7 @@ const ros::Duration kStampStep(kControlStep);
 /// [s] What a caller may ask for. As much again is left to count on from there.
 constexpr std::uint32_t kStampLimit = 1U << 31U;
 
+/// Without the kind's name, for runs have recorded such hashes: two kinds may share one, and callers look at `name`.
 std::string hashOf(const Parameters& parameters) {
   if (parameters.empty()) {
     return "";
@@ -32,6 +33,15 @@ std::string hashOf(const Parameters& parameters) {
     key += parameter.name + "=" + parameter.value + "|";
   }
   return sha256(key).substr(0, kDigits);
+}
+
+pusht_msgs::Preset message(const Preset& preset) {
+  pusht_msgs::Preset message;
+  message.word = preset.word;
+  for (const auto& [name, text] : preset.settings) {
+    message.settings.push_back(parameter(name, text));
+  }
+  return message;
 }
 
 std::vector<pusht_msgs::ParameterDescriptor> describeParameters(const ParameterSet& parameters) {
@@ -47,6 +57,9 @@ std::vector<pusht_msgs::ParameterDescriptor> describeParameters(const ParameterS
     descriptor.least = known.least;
     descriptor.greatest = known.greatest;
     descriptor.words = known.words;
+    for (const Preset& preset : known.presets) {
+      descriptor.presets.push_back(message(preset));
+    }
     descriptors.push_back(descriptor);
   }
   return descriptors;
@@ -79,8 +92,9 @@ WorldState startOf(const pusht_msgs::ResetRequest& request) {
 }  // namespace
 
 SimulatorSession::SimulatorSession(SimulatorKind kind, const ParameterSet& parameters, std::string frame_prefix,
-                                   Observer observer)
-    : kind_(std::move(kind)),
+                                   Observer observer, SimulatorKinds kinds)
+    : kinds_(std::move(kinds)),
+      kind_(std::move(kind)),
       model_(kind_.load(parameters)),
       world_(model_.make_world()),
       frame_prefix_(std::move(frame_prefix)),
@@ -154,9 +168,12 @@ pusht_msgs::ConfigureResponse SimulatorSession::configure(const pusht_msgs::Conf
       throw InvalidInput("configure in mid-episode, after " + std::to_string(episode_->steps) + " of " +
                          std::to_string(episode_->horizon) + " control steps: set end_episode to end it");
     }
-    SimulatorModel model = kind_.load(merged(model_.parameters, request.parameters));
+    SimulatorKind kind = request.kind.empty() ? kind_ : kindFor(request.kind);
+    const ParameterSet parameters = request.kind.empty() ? model_.parameters : kind.defaults();
+    SimulatorModel model = kind.load(merged(parameters, request.parameters));
     world_ = model.make_world();
     model_ = std::move(model);
+    kind_ = std::move(kind);
     episode_.reset();
     response.success = 1;
     response.instance_id = instance_id_;
@@ -166,21 +183,25 @@ pusht_msgs::ConfigureResponse SimulatorSession::configure(const pusht_msgs::Conf
   });
 }
 
-pusht_msgs::DescribeResponse SimulatorSession::describe() const {
-  pusht_msgs::DescribeResponse response;
-  response.success = 1;
-  response.instance_id = instance_id_;
-  response.name = kind_.name;
-  response.title = kind_.title;
-  response.version = kind_.version;
-  response.parameters = toMessages(model_.parameters);
-  response.parameters_hash = hashOf(toMessages(model_.parameters));
-  response.parameter_descriptors = describeParameters(model_.parameters);
-  response.start_tolerance = kind_.start_tolerance;
-  response.provenance = model_.provenance.dump();
-  response.frame_prefix = frame_prefix_;
-  response.stamp = stamp_;
-  return response;
+pusht_msgs::DescribeResponse SimulatorSession::describe(const pusht_msgs::DescribeRequest& request) const {
+  return answer<pusht_msgs::DescribeResponse>(instance_id_, [&](pusht_msgs::DescribeResponse& response) {
+    const bool as_it_is = request.kind.empty();
+    const SimulatorKind& kind = as_it_is ? kind_ : kindFor(request.kind);
+    const ParameterSet parameters = as_it_is ? model_.parameters : kind.defaults();
+    response.name = kind.name;
+    response.kinds = kindNames(kinds_);
+    response.title = kind.title;
+    response.version = kind.version;
+    response.parameters = toMessages(parameters);
+    response.parameter_descriptors = describeParameters(parameters);
+    response.start_tolerance = kind.start_tolerance;
+    if (as_it_is) {  // else what the kind would make of its parameters is known once it is loaded
+      response.parameters_hash = hashOf(response.parameters);
+      response.provenance = model_.provenance.dump();
+    }
+    response.frame_prefix = frame_prefix_;
+    response.stamp = stamp_;
+  });
 }
 
 bool SimulatorSession::isRepeated(const pusht_msgs::ResetRequest& request) const {
@@ -264,6 +285,16 @@ void SimulatorSession::observe(const Action& action) const {
 }
 
 bool SimulatorSession::inEpisode() const { return episode_ && episode_->steps < episode_->horizon; }
+
+const SimulatorKind& SimulatorSession::kindFor(const std::string& name) const {
+  if (name == kind_.name) {
+    return kind_;
+  }
+  if (kinds_.empty()) {
+    throw InvalidInput("simulator '" + name + "': must be " + kind_.name + ", the only kind that this node can be");
+  }
+  return kindNamed(name, kinds_);
+}
 
 pusht_msgs::DescribeResponse describeFailure(const std::exception& failure) {
   pusht_msgs::DescribeResponse response;

@@ -25,6 +25,8 @@ class Health {
   Health(const Health&) = delete;
   Health& operator=(const Health&) = delete;
 
+  void setHardware(const std::string& hardware_id) { updater_.setHardwareID(hardware_id); }
+
  private:
   diagnostic_updater::Updater updater_;
   ros::SteadyTimer timer_;

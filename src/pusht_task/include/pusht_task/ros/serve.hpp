@@ -18,9 +18,9 @@ namespace pusht {
 /// be loaded with them, the node lives on, and only `describe` answers, with the error.
 int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKind& kind);
 
-/// The same of the kind that the private parameter `kind` names. `find` throws InvalidInput if there is none.
-int serveSimulator(int argc, char** argv, const std::string& node_name,
-                   const std::function<const SimulatorKind&(const std::string& name)>& find);
+/// The same of the one of `kinds` that the private parameter `kind` names. `configure` can make it another one; `kind`
+/// and the parameters of the node follow, so that a node that is started again comes back as it was.
+int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKinds& kinds);
 
 /// The main of a policy node: services `act` and `describe`; /diagnostics. Failing at start: as above.
 int servePolicy(int argc, char** argv, const std::string& node_name,

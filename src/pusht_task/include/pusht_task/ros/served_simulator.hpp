@@ -38,9 +38,11 @@ double startToleranceOf(const pusht_msgs::DescribeResponse& description);
 /// are silent.
 class ServedSimulator : public Simulator {
  public:
-  /// Takes the world over, whoever holds it. The peer must be connected; all must outlive the simulator. Throws as
-  /// startToleranceOf, too.
-  ServedSimulator(const Peer& peer, StampSource& stamps);
+  /// Takes the world over, whoever holds it. The peer must be connected; all must outlive the simulator. With a `kind`
+  /// the world becomes one of that, with its defaults; empty: it stays what it is. Then `changes` are set. From now on
+  /// it must be of the kind and have the parameters that come of this. Throws as startToleranceOf, too; the error with
+  /// which the node refuses; BadDependency if it describes another kind than the one that it is asked for.
+  ServedSimulator(const Peer& peer, StampSource& stamps, const std::string& kind = "", const Parameters& changes = {});
 
   /// Leaves the world to others, if it still answers.
   ~ServedSimulator() override;
@@ -51,18 +53,19 @@ class ServedSimulator : public Simulator {
   /// Until the next announcement, what resets begin is not published, and stamps rest.
   void silence() { silent_ = true; }
 
-  /// Sets parameters, and ends the episode under way. From now on the world must have those that come of it.
-  void configure(const Parameters& changes);
-
-  /// What the node says of itself. Throws PeerFault if it is another one by now, RuntimeFault if its parameters are not
-  /// those that it must have.
+  /// What the node says of itself. Throws PeerFault if it is another one by now, RuntimeFault if its kind or parameters
+  /// are not those that it must have.
   pusht_msgs::DescribeResponse describe();
 
  private:
+  /// Not yet taken over.
+  ServedSimulator(const Peer& peer, const StampSource& stamps, double start_tolerance);
+
   void doReset(const WorldState& state) override;
   void doStep(const Action& action) override;
   WorldState doState() const override { return state_; }
 
+  void configure(const std::string& kind, const Parameters& changes);
   pusht_msgs::ResetResponse take(pusht_msgs::ResetRequest request);
   void requireParameters(const std::string& hash) const;
 
@@ -72,6 +75,7 @@ class ServedSimulator : public Simulator {
   ServiceCaller<pusht_msgs::Configure> configure_;
   ServiceCaller<pusht_msgs::Reset> reset_;
   ServiceCaller<pusht_msgs::Step> step_;
+  std::string kind_;             // that it must be of: kinds with equal parameters have equal hashes
   std::string parameters_hash_;  // of those that it must have
   std::string token_;            // of the hold; another one for each reset
   std::uint64_t episode_ = 0;

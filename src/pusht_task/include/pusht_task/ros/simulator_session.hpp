@@ -24,14 +24,15 @@ class SimulatorSession {
  public:
   using Observer = std::function<void(const pusht_msgs::WorldStateStamped&)>;
 
-  /// `observer` gets the world after every reset and step that was taken (not for an answer given again).
-  /// Throws as the kind does that refuses `parameters`.
-  SimulatorSession(SimulatorKind kind, const ParameterSet& parameters, std::string frame_prefix, Observer observer);
+  /// `observer` gets the world after every reset and step that was taken (not for an answer given again). The world can
+  /// become one of any of `kinds`; without any it stays of its own. Throws as the kind does that refuses `parameters`.
+  SimulatorSession(SimulatorKind kind, const ParameterSet& parameters, std::string frame_prefix, Observer observer,
+                   SimulatorKinds kinds = {});
 
   pusht_msgs::ResetResponse reset(const pusht_msgs::ResetRequest& request);
   pusht_msgs::StepResponse step(const pusht_msgs::StepRequest& request);
   pusht_msgs::ConfigureResponse configure(const pusht_msgs::ConfigureRequest& request);
-  pusht_msgs::DescribeResponse describe() const;
+  pusht_msgs::DescribeResponse describe(const pusht_msgs::DescribeRequest& request = {}) const;
 
  private:
   /// The episode under way.
@@ -46,7 +47,7 @@ class SimulatorSession {
     pusht_msgs::StepResponse taken;  // its answer
   };
 
-  /// The change of parameters that was the last that happened to the world.
+  /// The change of kind or parameters that was the last that happened to the world.
   struct Configuration {
     pusht_msgs::ConfigureRequest request;
     pusht_msgs::ConfigureResponse answer;
@@ -60,7 +61,9 @@ class SimulatorSession {
   ros::Time nextStamp(const ros::Time& requested) const;
   void observe(const Action& action) const;
   bool inEpisode() const;
+  const SimulatorKind& kindFor(const std::string& name) const;
 
+  SimulatorKinds kinds_;
   SimulatorKind kind_;
   SimulatorModel model_;
   std::unique_ptr<Simulator> world_;

@@ -3,13 +3,18 @@
 #pragma once
 
 #include <geometry_msgs/Point.h>
+#include <pusht_msgs/Describe.h>
 #include <std_msgs/ColorRGBA.h>
 #include <visualization_msgs/Marker.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "pusht_task/types.hpp"
 
 namespace pusht {
 
@@ -26,6 +31,22 @@ struct WorldColors {
   std_msgs::ColorRGBA target = color(0xF4F4F2);
 };
 
+// The look of texts, and of the cards that they stand on. Cards have the colour of rviz's background: a pusher may
+// leave the table, and passes below them.
+constexpr std::uint32_t kBright = 0xF4F4F2;
+constexpr std::uint32_t kDim = 0xA7B0C0;
+constexpr std::uint32_t kCard = 0x14171D;
+constexpr double kTitleSize = 0.058;   ///< [m] of texts
+constexpr double kResultSize = 0.046;  ///< [m]
+constexpr double kSmallSize = 0.040;   ///< [m]
+
+/// From one height to the next [m]. From above, rviz cannot tell apart what is less than 0.006 m over the other (24
+/// bits of depth down to its far plane, 100 km away).
+constexpr double kLayer = 0.015;
+
+/// `text` with "..." in place of the letters, of one or more bytes each, that go beyond `length` bytes.
+std::string fitted(const std::string& text, std::size_t length);
+
 /// A marker at the origin of `frame`. TF moves it, whatever its age: to publish it once, latched, is enough.
 visualization_msgs::Marker frameLockedMarker(const std::string& frame, int type, const std_msgs::ColorRGBA& color);
 
@@ -36,7 +57,30 @@ void enumerate(const std::string& ns, std::vector<visualization_msgs::Marker>& m
 std::vector<geometry_msgs::Point> teeOutline();
 std::vector<geometry_msgs::Point> teeSurface();
 
+/// What never moves: table, walls and target, in the frames `<frame_prefix>/{table,target}`.
+visualization_msgs::MarkerArray tableMarkers(const std::string& frame_prefix, const WorldColors& colors = {});
+
 /// The geometry of a world in its frames `<frame_prefix>/{table,pusher,tee,target}`; the namespace is the prefix.
 visualization_msgs::MarkerArray worldMarkers(const std::string& frame_prefix, const WorldColors& colors = {});
+
+/// What is written above and below the table of a simulator that is alone.
+struct Caption {
+  struct Moment {
+    std::uint64_t episode = 0;
+    std::uint32_t steps = 0;  ///< control steps since the reset
+    WorldState state;
+  };
+
+  std::string title;
+  std::vector<std::string> settings;  ///< the parameters that differ from their defaults, as "block_damp 20.0"
+  std::optional<Moment> moment;       ///< none: nothing has been reset yet
+};
+
+/// Of the simulator that describes itself so, before any episode.
+Caption captionOf(const pusht_msgs::DescribeResponse& description);
+
+/// `caption` in the frame `<frame_prefix>/table`, in the namespace `<frame_prefix>/caption`: always the same markers,
+/// so that those of one caption replace those of another.
+visualization_msgs::MarkerArray captionMarkers(const std::string& frame_prefix, const Caption& caption);
 
 }  // namespace pusht

@@ -19,6 +19,8 @@ using pusht::testing::refusalOf;
 LiveRequest parameters() {
   LiveRequest request;
   request.services.policy = "/policy";
+  request.services.worlds = {"/reference", "/engine", "/engine_replay"};
+  request.settings.engine = {"two_mass", {pusht::parameter("block_damp", "8")}};
   request.protocol.seed = 7;
   request.protocol.first_episode = 3;
   request.protocol.episodes = 9;
@@ -48,6 +50,9 @@ TEST(SettingsFrom, RefusesWhatIsNone) {
 TEST(MergedGoal, LeavesOpenWhatItDoesNotSay) {
   const LiveRequest request = merged(parameters(), pusht_msgs::CompareGoal());
   EXPECT_EQ(request.services.policy, "/policy");
+  EXPECT_EQ(request.services.worlds[kEngineReplay], "/engine_replay");
+  EXPECT_EQ(request.settings.engine.kind, "two_mass");
+  EXPECT_EQ(request.settings.engine.parameters, pusht::Parameters{pusht::parameter("block_damp", "8")});
   EXPECT_EQ(request.protocol.seed, 7U);
   EXPECT_EQ(request.protocol.first_episode, 3);
   EXPECT_EQ(request.protocol.episodes, 9);
@@ -56,6 +61,24 @@ TEST(MergedGoal, LeavesOpenWhatItDoesNotSay) {
   EXPECT_TRUE(request.record);
   EXPECT_EQ(request.out, "results");
   EXPECT_TRUE(request.overwrite);
+}
+
+TEST(MergedGoal, AKindHasItsOwnParameters) {
+  pusht_msgs::CompareGoal goal;
+  goal.engine_parameters = {pusht::parameter("pusher_mass", "2")};
+  EXPECT_EQ(merged(parameters(), goal).settings.engine.parameters,
+            (pusht::Parameters{pusht::parameter("block_damp", "8"), pusht::parameter("pusher_mass", "2")}));
+  goal.engine = {"chipmunk"};
+  const Cast::Setting engine = merged(parameters(), goal).settings.engine;
+  EXPECT_EQ(engine.kind, "chipmunk");
+  EXPECT_EQ(engine.parameters, pusht::Parameters{pusht::parameter("pusher_mass", "2")});
+}
+
+TEST(MergedGoal, SaysWhereTheWorldsAre) {
+  pusht_msgs::CompareGoal goal;
+  goal.engine_namespace = {"mine"};
+  EXPECT_EQ(merged(parameters(), goal).services.worlds[kEngineClosed], "/mine");
+  EXPECT_EQ(merged(parameters(), goal).services.worlds[kReferenceClosed], "/reference");
 }
 
 TEST(MergedGoal, CanSayZeroAndFalse) {

@@ -12,7 +12,6 @@ import resource
 import signal
 import sys
 import time
-from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
@@ -63,6 +62,26 @@ class Runs(LiveCase):
         self.assertEqual(files(launch.out), RECORDED_RESULTS)
         self.assertEqual(result_bytes(launch.out), self.batch_bytes("--smoke"))
         self.assert_recomputed(launch.out)
+
+    def test_report(self) -> None:
+        launch = Launch(self, smoke=True, report=True)
+        self.assertEqual(launch.ended(), 0)
+        self.assertEqual(files(launch.out), RECORDED_RESULTS | {"report.html"})
+        self.assertEqual(launch.status()["exit_code"], 0)
+        page = (launch.out / "report.html").read_text(encoding="utf-8")
+        self.assertIn("roslaunch sim2sim_eval compare.launch", page)
+
+    def test_report_that_cannot_be_written(self) -> None:
+        (self.folder / "rosrun").write_text("#!/bin/sh\nexit 3\n")
+        (self.folder / "rosrun").chmod(0o755)
+        self.addCleanup(os.environ.update, {"PATH": os.environ["PATH"]})
+        os.environ["PATH"] = f"{self.folder}:{os.environ['PATH']}"
+        launch = Launch(self, smoke=True, report=True, status_file="copy.json")
+        launch.ended()
+        self.assertIn("its report was not written: report ended with exit code 3", launch.output)
+        self.assertEqual(status_of_file(self.folder / "copy.json")["exit_code"], 4)
+        self.assertEqual(launch.status()["exit_code"], 0, "of the run, whose results stand")
+        self.assertEqual(files(launch.out), RECORDED_RESULTS)
 
     def test_arguments_mean_what_they_mean_to_the_command(self) -> None:
         launch = Launch(
@@ -163,54 +182,6 @@ class Displays(LiveCase):
         until(lambda: bool(views(launch)), "a view")
         (view,) = views(launch)
         return view
-
-    def open_display(self) -> str:
-        """A screen that nobody sees."""
-        command = ("Xvfb", "-displayfd", "1", "-screen", "0", "1366x768x24", "-nolisten", "tcp")
-        _, number = Process(self, *command).line(r"^\d+$")
-        return f":{number.strip()}"
-
-    def test_replay_without_a_display_ends(self) -> None:
-        port = str(free_port())
-        environment = {"DISPLAY": ":77", "ROS_HOME": str(self.folder / "ros")}
-        command = ("roslaunch", "-p", port, "sim2sim_eval", "replay.launch", "bag:=missing.bag")
-        launch = Process(self, *command, environment=environment)
-        launch.ended()
-        self.assertRegex(launch.output, "(?m)^(no display .DISPLAY is :77|replay: bag .*missing)")
-        self.assertNotIn("Traceback", launch.output)
-
-    def test_replay_of_no_bag_says_why(self) -> None:
-        (self.folder / "no.bag").write_text("no bag")
-        for bag, reason in (
-            ("", "replay: no bag: say which"),
-            ("missing.bag", "replay: bag .*/missing.bag: No such file or directory"),
-            ("no.bag", "replay: bag .*/no.bag: .*not appear to be a bag"),
-        ):
-            with self.subTest(bag):
-                process = self.run_command(
-                    "rosrun", "sim2sim_eval", "play_run", f"--from={self.folder}", f"--bag={bag}"
-                )
-                self.assertEqual(process.returncode, 2)
-                self.assertRegex(process.stderr, f"^{reason}.*\n$")
-
-    def test_replay_begins_with_the_episode(self) -> None:
-        out = str(self.folder / "out")
-        command = ("rosrun", "sim2sim_eval", "compare", "--policy", "expert", "--record")
-        self.succeed(*command, "--seed", "3", "--episodes", "3", "--out", out)
-        path = f"{rospkg.RosPack().get_path('sim2sim_eval')}/scripts/play_run"
-        self.addCleanup(signal.signal, signal.SIGINT, signal.getsignal(signal.SIGINT))
-        play_run = SourceFileLoader("play_run", path).load_module()
-        with rosbag.Bag(f"{out}/compare.bag") as bag:
-            for episode in range(3):
-                start = bag.get_start_time() + play_run.start_of_episode(bag, episode)
-                played = [
-                    (message.episode, message.step)
-                    for _, message, stamp in bag.read_messages(["/sim2sim/divergence"])
-                    if stamp.to_sec() >= start
-                ]
-                self.assertEqual(played[0], (episode, 0))
-            with self.assertRaisesRegex(play_run.BadInput, "episode 3: must be .*: 0 to 2$"):
-                play_run.start_of_episode(bag, 3)
 
 
 class Arguments(LiveCase):
@@ -351,6 +322,19 @@ class LostNodes(LiveCase):
                 since = time.monotonic()
                 os.kill(pid, signal.SIGKILL)
                 self.assert_ended_by(launch, f"/{node}/.*: the node has died", since, 1.0)
+
+    def test_f13_killed_node_whose_rollout_has_ended(self) -> None:
+        """In episode 1 MuJoCo succeeds after 73 of 300 control steps."""
+        launch = Launch(self, policy="expert", first_episode=1, episodes=1, rate=10)
+        launch.first("/sim2sim/divergence")
+        step = ("rostopic", "echo", "-n1", "/sim2sim/divergence")
+        until(lambda: "closed_position: nan" in launch.tool(*step), "the end of a rollout")
+        control = ("rosservice", "call", "/sim2sim/control")
+        launch.tool(*control, "{command: pause}")
+        os.kill(launch.node("/reference"), signal.SIGKILL)
+        launch.tool(*control, "{command: resume}")
+        launch.line("sim2sim: /reference/describe: the node has died")  # not: end of episode 1: ...
+        launch.ended()
 
     def test_f14_stopped_node(self) -> None:
         launch = self.under_way(parameters={"sim2sim/deadline": 0.5})

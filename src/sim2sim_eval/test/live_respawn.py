@@ -31,7 +31,7 @@ class LiveRespawn(GoalCase):
         super().setUp()
         for engine in ("engine", "engine_replay"):
             configure = connected(f"/{engine}/configure", Configure)
-            answer = configure([Parameter("block_damp", "6.0")], True, "")
+            answer = configure("", [Parameter("block_damp", "6.0")], True, "")
             configure.close()
             self.assertTrue(answer.success, answer.message)
 

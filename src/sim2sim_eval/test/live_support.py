@@ -59,6 +59,12 @@ class LiveCase(CommandCase):
         self.succeed("rosrun", "sim2sim_eval", "compare", *arguments, "--out", str(out))
         return result_bytes(out)
 
+    def open_display(self, screen: str = "1366x768x24") -> str:
+        """A screen that nobody sees."""
+        command = ("Xvfb", "-displayfd", "1", "-screen", "0", screen, "-nolisten", "tcp")
+        _, number = Process(self, *command).line(r"^\d+$")
+        return f":{number.strip()}"
+
     def assert_recomputed(self, out: Path) -> None:
         """The results in `out` are those of the bag beside them."""
         again = Path(tempfile.mkdtemp(dir=self.folder))
@@ -374,7 +380,7 @@ class GoalCase(LiveCase):
             self.client.wait_for_result(rospy.Duration(DEADLINE))
 
     def accepted(self, command: str, rate: float = 0.0) -> None:
-        response = self.control(command, rate)
+        response = self.control(command=command, rate=rate)
         self.assertTrue(response.success, response.message)
 
     def send(self, **fields: Any) -> None:

@@ -75,12 +75,12 @@ class IdlePolicy : public pusht::Policy {
 class DriftingEpisode {
  public:
   DriftingEpisode(const Eigen::Vector2d& start, double replay_speed, double replay_yaw_rate,
-                  double engine_speed = -0.02)
+                  double engine_speed = -0.02, int index = 7)
       : worlds_{std::make_unique<DriftingWorld>(start, 0.0, 0.0),
                 std::make_unique<DriftingWorld>(start, engine_speed, 0.1),
                 std::make_unique<DriftingWorld>(start, replay_speed, replay_yaw_rate)},
         flight_(protocol_, worlds_, policy_),
-        episode_(flight_.begin(7)) {}
+        episode_(flight_.begin(index)) {}
 
   void advance(int steps) {
     for (int k = 0; k < steps; ++k) {
@@ -89,13 +89,19 @@ class DriftingEpisode {
   }
 
   MarkerArray update(const std::optional<Summary>& summary = std::nullopt) const {
+    return picture().update(run(), episode_, summary);
+  }
+
+  MarkerArray overlay() const { return picture().overlay(run(), episode_, std::nullopt); }
+
+ private:
+  RunConfiguration run() const {
     RunConfiguration run;
     run.policy = "bc";
     run.protocol = protocol_;
-    return picture().update(run, episode_, summary);
+    return run;
   }
 
- private:
   IdlePolicy policy_;
   Protocol protocol_;
   Worlds worlds_;
@@ -239,7 +245,9 @@ TEST(WorldMarkers, TheBodiesHaveTheSizesOfTheTaskAndStandOnTheTable) {
 TEST(Picture, NoTwoMarkersShareAName) {
   DriftingEpisode episode(kAway, 0.02, 0.1);
   episode.advance(10);
-  const std::vector<Marker> markers = all(picture().scene(), episode.update());
+  std::vector<Marker> markers = all(picture().scene(), episode.update());
+  const MarkerArray overlay = episode.overlay();
+  markers.insert(markers.end(), overlay.markers.begin(), overlay.markers.end());
   EXPECT_EQ(names(markers).size(), markers.size());
 }
 
@@ -250,10 +258,14 @@ TEST(Picture, EveryMarkerMovesWithAFrameOfAWorld) {
       frames.insert(std::string(prefix) + frame);
     }
   }
+  frames.insert({"overlay/table", "overlay/target", "overlay/card"});
   DriftingEpisode episode(kAway, 0.02, 0.1);
   episode.advance(10);
   std::set<std::string> used;
-  for (const Marker& marker : all(picture().scene(), episode.update())) {
+  std::vector<Marker> markers = all(picture().scene(), episode.update());
+  const MarkerArray overlay = episode.overlay();
+  markers.insert(markers.end(), overlay.markers.begin(), overlay.markers.end());
+  for (const Marker& marker : markers) {
     used.insert(marker.header.frame_id);
     EXPECT_TRUE(marker.frame_locked);
     EXPECT_TRUE(marker.header.stamp.isZero());
@@ -264,7 +276,7 @@ TEST(Picture, EveryMarkerMovesWithAFrameOfAWorld) {
 TEST(Picture, AnUpdateIsSmallHoweverLongTheEpisode) {
   DriftingEpisode episode(kAway, 0.1, 0.1);
   for (int step = 0; step <= pusht::kHorizon; ++step) {
-    EXPECT_LT(ros::serialization::serializationLength(episode.update(someSummary())), 30'000U) << "step " << step;
+    EXPECT_LT(ros::serialization::serializationLength(episode.update(someSummary())), 40'000U) << "step " << step;
     episode.advance(1);
   }
 }
@@ -384,11 +396,62 @@ TEST(Picture, SaysWhereTheRunIs) {
 }
 
 TEST(Picture, SaysThatTheRunHasFinishedOnceAllEpisodesCount) {
-  DriftingEpisode episode(kAway, 0.02, 0.1);
+  DriftingEpisode episode(kAway, 0.0, 0.0, 0.0, 49);
   Summary summary = someSummary();
-  EXPECT_THAT(texts(episode.update(summary), "engine"), Contains("policy bc, episode 7, 0.0 s")) << "20 of 50";
+  EXPECT_THAT(texts(episode.update(summary), "engine"), Contains("policy bc, episode 49, 0.0 s")) << "20 of 50";
   summary.episodes = Protocol().episodes;
+  EXPECT_THAT(texts(episode.update(summary), "engine"), Contains("policy bc, episode 49, 0.0 s")) << "of a replay";
+  episode.advance(pusht::kHorizon);
   EXPECT_THAT(texts(episode.update(summary), "engine"), Contains("policy bc: finished, 50 episodes"));
+  DriftingEpisode earlier(kAway, 0.0, 0.0, 0.0, 48);
+  earlier.advance(pusht::kHorizon);
+  EXPECT_THAT(texts(earlier.update(summary), "engine"), Contains("policy bc, episode 48, 30.0 s")) << "of a replay";
+}
+
+TEST(Picture, MarksWhereAWorldLeavesTheBound) {
+  // The replay drifts by 0.02 m a step: after two steps it is beyond 0.03 m.
+  DriftingEpisode episode(kAway, 0.2, 0.0, 0.0);
+  episode.advance(1);
+  EXPECT_THAT(texts(episode.update(), "engine_replay"), Not(Contains(HasSubstr("parts at"))));
+  episode.advance(9);
+  const MarkerArray update = episode.update();
+  EXPECT_THAT(texts(update, "engine_replay"), Contains(HasSubstr("parts at 0.2 s: ")));
+  EXPECT_THAT(texts(update, "engine"), Not(Contains(HasSubstr("parts at"))));
+  const Axes axes = axesBelow("engine_replay").at(0);
+  const double at = axes.left + 2.0 / 40.0 * (axes.right - axes.left);
+  int marks = 0;
+  for (const Marker& lines : drawn(update, "engine_replay", Marker::LINE_LIST)) {
+    marks += lines.points.size() == 4 && std::abs(lines.points[0].x - at) < kTolerance ? 1 : 0;
+  }
+  EXPECT_EQ(marks, 1) << "one line through both diagrams";
+}
+
+TEST(Picture, TheWayOfATeeGetsBrighterWithTime) {
+  DriftingEpisode episode(kAway, 0.2, 0.0);
+  episode.advance(10);
+  bool found = false;
+  for (const Marker& way : drawn(episode.update(), "engine_replay", Marker::LINE_STRIP)) {
+    if (!way.colors.empty()) {
+      found = true;
+      ASSERT_EQ(way.colors.size(), way.points.size());
+      EXPECT_LT(way.colors.front().r, 0.5F * way.colors.back().r);
+      EXPECT_EQ(way.colors.back().r, way.color.r);
+    }
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(Picture, TheOverlayHasAllWorldsOnOneTable) {
+  DriftingEpisode episode(kAway, 0.1, 0.0, -0.1);
+  episode.advance(10);
+  const std::vector<Marker> tees = drawn(episode.overlay(), "overlay", Marker::TRIANGLE_LIST);
+  ASSERT_THAT(tees, SizeIs(3));
+  EXPECT_EQ(tees[kReferenceClosed].color.a, 1.0F) << "solid";
+  EXPECT_LT(tees[kEngineClosed].color.a, 0.5F);
+  EXPECT_LT(tees[kEngineReplay].color.a, 0.5F);
+  EXPECT_NEAR(tees[kReferenceClosed].pose.position.x, kAway.x(), kTolerance);
+  EXPECT_NEAR(tees[kEngineClosed].pose.position.x, kAway.x() - 0.1, kTolerance);
+  EXPECT_NEAR(tees[kEngineReplay].pose.position.x, kAway.x() + 0.1, kTolerance);
 }
 
 TEST(Picture, SaysWhyCurvesEnd) {
@@ -429,8 +492,9 @@ TEST(Picture, TheTablesStandSideBySideAndTheirTargetsDoNotMove) {
     children.push_back(frame.child_frame_id);
     EXPECT_EQ(frame.transform.rotation.w, 1.0);
   }
-  EXPECT_THAT(children, ElementsAre("mujoco/table", "mujoco/target", "engine/table", "engine/target",
-                                    "engine_replay/table", "engine_replay/target"));
+  EXPECT_THAT(children,
+              ElementsAre("mujoco/table", "mujoco/target", "engine/table", "engine/target", "engine_replay/table",
+                          "engine_replay/target", "overlay/table", "overlay/target", "overlay/card"));
 }
 
 TEST(Picture, MarksSuccess) {
@@ -438,7 +502,7 @@ TEST(Picture, MarksSuccess) {
   episode.advance(pusht::kSuccessHold);
   const MarkerArray update = episode.update();
   EXPECT_THAT(texts(update, "mujoco"), Contains("success: 0.000 m, 0.00 rad off target"));
-  EXPECT_THAT(drawn(update, "mujoco", Marker::LINE_LIST), SizeIs(1)) << "around the table";
+  EXPECT_THAT(drawn(update, "mujoco", Marker::LINE_LIST), SizeIs(2)) << "around the table, and the tolerance";
 }
 
 TEST(Picture, ANewEpisodeClearsWhatTheOldOneLeft) {
@@ -449,12 +513,12 @@ TEST(Picture, ANewEpisodeClearsWhatTheOldOneLeft) {
 
   EXPECT_EQ(names(after.markers), names(before.markers)) << "each marker is replaced, or deleted";
   for (const char* prefix : {"mujoco", "engine"}) {
-    for (const int type : {Marker::LINE_STRIP, Marker::LINE_LIST}) {
-      EXPECT_THAT(drawn(before, prefix, type), Not(IsEmpty()));
-      EXPECT_THAT(drawn(after, prefix, type), IsEmpty());
-    }
+    EXPECT_GT(drawn(before, prefix, Marker::LINE_STRIP).size(), 2U);
+    EXPECT_GT(drawn(before, prefix, Marker::LINE_LIST).size(), 1U);
+    EXPECT_THAT(drawn(after, prefix, Marker::LINE_STRIP), SizeIs(2)) << "the ring of the tolerance, the tee's stem";
+    EXPECT_THAT(drawn(after, prefix, Marker::LINE_LIST), SizeIs(1)) << "the sides of the tolerance";
   }
-  EXPECT_THAT(drawn(after, "engine_replay", Marker::LINE_STRIP), SizeIs(1)) << "the ghost's outline";
+  EXPECT_THAT(drawn(after, "engine_replay", Marker::LINE_STRIP), SizeIs(3)) << "the ghost's outline, too";
 }
 
 TEST(Picture, DrawsTheWorldsOfTheUser) {

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/parameters.hpp"
@@ -27,6 +28,16 @@ Divergence divergenceAt(const Episode& episode, Mode a, Mode b, int step) {
   }
   const auto k = static_cast<std::size_t>(step);
   return divergence(first.trace().states[k], second.trace().states[k]);
+}
+
+/// Of the reference and a tee that never moves.
+Divergence nullDivergenceAt(const Episode& episode, int step) {
+  const pusht::Rollout& reference = episode.rollout(kReferenceClosed);
+  if (step > reference.steps()) {
+    return kNoDivergence;
+  }
+  const std::vector<pusht::WorldState>& states = reference.trace().states;
+  return divergence(states.front(), states[static_cast<std::size_t>(step)]);
 }
 
 pusht_msgs::SuccessRate toMessage(const SuccessRate& rate, int trials) {
@@ -63,6 +74,7 @@ Summary noSummary(const Protocol& protocol) {
 pusht_msgs::Divergence divergenceMessage(const Episode& episode, int step, const ros::Time& stamp) {
   const Divergence replay = divergenceAt(episode, kReferenceClosed, kEngineReplay, step);
   const Divergence closed = divergenceAt(episode, kReferenceClosed, kEngineClosed, step);
+  const Divergence null = nullDivergenceAt(episode, step);
   pusht_msgs::Divergence message;
   message.header.stamp = stamp;
   message.episode = static_cast<std::uint64_t>(episode.index());
@@ -71,6 +83,8 @@ pusht_msgs::Divergence divergenceMessage(const Episode& episode, int step, const
   message.replay_angle = replay.angle;
   message.closed_position = closed.position;
   message.closed_angle = closed.angle;
+  message.null_position = null.position;
+  message.null_angle = null.angle;
   return message;
 }
 
@@ -133,8 +147,10 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
   message.transfer_high = transfer.high;
   const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();
   forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
-    message.means.push_back(
-        toMessage(metricName(rollouts[rollout], kQuantities[i]), kQuantities[i].unit, summary.means[rollout][i]));
+    message.means.push_back(toMessage(metricName(rollouts[rollout], kQuantities[i]), kQuantities[i].unit,
+                                      finished ? printedMean(summary, rollout, i) : summary.means[rollout][i]));
+    message.means.back().doubtful = static_cast<std::uint8_t>(finished && rollout == kEngineReplay &&
+                                                              !doubtMark(summary, kQuantities[i].name).empty());
   });
   message.policy = configuration.policy;
   return message;

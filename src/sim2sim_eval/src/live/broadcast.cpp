@@ -8,6 +8,9 @@
 #include "sim2sim_eval/bag/messages.hpp"
 
 namespace sim2sim {
+
+using visualization_msgs::MarkerArray;
+
 namespace {
 
 constexpr std::uint32_t kQueue = 1000;
@@ -15,44 +18,62 @@ constexpr std::uint32_t kQueue = 1000;
 /// Where nobody can follow every control step, and in the bag, the picture is drawn every so many of them.
 constexpr int kStepsPerPicture = 10;
 
-Picture makePicture(const Cast& cast) {
-  const auto name = [&](Mode mode) { return recordOf(cast.describe(mode)).title; };
-  const auto prefix = [&](Mode mode) { return cast.describe(mode).frame_prefix; };
-  return Picture({{{prefix(kReferenceClosed), name(kReferenceClosed) + ", closed loop"},
-                   {prefix(kEngineClosed), name(kEngineClosed) + ", closed loop"},
-                   {prefix(kEngineReplay), name(kEngineReplay) + ", replay"}}});
-}
-
 }  // namespace
 
 Broadcast::Broadcast(const ros::NodeHandle& node)
     : node_(node),
-      divergence_(node_.advertise<pusht_msgs::Divergence>("divergence", kQueue)),
+      divergence_(node_.advertise<pusht_msgs::Divergence>("divergence", kQueue, true)),
       episode_(node_.advertise<pusht_msgs::EpisodeResult>("episode", kQueue)),
       summary_topic_(node_.advertise<pusht_msgs::Summary>("summary", 1, true)),
       markers_(node_.advertise<visualization_msgs::MarkerArray>("markers", kQueue)),
+      tell_episodes_(node_.advertiseService("episodes", &Broadcast::onEpisodes, this)),
       repeating_(node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { repeat(); })) {}
 
-void Broadcast::begin(const RunConfiguration& configuration, Cast& cast, std::unique_ptr<RunBag> bag) {
+void Broadcast::clear() {
+  summary_ = {};
+  summary_topic_.publish(summary_);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  episodes_.clear();
+}
+
+void Broadcast::begin(const RunConfiguration& configuration, Picture picture, std::unique_ptr<RunBag> bag,
+                      const ros::Time& stamp) {
   configuration_ = configuration;
   bag_ = std::move(bag);
   finished_.reset();
   summary_ = summaryMessage(configuration_, std::nullopt, ros::Time());
   summary_topic_.publish(summary_);
-  picture_ = makePicture(cast);
+  picture_ = std::move(picture);
   fixed_frames_.sendTransform(picture_->frames());
   if (bag_) {
     tf2_msgs::TFMessage frames;
     frames.transforms = picture_->frames();
-    bag_->write(frames, cast.stamps().now());
+    bag_->write(frames, stamp);
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   scene_ = picture_->scene();
   update_ = {};
+  episodes_.clear();
   markers_.publish(scene_);
 }
 
+void Broadcast::recall(const std::vector<EpisodeResult>& results, const Summary& finished, const ros::Time& stamp) {
+  finished_ = finished;
+  summary_ = summaryMessage(configuration_, finished_, stamp);
+  summary_topic_.publish(summary_);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const EpisodeResult& result : results) {
+    episodes_.push_back(toMessage(configuration_.protocol, result, stamp));
+  }
+}
+
 pusht_msgs::Divergence Broadcast::step(const Episode& episode, const ros::Time& stamp, bool paced) {
+  const std::pair<int, int> last = std::exchange(told_, {episode.index(), episode.steps()});
+  if (last != std::pair(episode.index(), episode.steps() - 1)) {
+    for (int before = 0; before < episode.steps(); ++before) {
+      divergence_.publish(divergenceMessage(episode, before, stamp));
+    }
+  }
   pusht_msgs::Divergence divergence = divergenceMessage(episode, episode.steps(), stamp);
   divergence_.publish(divergence);
   if (bag_) {
@@ -67,14 +88,22 @@ pusht_msgs::Divergence Broadcast::step(const Episode& episode, const ros::Time& 
 }
 
 void Broadcast::draw(const Episode& episode, const ros::Time& stamp, bool recorded) {
-  const visualization_msgs::MarkerArray update = picture_->update(configuration_, episode, finished_);
+  const MarkerArray update = picture_->update(configuration_, episode, finished_);
   if (bag_ && recorded) {
     bag_->write(scene_, stamp);  // again: a player may begin anywhere
     bag_->write(update, stamp);
   }
+  const MarkerArray overlay = picture_->overlay(configuration_, episode, finished_);
   const std::lock_guard<std::mutex> lock(mutex_);
   update_ = update;
+  update_.markers.insert(update_.markers.end(), overlay.markers.begin(), overlay.markers.end());
   markers_.publish(update_);
+}
+
+bool Broadcast::onEpisodes(pusht_msgs::EpisodesRequest& /*request*/, pusht_msgs::EpisodesResponse& response) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  response.episodes = episodes_;
+  return true;
 }
 
 void Broadcast::repeat() const {
@@ -89,6 +118,10 @@ void Broadcast::finish(const Episode& episode, const EpisodeResult& result, cons
   summary_ = summaryMessage(configuration_, finished_, stamp);
   const Protocol& protocol = configuration_.protocol;
   const pusht_msgs::EpisodeResult message = toMessage(protocol, result, stamp);
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    episodes_.push_back(message);
+  }
   episode_.publish(message);
   summary_topic_.publish(summary_);
   if (bag_) {

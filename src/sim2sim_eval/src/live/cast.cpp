@@ -55,13 +55,10 @@ void Cast::connectWorlds(const Settings& settings, std::chrono::milliseconds pat
   std::array<std::unique_ptr<pusht::Simulator>, kModeCount> worlds;
   for (std::size_t mode = 0; mode < kModeCount; ++mode) {
     Part& part = parts_.at(mode);
-    const pusht::Parameters& asked = mode == kReferenceClosed ? settings.reference : settings.engine;
-    const pusht::Parameters& parameters = identity_ ? part.description.parameters : asked;  // as before the fault
+    const Setting& asked = mode == kReferenceClosed ? settings.reference : settings.engine;
+    const pusht::Parameters& parameters = identity_ ? part.description.parameters : asked.parameters;  // as before
     part.peer.connect(patience, stop);
-    auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_);
-    if (!parameters.empty()) {
-      world->configure(parameters);
-    }
+    auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_, asked.kind, parameters);
     part.description = world->describe();  // not before: a node that dies meanwhile gets what was asked for next time
     part.world = world.get();
     worlds.at(mode) = std::move(world);

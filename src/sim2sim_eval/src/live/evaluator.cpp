@@ -4,9 +4,13 @@
 #include <ros/ros.h>
 
 #include <algorithm>
+#include <array>
+#include <boost/process/search_path.hpp>
+#include <boost/process/system.hpp>
 #include <functional>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <regex>
 #include <system_error>
 #include <utility>
@@ -18,6 +22,7 @@
 #include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/live/control.hpp"
 #include "sim2sim_eval/results/provenance.hpp"
 #include "sim2sim_eval/results/run.hpp"
 #include "sim2sim_eval/simulators.hpp"
@@ -27,6 +32,8 @@ namespace {
 
 constexpr double kRateForEyes = 50.0;  // [control steps/s]
 constexpr double kFullSpeed = 0.0;
+constexpr std::uint32_t kProgressQueue = 100;  // who listens must not miss that a run has begun or ended
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::chrono::seconds kLinePeriod{5};
 constexpr const char* kEndOfLaunch = " (roslaunch now ends the other nodes, and says so in red)";
 constexpr const char* kHowToResume = "rosservice call /sim2sim/control \"{command: resume}\"";
@@ -90,6 +97,14 @@ std::vector<Input> inputsOf(const LiveRequest& request, const Cast& cast) {
     inputs.insert(inputs.end(), files.begin(), files.end());
   }
   return inputs;
+}
+
+Picture pictureOf(const RunConfiguration& configuration, const Cast& cast) {
+  std::array<std::string, kModeCount> prefixes;
+  for (const Mode mode : kModes) {
+    prefixes[mode] = cast.describe(mode).frame_prefix;
+  }
+  return Picture::of(configuration, prefixes);
 }
 
 /// Null if the run is not to be recorded.
@@ -165,6 +180,14 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   std::string& policy = request.services.policy;
   set("policy_namespace", policy, goal.policy_namespace);
   policy = pusht::serviceName("policy_namespace", policy);
+  const auto set_world = [&](const char* name, Mode mode, const std::vector<std::string>& values) {
+    std::string& world = request.services.worlds[mode];
+    set(name, world, values);
+    world = pusht::serviceName(name, world);
+  };
+  set_world("reference_namespace", kReferenceClosed, goal.reference_namespace);
+  set_world("engine_namespace", kEngineClosed, goal.engine_namespace);
+  set_world("replay_namespace", kEngineReplay, goal.replay_namespace);
   set("seed", request.protocol.seed, goal.seed);
   set("first_episode", request.protocol.first_episode, goal.first_episode);
   set("episodes", request.protocol.episodes, goal.episodes);
@@ -186,12 +209,49 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   set("starts", request.starts, goal.starts);
   set("out", request.out, goal.out);
   set("overwrite", request.overwrite, goal.overwrite);
-  const auto add = [](pusht::Parameters& settings, const auto& more) {  // the last of a name counts
-    settings.insert(settings.end(), more.begin(), more.end());
+  const auto set_role = [](const char* name, Cast::Setting& setting, const auto& kinds, const auto& parameters) {
+    Cast::Setting asked;
+    set(name, asked.kind, kinds);
+    if (asked.kind.empty()) {
+      asked = setting;
+    }
+    asked.parameters.insert(asked.parameters.end(), parameters.begin(), parameters.end());  // the last of a name counts
+    setting = asked;
   };
-  add(request.settings.reference, goal.reference_parameters);
-  add(request.settings.engine, goal.engine_parameters);
+  set_role("reference", request.settings.reference, goal.reference, goal.reference_parameters);
+  set_role("engine", request.settings.engine, goal.engine, goal.engine_parameters);
   return request;
+}
+
+pusht_msgs::CompareGoal goalOf(const LiveRequest& request) {
+  const auto kind = [](const Cast::Setting& setting) {
+    return setting.kind.empty() ? std::vector<std::string>() : std::vector<std::string>{setting.kind};
+  };
+  const Protocol& protocol = request.protocol;
+  pusht_msgs::CompareGoal goal;
+  goal.reference_namespace = {request.services.worlds[kReferenceClosed]};
+  goal.engine_namespace = {request.services.worlds[kEngineClosed]};
+  goal.replay_namespace = {request.services.worlds[kEngineReplay]};
+  goal.policy_namespace = {request.services.policy};
+  goal.reference = kind(request.settings.reference);
+  goal.engine = kind(request.settings.engine);
+  goal.seed = {protocol.seed};
+  goal.first_episode = {static_cast<std::uint32_t>(protocol.first_episode)};
+  goal.episodes = {static_cast<std::uint32_t>(protocol.episodes)};
+  goal.horizon = {static_cast<std::uint32_t>(protocol.horizon)};
+  goal.rate = {request.rate};
+  goal.record = {static_cast<std::uint8_t>(request.record)};
+  goal.starts = {request.starts};
+  goal.out = {request.out};
+  goal.overwrite = {static_cast<std::uint8_t>(request.overwrite)};
+  goal.until_decided = {request.until_decided.value_or(0.0)};
+  goal.bound_position = {protocol.bound.position};
+  goal.bound_angle = {protocol.bound.angle};
+  goal.floor = {static_cast<std::uint8_t>(request.floor)};
+  goal.reanchor.assign(request.reanchor.begin(), request.reanchor.end());
+  goal.reference_parameters = request.settings.reference.parameters;
+  goal.engine_parameters = request.settings.engine.parameters;
+  return goal;
 }
 
 std::string ProgressLine::of(const Summary& finished) {
@@ -200,11 +260,15 @@ std::string ProgressLine::of(const Summary& finished) {
     return "";
   }
   last_ = now;
-  const std::chrono::duration<double> elapsed = now - begin_;
   const int count = finished.episodes;
   return std::to_string(count) + " of " + std::to_string(episodes_) + " episodes finished; success: reference " +
          std::to_string(finished.reference.successes) + ", engine " + std::to_string(finished.engine.successes) +
-         "; about " + pusht::fixedText(elapsed.count() / count * (episodes_ - count), 0) + " s left";
+         "; about " + pusht::fixedText(secondsLeft(count), 0) + " s left";
+}
+
+double ProgressLine::secondsLeft(int finished) const {
+  const std::chrono::duration<double> elapsed = Clock::now() - begin_;
+  return elapsed.count() / finished * (episodes_ - finished);
 }
 
 EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters) {
@@ -230,7 +294,7 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   loaded.headless = parameters.text("headless", "rviz was not asked for");
   request.rate = parameters.real("rate", loaded.headless.empty() ? kRateForEyes : kFullSpeed);
   const auto settings = [&](const std::string& key) { return settingsFrom(key, parameters.text(key, "")); };
-  request.settings = {settings("reference_parameters"), settings("engine_parameters")};
+  request.settings = {{"", settings("reference_parameters")}, {"", settings("engine_parameters")}};
   request.record = parameters.flag("record", request.record);
   request.starts = parameters.text("starts", request.starts);
   request.out = parameters.text("out", request.out);
@@ -241,6 +305,7 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   loaded.deadline = parameters.positive("deadline", loaded.deadline);
   loaded.patience = parameters.positive("patience", loaded.patience);
   loaded.status_file = parameters.text("status_file", loaded.status_file);
+  loaded.report = parameters.flag("report", loaded.report);
   return loaded;
 }
 
@@ -248,7 +313,8 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
     : node_(node),
       parameters_(std::move(parameters)),
       broadcast_(node_),
-      progress_(node_.advertise<pusht_msgs::Progress>("progress", 1, true)),
+      progress_(node_.advertise<pusht_msgs::Progress>("progress", kProgressQueue, true)),
+      request_(node_.advertise<pusht_msgs::CompareGoal>("request", 1, true)),
       health_("none", "comparison", [this](pusht::DiagnosticStatusWrapper& status) { report(status); }),
       control_(node_.advertiseService("control", &Evaluator::onControl, this)),
       server_(
@@ -263,13 +329,17 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
     busy_ = true;
   }
   tellProgress();
+  request_.publish(goalOf(parameters_.request));
   server_.start();
 }
 
 pusht::ExitCode Evaluator::run() {
   pusht::ExitCode code = pusht::ExitCode::kOk;
   while (std::optional<Job> job = nextJob()) {
-    const RunStatus status = execute(*job);
+    RunStatus status = execute(*job);
+    if (parameters_.report && status.exit_code == pusht::ExitCode::kOk) {
+      status = writeReport(status);
+    }
     code = status.exit_code;
     answer(*job, status);
     if (parameters_.exit && !job->goal) {
@@ -327,6 +397,24 @@ RunStatus Evaluator::execute(const Job& job) {
   }
 }
 
+RunStatus Evaluator::writeReport(const RunStatus& finished) const {
+  namespace process = boost::process;
+  RunStatus status = finished;
+  try {
+    const int code = process::system(process::search_path("rosrun"), "sim2sim_eval", "report", folder_.string());
+    if (code == 0) {
+      return status;
+    }
+    status.reason = "the run finished, but its report was not written: report ended with exit code " +
+                    std::to_string(code) + "; its own line says why";
+  } catch (const process::process_error& error) {
+    status.reason = "the run finished, but its report was not written: rosrun: " + error.code().message();
+  }
+  status.exit_code = pusht::ExitCode::kRuntimeFault;
+  ROS_ERROR_STREAM(status.reason);
+  return status;
+}
+
 void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   request.protocol.validate();
   request.protocol.starts = givenStarts(request.starts, request.protocol.first_episode, request.protocol.episodes);
@@ -342,7 +430,8 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   folder.refuseInputs(inputsOf(request, cast));
   run_ = std::make_unique<Run>(configuration, folder, provenance);
   folder_ = std::filesystem::absolute(folder.path());
-  broadcast_.begin(configuration, cast, makeBag(request, folder, provenance, cast));
+  std::unique_ptr<RunBag> bag = makeBag(request, folder, provenance, cast);
+  broadcast_.begin(configuration, pictureOf(configuration, cast), std::move(bag), cast.stamps().now());
   runLive(configuration.protocol, cast, pacer_, *this, options, stop);
   broadcast_.end();
   const nlohmann::json metrics = run_->finish(std::cout, faults_survived_);
@@ -391,25 +480,33 @@ bool Evaluator::stopped() const {
 }
 
 void Evaluator::onGoal(Goal goal) {
+  if (accept(goal)) {
+    tellProgress();
+  }
+}
+
+bool Evaluator::accept(Goal& goal) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (busy_) {
     goal.setRejected({}, "a comparison is under way: cancel it, or wait for its end");
-    return;
+    return false;
   }
   LiveRequest request;
   try {
     request = merged(parameters_.request, *goal.getGoal());
   } catch (const pusht::InvalidInput& refusal) {
     goal.setRejected({}, refusal.what());
-    return;
+    return false;
   }
   goal.setAccepted();
   busy_ = true;
   cancelled_ = false;
   accepted_ = goal;
+  failure_.clear();
   activity_ = "beginning";
   next_job_ = Job{std::move(request), goal};
   asked_.notify_one();
+  return true;
 }
 
 void Evaluator::onCancel(const Goal& goal) {
@@ -419,7 +516,11 @@ void Evaluator::onCancel(const Goal& goal) {
 
 bool Evaluator::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response) {
   try {
-    control(request);
+    if (request.command == pusht_msgs::ControlRequest::CANCEL) {
+      cancel();
+    } else {
+      obey(pacer_, request);
+    }
     response.success = 1;
     tellProgress();
   } catch (const pusht::InvalidInput& refusal) {
@@ -429,23 +530,12 @@ bool Evaluator::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::Contr
   return true;
 }
 
-void Evaluator::control(const pusht_msgs::ControlRequest& request) {
-  if (request.command == pusht_msgs::ControlRequest::PAUSE) {
-    pacer_.pause();
-  } else if (request.command == pusht_msgs::ControlRequest::RESUME) {
-    pacer_.resume();
-  } else if (request.command == pusht_msgs::ControlRequest::RATE) {
-    if (request.rate == 0.0) {
-      throw pusht::InvalidInput("rate 0: must be above 0 (control steps per second), or below 0 (as fast as possible)");
-    }
-    pacer_.setRate(request.rate < 0.0 ? kFullSpeed : request.rate);
-  } else if (request.command == pusht_msgs::ControlRequest::STEP) {
-    if (!pacer_.step()) {
-      throw pusht::InvalidInput("step: only while paused");
-    }
-  } else {
-    throw pusht::InvalidInput("command '" + request.command + "': must be pause, resume, step or rate");
+void Evaluator::cancel() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!busy_) {
+    throw pusht::InvalidInput("cancel: no comparison is under way");
   }
+  cancelled_ = true;
 }
 
 void Evaluator::onStep(const Episode& episode, const ros::Time& stamp) {
@@ -461,6 +551,7 @@ void Evaluator::onStep(const Episode& episode, const ros::Time& stamp) {
 bool Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
   const EpisodeResult result = run_->add(episode);
   broadcast_.finish(episode, result, run_->summary(), stamp);
+  const double seconds_left = line_->secondsLeft(static_cast<int>(run_->episodes().size()));
   const std::string line = line_->of(run_->summary());
   if (!line.empty()) {
     ROS_INFO_STREAM(line);
@@ -469,6 +560,7 @@ bool Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
     const std::lock_guard<std::mutex> lock(mutex_);
     activity_ = run_->progress() + " finished";
     ++episodes_finished_;
+    seconds_left_ = seconds_left;
   }
   tellProgress();
   return !run_->decided();
@@ -480,6 +572,7 @@ void Evaluator::begin(int episodes) {
     const std::lock_guard<std::mutex> lock(mutex_);
     episodes_ = episodes;
     episodes_finished_ = 0;
+    seconds_left_.reset();
   }
   tellProgress();
   if (pacer_.paused()) {
@@ -497,6 +590,8 @@ void Evaluator::tellProgress() {
     progress.busy = static_cast<std::uint8_t>(busy_);
     progress.episodes = static_cast<std::uint32_t>(episodes_);
     progress.episodes_finished = static_cast<std::uint32_t>(episodes_finished_);
+    progress.seconds_left = busy_ ? seconds_left_.value_or(kNan) : kNan;
+    progress.failure = failure_;
   }
   progress_.publish(progress);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/live/live_run.hpp"
 
+#include <chrono>
 #include <utility>
 
 #include "pusht_task/error.hpp"
@@ -11,8 +12,9 @@ namespace {
 /// Faults in one episode after which the nodes are beyond help.
 constexpr int kMostFaults = 5;
 
-/// Control steps of probes after which all nodes are asked whether they are still there: about ten times a second.
-constexpr int kStepsPerCheck = 100;
+/// The nodes of the worlds are asked whether they are still there so often, for those that rest may be lost, too: a
+/// rollout may have ended long before the episode does, and probes concern one node.
+constexpr std::chrono::milliseconds kCheckPeriod{250};
 
 pusht::RuntimeFault interruptedIn(int episode) {
   return pusht::RuntimeFault("interrupted in episode " + std::to_string(episode));
@@ -21,6 +23,14 @@ pusht::RuntimeFault interruptedIn(int episode) {
 /// Whether the run needs further episodes.
 bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, LiveObserver& observer,
                 const std::function<bool()>& stop) {
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point next_check = Clock::now() + kCheckPeriod;
+  const auto check = [&] {
+    if (Clock::now() >= next_check) {
+      cast.requireUndisturbed();
+      next_check = Clock::now() + kCheckPeriod;
+    }
+  };
   cast.announce(index, protocol.horizon);
   cast.stamps().advance();
   Flight flight(protocol, cast.worlds(), cast.policy());
@@ -30,6 +40,7 @@ bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, L
     if (!pacer.wait(stop)) {
       throw interruptedIn(index);
     }
+    check();
     cast.stamps().advance();
     flight.advance();
     observer.onStep(under_way, cast.stamps().now());
@@ -44,14 +55,11 @@ bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, L
     }
   };
   end_undisturbed();
-  int probed = 0;
-  const auto watch = [&] {  // the nodes that rest meanwhile may be lost, too
+  const auto watch = [&] {
     if (stop()) {
       throw interruptedIn(index);
     }
-    if (++probed % kStepsPerCheck == 0) {
-      cast.requireUndisturbed();
-    }
+    check();
   };
   const Episode episode = std::move(flight.land(watch).front());
   end_undisturbed();

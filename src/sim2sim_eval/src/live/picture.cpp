@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/live/picture.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -13,112 +11,69 @@
 #include "pusht_task/ros/transforms.hpp"
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
-#include "sim2sim_eval/protocol/divergence.hpp"
+#include "sim2sim_eval/live/sheet.hpp"
+#include "sim2sim_eval/live/strips.hpp"
 #include "sim2sim_eval/results/text.hpp"
 
 namespace sim2sim {
 
 using pusht::color;
 using pusht::fixedText;
-using pusht::frameLockedMarker;
-using std_msgs::ColorRGBA;
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
 namespace {
 
-using Points = std::vector<geometry_msgs::Point>;
-
 constexpr Mode kMiddle = kEngineClosed;
 constexpr double kTableSpacing = 0.96;  // [m] between the centres of neighbouring tables
-
-// Three colours that stay far apart in all common colour-vision deficiencies, on a dark background.
-constexpr std::array<std::uint32_t, kModeCount> kWorldColors = {0x5AAAFF, 0xF0DC46, 0xEE6677};
-constexpr std::uint32_t kBright = 0xF4F4F2;
-constexpr std::uint32_t kDim = 0xA7B0C0;
-constexpr std::uint32_t kAxis = 0x7A8496;
-constexpr std::uint32_t kGrid = 0x3A4150;
-constexpr std::uint32_t kPaper = 0x1F242E;
-constexpr std::uint32_t kCard = 0x14171D;  // as the background of rviz
 
 // The layout in the frame of a table, whose walls end at +-0.43; all in metres.
 constexpr double kHeadlineY = 0.70;
 constexpr double kTitleY = 0.615;
 constexpr double kResultY = 0.545;
 constexpr double kCertaintyY = 0.485;
-constexpr double kStatusY = -0.475;
-constexpr double kEndY = -0.995;
-constexpr std::array<std::pair<double, double>, 2> kCards = {{{-1.03, -0.445}, {0.445, 0.75}}};  // from y to y
-constexpr double kAxisLeft = -0.34;
-constexpr double kAxisRight = 0.43;
-constexpr double kAxisHeight = 0.13;
-constexpr double kTickLabelX = kAxisLeft - 0.04;
-constexpr double kTickLabelBelow = 0.028;
-constexpr double kStripTitleX = -0.15;
-constexpr double kStripTitleAbove = 0.03;
-constexpr double kValueX = 0.385;  // of the rightmost curve's value; those of others are left of it
-constexpr double kValuePitch = 0.135;
+constexpr double kStatusY = -0.461;
+constexpr double kPartingY = -0.506;
+constexpr double kEndY = -0.996;
+constexpr double kSettingsY = -1.041;
+constexpr std::array<std::pair<double, double>, 2> kCards = {{{-1.07, -0.44}, {0.445, 0.75}}};  // from y to y
+constexpr std::size_t kLineLength = 52;  // letters of small text that fit beside each other on a card
 
-constexpr double kHeadlineSize = 0.05;
-constexpr double kTitleSize = 0.058;
-constexpr double kResultSize = 0.046;
-constexpr double kSmallSize = 0.034;
+// The overlay: all worlds on one table, in front of the others, and a card beside it. Its strips, as those below a
+// table, are at the middle of the card.
+constexpr const char* kOverlay = "overlay";
+const std::string kOverlayTable = "overlay/table";
+const std::string kOverlayCard = "overlay/card";
+constexpr double kOverlayX = -0.48;
+constexpr double kOverlayY = -2.4;
+constexpr double kCardX = 0.93;
+constexpr double kCardY = 0.72;
+constexpr double kCardTop = -0.25;
+constexpr double kCardBottom = -1.19;
+constexpr double kOverlayHeadlineY = -0.30;
+constexpr double kLegendY = -0.37;
+constexpr double kLegendPitch = 0.055;
+constexpr double kOverlayPartingY = -1.05;
+constexpr double kLinePitch = 0.05;
 
-constexpr double kThinLine = 0.002;
-constexpr double kCurveWidth = 0.006;
 constexpr double kTrailWidth = 0.006;
-constexpr double kOutlineWidth = 0.005;
 constexpr double kEdgeWidth = 0.012;
-
-// What covers what: heights above the table, far enough apart for rviz to tell (see world_markers.cpp).
-constexpr double kLayer = 0.015;
-constexpr double kTrailZ = 0.0;
-constexpr double kGhostZ = 2.0 * pusht::kTeeFrameHeight + kLayer;
-constexpr double kEdgeZ = pusht::kWallHeight + kLayer;
-constexpr double kCardZ = 2.0 * pusht::kPusherFrameHeight + kLayer;  // an engine's pusher may leave the table: below it
-constexpr double kPaperZ = kCardZ + kLayer;
-constexpr double kGridZ = kPaperZ + kLayer;
-constexpr double kAxisZ = kGridZ + kLayer;
-constexpr double kCurveZ = kAxisZ + kLayer;
-constexpr double kTextZ = kCurveZ + kLayer;
+constexpr double kArrowWidth = 0.010;
 constexpr float kGhostOpacity = 0.35F;
 
-constexpr std::size_t kMaxLinePoints = 75;  // of a trail or curve, about: bounds the size of an update
-constexpr double kTrailSpacing = 0.002;     // [m] up to which a tee rests
-constexpr std::array<int, 4> kTimeScales = {40, 100, 200, pusht::kHorizon};  // [control steps] full width of the axes
+constexpr double kArrowTime = 0.25;       // [s] an arrow ends where the pusher would be then
+constexpr double kPartingRadius = 0.022;  // [m] of the ring around a tee that leaves the bound
+constexpr double kAxisBegin = 0.05;       // [m] from the target, of the lines that show its tolerance
+constexpr double kAxisEnd = pusht::kStemOffset + pusht::kStemHalfLength + 0.02;
 
-/// A diagram of one component of the divergence against time.
-struct Strip {
-  const char* title;
-  double Divergence::*component;
-  double bottom;      // [m] of the axes, in the frame of the table
-  double full_scale;  // of the component, at the top of the axes; beyond, a curve runs along the top
-  double tick;
-  int tick_digits;
-};
-constexpr std::array<Strip, 2> kStrips = {{
-    {"position divergence [m]", &Divergence::position, -0.71, 0.3, 0.1, 1},
-    {"angle divergence [rad]", &Divergence::angle, -0.925, pusht::kPi, 1.0, 0},
-}};
-
-ColorRGBA colorOf(Mode mode, float opacity = 1.0F) { return color(kWorldColors[mode], opacity); }
-
-geometry_msgs::Point point(double x, double y, double z) {
-  geometry_msgs::Point point;
-  point.x = x;
-  point.y = y;
-  point.z = z;
-  return point;
-}
-
-double heightIn(const Strip& strip, double value) {
-  return strip.bottom + kAxisHeight * std::min(value / strip.full_scale, 1.0);
-}
+constexpr std::size_t kMaxTrailPoints = 75;  // about: bounds the size of an update
+constexpr double kTrailSpacing = 0.002;      // [m] up to which a tee rests
 
 /// The points that a long line is drawn with: evenly spaced, and the last.
-Points thinned(const Points& points) {
-  Points kept;
-  const std::size_t stride = points.size() / kMaxLinePoints + 1;
+template <class Point>
+std::vector<Point> thinned(const std::vector<Point>& points) {
+  std::vector<Point> kept;
+  const std::size_t stride = points.size() / kMaxTrailPoints + 1;
   for (std::size_t i = 0; i < points.size(); i += stride) {
     kept.push_back(points[i]);
   }
@@ -128,44 +83,20 @@ Points thinned(const Points& points) {
   return kept;
 }
 
-/// The points that a long curve is drawn with: its ends, and the highest of each stretch, so that no peak is lost.
-Points peaksOf(const Points& curve) {
-  if (curve.size() <= kMaxLinePoints) {
-    return curve;
-  }
-  Points kept = {curve.front()};
-  const auto stride = static_cast<std::ptrdiff_t>(curve.size() / kMaxLinePoints + 1);
-  for (auto first = curve.begin() + 1; first != curve.end();) {
-    const auto last = first + std::min(stride, curve.end() - first);
-    kept.push_back(*std::max_element(first, last, [](const auto& a, const auto& b) { return a.y < b.y; }));
-    first = last;
-  }
-  if (kept.back().x < curve.back().x) {
-    kept.push_back(curve.back());
-  }
-  return kept;
-}
-
-/// The way of a tee; where it rests there is one point.
-Points trailOf(const pusht::Trace& trace) {
-  Points trail;
+/// The way of a tee, and when it was where; where it rests there is one point.
+std::vector<WayPoint> trailOf(const pusht::Trace& trace) {
+  const double last_step = std::max(1.0, static_cast<double>(trace.steps()));
+  std::vector<WayPoint> trail;
   const pusht::WorldState* last = nullptr;
-  for (const pusht::WorldState& state : trace.states) {
+  for (std::size_t step = 0; step < trace.states.size(); ++step) {
+    const pusht::WorldState& state = trace.states[step];
     if (last == nullptr || (state.tee_position - last->tee_position).norm() > kTrailSpacing) {
       last = &state;
-      trail.push_back(point(state.tee_position.x(), state.tee_position.y(), kTrailZ));
+      trail.push_back(
+          {point(state.tee_position.x(), state.tee_position.y(), kTrailZ), static_cast<double>(step) / last_step});
     }
   }
   return trail;
-}
-
-Points curveOf(const std::vector<Divergence>& steps, const Strip& strip, int time_scale) {
-  Points curve;
-  for (std::size_t k = 0; k < steps.size(); ++k) {
-    const double x = kAxisLeft + (kAxisRight - kAxisLeft) * static_cast<double>(k) / time_scale;
-    curve.push_back(point(x, heightIn(strip, steps[k].*strip.component), kCurveZ));
-  }
-  return curve;
 }
 
 /// Along the tops of the walls, as a LINE_LIST: a LINE_STRIP gets thin at corners.
@@ -182,98 +113,57 @@ std::vector<Mode> curvesBelow(Mode mode) {
   return mode == kReferenceClosed ? std::vector<Mode>{kEngineReplay, kEngineClosed} : std::vector<Mode>{mode};
 }
 
-/// Everything that is drawn in the frame of one table, in a namespace of its own.
-class Sheet {
- public:
-  explicit Sheet(const std::string& prefix) : prefix_(prefix), frame_(prefix + "/table") {}
-
-  Marker& add(int type, const ColorRGBA& color) {
-    return markers_.emplace_back(frameLockedMarker(frame_, type, color));
-  }
-
-  void line(int type, const ColorRGBA& color, double width, Points points) {
-    Marker& line = add(type, color);
-    line.scale.x = width;
-    line.action = points.size() < 2 ? Marker::DELETE : Marker::ADD;
-    line.points = std::move(points);
-  }
-
-  void text(const std::string& text, double x, double y, double size, const ColorRGBA& color) {
-    Marker& marker = add(Marker::TEXT_VIEW_FACING, color);
-    marker.pose.position = point(x, y, kTextZ);
-    marker.scale.z = size;
-    marker.action = text.empty() ? Marker::DELETE : Marker::ADD;
-    marker.text = text;
-  }
-
-  void appendTo(MarkerArray& array, const std::string& layer) {
-    pusht::enumerate(prefix_ + "/" + layer, markers_);
-    array.markers.insert(array.markers.end(), markers_.begin(), markers_.end());
-  }
-
- private:
-  std::string prefix_;
-  std::string frame_;
-  std::vector<Marker> markers_;
-};
-
 /// What texts and axes above and below a table are written on.
 void drawCards(Sheet& sheet) {
   for (const auto& [bottom, top] : kCards) {
-    Marker& card = sheet.add(Marker::CUBE, color(kCard));
-    card.pose.position = point(0.0, 0.5 * (bottom + top), kCardZ);
-    card.scale.x = kTableSpacing;
-    card.scale.y = top - bottom;
-    card.scale.z = 0.001;
+    sheet.rectangle(color(kCard), -0.5 * kTableSpacing, bottom, 0.5 * kTableSpacing, top, kCardZ);
   }
 }
 
-void drawAxes(Sheet& sheet, const Strip& strip) {
-  constexpr double kCenter = 0.5 * (kAxisLeft + kAxisRight);
-  const double top = strip.bottom + kAxisHeight;
-  Marker& paper = sheet.add(Marker::CUBE, color(kPaper));
-  paper.pose.position = point(kCenter, 0.5 * (strip.bottom + top), kPaperZ);
-  paper.scale.x = kAxisRight - kAxisLeft;
-  paper.scale.y = kAxisHeight;
-  paper.scale.z = 0.001;
-
-  Points grid;
-  for (int i = 0; i * strip.tick < (1.0 + 1e-9) * strip.full_scale; ++i) {
-    const double y = heightIn(strip, i * strip.tick);
-    grid.push_back(point(kAxisLeft, y, kGridZ));
-    grid.push_back(point(kAxisRight, y, kGridZ));
-    sheet.text(fixedText(i * strip.tick, strip.tick_digits), kTickLabelX, y, kSmallSize, color(kDim));
+/// How near to the target the tee must be: its origin in the ring, its stem between the two lines.
+void drawTolerance(Sheet& sheet, const std_msgs::ColorRGBA& color) {
+  sheet.line(Marker::LINE_STRIP, color, kMarkWidth, circle(0.0, 0.0, kMarkZ, pusht::kPositionTolerance));
+  Points sides;
+  for (const double angle : {-pusht::kAngleTolerance, pusht::kAngleTolerance}) {
+    for (const double radius : {kAxisBegin, kAxisEnd}) {
+      sides.push_back(point(radius * std::sin(angle), -radius * std::cos(angle), kMarkZ));
+    }
   }
-  sheet.line(Marker::LINE_LIST, color(kGrid), kThinLine, std::move(grid));
-  sheet.line(
-      Marker::LINE_STRIP, color(kAxis), kThinLine,
-      {point(kAxisLeft, top, kAxisZ), point(kAxisLeft, strip.bottom, kAxisZ), point(kAxisRight, strip.bottom, kAxisZ)});
-  sheet.text(strip.title, kStripTitleX, top + kStripTitleAbove, kSmallSize, color(kDim));
+  sheet.line(Marker::LINE_LIST, color, kMarkWidth, std::move(sides));
 }
 
-void drawTimeLabels(Sheet& sheet, int time_scale) {
-  const double y = kStrips.back().bottom - kTickLabelBelow;
-  const double seconds = time_scale * pusht::kControlStep;
-  sheet.text("0", kAxisLeft, y, kSmallSize, color(kDim));
-  sheet.text(fixedText(0.5 * seconds, 0), 0.5 * (kAxisLeft + kAxisRight), y, kSmallSize, color(kDim));
-  sheet.text(fixedText(seconds, 0) + " s", kAxisRight - 0.03, y, kSmallSize, color(kDim));
+/// The tee's origin and stem, to be seen against the tolerance.
+void drawAxis(Sheet& sheet, const pusht::WorldState& state, const std_msgs::ColorRGBA& color) {
+  const Eigen::Vector2d stem(std::sin(state.tee_yaw), -std::cos(state.tee_yaw));
+  const Eigen::Vector2d end = state.tee_position + (pusht::kStemOffset + pusht::kStemHalfLength) * stem;
+  sheet.line(Marker::LINE_STRIP, color, kMarkWidth,
+             {point(state.tee_position.x(), state.tee_position.y(), kMarkZ), point(end.x(), end.y(), kMarkZ)});
 }
 
-/// The tee of another world, over this one's.
-void drawGhost(Sheet& sheet, Mode mode, const pusht::WorldState& state) {
-  geometry_msgs::Pose pose;
-  pose.position = point(state.tee_position.x(), state.tee_position.y(), kGhostZ);
-  pose.orientation.z = std::sin(0.5 * state.tee_yaw);
-  pose.orientation.w = std::cos(0.5 * state.tee_yaw);
+/// What the pusher was told in the last control step, in white, and how fast it is; none once the world rests.
+void drawVelocities(Sheet& sheet, Mode mode, const Episode& episode) {
+  const pusht::Trace& trace = episode.rollout(mode).trace();
+  const pusht::WorldState& state = trace.states.back();
+  Eigen::Vector2d commanded = Eigen::Vector2d::Zero();
+  Eigen::Vector2d actual = Eigen::Vector2d::Zero();
+  if (episode.goesOn(mode) && trace.steps() > 0) {
+    commanded = kArrowTime * Eigen::Vector2d(trace.actions.back()[0], trace.actions.back()[1]);
+    actual = kArrowTime * state.pusher_velocity;
+  }
+  const auto from = [&](double z) { return point(state.pusher_position.x(), state.pusher_position.y(), z); };
+  sheet.arrow(color(kBright), 0.7 * kArrowWidth, from(kArrowZ), commanded);
+  sheet.arrow(colorOf(mode), kArrowWidth, from(kArrowZ + 0.5 * kLayer), actual);
+}
 
-  Marker& surface = sheet.add(Marker::TRIANGLE_LIST, colorOf(mode, kGhostOpacity));
-  surface.pose = pose;
-  surface.scale.x = surface.scale.y = surface.scale.z = 1.0;
-  surface.points = pusht::teeSurface();
-  Marker& outline = sheet.add(Marker::LINE_STRIP, colorOf(mode));
-  outline.pose = pose;
-  outline.scale.x = kOutlineWidth;
-  outline.points = pusht::teeOutline();
+/// The way of the tee, and where it left the bound around the reference.
+void drawWay(Sheet& sheet, Mode mode, const pusht::Trace& trace, const std::optional<Parting>& parting) {
+  sheet.way(colorOf(mode), kTrailWidth, thinned(trailOf(trace)));
+  Points ring;
+  if (parting) {
+    const Eigen::Vector2d& at = trace.states[static_cast<std::size_t>(parting->step)].tee_position;
+    ring = circle(at.x(), at.y(), kMarkZ, kPartingRadius);
+  }
+  sheet.line(Marker::LINE_STRIP, colorOf(mode), kMarkWidth, std::move(ring));
 }
 
 /// A figure of the finished episodes in large, and how sure it is in small.
@@ -322,25 +212,23 @@ void drawResult(Sheet& sheet, const Result& result) {
 void drawStatus(Sheet& sheet, Mode mode, const pusht::Rollout& rollout) {
   const pusht::PoseError error = rollout.error();
   const std::string off_target = fixedText(error.position, 3) + " m, " + fixedText(error.angle, 2) + " rad off target";
-  if (rollout.success()) {
-    sheet.text("success: " + off_target, 0.0, kStatusY, kSmallSize, colorOf(mode));
-    sheet.line(Marker::LINE_LIST, colorOf(mode), kEdgeWidth, wallEdges());
-  } else {
-    sheet.text(off_target, 0.0, kStatusY, kSmallSize, color(kDim));
-    sheet.line(Marker::LINE_LIST, colorOf(mode), kEdgeWidth, {});
-  }
-}
-
-/// A world's curves in the axes, and their last values above, at a `place` that counts from the right.
-void drawCurves(Sheet& sheet, Mode mode, const std::vector<Divergence>& steps, int time_scale, std::size_t place) {
-  for (const Strip& strip : kStrips) {
-    sheet.line(Marker::LINE_STRIP, colorOf(mode), kCurveWidth, peaksOf(curveOf(steps, strip, time_scale)));
-    sheet.text(fixedText(steps.back().*strip.component, 3), kValueX - kValuePitch * static_cast<double>(place),
-               strip.bottom + kAxisHeight + kStripTitleAbove, kSmallSize, colorOf(mode));
-  }
+  const bool success = rollout.success();
+  sheet.text((success ? "success: " : "") + off_target, 0.0, kStatusY, kSmallSize,
+             success ? colorOf(mode) : color(kDim));
+  sheet.line(Marker::LINE_LIST, colorOf(mode), kEdgeWidth, success ? wallEdges() : Points());
+  drawTolerance(sheet, error.inTolerance() || success ? colorOf(mode) : color(kDim));
+  drawAxis(sheet, rollout.trace().states.back(), color(kBright));
 }
 
 std::string secondsText(int steps) { return fixedText(steps * pusht::kControlStep, 1) + " s"; }
+
+std::string partingText(const std::optional<Parting>& parting) {
+  if (!parting) {
+    return "";
+  }
+  return "parts at " + secondsText(parting->step) + ": " + nameOf(parting->cause).label + ", " +
+         nameOf(parting->first) + " first";
+}
 
 /// Why curves below a table end while the episode goes on; empty while all go on.
 std::string endOfCurves(const Episode& episode, Mode mode) {
@@ -359,83 +247,152 @@ std::string endOfCurves(const Episode& episode, Mode mode) {
 }
 
 std::string headline(const RunConfiguration& run, const Episode& episode, const std::optional<Summary>& summary) {
-  if (summary && summary->episodes == run.protocol.episodes) {
+  const bool last = episode.index() == run.protocol.lastEpisode();  // in a replay all have finished before
+  if (last && episode.finished() && summary && summary->episodes == run.protocol.episodes) {
     return "policy " + run.policy + ": finished, " + std::to_string(summary->episodes) + " episodes";
   }
   return "policy " + run.policy + ", episode " + std::to_string(episode.index()) + ", " + secondsText(episode.steps());
 }
 
-/// The full width of the time axes [control steps].
-int timeScale(int steps) {
-  return *std::find_if(kTimeScales.begin(), kTimeScales.end() - 1, [steps](int scale) { return steps <= scale; });
+/// What a simulator has not by default, as long as it fits.
+std::string settingsOf(const SimulatorRecord& simulator) {
+  std::string text;
+  for (const std::string& name : simulator.changed) {
+    const nlohmann::ordered_json& value = simulator.parameters.at(name);
+    text += (text.empty() ? "" : ", ") + name + " " + (value.is_string() ? value.get<std::string>() : value.dump());
+  }
+  return pusht::fitted(text, kLineLength);
+}
+
+geometry_msgs::TransformStamped standing(const std::string& parent, const std::string& child, double x, double y) {
+  geometry_msgs::TransformStamped frame;
+  frame.header.frame_id = parent;
+  frame.child_frame_id = child;
+  frame.transform.translation.x = x;
+  frame.transform.translation.y = y;
+  frame.transform.rotation.w = 1.0;
+  return frame;
 }
 
 }  // namespace
 
 Picture::Picture(std::array<World, kModeCount> worlds) : worlds_(std::move(worlds)) {}
 
+Picture Picture::of(const RunConfiguration& run, const std::array<std::string, kModeCount>& frame_prefixes) {
+  std::array<World, kModeCount> worlds;
+  for (const Mode mode : kModes) {
+    const SimulatorRecord& simulator = mode == kReferenceClosed ? run.reference : run.engine;
+    worlds[mode] = {frame_prefixes[mode], simulator.title + (mode == kEngineReplay ? ", replay" : ", closed loop"),
+                    settingsOf(simulator)};
+  }
+  return Picture(std::move(worlds));
+}
+
 std::vector<geometry_msgs::TransformStamped> Picture::frames() const {
   std::vector<geometry_msgs::TransformStamped> frames;
   for (const Mode mode : kModes) {
     const std::string& prefix = worlds_[mode].frame_prefix;
-    geometry_msgs::TransformStamped table;
-    table.header.frame_id = "world";
-    table.child_frame_id = prefix + "/table";
-    table.transform.translation.x = kTableSpacing * (static_cast<double>(mode) - static_cast<double>(kMiddle));
-    table.transform.rotation.w = 1.0;
-    frames.push_back(table);
+    const double place = static_cast<double>(mode) - static_cast<double>(kMiddle);
+    frames.push_back(standing("world", prefix + "/table", place * kTableSpacing, 0.0));
     frames.push_back(pusht::targetFrame(prefix));
   }
+  frames.push_back(standing("world", kOverlayTable, kOverlayX, kOverlayY));
+  frames.push_back(pusht::targetFrame(kOverlay));
+  frames.push_back(standing(kOverlayTable, kOverlayCard, kCardX, kCardY));
   return frames;
 }
 
 MarkerArray Picture::scene() const {
   MarkerArray scene;
+  const auto add = [&](const MarkerArray& more) {
+    scene.markers.insert(scene.markers.end(), more.markers.begin(), more.markers.end());
+  };
   for (const Mode mode : kModes) {
     const World& world = worlds_[mode];
     pusht::WorldColors colors;
     colors.tee = colorOf(mode);
-    const MarkerArray geometry = pusht::worldMarkers(world.frame_prefix, colors);
-    scene.markers.insert(scene.markers.end(), geometry.markers.begin(), geometry.markers.end());
+    add(pusht::worldMarkers(world.frame_prefix, colors));
 
-    Sheet sheet(world.frame_prefix);
-    sheet.text(world.title, 0.0, kTitleY, kTitleSize, colorOf(mode));
+    Sheet sheet(world.frame_prefix + "/table");
     drawCards(sheet);
-    for (const Strip& strip : kStrips) {
-      drawAxes(sheet, strip);
-    }
-    sheet.appendTo(scene, "axes");
+    sheet.text(world.title, 0.0, kTitleY, kTitleSize, colorOf(mode));
+    sheet.text(world.settings, 0.0, kSettingsY, kSmallSize, color(kDim));
+    drawAxes(sheet);
+    sheet.appendTo(scene, world.frame_prefix + "/axes");
   }
+
+  add(pusht::tableMarkers(kOverlay));
+  Sheet card(kOverlayCard);
+  card.rectangle(color(kCard), -0.5 * kTableSpacing, kCardBottom, 0.5 * kTableSpacing, kCardTop, kCardZ);
+  drawAxes(card);
+  card.appendTo(scene, std::string(kOverlay) + "/axes");
   return scene;
 }
 
 MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode,
                             const std::optional<Summary>& summary) const {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-  const int time_scale = timeScale(episode.steps());
-
+  const Bound& bound = run.protocol.bound;
   MarkerArray update;
   for (const Mode mode : kModes) {
     const pusht::Rollout& rollout = episode.rollout(mode);
-    Sheet sheet(worlds_[mode].frame_prefix);
-    sheet.line(Marker::LINE_STRIP, colorOf(mode), kTrailWidth, thinned(trailOf(rollout.trace())));
+    const std::optional<Parting> parting = partingOf(reference, rollout.trace(), bound);
+    Sheet sheet(worlds_[mode].frame_prefix + "/table");
+    drawWay(sheet, mode, rollout.trace(), parting);
     if (mode == kEngineReplay) {
-      drawGhost(sheet, kReferenceClosed, reference.states.back());
+      sheet.tee(colorOf(kReferenceClosed, kGhostOpacity), colorOf(kReferenceClosed), reference.states.back(), kGhostZ);
     }
+    drawVelocities(sheet, mode, episode);
     drawResult(sheet, summary ? resultOf(mode, *summary) : Result{});
     drawStatus(sheet, mode, rollout);
-    std::size_t place = 0;
-    for (const Mode other : curvesBelow(mode)) {
-      drawCurves(sheet, other, divergenceBySteps(reference, episode.rollout(other).trace()), time_scale, place++);
-    }
-    drawTimeLabels(sheet, time_scale);
+    sheet.text(partingText(parting), 0.0, kPartingY, kSmallSize, colorOf(mode));
+    drawCurves(sheet, episode, curvesBelow(mode), bound);
     sheet.text(endOfCurves(episode, mode), 0.0, kEndY, kSmallSize, color(kDim));
     if (mode == kMiddle) {
       sheet.text(headline(run, episode, summary), 0.0, kHeadlineY, kHeadlineSize, color(kBright));
     }
-    sheet.appendTo(update, "episode");
+    sheet.appendTo(update, worlds_[mode].frame_prefix + "/episode");
   }
   return update;
+}
+
+MarkerArray Picture::overlay(const RunConfiguration& run, const Episode& episode,
+                             const std::optional<Summary>& summary) const {
+  const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
+  const Bound& bound = run.protocol.bound;
+  MarkerArray overlay;
+  Sheet table(kOverlayTable);
+  Sheet card(kOverlayCard);
+  const pusht::Rollout& solid = episode.rollout(kReferenceClosed);
+  drawTolerance(table, solid.error().inTolerance() || solid.success() ? colorOf(kReferenceClosed) : color(kDim));
+  for (const Mode mode : kModes) {
+    const pusht::Trace& trace = episode.rollout(mode).trace();
+    const pusht::WorldState& state = trace.states.back();
+    const std::optional<Parting> parting = partingOf(reference, trace, bound);
+    const float opacity = mode == kReferenceClosed ? 1.0F : kGhostOpacity;
+    card.text(worlds_[mode].title + (mode == kReferenceClosed ? " (solid)" : "") +
+                  (episode.rollout(mode).success() ? ": success" : ""),
+              0.0, kLegendY - kLegendPitch * static_cast<double>(mode), kSmallSize, colorOf(mode));
+    drawWay(table, mode, trace, parting);
+    table.tee(colorOf(mode, opacity), colorOf(mode), state,
+              kGhostZ - kLayer + 0.5 * kLayer * static_cast<double>(mode));
+    drawAxis(table, state, mode == kReferenceClosed ? color(kBright) : colorOf(mode));
+    Marker& pusher = table.add(Marker::CYLINDER, colorOf(mode, opacity));
+    pusher.pose.position = point(state.pusher_position.x(), state.pusher_position.y(), pusht::kPusherFrameHeight);
+    pusher.scale.x = pusher.scale.y = 2.0 * pusht::kPusherRadius;
+    pusher.scale.z = 2.0 * pusht::kPusherFrameHeight;
+    drawVelocities(table, mode, episode);
+    if (mode != kReferenceClosed) {
+      card.text(partingText(parting), 0.0, kOverlayPartingY - kLinePitch * static_cast<double>(mode - kEngineClosed),
+                kSmallSize, colorOf(mode));
+    }
+  }
+  card.text(headline(run, episode, summary), 0.0, kOverlayHeadlineY, kResultSize, color(kBright));
+  drawCurves(card, episode, curvesBelow(kReferenceClosed), bound);
+  card.text(endOfCurves(episode, kReferenceClosed), 0.0, kEndY, kSmallSize, color(kDim));
+  table.appendTo(overlay, std::string(kOverlay) + "/episode");
+  card.appendTo(overlay, std::string(kOverlay) + "/card");
+  return overlay;
 }
 
 }  // namespace sim2sim

@@ -28,10 +28,16 @@ class Cast {
   /// A call that is not answered within `deadline` is a PeerFault.
   Cast(const Services& services, std::chrono::milliseconds deadline);
 
-  /// Of a world in each role; those that are not named keep their values.
+  /// What a world becomes.
+  struct Setting {
+    std::string kind{};              ///< of simulator; empty: it stays what it is
+    pusht::Parameters parameters{};  ///< the others keep their values; of a kind that is named, they have its defaults
+  };
+
+  /// In each role.
   struct Settings {
-    pusht::Parameters reference;
-    pusht::Parameters engine;
+    Setting reference;
+    Setting engine;
   };
 
   /// Connects to all, the first time or after a fault, takes the worlds over, and sets their parameters. Each may

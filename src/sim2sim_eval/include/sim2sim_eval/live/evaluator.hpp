@@ -51,6 +51,9 @@ pusht::Parameters settingsFrom(const std::string& what, const std::string& text)
 /// `goal` on top of `request`. Throws InvalidInput with the field of the goal that cannot be.
 LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal);
 
+/// All of `request` as a goal.
+pusht_msgs::CompareGoal goalOf(const LiveRequest& request);
+
 struct EvaluatorParameters {
   LiveRequest request;      ///< what a goal leaves open
   bool start = false;       ///< run `request` at once
@@ -59,6 +62,7 @@ struct EvaluatorParameters {
   double deadline = 5.0;    ///< [s] for the answer to a call
   double patience = 30.0;   ///< [s] for a node to appear, or to come back
   std::string status_file;  ///< a copy of status.json, under way first; empty: none
+  bool report = false;      ///< write a report of each run that finishes
   std::string headless;     ///< why rviz does not show what runs; empty: it does, and the node stays when it has run
 
   /// Throws InvalidInput with key, value and rule.
@@ -73,6 +77,9 @@ class ProgressLine {
   /// Of the finished episodes; empty if the last line was less than 5 s ago.
   std::string of(const Summary& finished);
 
+  /// [s] after so many episodes, one at least.
+  double secondsLeft(int finished) const;
+
  private:
   using Clock = std::chrono::steady_clock;
 
@@ -81,8 +88,8 @@ class ProgressLine {
   Clock::time_point last_ = begin_;
 };
 
-/// Offers, in its private namespace, the action `compare`, the service `control`, the topic `progress` (latched), and
-/// those of Broadcast.
+/// Offers, in its private namespace, the action `compare`, the service `control`, the latched topics `request` (what a
+/// goal leaves open) and `progress`, and what Broadcast has.
 class Evaluator : private LiveObserver {
  public:
   Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters);
@@ -103,9 +110,10 @@ class Evaluator : private LiveObserver {
 
   // Called in the thread of the callbacks.
   void onGoal(Goal goal);
+  bool accept(Goal& goal);
   void onCancel(const Goal& goal);
   bool onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response);
-  void control(const pusht_msgs::ControlRequest& request);
+  void cancel();
   void report(pusht::DiagnosticStatusWrapper& status) const;
 
   /// Tells on `~progress` how things are now. Not with `mutex_` held: the pacer calls stopped() under its own.
@@ -113,6 +121,9 @@ class Evaluator : private LiveObserver {
 
   std::optional<Job> nextJob();
   RunStatus execute(const Job& job);
+
+  /// Of a finished run. If it cannot be written, the status says so; the results stand.
+  RunStatus writeReport(const RunStatus& finished) const;
   void compare(LiveRequest request, RunFolder& folder);
   void begin(int episodes);
   void answer(Job& job, const RunStatus& status);
@@ -133,13 +144,15 @@ class Evaluator : private LiveObserver {
   bool busy_ = false;
   bool cancelled_ = false;
   Goal accepted_;        // the last one
-  std::string failure_;  // of the last run; empty: none
+  std::string failure_;  // of the last run; empty: none, or one is under way
   std::string activity_ = "idle";
   int episodes_ = 0;  // of the run under way, or of the last one
   int episodes_finished_ = 0;
+  std::optional<double> seconds_left_;  // of the run under way
 
   std::mutex telling_;  // so that the last message is the newest
   ros::Publisher progress_;
+  ros::Publisher request_;
 
   // Of the run under way; used in the thread of run() alone.
   std::optional<Goal> goal_;

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The service `control`, as far as live runs and replays have it in common.
+#pragma once
+
+#include <pusht_msgs/Control.h>
+
+#include "sim2sim_eval/live/pacer.hpp"
+
+namespace sim2sim {
+
+/// Pauses, resumes, steps or paces. Throws InvalidInput with command, value and rule for anything else.
+void obey(Pacer& pacer, const pusht_msgs::ControlRequest& request);
+
+}  // namespace sim2sim

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// A recorded run as a node, in place of the evaluator.
+#include <ros/init.h>
+
+#include "pusht_task/ros/node.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/live/replay.hpp"
+
+int main(int argc, char** argv) {
+  sim2sim::catchInterruptsAside("sim2sim");
+  return pusht::runNode(argc, argv, "sim2sim", pusht::NoMaster::kFail, sim2sim::serveReplay,
+                        ros::init_options::NoSigintHandler);
+}

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/live/replay.hpp"
+
+#include <ros/ros.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/numbers.hpp"
+#include "pusht_task/ros/transforms.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/live/control.hpp"
+#include "sim2sim_eval/results/summary.hpp"
+
+namespace sim2sim {
+namespace {
+
+RecordedRun read(const std::string& bag, std::map<int, Episode>& episodes) {
+  if (bag.empty()) {
+    throw pusht::InvalidInput("no bag: say which, as bag:=PATH of a compare.bag");
+  }
+  RecordedRun run = readRun(
+      bag, [] { return !ros::ok() || interrupted(); },
+      [&](Episode&& episode) { episodes.emplace(episode.index(), std::move(episode)); });
+  if (episodes.empty()) {
+    throw pusht::InvalidInput("bag " + bag + ": must hold a finished episode");
+  }
+  return run;
+}
+
+/// What is known of what was asked for; no node takes part any more.
+pusht_msgs::CompareGoal requestOf(const Protocol& protocol) {
+  pusht_msgs::CompareGoal request;
+  request.seed = {protocol.seed};
+  request.first_episode = {static_cast<std::uint32_t>(protocol.first_episode)};
+  request.episodes = {static_cast<std::uint32_t>(protocol.episodes)};
+  request.horizon = {static_cast<std::uint32_t>(protocol.horizon)};
+  request.bound_position = {protocol.bound.position};
+  request.bound_angle = {protocol.bound.angle};
+  return request;
+}
+
+int stepsIn(double seconds) { return static_cast<int>(std::lround(seconds / pusht::kControlStep)); }
+
+}  // namespace
+
+Episode upTo(const Protocol& protocol, const Episode& whole, int steps) {
+  const auto begin = [&](Mode mode) { return pusht::Rollout(whole.rollout(mode).trace().states.front()); };
+  Episode episode(protocol, whole.index(), {begin(kReferenceClosed), begin(kEngineClosed), begin(kEngineReplay)});
+  for (const Mode mode : kModes) {
+    const pusht::Trace& trace = whole.rollout(mode).trace();
+    const std::size_t common = std::min(trace.steps(), static_cast<std::size_t>(steps));
+    for (std::size_t k = 0; k < common; ++k) {
+      episode.record(mode, trace.actions[k], trace.states[k + 1]);
+    }
+  }
+  return episode;
+}
+
+ReplayParameters ReplayParameters::load(pusht::ParameterReader& parameters) {
+  ReplayParameters loaded;
+  loaded.bag = parameters.text("bag", "");
+  const int episode = parameters.integer("episode", -1);
+  if (episode >= 0) {
+    loaded.episode = episode;
+  }
+  loaded.start = parameters.real("start", loaded.start);
+  if (!(loaded.start >= 0.0 && loaded.start <= pusht::kHorizon * pusht::kControlStep)) {
+    throw pusht::InvalidInput("start " + pusht::shortestText(loaded.start) + ": must be within an episode [s]");
+  }
+  loaded.speed = parameters.real("speed", loaded.speed);
+  if (!(std::isfinite(loaded.speed) && loaded.speed >= 0.0)) {
+    throw pusht::InvalidInput("speed " + pusht::shortestText(loaded.speed) +
+                              ": must be finite and >= 0 (times real time; 0: as fast as possible)");
+  }
+  return loaded;
+}
+
+Replay::Replay(const ros::NodeHandle& node, const ReplayParameters& parameters)
+    : node_(node),
+      run_(read(parameters.bag, episodes_)),
+      frame_prefixes_{"reference", "engine", "engine_replay"},
+      broadcast_(node_),
+      progress_(node_.advertise<pusht_msgs::Progress>("progress", 1, true)),
+      request_(node_.advertise<pusht_msgs::CompareGoal>("request", 1, true)) {
+  pusht_msgs::ControlRequest start;
+  start.episode = static_cast<std::uint64_t>(parameters.episode.value_or(episodes_.begin()->first));
+  start.step = static_cast<std::uint32_t>(stepsIn(parameters.start));
+  sought_ = placeOf(start);
+  pacer_.setRate(parameters.speed / pusht::kControlStep);
+  const RunConfiguration& configuration = run_.configuration;
+  request_.publish(requestOf(configuration.protocol));
+  broadcast_.begin(configuration, Picture::of(configuration, frame_prefixes_), nullptr, stamp_);
+  broadcast_.recall(run_.episodes, summarize(configuration.protocol, run_.episodes), stamp_);
+  control_ = node_.advertiseService("control", &Replay::onControl, this);
+  repeating_ = node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { repeat(); });
+  tellProgress();
+}
+
+void Replay::run() {
+  waitForAudience();
+  while (!ended()) {
+    if (const std::optional<Place> place = takeSought()) {
+      show(*place);
+    } else if (pacer_.wait([this] { return ended() || sought(); })) {
+      advance();
+    }
+  }
+}
+
+void Replay::waitForAudience() const {
+  constexpr double kLookPeriod = 0.05;  // [s]
+  while (!ended() && !broadcast_.watched()) {
+    ros::WallDuration(kLookPeriod).sleep();
+  }
+}
+
+void Replay::advance() {
+  const auto whole = episodes_.find(shown_->index());
+  if (shown_->steps() < whole->second.steps()) {
+    show({shown_->index(), shown_->steps() + 1});
+  } else if (std::next(whole) != episodes_.end()) {
+    show({std::next(whole)->first, 0});
+  } else {
+    at_end_ = true;
+    pacer_.pause();
+    tellProgress();
+  }
+}
+
+void Replay::show(const Place& place) {
+  shown_ = upTo(run_.configuration.protocol, episodes_.at(place.episode), place.step);
+  stamp_ += ros::Duration(pusht::kControlStep);
+  std::vector<geometry_msgs::TransformStamped> frames;
+  for (const Mode mode : kModes) {
+    const pusht::WorldState& state = shown_->rollout(mode).trace().states.back();
+    for (const auto& frame : pusht::movingFrames(frame_prefixes_.at(mode), state, stamp_)) {
+      frames.push_back(frame);
+    }
+  }
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    moving_ = std::move(frames);
+    frames_.sendTransform(moving_);
+  }
+  broadcast_.step(*shown_, stamp_, true);
+}
+
+/// For whoever came after the last step, or has forgotten (rviz's Reset). tf2 warns of what has the same stamp twice.
+void Replay::repeat() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (geometry_msgs::TransformStamped& frame : moving_) {
+    frame.header.stamp += ros::Duration(0, 1);
+  }
+  frames_.sendTransform(moving_);
+}
+
+bool Replay::ended() const { return !ros::ok() || interrupted(); }
+
+std::optional<Replay::Place> Replay::takeSought() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return std::exchange(sought_, std::nullopt);
+}
+
+bool Replay::sought() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return sought_.has_value();
+}
+
+Replay::Place Replay::placeOf(const pusht_msgs::ControlRequest& request) const {
+  const auto held = std::find_if(episodes_.begin(), episodes_.end(), [&](const auto& episode) {
+    return static_cast<std::uint64_t>(episode.first) == request.episode;
+  });
+  if (held == episodes_.end()) {
+    throw pusht::InvalidInput("episode " + std::to_string(request.episode) +
+                              ": must be one that the bag holds: " + std::to_string(episodes_.begin()->first) + " to " +
+                              std::to_string(episodes_.rbegin()->first));
+  }
+  const auto last = static_cast<std::uint32_t>(held->second.steps());
+  return {held->first, static_cast<int>(std::min(request.step, last))};
+}
+
+bool Replay::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response) {
+  try {
+    if (request.command == pusht_msgs::ControlRequest::SEEK) {
+      const Place place = placeOf(request);
+      at_end_ = false;
+      const std::lock_guard<std::mutex> lock(mutex_);
+      sought_ = place;
+    } else {
+      if (request.command == pusht_msgs::ControlRequest::RESUME && at_end_.exchange(false)) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        sought_ = Place{episodes_.begin()->first, 0};  // once more
+      }
+      obey(pacer_, request);
+    }
+    response.success = 1;
+    tellProgress();
+  } catch (const pusht::InvalidInput& refusal) {
+    response.success = 0;
+    response.message = refusal.what();
+  }
+  return true;
+}
+
+void Replay::tellProgress() {
+  const std::lock_guard<std::mutex> telling(telling_);
+  pusht_msgs::Progress progress;
+  progress.replay = 1;
+  progress.paused = static_cast<std::uint8_t>(pacer_.paused());
+  progress.rate = pacer_.rate();
+  progress.episodes = static_cast<std::uint32_t>(run_.configuration.protocol.episodes);
+  progress.episodes_finished = static_cast<std::uint32_t>(episodes_.size());
+  progress.seconds_left = std::numeric_limits<double>::quiet_NaN();
+  progress_.publish(progress);
+}
+
+pusht::ExitCode serveReplay() {
+  const ros::NodeHandle node("~");
+  pusht::ParameterReader parameters(node);
+  parameters.enterWorkingDirectory();
+  const ReplayParameters loaded = ReplayParameters::load(parameters);
+  parameters.refuseUnknown();
+  Replay replay(node, loaded);
+  ros::AsyncSpinner callbacks(1);
+  callbacks.start();
+  replay.run();
+  return pusht::ExitCode::kOk;
+}
+
+}  // namespace sim2sim

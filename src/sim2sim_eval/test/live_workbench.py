@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The workbench in rviz: the panel drives runs, and a bag is shown as if it were live."""
+
+import os
+import sys
+from typing import Any, List, Tuple
+
+import rosbag  # type: ignore[import]
+
+sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
+from live_support import (  # noqa: E402
+    RECORDED_RESULTS,
+    Launch,
+    LiveCase,
+    Process,
+    files,
+    free_port,
+    result_bytes,
+    until,
+)
+
+
+class Panel(LiveCase):
+    def test_panel_drives_runs(self) -> None:
+        launch = Launch(self, start=False, rviz=False, expert_node=True, overwrite=True)
+        launch.line(r"process\[sim2sim-\d+\]: started")
+        environment = {**launch.environment, "DISPLAY": self.open_display()}
+        only = "--gtest_filter=*DrivesARun*"
+        panel = Process(self, "rosrun", "pusht_rviz", "panel_test", only, environment=environment)
+        self.assertEqual(panel.ended(5 * self.deadline), 0, panel.output)
+        self.assertIn("[  PASSED  ] 1 test", panel.output)
+        self.assertEqual(files(launch.out), RECORDED_RESULTS)
+        wanted = "--policy expert --first-episode 1 --episodes 2".split()
+        self.assertEqual(result_bytes(launch.out), self.batch_bytes(*wanted))
+
+    def test_f37_run_that_the_evaluator_refuses(self) -> None:
+        launch = Launch(self, smoke=True, start=False, rviz=False)
+        launch.line(r"process\[sim2sim-\d+\]: started")
+        environment = {
+            **launch.environment,
+            "DISPLAY": self.open_display(),
+            "PANEL_TEST_SMOKE": "",
+        }
+        only = "--gtest_filter=*ShowsWhyTheEvaluatorRefuses*"
+        panel = Process(self, "rosrun", "pusht_rviz", "panel_test", only, environment=environment)
+        self.assertEqual(panel.ended(5 * self.deadline), 0, panel.output)
+        self.assertIn("[  PASSED  ] 1 test", panel.output)
+        self.assertEqual(result_bytes(launch.out), self.batch_bytes("--smoke"))
+
+    def test_node_that_dies_shows_as_lost(self) -> None:
+        launch = Launch(self, policy="expert", start=False, rviz=False)
+        launch.line(r"process\[sim2sim-\d+\]: started")
+        launch.tool("rosservice", "call", "--wait", "/engine/describe", "{}")
+        environment = {
+            **launch.environment,
+            "DISPLAY": self.open_display(),
+            "PANEL_TEST_VICTIM": str(launch.node("/engine")),
+        }
+        only = "--gtest_filter=*ShowsANodeThatDies*"
+        panel = Process(self, "rosrun", "pusht_rviz", "panel_test", only, environment=environment)
+        self.assertEqual(panel.ended(5 * self.deadline), 0, panel.output)
+        self.assertIn("[  PASSED  ] 1 test", panel.output)
+
+
+class Replay(LiveCase):
+    """replay.launch, without rviz."""
+
+    def replay(self, **arguments: Any) -> Process:
+        self.uri = f"http://127.0.0.1:{free_port()}"
+        self.environment = {
+            "ROS_MASTER_URI": self.uri,
+            "ROS_IP": "127.0.0.1",
+            "ROS_HOME": str(self.folder / "ros"),
+            "DISPLAY": "",
+            "PWD": str(self.folder),
+        }
+        given = [f"{name}:={value}" for name, value in {"rviz": "false", **arguments}.items()]
+        command = ("roslaunch", "-p", self.uri.split(":")[-1], "sim2sim_eval", "replay.launch")
+        launch = Process(self, *command, *given, environment=self.environment)
+        launch.line(r"process\[sim2sim-\d+\]: started")
+        return launch
+
+    def control(self, command: str) -> str:
+        call = ("rosservice", "call", "--wait", "/sim2sim/control", command)
+        return self.succeed(*call, environment=self.environment)
+
+    def record(self) -> str:
+        """The bag of two episodes."""
+        command = ("rosrun", "sim2sim_eval", "compare", "--policy", "expert", "--record")
+        self.succeed(*command, "--seed", "3", "--episodes", "2", "--out", str(self.folder / "out"))
+        return "out/compare.bag"
+
+    def test_replay_of_what_cannot_be_shown_says_why(self) -> None:
+        (self.folder / "no.bag").write_text("no bag")
+        bag = self.record()
+        cases: List[Tuple[Any, str]] = [
+            ({}, "no bag: say which, as bag:=PATH of a compare.bag"),
+            ({"bag": "missing.bag"}, "bag missing.bag: must be a readable file"),
+            ({"bag": "no.bag"}, "bag no.bag: must be a whole bag: .*"),
+            ({"bag": bag, "episode": 2}, "episode 2: must be one that the bag holds: 0 to 1"),
+            ({"bag": bag, "start": 31}, "start 31.0: must be within an episode .s."),
+            ({"bag": bag, "speed": -1}, "speed -1.0: must be finite and >= 0 .*"),
+        ]
+        for arguments, reason in cases:
+            with self.subTest(arguments):
+                launch = self.replay(**arguments)
+                launch.ended()
+                self.assertRegex(launch.output, f"(?m)^sim2sim: {reason}$")
+                self.assertIn("exit code 2", launch.output)
+
+    def test_replay_without_a_display_ends(self) -> None:
+        launch = self.replay(bag=self.record(), rviz="true")
+        launch.ended()
+        self.assertRegex(launch.output, "(?m)^no display .*: nothing can be shown")
+        self.assertNotIn("Traceback", launch.output)
+
+    def test_replay_goes_where_it_is_told(self) -> None:
+        path = self.record()
+        with rosbag.Bag(str(self.folder / path)) as bag:
+            recorded = {
+                (message.episode, message.step): message
+                for _, message, _ in bag.read_messages(["/sim2sim/divergence"])
+            }
+        self.replay(bag=path, speed=0)
+        self.control("{command: pause}")
+        topic = ("rostopic", "echo", "/sim2sim/divergence")
+        shown = Process(self, *topic, environment=self.environment)
+
+        def expect(place: Tuple[int, int]) -> None:
+            wanted = str(recorded[place])
+            wanted = wanted[wanted.index("episode:") :]
+            until(lambda: wanted in shown.output, f"episode and step {place}")
+
+        expect((0, 0))
+        self.control("{command: seek, episode: 1, step: 5}")
+        for step in range(6):  # a curve is whole
+            expect((1, step))
+        self.control("{command: step}")
+        expect((1, 6))
+        self.control("{command: seek, episode: 0, step: 3}")
+        expect((0, 3))
+        answer = self.control("{command: seek, episode: 2}")
+        self.assertIn("episode 2: must be one that the bag holds: 0 to 1", answer)
+        self.assertIn("cancel: only in a live run", self.control("{command: cancel}"))
+        self.control("{command: resume}")
+        expect(max(recorded))
+        until(lambda: self.latched("progress", "paused: True"), "a pause at the end")
+        episodes = self.succeed(
+            "rosservice", "call", "/sim2sim/episodes", environment=self.environment
+        )
+        self.assertEqual(episodes.count("seed: "), 2)
+        self.assertTrue(self.latched("summary", "episodes_finished: 2"))
+
+    def latched(self, topic: str, text: str) -> bool:
+        echo = ("rostopic", "echo", "-n", "1", f"/sim2sim/{topic}")
+        return text in self.succeed(*echo, environment=self.environment)
+
+
+if __name__ == "__main__":
+    import unittest
+
+    unittest.main()

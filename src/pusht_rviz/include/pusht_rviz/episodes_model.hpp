@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The finished episodes as a table.
+#pragma once
+
+#include <pusht_msgs/EpisodeResult.h>
+
+#include <QAbstractTableModel>
+#include <QString>
+#include <QVariant>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+namespace pusht_rviz {
+
+/// What a row shows.
+struct EpisodeRow {
+  std::uint64_t episode = 0;
+  std::uint64_t seed = 0;   ///< 0: the start was given
+  std::uint32_t steps = 0;  ///< of the longest of the three worlds
+  std::uint32_t reference_steps = 0;
+  std::uint32_t engine_steps = 0;
+  bool reference_success = false;
+  bool engine_success = false;
+  std::uint32_t parting_step = 0;  ///< of the replay; 0: it stays within the bound
+  QString parting_cause;           ///< in words
+  QString parting_first;
+};
+
+EpisodeRow rowFrom(const pusht_msgs::EpisodeResult& result);
+
+/// In the order in which they were heard of. Ten thousand of them cost memory, and no time.
+class EpisodesModel : public QAbstractTableModel {
+  Q_OBJECT
+
+ public:
+  enum Column { kEpisode, kSeed, kReference, kEngine, kParting, kCause, kColumns };
+
+  using QAbstractTableModel::QAbstractTableModel;
+
+  /// One that is there already (its episode was run again, or asked for late) is replaced.
+  void add(const std::vector<pusht_msgs::EpisodeResult>& results);
+  void clear();
+
+  const EpisodeRow& row(int index) const { return rows_.at(static_cast<std::size_t>(index)); }
+  std::optional<int> rowOfEpisode(std::uint64_t episode) const;
+  std::optional<int> rowOfSeed(std::uint64_t seed) const;
+
+  /// "10000 to 10049"; empty without episodes that have a seed.
+  QString seedsText() const;
+
+  int rowCount(const QModelIndex& parent = {}) const override;
+  int columnCount(const QModelIndex& parent = {}) const override;
+  QVariant data(const QModelIndex& index, int role) const override;
+  QVariant headerData(int section, Qt::Orientation orientation, int role) const override;
+
+ private:
+  std::vector<EpisodeRow> rows_;
+  std::unordered_map<std::uint64_t, int> row_of_episode_;
+  std::unordered_map<std::uint64_t, int> row_of_seed_;
+};
+
+}  // namespace pusht_rviz

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_rviz/curves.hpp"
+
+#include <qcustomplot.h>
+
+#include <QVBoxLayout>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "pusht_rviz/theme.hpp"
+
+namespace pusht_rviz {
+namespace {
+
+constexpr int kRedrawPeriod = 70;      // [ms]
+constexpr double kShortestAxis = 5.0;  // [s]
+constexpr int kFaded = 72;             // of 255
+constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+
+constexpr std::array<const char*, kAspects> kTitles = {"position apart [m]", "angle apart [rad]"};
+constexpr std::array<const char*, kCurveKinds> kNames = {"replay", "closed loop", "tee that never moves"};
+
+QColor colourOf(std::size_t kind) {
+  return kind == kReplayCurve ? theme::kReplay : kind == kClosedCurve ? theme::kEngine : theme::kDim;
+}
+
+QFont small() {
+  QFont made;
+  made.setPixelSize(12);
+  return made;
+}
+
+/// The next number of the form 1, 1.5, 2, 3, 4, 6, 8 times a power of ten: axes change seldom.
+double roundUp(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double step : {1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0}) {
+    if (value <= step * power) {
+      return step * power;
+    }
+  }
+  return 10.0 * power;
+}
+
+}  // namespace
+
+Curves::Curves(QWidget* parent) : QWidget(parent), plot_(new QCustomPlot(this)) {
+  auto* const all = new QVBoxLayout(this);
+  all->setContentsMargins(0, 0, 0, 0);
+  all->addWidget(plot_);
+  plot_->setObjectName("curves");
+  plot_->setMinimumHeight(180);
+  plot_->setBackground(QBrush(theme::kBackground));
+  plot_->setNoAntialiasingOnDrag(true);
+  plot_->plotLayout()->clear();
+  plot_->plotLayout()->setRowSpacing(2);
+  // A layer with a buffer of its own: to redraw it leaves axes and earlier episodes as they are.
+  plot_->addLayer("live", plot_->layer("main"), QCustomPlot::limAbove);
+  live_ = plot_->layer("live");
+  live_->setMode(QCPLayer::lmBuffered);
+  build(kPosition);
+  build(kAngle);
+
+  auto* const legend = new QCPLegend;
+  plot_->plotLayout()->addElement(static_cast<int>(kAspects), 0, legend);
+  plot_->plotLayout()->setRowStretchFactor(static_cast<int>(kAspects), 0.001);
+  legend->setFont(small());
+  legend->setTextColor(theme::kDim);
+  legend->setBrush(Qt::NoBrush);
+  legend->setBorderPen(Qt::NoPen);
+  legend->setFillOrder(QCPLegend::foColumnsFirst);
+  legend->setMargins(QMargins(4, 0, 4, 2));
+  legend->setIconSize(18, 14);
+  legend->setLayer("legend");
+  legend->setColumnSpacing(6);
+  for (QCPGraph* const graph : charts_[kPosition].now) {
+    graph->addToLegend(legend);
+  }
+
+  connect(&timer_, &QTimer::timeout, this, &Curves::redraw);
+  timer_.start(kRedrawPeriod);
+}
+
+void Curves::build(Aspect aspect) {
+  Chart& chart = charts_.at(aspect);
+  chart.rect = new QCPAxisRect(plot_, false);
+  plot_->plotLayout()->addElement(static_cast<int>(aspect), 0, chart.rect);
+  chart.rect->setLayer("background");
+  chart.rect->addAxes(QCPAxis::atLeft | QCPAxis::atBottom);
+  chart.rect->setBackground(QBrush(theme::kPaper));
+  chart.rect->setMinimumMargins(QMargins(4, 6, 8, 2));
+  for (QCPAxis* const axis : chart.rect->axes()) {
+    axis->setBasePen(QPen(theme::kGrid));
+    axis->setTickPen(QPen(theme::kGrid));
+    axis->setSubTicks(false);
+    axis->setTickLength(0, 3);
+    axis->setTickLabelFont(small());
+    axis->setTickLabelColor(theme::kDim);
+    axis->grid()->setPen(QPen(theme::kGrid, 0.0, Qt::DotLine));
+    axis->grid()->setVisible(true);
+    axis->grid()->setZeroLinePen(Qt::NoPen);
+    axis->grid()->setLayer("grid");
+    axis->setLayer("axes");
+  }
+  QCPAxis* const time = chart.rect->axis(QCPAxis::atBottom);
+  QCPAxis* const value = chart.rect->axis(QCPAxis::atLeft);
+  value->ticker()->setTickCount(4);
+  value->setNumberFormat("gb");
+  if (aspect == kAngle) {
+    time->setLabel("time [s]");
+    time->setLabelFont(small());
+    time->setLabelColor(theme::kDim);
+    time->setLabelPadding(0);
+  } else {
+    time->setTickLabels(false);
+  }
+  auto* const margins =
+      aspect == kPosition ? new QCPMarginGroup(plot_) : charts_[kPosition].rect->marginGroup(QCP::msLeft);
+  chart.rect->setMarginGroup(QCP::msLeft, margins);
+
+  chart.bound = plot_->addGraph(time, value);
+  chart.bound->setPen(QPen(theme::kBright, 1.0, Qt::DotLine));
+  chart.bound->setAntialiased(false);
+  for (const std::size_t kind : {kClosedCurve, kReplayCurve}) {
+    QColor faded = colourOf(kind);
+    faded.setAlpha(kFaded);
+    chart.earlier[kind] = new QCPCurve(time, value);
+    chart.earlier[kind]->setPen(QPen(faded, 1.0));
+    chart.earlier[kind]->setAntialiased(false);
+  }
+  for (std::size_t kind = 0; kind < kCurveKinds; ++kind) {
+    chart.now[kind] = plot_->addGraph(time, value);
+    chart.now[kind]->setName(kNames.at(kind));
+    chart.now[kind]->setPen(kind == kNullCurve ? QPen(theme::kDim, 1.0, Qt::DashLine) : QPen(colourOf(kind), 2.0));
+    chart.now[kind]->setLayer(live_);
+  }
+  chart.title = new QCPItemText(plot_);
+  chart.title->setFont(small());
+  chart.title->setColor(theme::kBright);
+  chart.title->setBrush(QBrush(theme::kPaper));  // curves run below it
+  chart.title->setText(kTitles.at(aspect));
+  chart.title->setPositionAlignment(Qt::AlignLeft | Qt::AlignTop);
+  chart.title->position->setType(QCPItemPosition::ptAxisRectRatio);
+  chart.title->position->setAxisRect(chart.rect);
+  chart.title->setClipAxisRect(chart.rect);
+  chart.title->position->setCoords(0.015, 0.02);
+  chart.title->setLayer("overlay");
+}
+
+void Curves::add(const pusht_msgs::Divergence& divergence) { store_.add(divergence); }
+
+void Curves::clear() { store_.clear(); }
+
+void Curves::setBound(double position, double angle) {
+  bounds_ = {position, angle};
+  stale_ = true;
+}
+
+void Curves::redraw() {
+  if (!isVisible() || (!stale_ && store_.version() == drawn_)) {
+    return;
+  }
+  const bool axes = fitAxes();
+  const bool earlier = store_.earlierVersion() != drawn_earlier_;
+  drawNow();
+  if (earlier || stale_) {
+    drawEarlier();
+  }
+  if (axes || earlier || stale_) {
+    plot_->replot();
+  } else {
+    live_->replot();
+  }
+  drawn_ = store_.version();
+  drawn_earlier_ = store_.earlierVersion();
+  stale_ = false;
+}
+
+bool Curves::fitAxes() {
+  bool changed = false;
+  const double end = std::max(kShortestAxis, kShortestAxis * std::ceil(store_.end() / kShortestAxis));
+  for (const Aspect aspect : {kPosition, kAngle}) {
+    Chart& chart = charts_.at(aspect);
+    const double top = roundUp(std::max(2.0 * bounds_.at(aspect), 1.05 * store_.greatest(aspect)));
+    const QCPRange time(0.0, end);
+    const QCPRange value(0.0, top);
+    QCPAxis* const bottom = chart.rect->axis(QCPAxis::atBottom);
+    QCPAxis* const left = chart.rect->axis(QCPAxis::atLeft);
+    changed = changed || bottom->range() != time || left->range() != value;
+    bottom->setRange(time);
+    left->setRange(value);
+    chart.bound->setData({0.0, end}, {bounds_.at(aspect), bounds_.at(aspect)}, true);
+  }
+  return changed;
+}
+
+void Curves::drawNow() {
+  const std::vector<CurvePoint>& points = store_.current().points;
+  for (const Aspect aspect : {kPosition, kAngle}) {
+    for (std::size_t kind = 0; kind < kCurveKinds; ++kind) {
+      QVector<QCPGraphData> data;
+      data.reserve(static_cast<int>(points.size()));
+      for (const CurvePoint& point : points) {
+        data.append({point.time, point.values.at(kind).at(aspect)});
+      }
+      charts_.at(aspect).now.at(kind)->data()->set(data, true);
+    }
+  }
+}
+
+void Curves::drawEarlier() {
+  for (const Aspect aspect : {kPosition, kAngle}) {
+    for (const std::size_t kind : {kReplayCurve, kClosedCurve}) {
+      QVector<QCPCurveData> data;
+      double order = 0.0;
+      for (const EpisodeCurves& curves : store_.earlier()) {
+        for (const CurvePoint& point : curves.points) {
+          data.append({order++, point.time, point.values.at(kind).at(aspect)});
+        }
+        data.append({order++, kGap, kGap});
+      }
+      charts_.at(aspect).earlier.at(kind)->data()->set(data, true);
+    }
+  }
+}
+
+}  // namespace pusht_rviz

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_rviz/curve_store.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace pusht_rviz {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+pusht_msgs::Divergence divergence(std::uint64_t episode, std::uint32_t step, double position = 0.01) {
+  pusht_msgs::Divergence made;
+  made.episode = episode;
+  made.step = step;
+  made.replay_position = position;
+  made.replay_angle = 10.0 * position;
+  made.closed_position = 0.5 * position;
+  made.closed_angle = kNan;
+  made.null_position = 9.0;
+  made.null_angle = 9.0;
+  return made;
+}
+
+TEST(CurveStore, KeepsWhatComesWithItsTime) {
+  CurveStore store;
+  store.add(divergence(7, 1, 0.02));
+  store.add(divergence(7, 2, 0.04));
+  ASSERT_EQ(store.current().points.size(), 2U);
+  EXPECT_EQ(store.current().episode, 7U);
+  const CurvePoint& last = store.current().points.back();
+  EXPECT_DOUBLE_EQ(last.time, 0.2);
+  EXPECT_DOUBLE_EQ(last.values[kReplayCurve][kPosition], 0.04);
+  EXPECT_DOUBLE_EQ(last.values[kClosedCurve][kPosition], 0.02);
+  EXPECT_TRUE(std::isnan(last.values[kClosedCurve][kAngle]));
+  EXPECT_DOUBLE_EQ(store.end(), 0.2);
+  EXPECT_DOUBLE_EQ(store.greatest(kPosition), 0.04)
+      << "of replay and closed loop: the null model may leave the picture";
+  EXPECT_DOUBLE_EQ(store.greatest(kAngle), 0.4);
+}
+
+TEST(CurveStore, MovesAnEpisodeThatEndedToTheEarlierOnes) {
+  CurveStore store;
+  store.add(divergence(0, 1));
+  const std::uint64_t before = store.earlierVersion();
+  store.add(divergence(0, 2));
+  EXPECT_EQ(store.earlierVersion(), before) << "or all of the earlier ones would be drawn again for each step";
+  store.add(divergence(1, 1));
+  EXPECT_NE(store.earlierVersion(), before);
+  ASSERT_EQ(store.earlier().size(), 1U);
+  EXPECT_EQ(store.earlier().front().points.size(), 2U);
+  EXPECT_EQ(store.current().points.size(), 1U);
+}
+
+TEST(CurveStore, ForgetsTheOldestOfMany) {
+  CurveStore store;
+  for (std::uint64_t episode = 0; episode < 200; ++episode) {
+    store.add(divergence(episode, 1));
+  }
+  EXPECT_EQ(store.earlier().size(), CurveStore::kKept);
+  EXPECT_EQ(store.earlier().back().episode, 198U);
+}
+
+TEST(CurveStore, TakesAnEpisodeThatBeginsAgain) {
+  CurveStore store;
+  for (std::uint32_t step = 1; step <= 9; ++step) {
+    store.add(divergence(3, step));
+  }
+  store.add(divergence(3, 4, 0.5));
+  EXPECT_EQ(store.current().points.size(), 4U) << "what came from there on is of the course before";
+  EXPECT_DOUBLE_EQ(store.current().points.back().values[kReplayCurve][kPosition], 0.5);
+  store.add(divergence(4, 1));
+  store.add(divergence(3, 1));
+  EXPECT_EQ(store.earlier().size(), 1U) << "no episode is there twice";
+  EXPECT_EQ(store.earlier().front().episode, 4U);
+}
+
+TEST(CurveStore, CanBeCleared) {
+  CurveStore store;
+  store.add(divergence(0, 1));
+  store.add(divergence(1, 1));
+  const std::uint64_t before = store.version();
+  store.clear();
+  EXPECT_NE(store.version(), before);
+  EXPECT_TRUE(store.current().points.empty());
+  EXPECT_TRUE(store.earlier().empty());
+  EXPECT_EQ(store.greatest(kPosition), 0.0);
+  EXPECT_EQ(store.end(), 0.0);
+}
+
+}  // namespace
+}  // namespace pusht_rviz

@@ -29,7 +29,7 @@ constexpr const char* kWidthKey = "Width";
 constexpr std::array kRates = {2.0, 10.0, 25.0, 50.0, 100.0, 0.0};  // [control steps/s]; the last: full speed
 constexpr double kRealTime = 1.0 / kControlStep;
 
-QString rateText(double rate) {
+QString paceLabel(double rate) {
   const QString text = QString::fromStdString(paceText(rate));
   return rate == kRealTime ? text + ", real time" : text;
 }
@@ -450,11 +450,11 @@ void Panel::showRate() {
   const QSignalBlocker quiet(rate_);
   if (rate_->count() == 0) {
     for (const double each : kRates) {
-      rate_->addItem(rateText(each), each);
+      rate_->addItem(paceLabel(each), each);
     }
   }
   if (rate_->findData(rate) < 0) {
-    rate_->insertItem(0, rateText(rate), rate);
+    rate_->insertItem(0, paceLabel(rate), rate);
   }
   if (rate_->currentIndex() != rate_->findData(rate) && !rate_->view()->isVisible()) {
     rate_->setCurrentIndex(rate_->findData(rate));

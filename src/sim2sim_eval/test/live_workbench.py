@@ -22,45 +22,37 @@ from live_support import (  # noqa: E402
 
 
 class Panel(LiveCase):
-    def test_panel_drives_runs(self) -> None:
-        launch = Launch(self, start=False, rviz=False, expert_node=True, overwrite=True)
+    def launch(self, **arguments: Any) -> Launch:
+        """An evaluator that waits for what the panel asks for."""
+        launch = Launch(self, start=False, rviz=False, **arguments)
         launch.line(r"process\[sim2sim-\d+\]: started")
-        environment = {**launch.environment, "DISPLAY": self.open_display()}
-        only = "--gtest_filter=*DrivesARun*"
-        panel = Process(self, "rosrun", "pusht_rviz", "panel_test", only, environment=environment)
+        return launch
+
+    def drive(self, launch: Launch, test: str, **environment: str) -> None:
+        """Runs one test of panel_test, in a real rviz."""
+        everything = {**launch.environment, "DISPLAY": self.open_display(), **environment}
+        command = ("rosrun", "pusht_rviz", "panel_test", f"--gtest_filter=*.{test}")
+        panel = Process(self, *command, environment=everything)
         self.assertEqual(panel.ended(5 * self.deadline), 0, panel.output)
         self.assertIn("[  PASSED  ] 1 test", panel.output)
+
+    def test_panel_drives_runs(self) -> None:
+        launch = self.launch(expert_node=True, overwrite=True)
+        self.drive(launch, "DrivesARunThroughEveryButton")
         self.assertEqual(files(launch.out), RECORDED_RESULTS)
         wanted = "--policy expert --first-episode 1 --episodes 2".split()
         self.assertEqual(result_bytes(launch.out), self.batch_bytes(*wanted))
 
     def test_f37_run_that_the_evaluator_refuses(self) -> None:
-        launch = Launch(self, smoke=True, start=False, rviz=False)
-        launch.line(r"process\[sim2sim-\d+\]: started")
-        environment = {
-            **launch.environment,
-            "DISPLAY": self.open_display(),
-            "PANEL_TEST_SMOKE": "",
-        }
-        only = "--gtest_filter=*ShowsWhyTheEvaluatorRefuses*"
-        panel = Process(self, "rosrun", "pusht_rviz", "panel_test", only, environment=environment)
-        self.assertEqual(panel.ended(5 * self.deadline), 0, panel.output)
-        self.assertIn("[  PASSED  ] 1 test", panel.output)
+        launch = self.launch(smoke=True)
+        self.drive(launch, "ShowsWhyTheEvaluatorRefusesARun", PANEL_TEST_SMOKE="")
         self.assertEqual(result_bytes(launch.out), self.batch_bytes("--smoke"))
 
     def test_node_that_dies_shows_as_lost(self) -> None:
-        launch = Launch(self, policy="expert", start=False, rviz=False)
-        launch.line(r"process\[sim2sim-\d+\]: started")
+        launch = self.launch(policy="expert")
         launch.tool("rosservice", "call", "--wait", "/engine/describe", "{}")
-        environment = {
-            **launch.environment,
-            "DISPLAY": self.open_display(),
-            "PANEL_TEST_VICTIM": str(launch.node("/engine")),
-        }
-        only = "--gtest_filter=*ShowsANodeThatDies*"
-        panel = Process(self, "rosrun", "pusht_rviz", "panel_test", only, environment=environment)
-        self.assertEqual(panel.ended(5 * self.deadline), 0, panel.output)
-        self.assertIn("[  PASSED  ] 1 test", panel.output)
+        victim = str(launch.node("/engine"))
+        self.drive(launch, "ShowsANodeThatDiesAndGoesOn", PANEL_TEST_VICTIM=victim)
 
 
 class Replay(LiveCase):

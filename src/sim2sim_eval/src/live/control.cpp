@@ -28,4 +28,15 @@ void obey(Pacer& pacer, const pusht_msgs::ControlRequest& request) {
   }
 }
 
+pusht_msgs::ControlResponse answerTo(const std::function<void()>& serve) {
+  pusht_msgs::ControlResponse response;
+  try {
+    serve();
+    response.success = 1;
+  } catch (const pusht::InvalidInput& refusal) {
+    response.message = refusal.what();
+  }
+  return response;
+}
+
 }  // namespace sim2sim

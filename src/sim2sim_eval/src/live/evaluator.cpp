@@ -515,18 +515,14 @@ void Evaluator::onCancel(const Goal& goal) {
 }
 
 bool Evaluator::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response) {
-  try {
+  response = answerTo([&] {
     if (request.command == pusht_msgs::ControlRequest::CANCEL) {
       cancel();
     } else {
       obey(pacer_, request);
     }
-    response.success = 1;
     tellProgress();
-  } catch (const pusht::InvalidInput& refusal) {
-    response.success = 0;
-    response.message = refusal.what();
-  }
+  });
   return true;
 }
 

@@ -186,26 +186,24 @@ Replay::Place Replay::placeOf(const pusht_msgs::ControlRequest& request) const {
 }
 
 bool Replay::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response) {
-  try {
+  response = answerTo([&] {
     if (request.command == pusht_msgs::ControlRequest::SEEK) {
-      const Place place = placeOf(request);
-      at_end_ = false;
-      const std::lock_guard<std::mutex> lock(mutex_);
-      sought_ = place;
+      seek(placeOf(request));
     } else {
-      if (request.command == pusht_msgs::ControlRequest::RESUME && at_end_.exchange(false)) {
-        const std::lock_guard<std::mutex> lock(mutex_);
-        sought_ = Place{episodes_.begin()->first, 0};  // once more
+      if (request.command == pusht_msgs::ControlRequest::RESUME && at_end_) {
+        seek({episodes_.begin()->first, 0});  // once more
       }
       obey(pacer_, request);
     }
-    response.success = 1;
     tellProgress();
-  } catch (const pusht::InvalidInput& refusal) {
-    response.success = 0;
-    response.message = refusal.what();
-  }
+  });
   return true;
+}
+
+void Replay::seek(const Place& place) {
+  at_end_ = false;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  sought_ = place;
 }
 
 void Replay::tellProgress() {

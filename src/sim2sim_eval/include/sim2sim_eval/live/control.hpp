@@ -4,11 +4,16 @@
 
 #include <pusht_msgs/Control.h>
 
+#include <functional>
+
 #include "sim2sim_eval/live/pacer.hpp"
 
 namespace sim2sim {
 
 /// Pauses, resumes, steps or paces. Throws InvalidInput with command, value and rule for anything else.
 void obey(Pacer& pacer, const pusht_msgs::ControlRequest& request);
+
+/// The answer to a command that `serve` carries out, or that it refuses by InvalidInput.
+pusht_msgs::ControlResponse answerTo(const std::function<void()>& serve);
 
 }  // namespace sim2sim

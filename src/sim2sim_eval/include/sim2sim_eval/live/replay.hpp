@@ -60,6 +60,7 @@ class Replay {
 
   bool onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response);
   Place placeOf(const pusht_msgs::ControlRequest& request) const;
+  void seek(const Place& place);
   void tellProgress();
   bool ended() const;
   bool sought() const;

@@ -12,8 +12,6 @@
 namespace pusht_rviz {
 namespace {
 
-QString shown(const std::string& text) { return QString::fromStdString(text); }
-
 QLabel* label(const QString& text, const QColor& colour) {
   auto* const made = new QLabel(text);
   made->setStyleSheet("color: " + colour.name());
@@ -95,15 +93,15 @@ void SummaryView::show(const pusht_msgs::Summary& summary) {
   const auto count = [&](std::uint32_t episodes) {
     return summary.episodes_finished == 0 ? QString::fromUtf8(kDash) : QString::number(episodes);
   };
-  reference_->setText(shown(rateText(summary.reference)));
-  engine_->setText(shown(rateText(summary.engine)));
-  transfer_->setText(shown(transferText(summary)));
+  reference_->setText(QString::fromStdString(rateText(summary.reference)));
+  engine_->setText(QString::fromStdString(rateText(summary.engine)));
+  transfer_->setText(QString::fromStdString(transferText(summary)));
   both_->setText(count(summary.both_succeed));
   only_reference_->setText(count(summary.only_reference_succeeds));
   only_engine_->setText(count(summary.only_engine_succeeds));
   neither_->setText(count(summary.neither_succeeds));
-  position_->setText(shown(meanText(summary, "mean_pos_divergence")));
-  angle_->setText(shown(meanText(summary, "mean_ang_divergence")));
+  position_->setText(QString::fromStdString(meanText(summary, "mean_pos_divergence")));
+  angle_->setText(QString::fromStdString(meanText(summary, "mean_ang_divergence")));
 }
 
 void SummaryView::clear() { show(pusht_msgs::Summary()); }

@@ -29,8 +29,8 @@ from pusht_msgs.srv import (  # type: ignore[import]
 )
 
 from pusht_task import files, task
+from pusht_task.exit_codes import ExitCode
 from pusht_task.sessions import (
-    ExitCode,
     FailedStart,
     Identity,
     PolicySession,
@@ -43,7 +43,9 @@ from pusht_task.task import WorldState, spawn, wrap_angle
 
 HERE = Path(__file__).parent
 GOLDEN = json.loads((HERE / "data" / "pusht_golden.json").read_text())
-CONSTANTS = (HERE.parent / "include" / "pusht_task" / "constants.hpp").read_text()
+HEADERS = HERE.parent / "include" / "pusht_task"
+CONSTANTS = (HEADERS / "constants.hpp").read_text()
+ERRORS = (HEADERS / "error.hpp").read_text()
 
 
 class Task(unittest.TestCase):
@@ -79,6 +81,11 @@ class Task(unittest.TestCase):
                 self.assertEqual(getattr(task, python_name), float(value), name)
                 found += 1
         self.assertGreaterEqual(found, 18)
+
+    def test_exit_codes_are_those_of_the_cpp_header(self) -> None:
+        codes = re.findall(r"k(\w+) = (\d+),", ERRORS)
+        found = {re.sub(r"(?<!^)([A-Z])", r"_\1", name).upper(): int(c) for name, c in codes}
+        self.assertEqual(found, {code.name: code.value for code in ExitCode})
 
     def test_fields_are_those_of_the_message(self) -> None:
         self.assertEqual(list(vars(WorldState())), WorldStateMessage.__slots__)

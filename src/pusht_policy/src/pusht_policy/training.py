@@ -37,11 +37,9 @@ from pusht_policy.demonstrations import (
     sha256_of_frames,
 )
 from pusht_policy.model import Policy, minimum_and_range, normalised
+from pusht_task.exit_codes import ExitCode
 from pusht_task.files import write_file
 
-EXIT_OK = 0
-EXIT_BAD_INPUT = 2
-EXIT_FAULT = 4
 STATE_INTERVAL = 10  # epochs between two saved states, and between two plain progress lines
 HISTORY_INTERVAL = 50  # epochs between two entries of the validation loss history
 ARCHIVE_TIME = (1980, 1, 1, 0, 0, 0)  # of every file in a TorchScript archive
@@ -359,7 +357,7 @@ class OneLineParser(argparse.ArgumentParser):
     """Bad arguments are one line on stderr and exit code 2."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(EXIT_BAD_INPUT, f"{self.prog}: {message}\n")
+        self.exit(ExitCode.INVALID_INPUT, f"{self.prog}: {message}\n")
 
 
 def run_command(name: str, command: Callable[[], None], resume_hint: str = "") -> int:
@@ -368,14 +366,14 @@ def run_command(name: str, command: Callable[[], None], resume_hint: str = "") -
         command()
     except InputError as error:
         print(f"{name}: {error}", file=sys.stderr)
-        return EXIT_BAD_INPUT
+        return ExitCode.INVALID_INPUT
     except Interrupted as error:
         print(f"{name}: interrupted {error}, state saved; {resume_hint}", file=sys.stderr)
-        return EXIT_FAULT
+        return ExitCode.RUNTIME_FAULT
     except (Fault, OSError) as error:
         print(f"{name}: {error}", file=sys.stderr)
-        return EXIT_FAULT
-    return EXIT_OK
+        return ExitCode.RUNTIME_FAULT
+    return ExitCode.OK
 
 
 def provenance_path(checkpoint: Path) -> Path:

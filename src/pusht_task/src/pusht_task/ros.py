@@ -33,10 +33,10 @@ from pusht_msgs.srv import Act as ActService  # type: ignore[import]
 from pusht_msgs.srv import Configure, ConfigureResponse, Describe, Reset, Step
 from rosgraph_msgs.msg import Clock  # type: ignore[import]
 
+from pusht_task.exit_codes import ExitCode
 from pusht_task.sessions import (
     FOREIGN,
     Act,
-    ExitCode,
     FailedStart,
     Identity,
     PolicySession,

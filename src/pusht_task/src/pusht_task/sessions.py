@@ -10,7 +10,6 @@ import threading
 import traceback
 import uuid
 from dataclasses import dataclass, field
-from enum import IntEnum
 from typing import Any, Callable, Dict, List, Mapping, Optional, Protocol, Sequence, Type, Union
 
 import numpy as np
@@ -26,6 +25,7 @@ from pusht_msgs.srv import (  # type: ignore[import]
     StepResponse,
 )
 
+from pusht_task.exit_codes import ExitCode
 from pusht_task.task import (
     ACTION_LIMIT,
     CONTROL_STEP,
@@ -65,14 +65,6 @@ class Simulator(Protocol):
 
     def step(self, action: np.ndarray) -> WorldState:
         """One control step with the commanded pusher velocity [m/s], float64 [2] in [-1, 1]."""
-
-
-class ExitCode(IntEnum):
-    OK = 0
-    INVALID_INPUT = 2
-    BAD_DEPENDENCY = 3
-    RUNTIME_FAULT = 4
-    INTERNAL_ERROR = 70
 
 
 class Refusal(Exception):

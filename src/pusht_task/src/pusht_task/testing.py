@@ -40,8 +40,8 @@ from pusht_msgs.msg import Parameter, Query, WorldStateStamped  # type: ignore[i
 from pusht_msgs.msg import WorldState as WorldStateMessage
 from pusht_msgs.srv import Act, Configure, Describe, Reset, Step  # type: ignore[import]
 
+from pusht_task.exit_codes import ExitCode
 from pusht_task.ros import master_answers
-from pusht_task.sessions import ExitCode
 from pusht_task.task import (
     HORIZON,
     PLAUSIBLE_SPEED,
@@ -55,8 +55,8 @@ from pusht_task.task import (
 
 DEADLINE = 30.0  # [s] for what must happen at once, whatever else keeps the machine busy
 CONTROL_STEP = rospy.Duration(0, 100_000_000)
-BAD_REQUEST = 2  # exit code
-HELD = 4  # exit code: by another caller
+BAD_REQUEST = ExitCode.INVALID_INPUT
+HELD = ExitCode.RUNTIME_FAULT  # by another caller
 # [m, rad, m/s, rad/s] How near a start must be to what was asked for, if the node does not say.
 REPRESENTED = 1e-12
 

@@ -180,11 +180,22 @@ TEST_F(SimulatorSessions, LateStampsDoNotSpoilTheWorld) {
   for (const ros::Time late : {ros::Time(kLimit, 0), ros::TIME_MAX}) {
     const auto refused = reset(0, late);
     EXPECT_EQ(refused.exit_code, static_cast<int>(ExitCode::kInvalidInput));
-    EXPECT_THAT(refused.message, HasSubstr("must be below 2^31 [s]"));
+    EXPECT_THAT(refused.message, HasSubstr("must be below 2^31 [s] without a token"));
   }
   EXPECT_EQ(reset(0, ros::Time(kLimit - 1, 999'999'999)).success, 1);
   EXPECT_THAT(step(0, ros::Time(kLimit, 0)).message, HasSubstr("must be below 2^31 [s]"));
   EXPECT_EQ(step(0).stamp, ros::Time(kLimit, 99'999'999)) << "it counts on from there";
+
+  pusht_msgs::ResetRequest run;
+  run.token = "mine";
+  run.stamp = ros::Time(kLimit, 199'999'999);
+  EXPECT_EQ(session_.reset(run).success, 1) << "whoever names stamps, as a run does, goes on too";
+  pusht_msgs::StepRequest next;
+  next.token = "mine";
+  next.stamp = ros::Time(0U - 1'000'000U, 0);
+  EXPECT_THAT(session_.step(next).message, HasSubstr("must be below 2^32 - 10^6 [s]"));
+  next.stamp = run.stamp + ros::Duration(0.1);
+  EXPECT_EQ(session_.step(next).stamp, next.stamp);
   EXPECT_EQ(reset().success, 1);
 }
 

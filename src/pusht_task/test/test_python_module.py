@@ -227,10 +227,14 @@ class Resets(SessionCase):
 
     def test_late_stamps_do_not_spoil_the_world(self) -> None:
         for late in (Time(2**31), Time(2**32 - 1, 999_999_999)):
-            self.refused_reset("must be below 2\\^31", stamp=late)
+            self.refused_reset(r"must be below 2\^31 \[s\] without a token", stamp=late)
         self.reset(stamp=Time(2**31 - 1, 999_999_999))
         self.refused_step("must be below 2\\^31", stamp=Time(2**31))
         self.assertEqual(self.step().stamp, Time(2**31, 99_999_999))
+        run = {"token": "mine"}  # it names stamps, too
+        self.reset(stamp=Time(2**31, 199_999_999), **run)
+        self.refused_step(r"must be below 2\^32 - 10\^6", stamp=Time(2**32 - 10**6), **run)
+        self.assertEqual(self.step(stamp=Time(2**31, 299_999_999), **run).stamp.secs, 2**31)
         self.reset()
 
     def test_repeated_reset_is_answered_again(self) -> None:

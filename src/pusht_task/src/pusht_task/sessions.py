@@ -43,8 +43,10 @@ LOG = logging.getLogger("rosout")  # of the node
 
 NANOSECONDS = 10**9  # in a second
 STAMP_STEP = round(CONTROL_STEP * NANOSECONDS)  # [ns]
-# [s] of what a caller may ask for; as much again is left to count on from there
-STAMP_LIMIT = 2**31
+# [s] What a caller may ask for. By hand no more than half of what a stamp can be: the runs that
+# follow name stamps too, and a slip must not spoil the world for them.
+STAMP_LIMIT_BY_HAND = 2**31
+STAMP_LIMIT = 2**32 - 10**6
 POSITIONS = ("pusher_x", "pusher_y", "tee_x", "tee_y")
 SPEEDS = ("pusher_vx", "pusher_vy", "tee_vx", "tee_vy")
 VELOCITIES = (*SPEEDS, "tee_yaw_rate")
@@ -180,7 +182,7 @@ class SimulatorSession:
         if self._last is not None and request.stamp and request == self._last_request:
             return self._last
         start = _start(request)
-        stamp = self._stamp if request.silent else self._next_stamp(request.stamp)
+        stamp = self._stamp if request.silent else self._next_stamp(request)
         self._token = ""
         state = self._simulate(
             "reset", lambda: _started(self._simulator, start, self._start_tolerance)
@@ -221,7 +223,7 @@ class SimulatorSession:
             )
         if not all(map(math.isfinite, request.action)):
             raise Refusal("action ({}, {}): must be finite".format(*request.action))
-        stamp = self._stamp if self._silent else self._next_stamp(request.stamp)
+        stamp = self._stamp if self._silent else self._next_stamp(request)
         action = [min(max(axis, -ACTION_LIMIT), ACTION_LIMIT) for axis in request.action]
         state = self._simulate("step", lambda: _stepped(self._simulator, np.array(action)))
         self._stamp = stamp
@@ -293,14 +295,15 @@ class SimulatorSession:
     def _close(self, reason: str) -> None:
         self._closed, self._last = reason, None
 
-    def _next_stamp(self, requested: Time) -> int:
-        stamp: int = requested.to_nsec() or self._stamp + STAMP_STEP
+    def _next_stamp(self, request: Any) -> int:
+        stamp: int = request.stamp.to_nsec() or self._stamp + STAMP_STEP
         if stamp <= self._stamp:
             raise Refusal(
                 f"stamp {_seconds(stamp)}: must be above {_seconds(self._stamp)}, the last one [s]"
             )
-        if requested.secs >= STAMP_LIMIT:
-            raise Refusal(f"stamp {_seconds(stamp)}: must be below 2^31 [s]")
+        if request.stamp.secs >= (STAMP_LIMIT if request.token else STAMP_LIMIT_BY_HAND):
+            limit = "2^32 - 10^6 [s]" if request.token else "2^31 [s] without a token"
+            raise Refusal(f"stamp {_seconds(stamp)}: must be below {limit}")
         return stamp
 
     def _observe(self, action: Sequence[float]) -> None:

@@ -2,7 +2,7 @@
 #include "pusht_task/ros/served_policy.hpp"
 
 #include <algorithm>
-#include <random>
+#include <cstdint>
 #include <string>
 
 namespace pusht {
@@ -15,16 +15,11 @@ struct ServedRollout : Policy::Memory {
   std::uint32_t next_step = 0;
 };
 
-std::uint64_t randomNumber() {
-  std::random_device source;
-  return std::uniform_int_distribution<std::uint64_t>()(source);
-}
-
 }  // namespace
 
-ServedPolicy::ServedPolicy(const Peer& peer) : act_(peer, "act"), next_rollout_(randomNumber()) {}
+ServedPolicy::ServedPolicy(const Peer& peer) : act_(peer, "act") {}
 
-std::unique_ptr<Policy::Memory> ServedPolicy::begin() const { return std::make_unique<ServedRollout>(next_rollout_++); }
+std::unique_ptr<Policy::Memory> ServedPolicy::begin() const { return std::make_unique<ServedRollout>(ids_.next()); }
 
 void ServedPolicy::act(Span<const Query> queries, Span<Action> actions) {
   if (queries.empty()) {

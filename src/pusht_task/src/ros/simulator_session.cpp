@@ -19,8 +19,10 @@ namespace {
 
 const ros::Duration kStampStep(kControlStep);
 
-/// [s] What a caller may ask for. As much again is left to count on from there.
-constexpr std::uint32_t kStampLimit = 1U << 31U;
+/// [s] What a caller may ask for. By hand no more than half of what a stamp can be: the runs that follow name stamps
+/// too, and a slip must not spoil the world for them. After theirs, 11 days are left to count on from there.
+constexpr std::uint32_t kStampLimitByHand = 1U << 31U;
+constexpr std::uint32_t kStampLimit = 0U - 1'000'000U;
 
 /// Without the kind's name, for runs have recorded such hashes: two kinds may share one, and callers look at `name`.
 std::string hashOf(const Parameters& parameters) {
@@ -107,7 +109,7 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
   }
   return answer<pusht_msgs::ResetResponse>(instance_id_, [&](pusht_msgs::ResetResponse& response) {
     const WorldState start = startOf(request);
-    const ros::Time stamp = request.silent != 0 ? stamp_ : nextStamp(request.stamp);
+    const ros::Time stamp = request.silent != 0 ? stamp_ : nextStamp(request.stamp, request.token);
     configuration_.reset();
     try {
       world_->reset(start);
@@ -137,7 +139,7 @@ pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& r
     requireHold(request.token);
     requireStep(request);
     const Action action = {request.action[0], request.action[1]};
-    const ros::Time stamp = episode_->begin.silent != 0 ? stamp_ : nextStamp(request.stamp);
+    const ros::Time stamp = episode_->begin.silent != 0 ? stamp_ : nextStamp(request.stamp, request.token);
     try {
       world_->step(action);
     } catch (const InvalidInput&) {
@@ -256,7 +258,7 @@ void SimulatorSession::requireStep(const pusht_msgs::StepRequest& request) const
   }
 }
 
-ros::Time SimulatorSession::nextStamp(const ros::Time& requested) const {
+ros::Time SimulatorSession::nextStamp(const ros::Time& requested, const std::string& token) const {
   if (requested.isZero()) {
     return stamp_ + kStampStep;
   }
@@ -264,8 +266,9 @@ ros::Time SimulatorSession::nextStamp(const ros::Time& requested) const {
     throw InvalidInput("stamp " + std::to_string(requested.toSec()) + ": must be above " +
                        std::to_string(stamp_.toSec()) + ", the last one [s]");
   }
-  if (requested.sec >= kStampLimit) {
-    throw InvalidInput("stamp " + std::to_string(requested.toSec()) + ": must be below 2^31 [s]");
+  if (requested.sec >= (token.empty() ? kStampLimitByHand : kStampLimit)) {
+    throw InvalidInput("stamp " + std::to_string(requested.toSec()) + ": must be below " +
+                       (token.empty() ? "2^31 [s] without a token" : "2^32 - 10^6 [s]"));
   }
   return requested;
 }

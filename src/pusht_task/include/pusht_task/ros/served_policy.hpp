@@ -4,10 +4,10 @@
 
 #include <pusht_msgs/Act.h>
 
-#include <cstdint>
 #include <memory>
 
 #include "pusht_task/policy.hpp"
+#include "pusht_task/rollout_ids.hpp"
 #include "pusht_task/ros/peer.hpp"
 
 namespace pusht {
@@ -26,7 +26,7 @@ class ServedPolicy : public Policy {
 
  private:
   ServiceCaller<pusht_msgs::Act> act_;
-  mutable std::uint64_t next_rollout_;  // from a random number on: the node may have other callers
+  mutable RolloutIds ids_;
 };
 
 }  // namespace pusht

@@ -58,7 +58,7 @@ class SimulatorSession {
   bool isRepeated(const pusht_msgs::ConfigureRequest& request) const;
   void requireHold(const std::string& token) const;
   void requireStep(const pusht_msgs::StepRequest& request) const;
-  ros::Time nextStamp(const ros::Time& requested) const;
+  ros::Time nextStamp(const ros::Time& requested, const std::string& token) const;
   void observe(const Action& action) const;
   bool inEpisode() const;
   const SimulatorKind& kindFor(const std::string& name) const;

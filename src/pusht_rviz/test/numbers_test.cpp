@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "pusht_task/testing/decimal_comma.hpp"
+
 namespace pusht_rviz {
 namespace {
 
@@ -105,6 +107,20 @@ TEST(Numbers, AreReadStrictly) {
   EXPECT_FALSE(decimal<std::uint32_t>("4294967296"));
   EXPECT_FALSE(decimal<std::uint32_t>("-1"));
   EXPECT_FALSE(decimal<std::uint32_t>("1.0"));
+}
+
+/// A program of Qt takes the user's locale.
+TEST(Numbers, F24AreTheSameWhereTheUserWritesAComma) {
+  const pusht::testing::DecimalComma locale;
+  pusht_msgs::Summary summary;
+  summary.means = {mean("divergence", "m", 0.0817123, 0.0692, 0.0964)};
+  EXPECT_EQ(meanText(summary, "divergence"), "0.0817 m [0.0692, 0.0964]");
+  EXPECT_EQ(rateText(rate(30, 50, 0.4618145, 0.7239161)), "30/50  0.600 [0.462, 0.724]");
+  EXPECT_EQ(fixedText(1234567.5, 3), "1234567.500");
+  EXPECT_EQ(shortText(1234567.5), "1234567.5");
+  EXPECT_EQ(paceText(0.5), "0.5 Hz");
+  EXPECT_EQ(decimal<double>("6.5"), 6.5);
+  EXPECT_FALSE(decimal<double>("6,5"));
 }
 
 }  // namespace

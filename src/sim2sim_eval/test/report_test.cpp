@@ -11,6 +11,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/testing/decimal_comma.hpp"
 #include "sim2sim_eval/batch/comparison.hpp"
 
 namespace sim2sim {
@@ -134,6 +135,21 @@ TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
   EXPECT_THAT(lines[1], StartsWith("0,10000,reference_closed,0,true,0.0,0.0,,"));
   EXPECT_THAT(lines[5], StartsWith("1,10001,engine_closed,0,false,0.0,0.0,0.5,0.5"));
   EXPECT_THAT(lines[6], StartsWith("1,10001,engine_replay,0,true,0.0,0.0,0.01,0.05"));
+}
+
+TEST(Files, F24AreTheSameWhereTheUserWritesAComma) {
+  std::vector<EpisodeResult> episodes = episodesWith(50, 31, 10);
+  episodes[0].seed = 1'234'567;
+  const RunConfiguration configuration = bareConfiguration();
+  const auto texts = [&] {
+    const Summary summary = summarize(bare(), episodes);
+    return std::vector<std::string>{jsonText(metrics(configuration, summary)), episodesCsv(bare(), episodes),
+                                    jsonText(statistics(bare(), episodes)), table(configuration, summary)};
+  };
+  const std::vector<std::string> with_point = texts();
+  const pusht::testing::DecimalComma locale;
+  EXPECT_EQ(texts(), with_point);
+  EXPECT_EQ(episodesCsv(bare(), episodesFromCsv(bare(), with_point[1])), with_point[1]);
 }
 
 /// As STATISTICS of paired outcomes want it: reference 31, engine 10, both 10.

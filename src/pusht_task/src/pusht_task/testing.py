@@ -39,6 +39,7 @@ from diagnostic_msgs.msg import (  # type: ignore[import]
 from pusht_msgs.msg import Parameter, Query, WorldStateStamped  # type: ignore[import]
 from pusht_msgs.msg import WorldState as WorldStateMessage
 from pusht_msgs.srv import Act, Configure, Describe, Reset, Step  # type: ignore[import]
+from visualization_msgs.msg import MarkerArray  # type: ignore[import]
 
 from pusht_task.exit_codes import ExitCode
 from pusht_task.ros import master_answers
@@ -532,6 +533,26 @@ class SimulatorContract(ServedCase):
                 np.testing.assert_allclose([place.x, place.y, place.z], [x, y, height], atol=1e-12)
                 wanted = [0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]
                 np.testing.assert_allclose([turn.x, turn.y, turn.z, turn.w], wanted, atol=1e-12)
+
+    def test_frames_come_again_for_whoever_joins_late(self) -> None:
+        state = self.begin(seed=3).state
+        frames = tf2_ros.Buffer()
+        listener = tf2_ros.TransformListener(frames)
+        self.addCleanup(listener.unregister)
+        for child, x, y in (("tee", state.tee_x, state.tee_y), ("target", 0.0, 0.0)):
+            names = (f"{self.frame_prefix}/table", f"{self.frame_prefix}/{child}")
+            found = frames.lookup_transform(*names, rospy.Time(), rospy.Duration(DEADLINE))
+            place = found.transform.translation
+            np.testing.assert_allclose([place.x, place.y], [x, y], atol=1e-12)
+
+    def test_markers_come_again_for_whoever_has_forgotten(self) -> None:
+        topic = f"{self.namespace}/markers"
+        if topic not in dict(rospy.get_published_topics()):
+            self.skipTest(f"{self.namespace} has no markers")
+        self.begin()
+        latest = Inbox(topic, MarkerArray)
+        for _ in range(2):  # the first is latched
+            self.assertTrue(latest.until(lambda message: True)[0].markers)
 
     def test_diagnostics(self) -> None:
         self.assert_healthy()

@@ -428,9 +428,12 @@ class LostRuns(LiveCase):
                 self.assertEqual(status_of_file(self.folder / "copy.json"), launch.status())
 
     def test_f22_killed_roslaunch(self) -> None:
-        launch = Launch(self, **LONG)
+        python = '<node name="python" pkg="sim2sim_eval" type="quasi_static_simulator"/>'
+        launch = Launch(self, beside=python, **LONG)
         launch.first("/sim2sim/episode")
-        nodes = [launch.node(f"/{name}") for name in ("sim2sim", "engine", "reference", "policy")]
+        names = ("sim2sim", "engine", "reference", "policy", "python")
+        launch.tool("rosservice", "call", "--wait", "/python/describe", "{}")
+        nodes = [launch.node(f"/{name}") for name in names]
         children = children_of(launch.pid)  # the master is one
         for pid in children:
             self.addCleanup(kill, pid, signal.SIGKILL)

@@ -246,6 +246,7 @@ class Launch(Process):
         self,
         test: LiveCase,
         parameters: Optional[Dict[str, Any]] = None,  # set beside those of compare.launch
+        beside: str = "",  # what else is in the user's launch file
         display: str = "",  # none
         master_uri: str = "",  # of a master that runs already; empty: the launch's own
         file_limit: Optional[int] = None,
@@ -264,8 +265,8 @@ class Launch(Process):
         }
         self._test = test
         launch = ["sim2sim_eval", "compare.launch"]
-        if parameters is not None:
-            launch = [extended_launch(test.folder, arguments, parameters)]
+        if parameters is not None or beside:
+            launch = [extended_launch(test.folder, arguments, parameters or {}, beside)]
         given = [f"{name}:={text_of(value)}" for name, value in arguments.items()]
         port = [] if master_uri else ["-p", self.uri.split(":")[-1]]
         super().__init__(
@@ -298,14 +299,16 @@ def text_of(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def extended_launch(folder: Path, arguments: Dict[str, Any], parameters: Dict[str, Any]) -> str:
+def extended_launch(
+    folder: Path, arguments: Dict[str, Any], parameters: Dict[str, Any], beside: str
+) -> str:
     """A launch file of a user who wants more than compare.launch has arguments for."""
     lines = ["<launch>"]
     lines += [f'<arg name="{name}"/>' for name in arguments]
     lines += ['<include file="$(find sim2sim_eval)/launch/compare.launch" pass_all_args="true"/>']
     lines += [f'<param name="{k}" value="{text_of(v)}"/>' for k, v in parameters.items()]
     path = folder / "mine.launch"
-    path.write_text("\n".join([*lines, "</launch>"]))
+    path.write_text("\n".join([*lines, beside, "</launch>"]))
     return str(path)
 
 

@@ -13,6 +13,7 @@ It then has the services, topics and frames of every other simulator, and keeps 
 
 import contextlib
 import math
+import os
 import sys
 import threading
 import xmlrpc.client
@@ -48,7 +49,7 @@ from pusht_task.sessions import (
 from pusht_task.task import PUSHER_FRAME_HEIGHT, TEE_FRAME_HEIGHT
 
 QUEUE = 1000  # messages to a slow subscriber
-PERIOD = 1.0  # [s] of the diagnostics, of repeated frames and of the checks of the master
+PERIOD = 1.0  # [s] of the diagnostics, of repeated frames and of the checks of master and launch
 MASTER_PERIOD = 0.1  # [s] of the looks for one at start
 MASTER_DEADLINE = 2.0  # [s] for its answer
 CLOCK_PATIENCE = 5.0  # [s]
@@ -270,18 +271,24 @@ class _Health:
         return counted
 
     def watch(self) -> ExitCode:
-        """Returns when the node is shut down, or when the master has died: nobody would find it."""
+        """Returns when the node is shut down, or when the master or the roslaunch that has started
+        the node has died: nobody would find it, or end it."""
+        # roslaunch names a log file to every node that it starts.
+        launched = any(argument.startswith("__log:=") for argument in sys.argv)
+        parent = os.getppid()
         misses = 0
         try:
             while not rospy.is_shutdown():
                 self._publish()
                 rospy.rostime.wallsleep(PERIOD)
                 misses = 0 if master_answers() else misses + 1
+                lost = ""
                 if misses == MASTER_PATIENCE:
-                    uri = rosgraph.get_master_uri()
-                    print(
-                        f"{self._identity.name}: the ROS master at {uri} has died", file=sys.stderr
-                    )
+                    lost = f"the ROS master at {rosgraph.get_master_uri()}"
+                if launched and os.getppid() != parent:
+                    lost = "roslaunch, which has started this node,"
+                if lost:
+                    print(f"{self._identity.name}: {lost} has died", file=sys.stderr)
                     return ExitCode.RUNTIME_FAULT
         except (KeyboardInterrupt, rospy.ROSException):  # shut down, perhaps while it publishes
             pass

@@ -231,7 +231,7 @@ class Resets(SessionCase):
         self.reset(stamp=Time(2**31 - 1, 999_999_999))
         self.refused_step("must be below 2\\^31", stamp=Time(2**31))
         self.assertEqual(self.step().stamp, Time(2**31, 99_999_999))
-        run = {"token": "mine"}  # it names stamps, too
+        run: Dict[str, Any] = {"token": "mine"}  # it names stamps, too
         self.reset(stamp=Time(2**31, 199_999_999), **run)
         self.refused_step(r"must be below 2\^32 - 10\^6", stamp=Time(2**32 - 10**6), **run)
         self.assertEqual(self.step(stamp=Time(2**31, 299_999_999), **run).stamp.secs, 2**31)

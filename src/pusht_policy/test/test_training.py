@@ -504,6 +504,9 @@ class TrainCommand(CommandCase):
         )
         self.assertEqual(provenance["training"]["train_frames"], 144)
         self.assertEqual(provenance["training"]["validation_frames"], 12)
+        self.assertEqual(provenance["software"], training.software())
+        for name in ("cpu", "vectors", "blas_core"):  # as the code of torch and BLAS is chosen by
+            self.assertTrue(provenance["software"][name], name)
         self.assertIsNone(provenance["evaluation"])
         self.assertNotIn(str(self.folder), provenance_file.read_text())
         self.assertEqual(
@@ -570,9 +573,14 @@ class RecordEvaluation(CommandCase):
         found = training.sha256_of(self.out)
         self.provenance.write_text(json.dumps({"checkpoint": {"sha256": found}}))
         configuration: Dict[str, Any] = {
+            "format": 4,
             "episodes": 50,
             "seed": 0,
+            "first_episode": 0,
+            "horizon": 300,
+            "smoke": False,
             "reference_simulator": "mujoco",
+            "simulators": {"reference": {"changed": []}},
         }
         self.metrics = {**configuration, "mj_success_rate": 0.62, "mj_successes": 31}
         self.origin: Dict[str, Dict[str, Any]] = {
@@ -581,9 +589,12 @@ class RecordEvaluation(CommandCase):
             "software": {"mujoco": "2.2.2"},
         }
 
-    def record(self) -> "subprocess.CompletedProcess[str]":
+    def write_results(self) -> None:
         for name, content in (("metrics", self.metrics), ("provenance", self.origin)):
             (self.folder / f"{name}.json").write_text(json.dumps(content))
+
+    def record(self) -> "subprocess.CompletedProcess[str]":
+        self.write_results()
         script = str(SCRIPTS / "record_evaluation")
         return self.run_command([sys.executable, script, str(self.out), str(self.folder)])
 
@@ -611,6 +622,27 @@ class RecordEvaluation(CommandCase):
             self.assertIn(text, finished.stderr)
             self.assertEqual(self.provenance.read_bytes(), before)
 
+        others: Dict[str, Any] = {
+            "horizon": 200,
+            "first_episode": 50,
+            "smoke": True,
+            "starts": "0123abcd",
+            "until_decided": 0.5,
+            "simulators": {"reference": {"changed": ["scene"]}},
+        }
+        for name, value in others.items():
+            metrics, configuration = self.metrics, self.origin["configuration"]
+            self.metrics = {**metrics, name: value}
+            self.origin["configuration"] = {**configuration, name: value}
+            self.write_results()
+            with self.assertRaisesRegex(InputError, f"provenance.json: configuration.{name}"):
+                training.record_evaluation(self.out, self.folder)
+            self.metrics, self.origin["configuration"] = metrics, configuration
+        self.assertEqual(self.provenance.read_bytes(), before)
+
+        self.metrics["format"] = 3
+        refused("metrics.json: format is 3; it must be 4")
+        self.metrics["format"] = 4
         self.metrics["mj_success_rate"] = 0.63
         refused("mj_success_rate is 0.63")
         del self.metrics["mj_success_rate"]

@@ -40,6 +40,7 @@ ROLLOUTS = ("reference_closed", "engine_closed", "engine_replay", *FLOORS)
 COMPARE = executable("sim2sim_eval", "compare")
 DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
+RECORD_EVALUATION = executable("pusht_policy", "record_evaluation")
 SWEEP = executable("sim2sim_eval", "sweep")
 TRAIN = executable("pusht_policy", "train")
 PRELOAD = "libraise_mujoco_error.so"  # found in the workspace by the loader
@@ -208,6 +209,10 @@ class Measurement(CompareCase):
         self.assertEqual(
             self.load("out", "provenance.json")["policy"]["runs_on"], "fixed-order kernel"
         )
+        recorded = self.run_command(RECORD_EVALUATION, "policy.pt", "out")
+        self.assertEqual(recorded.returncode, 0, recorded.stderr)
+        evaluation = self.load(".", "policy.pt.provenance.json")["evaluation"]
+        self.assertEqual((evaluation["episodes"], evaluation["seed"]), (2, 0))
 
 
 class ResultsFolder(CompareCase):

@@ -42,6 +42,15 @@ from pusht_task.files import write_file
 
 STATE_INTERVAL = 10  # epochs between two saved states, and between two plain progress lines
 HISTORY_INTERVAL = 50  # epochs between two entries of the validation loss history
+METRICS_FORMAT = 4  # of the metrics.json that is read; kDescriptionFormat in sim2sim_eval
+# What an evaluation is of, besides episodes and seed.
+EVALUATED: Dict[str, Any] = {
+    "reference_simulator": "mujoco",
+    "simulators.reference.changed": [],  # parameters
+    "horizon": 300,
+    "first_episode": 0,
+    "smoke": False,
+}
 ARCHIVE_TIME = (1980, 1, 1, 0, 0, 0)  # of every file in a TorchScript archive
 
 
@@ -308,16 +317,25 @@ def torchscript_bytes(script: torch.jit.ScriptModule) -> bytes:
 
 def record_evaluation(checkpoint: Path, results: Path) -> None:
     """Fills `evaluation` in the checkpoint's provenance from the results folder of a comparison
-    with it in MuJoCo: figures of another policy or simulator are refused."""
+    with it in MuJoCo: figures of another policy, simulator or protocol are refused."""
     path = provenance_path(checkpoint)
     provenance = _read_json(path)
     found = sha256_of(checkpoint)
     _require(path, provenance, "checkpoint.sha256", found)
     metrics = _read_json(results / "metrics.json")
+    _require(results / "metrics.json", metrics, "format", METRICS_FORMAT)
     origin = _read_json(results / "provenance.json")
     _require(results / "provenance.json", origin, "policy.sha256", found)
-    _require(results / "provenance.json", origin, "configuration.reference_simulator", "mujoco")
-    for name, value in _value(results / "provenance.json", origin, "configuration").items():
+    configuration = _value(results / "provenance.json", origin, "configuration")
+    for name, value in EVALUATED.items():
+        _require(results / "provenance.json", origin, f"configuration.{name}", value)
+    for name in ("starts", "until_decided"):
+        if name in configuration:
+            raise InputError(
+                f"{results / 'provenance.json'}: configuration.{name} is {configuration[name]}; "
+                "there must be none"
+            )
+    for name, value in configuration.items():
         _require(results / "metrics.json", metrics, name, value)
     episodes = _value(results / "metrics.json", metrics, "episodes")
     successes = _value(results / "metrics.json", metrics, "mj_successes")

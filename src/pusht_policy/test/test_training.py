@@ -437,6 +437,12 @@ class Resume(TrainerCase):
             with self.assertRaisesRegex(InputError, "state.pt: blas_core was .*, is now Another"):
                 self.trainer().resume(self.state)
 
+    def test_state_of_another_format_is_refused(self) -> None:
+        self.interrupted_after(2)
+        with mock.patch.object(training, "STATE_FORMAT", 2):
+            with self.assertRaisesRegex(InputError, "state.pt: format was 1, is now 2"):
+                self.trainer().resume(self.state)
+
     def test_damaged_state_is_refused(self) -> None:
         self.interrupted_after(2)
         whole = self.state.read_bytes()

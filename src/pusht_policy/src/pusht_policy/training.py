@@ -42,6 +42,7 @@ from pusht_task.files import write_file
 
 STATE_INTERVAL = 10  # epochs between two saved states, and between two plain progress lines
 HISTORY_INTERVAL = 50  # epochs between two entries of the validation loss history
+STATE_FORMAT = 1  # of state.pt
 METRICS_FORMAT = 4  # of the metrics.json that is read; kDescriptionFormat in sim2sim_eval
 # What an evaluation is of, besides episodes and seed.
 EVALUATED: Dict[str, Any] = {
@@ -470,6 +471,7 @@ def _identity(recipe: Recipe, demonstrations: Sequence[Demonstration]) -> Dict[s
     """All that must agree for a state to be continued with the same bits."""
     versions = software()
     return {
+        "format": STATE_FORMAT,
         **asdict(recipe),
         "frames": sha256_of_frames(demonstrations),
         **{name: versions[name] for name in ("torch", "blas", "blas_core", "vectors")},

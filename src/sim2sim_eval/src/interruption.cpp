@@ -76,6 +76,12 @@ void catchInterruptsAside(const std::string& name) {
 
 bool interrupted() { return first_interrupt != 0; }
 
+void requireNotInterrupted(const std::string& where) {
+  if (interrupted()) {
+    throw pusht::RuntimeFault(where.empty() ? "interrupted" : "interrupted " + where);
+  }
+}
+
 void warn(const std::string& warning) {
   if (!warning.empty()) {
     std::cerr << "WARNING: " << warning << std::endl;

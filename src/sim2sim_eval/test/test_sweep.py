@@ -356,6 +356,19 @@ class Resuming(SweepCase):
             self.assertEqual(self.files("out"), {"rows"})
             self.assertEqual(plan.read_text(), PLAN)
 
+    def test_scene_of_a_row_where_results_are_written_is_refused(self) -> None:
+        """Not only the reference reads files."""
+        scene = Path(rospkg.RosPack().get_path("pusht_mujoco"), "scenes", "pusht.xml").read_text()
+        self.write_below("a.xml", scene)
+        kept = self.write_below("out/sweep.csv", scene)
+        plan = PLAN.split("grid")[0] + "engine: mujoco\ngrid: {scene: [a.xml, out/sweep.csv]}"
+        for overwrite in WITH_AND_WITHOUT:
+            process = self.sweep("--out", "out", *overwrite, plan=plan)
+            refusal = self.refused(2, process, "sweep")
+            self.assertIn("scene out/sweep.csv: must not be where results are written", refusal)
+            self.assertEqual(kept.read_text(), scene)
+            self.assertEqual(self.files("out"), {"sweep.csv"})
+
     def write_below(self, name: str, content: str = "") -> Path:
         path = self.folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -475,6 +488,32 @@ class Shards(SweepCase):
         changed["code"]["libmujoco.so"] = "another"
         provenance.write_text(json.dumps(changed))
         self.assertIn('/libmujoco.so is "another"', self.bad_merge(first, second))
+
+    def test_shard_of_another_format_is_named_before_anything_is_replaced(self) -> None:
+        folders = self.shards(2)
+        self.assertEqual(self.merge(*folders).returncode, 0)
+        before = self.results("merged")
+        for file, place in (("sweep.json", "sweep"), ("provenance.json", None)):
+            path = self.folder / folders[1] / file
+            whole = path.read_text()
+            content = json.loads(whole)
+            described = content[place] if place else content
+            self.assertEqual(described["format"], 4)
+            described["format"] = 3
+            path.write_text(json.dumps(content))
+            process = self.run_command(MERGE, *folders, "--out", "merged", "--overwrite")
+            self.assertIn(
+                f"shard {folders[1]}/{file}: format 3: must be 4", self.refused(2, process, "merge")
+            )
+            self.assertEqual(self.results("merged"), before)
+            path.write_text(whole)
+
+    def test_sweep_whose_provenance_is_of_another_format_does_not_go_on(self) -> None:
+        self.finished("out")
+        path = self.folder / "out" / "provenance.json"
+        path.write_text(path.read_text().replace('"format": 4', '"format": 3'))
+        refusal = self.refused(2, self.sweep("--out", "out"), "sweep")
+        self.assertIn("/format is 3, must be 4", refusal)
 
     def test_unfinished_and_damaged_shards_are_named(self) -> None:
         first, second = self.shards(2)

@@ -16,6 +16,10 @@ void catchInterrupts(const std::string& name);
 void catchInterruptsAside(const std::string& name);
 bool interrupted();
 
+/// Throws RuntimeFault if interrupted() holds: "interrupted in row 3". A command calls it between the pieces of its
+/// work, and once more before it prints or writes what it has found.
+void requireNotInterrupted(const std::string& where = "");
+
 /// Says so on stderr, unless `warning` is empty.
 void warn(const std::string& warning);
 

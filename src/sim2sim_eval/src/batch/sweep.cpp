@@ -42,16 +42,14 @@ RunConfiguration rowConfiguration(const Protocol& protocol, const Setup& setup, 
   return configuration;
 }
 
-/// What decides a sweep, as in sweep.json; the same for all its shards.
-json descriptionOf(const SweepPlan& plan, const Setup& setup) {
+/// What decides a sweep, as in sweep.json; the same for all its shards. `engines` are those of the rows.
+json descriptionOf(const SweepPlan& plan, const Setup& setup, const json& engines) {
   json description = describe(sweepConfiguration(plan.protocol, setup));
   for (const char* of_a_row : {"engine_simulator", "knobs", "simulators", "config_hash"}) {
     description.erase(of_a_row);
   }
   description["inputs"] = setup.identity();
-  for (const SimulatorChoice& engine : plan.rows) {
-    description["rows"].push_back(json(toJson(LoadedSimulator(engine).record())));
-  }
+  description["rows"] = engines;
   if (plan.sample) {
     description["permutations"] = toJson(*plan.sample);
   }
@@ -140,17 +138,15 @@ class Sweeper {
   void finishRow(std::size_t index, const ReferenceCache& references) {
     const LoadedSimulator engine(plan_.rows[index]);
     const RunConfiguration configuration = rowConfiguration(protocol_, setup_, engine);
-    Summary summary;
-    if (const auto episodes = readRow(folder_.path(), index, configuration)) {
+    std::optional<SweepRow> row = readRow(folder_.path(), index, configuration);
+    if (row) {
       bar_.skip(protocol_.episodes);
-      summary = summarize(protocol_, *episodes);
-      folder_.resume(index, metrics(configuration, summary));
+      folder_.resume(index, row->metrics);
     } else {
-      const std::vector<EpisodeResult> run = runRow(index, engine, references);
-      summary = summarize(protocol_, run);
-      folder_.keep(index, protocol_, metrics(configuration, summary), run);
+      row.emplace(configuration, runRow(index, engine, references));
+      folder_.keep(index, protocol_, *row);
     }
-    printRow(configuration, settingText(index), summary);
+    printRow(configuration, settingText(index), row->summary);
   }
 
   std::vector<EpisodeResult> runRow(std::size_t index, const LoadedSimulator& engine,
@@ -232,8 +228,25 @@ struct Shards {
   json provenance;
 };
 
-/// Throws BadDependency unless the folders hold all shards of one sweep.
+/// Throws InvalidInput if a shard is of another format.
+void requireFormats(const std::vector<std::string>& folders) {
+  for (const std::string& folder : folders) {
+    const SweepOnDisk sweep = readSweep(folder);
+    for (const auto& [file, content] :
+         {std::pair(kSweepFile, sweep.description), {kProvenanceFile, sweep.provenance}}) {
+      try {
+        requireDescriptionFormat(content);
+      } catch (pusht::Error& error) {
+        error.addContext("shard " + (fs::path(folder) / file).string());
+        throw;
+      }
+    }
+  }
+}
+
+/// Throws BadDependency unless the folders hold all shards of one sweep, InvalidInput if one is of another format.
 Shards requireShards(const std::vector<std::string>& folders) {
+  requireFormats(folders);
   SweepOnDisk first = readSweep(folders.front());
   Shards shards{{}, takeShard(first).of, first.description, first.provenance};
   for (const std::string& folder : folders) {
@@ -264,6 +277,26 @@ Shards requireShards(const std::vector<std::string>& folders) {
   return shards;
 }
 
+/// The runs that the rows are. Throws BadDependency if the description is not as it was written.
+std::vector<RunConfiguration> rowsOf(const Shards& shards) {
+  const std::string name =
+      "shard " + shards.folders.begin()->second.string() + ": its sweep.json must be as it was written: ";
+  try {
+    std::vector<RunConfiguration> rows;
+    for (std::size_t row = 0; row < shards.description.at("rows").size(); ++row) {
+      rows.push_back(rowOf(shards.description, row));
+    }
+    if (rows.empty()) {
+      throw pusht::InvalidInput("there are no rows");
+    }
+    return rows;
+  } catch (const json::exception& error) {
+    throw pusht::BadDependency(name + error.what());
+  } catch (const pusht::InvalidInput& error) {
+    throw pusht::BadDependency(name + error.what());
+  }
+}
+
 /// The episodes of a row, from all shards.
 std::vector<EpisodeResult> joinRow(const Shards& shards, const RunConfiguration& whole, std::size_t row) {
   std::vector<EpisodeResult> episodes;
@@ -274,7 +307,7 @@ std::vector<EpisodeResult> joinRow(const Shards& shards, const RunConfiguration&
     if (!found) {
       throw pusht::BadDependency("shard " + folder.string() + ": row " + std::to_string(row) + " is not finished");
     }
-    episodes.insert(episodes.end(), found->begin(), found->end());
+    episodes.insert(episodes.end(), found->episodes.begin(), found->episodes.end());
   }
   return episodes;
 }
@@ -311,13 +344,20 @@ void sweep(const SweepOptions& options) {
     return Setup({plan.policy, true, plan.protocol.seed}, plan.reference, plan.rows);
   });
   folder.refuseInputs(setup.reference().inputs());
+  json engines = json::array();
+  for (const SimulatorChoice& row : plan.rows) {
+    const LoadedSimulator engine(row);
+    folder.refuseInputs(engine.inputs());
+    engines.push_back(json(toJson(engine.record())));
+  }
   const LoadedSimulator first(plan.rows.front());
 
-  json description = descriptionOf(plan, setup);
+  json description = descriptionOf(plan, setup, engines);
   if (!options.shard.empty()) {
     description["shard"] = shard.text();
   }
   json origin = setup.provenance(rowConfiguration(protocol, setup, first), first);
+  origin["format"] = description.at("format");
   for (const char* of_a_row : {"configuration", "engine"}) {
     origin.erase(of_a_row);
   }
@@ -340,24 +380,14 @@ void merge(const MergeOptions& options) {
     folder.refuseInputs(inputsOf(shard));
   }
   const Shards shards = requireShards(options.shards);
-  try {
-    const json& rows = shards.description.at("rows");
-    folder.begin(shards.description, shards.provenance);
-    withStatus(folder, [&] {
-      for (std::size_t row = 0; row < rows.size(); ++row) {
-        if (interrupted()) {
-          throw pusht::RuntimeFault("interrupted in row " + std::to_string(row) + " of " + std::to_string(rows.size()));
-        }
-        const RunConfiguration configuration = rowOf(shards.description, row);
-        const std::vector<EpisodeResult> episodes = joinRow(shards, configuration, row);
-        const Protocol& protocol = configuration.protocol;
-        folder.keep(row, protocol, metrics(configuration, summarize(protocol, episodes)), episodes);
-      }
-    });
-  } catch (const json::exception& error) {
-    throw pusht::BadDependency("shard " + options.shards.front() +
-                               ": its sweep.json must be as it was written: " + error.what());
-  }
+  const std::vector<RunConfiguration> rows = rowsOf(shards);
+  folder.begin(shards.description, shards.provenance);
+  withStatus(folder, [&] {
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      requireNotInterrupted("in row " + std::to_string(row) + " of " + std::to_string(rows.size()));
+      folder.keep(row, rows[row].protocol, SweepRow(rows[row], joinRow(shards, rows[row], row)));
+    }
+  });
   warn(doubtAboutPolicy(folder.rows().front(), shards.provenance));
 }
 

@@ -156,14 +156,22 @@ std::vector<Input> inputsOf(const fs::path& shard) {
 }
 
 std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted) {
-  const std::string difference = firstDifference(found.description, wanted.description);
-  return difference.empty()
-             ? firstDifference(found.provenance.value("code", json()), wanted.provenance.value("code", json()))
-             : difference;
+  std::string difference = firstDifference(found.description, wanted.description);
+  for (const char* key : {"format", "code"}) {
+    if (difference.empty()) {
+      difference =
+          firstDifference({{key, found.provenance.value(key, json())}}, {{key, wanted.provenance.value(key, json())}});
+    }
+  }
+  return difference;
 }
 
-std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::size_t index,
-                                                  const RunConfiguration& configuration) {
+SweepRow::SweepRow(const RunConfiguration& configuration, std::vector<EpisodeResult> results)
+    : episodes(std::move(results)),
+      summary(summarize(configuration.protocol, episodes)),
+      metrics(sim2sim::metrics(configuration, summary)) {}
+
+std::optional<SweepRow> readRow(const fs::path& folder, std::size_t index, const RunConfiguration& configuration) {
   const fs::path path = rowFolder(folder, index);
   std::error_code ignored;
   if (!fs::exists(path / kMetricsFile, ignored)) {  // it is written last
@@ -189,10 +197,11 @@ std::optional<std::vector<EpisodeResult>> readRow(const fs::path& folder, std::s
                               std::to_string(protocol.lastEpisode()) +
                               (protocol.starts ? " of the given starts" : " of seed " + std::to_string(protocol.seed)));
   }
-  if (pusht::readFile(path / kMetricsFile, "row") != jsonText(metrics(configuration, summarize(protocol, episodes)))) {
+  SweepRow row(configuration, std::move(episodes));
+  if (pusht::readFile(path / kMetricsFile, "row") != jsonText(row.metrics)) {
     refuse(kMetricsFile, "does not agree with its episodes");
   }
-  return episodes;
+  return row;
 }
 
 SweepFolder::SweepFolder(fs::path path, bool overwrite, std::string command)
@@ -218,18 +227,17 @@ void SweepFolder::begin(const json& description, const json& provenance) {
   writeTables();
 }
 
-void SweepFolder::keep(std::size_t index, const Protocol& protocol, const json& metrics,
-                       const std::vector<EpisodeResult>& episodes) {
-  const fs::path row = rowFolder(path(), index);
+void SweepFolder::keep(std::size_t index, const Protocol& protocol, const SweepRow& row) {
+  const fs::path folder = rowFolder(path(), index);
   std::error_code error;
-  fs::create_directories(row, error);
+  fs::create_directories(folder, error);
   if (error) {
-    throw pusht::RuntimeFault("cannot create " + row.string() + ": " + error.message());
+    throw pusht::RuntimeFault("cannot create " + folder.string() + ": " + error.message());
   }
-  pusht::writeFile(row / kEpisodesFile, episodesCsv(protocol, episodes));
-  pusht::writeFile(row / kStatisticsFile, jsonText(statistics(protocol, episodes)));
-  pusht::writeFile(row / kMetricsFile, jsonText(metrics));
-  resume(index, metrics);
+  pusht::writeFile(folder / kEpisodesFile, episodesCsv(protocol, row.episodes));
+  pusht::writeFile(folder / kStatisticsFile, jsonText(statistics(protocol, row.episodes)));
+  pusht::writeFile(folder / kMetricsFile, jsonText(row.metrics));
+  resume(index, row.metrics);
 }
 
 void SweepFolder::resume(std::size_t index, json row) {

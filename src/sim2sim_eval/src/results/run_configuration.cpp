@@ -155,11 +155,15 @@ ordered_json describe(const RunConfiguration& configuration) {
   return description;
 }
 
-Protocol protocolFrom(const json& description) {
+void requireDescriptionFormat(const json& description) {
   if (const json format = description.value("format", json(1)); format != kDescriptionFormat) {
     throw pusht::InvalidInput("format " + format.dump() + ": must be " + std::to_string(kDescriptionFormat) +
                               "; another version of the suite wrote it");
   }
+}
+
+Protocol protocolFrom(const json& description) {
+  requireDescriptionFormat(description);
   Protocol protocol{description.at("seed"), description.at("first_episode"), description.at("episodes"),
                     description.at("horizon")};
   protocol.probes.clear();

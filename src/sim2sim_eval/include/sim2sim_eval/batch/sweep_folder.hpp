@@ -22,7 +22,7 @@ namespace sim2sim {
 struct SweepOnDisk {
   std::filesystem::path folder;
   nlohmann::json description;
-  nlohmann::json provenance;  ///< its "code" is that of the build
+  nlohmann::json provenance;  ///< its "code" is that of the build; "format" as in the description
 };
 
 /// Throws InvalidInput if there is no sweep in the folder.
@@ -35,10 +35,19 @@ std::vector<Input> inputsOf(const std::filesystem::path& shard);
 /// in nothing.
 std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted);
 
-/// The episodes of a row of the sweep in `folder`; none if it is not finished. Throws BadDependency, naming the file,
-/// if they are not as they were written or not those of `configuration`.
-std::optional<std::vector<EpisodeResult>> readRow(const std::filesystem::path& folder, std::size_t index,
-                                                  const RunConfiguration& configuration);
+/// A finished row: its episodes, and what they say.
+struct SweepRow {
+  SweepRow(const RunConfiguration& configuration, std::vector<EpisodeResult> results);
+
+  std::vector<EpisodeResult> episodes;
+  Summary summary;
+  nlohmann::json metrics;
+};
+
+/// A row of the sweep in `folder`; none if it is not finished. Throws BadDependency, naming the file, if its episodes
+/// are not as they were written or not those of `configuration`.
+std::optional<SweepRow> readRow(const std::filesystem::path& folder, std::size_t index,
+                                const RunConfiguration& configuration);
 
 /// Writes a sweep.
 class SweepFolder {
@@ -54,8 +63,7 @@ class SweepFolder {
   void begin(const nlohmann::json& description, const nlohmann::json& provenance);
 
   /// Writes a row; rows come in order. Throws RuntimeFault if it cannot be written.
-  void keep(std::size_t index, const Protocol& protocol, const nlohmann::json& metrics,
-            const std::vector<EpisodeResult>& episodes);
+  void keep(std::size_t index, const Protocol& protocol, const SweepRow& row);
 
   /// The same for a row that is on disk already.
   void resume(std::size_t index, nlohmann::json metrics);

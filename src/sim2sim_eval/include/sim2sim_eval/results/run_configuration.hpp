@@ -54,6 +54,9 @@ std::string configurationHash(const RunConfiguration& configuration);
 /// The configuration as JSON; part of metrics.json and of provenance.json.
 nlohmann::ordered_json describe(const RunConfiguration& configuration);
 
+/// Throws InvalidInput, naming both formats, unless `description` is of the format that describe() writes.
+void requireDescriptionFormat(const nlohmann::json& description);
+
 /// The protocol of a configuration, or of a sweep, that describe() has described; given starts are known by their hash
 /// alone. Throws json::exception if there is none, InvalidInput if it cannot be run or is of another format.
 Protocol protocolFrom(const nlohmann::json& description);

@@ -6,6 +6,7 @@
 
 #include "pusht_task/files.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/results/attribution.hpp"
 #include "sim2sim_eval/results/output_folder.hpp"
 #include "sim2sim_eval/results/report.hpp"
@@ -13,7 +14,9 @@
 namespace {
 
 void attribute(const std::filesystem::path& sweep, const std::filesystem::path& baseline) {
-  const sim2sim::Attribution attribution = sim2sim::attribute(sweep, baseline);
+  const auto go_on = [] { sim2sim::requireNotInterrupted(); };
+  const sim2sim::Attribution attribution = sim2sim::attribute(sweep, baseline, go_on);
+  go_on();
   std::cout << sim2sim::table(attribution);
   pusht::writeFile(sweep / sim2sim::kAttributionTable, sim2sim::toCsv(attribution));
   pusht::writeFile(sweep / sim2sim::kAttributionFile, sim2sim::jsonText(sim2sim::toJson(attribution)));

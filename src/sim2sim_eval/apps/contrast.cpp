@@ -11,6 +11,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/results/report.hpp"
 
 namespace {
@@ -22,6 +23,7 @@ std::vector<sim2sim::RunResults> read(const std::vector<std::string>& folders, i
   std::vector<sim2sim::RunResults> runs;
   for (const std::string& folder : folders) {
     for (const fs::path& run : sim2sim::runsIn(folder)) {
+      sim2sim::requireNotInterrupted();
       runs.push_back(sim2sim::readResults(run));
     }
   }
@@ -42,6 +44,7 @@ void contrast(const std::vector<std::string>& folders, int against, const fs::pa
   const sim2sim::RunResults baseline = runs.front();
   runs.erase(runs.begin());
   const std::vector<sim2sim::Contrast> contrasts = sim2sim::contrast(baseline, runs);
+  sim2sim::requireNotInterrupted();
   std::cout << sim2sim::table(baseline, contrasts);
   if (!out.empty()) {
     pusht::writeFile(out, sim2sim::jsonText(sim2sim::toJson(baseline, contrasts)));

@@ -11,6 +11,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/results/contrast.hpp"
 #include "sim2sim_eval/results/summary.hpp"
 #include "sim2sim_eval/results/text.hpp"
@@ -120,6 +121,7 @@ void plan(const Options& options) {
   const RunResults pilot = sim2sim::readResults(options.pilot);
   std::optional<RunResults> other;
   if (!options.other.empty()) {
+    sim2sim::requireNotInterrupted();
     other = sim2sim::readResults(options.other);
     sim2sim::contrast(pilot, {*other});  // refuses what does not pair
   }
@@ -141,6 +143,7 @@ void plan(const Options& options) {
   table << "(found in 80 % of runs at 5 %, two-sided; spreads as in the " << pilot.episodes.size() << " episodes of "
         << pilot.folder.string() << ")"
         << "\n";
+  sim2sim::requireNotInterrupted();
   std::cout << table.str() << std::flush;
 }
 

@@ -8,15 +8,18 @@ import json
 import os
 import re
 import shutil
+import signal
+import subprocess
 import sys
+import time
 import unittest
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Callable, Dict, List
 
 import numpy as np
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, executable  # noqa: E402
+from command_case import DEADLINE, CommandCase, executable  # noqa: E402
 
 ATTRIBUTE = executable("sim2sim_eval", "attribute")
 MERGE = executable("sim2sim_eval", "merge")
@@ -34,6 +37,21 @@ SAMPLE = PLAN.split("grid")[0] + (
     "permutations: {switches: [servo, drag, coulomb], orders: 40, seed: 1}"
 )
 REPLAY = "mean_pos_divergence"
+
+
+def until(holds: Callable[[], bool]) -> None:
+    """Waits for what nothing tells of: asks again and again."""
+    expiry = time.monotonic() + DEADLINE
+    while not holds():
+        if time.monotonic() > expiry:
+            raise TimeoutError(f"not within {DEADLINE} s")
+
+
+def catches(pid: int, number: signal.Signals) -> bool:
+    """Whether a process has a handler for a signal: before that, it would be killed."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
+    return bool(int(caught.split()[1], 16) & 1 << (number - 1))
 
 
 class Attributing(CommandCase):
@@ -100,6 +118,22 @@ class Attributing(CommandCase):
             after[place] = True
             closed.append(means[tuple(before)] - means[tuple(after)])
         return float(np.mean(closed))
+
+    def test_interrupt_while_the_rows_are_read(self) -> None:
+        folder = self.sweep(PLAN.replace("24", "1000").replace("60", "1"))
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with subprocess.Popen(
+                [ATTRIBUTE, str(folder)],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+            ) as process:
+                until(lambda: catches(process.pid, number))
+                process.send_signal(number)
+                output = process.communicate(timeout=self.deadline)
+            self.assertEqual((process.returncode, *output), (4, "", "attribute: interrupted\n"))
+            self.assertFalse((folder / "attribution.json").exists())
+            self.assertFalse((folder / "attribution.csv").exists())
 
     def test_files_and_terminal_agree(self) -> None:
         folder = self.sweep()

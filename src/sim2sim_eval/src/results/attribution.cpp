@@ -110,12 +110,13 @@ std::optional<OrderSample> sampleIn(const fs::path& folder) {
   }
 }
 
-std::vector<RunResults> read(const fs::path& folder) {
+std::vector<RunResults> read(const fs::path& folder, const std::function<void()>& go_on) {
   if (std::error_code ignored; fs::exists(folder / kMetricsFile, ignored)) {
     throw pusht::InvalidInput("results " + folder.string() + ": is a run; a sweep over switches is needed");
   }
   std::vector<RunResults> runs;
   for (const fs::path& run : runsIn(folder)) {
+    go_on();
     runs.push_back(readResults(run));
   }
   const json name = engineOf(runs.front()).at("name");
@@ -320,8 +321,8 @@ OrderSample orderSampleFrom(const json& json) {
   }
 }
 
-Attribution attribute(const fs::path& folder, const fs::path& baseline) {
-  std::vector<RunResults> rows = read(folder);
+Attribution attribute(const fs::path& folder, const fs::path& baseline, const std::function<void()>& go_on) {
+  std::vector<RunResults> rows = read(folder, go_on);
   Attribution result;
   const std::optional<OrderSample> sample = sampleIn(folder);
   const std::vector<Order> orders = sample ? sample->draw() : std::vector<Order>();
@@ -357,6 +358,7 @@ Attribution attribute(const fs::path& folder, const fs::path& baseline) {
     result.baseline = beside->title();
   }
   for (const Measure& measure : measuresOf(any.protocol)) {
+    go_on();
     result.gaps.push_back(attributed(runs, static_cast<int>(result.switches.size()), measure, orders));
     if (beside) {
       result.gaps.back().baseline = meanOfGap(*beside, measure);

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -50,8 +51,10 @@ struct Attribution {
 
 /// Of the sweep in `folder`; `baseline` is the folder of a run over the same episodes, or empty. Throws InvalidInput,
 /// naming file or row, if it is none, if its rows differ in anything but true/false parameters, or if a combination of
-/// these is not there; as readResults() and requirePairs().
-Attribution attribute(const std::filesystem::path& folder, const std::filesystem::path& baseline = {});
+/// these is not there; as readResults() and requirePairs(). Calls `go_on` before each row that it reads and each figure
+/// that it attributes: what that throws ends it.
+Attribution attribute(const std::filesystem::path& folder, const std::filesystem::path& baseline,
+                      const std::function<void()>& go_on);
 
 nlohmann::json toJson(const Attribution& attribution);
 

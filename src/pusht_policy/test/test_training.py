@@ -592,7 +592,7 @@ class RecordEvaluation(CommandCase):
         self.origin: Dict[str, Dict[str, Any]] = {
             "configuration": configuration,
             "policy": {"sha256": found},
-            "software": {"mujoco": "2.2.2"},
+            "reference": {"version": "2.2.2"},
         }
 
     def write_results(self) -> None:

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "pusht_mujoco/mujoco_kind.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/demonstrations.hpp"
 #include "pusht_policy/scripted_expert.hpp"
@@ -18,10 +19,10 @@ void demonstrate(const pusht::DemonstrationPlan& plan, const std::string& out) {
   pusht::MujocoWorld world(scene);
   pusht::ScriptedExpert expert;
   sim2sim::ProgressBar bar("demonstrations", plan.episodes);
-  const nlohmann::json origin = {{"demonstrator", "scripted expert"},
-                                 {"simulator", "mujoco"},
-                                 {"scene", scene->sha256()},
-                                 {"software", sim2sim::buildAndMachine()}};
+  nlohmann::json software = sim2sim::buildAndMachine();
+  software["mujoco"] = pusht::mujocoKind().version;
+  const nlohmann::json origin = {
+      {"demonstrator", "scripted expert"}, {"simulator", "mujoco"}, {"scene", scene->sha256()}, {"software", software}};
   const auto tally = pusht::recordDemonstrations(plan, world, expert, origin, out, [&](const auto& so_far) {
     bar.advance(std::to_string(so_far.successes) + " solved");
     return !sim2sim::interrupted();

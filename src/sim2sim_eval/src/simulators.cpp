@@ -48,6 +48,12 @@ SimulatorRecord LoadedSimulator::record() const {
   return record;
 }
 
+nlohmann::json LoadedSimulator::provenance() const {
+  nlohmann::json provenance = model.provenance;
+  provenance["version"] = kind.version;
+  return provenance;
+}
+
 std::vector<Input> LoadedSimulator::inputs() const { return filesIn(model.provenance); }
 
 std::vector<Input> filesIn(const nlohmann::json& provenance) {

@@ -346,7 +346,7 @@ def record_evaluation(checkpoint: Path, results: Path) -> None:
             f"{results / 'metrics.json'}: mj_success_rate is {rate}; it must be mj_successes "
             f"({successes}) over episodes ({episodes})"
         )
-    version = _value(results / "provenance.json", origin, "software.mujoco")
+    version = _value(results / "provenance.json", origin, "reference.version")
     provenance["evaluation"] = {
         "simulator": f"MuJoCo {version}",
         "episodes": episodes,

@@ -37,6 +37,9 @@ struct LoadedSimulator {
 
   SimulatorRecord record() const;
 
+  /// What its numbers depend on besides, for provenance.json: the kind's "version" and what the model says.
+  nlohmann::json provenance() const;
+
   /// The files that it has read.
   std::vector<Input> inputs() const;
 

@@ -161,6 +161,7 @@ nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
   if (!provenance.is_object()) {
     throw pusht::BadDependency(node.name + ": provenance '" + node.provenance + "': must be a JSON object");
   }
+  provenance.emplace("version", node.version);
   return provenance;
 }
 

@@ -45,7 +45,7 @@ Players Setup::players(const LoadedSimulator& engine) const {
 
 nlohmann::ordered_json Setup::provenance(const RunConfiguration& configuration, const LoadedSimulator& engine) const {
   nlohmann::ordered_json result =
-      sim2sim::provenance(configuration, policy_.provenance, reference_.model.provenance, engine.model.provenance);
+      sim2sim::provenance(configuration, policy_.provenance, reference_.provenance(), engine.provenance());
   result["code"] = code_;
   return result;
 }

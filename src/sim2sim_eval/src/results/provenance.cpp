@@ -3,7 +3,6 @@
 
 #include <gnu/libc-version.h>
 #include <link.h>
-#include <mujoco/mujoco.h>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -77,7 +76,6 @@ nlohmann::json buildAndMachine() {
   return {{"sim2sim_eval", SIM2SIM_EVAL_VERSION},
           {"compiler", __VERSION__},
           {"build_type", SIM2SIM_EVAL_BUILD_TYPE},
-          {"mujoco", mj_versionString()},
           {"eigen", eigenVersion()},
           {"libc", std::string("glibc ") + gnu_get_libc_version()},
           {"cpu_features", cpuFeatures()}};

@@ -29,7 +29,7 @@ pusht_msgs::Trace toMessage(const std::string& mode, int episode, const pusht::T
 pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::optional<Summary>& finished,
                                    const ros::Time& stamp);
 
-/// What a node says that its numbers depend on. Throws BadDependency if that is no JSON object.
+/// What a node says that its numbers depend on, its "version" among it. Throws BadDependency if that is no JSON object.
 nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node);
 
 /// A served simulator as it describes itself; of one that does not say what its parameters are, none has its default.

@@ -10,7 +10,8 @@
 
 namespace sim2sim {
 
-/// provenance.json of a run: what policy, reference and engine say of themselves, and what holds for all.
+/// provenance.json of a run: what policy, reference and engine say of themselves (of a simulator its "version", too),
+/// and what holds for all.
 nlohmann::ordered_json provenance(const RunConfiguration& configuration, const nlohmann::json& policy,
                                   const nlohmann::json& reference, const nlohmann::json& engine);
 

@@ -12,6 +12,7 @@
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/simulator.hpp"
+#include "pusht_task/split.hpp"
 
 namespace sim2sim {
 namespace {
@@ -55,11 +56,10 @@ std::string csvRow(WorldState state) {
 /// The cells of a line, spaces around them left out.
 std::vector<std::string> cellsOf(const std::string& line) {
   constexpr const char* kBlank = " \t\r";
-  std::vector<std::string> cells;
-  std::istringstream text(line + ",");
-  for (std::string cell; std::getline(text, cell, ',');) {
+  std::vector<std::string> cells = pusht::split(line, ',');
+  for (std::string& cell : cells) {
     const std::size_t begin = std::min(cell.find_first_not_of(kBlank), cell.size());
-    cells.push_back(cell.substr(begin, cell.find_last_not_of(kBlank) + 1 - begin));
+    cell = cell.substr(begin, cell.find_last_not_of(kBlank) + 1 - begin);
   }
   return cells;
 }

@@ -87,6 +87,16 @@ TEST_F(ReferenceCacheTest, RefusesADamagedFileByName) {
   EXPECT_THAT(refusalAfter([](std::string& text) { text.clear(); }), HasSubstr("must begin as"));
 }
 
+TEST_F(ReferenceCacheTest, NamesTheFormatThatItDoesNotKnow) {
+  cache_.keep(kStart, kRollout, someTrace());
+  const auto older = [](std::string& text) {
+    text.replace(text.find("reference rollout 3"), 19, "reference rollout 2");
+  };
+  EXPECT_THAT(refusalAfter(older),
+              HasSubstr("10007.reference: format \"reference rollout 2\": must be \"reference rollout "
+                        "3\"; another version of the suite wrote it; delete it"));
+}
+
 TEST_F(ReferenceCacheTest, RefusesAFileOfAnotherKeyOrStart) {
   ReferenceCache other(folder_.path() / "other", {{"policy", "another"}});
   other.keep(kStart, kRollout, someTrace());

@@ -88,8 +88,12 @@ std::optional<pusht::Trace> ReferenceCache::find(const std::string& start, const
   }
   const std::size_t end_of_head = std::min(text.find('\n'), text.size());
   const auto head = nlohmann::json::parse(text.substr(0, end_of_head), nullptr, false);
-  if (!head.is_object() || head.value("format", nlohmann::json()) != kRolloutFormat ||
-      !head.value("steps", nlohmann::json()).is_number_unsigned() || end_of_head == text.size()) {
+  const nlohmann::json format = head.is_object() ? head.value("format", nlohmann::json()) : nlohmann::json();
+  if (format.is_string() && format != kRolloutFormat) {
+    refuse("format " + format.dump() + ": must be \"" + kRolloutFormat + "\"; another version of the suite wrote it");
+  }
+  if (format != kRolloutFormat || !head.value("steps", nlohmann::json()).is_number_unsigned() ||
+      end_of_head == text.size()) {
     refuse("must begin as a \"" + std::string(kRolloutFormat) + "\"");
   }
   if (head.value("key", nlohmann::json()) != key_ || head.value("start", nlohmann::json()) != start ||

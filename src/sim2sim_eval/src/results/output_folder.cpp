@@ -93,14 +93,16 @@ fs::path findInPlaceOfFolder(const fs::path& folder, const ResultFile& file, std
   return {};
 }
 
-/// Of a run that was refused, or that was killed before it had begun.
+/// Of a run that was refused, or that was killed before it had begun. What another version of the suite wrote may mean
+/// anything.
 bool tellsOfNoRun(const fs::path& status) {
   std::error_code ignored;
   if (!fs::is_regular_file(fs::symlink_status(status, ignored))) {
     return false;
   }
   const auto content = nlohmann::json::parse(pusht::readFile(status, "status"), nullptr, false);
-  return content.is_object() && content.value("exit_code", nlohmann::json(0)) != 0 &&
+  return content.is_object() && content.value("format", nlohmann::json()) == kStatusFormat &&
+         content.value("exit_code", nlohmann::json(0)) != 0 &&
          (content.value("episodes_finished", nlohmann::json()) == 0 ||
           content.value("rows_finished", nlohmann::json()) == 0);
 }

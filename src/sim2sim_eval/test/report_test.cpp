@@ -83,6 +83,10 @@ TEST(DoubtAboutPolicy, IsRaisedWhereATrainedOneNeverSucceedsAtHome) {
   };
   EXPECT_THAT(doubt(0, checkpoint), HasSubstr("policy stale.pt never succeeds in the reference"));
   EXPECT_EQ(doubt(1, checkpoint), "");
+  configuration.reference = {"chipmunk", "Chipmunk"};
+  EXPECT_THAT(doubt(0, checkpoint), HasSubstr("never succeeds in the reference. It looks"));
+  configuration.reference = {"mujoco", "MuJoCo"};
+  EXPECT_THAT(doubt(0, checkpoint), HasSubstr("in the reference, the simulator it was trained in. It looks"));
   configuration.policy = "somebody's node";
   for (const char* other : {R"({"policy": {"sha256": ""}})", R"({"policy": {"runs_on": "scripted"}})",
                             R"({"policy": {"sha256": 5}})", R"({"policy": {}})", "{}"}) {
@@ -120,6 +124,39 @@ TEST(Metrics, HasTheCoursesKeysAtTheTopSortedAndRounded) {
   }
   EXPECT_EQ(text.substr(0, 4), "{\n  ");
   EXPECT_EQ(text.substr(text.size() - 2), "}\n");
+}
+
+TEST(Metrics, HaveTheCoursesNamesOfTheReferenceWhereItIsMujoco) {
+  RunConfiguration configuration = bareConfiguration();
+  for (const char* reference : {"mujoco", "chipmunk"}) {
+    configuration.reference = {reference, reference};
+    const nlohmann::json json = metrics(configuration, summarize(bare(), episodesWith(20, 12, 1)));
+    int of_the_course = 0;
+    for (const auto& [key, value] : json.items()) {
+      if (key.rfind("mj_", 0) == 0) {
+        ++of_the_course;
+        EXPECT_EQ(value, json.at("reference_" + key.substr(3))) << key;
+      }
+    }
+    EXPECT_EQ(of_the_course, reference == std::string("mujoco") ? 3 : 0);
+    EXPECT_EQ(json.at("reference_successes"), 12);
+  }
+}
+
+/// Student's t alone would say that the feedback removes up to 3.4 rad, of pi.
+TEST(Summarize, IntervalsOfSignedQuantitiesStayInTheirRange) {
+  constexpr int kEpisodes = 30;
+  std::vector<double> samples(kEpisodes, pusht::kPi);
+  samples.front() = -pusht::kPi;
+  const Quantity& quantity = kQuantities[quantityIndex("absorbed_angle_divergence")];
+  EXPECT_GT(meanDifference(samples).interval.value().high, pusht::kPi);
+  const Interval interval = meanOf(samples, quantity).interval.value();
+  EXPECT_EQ(interval.high, pusht::kPi);
+  EXPECT_EQ(interval.low, meanDifference(samples).interval.value().low);
+  for (double& sample : samples) {
+    sample = -sample;
+  }
+  EXPECT_EQ(meanOf(samples, quantity).interval.value().low, -pusht::kPi);
 }
 
 TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {

@@ -8,11 +8,11 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
-#include <sstream>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/split.hpp"
 #include "sim2sim_eval/results/text.hpp"
 
 namespace sim2sim {
@@ -66,13 +66,13 @@ std::string csvRow(const EpisodeResult& episode, const std::string& mode, const 
          nameOf(result.parting->first) + "\n";
 }
 
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);) {
-    parts.push_back(part);
+/// Of a text that ends with one, or in the midst of one.
+std::vector<std::string> linesOf(const std::string& text) {
+  std::vector<std::string> lines = pusht::split(text, '\n');
+  if (lines.back().empty()) {
+    lines.pop_back();
   }
-  return parts;
+  return lines;
 }
 
 /// None where the cells name none.
@@ -87,7 +87,7 @@ std::optional<Parting> partingFrom(const std::string& step, const std::string& c
 
 /// The row that csvRow() wrote, as far as it can be read.
 void readCsvRow(const std::string& row, EpisodeResult& episode, RolloutResult& result) {
-  std::vector<std::string> cells = split(row, ',');
+  std::vector<std::string> cells = pusht::split(row, ',');
   cells.resize(kFixedColumns + kQuantities.size() + kPartingColumns);
   episode.index = numberFrom<int>(cells[0]);
   episode.seed = cells[1].empty() ? std::nullopt : std::optional(numberFrom<std::uint64_t>(cells[1]));
@@ -314,9 +314,10 @@ std::string doubtAboutPolicy(const json& metrics, const json& provenance) {
   if (!is_checkpoint || metrics.at("reference_successes").get<int>() > 0) {
     return "";
   }
-  return "policy " + metrics.at("policy").get<std::string>() +
-         " never succeeds in the reference, the simulator it was trained in. It looks untrained or stale: the figures "
-         "measure the policy, not the gap between the simulators.";
+  const bool in_mujoco = metrics.at("reference_simulator") == "mujoco";
+  return "policy " + metrics.at("policy").get<std::string>() + " never succeeds in the reference" +
+         (in_mujoco ? ", the simulator it was trained in" : "") +
+         ". It looks untrained or stale: the figures measure the policy, not the gap between the simulators.";
 }
 
 std::string jsonText(const json& json) {
@@ -336,7 +337,7 @@ std::string episodesCsv(const Protocol& protocol, const std::vector<EpisodeResul
 }
 
 std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::string& text) {
-  const std::vector<std::string> lines = split(text, '\n');
+  const std::vector<std::string> lines = linesOf(text);
   const std::size_t rollouts = protocol.rolloutNames().size();
   const std::size_t count = lines.empty() ? 0 : (lines.size() - 1) / rollouts;
   std::vector<EpisodeResult> episodes(count);
@@ -346,7 +347,7 @@ std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::
       readCsvRow(lines[1 + i * rollouts + rollout], episodes[i], episodes[i].rollouts[rollout]);
     }
   }
-  const std::vector<std::string> expected = split(episodesCsv(protocol, episodes), '\n');
+  const std::vector<std::string> expected = linesOf(episodesCsv(protocol, episodes));
   const auto [found, wanted] = std::mismatch(lines.begin(), lines.end(), expected.begin(), expected.end());
   if (found != lines.end() || wanted != expected.end()) {
     throw pusht::InvalidInput("line " + std::to_string(found - lines.begin() + 1) +

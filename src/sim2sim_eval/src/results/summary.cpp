@@ -103,7 +103,11 @@ Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity) {
   if (quantity.least == 0.0) {
     return meanOf(samples, quantity.limit);
   }
-  const Difference mean = meanDifference(samples);
+  Difference mean = meanDifference(samples);
+  if (mean.interval) {  // Student's t knows no range
+    mean.interval->low = std::max(mean.interval->low, quantity.least);
+    mean.interval->high = std::min(mean.interval->high, quantity.limit);
+  }
   return {mean.value, mean.interval};
 }
 

@@ -25,7 +25,8 @@ std::vector<Subject> subjects() {
   return {{rigidBodyKind()}, {rigidBodyKind(), {{"preset", "simple"}}}, {rigidBodyKind(), {{"preset", "shaped"}}}};
 }
 
-/// With RigidBodyLanes, which the kind itself does not use. One preset, for under sanitizers lanes are slow;
+/// With RigidBodyLanes, which the kind itself does not use: its own lanes are single worlds, one stepped after the
+/// other. One preset, for under sanitizers lanes are slow;
 /// AreWorldsWithAnySwitches has the rest.
 Subject inSimdLanes() {
   Subject subject = {rigidBodyKind(), {{"preset", "shaped"}}};
@@ -44,7 +45,7 @@ Subject inSimdLanes() {
 }  // namespace
 
 INSTANTIATE_TEST_SUITE_P(RigidBody, SimulatorSuite, ::testing::ValuesIn(subjects()));
-INSTANTIATE_TEST_SUITE_P(RigidBody, BatchSimulatorSuite, ::testing::Values(inSimdLanes()));
+INSTANTIATE_TEST_SUITE_P(RigidBody, BatchSimulatorSuite, ::testing::Values(Subject{rigidBodyKind()}, inSimdLanes()));
 
 }  // namespace testing
 

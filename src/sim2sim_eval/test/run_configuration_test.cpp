@@ -74,6 +74,17 @@ TEST(Configuration, IsReadAsItIsDescribed) {
   EXPECT_THROW(configurationFrom(bad), pusht::InvalidInput) << "there is no such parameter";
 }
 
+/// Bags and sweeps of before have other quantities, and must not be read as if they had these.
+TEST(Configuration, FormatIsRaisedWithTheQuantities) {
+  std::string quantities;
+  for (const Quantity& quantity : kQuantities) {
+    quantities.append(quantity.name).append(" ").append(quantity.unit).append("\n");
+  }
+  EXPECT_EQ(pusht::md5(quantities) + " in format " + describe(course()).at("format").dump(),
+            "c81b21aa5cec117edc0bc83bfb30a7ef in format 4")
+      << "raise kDescriptionFormat, then pin both here";
+}
+
 TEST(Configuration, OfAnotherFormatIsRefusedByName) {
   nlohmann::ordered_json old = describe(course());
   old.erase("format");

@@ -126,6 +126,51 @@ class Measurement(CompareCase):
         successes = self.finished()["mj_successes"]
         self.assertAlmostEqual(recorded["evaluation"]["successes"], successes, delta=5)
 
+    def test_provenance_names_the_versions_of_those_who_took_part(self) -> None:
+        self.finished("--policy", "expert", "--episodes", "1", "--engine", "chipmunk")
+        provenance = self.load("out", "provenance.json")
+        self.assertRegex(provenance["engine"]["version"], r"^7\.\d+\.\d+$")
+        self.assertRegex(provenance["reference"]["version"], r"^\d+\.\d+\.\d+$")
+        self.assertNotIn("mujoco", provenance["software"], "it need not take part")
+
+    def test_same_kind_in_both_roles_keeps_its_bytes_on_every_way(self) -> None:
+        """Nothing of one role may reach the other: not its parameters, nor its kept rollouts."""
+        run = ("--policy", "expert", "--episodes", "4")
+        ways: Dict[str, List[str]] = {
+            "one": ["--threads", "1"],
+            "two": ["--threads", "2", "--record"],
+            "cold": ["--reference-cache", "kept"],
+            "warm": ["--reference-cache", "kept"],
+        }
+        two_mass = ("--set-reference", "block_damp=20", "--engine", "two_mass")
+        swapped = ("--set", "block_damp=20", "--engine", "two_mass")
+        for name, roles in {
+            "twins": ("--reference", "two_mass", *two_mass),
+            "swapped": ("--reference", "two_mass", *swapped),
+            "chipmunk": ("--reference", "chipmunk"),
+        }.items():
+            for way, arguments in ways.items():
+                self.finished(*run, *roles, *arguments, out=f"{name}-{way}")
+                self.assertEqual(
+                    self.result_bytes(f"{name}-{way}"), self.result_bytes(f"{name}-one"), name
+                )
+            again = self.run_command(RECOMPUTE, f"{name}-two/compare.bag", "--out", f"{name}-again")
+            self.assertEqual(again.returncode, 0, again.stderr)
+            self.assertEqual(self.result_bytes(f"{name}-again"), self.result_bytes(f"{name}-one"))
+        steps = {}
+        for name in ("twins", "swapped"):
+            with (self.folder / f"{name}-one" / "episodes.csv").open() as file:
+                rows = list(csv.DictReader(file))
+            for mode in ("reference_closed", "engine_closed"):
+                steps[name, mode] = [
+                    (row["steps"], row["final_position_error_m"])
+                    for row in rows
+                    if row["mode"] == mode
+                ]
+        self.assertEqual(steps["twins", "reference_closed"], steps["swapped", "engine_closed"])
+        self.assertEqual(steps["twins", "engine_closed"], steps["swapped", "reference_closed"])
+        self.assertNotEqual(steps["twins", "engine_closed"], steps["twins", "reference_closed"])
+
     def test_rows_agree_with_the_metrics(self) -> None:
         metrics = self.finished("--policy", "expert", "--episodes", "6", "--seed", "4")
         with (self.folder / "out" / "episodes.csv").open() as file:
@@ -331,10 +376,16 @@ class ResultsFolder(CompareCase):
 
     def test_refused_run_does_not_keep_the_folder(self) -> None:
         """A status of the evaluator's, which leaves one."""
-        status = {"exit_code": 2, "reason": "episodes 0", "episodes_finished": 0, "episodes": 0}
+        refused = {"format": 1, "exit_code": 2, "reason": "episodes 0"}
+        status = {**refused, "episodes_finished": 0, "episodes": 0}
         self.write_below("out", "status.json", json.dumps(status).encode())
         self.finished("--smoke")
-        for content in (b"mine", b"[]", b'{"exit_code": 0, "episodes_finished": 0}', b"{}"):
+        finished = {**status, "exit_code": 0}
+        of_another_suite = {**status, "format": 2}  # there the same words may mean anything
+        for content in (
+            *(b"mine", b"[]", b"{}"),
+            *(json.dumps(other).encode() for other in (finished, of_another_suite)),
+        ):
             self.write_below("mine", "status.json", content)
             process = self.compare("--smoke", "--out", "mine")
             self.assert_one_line(process, 2)
@@ -610,6 +661,15 @@ class Recompute(CompareCase):
             return True
 
         self.assertIn("config_hash", self.refused_bag(2, self.edited(other_configuration)))
+
+        def older_format(topic: str, message: Any) -> bool:
+            if topic == "/sim2sim/configuration":
+                self.assertEqual(message.data.count('"format":4'), 1)
+                message.data = message.data.replace('"format":4', '"format":3')
+            return True
+
+        bag = self.edited(older_format)
+        self.assertIn(f"bag {bag}: format 3: must be 4", self.refused_bag(2, bag))
 
     def test_bag_is_not_replaced_by_what_comes_of_it(self) -> None:
         self.finished("--smoke", "--record")

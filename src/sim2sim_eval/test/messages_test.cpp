@@ -46,6 +46,15 @@ TEST(RecordOf, TakesTypesAndDefaultsFromDescriptors) {
   EXPECT_THAT(record.changed, ElementsAre("shape"));
 }
 
+TEST(ProvenanceOf, HasTheNodesVersionUnlessItSaysOneItself) {
+  auto description = node({});
+  description.version = "1.2";
+  description.provenance = "{}";
+  EXPECT_EQ(provenanceOf(description).dump(), R"({"version":"1.2"})");
+  description.provenance = R"({"version":"of its own"})";
+  EXPECT_EQ(provenanceOf(description).dump(), R"({"version":"of its own"})");
+}
+
 TEST(RecordOf, RefusesAProvenanceThatIsNone) {
   auto description = node({});
   description.provenance = "none";

@@ -136,7 +136,7 @@ class SweepDask(unittest.TestCase):
     def test_status_of_a_refused_run_is_no_result(self) -> None:
         out = self.folder / "out"
         out.mkdir()
-        status = {"exit_code": 2, "reason": "refused", "rows_finished": 0}
+        status = {"format": 1, "exit_code": 2, "reason": "refused", "rows_finished": 0}
         out.joinpath("status.json").write_text(json.dumps(status))
         self.finish(self.start())
         self.assert_plain_bytes()

@@ -247,7 +247,7 @@ void Flight::askPolicy() {
   queries_.clear();
   for (const Mode mode : {kReferenceClosed, kEngineClosed}) {
     for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
-      if (steps(mode, lane)) {
+      if (goesOn(mode, lane)) {
         queries_.push_back(episodes_[lane]->rollout(mode).query());
       }
     }
@@ -262,7 +262,7 @@ void Flight::advance(Mode mode, std::size_t& next_answer) {
   actions_.assign(episodes_.size(), std::nullopt);
   bool any = false;
   for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
-    if (!steps(mode, lane)) {
+    if (!goesOn(mode, lane)) {
       continue;
     }
     const Episode& episode = *episodes_[lane];

@@ -177,7 +177,7 @@ class Flight {
  private:
   void askPolicy();
   pusht::Rollout start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory);
-  bool steps(Mode mode, std::size_t lane) const { return episodes_[lane] && episodes_[lane]->goesOn(mode); }
+  bool goesOn(Mode mode, std::size_t lane) const { return episodes_[lane] && episodes_[lane]->goesOn(mode); }
   void advance(Mode mode, std::size_t& next_action);
   void probe(Episode& episode, std::size_t lane, const std::function<void()>& watch) const;
 

@@ -608,10 +608,15 @@ class LostMaster(LiveCase):
         self.assert_every_node_ends(uri, "/use_sim_time is set, but nobody publishes /clock")
 
     def test_f17_launch_without_a_clock(self) -> None:
-        launch = Launch(self, parameters={"/use_sim_time": True}, smoke=True)
+        """The outcome of an earlier run does not stand for this one."""
+        copy = self.folder / "copy.json"
+        copy.write_text('{"exit_code": 0, "reason": "finished"}')
+        launch = Launch(self, parameters={"/use_sim_time": True}, smoke=True, status_file=copy)
         launch.ended()
         self.assertIn("sim2sim: /use_sim_time is set, but nobody publishes /clock", launch.output)
-        self.assertFalse((launch.out / "metrics.json").exists())
+        self.assertEqual(files(launch.out), {"status.json"})
+        self.assertEqual(launch.status()["exit_code"], 4)
+        self.assertEqual(status_of_file(copy), launch.status())
 
 
 def views(launch: Launch) -> List[str]:

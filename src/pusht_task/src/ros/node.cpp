@@ -48,13 +48,6 @@ void requireMaster(NoMaster no_master) {
   }
 }
 
-void requireClock() {
-  if (ros::param::param("/use_sim_time", false) && !ros::Time::waitForValid(ros::WallDuration(kClockPatience))) {
-    throw RuntimeFault(
-        "/use_sim_time is set, but nobody publishes /clock: unset it, or start what publishes the clock");
-  }
-}
-
 /// roslaunch names a log file to every node that it starts.
 bool startedByRoslaunch(int argc, char** argv) {
   return std::any_of(argv, argv + argc, [](const std::string& argument) { return argument.rfind("__log:=", 0) == 0; });
@@ -121,13 +114,19 @@ int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, 
     ros::init(argc, argv, name, init_options);
     requireMaster(no_master);
     const ros::NodeHandle keeps_node_started;
-    requireClock();
     const Watch watch(started_by_roslaunch);
     const ExitCode code = body();
     watch.requireNothingLost();
     return static_cast<int>(code);
   } catch (const std::exception& failure) {
     return reportFailure(name, failure);
+  }
+}
+
+void requireClock() {
+  if (ros::param::param("/use_sim_time", false) && !ros::Time::waitForValid(ros::WallDuration(kClockPatience))) {
+    throw RuntimeFault(
+        "/use_sim_time is set, but nobody publishes /clock: unset it, or start what publishes the clock");
   }
 }
 

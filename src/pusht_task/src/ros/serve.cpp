@@ -197,6 +197,7 @@ void serveFailure(ros::NodeHandle& node, const std::exception& failure) {
 int serve(int argc, char** argv, const std::string& node_name,
           const std::function<std::shared_ptr<void>(const ros::NodeHandle&, ParameterReader&)>& make) {
   return runNode(argc, argv, node_name, NoMaster::kWait, [&] {
+    requireClock();
     ros::NodeHandle node("~");
     std::shared_ptr<void> served;
     try {

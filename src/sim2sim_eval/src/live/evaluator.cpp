@@ -619,6 +619,7 @@ pusht::ExitCode evaluate() {
     if (loaded.start) {
       writeStatusFile(loaded.status_file, underWay(loaded.request.protocol.episodes));
     }
+    pusht::requireClock();
     Evaluator evaluator(node, loaded);
     ros::AsyncSpinner callbacks(1);
     callbacks.start();

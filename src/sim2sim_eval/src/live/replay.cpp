@@ -12,6 +12,7 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/ros/node.hpp"
 #include "pusht_task/ros/transforms.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/control.hpp"
@@ -219,6 +220,7 @@ void Replay::tellProgress() {
 }
 
 pusht::ExitCode serveReplay() {
+  pusht::requireClock();
   const ros::NodeHandle node("~");
   pusht::ParameterReader parameters(node);
   parameters.enterWorkingDirectory();

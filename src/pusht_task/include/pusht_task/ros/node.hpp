@@ -18,11 +18,15 @@ enum class NoMaster {
 };
 
 /// Starts a node called `name`, runs `body` and returns the process's exit code. A failure is one line on stderr.
-/// `body` ends when ros::ok() no longer holds. A master that dies (noticed within 5 s: the node is shut down),
-/// `use_sim_time` without a clock, and a roslaunch that has started the node and dies (within 1 s) end in exit code 4
-/// and a hint. `init_options` are those of ros::init().
+/// `body` begins with requireClock() and ends when ros::ok() no longer holds. A master that dies (noticed within 5 s:
+/// the node is shut down) and a roslaunch that has started the node and dies (within 1 s) end in exit code 4 and a
+/// hint. `init_options` are those of ros::init().
 int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, const std::function<ExitCode()>& body,
             std::uint32_t init_options = 0);
+
+/// Throws RuntimeFault if `use_sim_time` is set and there is no clock. Apart from runNode(), for a node that must leave
+/// a word about it.
+void requireClock();
 
 /// `failure` on one line of stderr; its exit code. `reporter` is the node or command that failed.
 int reportFailure(const std::string& reporter, const std::exception& failure);

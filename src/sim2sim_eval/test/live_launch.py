@@ -124,17 +124,33 @@ class Runs(LiveCase):
         until(lambda: copy.exists() and status_of_file(copy)["exit_code"] == 0, "a finished run")
         self.assertEqual(copy.read_bytes(), (launch.out / "status.json").read_bytes())
 
-    def test_knobs_reach_an_engine_that_is_started_elsewhere(self) -> None:
+    def with_engine_from_elsewhere(self, *node: str, **arguments: Any) -> Launch:
         launch = Launch(
-            self, policy="expert", episodes=1, block_damp=20, engine_nodes=False, record=False
+            self, policy="expert", episodes=1, engine_nodes=False, record=False, **arguments
         )
         launch.line(r"process\[sim2sim-\d+\]: started")
         for name in ("engine", "engine_replay"):
-            command = ("rosrun", "pusht_engine", "engine_node", f"__name:={name}")
-            Process(self, *command, environment=launch.environment)
+            Process(self, "rosrun", *node, f"__name:={name}", environment=launch.environment)
         launch.ended()
+        return launch
+
+    def test_knobs_reach_an_engine_that_is_started_elsewhere(self) -> None:
+        launch = self.with_engine_from_elsewhere("pusht_engine", "engine_node", block_damp=20)
         wanted = "--policy expert --episodes 1 --block_damp 20".split()
         self.assertEqual(result_bytes(launch.out), self.batch_bytes(*wanted))
+
+    def test_engine_that_is_started_elsewhere_becomes_the_kind_that_is_named(self) -> None:
+        node = ("sim2sim_eval", "simulator_node", "_kind:=two_mass")
+        launch = self.with_engine_from_elsewhere(*node, engine="chipmunk")
+        wanted = "--policy expert --episodes 1 --engine chipmunk".split()
+        self.assertEqual(result_bytes(launch.out), self.batch_bytes(*wanted))
+
+    def test_engine_that_is_started_elsewhere_and_cannot_be_what_is_named_refuses(self) -> None:
+        node = ("pusht_engine", "engine_node")
+        launch = self.with_engine_from_elsewhere(*node, engine="chipmunk")
+        status = launch.status()
+        self.assertEqual(status["exit_code"], 2, launch.output)
+        self.assertIn("simulator 'chipmunk': must be two_mass, the only kind", status["reason"])
 
     def test_run_says_how_far_it_is_and_that_all_is_well(self) -> None:
         launch = Launch(self, policy="expert", episodes=2, horizon=60, rate=10)
@@ -143,6 +159,16 @@ class Runs(LiveCase):
         launch.ended()
         launch.line(r"of 2 episodes finished; success: reference \d, engine \d; about \d+ s left")
         launch.line(f"finished, all is well: results in {launch.out}")
+
+    def test_policy_that_is_started_elsewhere_must_be_the_one_that_is_named(self) -> None:
+        launch = Launch(self, policy="bc", policy_node=False)
+        launch.line(r"process\[sim2sim-\d+\]: started")
+        command = ("rosrun", "pusht_policy", "policy_node", "__name:=policy", "_policy:=expert")
+        Process(self, *command, environment=launch.environment)
+        launch.ended()
+        status = launch.status()
+        self.assertEqual(status["exit_code"], 2, launch.output)
+        self.assertIn("policy bc: /policy serves expert", status["reason"])
 
 
 class Displays(LiveCase):
@@ -189,8 +215,9 @@ class Arguments(LiveCase):
 
     # The names of the nodes that the launch file starts, and what follows from other arguments.
     DERIVED = {
-        *("reference", "engine", "replay", "policy_namespace"),
+        *("reference_namespace", "engine_namespace", "replay_namespace", "policy_namespace"),
         *("exit", "headless", "working_directory"),
+        "policy",  # handed to its own node, unless that is started elsewhere
     }
 
     def test_every_parameter_of_the_evaluator_is_an_argument(self) -> None:
@@ -273,6 +300,33 @@ class Refusals(LiveCase):
         self.assert_refused(
             "/sim2sim/deadline soon: must be a number", parameters={"sim2sim/deadline": "soon"}
         )
+
+    def test_f19_number_that_is_octal_elsewhere(self) -> None:
+        for name, rule in (("seed", "from 0 to 2.64 - 1"), ("episodes", "of 32 bits")):
+            with self.subTest(name):
+                reason = f"/sim2sim/{name} 010: must be an integer {rule}"
+                self.assert_refused(reason, out=name, **{name: "010"})
+
+    def test_f19_namespace_that_is_none(self) -> None:
+        self.assert_refused(
+            "/sim2sim/policy_namespace 'a b': must be a ROS name",
+            parameters={"sim2sim/policy_namespace": "a b"},
+        )
+
+    def test_scene_that_lies_where_results_are_written(self) -> None:
+        package = Path(rospkg.RosPack().get_path("pusht_mujoco"))
+        (shipped,) = package.glob("**/pusht.xml")
+        scene = self.folder / "out" / "rows" / "scene.xml"
+        scene.parent.mkdir(parents=True)
+        scene.write_bytes(shipped.read_bytes())
+        launch = Launch(
+            self, smoke=True, scene="out/rows/scene.xml", overwrite=True, status_file="copy.json"
+        )
+        launch.ended()
+        status = status_of_file(self.folder / "copy.json")
+        self.assertEqual(status["exit_code"], 2, launch.output)
+        self.assertIn("must not be where results are written", status["reason"])
+        self.assertEqual(scene.read_bytes(), shipped.read_bytes())
 
     def test_f5_policy_that_is_no_torchscript(self) -> None:
         policy = self.folder / "policy.pt"

@@ -45,6 +45,13 @@ std::string textIn(XmlRpcValue value) {
   }
 }
 
+/// The integer that an integer or a text is; none if it is no such number.
+template <class Integer>
+std::optional<Integer> integerIn(const XmlRpcValue& value) {
+  const bool possible = value.getType() == XmlRpcValue::TypeInt || value.getType() == XmlRpcValue::TypeString;
+  return possible ? decimal<Integer>(textIn(value)) : std::nullopt;
+}
+
 }  // namespace
 
 pusht_msgs::Parameter parameter(const std::string& name, const std::string& value) {
@@ -135,11 +142,14 @@ bool ParameterReader::flag(const std::string& key, bool fallback) {
 
 int ParameterReader::integer(const std::string& key, int fallback) {
   const XmlRpcValue* value = find(key);
-  if (value != nullptr && value->getType() != XmlRpcValue::TypeInt) {
+  if (value == nullptr) {
+    return fallback;
+  }
+  const std::optional<int> integer = integerIn<int>(*value);
+  if (!integer) {
     refuse(key, "must be an integer of 32 bits");
   }
-  XmlRpcValue copy = value == nullptr ? XmlRpcValue(fallback) : *value;
-  return static_cast<int>(copy);
+  return *integer;
 }
 
 double ParameterReader::real(const std::string& key, double fallback) {
@@ -170,11 +180,7 @@ std::uint64_t ParameterReader::seed(const std::string& key, std::uint64_t fallba
   if (value == nullptr) {
     return fallback;
   }
-  XmlRpcValue copy = *value;
-  const std::string text = copy.getType() == XmlRpcValue::TypeInt      ? std::to_string(static_cast<int>(copy))
-                           : copy.getType() == XmlRpcValue::TypeString ? textIn(copy)
-                                                                       : "";
-  const std::optional<std::uint64_t> seed = decimal<std::uint64_t>(text);
+  const std::optional<std::uint64_t> seed = integerIn<std::uint64_t>(*value);
   if (!seed) {
     refuse(key, "must be an integer from 0 to 2^64 - 1 (as a text if it has more than 31 bits)");
   }

@@ -67,6 +67,14 @@ nlohmann::ordered_json participant(const pusht_msgs::DescribeResponse& node) {
           {"parameters_hash", node.parameters_hash}};
 }
 
+void requirePolicy(const LiveRequest& request, const Cast& cast) {
+  const std::string& name = cast.describePolicy().name;
+  if (!request.policy.empty() && request.policy != name) {
+    throw pusht::InvalidInput("policy " + request.policy + ": " + request.services.policy + " serves " + name +
+                              "; name no policy if its node is started elsewhere, or this one");
+  }
+}
+
 RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast) {
   RunConfiguration configuration;
   configuration.protocol = request.protocol;
@@ -177,6 +185,9 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   if (request.smoke && !(goal.episodes.empty() && goal.horizon.empty())) {
     throw pusht::InvalidInput("episodes and horizon: a smoke run has its own");
   }
+  if (!goal.policy_namespace.empty()) {
+    request.policy.clear();  // of another node
+  }
   std::string& policy = request.services.policy;
   set("policy_namespace", policy, goal.policy_namespace);
   policy = pusht::serviceName("policy_namespace", policy);
@@ -274,9 +285,11 @@ double ProgressLine::secondsLeft(int finished) const {
 EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters) {
   EvaluatorParameters loaded;
   LiveRequest& request = loaded.request;
-  request.services.worlds = {parameters.services("reference", "reference"), parameters.services("engine", "engine"),
-                             parameters.services("replay", "replay")};
+  request.services.worlds = {parameters.services("reference_namespace", "reference"),
+                             parameters.services("engine_namespace", "engine"),
+                             parameters.services("replay_namespace", "engine_replay")};
   request.services.policy = parameters.services("policy_namespace", "policy");
+  request.policy = parameters.text("policy", "");
   request.protocol.seed = parameters.seed("seed", request.protocol.seed);
   request.protocol.first_episode = parameters.integer("first_episode", request.protocol.first_episode);
   request.protocol.episodes = parameters.integer("episodes", request.protocol.episodes);
@@ -294,7 +307,8 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   loaded.headless = parameters.text("headless", "rviz was not asked for");
   request.rate = parameters.real("rate", loaded.headless.empty() ? kRateForEyes : kFullSpeed);
   const auto settings = [&](const std::string& key) { return settingsFrom(key, parameters.text(key, "")); };
-  request.settings = {{"", settings("reference_parameters")}, {"", settings("engine_parameters")}};
+  request.settings = {{parameters.text("reference", ""), settings("reference_parameters")},
+                      {parameters.text("engine", ""), settings("engine_parameters")}};
   request.record = parameters.flag("record", request.record);
   request.starts = parameters.text("starts", request.starts);
   request.out = parameters.text("out", request.out);
@@ -425,6 +439,7 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   const auto stop = [this] { return stopped(); };
   cast.connect(options.settings, options.patience, stop);
 
+  requirePolicy(request, cast);
   const RunConfiguration configuration = configurationOf(request, cast);
   const nlohmann::ordered_json provenance = originOf(configuration, cast);
   folder.refuseInputs(inputsOf(request, cast));

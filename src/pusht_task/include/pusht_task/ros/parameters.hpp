@@ -44,6 +44,7 @@ class ParameterReader {
   /// As serviceName().
   std::string services(const std::string& key, const std::string& fallback);
   bool flag(const std::string& key, bool fallback);
+  /// A text that is an integer is accepted: as text, 010 stays what the user wrote, and is refused.
   int integer(const std::string& key, int fallback);
   /// Integers are accepted.
   double real(const std::string& key, double fallback);

@@ -32,6 +32,7 @@ namespace sim2sim {
 /// One comparison that is asked for.
 struct LiveRequest {
   Cast::Services services;
+  std::string policy{};  ///< the name that the policy must have; empty: any
   Protocol protocol;
   std::optional<double> until_decided{};  ///< as in RunConfiguration
   bool floor = true;                      ///< as in probesOf(); so is the next

@@ -390,6 +390,21 @@ class LostNodes(LiveCase):
         launch.line("sim2sim: /reference/describe: the node has died")  # not: end of episode 1: ...
         launch.ended()
 
+    def test_f13_node_that_is_dead_before_the_run_begins(self) -> None:
+        launch = Launch(self, policy="expert", start=False, status_file="copy.json")
+        launch.line(r"process\[sim2sim-\d+\]: started")
+        launch.tool("rosservice", "call", "--wait", "/engine/describe", "{}")
+        launch.tool("rosservice", "call", "--wait", "/sim2sim/control", "{command: resume}")
+        os.kill(launch.node("/engine"), signal.SIGKILL)
+        goal = ("/sim2sim/compare/goal", "pusht_msgs/CompareActionGoal", "{goal: {episodes: [1]}}")
+        Process(self, "rostopic", "pub", *goal, environment=launch.environment)
+        waits, _ = launch.line("waiting for the node of /engine/describe, for 30 s at most")
+        noticed, _ = launch.line("sim2sim: /engine/describe: the master knows a node at .* died")
+        self.assertLess(noticed - waits, 15.0)
+        copy = self.folder / "copy.json"
+        until(lambda: "has died" in status_of_file(copy)["reason"], "an outcome")
+        self.assertEqual(status_of_file(copy)["exit_code"], 4)
+
     def test_f14_stopped_node(self) -> None:
         launch = self.under_way(parameters={"sim2sim/deadline": 0.5})
         pid = launch.node("/engine_replay")

@@ -12,7 +12,8 @@ namespace pusht {
 namespace {
 
 constexpr std::chrono::milliseconds kConnectPeriod{20};
-constexpr std::chrono::seconds kSilence{1};  // before it is said that somebody waits
+constexpr std::chrono::seconds kSilence{1};      // before it is said that somebody waits
+constexpr std::chrono::seconds kDeadOrNever{3};  // a node accepts connections before it is registered
 
 /// Host and port of the node that the master knows for `service`; empty if there is none.
 std::string ownerOf(const std::string& service) {
@@ -61,13 +62,14 @@ void Watchdog::watch() {
 
 Peer::Peer(std::string services, Watchdog& watchdog) : services_(std::move(services)), watchdog_(watchdog) {}
 
-void Peer::connect(std::chrono::milliseconds patience, const std::function<bool()>& stop) {
+void Peer::connect(std::chrono::milliseconds patience, bool respawn, const std::function<bool()>& stop) {
   const auto begin = std::chrono::steady_clock::now();
   const auto expiry = begin + patience;
   const std::string service = services_ + "/describe";
   pusht_msgs::Describe describe;
   bool answered = false;
   bool said = false;
+  auto last_sign = begin;  // of life
   while (!answered) {
     if (!said && std::chrono::steady_clock::now() - begin > kSilence) {
       ROS_WARN_STREAM("waiting for the node of " << service << ", for "
@@ -78,10 +80,21 @@ void Peer::connect(std::chrono::milliseconds patience, const std::function<bool(
       throw RuntimeFault(service + ": nobody answers" +
                          (stop() ? "" : " within " + std::to_string(patience.count()) + " ms"));
     }
-    owner_ = ownerOf(service);
+    const std::string owner = std::exchange(owner_, ownerOf(service));
+    bool late = false;
     if (!owner_.empty()) {
       ros::ServiceClient client = ros::NodeHandle().serviceClient<pusht_msgs::Describe>(service, true);
-      watchdog_.run([&] { answered = client.isValid() && client.call(describe); }, [&] { client.shutdown(); });
+      watchdog_.run([&] { answered = client.isValid() && client.call(describe); },
+                    [&] {
+                      late = true;
+                      client.shutdown();
+                    });
+    }
+    if (owner_.empty() || owner_ != owner || late) {
+      last_sign = std::chrono::steady_clock::now();
+    } else if (!answered && !respawn && std::chrono::steady_clock::now() - last_sign > kDeadOrNever) {
+      throw RuntimeFault(service + ": the master knows a node at " + owner_ +
+                         ", but nobody answers there: it has died");
     }
     if (!answered) {
       ros::WallDuration(std::chrono::duration<double>(kConnectPeriod).count()).sleep();

@@ -32,9 +32,10 @@ Cast::Cast(const Services& services, std::chrono::milliseconds deadline)
              Part{{services.worlds[kEngineReplay], watchdog_}, {}, nullptr}},
       policy_peer_(services.policy, watchdog_) {}
 
-void Cast::connect(const Settings& settings, std::chrono::milliseconds patience, const std::function<bool()>& stop) {
-  connectWorlds(settings, patience, stop);
-  policy_peer_.connect(patience, stop);
+void Cast::connect(const Settings& settings, std::chrono::milliseconds patience, bool respawn,
+                   const std::function<bool()>& stop) {
+  connectWorlds(settings, patience, respawn, stop);
+  policy_peer_.connect(patience, respawn, stop);
   policy_ = std::make_unique<pusht::ServedPolicy>(policy_peer_);
   requireThreeWorlds();
   requireOneEngine();
@@ -49,7 +50,7 @@ void Cast::connect(const Settings& settings, std::chrono::milliseconds patience,
   identity_ = std::move(identity);
 }
 
-void Cast::connectWorlds(const Settings& settings, std::chrono::milliseconds patience,
+void Cast::connectWorlds(const Settings& settings, std::chrono::milliseconds patience, bool respawn,
                          const std::function<bool()>& stop) {
   worlds_ = {};  // leaves those that have not been lost
   std::array<std::unique_ptr<pusht::Simulator>, kModeCount> worlds;
@@ -57,7 +58,7 @@ void Cast::connectWorlds(const Settings& settings, std::chrono::milliseconds pat
     Part& part = parts_.at(mode);
     const Setting& asked = mode == kReferenceClosed ? settings.reference : settings.engine;
     const pusht::Parameters& parameters = identity_ ? part.description.parameters : asked.parameters;  // as before
-    part.peer.connect(patience, stop);
+    part.peer.connect(patience, respawn, stop);
     auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_, asked.kind, parameters);
     part.description = world->describe();  // not before: a node that dies meanwhile gets what was asked for next time
     part.world = world.get();

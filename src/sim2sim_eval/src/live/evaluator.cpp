@@ -437,7 +437,7 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   const LiveOptions options = {request.settings, parameters_.respawn, milliseconds(parameters_.patience)};
   Cast cast(request.services, milliseconds(parameters_.deadline));
   const auto stop = [this] { return stopped(); };
-  cast.connect(options.settings, options.patience, stop);
+  cast.connect(options.settings, options.patience, options.respawn, stop);
 
   requirePolicy(request, cast);
   const RunConfiguration configuration = configurationOf(request, cast);

@@ -75,7 +75,7 @@ void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& o
   for (int index = protocol.first_episode; index <= protocol.lastEpisode();) {
     try {
       if (lost) {
-        cast.connect(options.settings, options.patience, stop);
+        cast.connect(options.settings, options.patience, options.respawn, stop);
         lost = false;
       }
       if (!runEpisode(protocol, index, cast, pacer, observer, stop)) {

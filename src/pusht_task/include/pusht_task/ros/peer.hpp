@@ -54,9 +54,10 @@ class Peer {
   Peer(std::string services, Watchdog& watchdog);
 
   /// Waits until the peer describes itself, and says so if that takes more than a second; the instance that does is the
-  /// one that has to answer from now on. Throws RuntimeFault if nobody does within `patience` or before `stop` holds;
-  /// the peer's own error if it failed at start.
-  void connect(std::chrono::milliseconds patience, const std::function<bool()>& stop);
+  /// one that has to answer from now on. Throws RuntimeFault if nobody does within `patience` or before `stop` holds,
+  /// or if the node that the master knows is dead and without `respawn` nobody starts it again; the peer's own error if
+  /// it failed at start.
+  void connect(std::chrono::milliseconds patience, bool respawn, const std::function<bool()>& stop);
 
   /// Throws PeerFault if by now the services belong to another node than the one that was connected to, or to none.
   void requireSameOwner() const;

@@ -41,10 +41,11 @@ class Cast {
   };
 
   /// Connects to all, the first time or after a fault, takes the worlds over, and sets their parameters. Each may
-  /// take `patience` to appear, unless `stop` holds. Throws RuntimeFault if one does not, PeerFault if one is lost
+  /// take as long to appear as Peer::connect() says. Throws RuntimeFault if one does not, PeerFault if one is lost
   /// meanwhile; the error of one that failed at start; InvalidInput if the two worlds of the engine differ or two
   /// worlds are one; BadDependency if one has come back as another.
-  void connect(const Settings& settings, std::chrono::milliseconds patience, const std::function<bool()>& stop);
+  void connect(const Settings& settings, std::chrono::milliseconds patience, bool respawn,
+               const std::function<bool()>& stop);
 
   /// Makes ready for an episode. Throws PeerFault if a node has been replaced.
   void announce(int episode, int horizon);
@@ -71,7 +72,8 @@ class Cast {
     pusht::ServedSimulator* world = nullptr;
   };
 
-  void connectWorlds(const Settings& settings, std::chrono::milliseconds patience, const std::function<bool()>& stop);
+  void connectWorlds(const Settings& settings, std::chrono::milliseconds patience, bool respawn,
+                     const std::function<bool()>& stop);
   void requireThreeWorlds() const;
   void requireOneEngine() const;
 

@@ -33,6 +33,7 @@ namespace {
 constexpr double kRateForEyes = 50.0;  // [control steps/s]
 constexpr double kFullSpeed = 0.0;
 constexpr std::uint32_t kProgressQueue = 100;  // who listens must not miss that a run has begun or ended
+constexpr std::uint32_t kNoReanchor = 0;       // alone, in a goal: none; a list without values leaves it open
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::chrono::seconds kLinePeriod{5};
 constexpr const char* kEndOfLaunch = " (roslaunch now ends the other nodes, and says so in red)";
@@ -211,7 +212,9 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
     request.until_decided = decidedShare(share);
   }
   set("floor", request.floor, goal.floor);
-  if (!goal.reanchor.empty()) {
+  if (goal.reanchor == std::vector<std::uint32_t>{kNoReanchor}) {
+    request.reanchor.clear();
+  } else if (!goal.reanchor.empty()) {
     request.reanchor.assign(goal.reanchor.begin(), goal.reanchor.end());
   }
   request.protocol.probes = probesOf(request.floor, request.reanchor);
@@ -259,7 +262,10 @@ pusht_msgs::CompareGoal goalOf(const LiveRequest& request) {
   goal.bound_position = {protocol.bound.position};
   goal.bound_angle = {protocol.bound.angle};
   goal.floor = {static_cast<std::uint8_t>(request.floor)};
-  goal.reanchor.assign(request.reanchor.begin(), request.reanchor.end());
+  goal.reanchor = {kNoReanchor};
+  if (!request.reanchor.empty()) {
+    goal.reanchor.assign(request.reanchor.begin(), request.reanchor.end());
+  }
   goal.reference_parameters = request.settings.reference.parameters;
   goal.engine_parameters = request.settings.engine.parameters;
   return goal;

@@ -221,9 +221,14 @@ class LiveSession(GoalCase):
 
     def test_ends_when_it_is_decided(self) -> None:
         decided = ("--policy", "expert", "--episodes", "60", "--until-decided", "0.9")
+        markers = Inbox("/sim2sim/markers", MarkerArray)
+        until(lambda: sends("/sim2sim", "/sim2sim/markers"), "markers")
         self.compare(episodes=60, until_decided=0.9)
         self.assertEqual(result_bytes(self.out), self.batch_bytes(*decided))
-        self.assertLess(json.loads((self.out / "metrics.json").read_text())["episodes"], 60)
+        episodes = metrics_of(self.out)["episodes"]
+        self.assertLess(episodes, 60)
+        wanted = f"policy expert: finished, {episodes} episodes"
+        markers.until(lambda message: wanted in texts(message))
 
     def test_second_goal_is_rejected(self) -> None:
         self.send_and_hold(0, 5)

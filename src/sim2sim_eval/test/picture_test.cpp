@@ -88,11 +88,12 @@ class DriftingEpisode {
     }
   }
 
-  MarkerArray update(const std::optional<Summary>& summary = std::nullopt) const {
-    return picture().update(run(), episode_, summary);
+  MarkerArray update(const std::optional<Summary>& summary = std::nullopt,
+                     std::optional<int> last = std::nullopt) const {
+    return picture().update(run(), episode_, summary, last);
   }
 
-  MarkerArray overlay() const { return picture().overlay(run(), episode_, std::nullopt); }
+  MarkerArray overlay() const { return picture().overlay(run(), episode_, std::nullopt, std::nullopt); }
 
  private:
   RunConfiguration run() const {
@@ -395,17 +396,19 @@ TEST(Picture, SaysWhereTheRunIs) {
   EXPECT_THAT(texts(update, "engine_replay"), Contains("0.286"));
 }
 
-TEST(Picture, SaysThatTheRunHasFinishedOnceAllEpisodesCount) {
-  DriftingEpisode episode(kAway, 0.0, 0.0, 0.0, 49);
-  Summary summary = someSummary();
-  EXPECT_THAT(texts(episode.update(summary), "engine"), Contains("policy bc, episode 49, 0.0 s")) << "20 of 50";
-  summary.episodes = Protocol().episodes;
-  EXPECT_THAT(texts(episode.update(summary), "engine"), Contains("policy bc, episode 49, 0.0 s")) << "of a replay";
+TEST(Picture, SaysThatTheRunHasFinishedAtTheEndOfTheEpisodeThatWasTheLast) {
+  constexpr int kLast = 19;  // of 50 that were asked for: the run was decided
+  DriftingEpisode episode(kAway, 0.0, 0.0, 0.0, kLast);
+  const Summary summary = someSummary();
+  EXPECT_THAT(texts(episode.update(summary, kLast), "engine"), Contains("policy bc, episode 19, 0.0 s"))
+      << "of a replay";
   episode.advance(pusht::kHorizon);
-  EXPECT_THAT(texts(episode.update(summary), "engine"), Contains("policy bc: finished, 50 episodes"));
-  DriftingEpisode earlier(kAway, 0.0, 0.0, 0.0, 48);
+  EXPECT_THAT(texts(episode.update(summary), "engine"), Contains("policy bc, episode 19, 30.0 s")) << "it goes on";
+  EXPECT_THAT(texts(episode.update(summary, kLast), "engine"), Contains("policy bc: finished, 20 episodes"));
+  DriftingEpisode earlier(kAway, 0.0, 0.0, 0.0, kLast - 1);
   earlier.advance(pusht::kHorizon);
-  EXPECT_THAT(texts(earlier.update(summary), "engine"), Contains("policy bc, episode 48, 30.0 s")) << "of a replay";
+  EXPECT_THAT(texts(earlier.update(summary, kLast), "engine"), Contains("policy bc, episode 18, 30.0 s"))
+      << "of a replay";
 }
 
 TEST(Picture, MarksWhereAWorldLeavesTheBound) {

@@ -41,6 +41,7 @@ void Broadcast::begin(const RunConfiguration& configuration, Picture picture, st
   configuration_ = configuration;
   bag_ = std::move(bag);
   finished_.reset();
+  last_.reset();
   summary_ = summaryMessage(configuration_, std::nullopt, ros::Time());
   summary_topic_.publish(summary_);
   picture_ = std::move(picture);
@@ -57,8 +58,10 @@ void Broadcast::begin(const RunConfiguration& configuration, Picture picture, st
   markers_.publish(scene_);
 }
 
-void Broadcast::recall(const std::vector<EpisodeResult>& results, const Summary& finished, const ros::Time& stamp) {
+void Broadcast::recall(const std::vector<EpisodeResult>& results, const Summary& finished, std::optional<int> last,
+                       const ros::Time& stamp) {
   finished_ = finished;
+  last_ = last;
   summary_ = summaryMessage(configuration_, finished_, stamp);
   summary_topic_.publish(summary_);
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -88,12 +91,12 @@ pusht_msgs::Divergence Broadcast::step(const Episode& episode, const ros::Time& 
 }
 
 void Broadcast::draw(const Episode& episode, const ros::Time& stamp, bool recorded) {
-  const MarkerArray update = picture_->update(configuration_, episode, finished_);
+  const MarkerArray update = picture_->update(configuration_, episode, finished_, last_);
   if (bag_ && recorded) {
     bag_->write(scene_, stamp);  // again: a player may begin anywhere
     bag_->write(update, stamp);
   }
-  const MarkerArray overlay = picture_->overlay(configuration_, episode, finished_);
+  const MarkerArray overlay = picture_->overlay(configuration_, episode, finished_, last_);
   const std::lock_guard<std::mutex> lock(mutex_);
   update_ = update;
   update_.markers.insert(update_.markers.end(), overlay.markers.begin(), overlay.markers.end());
@@ -112,9 +115,12 @@ void Broadcast::repeat() const {
   markers_.publish(update_);
 }
 
-void Broadcast::finish(const Episode& episode, const EpisodeResult& result, const Summary& finished,
+void Broadcast::finish(const Episode& episode, const EpisodeResult& result, const Summary& finished, bool last,
                        const ros::Time& stamp) {
   finished_ = finished;
+  if (last) {
+    last_ = episode.index();
+  }
   summary_ = summaryMessage(configuration_, finished_, stamp);
   const Protocol& protocol = configuration_.protocol;
   const pusht_msgs::EpisodeResult message = toMessage(protocol, result, stamp);

@@ -567,7 +567,7 @@ void Evaluator::onStep(const Episode& episode, const ros::Time& stamp) {
 
 bool Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
   const EpisodeResult result = run_->add(episode);
-  broadcast_.finish(episode, result, run_->summary(), stamp);
+  broadcast_.finish(episode, result, run_->summary(), run_->whole(), stamp);
   const double seconds_left = line_->secondsLeft(static_cast<int>(run_->episodes().size()));
   const std::string line = line_->of(run_->summary());
   if (!line.empty()) {

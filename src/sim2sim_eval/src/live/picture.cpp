@@ -246,9 +246,9 @@ std::string endOfCurves(const Episode& episode, Mode mode) {
   return "";
 }
 
-std::string headline(const RunConfiguration& run, const Episode& episode, const std::optional<Summary>& summary) {
-  const bool last = episode.index() == run.protocol.lastEpisode();  // in a replay all have finished before
-  if (last && episode.finished() && summary && summary->episodes == run.protocol.episodes) {
+std::string headline(const RunConfiguration& run, const Episode& episode, const std::optional<Summary>& summary,
+                     std::optional<int> last) {
+  if (summary && last == episode.index() && episode.finished()) {  // a replay may be elsewhere
     return "policy " + run.policy + ": finished, " + std::to_string(summary->episodes) + " episodes";
   }
   return "policy " + run.policy + ", episode " + std::to_string(episode.index()) + ", " + secondsText(episode.steps());
@@ -329,8 +329,8 @@ MarkerArray Picture::scene() const {
   return scene;
 }
 
-MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode,
-                            const std::optional<Summary>& summary) const {
+MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode, const std::optional<Summary>& summary,
+                            std::optional<int> last) const {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
   const Bound& bound = run.protocol.bound;
   MarkerArray update;
@@ -349,15 +349,15 @@ MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode,
     drawCurves(sheet, episode, curvesBelow(mode), bound);
     sheet.text(endOfCurves(episode, mode), 0.0, kEndY, kSmallSize, color(kDim));
     if (mode == kMiddle) {
-      sheet.text(headline(run, episode, summary), 0.0, kHeadlineY, kHeadlineSize, color(kBright));
+      sheet.text(headline(run, episode, summary, last), 0.0, kHeadlineY, kHeadlineSize, color(kBright));
     }
     sheet.appendTo(update, worlds_[mode].frame_prefix + "/episode");
   }
   return update;
 }
 
-MarkerArray Picture::overlay(const RunConfiguration& run, const Episode& episode,
-                             const std::optional<Summary>& summary) const {
+MarkerArray Picture::overlay(const RunConfiguration& run, const Episode& episode, const std::optional<Summary>& summary,
+                             std::optional<int> last) const {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
   const Bound& bound = run.protocol.bound;
   MarkerArray overlay;
@@ -387,7 +387,7 @@ MarkerArray Picture::overlay(const RunConfiguration& run, const Episode& episode
                 kSmallSize, colorOf(mode));
     }
   }
-  card.text(headline(run, episode, summary), 0.0, kOverlayHeadlineY, kResultSize, color(kBright));
+  card.text(headline(run, episode, summary, last), 0.0, kOverlayHeadlineY, kResultSize, color(kBright));
   drawCurves(card, episode, curvesBelow(kReferenceClosed), bound);
   card.text(endOfCurves(episode, kReferenceClosed), 0.0, kEndY, kSmallSize, color(kDim));
   table.appendTo(overlay, std::string(kOverlay) + "/episode");

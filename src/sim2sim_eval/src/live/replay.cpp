@@ -16,10 +16,16 @@
 #include "pusht_task/ros/transforms.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/control.hpp"
+#include "sim2sim_eval/results/run.hpp"
 #include "sim2sim_eval/results/summary.hpp"
 
 namespace sim2sim {
 namespace {
+
+/// The episode with which the run ended; none if it was ended before it was whole.
+std::optional<int> lastOf(const RecordedRun& run) {
+  return isWhole(run.configuration, run.episodes) ? std::optional<int>(run.episodes.back().index) : std::nullopt;
+}
 
 RecordedRun read(const std::string& bag, std::map<int, Episode>& episodes) {
   if (bag.empty()) {
@@ -97,7 +103,7 @@ Replay::Replay(const ros::NodeHandle& node, const ReplayParameters& parameters)
   const RunConfiguration& configuration = run_.configuration;
   request_.publish(requestOf(configuration.protocol));
   broadcast_.begin(configuration, Picture::of(configuration, frame_prefixes_), nullptr, stamp_);
-  broadcast_.recall(run_.episodes, summarize(configuration.protocol, run_.episodes), stamp_);
+  broadcast_.recall(run_.episodes, summarize(configuration.protocol, run_.episodes), lastOf(run_), stamp_);
   control_ = node_.advertiseService("control", &Replay::onControl, this);
   repeating_ = node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { repeat(); });
   tellProgress();

@@ -9,6 +9,25 @@
 #include "pusht_task/reason.hpp"
 
 namespace sim2sim {
+namespace {
+
+void add(TransferBet& bet, const EpisodeResult& episode) {
+  bet.add(episode.rollouts[kReferenceClosed].success, episode.rollouts[kEngineClosed].success);
+}
+
+}  // namespace
+
+bool isWhole(const RunConfiguration& run, const std::vector<EpisodeResult>& episodes) {
+  if (static_cast<int>(episodes.size()) == run.protocol.episodes) {
+    return true;
+  }
+  if (!run.until_decided) {
+    return false;
+  }
+  TransferBet bet(*run.until_decided);
+  std::for_each(episodes.begin(), episodes.end(), [&](const EpisodeResult& episode) { add(bet, episode); });
+  return bet.verdict() != Verdict::kUndecided;
+}
 
 Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance)
     : configuration_(std::move(configuration)), folder_(folder), bands_(configuration_.protocol) {
@@ -38,7 +57,7 @@ void Run::take(std::vector<EpisodeResult> episodes, DivergenceBands bands) {
 
 void Run::watch(const EpisodeResult& episode) {
   if (bet_) {
-    bet_->add(episode.rollouts[kReferenceClosed].success, episode.rollouts[kEngineClosed].success);
+    sim2sim::add(*bet_, episode);
   }
 }
 

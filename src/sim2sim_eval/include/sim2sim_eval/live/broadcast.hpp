@@ -39,8 +39,10 @@ class Broadcast {
   void begin(const RunConfiguration& configuration, Picture picture, std::unique_ptr<RunBag> bag,
              const ros::Time& stamp);
 
-  /// Episodes that have finished before, as those of a replay; `finished` is of them.
-  void recall(const std::vector<EpisodeResult>& results, const Summary& finished, const ros::Time& stamp);
+  /// Episodes that have finished before, as those of a replay; `finished` is of them, and `last` the one that ended the
+  /// run, if one did.
+  void recall(const std::vector<EpisodeResult>& results, const Summary& finished, std::optional<int> last,
+              const ros::Time& stamp);
 
   /// Whether somebody looks at the run.
   bool watched() const { return markers_.getNumSubscribers() + divergence_.getNumSubscribers() > 0; }
@@ -49,8 +51,9 @@ class Broadcast {
   /// episode the divergence of the steps before is told, too: a curve is whole.
   pusht_msgs::Divergence step(const Episode& episode, const ros::Time& stamp, bool paced);
 
-  /// An episode has finished; `finished` are all that have, by index.
-  void finish(const Episode& episode, const EpisodeResult& result, const Summary& finished, const ros::Time& stamp);
+  /// An episode has finished; `finished` are all that have, by index. `last`: the run needs no more.
+  void finish(const Episode& episode, const EpisodeResult& result, const Summary& finished, bool last,
+              const ros::Time& stamp);
 
   /// The run has ended, well or not: the bag is put in its place. Throws RuntimeFault if that fails.
   void end();
@@ -72,6 +75,7 @@ class Broadcast {
   std::unique_ptr<RunBag> bag_;
   pusht_msgs::Summary summary_;
   std::optional<Summary> finished_;
+  std::optional<int> last_;   // episode, once it is known
   std::pair<int, int> told_;  // episode and step
 
   tf2_ros::StaticTransformBroadcaster fixed_frames_;

@@ -39,13 +39,13 @@ class Picture {
   visualization_msgs::MarkerArray scene() const;
 
   /// What a control step changes: trails, divergence, figures. `summary` is of the finished episodes, none before the
-  /// first; of all that there are: the run has finished. At most 40 kB as a message.
+  /// first; `last` is the one that ended the run, none while it goes on. At most 40 kB as a message.
   visualization_msgs::MarkerArray update(const RunConfiguration& run, const Episode& episode,
-                                         const std::optional<Summary>& summary) const;
+                                         const std::optional<Summary>& summary, std::optional<int> last) const;
 
   /// The same of the table on which all worlds are together: the reference solid, the engine's translucent.
   visualization_msgs::MarkerArray overlay(const RunConfiguration& run, const Episode& episode,
-                                          const std::optional<Summary>& summary) const;
+                                          const std::optional<Summary>& summary, std::optional<int> last) const;
 
  private:
   std::array<World, kModeCount> worlds_;

@@ -16,6 +16,9 @@
 
 namespace sim2sim {
 
+/// Whether a run needs no further episodes than these, which are by index.
+bool isWhole(const RunConfiguration& run, const std::vector<EpisodeResult>& episodes);
+
 /// Gathers the finished episodes of a run, and tells in its folder and as a table what they say.
 class Run {
  public:
@@ -34,7 +37,7 @@ class Run {
   const std::vector<EpisodeResult>& episodes() const { return episodes_; }
   /// Of the finished episodes; there must be one.
   const Summary& summary() const;
-  bool whole() const { return decided() || static_cast<int>(episodes_.size()) == configuration_.protocol.episodes; }
+  bool whole() const { return isWhole(configuration_, episodes_); }
 
   /// Whether no further episode is needed; only of a run that ends when it is decided.
   bool decided() const { return bet_ && bet_->verdict() != Verdict::kUndecided; }

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "pusht_task/error.hpp"
@@ -128,6 +130,25 @@ TEST(MergedGoal, NamesWhatCannotBe) {
   nameless.policy_namespace = {"a b"};
   EXPECT_THAT(refusalOf([&] { merged(parameters(), nameless); }),
               ::testing::HasSubstr("policy_namespace 'a b': must be a ROS name"));
+}
+
+TEST(ProgressLine, SpeaksEveryFiveSecondsInMidEpisodeToo) {
+  using std::chrono::seconds;
+  const ProgressLine::Clock::time_point begin;
+  ProgressLine line(50, begin);
+  EXPECT_FALSE(line.due(begin + seconds(4)));
+  EXPECT_TRUE(line.due(begin + seconds(5)));
+  EXPECT_FALSE(line.due(begin + seconds(9)));
+  EXPECT_TRUE(line.due(begin + seconds(10)));
+  EXPECT_EQ(line.text(std::nullopt, 50, begin + seconds(5)),
+            "0 of 50 episodes finished, the next one is at control step 50");
+  Summary finished;
+  finished.episodes = 10;
+  finished.reference.successes = 6;
+  finished.engine.successes = 2;
+  EXPECT_EQ(line.text(finished, 7, begin + seconds(20)),
+            "10 of 50 episodes finished, the next one is at control step 7; success: reference 6, engine 2; about 80 s "
+            "left");
 }
 
 TEST(MergedGoal, DoesNotChangeHowShortASmokeRunIs) {

@@ -271,20 +271,28 @@ pusht_msgs::CompareGoal goalOf(const LiveRequest& request) {
   return goal;
 }
 
-std::string ProgressLine::of(const Summary& finished) {
-  const Clock::time_point now = Clock::now();
+bool ProgressLine::due(Clock::time_point now) {
   if (now - last_ < kLinePeriod) {
-    return "";
+    return false;
   }
   last_ = now;
-  const int count = finished.episodes;
-  return std::to_string(count) + " of " + std::to_string(episodes_) + " episodes finished; success: reference " +
-         std::to_string(finished.reference.successes) + ", engine " + std::to_string(finished.engine.successes) +
-         "; about " + pusht::fixedText(secondsLeft(count), 0) + " s left";
+  return true;
 }
 
-double ProgressLine::secondsLeft(int finished) const {
-  const std::chrono::duration<double> elapsed = Clock::now() - begin_;
+std::string ProgressLine::text(const std::optional<Summary>& finished, int step, Clock::time_point now) const {
+  const int count = finished ? finished->episodes : 0;
+  const std::string line = std::to_string(count) + " of " + std::to_string(episodes_) +
+                           " episodes finished, the next one is at control step " + std::to_string(step);
+  if (!finished) {
+    return line;
+  }
+  return line + "; success: reference " + std::to_string(finished->reference.successes) + ", engine " +
+         std::to_string(finished->engine.successes) + "; about " + pusht::fixedText(secondsLeft(count, now), 0) +
+         " s left";
+}
+
+double ProgressLine::secondsLeft(int finished, Clock::time_point now) const {
+  const std::chrono::duration<double> elapsed = now - begin_;
   return elapsed.count() / finished * (episodes_ - finished);
 }
 
@@ -563,16 +571,16 @@ void Evaluator::onStep(const Episode& episode, const ros::Time& stamp) {
     feedback.divergence = divergence;
     goal_->publishFeedback(feedback);
   }
+  if (line_->due()) {
+    const std::optional<Summary> finished = run_->episodes().empty() ? std::nullopt : std::optional(run_->summary());
+    ROS_INFO_STREAM(line_->text(finished, episode.steps()));
+  }
 }
 
 bool Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
   const EpisodeResult result = run_->add(episode);
   broadcast_.finish(episode, result, run_->summary(), run_->whole(), stamp);
   const double seconds_left = line_->secondsLeft(static_cast<int>(run_->episodes().size()));
-  const std::string line = line_->of(run_->summary());
-  if (!line.empty()) {
-    ROS_INFO_STREAM(line);
-  }
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     activity_ = run_->progress() + " finished";

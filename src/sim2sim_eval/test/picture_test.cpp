@@ -467,6 +467,20 @@ TEST(Picture, SaysWhyCurvesEnd) {
   }
 }
 
+TEST(Picture, TellsAReferenceFromAnEngineOfItsKind) {
+  RunConfiguration run;
+  run.reference.title = "MuJoCo";
+  run.engine.title = "two-mass engine";
+  const auto titles = [&](const char* prefix) {
+    return texts(Picture::of(run, {"reference", "engine", "engine_replay"}).scene(), prefix);
+  };
+  EXPECT_THAT(titles("reference"), Contains("MuJoCo, closed loop"));
+  run.reference.title = run.engine.title;
+  EXPECT_THAT(titles("reference"), Contains("two-mass engine, reference"));
+  EXPECT_THAT(titles("engine"), Contains("two-mass engine, closed loop"));
+  EXPECT_THAT(titles("engine_replay"), Contains("two-mass engine, replay"));
+}
+
 TEST(Picture, APusherThatLeavesItsTablePassesBelowTheTexts) {
   const MarkerArray update = DriftingEpisode(kAway, 0.02, 0.1).update(someSummary());
   for (const char* prefix : {"mujoco", "engine", "engine_replay"}) {

@@ -264,6 +264,14 @@ std::string settingsOf(const SimulatorRecord& simulator) {
   return pusht::fitted(text, kLineLength);
 }
 
+/// How a world differs from the others, whose simulators may be of its kind.
+std::string partOf(Mode mode, const RunConfiguration& run) {
+  if (mode == kEngineReplay) {
+    return "replay";
+  }
+  return mode == kReferenceClosed && run.reference.title == run.engine.title ? "reference" : "closed loop";
+}
+
 geometry_msgs::TransformStamped standing(const std::string& parent, const std::string& child, double x, double y) {
   geometry_msgs::TransformStamped frame;
   frame.header.frame_id = parent;
@@ -282,8 +290,7 @@ Picture Picture::of(const RunConfiguration& run, const std::array<std::string, k
   std::array<World, kModeCount> worlds;
   for (const Mode mode : kModes) {
     const SimulatorRecord& simulator = mode == kReferenceClosed ? run.reference : run.engine;
-    worlds[mode] = {frame_prefixes[mode], simulator.title + (mode == kEngineReplay ? ", replay" : ", closed loop"),
-                    settingsOf(simulator)};
+    worlds[mode] = {frame_prefixes[mode], simulator.title + ", " + partOf(mode, run), settingsOf(simulator)};
   }
   return Picture(std::move(worlds));
 }

@@ -117,11 +117,25 @@ class LiveSession(GoalCase):
             self.out = self.folder / value
             self.compare(engine_parameters=knobs, episodes=2, record=False)
             self.assertEqual(metrics_of(self.out)["knobs"]["block_damp"], float(value))
+            nodes = json.loads((self.out / "provenance.json").read_text())["nodes"]
+            modes = ("reference_closed", "engine_closed", "engine_replay")
+            for name, mode in zip(WORLDS, modes, strict=True):
+                node = describe(name)
+                self.assertEqual(nodes[mode]["instance_id"], node.instance_id)
+                self.assertEqual(nodes[mode]["parameters_hash"], node.parameters_hash)
+            self.assertEqual(nodes["policy"]["instance_id"], describe("policy").instance_id)
         command = ("--policy", "expert", "--episodes", "2")
         expected = self.batch_bytes(*command, "--block_damp", "20")
         self.assertEqual(result_bytes(self.folder / "20"), expected)
         self.assertEqual(result_bytes(self.folder / "6.0"), self.batch_bytes(*command))
         self.assertEqual(describe("engine").parameters_hash, before.parameters_hash)
+
+    def test_kind_of_a_goal(self) -> None:
+        for kind in ("rigid_body", "two_mass"):  # the last is what the other tests meet
+            with self.subTest(kind):
+                self.out = self.folder / kind
+                self.compare(engine=[kind], engine_parameters=[])
+                self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH, "--engine", kind))
 
     def test_part_of_a_run(self) -> None:
         self.compare(seed=4, first_episode=2, episodes=1, horizon=25)

@@ -3,8 +3,9 @@
 """The workbench in rviz: the panel drives runs, and a bag is shown as if it were live."""
 
 import os
+import re
 import sys
-from typing import Any, List, Tuple
+from typing import Any, Dict, List, Tuple
 
 import rosbag  # type: ignore[import]
 
@@ -58,13 +59,14 @@ class Panel(LiveCase):
 class Replay(LiveCase):
     """replay.launch, without rviz."""
 
-    def replay(self, **arguments: Any) -> Process:
+    def replay(self, display: str = "", **arguments: Any) -> Process:
         self.uri = f"http://127.0.0.1:{free_port()}"
         self.environment = {
             "ROS_MASTER_URI": self.uri,
             "ROS_IP": "127.0.0.1",
             "ROS_HOME": str(self.folder / "ros"),
-            "DISPLAY": "",
+            "DISPLAY": display,
+            "LIBGL_ALWAYS_SOFTWARE": "1",
             "PWD": str(self.folder),
         }
         given = [f"{name}:={value}" for name, value in {"rviz": "false", **arguments}.items()]
@@ -107,22 +109,44 @@ class Replay(LiveCase):
         self.assertRegex(launch.output, "(?m)^no display .*: nothing can be shown")
         self.assertNotIn("Traceback", launch.output)
 
+    def test_replay_without_its_bag_ends_though_rviz_is_there(self) -> None:
+        launch = self.replay(display=self.open_display(), bag="missing.bag", rviz="true")
+        launch.ended()
+        self.assertIn("sim2sim: bag missing.bag: must be a readable file", launch.output)
+
+    def steps_of(self, bag: str) -> Dict[Tuple[int, int], str]:
+        """How each step looks that the bag tells of, by episode and step."""
+        with rosbag.Bag(str(self.folder / bag)) as recorded:
+            messages = [str(m) for _, m, _ in recorded.read_messages(["/sim2sim/divergence"])]
+        steps = {}
+        for message in messages:
+            look = message[message.index("episode:") :]
+            episode, step = re.findall(r"(?m)^(?:episode|step): (\d+)$", look)
+            steps[int(episode), int(step)] = look
+        return steps
+
+    def watch(self) -> Process:
+        """Somebody who looks; before, nothing is shown."""
+        topic = ("rostopic", "echo", "/sim2sim/divergence")
+        return Process(self, *topic, environment=self.environment)
+
+    def test_replay_begins_where_it_is_told(self) -> None:
+        path = self.record()
+        steps = self.steps_of(path)
+        self.replay(bag=path, episode=1, start=0.5, speed=0.001)  # 100 s after the first step
+        shown = self.watch()
+        until(lambda: steps[1, 5] in shown.output, "the control step at 0.5 s")
+        self.assertNotIn("episode: 0", shown.output)
+
     def test_replay_goes_where_it_is_told(self) -> None:
         path = self.record()
-        with rosbag.Bag(str(self.folder / path)) as bag:
-            recorded = {
-                (message.episode, message.step): message
-                for _, message, _ in bag.read_messages(["/sim2sim/divergence"])
-            }
+        recorded = self.steps_of(path)
         self.replay(bag=path, speed=0)
         self.control("{command: pause}")
-        topic = ("rostopic", "echo", "/sim2sim/divergence")
-        shown = Process(self, *topic, environment=self.environment)
+        shown = self.watch()
 
         def expect(place: Tuple[int, int]) -> None:
-            wanted = str(recorded[place])
-            wanted = wanted[wanted.index("episode:") :]
-            until(lambda: wanted in shown.output, f"episode and step {place}")
+            until(lambda: recorded[place] in shown.output, f"episode and step {place}")
 
         expect((0, 0))
         self.control("{command: seek, episode: 1, step: 5}")
@@ -132,6 +156,8 @@ class Replay(LiveCase):
         expect((1, 6))
         self.control("{command: seek, episode: 0, step: 3}")
         expect((0, 3))
+        frames = ("rostopic", "echo", "-n1", "/tf")  # again, for whoever comes late
+        self.assertIn("child_frame_id", self.succeed(*frames, environment=self.environment))
         answer = self.control("{command: seek, episode: 2}")
         self.assertIn("episode 2: must be one that the bag holds: 0 to 1", answer)
         self.assertIn("cancel: only in a live run", self.control("{command: cancel}"))

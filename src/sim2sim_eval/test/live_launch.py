@@ -315,7 +315,8 @@ class Refusals(LiveCase):
         for name, rule in (("seed", "from 0 to 2.64 - 1"), ("episodes", "of 32 bits")):
             with self.subTest(name):
                 reason = f"/sim2sim/{name} 010: must be an integer {rule}"
-                self.assert_refused(reason, out=name, **{name: "010"})
+                arguments: Dict[str, Any] = {"out": name, name: "010"}
+                self.assert_refused(reason, **arguments)
 
     def test_f19_namespace_that_is_none(self) -> None:
         self.assert_refused(

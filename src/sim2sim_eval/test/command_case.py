@@ -4,10 +4,15 @@
 import json
 import os
 import subprocess
+import sys
 import tempfile
 import unittest
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
+from types import ModuleType
 from typing import Any, Dict, List, Optional, Set
+from unittest import mock
 
 import torch
 from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
@@ -20,6 +25,17 @@ def executable(package: str, name: str) -> str:
     found: List[str] = find_in_workspaces(["libexec"], package, name, first_match_only=True)
     assert found, f"{package} has no executable {name}"
     return found[0]
+
+
+def load_script(name: str) -> ModuleType:
+    """A script of this package, as a module."""
+    loader = SourceFileLoader(name, str(Path(__file__).resolve().parents[1] / "scripts" / name))
+    spec = spec_from_loader(name, loader)
+    assert spec
+    module = module_from_spec(spec)
+    with mock.patch.object(sys, "dont_write_bytecode", True):  # it would lie beside the script
+        loader.exec_module(module)
+    return module
 
 
 class Charge(torch.nn.Module):

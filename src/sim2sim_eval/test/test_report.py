@@ -16,10 +16,12 @@ from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
 import numpy as np
+import rospkg  # type: ignore[import]
 from selenium import webdriver  # type: ignore[import]
 from selenium.webdriver.chrome.options import Options  # type: ignore[import]
 from selenium.webdriver.chrome.service import Service  # type: ignore[import]
 from selenium.webdriver.support.wait import WebDriverWait  # type: ignore[import]
+from sim2sim_eval.report.results import METRICS_FORMAT
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
 from command_case import CommandCase, executable  # noqa: E402
@@ -268,9 +270,16 @@ class Content(ReportCase):
         options += ["--episodes", "12", "--first-episode", "3", "--seed", "4", "--no-floor"]
         process = self.run_command(COMPARE, *options, "--out", "run")
         self.assertEqual(process.returncode, 0, process.stderr)
-        command = re.search(r'<pre class="command">(.*?)</pre>', self.report("run"), re.DOTALL)
+        self.made_again(self.command("run")[0])
+
+    def command(self, out: str) -> Tuple[List[str], str]:
+        """The words of the command that makes a run again, and the page."""
+        page = self.report(out)
+        command = re.search(r'<pre class="command">(.*?)</pre>', page, re.DOTALL)
         assert command
-        words = shlex.split(html.unescape(command[1]))
+        return shlex.split(html.unescape(command[1])), page
+
+    def made_again(self, words: List[str]) -> None:
         self.assertEqual(words[:3], ["rosrun", "sim2sim_eval", "compare"])
         process = self.run_command(COMPARE, *words[3:], "--out", "again")
         self.assertEqual(process.returncode, 0, process.stderr)
@@ -278,8 +287,21 @@ class Content(ReportCase):
             again = (self.folder / "again" / name).read_bytes()
             self.assertEqual(again, (self.folder / "run" / name).read_bytes(), name)
 
+    def test_command_names_a_scene_by_its_file(self) -> None:
+        scenes = Path(rospkg.RosPack().get_path("pusht_mujoco"), "scenes")
+        shutil.copy(scenes / "pusht.xml", self.folder / "my scene.xml")
+        options = ["--policy", "expert", "--episodes", "2", "--scene", "my scene.xml"]
+        process = self.run_command(COMPARE, *options, "--out", "run")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        words, page = self.command("run")
+        self.assertIn("scene=my scene.xml", words)
+        self.assertIn("scene my scene.xml had the checksum sha256:", page)
+        self.made_again(words)
+
 
 class Refusals(ReportCase):
+    another_format = f"format {METRICS_FORMAT - 1}: must be {METRICS_FORMAT}"
+
     def refused(self, *arguments: str, code: int = 2) -> str:
         process = self.run_command(REPORT, *arguments, "--out", "refused.html")
         self.assert_one_line(process, code, "report")
@@ -346,8 +368,16 @@ class Refusals(ReportCase):
 
     def test_another_format(self) -> None:
         folder = self.copy()
-        self.change(folder / "metrics.json", format=3)
-        self.assertIn("metrics.json: format 3: must be 4", self.refused("copy"))
+        self.change(folder / "metrics.json", format=METRICS_FORMAT - 1)
+        self.assertIn(f"metrics.json: {self.another_format}", self.refused("copy"))
+
+    def test_sweep_of_another_format(self) -> None:
+        rows = "[{}, {block_damp: 20}]"
+        (self.folder / "plan.yaml").write_text(f"{{policy: expert, episodes: 2, rows: {rows}}}")
+        process = self.run_command(SWEEP, "plan.yaml", "--out", "sweep")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.change(self.folder / "sweep" / "sweep.json", sweep={"format": METRICS_FORMAT - 1})
+        self.assertIn(f"sweep.json: {self.another_format}", self.refused("sweep"))
 
     def test_runs_that_do_not_pair(self) -> None:
         process = self.run_command(COMPARE, "--episodes", "10", "--out", "short")

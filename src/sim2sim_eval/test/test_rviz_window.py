@@ -2,17 +2,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The views of the configurations of rviz, and how they fill a screen."""
 
+import os
 import sys
 import unittest
-from importlib.machinery import SourceFileLoader
-from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
-from types import ModuleType
 from typing import Any, Dict, List
 from unittest import mock
 
 import rospkg  # type: ignore[import]
 import yaml  # type: ignore[import]
+
+sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
+from command_case import load_script  # noqa: E402
 
 PACKAGES = rospkg.RosPack()
 CONFIGURATIONS = {
@@ -26,16 +27,7 @@ CONFIGURATIONS = {
 SCREENS = ((1366, 768), (900, 700))  # [px] of an old laptop, and smaller
 
 
-def load_script() -> ModuleType:
-    path = Path(PACKAGES.get_path("sim2sim_eval"), "scripts", "rviz_window")
-    loader = SourceFileLoader("rviz_window", str(path))
-    module = module_from_spec(spec_from_loader(loader.name, loader))
-    with mock.patch.object(sys, "dont_write_bytecode", True):  # beside the script
-        loader.exec_module(module)
-    return module
-
-
-rviz_window = load_script()
+rviz_window = load_script("rviz_window")
 
 
 def views(configuration: str) -> List[Dict[str, Any]]:

@@ -13,13 +13,15 @@ import sys
 import time
 import unittest
 from pathlib import Path
-from typing import Callable, Dict, List
+from typing import Any, Callable, Dict, List
+from unittest import mock
 
 import rospkg  # type: ignore[import]
 import torch
+from matplotlib.figure import Figure  # type: ignore[import]
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import DEADLINE, CommandCase, executable  # noqa: E402
+from command_case import DEADLINE, CommandCase, executable, load_script  # noqa: E402
 
 SWEEP = executable("sim2sim_eval", "sweep")
 MERGE = executable("sim2sim_eval", "merge")
@@ -117,7 +119,8 @@ class Rows(SweepCase):
         self.assertEqual(self.results("merged"), whole)
 
     def test_every_figure_has_its_columns(self) -> None:
-        plan = "{policy: expert, episodes: 20, rows: [{block_damp: 20}, {pusher_mass: 2}]}"
+        rows = "[{block_damp: 20}, {pusher_mass: 2}]"
+        plan = f"{{policy: expert, episodes: 20, reanchor: [5], rows: {rows}}}"
         table = self.finished("out", plan=plan)["sweep.csv"].decode().splitlines()
         for cells, row in zip(csv.DictReader(table), ["rows/000", "rows/001"], strict=True):
             metrics = self.load("out/" + row, "metrics.json")
@@ -182,6 +185,8 @@ class Rows(SweepCase):
         self.assertEqual(
             process.stderr, "plot_sweep: NOT A WHOLE SWEEP: 3 of 4 rows have finished\n"
         )
+        drawn = (self.folder / "plot.svg").read_text()
+        self.assertIn("<!-- NOT A WHOLE SWEEP: 3 of 4 rows have finished -->", drawn)
 
     def test_plot_shows_a_sweep(self) -> None:
         self.finished("out")
@@ -191,6 +196,39 @@ class Rows(SweepCase):
         self.finished("flat", plan="{policy: expert, episodes: 2, horizon: 5, rows: [{}]}")
         self.assertIn("no knob", self.refused(2, self.run_command(PLOT, "flat"), "plot_sweep"))
         self.refused(2, self.run_command(PLOT, "none"), "plot_sweep")
+
+    def test_plot_of_another_format_is_refused(self) -> None:
+        self.finished("out", plan="{policy: expert, episodes: 2, rows: [{}, {block_damp: 20}]}")
+        path = self.folder / "out" / "sweep.json"
+        content = json.loads(path.read_text())
+        content["sweep"]["format"] -= 1
+        path.write_text(json.dumps(content))
+        said = self.refused(2, self.run_command(PLOT, "out"), "plot_sweep")
+        was = content["sweep"]["format"]
+        self.assertIn(f"out/sweep.json: format {was}: must be {was + 1}", said)
+
+    def test_legends_of_a_plot_are_within_it_and_apart(self) -> None:
+        grid = "{block_damp: [6, 20], pusher_mass: [4, 2], baumgarte: [30, 40, 50]}"
+        self.finished("out", plan=f"{{policy: expert, episodes: 2, horizon: 5, grid: {grid}}}")
+        figures: List[Any] = []
+        save = Figure.savefig
+
+        def save_and_keep(figure: Any, *arguments: Any, **options: Any) -> None:
+            save(figure, *arguments, **options)
+            figures.append(figure)
+
+        with mock.patch.object(Figure, "savefig", save_and_keep):
+            load_script("plot_sweep").plot_sweep(self.folder / "out", None, None)
+        (figure,) = figures
+        figure.canvas.draw()  # it was saved in another resolution
+        legends = [axes.get_legend() for axes in figure.axes if axes.get_legend()]
+        self.assertEqual(len(legends), 3)
+        self.assertEqual([len(legend.get_texts()) for legend in legends], [5, 7, 7])
+        boxes = [part.get_window_extent() for part in (*legends, figure._suptitle)]
+        for number, box in enumerate(boxes):
+            self.assertTrue(figure.bbox.contains(*box.min) and figure.bbox.contains(*box.max), box)
+            for other in boxes[:number]:
+                self.assertFalse(box.overlaps(other), (box, other))
 
     def test_plot_names_engines_settings_and_units(self) -> None:
         """Of matplotlib's SVG: it has every text as a comment."""

@@ -30,6 +30,7 @@ from sim2sim_eval.report.results import (
     Run,
     Traces,
     contrast,
+    read_sweep,
 )
 
 RATE_DIGITS, DIVERGENCE_DIGITS = 3, 4  # as in the table that the commands print
@@ -98,10 +99,7 @@ class Page:
 
     def of_sweep(self, folder: Path) -> str:
         """Curves over every parameter that varies, and every row against the first."""
-        try:
-            rows = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))["rows"]
-        except ValueError as error:
-            raise Refusal(f"{folder / 'sweep.json'}: must be JSON: {error}") from None
+        rows = read_sweep(folder)["rows"]
         with tempfile.TemporaryDirectory() as scratch:
             curves = _plot_sweep(folder, Path(scratch, "curves.svg"))
             pairs = _plot_sweep(folder, Path(scratch, "pairs.svg"), "--against", "0")
@@ -378,7 +376,7 @@ def command_of(run: Run) -> str:
     for role, option in (("reference", "--set-reference"), ("engine", "--set")):
         simulator = c["simulators"][role]
         add(role, simulator["name"])
-        values = {name: simulator["parameters"][name] for name in simulator["changed"]}
+        values = {name: _given(run, role, name) for name in simulator["changed"]}
         settings = [f"{k}={v if isinstance(v, str) else json.dumps(v)}" for k, v in values.items()]
         if live and settings:
             add(f"{role}_parameters", " ".join(settings))
@@ -400,6 +398,14 @@ def command_of(run: Run) -> str:
     return " ".join(shlex.quote(word) for word in words)
 
 
+def _given(run: Run, role: str, parameter: str) -> Any:
+    """What the parameter was set to: where results have a file's checksum, that is its name."""
+    value = run.provenance["configuration"]["simulators"][role]["parameters"][parameter]
+    if not str(value).startswith("sha256:"):
+        return value
+    return run.provenance[role][parameter].get("file", value)
+
+
 def notes_on_command(run: Run) -> List[str]:
     """What the command alone does not bring."""
     c = run.provenance["configuration"]
@@ -408,10 +414,11 @@ def notes_on_command(run: Run) -> List[str]:
         notes.append("STARTS.csv is the text under starts in the provenance.")
     if "nodes" in run.provenance:
         notes.append("The provenance names the nodes. Those of others must be started again, too.")
-    for simulator in c["simulators"].values():
+    for role, simulator in c["simulators"].items():
         for name in simulator["changed"]:
-            if str(simulator["parameters"][name]).startswith("sha256:"):
-                notes.append(f"{name} was a file with this checksum.")
+            given, value = _given(run, role, name), simulator["parameters"][name]
+            if given != value:
+                notes.append(f"{name} {given} had the checksum {value}.")
     return notes
 
 

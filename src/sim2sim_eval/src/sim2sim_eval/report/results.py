@@ -117,6 +117,17 @@ def read_run(folder: Path) -> Run:
     return run
 
 
+def read_sweep(folder: Path) -> Json:
+    """What sweep.json says. Refuses what has no rows or is of another version."""
+    path = folder / "sweep.json"
+    content = read_json(path, "the folder of a sweep is needed")
+    sweep, rows = content.get("sweep"), content.get("rows")
+    require_format(path, sweep if isinstance(sweep, dict) else {}, METRICS_FORMAT)
+    if not isinstance(rows, list) or not rows:
+        raise Refusal(f"{path}: no rows; they are needed")
+    return content
+
+
 def read_traces(run: Run) -> Optional[Traces]:
     """What the worlds did, from traces.npy, or else from the bag; None where there is neither."""
     path, bag = run.folder / "traces.npy", run.folder / "compare.bag"

@@ -121,7 +121,7 @@ const Parameter& ParameterSet::at(const std::string& name) const {
   if (place == parameters_.end()) {
     std::vector<std::string> names;
     std::transform(parameters_.begin(), parameters_.end(), std::back_inserter(names), std::mem_fn(&Parameter::name));
-    throw InvalidInput("parameter '" + name + "': there is none of that name; there are: " + joined(names));
+    throw InvalidInput("parameter '" + name + "': unknown; known: " + joined(names));
   }
   return *place;
 }

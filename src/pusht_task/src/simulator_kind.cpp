@@ -20,7 +20,7 @@ const SimulatorKind& kindNamed(const std::string& name, const SimulatorKinds& ki
   const auto place =
       std::find_if(kinds.begin(), kinds.end(), [&](const SimulatorKind& kind) { return kind.name == name; });
   if (place == kinds.end()) {
-    throw InvalidInput("simulator '" + name + "': there is none of that name; there are: " + joined(kindNames(kinds)));
+    throw InvalidInput("simulator '" + name + "': unknown; known: " + joined(kindNames(kinds)));
   }
   return *place;
 }

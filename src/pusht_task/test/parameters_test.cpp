@@ -101,9 +101,8 @@ TEST(ParameterSets, APresetSetsWhatIsNotSetByName) {
 
 TEST(ParameterSets, NameWhatIsNotThere) {
   EXPECT_EQ(refusalOf([] { merged(toy(), {parameter("dragg", "1")}); }),
-            "parameter 'dragg': there is none of that name; there are: mass, drag, walls");
-  EXPECT_EQ(refusalOf([] { merged({}, {parameter("drag", "1")}); }),
-            "parameter 'drag': there is none of that name; there are: none");
+            "parameter 'dragg': unknown; known: mass, drag, walls");
+  EXPECT_EQ(refusalOf([] { merged({}, {parameter("drag", "1")}); }), "parameter 'drag': unknown; known: none");
 }
 
 }  // namespace

@@ -342,14 +342,14 @@ TEST_F(KindsOfSessions, ChangeNothingWhenTheyRefuse) {
   reset();
   step(0);
   const auto before = served_->describe();
-  const std::string unknown = "simulator 'rubber': there is none of that name; there are: brittle, tough";
+  const std::string unknown = "simulator 'rubber': unknown; known: brittle, tough";
   EXPECT_EQ(describe("rubber").message, unknown);
   EXPECT_EQ(describe("rubber").exit_code, static_cast<int>(ExitCode::kInvalidInput));
   EXPECT_EQ(describe("rubber").instance_id, before.instance_id);
   for (const auto& [kind, changes, reason] :
        {std::tuple("rubber", Parameters{}, unknown),
         std::tuple("brittle", Parameters{parameter("label", "plain")},
-                   std::string("parameter 'label': there is none of that name; there are: steps")),
+                   std::string("parameter 'label': unknown; known: steps")),
         std::tuple("tough", Parameters{parameter("steps", "11")},
                    std::string("steps 11: must be from 0.0 to 10.0: nobody is that patient")),
         std::tuple("tough", Parameters{parameter("label", "broken")}, std::string("no such engine"))}) {

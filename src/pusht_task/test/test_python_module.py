@@ -509,7 +509,7 @@ class Configurations(SessionCase):
     def test_refusals_change_nothing(self) -> None:
         before = self.session.describe()
         for values, message in (
-            ({"dirft": "1"}, "dirft: there is none of that name; there are: drift, label"),
+            ({"dirft": "1"}, "dirft: unknown; known: drift, label"),
             ({"drift": "nan"}, "drift nan: must be a finite number"),
             ({"drift": "Infinity"}, "drift inf: must be a finite number"),
             ({"drift": "much"}, "drift much: must be a finite number"),
@@ -587,7 +587,7 @@ class Kinds(SessionCase):
             self.refused(self.configure({}, end_episode=True, kind=kind), rf"\A{reason}\Z")
             self.refused(self.session.describe(DescribeRequest(kind)), rf"\A{reason}\Z")
         stray = self.configure({"dirft": "1"}, end_episode=True, kind="drift")
-        self.refused(stray, "dirft: there is none of that name")
+        self.refused(stray, "dirft: unknown")
         self.assertEqual(data(self.session.describe()), data(before))
         self.step(step=0)
 
@@ -622,7 +622,7 @@ class Parameters(unittest.TestCase):
             ({"drift": "2"}, "parameter /sim/drift 2: must be a finite number"),
             ({"drift": math.nan}, "parameter /sim/drift nan: must be a finite number"),
             ({"count": True}, "parameter /sim/count True: must be an integer"),
-            ({"dirft": 1}, "parameter /sim/dirft: there is none of that name; there are: drift"),
+            ({"dirft": 1}, "parameter /sim/dirft: unknown; known: drift"),
         ]
         for changes, message in cases:
             with self.assertRaisesRegex(Refusal, message):

@@ -237,7 +237,7 @@ class Arguments(LiveCase):
     def test_every_parameter_of_the_evaluator_is_an_argument(self) -> None:
         launch = Launch(self, parameters={"sim2sim/none_such": 1}, smoke=True)
         launch.ended()
-        (names,) = re.findall(r"there are: (.*)$", launch.status()["reason"])
+        (names,) = re.findall(r"known: (.*)$", launch.status()["reason"])
         self.assertGreater(set(names.split(", ")), self.DERIVED)
         for name in set(names.split(", ")) - self.DERIVED:
             self.assert_argument("sim2sim_eval", "compare", name, f"/sim2sim/{name}")
@@ -295,14 +295,14 @@ class Refusals(LiveCase):
         self.assert_refused("block_damp 'abc': must be a", block_damp="abc")
 
     def test_f19_unknown_kind(self) -> None:
-        self.assert_refused("simulator 'bullet': there is none of that name", engine="bullet")
+        self.assert_refused("simulator 'bullet': unknown", engine="bullet")
 
     def test_f19_negative_mass(self) -> None:
         self.assert_refused("pusher_mass -1.0: must be from", pusher_mass=-1)
 
     def test_f19_unknown_parameter(self) -> None:
         self.assert_refused(
-            "/sim2sim/horizont 40: there is none of that name; there are: .*horizon",
+            "/sim2sim/horizont 40: unknown; known: .*horizon",
             parameters={"sim2sim/horizont": 40},
         )
 

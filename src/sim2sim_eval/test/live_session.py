@@ -150,7 +150,7 @@ class LiveSession(GoalCase):
         cases: List[Tuple[Dict[str, Any], str]] = [
             (
                 {"engine_parameters": [Parameter("block_dump", "6")]},
-                "block_dump.*there is none of that name",
+                "block_dump.*unknown; known: ",
             ),
             ({"engine_parameters": [Parameter("pusher_mass", "-1")]}, "pusher_mass -1.0: must be"),
             (

@@ -391,8 +391,8 @@ def merged(
     for name, value in changes.items():
         if name not in parameters:
             raise Refusal(
-                f"parameter {namespace}{name}: there is none of that name;"
-                f" there are: {', '.join(parameters) or 'none'}"
+                f"parameter {namespace}{name}: unknown; "
+                f"known: {', '.join(parameters) or 'none'}"
             )
         kind = type(parameters[name])
         if kind is float and type(value) is int:

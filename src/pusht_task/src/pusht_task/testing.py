@@ -736,7 +736,7 @@ class SimulatorContract(ServedCase):
         told = rospy.get_param(self.namespace)
         there = ", ".join(before.kinds)
         only = f"must be {before.name}, the only kind that this node can be"
-        rule = f"there is none of that name; there are: {there}" if there else only
+        rule = f"unknown; known: {there}" if there else only
         for kind in ("no_such_kind", before.name.upper(), f"{before.name} "):
             reason = f"simulator '{kind}': {rule}"
             self.refused(reason, "configure", kind=kind, end_episode=True)

@@ -215,7 +215,7 @@ void ParameterReader::refuseUnknown() const {
         offered.erase(name);
       }
       throw InvalidInput("parameter " + namespace_ + "/" + key + " " + shown(value) +
-                         ": there is none of that name; there are: " + joined(offered));
+                         ": unknown; known: " + joined(offered));
     }
   }
 }

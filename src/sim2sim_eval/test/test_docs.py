@@ -4,7 +4,8 @@
 
 In a `console` block a line after `$ ` is a command, and the lines below it are what it prints. A
 line `...` stands for any lines, `...` at a line's end for any rest. A block whose first line is a
-comment with a file name is that file.
+comment with a file name is that file. What is called by hand is called of nodes. And what docs name
+is there.
 """
 
 import os
@@ -17,9 +18,11 @@ from typing import Iterator, List, Tuple
 import rospkg  # type: ignore[import]
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase  # noqa: E402
+from command_case import CommandCase, executable  # noqa: E402
+from live_support import LiveCase, Process, free_port  # noqa: E402
 
-DOCS = Path(rospkg.RosPack().get_path("sim2sim_eval")).parents[1] / "docs"
+PACKAGES = Path(rospkg.RosPack().get_path("sim2sim_eval")).parent
+DOCS = PACKAGES.parent / "docs"
 KNOB = ("falls", "falls", "no-difference")  # as in the solutions
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# ([\w.]+)\n")
@@ -68,6 +71,81 @@ class Docs(CommandCase):
 
     def test_bring_your_own(self) -> None:
         self.assertEqual(self.check("bring_your_own.md"), 4)
+
+
+class ByHand(LiveCase):
+    """What a README shows of a node, called of one."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        uri = f"http://127.0.0.1:{free_port()}"
+        self.environment = {
+            "ROS_MASTER_URI": uri,
+            "ROS_IP": "127.0.0.1",
+            "ROS_HOME": str(self.folder / "ros"),
+        }
+        launch = ("roslaunch", "-p", uri.split(":")[-1], "pusht_engine", "engine.launch")
+        node = Process(self, *launch, environment=self.environment)
+        node.line(r"process\[engine-\d+\]: started")  # and so there is a master
+        self.call("rosservice call --wait /engine/describe {}")
+
+    def call(self, command: str) -> str:
+        return self.succeed("bash", "-c", command, environment=self.environment)
+
+    def test_services_of_the_engine(self) -> None:
+        text = (PACKAGES / "pusht_engine" / "README.md").read_text(encoding="utf-8")
+        calls = re.findall(r"^rosservice call .*$", text, re.MULTILINE)
+        self.assertEqual(len(calls), 3)
+        for call in calls:
+            with self.subTest(call):
+                self.assertIn("success: True", self.call(call))
+
+    def test_services_in_python(self) -> None:
+        text = (PACKAGES / "pusht_msgs" / "README.md").read_text(encoding="utf-8")
+        blocks = BLOCK.findall(text)
+        ((number, (_, program)),) = [b for b in enumerate(blocks) if b[1][0] == "python"]
+        (self.folder / "by_hand.py").write_text(program)
+        printed = self.call("python3 by_hand.py")
+        self.assertEqual(printed, blocks[number + 1][1])
+        calls = re.findall(r"`(rosservice call .*?)`", text)
+        self.assertEqual(len(calls), 2)
+        for call in calls:
+            with self.subTest(call):
+                self.assertIn("success: True", self.call(call))
+
+
+class Names(CommandCase):
+    def test_every_test_that_the_table_of_faults_names_is_there(self) -> None:
+        sources = {
+            file.name: file.read_text(encoding="utf-8")
+            for file in PACKAGES.rglob("*")
+            if file.suffix in (".py", ".cpp", ".hpp") and file.is_file()
+        }
+        rows = re.findall(r"^\| F(\d+) .*\|(.*)\|$", (DOCS / "faults.md").read_text(), re.MULTILINE)
+        self.assertEqual([int(number) for number, _ in rows], list(range(1, len(rows) + 1)))
+        for number, tests in rows:
+            source = ""
+            for name in re.findall(r"`(.*?)`", tests):
+                with self.subTest(f"F{number}: {name}"):
+                    if name.endswith((".py", ".cpp", ".hpp")):
+                        self.assertIn(name, sources)
+                        source = sources.get(name, "")
+                    elif not (PACKAGES / name).is_dir():
+                        for part in name.split("."):
+                            self.assertRegex(source, rf"(def |class |, ){part}\b[(:)]")
+
+    def test_every_kind_of_simulator_is_listed(self) -> None:
+        command = (executable("sim2sim_eval", "compare"), "--engine", "none")
+        (known,) = re.findall(r"known: (.*)", self.run_command(*command).stderr)
+        wanted = {f"`{kind}`" for kind in known.split(", ")}
+        for file, begin in (
+            (PACKAGES / "sim2sim_eval" / "README.md", "**Simulators by name.**"),
+            (DOCS / "glossary.md", "**Kind** (of simulator):"),
+        ):
+            with self.subTest(file.name):
+                paragraphs = file.read_text(encoding="utf-8").split("\n\n")
+                (listed,) = [text for text in paragraphs if text.startswith(begin)]
+                self.assertEqual(wanted - set(re.findall("`.*?`", listed)), set())
 
 
 class Exercises(CommandCase):

@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
   int against = 0;
   std::string out;
   app.add_option("results", folders, "folders of runs or sweeps")->required();
-  app.add_option("--against", against, "which run the others are held against, counted from 0")
+  app.add_option("--against", against, "number of the run that the others are compared with, from 0")
       ->check(sim2sim::decimalInteger());
   app.add_option("--out", out, "JSON file for all figures");
   return sim2sim::runCommand(app, argc, argv, [&] { contrast(folders, against, out); });

@@ -150,7 +150,8 @@ void plan(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Says what differences a run can show, from the spreads of a run that there is.", "plan");
+  CLI::App app("Says how small a difference a run can show, from how much the episodes of a finished run vary.",
+               "plan");
   Options options;
   app.add_option("pilot", options.pilot, "folder of a run")->required();
   app.add_option("other", options.other, "folder of a second run over the same episodes, to plan a contrast");

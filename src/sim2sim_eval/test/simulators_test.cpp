@@ -4,9 +4,13 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "pusht_task/error.hpp"
@@ -22,7 +26,10 @@ namespace sim2sim {
 namespace {
 
 using pusht::testing::refusalOf;
+using ::testing::AnyOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAreArray;
 
 std::vector<std::string> namesOf(const pusht::SimulatorKind& kind) {
   std::vector<std::string> names;
@@ -37,7 +44,7 @@ TEST(SimulatorKinds, AreFoundByTheirNames) {
     EXPECT_EQ(&simulatorKind(kind.name), &kind);
   }
   EXPECT_EQ(refusalOf([] { simulatorKind("bullet"); }),
-            "simulator 'bullet': there is none of that name; there are: " + pusht::joined(kindNames()));
+            "simulator 'bullet': unknown; known: " + pusht::joined(kindNames()));
 }
 
 TEST(SimulatorKinds, AreDescribedInFull) {
@@ -86,6 +93,56 @@ std::vector<pusht::WorldState> endsOf(const pusht::SimulatorModel& model) {
   return ends;
 }
 
+/// A file of the workspace.
+std::string textOfFile(const std::string& path) {
+  return pusht::readFile(std::filesystem::path(PUSHT_PACKAGES) / path, "file");
+}
+
+/// The tables' rows that begin with a name in code, cell by cell.
+std::vector<std::vector<std::string>> rowsIn(const std::string& markdown) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(markdown);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("| `", 0) != 0) {
+      continue;
+    }
+    rows.emplace_back();
+    for (std::size_t begin = 2, end = 0; (end = line.find(" |", begin)) != std::string::npos; begin = end + 3) {
+      rows.back().push_back(line.substr(begin, end - begin));
+    }
+  }
+  return rows;
+}
+
+/// A README has a row for each number, with default and unit, range, and meaning; a row for each switch; and each word.
+void expectDescribed(const pusht::ParameterDescriptor& parameter, const std::string& readme) {
+  EXPECT_THAT(readme, HasSubstr("`" + parameter.name + "`"));
+  for (const std::string& word : parameter.words) {
+    EXPECT_THAT(readme, HasSubstr("`" + word + "`"));
+  }
+  if (std::holds_alternative<std::string>(parameter.default_value)) {
+    return;
+  }
+  const auto rows = rowsIn(readme);
+  const auto row = std::find_if(rows.begin(), rows.end(),
+                                [&](const auto& cells) { return cells.front() == "`" + parameter.name + "`"; });
+  ASSERT_NE(row, rows.end()) << "has no row";
+  if (std::holds_alternative<bool>(parameter.default_value)) {
+    return;
+  }
+  ASSERT_EQ(row->size(), 4U) << "name, default, range, meaning";
+  const std::string& default_text = row->at(1);
+  const std::size_t space = default_text.find(' ');
+  EXPECT_EQ(parameter.read(default_text.substr(0, space)), parameter.default_value);
+  EXPECT_EQ(space == std::string::npos ? "" : default_text.substr(space + 1), parameter.unit);
+  const std::string& range = row->at(2);
+  const std::size_t to = range.find(" to ");
+  ASSERT_NE(to, std::string::npos) << range;
+  EXPECT_EQ(std::stod(range), parameter.least);
+  EXPECT_EQ(std::stod(range.substr(to + 4)), parameter.greatest);
+  EXPECT_EQ(row->at(3), parameter.meaning);
+}
+
 /// Whoever adds a parameter is told here what it must do and where it must appear.
 TEST(EveryParameter, ChangesATrajectoryAndIsInRecordHashAndReadme) {
   for (const pusht::SimulatorKind& kind : simulatorKinds()) {
@@ -93,14 +150,14 @@ TEST(EveryParameter, ChangesATrajectoryAndIsInRecordHashAndReadme) {
                                       [](const std::string& name) { return name.rfind("libpusht_", 0) == 0; });
     ASSERT_NE(library, kind.libraries.end()) << kind.name << " must name its own library";
     const std::string package = library->substr(3, library->size() - 6);  // between lib and .so
-    const std::string readme = pusht::readFile(std::filesystem::path(PUSHT_PACKAGES) / package / "README.md", "README");
+    const std::string readme = textOfFile(package + "/README.md");
     RunConfiguration configuration;
     configuration.engine = LoadedSimulator(chooseSimulator(kind.name, {})).record();
     const std::string default_hash = configurationHash(configuration);
     const auto default_ends = endsOf(kind.load(kind.defaults()));
     for (const pusht::ParameterDescriptor& parameter : kind.parameters) {
       SCOPED_TRACE(kind.name + " " + parameter.name);
-      EXPECT_THAT(readme, HasSubstr("`" + parameter.name + "`"));
+      expectDescribed(parameter, readme);
       const std::optional<std::string> value = otherValue(parameter);
       if (!value) {
         continue;
@@ -120,16 +177,62 @@ TEST(EveryParameter, ChangesATrajectoryAndIsInRecordHashAndReadme) {
   }
 }
 
+/// The switches of the rigid-body engine, in its order.
+std::vector<std::string> switches() {
+  std::vector<std::string> names;
+  for (const pusht::ParameterDescriptor& parameter : simulatorKind("rigid_body").parameters) {
+    if (std::holds_alternative<bool>(parameter.default_value)) {
+      names.push_back(parameter.name);
+    }
+  }
+  return names;
+}
+
+TEST(Ladder, TurnsEverySwitchOnAndOff) {
+  std::string grid = "grid:\n";
+  for (const std::string& name : switches()) {
+    grid += "  " + name + ": [false, true]\n";
+  }
+  EXPECT_THAT(textOfFile("sim2sim_eval/config/ladder.yaml"), EndsWith(grid));
+}
+
+TEST(Ladder, ItsStoryHasEverySwitchInBothTables) {
+  std::vector<std::string> named;
+  for (const std::vector<std::string>& row : rowsIn(textOfFile("../docs/ladder.md"))) {
+    named.push_back(row.front().substr(1, row.front().size() - 2));
+  }
+  const std::vector<std::string> names = switches();
+  ASSERT_EQ(named.size(), 2 * names.size());
+  const auto middle = named.begin() + static_cast<std::ptrdiff_t>(names.size());
+  EXPECT_EQ(std::vector<std::string>(named.begin(), middle), names);
+  EXPECT_THAT(std::vector<std::string>(middle, named.end()), UnorderedElementsAreArray(names)) << "by their shares";
+}
+
 /// compare.launch has short forms of the course's parameters; it cannot read their descriptions by itself.
 TEST(CompareLaunch, DescribesItsShortFormsAsTheKindsDo) {
-  const std::string launch =
-      pusht::readFile(std::filesystem::path(PUSHT_PACKAGES) / "sim2sim_eval/launch/compare.launch", "launch file");
-  for (const char* name : {"pusher_mass", "block_damp", "baumgarte"}) {
-    const pusht::ParameterSet knobs = simulatorKind("two_mass").defaults();
-    const pusht::ParameterDescriptor& knob = knobs.at(name).descriptor;
-    const std::string default_text = std::to_string(static_cast<int>(knobs.get<double>(name)));
-    EXPECT_THAT(launch, HasSubstr(std::string("<arg name=\"") + name + "\" default=\"\" doc=\"engine: " + knob.meaning +
-                                  " [" + knob.unit + "] (default: " + default_text + ")\""));
+  const std::string launch = textOfFile("sim2sim_eval/launch/compare.launch");
+  for (const auto& [role, kind] : {std::pair{"engine", kCourseEngine}, std::pair{"reference", kCourseReference}}) {
+    int short_forms = 0;
+    for (const pusht::ParameterDescriptor& parameter : simulatorKind(kind).parameters) {
+      const std::string argument = "<arg name=\"" + parameter.name + "\" default=\"\" doc=\"";
+      if (launch.find("<arg name=\"" + parameter.name + "\"") == std::string::npos) {
+        continue;  // engine_parameters:="NAME=VALUE" sets it
+      }
+      ++short_forms;
+      const auto* const real = std::get_if<double>(&parameter.default_value);
+      const std::string unit = parameter.unit.empty() ? "" : " [" + parameter.unit + "]";
+      const std::string usual =
+          real != nullptr ? pusht::significantText(*real, 6) : pusht::textOf(parameter.default_value);
+      EXPECT_THAT(launch, HasSubstr(argument + role + ": " + parameter.meaning + unit + " (default: " + usual + ")\""));
+    }
+    EXPECT_GT(short_forms, 0) << role;
+  }
+}
+
+TEST(CompareLaunch, ComparesTheKindsOfTheCourseUnlessItIsToldOthers) {
+  const std::string launch = textOfFile("sim2sim_eval/launch/compare.launch");
+  for (const std::string kind : {kCourseReference, kCourseEngine}) {
+    EXPECT_THAT(launch, AnyOf(HasSubstr("\"" + kind + "\""), HasSubstr("'" + kind + "'")));
   }
 }
 
@@ -146,8 +249,8 @@ TEST(ChooseSimulator, SaysWhatCannotBeSet) {
   };
   EXPECT_EQ(refusal({"block_damp"}), "setting 'block_damp': must be NAME=VALUE");
   EXPECT_EQ(refusal({"block_damp=1", "block_damp=2"}), "setting 'block_damp=2': block_damp must be set once");
-  EXPECT_EQ(refusal({"scene=a"}), "parameter 'scene': there is none of that name; there are: " +
-                                      pusht::joined(namesOf(simulatorKind("two_mass"))));
+  EXPECT_EQ(refusal({"scene=a"}),
+            "parameter 'scene': unknown; known: " + pusht::joined(namesOf(simulatorKind("two_mass"))));
   EXPECT_EQ(refusal({"block_damp=much"}), "block_damp 'much': must be a decimal number");
 }
 

@@ -27,7 +27,7 @@ struct SimulatorChoice {
 };
 
 /// `settings` are "NAME=VALUE"; parameters that are not named have their defaults. Throws InvalidInput for an unknown
-/// kind, a setting that is none or is there twice, and as ParameterSet::set.
+/// kind, a setting that is none or is given twice, and as ParameterSet::set.
 SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::string>& settings);
 
 /// A simulator that is ready to run.

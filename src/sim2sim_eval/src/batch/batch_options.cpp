@@ -22,7 +22,7 @@ void BatchOptions::declare(CLI::App& app) {
 
 void GapOptions::declare(CLI::App& app) {
   app.add_flag("--floor,!--no-floor", floor,
-               "replay the reference from starts moved by 1e-9 m and 1e-6 m: what it does not know about itself");
+               "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to");
   app.add_option("--reanchor", reanchor,
                  "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: "
                  "1,5,20")

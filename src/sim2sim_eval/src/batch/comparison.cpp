@@ -135,8 +135,8 @@ void CompareOptions::declare(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--set-reference", reference_settings, "NAME=VALUE: a parameter of the reference; may be repeated")
       ->allow_extra_args(false);
-  declareShortForms(app, "two_mass", engine_settings);
-  declareShortForms(app, "mujoco", reference_settings);
+  declareShortForms(app, kCourseEngine, engine_settings);
+  declareShortForms(app, kCourseReference, reference_settings);
   app.add_flag("--smoke", smoke, "short fixed run of an untrained policy, whatever --policy says: 2 episodes, 40 steps")
       ->excludes(require);
   app.add_option("--out", out, "folder for the results (default: the next free results/compare-N)");

@@ -205,8 +205,8 @@ SimulatorChoice simulatorAt(const YAML::Node& node, const std::string& key) {
 }
 
 SimulatorChoice referenceIn(const YAML::Node& root) {
-  SimulatorChoice reference =
-      root["reference"].IsDefined() ? simulatorAt(root["reference"], "reference") : chooseSimulator("mujoco", {});
+  SimulatorChoice reference = root["reference"].IsDefined() ? simulatorAt(root["reference"], "reference")
+                                                            : chooseSimulator(kCourseReference, {});
   if (const YAML::Node parameters = root["reference_parameters"]; parameters.IsDefined()) {
     if (!parameters.IsMap()) {
       refuse(parameters, "reference_parameters", "must map parameters to values");
@@ -226,7 +226,7 @@ SimulatorChoice referenceIn(const YAML::Node& root) {
 std::vector<SimulatorChoice> enginesIn(const YAML::Node& root) {
   const YAML::Node node = root["engine"];
   if (!node.IsDefined()) {
-    return {chooseSimulator("two_mass", {})};
+    return {chooseSimulator(kCourseEngine, {})};
   }
   if (!node.IsSequence()) {
     return {simulatorAt(node, "engine")};

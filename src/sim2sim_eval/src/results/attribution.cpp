@@ -445,11 +445,9 @@ std::string table(const Attribution& attribution) {
   if (!attribution.baseline.empty()) {
     text += "(baseline: " + attribution.baseline + ")\n";
   }
-  return text +
-         "(the gap with all switches off, what each closes of it in the mean over all orders of switching on, with " +
+  return text + "(each line: how much of the gap the switch closes, averaged over all orders of switching on, with " +
          pusht::fixedText(100.0 * kConfidence, 0) +
-         " % interval and share of the whole,\nand the gap with all on; success: what the engine lacks to the "
-         "reference's rate." +
+         " % interval and share of the whole;\nsuccess: reference rate minus engine rate." +
          (attribution.episodes < kFewestPairs ? " Below " + std::to_string(kFewestPairs) + " episodes no intervals"
                                               : "") +
          ")\n";

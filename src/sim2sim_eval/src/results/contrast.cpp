@@ -285,7 +285,7 @@ std::string table(const RunResults& baseline, const std::vector<Contrast>& contr
   }
   return text + "(in brackets " + pusht::fixedText(100.0 * kConfidence, 0) +
          " % intervals of each difference alone; Holm: p corrected for the number of figures above; * at most 0.05; "
-         "decided after: so many\nepisodes, had one looked after each at this figure alone)\n";
+         "decided after: so many\nepisodes, if this figure alone had been watched after each)\n";
 }
 
 }  // namespace sim2sim

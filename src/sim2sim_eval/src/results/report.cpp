@@ -277,7 +277,7 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
   metrics["floor_parted"] = summary.floor ? json(summary.floor->parted) : json();
   const bool predictable = !summary.floor || !summary.floor->median_step;
   metrics["predictability_horizon_step"] = predictable ? json() : json(*summary.floor->median_step);
-  if (configuration.reference.name == "mujoco") {  // as the course calls them
+  if (configuration.reference.name == kCourseReference) {  // as the course calls them
     for (const char* key : {"success_rate", "successes", "success_interval"}) {
       metrics[std::string("mj_") + key] = metrics[std::string("reference_") + key];
     }

@@ -20,8 +20,6 @@ namespace {
 /// Of a run's description. 1 named no parameters of the reference, 2 no units; 3 had no probes and no bound.
 constexpr int kDescriptionFormat = 4;
 
-constexpr const char* kCourseReference = "mujoco";
-constexpr const char* kCourseEngine = "two_mass";
 constexpr std::array<const char*, 3> kCourseKnobs = {"pusher_mass", "block_damp", "baumgarte"};
 
 bool isCourseKnob(const std::string& name) {

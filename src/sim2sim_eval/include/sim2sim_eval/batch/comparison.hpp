@@ -18,9 +18,9 @@ struct CompareOptions {
   Protocol protocol;
   std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice
   bool require_policy = false;
-  std::string reference = "mujoco";               ///< kind
+  std::string reference = kCourseReference;       ///< kind
   std::vector<std::string> reference_settings{};  ///< as in chooseSimulator()
-  std::string engine = "two_mass";                ///< kind
+  std::string engine = kCourseEngine;             ///< kind
   std::vector<std::string> engine_settings{};
   std::optional<double> until_decided{};  ///< as in RunConfiguration
   bool smoke = false;                     ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)

@@ -37,7 +37,7 @@ struct MergeOptions {
 };
 
 /// Joins the shards of a sweep: the bytes of the sweep in one piece. Throws BadDependency, naming them, for shards that
-/// are missing, there twice, unfinished, or of another sweep, build or machine class.
+/// are missing, given twice, unfinished, or of another sweep, build or machine class.
 void merge(const MergeOptions& options);
 
 }  // namespace sim2sim

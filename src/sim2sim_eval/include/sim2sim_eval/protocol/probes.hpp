@@ -26,7 +26,7 @@ struct Probe {
 };
 
 /// The floor: the reference, replayed from a start that is moved by 1e-9 m and by 1e-6 m. How far it then is from
-/// itself is what it does not know about itself.
+/// itself is what tiny changes of the start grow to.
 const std::vector<Probe>& floorProbes();
 
 /// "engine_reanchored_5": the engine is put to the reference's full state after steps 5, 10, ...; errors are taken

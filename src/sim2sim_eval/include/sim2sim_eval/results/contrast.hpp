@@ -39,7 +39,7 @@ struct ContrastRow {
   int episodes;  ///< that have the figure in both
   Difference difference;
   std::optional<double> adjusted_p{};  ///< after Holm, over the whole family
-  /// [episodes] after which the sign was decided, had one looked after each of them; DifferenceSequence. None: not yet.
+  /// [episodes] after which the sign was decided, if watched after each of them; DifferenceSequence. None: not yet.
   std::optional<int> decided_after{};
 };
 

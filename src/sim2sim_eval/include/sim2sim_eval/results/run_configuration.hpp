@@ -12,6 +12,10 @@
 
 namespace sim2sim {
 
+/// The kinds of simulators in the course's experiment: what a run has where nothing else is asked for.
+inline constexpr const char* kCourseReference = "mujoco";
+inline constexpr const char* kCourseEngine = "two_mass";
+
 /// A simulator that took part in a run, in whatever role.
 struct SimulatorRecord {
   std::string name;   ///< of its kind: "two_mass"

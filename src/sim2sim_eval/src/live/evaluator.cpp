@@ -281,8 +281,8 @@ bool ProgressLine::due(Clock::time_point now) {
 
 std::string ProgressLine::text(const std::optional<Summary>& finished, int step, Clock::time_point now) const {
   const int count = finished ? finished->episodes : 0;
-  const std::string line = std::to_string(count) + " of " + std::to_string(episodes_) +
-                           " episodes finished, the next one is at control step " + std::to_string(step);
+  std::string line = std::to_string(count) + " of " + std::to_string(episodes_) +
+                     " episodes finished, the next one is at control step " + std::to_string(step);
   if (!finished) {
     return line;
   }

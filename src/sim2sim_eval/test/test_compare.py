@@ -376,7 +376,7 @@ class ResultsFolder(CompareCase):
 
     def test_refused_run_does_not_keep_the_folder(self) -> None:
         """A status of the evaluator's, which leaves one."""
-        refused = {"format": 1, "exit_code": 2, "reason": "episodes 0"}
+        refused: Dict[str, Any] = {"format": 1, "exit_code": 2, "reason": "episodes 0"}
         status = {**refused, "episodes_finished": 0, "episodes": 0}
         self.write_below("out", "status.json", json.dumps(status).encode())
         self.finished("--smoke")

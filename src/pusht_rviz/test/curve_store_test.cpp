@@ -4,11 +4,10 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <limits>
 
 namespace pusht_rviz {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 pusht_msgs::Divergence divergence(std::uint64_t episode, std::uint32_t step, double position = 0.01) {
   pusht_msgs::Divergence made;
@@ -17,7 +16,7 @@ pusht_msgs::Divergence divergence(std::uint64_t episode, std::uint32_t step, dou
   made.replay_position = position;
   made.replay_angle = 10.0 * position;
   made.closed_position = 0.5 * position;
-  made.closed_angle = kNan;
+  made.closed_angle = std::numeric_limits<double>::quiet_NaN();
   made.null_position = 9.0;
   made.null_angle = 9.0;
   return made;

@@ -12,11 +12,11 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 pusht_msgs::ParameterDescriptor descriptor(const std::string& name, const std::string& type,
-                                           const std::string& default_value, double least = -kInf,
-                                           double greatest = kInf) {
+                                           const std::string& default_value, double least = -kUnbounded,
+                                           double greatest = kUnbounded) {
   pusht_msgs::ParameterDescriptor made;
   made.name = name;
   made.type = type;
@@ -271,7 +271,7 @@ TEST(Parameters, OfEveryTypeHaveARule) {
   EXPECT_EQ(refusalOf(iterations, "1.0"), "iterations 1.0: must be a whole number, from 1 to 1000");
   const auto at_least = descriptor("mass", "real", "1.0", 0.1);
   EXPECT_EQ(refusalOf(at_least, "0"), "mass 0: must be at least 0.1");
-  const auto at_most = descriptor("slope", "real", "1.0", -kInf, 2.5);
+  const auto at_most = descriptor("slope", "real", "1.0", -kUnbounded, 2.5);
   EXPECT_EQ(refusalOf(at_most, "3"), "slope 3: must be at most 2.5");
   EXPECT_EQ(refusalOf(descriptor("free", "real", "1.0"), "x"), "free x: must be a decimal number");
   EXPECT_EQ(refusalOf(descriptor("on", "boolean", "true"), "yes"), "on yes: must be true or false");

@@ -186,12 +186,12 @@ INSTANTIATE_TEST_SUITE_P(TwoMassEngine, Symmetry,
                          ::testing::Values(Image{(Eigen::Matrix2d() << -1.0, 0.0, 0.0, 1.0).finished(), 0.0, -1.0},
                                            rotation(kPi / 2.0), rotation(0.4)));
 
-/// The message with which the knobs are refused; empty if they are not.
 const two_mass::Knob& knobNamed(const std::string& name) {
   return *std::find_if(two_mass::kKnobs.begin(), two_mass::kKnobs.end(),
                        [&](const two_mass::Knob& knob) { return knob.name == name; });
 }
 
+/// The message with which the knobs are refused; empty if they are not.
 std::string refusal(const TwoMassParameters& knobs) {
   try {
     TwoMassEngine engine(knobs);

@@ -579,7 +579,7 @@ class RecordEvaluation(CommandCase):
         found = training.sha256_of(self.out)
         self.provenance.write_text(json.dumps({"checkpoint": {"sha256": found}}))
         configuration: Dict[str, Any] = {
-            "format": 4,
+            "format": training.METRICS_FORMAT,
             "episodes": 50,
             "seed": 0,
             "first_episode": 0,
@@ -646,9 +646,10 @@ class RecordEvaluation(CommandCase):
             self.metrics, self.origin["configuration"] = metrics, configuration
         self.assertEqual(self.provenance.read_bytes(), before)
 
-        self.metrics["format"] = 3
-        refused("metrics.json: format is 3; it must be 4")
-        self.metrics["format"] = 4
+        self.metrics["format"] -= 1
+        ours = training.METRICS_FORMAT
+        refused(f"metrics.json: format is {ours - 1}; it must be {ours}")
+        self.metrics["format"] = ours
         self.metrics["mj_success_rate"] = 0.63
         refused("mj_success_rate is 0.63")
         del self.metrics["mj_success_rate"]

@@ -23,6 +23,7 @@ import rosbag  # type: ignore[import]
 import rospkg  # type: ignore[import]
 import torch
 from pusht_policy.demonstrations import read_demonstrations, read_origin, sha256_of_frames
+from sim2sim_eval.report.results import METRICS_FORMAT
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
 from command_case import DEADLINE, CommandCase, Endless, executable  # noqa: E402
@@ -664,12 +665,16 @@ class Recompute(CompareCase):
 
         def older_format(topic: str, message: Any) -> bool:
             if topic == "/sim2sim/configuration":
-                self.assertEqual(message.data.count('"format":4'), 1)
-                message.data = message.data.replace('"format":4', '"format":3')
+                ours, other = (
+                    f'"format":{number}' for number in (METRICS_FORMAT, METRICS_FORMAT - 1)
+                )
+                self.assertEqual(message.data.count(ours), 1)
+                message.data = message.data.replace(ours, other)
             return True
 
         bag = self.edited(older_format)
-        self.assertIn(f"bag {bag}: format 3: must be 4", self.refused_bag(2, bag))
+        rule = f"format {METRICS_FORMAT - 1}: must be {METRICS_FORMAT}"
+        self.assertIn(f"bag {bag}: {rule}", self.refused_bag(2, bag))
 
     def test_bag_is_not_replaced_by_what_comes_of_it(self) -> None:
         self.finished("--smoke", "--record")

@@ -19,6 +19,7 @@ from unittest import mock
 import rospkg  # type: ignore[import]
 import torch
 from matplotlib.figure import Figure  # type: ignore[import]
+from sim2sim_eval.report.results import METRICS_FORMAT
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
 from command_case import DEADLINE, CommandCase, executable, load_script  # noqa: E402
@@ -536,22 +537,23 @@ class Shards(SweepCase):
             whole = path.read_text()
             content = json.loads(whole)
             described = content[place] if place else content
-            self.assertEqual(described["format"], 4)
-            described["format"] = 3
+            self.assertEqual(described["format"], METRICS_FORMAT)
+            described["format"] -= 1
             path.write_text(json.dumps(content))
             process = self.run_command(MERGE, *folders, "--out", "merged", "--overwrite")
-            self.assertIn(
-                f"shard {folders[1]}/{file}: format 3: must be 4", self.refused(2, process, "merge")
-            )
+            rule = f"format {METRICS_FORMAT - 1}: must be {METRICS_FORMAT}"
+            refusal = self.refused(2, process, "merge")
+            self.assertIn(f"shard {folders[1]}/{file}: {rule}", refusal)
             self.assertEqual(self.results("merged"), before)
             path.write_text(whole)
 
     def test_sweep_whose_provenance_is_of_another_format_does_not_go_on(self) -> None:
         self.finished("out")
         path = self.folder / "out" / "provenance.json"
-        path.write_text(path.read_text().replace('"format": 4', '"format": 3'))
+        ours, other = (f'"format": {number}' for number in (METRICS_FORMAT, METRICS_FORMAT - 1))
+        path.write_text(path.read_text().replace(ours, other))
         refusal = self.refused(2, self.sweep("--out", "out"), "sweep")
-        self.assertIn("/format is 3, must be 4", refusal)
+        self.assertIn(f"/format is {METRICS_FORMAT - 1}, must be {METRICS_FORMAT}", refusal)
 
     def test_unfinished_and_damaged_shards_are_named(self) -> None:
         first, second = self.shards(2)

@@ -36,7 +36,7 @@ struct Knob {
   ParameterDescriptor descriptor() const;
 };
 
-/// All of them, in the order in which the course's configuration hash has them. The ranges, with h = kSubstep:
+/// All of them; the course's first, in the order in which its configuration hash has them. The ranges (h: kSubstep):
 /// - pusher_mass: any is stable. The servo does not know it, and contact sweeps shrink what is left of the overlap by
 ///   (n1.n2)^2 m1 m2 / ((m1 + M)(m2 + M)) < 0.006 each, as both normals are nearly at right angles. Beyond the range
 ///   nothing changes any more: the pusher has no inertia, or the tee has none.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The figures of a rollout, each listed once. Columns of episodes.csv and sweep.csv, keys of metrics.json, messages
-/// and tables take names, units and order from here: a new figure is a line in kQuantities and the function that it
-/// names.
+/// and tables take names, units and order from here: a new figure is a line in kQuantities, the function that it
+/// names, and a raised kDescriptionFormat.
 #pragma once
 
 #include <array>

@@ -90,6 +90,7 @@ void Peer::connect(std::chrono::milliseconds patience, bool respawn, const std::
                       client.shutdown();
                     });
     }
+    answered = answered && ownerOf(service) == owner_;  // not one that has come in its place meanwhile
     if (owner_.empty() || owner_ != owner || late) {
       last_sign = std::chrono::steady_clock::now();
     } else if (!answered && !respawn && std::chrono::steady_clock::now() - last_sign > kDeadOrNever) {

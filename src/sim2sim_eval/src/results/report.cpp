@@ -314,9 +314,9 @@ std::string doubtAboutPolicy(const json& metrics, const json& provenance) {
   if (!is_checkpoint || metrics.at("reference_successes").get<int>() > 0) {
     return "";
   }
-  const bool in_mujoco = metrics.at("reference_simulator") == "mujoco";
+  const bool at_home = metrics.at("reference_simulator") == kCourseReference;
   return "policy " + metrics.at("policy").get<std::string>() + " never succeeds in the reference" +
-         (in_mujoco ? ", the simulator it was trained in" : "") +
+         (at_home ? ", the simulator it was trained in" : "") +
          ". It looks untrained or stale: the figures measure the policy, not the gap between the simulators.";
 }
 

@@ -72,8 +72,10 @@ DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, Simulator
   plan.validate();
   BagFile bag(path);
   Stamps stamps;
+  nlohmann::json beginning = origin;
+  beginning["format"] = kDemonstrationFormat;
   std_msgs::String text;
-  text.data = origin.dump();
+  text.data = beginning.dump();
   bag.write(kDemonstrationOriginTopic, stamps.next(), text);
   DemonstrationTally tally;
   while (tally.episodes < plan.episodes) {

@@ -21,6 +21,8 @@ namespace {
 constexpr int kInputs = std::tuple_size<Observation>::value;
 constexpr int kOutputs = std::tuple_size<Action>::value;
 
+constexpr int kProvenanceFormat = 1;  // of CHECKPOINT.provenance.json; without a number it is 1
+
 constexpr int kSpawnProbes = 48;
 constexpr int kWideProbes = 16;
 constexpr double kWideRange = 2.0;   // every number of a wide probe lies in +- this
@@ -61,11 +63,18 @@ void requireProvenance(const std::filesystem::path& path, const std::string& nam
     return;
   }
   const std::string text = readFile(provenance, "provenance");
+  nlohmann::json format = kProvenanceFormat;
   std::string expected;
   try {
-    expected = nlohmann::json::parse(text).at("checkpoint").at("sha256").get<std::string>();
+    const nlohmann::json content = nlohmann::json::parse(text);
+    format = content.value("format", format);
+    expected = content.at("checkpoint").at("sha256").get<std::string>();
   } catch (const nlohmann::json::exception&) {
     expected.clear();
+  }
+  if (format != kProvenanceFormat) {
+    throw InvalidInput("provenance " + provenance.string() + ": format is " + format.dump() + ", must be " +
+                       std::to_string(kProvenanceFormat) + "; another version of the suite wrote it");
   }
   if (expected.size() != sha256.size() || expected.find_first_not_of("0123456789abcdef") != std::string::npos) {
     throw InvalidInput("provenance " + provenance.string() + ": must be JSON with a checkpoint.sha256 of " +

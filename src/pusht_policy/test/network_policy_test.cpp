@@ -173,6 +173,17 @@ TEST_F(NetworkCheckpoint, NamesABrokenProvenanceFile) {
   }
 }
 
+TEST_F(NetworkCheckpoint, ProvenanceOfAnotherFormatIsRefused) {
+  write(kLinear);
+  const std::string rest = R"(, "checkpoint": {"sha256": ")" + sha256(readFile(checkpoint_, "policy")) + R"("}})";
+  writeFile(provenance_, R"({"format": 1)" + rest);
+  EXPECT_NO_THROW(NetworkPolicy::load(checkpoint_));
+  for (const std::string format : {"2", "null"}) {
+    writeFile(provenance_, R"({"format": )" + format + rest);
+    expectRefusal(checkpoint_, ExitCode::kInvalidInput, {provenance_.string(), "format is " + format + ", must be 1"});
+  }
+}
+
 TEST_F(NetworkCheckpoint, MustHaveFiniteNumbers) {
   write(kLinear, 10, 2, std::numeric_limits<float>::quiet_NaN());
   expectRefusal(checkpoint_, ExitCode::kBadDependency, {checkpoint_.string(), "b must be finite"});

@@ -193,6 +193,19 @@ class ReadDemonstrations(TemporaryFolderCase):
         with self.assertRaisesRegex(InputError, "step is of type std_msgs/String; it must be"):
             read_demonstrations([path])
 
+    def test_format_of_the_bag(self) -> None:
+        recording = messages(demonstration(7))
+        for text in ("{}", '{"format": 1}'):
+            bag = write_bag(self.folder / "some.bag", [String(data=text)] + recording)
+            self.assertEqual(len(read_demonstrations([bag])), 1)
+        for text, why in (
+            ('{"format": 2}', "format is 2; it must be 1"),
+            ('{"format": null}', "format is None; it must be 1"),
+            ("[]", r"origin is \[\]; it must be a JSON object"),
+            ("{", "origin: .*; it must be JSON"),
+        ):
+            self.assertRegex(self.refused([String(data=text)] + recording), why)
+
     def test_not_a_readable_bag(self) -> None:
         path = write_bag(self.folder / "some.bag", messages(demonstration(7)))
         whole = path.read_bytes()
@@ -496,6 +509,7 @@ class TrainCommand(CommandCase):
                 "sha256": hashlib.sha256(self.out.read_bytes()).hexdigest(),
             },
         )
+        self.assertEqual(provenance["format"], training.PROVENANCE_FORMAT)
         self.assertEqual(
             provenance["demonstrations"],
             {
@@ -645,6 +659,10 @@ class RecordEvaluation(CommandCase):
                 training.record_evaluation(self.out, self.folder)
             self.metrics, self.origin["configuration"] = metrics, configuration
         self.assertEqual(self.provenance.read_bytes(), before)
+
+        with mock.patch.object(training, "PROVENANCE_FORMAT", 2):
+            with self.assertRaisesRegex(InputError, "provenance.json: format is 1; it must be 2"):
+                training.record_evaluation(self.out, self.folder)
 
         self.metrics["format"] -= 1
         ours = training.METRICS_FORMAT

@@ -3,15 +3,17 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Dict, List, Optional, Set
+from typing import Any, Callable, Dict, List, Optional, Set
 from unittest import mock
 
 import torch
@@ -36,6 +38,25 @@ def load_script(name: str) -> ModuleType:
     with mock.patch.object(sys, "dont_write_bytecode", True):  # it would lie beside the script
         loader.exec_module(module)
     return module
+
+
+def until(holds: Callable[[], bool]) -> None:
+    """Waits for what nothing tells of: asks again and again."""
+    expiry = time.monotonic() + DEADLINE
+    while not holds():
+        if time.monotonic() > expiry:
+            raise TimeoutError(f"not within {DEADLINE} s")
+
+
+def catches(pid: int, number: signal.Signals) -> bool:
+    """Whether a process has a handler for a signal."""
+    return bool(signals(pid, "SigCgt") & 1 << (number - 1))
+
+
+def signals(pid: int, which: str) -> int:
+    """A set of signals, as /proc names it."""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    return next(int(line.split()[1], 16) for line in lines if line.startswith(which))
 
 
 class Charge(torch.nn.Module):

@@ -22,7 +22,7 @@ import rospkg  # type: ignore[import]
 import torch
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import Endless, executable  # noqa: E402
+from command_case import Endless, catches, executable, signals  # noqa: E402
 from live_support import (  # noqa: E402
     DEADLINE,
     RECORDED_RESULTS,
@@ -702,17 +702,6 @@ class LostMaster(LiveCase):
 def views(launch: Launch) -> List[str]:
     """The names of the nodes that are rviz."""
     return [name for name in launch.tool("rosnode", "list").split() if name.startswith("/rviz")]
-
-
-def catches(pid: int, number: signal.Signals) -> bool:
-    """Whether a process has a handler for a signal."""
-    return bool(signals(pid, "SigCgt") & 1 << (number - 1))
-
-
-def signals(pid: int, which: str) -> int:
-    """A set of signals, as /proc names it."""
-    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
-    return next(int(line.split()[1], 16) for line in lines if line.startswith(which))
 
 
 def in_poll(pid: int) -> bool:

@@ -11,15 +11,14 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 import unittest
 from pathlib import Path
-from typing import Any, Callable, Dict, List
+from typing import Any, Dict, List
 
 import numpy as np
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import DEADLINE, CommandCase, executable  # noqa: E402
+from command_case import CommandCase, catches, executable, until  # noqa: E402
 
 ATTRIBUTE = executable("sim2sim_eval", "attribute")
 MERGE = executable("sim2sim_eval", "merge")
@@ -37,21 +36,6 @@ SAMPLE = PLAN.split("grid")[0] + (
     "permutations: {switches: [servo, drag, coulomb], orders: 40, seed: 1}"
 )
 REPLAY = "mean_pos_divergence"
-
-
-def until(holds: Callable[[], bool]) -> None:
-    """Waits for what nothing tells of: asks again and again."""
-    expiry = time.monotonic() + DEADLINE
-    while not holds():
-        if time.monotonic() > expiry:
-            raise TimeoutError(f"not within {DEADLINE} s")
-
-
-def catches(pid: int, number: signal.Signals) -> bool:
-    """Whether a process has a handler for a signal: before that, it would be killed."""
-    status = Path(f"/proc/{pid}/status").read_text()
-    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
-    return bool(int(caught.split()[1], 16) & 1 << (number - 1))
 
 
 class Attributing(CommandCase):

@@ -22,11 +22,23 @@ from typing import Any, Callable, Dict, List, Optional, Union
 import rosbag  # type: ignore[import]
 import rospkg  # type: ignore[import]
 import torch
-from pusht_policy.demonstrations import read_demonstrations, read_origin, sha256_of_frames
+from pusht_policy.demonstrations import (
+    DEMONSTRATION_FORMAT,
+    read_demonstrations,
+    read_origin,
+    sha256_of_frames,
+)
 from sim2sim_eval.report.results import METRICS_FORMAT
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import DEADLINE, CommandCase, Endless, executable  # noqa: E402
+from command_case import (  # noqa: E402
+    DEADLINE,
+    CommandCase,
+    Endless,
+    executable,
+    signals,
+    until,
+)
 
 PACKAGES = rospkg.RosPack()
 PATIENCE = 10.0  # s, in which a command that was asked to end must have ended
@@ -234,6 +246,7 @@ class Measurement(CompareCase):
         origin = read_origin(bag)
         assert origin is not None
         learned_in = recorded["bags"][0]["origin"]
+        self.assertEqual(origin["format"], DEMONSTRATION_FORMAT)
         for name in ("demonstrator", "simulator"):
             self.assertEqual(origin[name], learned_in[name])
         if origin["software"]["mujoco"] != learned_in["software"]["mujoco"]:
@@ -700,7 +713,7 @@ class Recompute(CompareCase):
                 stderr=subprocess.PIPE,
                 text=True,
             ) as process:
-                wait_until(lambda: opened(process.pid, bag))
+                until(lambda: opened(process.pid, bag))
                 process.send_signal(number)
                 _, said = process.communicate(timeout=DEADLINE)
             self.assertEqual(process.returncode, 4, said)
@@ -946,7 +959,7 @@ class Faults(CompareCase):
                     shown += os.read(terminal, 1000)
                 for _ in range(times):
                     process.send_signal(number)
-                    wait_until(lambda: caught(process.pid, number))
+                    until(lambda: caught(process.pid, number))
                 printed, _ = process.communicate(timeout=DEADLINE)
             while b"interrupted" not in shown:
                 shown += os.read(terminal, 1000)
@@ -988,7 +1001,7 @@ class Faults(CompareCase):
         policy = self.save("at_load.pt", Endless(-10.0, 10.0))
         with self.endless(policy, "out", stdout=subprocess.DEVNULL) as process:
             children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-            wait_until(lambda: children.read_text() != "")
+            until(lambda: children.read_text() != "")
             process.send_signal(signal.SIGTERM)
             _, said = process.communicate(timeout=DEADLINE)
         self.assertEqual(process.returncode, 4, said)
@@ -1043,14 +1056,6 @@ class Faults(CompareCase):
         return path
 
 
-def wait_until(holds: Callable[[], bool]) -> None:
-    """Waits for what nothing tells of: asks again and again."""
-    expiry = time.monotonic() + DEADLINE
-    while not holds():
-        if time.monotonic() > expiry:
-            raise TimeoutError(f"not within {DEADLINE} s")
-
-
 def opened(pid: int, path: str) -> bool:
     """Whether a process has opened a file."""
     folder = f"/proc/{pid}/fd"
@@ -1063,11 +1068,9 @@ def opened(pid: int, path: str) -> bool:
 def caught(pid: int, number: signal.Signals) -> bool:
     """Whether a signal that was sent to a process is no longer pending: two at once are one."""
     try:
-        status = Path(f"/proc/{pid}/status").read_text()
+        return not signals(pid, "ShdPnd") & 1 << (number - 1)
     except FileNotFoundError:
         return True
-    pending = next(line for line in status.splitlines() if line.startswith("ShdPnd:"))
-    return not int(pending.split()[1], 16) & 1 << (number - 1)
 
 
 class Straight(torch.nn.Module):

@@ -10,10 +10,9 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 import unittest
 from pathlib import Path
-from typing import Any, Callable, Dict, List
+from typing import Any, Dict, List
 from unittest import mock
 
 import rospkg  # type: ignore[import]
@@ -22,7 +21,7 @@ from matplotlib.figure import Figure  # type: ignore[import]
 from sim2sim_eval.report.results import METRICS_FORMAT
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import DEADLINE, CommandCase, executable, load_script  # noqa: E402
+from command_case import CommandCase, executable, load_script, until  # noqa: E402
 
 SWEEP = executable("sim2sim_eval", "sweep")
 MERGE = executable("sim2sim_eval", "merge")
@@ -39,14 +38,6 @@ grid:
   block_damp: [6, 20]
   pusher_mass: [4, 1.5]
 """
-
-
-def until(holds: Callable[[], bool]) -> None:
-    """Waits for what nothing tells of: asks again and again."""
-    expiry = time.monotonic() + DEADLINE
-    while not holds():
-        if time.monotonic() > expiry:
-            raise TimeoutError(f"not within {DEADLINE} s")
 
 
 WITH_AND_WITHOUT: List[List[str]] = [[], ["--overwrite"]]

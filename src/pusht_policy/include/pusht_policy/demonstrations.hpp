@@ -15,6 +15,7 @@ namespace pusht {
 constexpr const char* kDemonstrationOriginTopic = "/demonstration/origin";  ///< std_msgs/String: JSON; once
 constexpr const char* kDemonstrationStepTopic = "/demonstration/step";      ///< pusht_msgs/DemonstrationStep
 constexpr const char* kDemonstrationEndTopic = "/demonstration/end";        ///< pusht_msgs/DemonstrationEnd
+constexpr int kDemonstrationFormat = 1;  ///< of the bag: "format" in the JSON of its origin; without one it is 1
 
 struct DemonstrationPlan {
   std::uint64_t seed = 0;  ///< demonstration i starts from spawn seed + i
@@ -31,9 +32,9 @@ struct DemonstrationTally {
 };
 
 /// Lets `demonstrator` solve the task in `world` and records every control step into the bag at `path`,
-/// which appears there when it is complete and begins with their `origin`: which demonstrator, which simulator. Throws
-/// InvalidInput if there is something already. `report` is called after every episode; returning false ends the
-/// collection with RuntimeFault, as does a failure to write.
+/// which appears there when it is complete and begins with their `origin`: which demonstrator, which simulator. The
+/// format of the bag is added to it. Throws InvalidInput if there is something already. `report` is called after every
+/// episode; returning false ends the collection with RuntimeFault, as does a failure to write.
 DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, Simulator& world, Policy& demonstrator,
                                         const nlohmann::json& origin, const std::filesystem::path& path,
                                         const std::function<bool(const DemonstrationTally&)>& report);

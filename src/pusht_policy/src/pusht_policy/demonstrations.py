@@ -15,6 +15,7 @@ from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[i
 ORIGIN_TOPIC = "/demonstration/origin"
 STEP_TOPIC = "/demonstration/step"
 END_TOPIC = "/demonstration/end"
+DEMONSTRATION_FORMAT = 1  # of the bag, as its origin says; without a number it is 1
 MESSAGE_TYPES = {STEP_TOPIC: DemonstrationStep, END_TOPIC: DemonstrationEnd}
 
 
@@ -55,13 +56,14 @@ def sha256_of_frames(demonstrations: Sequence[Demonstration]) -> str:
 def read_origin(path: Path) -> Optional[Dict[str, Any]]:
     """What made the demonstrations of a readable bag; None if the bag does not say."""
     with rosbag.Bag(str(path)) as bag:
-        for _, message, _ in bag.read_messages(topics=[ORIGIN_TOPIC]):
-            try:
-                origin = json.loads(message.data)
-            except ValueError as error:
-                raise InputError(f"{path}: {ORIGIN_TOPIC}: {error}; it must be JSON") from None
-            return dict(origin)
-    return None
+        return _origin(path, bag)
+
+
+def require_format(name: str, content: Dict[str, Any], expected: int) -> None:
+    """Refuses what another version of the suite has written. The first format had no number."""
+    found = content.get("format", 1)
+    if found != expected:
+        raise InputError(f"{name}: format is {found!r}; it must be {expected}")
 
 
 def read_demonstrations(bags: Sequence[Path]) -> List[Demonstration]:
@@ -80,11 +82,25 @@ def read_demonstrations(bags: Sequence[Path]) -> List[Demonstration]:
     return sorted(demonstrations, key=lambda demonstration: demonstration.seed)
 
 
+def _origin(path: Path, bag: Any) -> Optional[Dict[str, Any]]:
+    for _, message, _ in bag.read_messages(topics=[ORIGIN_TOPIC]):
+        try:
+            origin = json.loads(message.data)
+        except ValueError as error:
+            raise InputError(f"{path}: {ORIGIN_TOPIC}: {error}; it must be JSON") from None
+        if not isinstance(origin, dict):
+            raise InputError(f"{path}: {ORIGIN_TOPIC} is {message.data}; it must be a JSON object")
+        require_format(f"{path}: {ORIGIN_TOPIC}", origin, DEMONSTRATION_FORMAT)
+        return origin
+    return None
+
+
 def _read_bag(path: Path) -> List[Demonstration]:
     recordings: Dict[int, _Recording] = {}
     try:
         with rosbag.Bag(str(path)) as bag:
             _check_topics(path, bag)
+            _origin(path, bag)
             for topic, message, _ in bag.read_messages(topics=list(MESSAGE_TYPES)):
                 recording = recordings.setdefault(message.seed, _Recording())
                 if topic == STEP_TOPIC:

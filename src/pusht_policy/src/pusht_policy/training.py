@@ -34,6 +34,7 @@ from pusht_policy.demonstrations import (
     InputError,
     read_demonstrations,
     read_origin,
+    require_format,
     sha256_of_frames,
 )
 from pusht_policy.model import Policy, minimum_and_range, normalised
@@ -43,6 +44,7 @@ from pusht_task.files import write_file
 STATE_INTERVAL = 10  # epochs between two saved states, and between two plain progress lines
 HISTORY_INTERVAL = 50  # epochs between two entries of the validation loss history
 STATE_FORMAT = 1  # of state.pt
+PROVENANCE_FORMAT = 1  # of CHECKPOINT.provenance.json; kProvenanceFormat in network_policy.cpp
 METRICS_FORMAT = 4  # of the metrics.json that is read; kDescriptionFormat in sim2sim_eval
 # What an evaluation is of, besides episodes and seed.
 EVALUATED: Dict[str, Any] = {
@@ -125,6 +127,7 @@ def train(bags: Sequence[Path], out: Path, state_dir: Path, recipe: Recipe) -> N
         trainer.run(state_dir / "state.pt", stop_requested)
         model_bytes = torchscript_bytes(trainer.script)
         provenance = {
+            "format": PROVENANCE_FORMAT,
             "checkpoint": {"file": out.name, "sha256": hashlib.sha256(model_bytes).hexdigest()},
             "demonstrations": {
                 "bags": [{"file": b.name, "origin": o} for b, o in zip(bags, origins)],
@@ -321,6 +324,7 @@ def record_evaluation(checkpoint: Path, results: Path) -> None:
     with it in MuJoCo: figures of another policy, simulator or protocol are refused."""
     path = provenance_path(checkpoint)
     provenance = _read_json(path)
+    require_format(str(path), provenance, PROVENANCE_FORMAT)
     found = sha256_of(checkpoint)
     _require(path, provenance, "checkpoint.sha256", found)
     metrics = _read_json(results / "metrics.json")

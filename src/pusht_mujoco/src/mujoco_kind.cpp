@@ -33,7 +33,7 @@ const SimulatorKind& mujocoKind() {
       mj_versionString(),
       {{kScene, "", "MJCF file, or 'shipped' for the one that comes with the suite; must be this task",
         std::string(kShipped)}},
-      {"libmujoco.so", "libpusht_mujoco.so"},
+      {"libmujoco.so", "libccd.so", "libpusht_mujoco.so"},  // libccd finds its contacts
       MujocoWorld::kStartTolerance,
       load};
   return kind;

@@ -47,6 +47,8 @@ TEST(SettingsFrom, RefusesWhatIsNone) {
     EXPECT_EQ(refusalOf([&] { settingsFrom("engine_parameters", text); }),
               "engine_parameters '" + text + "': must be NAME=VALUE NAME=VALUE");
   }
+  EXPECT_EQ(refusalOf([] { settingsFrom("engine_parameters", "block_damp=10 pusher_mass=2 block_damp=20"); }),
+            "engine_parameters 'block_damp=10 pusher_mass=2 block_damp=20': block_damp must be set once");
 }
 
 TEST(MergedGoal, LeavesOpenWhatItDoesNotSay) {

@@ -145,6 +145,8 @@ class Measurement(CompareCase):
         self.assertRegex(provenance["engine"]["version"], r"^7\.\d+\.\d+$")
         self.assertRegex(provenance["reference"]["version"], r"^\d+\.\d+\.\d+$")
         self.assertNotIn("mujoco", provenance["software"], "it need not take part")
+        for library in ("libmujoco.so", "libccd.so", "libchipmunk.so"):  # what they compute with
+            self.assertTrue(any(name.startswith(library) for name in provenance["code"]), library)
 
     def test_same_kind_in_both_roles_keeps_its_bytes_on_every_way(self) -> None:
         """Nothing of one role may reach the other: not its parameters, nor its kept rollouts."""

@@ -189,6 +189,23 @@ class Rows(SweepCase):
         self.assertIn("no knob", self.refused(2, self.run_command(PLOT, "flat"), "plot_sweep"))
         self.refused(2, self.run_command(PLOT, "none"), "plot_sweep")
 
+    def test_plot_of_words(self) -> None:
+        for grid, words in (
+            ("{preset: [simple, faithful]}", ["simple", "faithful"]),
+            (
+                "{preset: [simple, faithful], drag: [true, false]}",
+                ["simple", "faithful", "preset simple", "drag false"],
+            ),
+        ):
+            plan = f"{{policy: expert, episodes: 2, horizon: 5, engine: rigid_body, grid: {grid}}}"
+            self.finished("out", "--overwrite", plan=plan)
+            process = self.run_command(PLOT, "out", "--out", "plot.svg")
+            self.assertEqual((process.returncode, process.stderr), (0, ""))
+            drawn = (self.folder / "plot.svg").read_text()
+            for word in words:
+                self.assertTrue(f"<!-- {word} -->" in drawn, word)
+            self.assertFalse("<!-- servo -->" in drawn, "it follows the preset")
+
     def test_plot_of_another_format_is_refused(self) -> None:
         self.finished("out", plan="{policy: expert, episodes: 2, rows: [{}, {block_damp: 20}]}")
         path = self.folder / "out" / "sweep.json"
@@ -718,6 +735,8 @@ class BadPlans(SweepCase):
             "engine: [chipmunk, chipmunk]": "must appear only once",
             "engine: [two_mass, chipmunk]\ngrid: {block_damp: [1]}": "unknown; known: ",
             "reference_parameters: 5\nrows: [{}]": "line 1, reference_parameters: must map",
+            "reference_parameters: {scene: a.xml}\nscene: b.xml\nrows: [{}]": "line 2, scene: must "
+            "appear only once; it is under reference_parameters too",
             "reference: two_mass\nscene: a.xml\nrows: [{}]": "line 2: parameter 'scene'",
         }
         for plan, rule in plans.items():

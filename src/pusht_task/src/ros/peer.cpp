@@ -90,10 +90,11 @@ void Peer::connect(std::chrono::milliseconds patience, bool respawn, const std::
                       client.shutdown();
                     });
     }
+    const bool may_live = owner_.empty() || owner_ != owner || late || answered;
     answered = answered && ownerOf(service) == owner_;  // not one that has come in its place meanwhile
-    if (owner_.empty() || owner_ != owner || late) {
+    if (may_live) {
       last_sign = std::chrono::steady_clock::now();
-    } else if (!answered && !respawn && std::chrono::steady_clock::now() - last_sign > kDeadOrNever) {
+    } else if (!respawn && std::chrono::steady_clock::now() - last_sign > kDeadOrNever) {
       throw RuntimeFault(service + ": the master knows a node at " + owner_ +
                          ", but nobody answers there: it has died");
     }

@@ -17,7 +17,7 @@ void BatchOptions::declare(CLI::App& app) {
                  "number of threads; it does not change the results (default: the number of cores)")
       ->check(decimalInteger() & CLI::Range(1, kMostThreads));
   app.add_option("--reference-cache", reference_cache,
-                 "folder that keeps what the reference did, for every later run of the same policy and scene");
+                 "folder that keeps what the reference did, for later runs with the same policy and reference");
 }
 
 void GapOptions::declare(CLI::App& app) {

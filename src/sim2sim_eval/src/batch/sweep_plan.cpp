@@ -4,7 +4,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstddef>
 #include <optional>
@@ -204,6 +203,15 @@ SimulatorChoice simulatorAt(const YAML::Node& node, const std::string& key) {
   return *choice;
 }
 
+/// The parameters of the reference that are keys of a plan too: those of the course's.
+std::vector<std::string> shortForms() {
+  std::vector<std::string> names;
+  for (const pusht::ParameterDescriptor& parameter : simulatorKind(kCourseReference).parameters) {
+    names.push_back(parameter.name);
+  }
+  return names;
+}
+
 SimulatorChoice referenceIn(const YAML::Node& root) {
   SimulatorChoice reference = root["reference"].IsDefined() ? simulatorAt(root["reference"], "reference")
                                                             : chooseSimulator(kCourseReference, {});
@@ -216,8 +224,15 @@ SimulatorChoice referenceIn(const YAML::Node& root) {
       setParameter(reference, entry.first, entry.second);
     }
   }
-  if (const YAML::Node scene = root["scene"]; scene.IsDefined()) {
-    inLineOf(scene, [&] { reference.parameters.set("scene", textAt(scene, "scene")); });
+  for (const std::string& name : shortForms()) {
+    const YAML::Node value = root[name];
+    const YAML::Node parameters = root["reference_parameters"];
+    if (value.IsDefined() && parameters.IsDefined() && parameters[name].IsDefined()) {
+      refuse(value, name, "must appear only once; it is under reference_parameters too");
+    }
+    if (value.IsDefined()) {
+      inLineOf(value, [&] { reference.parameters.set(name, textAt(value, name)); });
+    }
   }
   return reference;
 }
@@ -296,13 +311,18 @@ SweepPlan planFrom(const YAML::Node& root) {
     throw pusht::InvalidInput("must map keys to values");
   }
   requireDistinctKeys(root);
-  constexpr std::array kKeys = {"policy", "reference",   "reference_parameters", "scene",       "engine",
-                                "starts", "seed",        "first_episode",        "episodes",    "horizon",
-                                "floor",  "reanchor",    "bound_position",       "bound_angle", "grid",
-                                "rows",   "permutations"};
+  std::vector<std::string> keys = {"policy",        "reference", "reference_parameters",
+                                   "engine",        "starts",    "seed",
+                                   "first_episode", "episodes",  "horizon",
+                                   "floor",         "reanchor",  "bound_position",
+                                   "bound_angle",   "grid",      "rows",
+                                   "permutations"};
+  for (std::string& name : shortForms()) {
+    keys.push_back(std::move(name));
+  }
   for (const auto& entry : root) {
-    if (std::find(kKeys.begin(), kKeys.end(), entry.first.Scalar()) == kKeys.end()) {
-      refuse(entry.first, entry.first.Scalar(), "there is no such key; there are " + pusht::joined(kKeys));
+    if (std::find(keys.begin(), keys.end(), entry.first.Scalar()) == keys.end()) {
+      refuse(entry.first, entry.first.Scalar(), "there is no such key; there are " + pusht::joined(keys));
     }
   }
   std::optional<OrderSample> sample;

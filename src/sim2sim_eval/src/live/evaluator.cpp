@@ -176,6 +176,9 @@ pusht::Parameters settingsFrom(const std::string& what, const std::string& text)
     const auto value = static_cast<std::size_t>(name->position() + name->length());
     const auto value_end =
         next == end ? text.find_last_not_of(" \t\n") + 1 : static_cast<std::size_t>(next->position());
+    if (std::any_of(settings.begin(), settings.end(), [&](const auto& other) { return other.name == name->str(2); })) {
+      throw pusht::InvalidInput(what + " '" + text + "': " + name->str(2) + " must be set once");
+    }
     settings.push_back(pusht::parameter(name->str(2), text.substr(value, std::max(value, value_end) - value)));
     name = next;
   }

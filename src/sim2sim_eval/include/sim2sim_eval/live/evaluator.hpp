@@ -46,7 +46,8 @@ struct LiveRequest {
   bool overwrite = false;  ///< replace results that are in the folder
 };
 
-/// "NAME=VALUE NAME=VALUE"; a value may hold spaces. Throws InvalidInput with `what` and the text if it is none.
+/// "NAME=VALUE NAME=VALUE"; a value may hold spaces. Throws InvalidInput with `what` and the text if it is none,
+/// or sets a name twice.
 pusht::Parameters settingsFrom(const std::string& what, const std::string& text);
 
 /// `goal` on top of `request`. Throws InvalidInput with the field of the goal that cannot be.

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs what the docs say, and compares with the output that they show.
 
-In a `console` block a line after `$ ` is a command, and the lines below it are what it prints. A
-line `...` stands for any lines, `...` at a line's end for any rest. Of a command that fails they are
-what it complains of. A block whose first line is a comment with a file name is that file. What is called by hand is called of nodes. And what docs name
-is there.
+In a `console` block a line after `$ ` is a command, and the lines below it are what it prints; if
+it fails, what it complains of. A line `...` stands for any lines, `...` at a line's end for any
+rest. A block whose first line is a comment with a file name is that file. What is called by hand
+is called of nodes. And what docs name is there.
 """
 
 import os

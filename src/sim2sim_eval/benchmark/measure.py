@@ -44,14 +44,15 @@ class Figure(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        """Undecided if the interval holds the bound, or is wider than all that the bound allows."""
+        """Undecided if the interval holds the bound, or keeps it but is wider than it."""
         if self.measured is None or (self.at_least is None and self.at_most is None):
             return ""
         low, high = self.interval or (self.measured, self.measured)
         kept = {self.keeps(low), self.keeps(high)}
-        if len(kept) > 1 or (self.at_most is not None and high - low > self.at_most):
-            return "undecided"
-        return "met" if kept == {True} else "NOT MET"
+        if kept == {False}:
+            return "NOT MET"
+        too_wide = self.at_most is not None and high - low > self.at_most
+        return "undecided" if len(kept) > 1 or too_wide else "met"
 
     def keeps(self, value: float) -> bool:
         return (self.at_least is None or value >= self.at_least) and (

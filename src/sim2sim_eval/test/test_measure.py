@@ -37,6 +37,7 @@ class Verdict(unittest.TestCase):
         for interval, verdict in (
             ((0.02, 0.04), "met"),
             ((0.06, 0.07), "NOT MET"),
+            ((0.06, 0.16), "NOT MET"),  # however wide
             ((0.02, 0.06), "undecided"),
             ((-0.03, 0.04), "undecided"),  # wider than the bound
         ):

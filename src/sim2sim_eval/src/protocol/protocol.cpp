@@ -370,29 +370,27 @@ void runProtocol(const Protocol& protocol, const Players& players, int threads, 
     }
   };
 
-  if (threads == 1) {
-    return work();
-  }
-  std::vector<std::future<void>> workers;
-  workers.reserve(static_cast<std::size_t>(threads));
+  const auto work_or_fail = [&] {
+    try {
+      work();
+    } catch (...) {
+      failed = true;  // ends the other threads
+      throw;
+    }
+  };
+  std::vector<std::future<void>> others;
   try {
-    for (int i = 0; i < threads; ++i) {
-      workers.push_back(std::async(std::launch::async, [&] {
-        try {
-          work();
-        } catch (...) {
-          failed = true;  // ends the other threads
-          throw;
-        }
-      }));
+    while (static_cast<int>(others.size()) + 1 < threads) {
+      others.push_back(std::async(std::launch::async, work_or_fail));
     }
   } catch (const std::system_error& error) {
     failed = true;
-    throw pusht::RuntimeFault("cannot start thread " + std::to_string(workers.size() + 1) + " of " +
+    throw pusht::RuntimeFault("cannot start thread " + std::to_string(others.size() + 2) + " of " +
                               std::to_string(threads) + ": " + error.what() + "; ask for fewer threads");
   }
-  for (std::future<void>& worker : workers) {
-    worker.get();  // if it throws, the destructors of the others wait for their ends
+  work_or_fail();  // if it throws, the destructors of the others wait for their ends
+  for (std::future<void>& other : others) {
+    other.get();
   }
 }
 

@@ -3,9 +3,9 @@
 """Runs what the docs say, and compares with the output that they show.
 
 In a `console` block a line after `$ ` is a command, and the lines below it are what it prints; if
-it fails, what it complains of. A line `...` stands for any lines, `...` at a line's end for any
-rest. A block whose first line is a comment with a file name is that file. What is called by hand
-is called of nodes. And what docs name is there.
+it fails, all that it complains of. A line `...` stands for any lines, `...` at a line's end for
+any rest. A block whose first line is a comment with a file name is that file. What is called by
+hand is called of nodes. And what docs name is there.
 """
 
 import os
@@ -60,10 +60,11 @@ class Docs(CommandCase):
             for command, output in commands(block):
                 with self.subTest(command):
                     process = self.run_command("bash", "-c", command)
-                    printed = process.stdout if process.returncode == 0 else process.stderr
                     count += 1
-                    if not re.fullmatch(pattern_of(output), printed):
-                        self.assertEqual(printed, "\n".join(output))
+                    if process.returncode != 0:  # as shown, word for word
+                        self.assertEqual(process.stderr.splitlines(), output)
+                    elif not re.fullmatch(pattern_of(output), process.stdout):
+                        self.assertEqual(process.stdout, "\n".join(output))
         return count
 
     def test_tutorial(self) -> None:

@@ -303,7 +303,7 @@ double fastestTee(const TwoMassParameters& knobs) {
 
 TEST(StableRange, TheTeeIsNeverMuchFasterThanThePusher) {
   constexpr double kBound = 2.0;  // [m/s]; the pusher's 1 m/s and what contacts add to remove an overlap
-  const two_mass::Knob& pusher_mass = knobNamed("pusher_mass");
+  const two_mass::Knob pusher_mass = knobNamed("pusher_mass");
   for (const double mass : {pusher_mass.least, 0.05, 4.0, pusher_mass.greatest}) {
     for (const double damp : {0.0, 6.0, 100.0}) {
       for (const double stiffness : {40.0, 0.99 * two_mass::greatestBaumgarte(damp)}) {

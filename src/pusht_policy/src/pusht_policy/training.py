@@ -209,7 +209,7 @@ class Trainer:
         if not path.exists():
             return
         try:
-            state = torch.load(str(path))
+            state = torch.load(str(path), weights_only=False)
             found = state["identity"]
         except Exception:  # unpickling damaged bytes can raise anything
             raise InputError(

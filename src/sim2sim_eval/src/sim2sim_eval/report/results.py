@@ -235,7 +235,7 @@ def _bands(path: Path) -> Dict[str, Dict[str, Any]]:
 def _traces(path: Path, run: Run) -> Traces:
     try:
         records = np.load(path, allow_pickle=False)
-    except (OSError, ValueError) as error:
+    except (EOFError, OSError, ValueError) as error:
         raise Refusal(f"{path}: must be a NumPy array: {error}") from None
     if not isinstance(records, np.ndarray) or records.dtype.names != TRACE_FIELDS:
         raise Refusal(f"{path}: must be one array with the fields {', '.join(TRACE_FIELDS)}")

@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The scripts that check the suite: what they count, and which files they look at."""
+
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+CASE = '<testcase classname="C" name="n" file="/src/pusht_toy/test/toy_test.cpp"/>'
+
+
+class ScriptCase(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def write(self, name: str, text: str) -> Path:
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        return path
+
+    def run_in_folder(self, *command: str) -> "subprocess.CompletedProcess[str]":
+        return subprocess.run(
+            command,
+            cwd=self.folder,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+
+
+class Count(ScriptCase):
+    """A source tree of one package, and a build folder where all its tests passed."""
+
+    RESULTS = {
+        "gtest-toy_test.xml": CASE,
+        "pytest-test.test_toy.py.xml": '<testcase classname="C" name="n"/>',
+        "rostest-test_toy.xml": '<testcase classname="C" name="n"/>',
+        "rosunit-live_toy.xml": '<testcase classname="C" name="n"/>',
+    }
+
+    def setUp(self) -> None:
+        super().setUp()
+        for name, text in (
+            ("toy_test.cpp", "TEST(Toy, Moves) {}\n"),
+            ("panel_test.cpp", "TEST_F(Panel, Opens) {}\n"),
+            ("test_toy.py", 'PANEL = "panel_test"\n\n\nclass C:\n    def test_it(self): ...\n'),
+            ("toy.test", '<launch><test test-name="live_toy" type="live_toy.py"/></launch>\n'),
+            ("live_toy.py", "class C:\n    def test_it(self): ...\n"),
+            ("support.py", "def help(): ...\n"),
+        ):
+            self.write(f"src/pusht_toy/test/{name}", text)
+        for name, cases in self.RESULTS.items():
+            self.result(name, cases)
+        # What CMake registers, as catkin_run_tests_target writes it.
+        lines = []
+        for test, results in (
+            ("gtest_toy_test", "gtest-toy_test.xml"),
+            ("pytest_test.test_toy.py", "pytest-test.test_toy.py.xml"),
+            ("rostest_test_toy.test", "rostest-test_toy.xml"),
+        ):
+            path = self.folder / "build" / "test_results" / "pusht_toy" / results
+            lines.append(f'add_test(_ctest_pusht_toy_{test} "env" "run_tests.py" "{path}" "true")')
+        self.write("build/CTestTestfile.cmake", "\n".join(lines) + "\n")
+
+    def result(self, name: str, cases: str, folder: str = "build") -> Path:
+        text = f"<testsuites><testsuite>{cases}</testsuite></testsuites>"
+        return self.write(f"{folder}/test_results/pusht_toy/{name}", text)
+
+    def count(self, *arguments: str, lint: str = "passed") -> "subprocess.CompletedProcess[str]":
+        return self.run_in_folder(
+            sys.executable, str(ROOT / "script" / "count_tests.py"), "--lint", lint,
+            *(arguments or ("--all", "src", "--ran", "build", "run_tests")),
+        )  # fmt: skip
+
+    def assert_output(
+        self, process: "subprocess.CompletedProcess[str]", code: int, *lines: str
+    ) -> None:
+        self.assertEqual(process.stdout.splitlines(), list(lines))
+        self.assertEqual(process.returncode, code)
+
+    def test_all_passed(self) -> None:
+        self.assert_output(self.count(), 0, "5 passed, 0 failed")
+
+    def test_failures(self) -> None:
+        for kind in ("failure", "error"):
+            case = f'<testcase classname="C" name="n"><{kind} message="no"/></testcase>'
+            self.result("rosunit-live_toy.xml", case)
+            self.assert_output(self.count(), 1, "FAILED: C.n", "4 passed, 1 failed")
+        self.result("rosunit-live_toy.xml", "<testcase")
+        *_, last = self.count().stdout.splitlines()
+        self.assertEqual(last, "4 passed, 3 failed")  # damaged, and of two files no result
+
+    def test_skipped_ones_are_shown_and_counted(self) -> None:
+        cases = (
+            '<testcase classname="C" name="a"><skipped message="no FMA"/></testcase>'
+            '<testcase classname="C" name="b" status="notrun"/>'
+        )
+        self.result("rosunit-live_toy.xml", cases)
+        self.assert_output(
+            self.count(lint="skipped"), 0,
+            "skipped: lint: see above", "skipped: C.a: no FMA", "skipped: C.b: disabled",
+            "3 passed, 0 failed, 3 skipped",
+        )  # fmt: skip
+
+    def test_lint_counts(self) -> None:
+        self.assert_output(self.count(lint="failed"), 1, "FAILED: lint", "4 passed, 1 failed")
+
+    def test_registered_ones_without_a_case(self) -> None:
+        results = self.result("rostest-test_toy.xml", "")
+        for present in (True, False):
+            if not present:
+                results.unlink()
+            process = self.count("--ran", "build", "run_tests")
+            line = f"FAILED: {results}: has no test that ran"
+            self.assert_output(process, 1, line, "4 passed, 1 failed")
+        # Not asked for.
+        process = self.count("--ran", "build", "run_tests_pusht_toy_gtest")
+        self.assert_output(process, 0, "4 passed, 0 failed")
+
+    def test_files_that_nothing_runs(self) -> None:
+        """As catkin leaves out all tests of a sort whose tool is missing."""
+        self.write("build/CTestTestfile.cmake", "")
+        for results, *files in (
+            ("gtest-toy_test.xml", "toy_test.cpp"),
+            ("pytest-test.test_toy.py.xml", "panel_test.cpp", "test_toy.py"),
+            ("rosunit-live_toy.xml", "live_toy.py", "toy.test"),
+        ):
+            path = self.result(results, "")
+            lines = [f"FAILED: src/pusht_toy/test/{file}: has no test that ran" for file in files]
+            self.assert_output(self.count(), 1, *lines, f"4 passed, {len(files)} failed")
+            path.unlink()
+            self.assertEqual(self.count().returncode, 1)
+            self.result(results, self.RESULTS[results])
+
+    def test_reports_of_sanitizers(self) -> None:
+        self.write("build/address/CTestTestfile.cmake", "")
+        self.write("build/address/reports/report.7", "leak of 8 bytes\n")
+        process = self.count("--ran", "build", "run_tests", "--ran", "build/address", "run_tests")
+        report = "FAILED: sanitizer's report build/address/reports/report.7"
+        self.assert_output(process, 1, report, "leak of 8 bytes", "", "5 passed, 1 failed")
+
+
+class Lint(ScriptCase):
+    """script/lint in a repository of its own, where the script `deploy` has a fault."""
+
+    FAULTY = "#!/usr/bin/env bash\ncd $1\n"
+    SOUND = '#!/usr/bin/env bash\ncd "$1" || exit\n'
+
+    def setUp(self) -> None:
+        super().setUp()
+        for name in ("environment", "lint"):
+            self.write(f"script/{name}", (ROOT / "script" / name).read_text())
+            shutil.copymode(ROOT / "script" / name, self.folder / "script" / name)
+        # What it calls, and looks into.
+        self.write("script/setup", "#!/usr/bin/env bash\n").chmod(0o755)
+        (self.folder / "src").mkdir()
+        self.write(".gitignore", "build/\n")
+        self.git("init", "--quiet", "--initial-branch=main")
+
+    def git(self, *arguments: str) -> None:
+        process = self.run_in_folder("git", "-c", "user.name=t", "-c", "user.email=t", *arguments)
+        self.assertEqual(process.returncode, 0, process.stdout)
+
+    def commit(self, deploy: str) -> None:
+        self.write("script/deploy", deploy)
+        self.git("add", "--all")
+        self.git("commit", "--quiet", "--message=deploy")
+
+    def assert_lint(self, finds_fault: bool) -> None:
+        process = self.run_in_folder("script/lint", "--changed")
+        if "VERSION_CODENAME=bookworm" not in Path("/etc/os-release").read_text():
+            self.assertRegex(process.stdout, r"\Alint: skipped: .* Debian 12, and this is .+\n\Z")
+            self.assertEqual(process.returncode, 77)
+            return
+        self.assertEqual(process.returncode, int(finds_fault), process.stdout)
+        self.assertEqual("lint: shellcheck FAILED" in process.stdout, finds_fault, process.stdout)
+
+    def test_committed_work_without_an_upstream_branch(self) -> None:
+        self.commit(self.FAULTY)
+        self.assert_lint(True)
+        self.assert_lint(True)  # it has not passed
+        self.commit(self.SOUND)
+        self.assert_lint(False)
+        self.commit(self.FAULTY)
+        self.assert_lint(True)
+
+    def test_committed_work_with_an_upstream_branch(self) -> None:
+        self.commit(self.SOUND)
+        self.git("checkout", "--quiet", "-b", "work", "--track", "main")
+        self.commit(self.FAULTY)
+        self.assert_lint(True)
+        self.git("branch", "--quiet", "--force", "main", "work")
+        self.assert_lint(False)  # upstream has it
+
+    def test_pass_with_uncommitted_changes_is_not_remembered(self) -> None:
+        self.commit(self.FAULTY)
+        self.write("script/deploy", self.SOUND)
+        self.assert_lint(False)
+        self.write("script/deploy", self.FAULTY)
+        self.assert_lint(True)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -15,8 +15,10 @@ import unittest
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Tuple
+from xml.etree import ElementTree
 
 import numpy as np
+import rosunit  # type: ignore[import]
 from genpy import Time  # type: ignore[import]
 from pusht_msgs.msg import Parameter, Query, WorldStateStamped  # type: ignore[import]
 from pusht_msgs.msg import WorldState as WorldStateMessage
@@ -28,7 +30,7 @@ from pusht_msgs.srv import (  # type: ignore[import]
     StepRequest,
 )
 
-from pusht_task import files, task
+from pusht_task import files, task, testing
 from pusht_task.exit_codes import ExitCode
 from pusht_task.sessions import (
     FailedStart,
@@ -708,6 +710,20 @@ class Files(unittest.TestCase):
         self.assertTrue(link.is_symlink())
         kept = dict.fromkeys(("mine", "result.json.part", "result.json.2.part"), "mine")
         self.assertEqual(self.found(), {"result.json": "new", **kept})
+
+
+class Contracts(unittest.TestCase):
+    def test_results_name_what_was_skipped(self) -> None:
+        """rosunit alone does not."""
+        case = testing.SimulatorContract("test_step_before_reset")
+        case.before_reset = None
+        with tempfile.TemporaryDirectory() as folder:
+            results = str(Path(folder, "results.xml"))
+            runner = rosunit.create_xml_runner("pusht_task", "contract", results)
+            self.assertEqual([test for test, _ in runner.run(case).skipped], [case])
+            testing.mark_skipped(results, case.skipped)
+            (skipped,) = ElementTree.parse(results).iter("skipped")
+        self.assertEqual(skipped.get("message"), "the world had been reset before")
 
 
 class Policies(unittest.TestCase):

@@ -24,7 +24,8 @@ import time
 import unittest
 import xmlrpc.client
 from dataclasses import replace
-from typing import Any, Callable, Dict, List, Type
+from typing import Any, Callable, Dict, List, Mapping, NoReturn, Type
+from xml.etree import ElementTree
 
 import numpy as np
 import rosgraph  # type: ignore[import]
@@ -79,7 +80,22 @@ def run(suite: Type[unittest.TestCase]) -> None:
     if subject is not None and not rospy.has_param(f"~{subject}"):
         print(f"{name}: parameter ~{subject} is not set; {usage}", file=sys.stderr)
         sys.exit(ExitCode.INVALID_INPUT)
-    rostest.rosrun("pusht_task", suite.__name__, suite)
+    try:
+        rostest.rosrun("pusht_task", suite.__name__, suite)
+    finally:
+        for argument in sys.argv:
+            if argument.startswith(rostest.XML_OUTPUT_FLAG):
+                mark_skipped(argument[len(rostest.XML_OUTPUT_FLAG) :], ServedCase.skipped)
+
+
+def mark_skipped(results: str, skipped: Mapping[str, str]) -> None:
+    """Says in a file of results which tests were skipped, and why: rosunit says passed."""
+    tree = ElementTree.parse(results)
+    for case in tree.iter("testcase"):
+        name = f"{case.get('classname')}.{case.get('name')}"
+        if name in skipped:
+            ElementTree.SubElement(case, "skipped", message=skipped[name])
+    tree.write(results, encoding="utf-8", xml_declaration=True)
 
 
 def until(holds: Callable[[], bool], what: str, deadline: float = DEADLINE) -> None:
@@ -127,6 +143,11 @@ class ServedCase(unittest.TestCase):
     namespace: str
     instance_id: str
     services: Dict[str, Any]
+    skipped: Dict[str, str] = {}  # reasons, of all suites
+
+    def skipTest(self, reason: str) -> NoReturn:
+        self.skipped[self.id()] = reason
+        raise unittest.SkipTest(reason)
 
     @classmethod
     def find(cls, **services: Any) -> None:
@@ -547,8 +568,10 @@ class SimulatorContract(ServedCase):
 
     def test_markers_come_again_for_whoever_has_forgotten(self) -> None:
         topic = f"{self.namespace}/markers"
-        if topic not in dict(rospy.get_published_topics()):
-            self.skipTest(f"{self.namespace} has no markers")
+        types = dict(rospy.get_published_topics(self.namespace))
+        if topic not in types:  # it need not draw itself, but if it does, there
+            self.assertNotIn(MarkerArray._type, types.values())
+            return
         self.begin()
         latest = Inbox(topic, MarkerArray)
         for _ in range(2):  # the first is latched
@@ -802,10 +825,12 @@ class PolicyContract(ServedCase):
             self.refused(f"rollout {queries[1].rollout}: .*finite", "act", queries=queries)
 
     def test_steps_of_a_rollout(self) -> None:
-        if not self.has_memory:
-            self.skipTest("the policy has no memory")
         (query,) = self.queries([3])
         beginning = data(self.accepted("act", queries=[query]))
+        if not self.has_memory:  # what came before makes no difference
+            query.step = 7
+            self.assertEqual(data(self.accepted("act", queries=[query])), beginning)
+            return
         query.step = 1
         self.accepted("act", queries=[query])
         other = Query(query.rollout, 1, observe(spawn(4)))

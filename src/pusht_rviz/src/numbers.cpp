@@ -73,7 +73,7 @@ std::string meanText(const pusht_msgs::Mean& mean) {
   if (!std::isnan(mean.low)) {
     text += " " + bracketed(fixedText(mean.low, kDigits), fixedText(mean.high, kDigits));
   }
-  return mean.doubtful != 0 ? text + " (!)" : text;
+  return mean.mark.empty() ? text : text + " " + mean.mark;
 }
 
 std::string meanText(const pusht_msgs::Summary& summary, const std::string& name) {

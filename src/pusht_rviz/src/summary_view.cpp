@@ -55,8 +55,8 @@ SummaryView::SummaryView(QWidget* parent)
   line(label("transfer", theme::kBright), transfer_,
        "engine success over reference success: the share of the skill that is kept");
   constexpr const char* kMeanTip =
-      "mean divergence of the replay's tee from the reference's, in position and in angle; (!): not surely less than "
-      "that of a tee that never moves";
+      "mean divergence of the replay's tee from the reference's, in position and in angle; (!): not shown to be less "
+      "than that of a tee that never moves; (?): too few episodes to say";
   line(label("mean divergence", theme::kReplay), position_, kMeanTip);
   line(label("", theme::kReplay), angle_, kMeanTip);
   reference_->setProperty("head", true);

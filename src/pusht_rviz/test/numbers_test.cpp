@@ -63,9 +63,10 @@ TEST(Numbers, MeansHaveFourDigitsAndTheirUnit) {
                    mean("mean_ang_divergence", "rad", 0.9528, kNan, kNan), mean("none", "m", kNan, kNan, kNan)};
   EXPECT_EQ(meanText(summary, "mean_pos_divergence"), "0.0817 m [0.0692, 0.0964]");
   EXPECT_EQ(meanText(summary, "mean_ang_divergence"), "0.9528 rad");
-  summary.means[0].doubtful = summary.means[1].doubtful = 1;
+  summary.means[0].mark = "(!)";
+  summary.means[1].mark = "(?)";
   EXPECT_EQ(meanText(summary, "mean_pos_divergence"), "0.0817 m [0.0692, 0.0964] (!)");
-  EXPECT_EQ(meanText(summary, "mean_ang_divergence"), "0.9528 rad (!)");
+  EXPECT_EQ(meanText(summary, "mean_ang_divergence"), "0.9528 rad (?)");
   EXPECT_EQ(meanText(summary, "none"), kDash);
   EXPECT_EQ(meanText(summary, "of_no_such_name"), kDash);
 }

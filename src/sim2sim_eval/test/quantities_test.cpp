@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim2sim_eval/bag/messages.hpp"
+#include "sim2sim_eval/results/headline.hpp"
 #include "sim2sim_eval/results/report.hpp"
 
 namespace sim2sim {
@@ -88,7 +89,7 @@ TEST(Quantities, SayTheSameInMetricsStatisticsAndMessage) {
   const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();
   const Summary summary = summarize(configuration.protocol, episodes);
   const nlohmann::json figures = metrics(configuration, summary);
-  const nlohmann::json distributions = statistics(configuration.protocol, episodes);
+  const nlohmann::json distributions = statistics(configuration, episodes);
   const auto message = summaryMessage(configuration, summary, ros::Time(1.0));
   std::size_t next = 0;
   forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
@@ -108,6 +109,15 @@ TEST(Quantities, SayTheSameInMetricsStatisticsAndMessage) {
     EXPECT_EQ(distribution.at("episodes"), 20) << column;
   });
   EXPECT_EQ(message.means.size(), next);
+  const Headline headline = headlineOf(configuration, summary.outcomes.table);
+  EXPECT_EQ(distributions.at("headline"), toJson(headline));
+  EXPECT_EQ(message.verdict, nameOf(headline.verdict));
+  EXPECT_EQ(message.headline, headline.text());
+  EXPECT_NE(table(configuration, summary).find(headline.text() + "\n"), std::string::npos);
+  for (const auto& mean : message.means) {  // all episodes are as far from the null model: no interval, no verdict
+    const bool is_divergence = mean.name == "mean_pos_divergence" || mean.name == "mean_ang_divergence";
+    EXPECT_EQ(mean.mark, is_divergence ? "(?)" : "") << mean.name;
+  }
 }
 
 TEST(Quantities, AreInTheTableIfTheyHaveALabel) {

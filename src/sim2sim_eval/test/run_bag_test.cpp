@@ -309,11 +309,14 @@ TEST(Messages, SummaryIsOfTheFinishedEpisodesAndOfNone) {
   EXPECT_EQ(none.episodes_finished, 0U);
   EXPECT_EQ(none.reference.trials, 0U);
   EXPECT_TRUE(std::isnan(none.reference.rate) && std::isnan(none.transfer) && std::isnan(none.means.back().value));
+  EXPECT_EQ(none.verdict, "cannot_say");
+  EXPECT_EQ(none.headline, "Does the skill transfer? Cannot say yet: no episode has finished; it takes 10 or more.");
   const auto one = summaryMessage(play.configuration(),
                                   summarize(play.configuration().protocol, {play.run(5).result()}), ros::Time(1.0));
   EXPECT_EQ(one.episodes_finished, 1U);
   EXPECT_EQ(one.reference.successes, 1U);
   EXPECT_EQ(one.policy, "expert");
+  EXPECT_EQ(one.headline, "Does the skill transfer? Cannot say yet: 1 episode can say nothing; it takes 10 or more.");
   EXPECT_FALSE(std::isnan(one.means.front().value));
   EXPECT_TRUE(std::isnan(one.means.front().low)) << "one episode has no interval";
 }

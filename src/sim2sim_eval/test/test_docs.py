@@ -166,11 +166,19 @@ class Exercises(CommandCase):
         return process.returncode, process.stdout + process.stderr
 
     def test_transfer(self) -> None:
-        code, text = self.check("transfer", "--keeps", "20", "60", "--no-better-in", "angle")
+        code, text = self.check("transfer", "--keeps", "20", "60", "--not-better-in", "angle")
         self.assertEqual((code, text.count(": right")), (0, 2))
-        code, text = self.check("transfer", "--keeps", "90", "100", "--no-better-in", "neither")
+        code, text = self.check("transfer", "--keeps", "90", "100", "--not-better-in", "neither")
         self.assertEqual((code, text.count("not right")), (1, 2))
         self.assertNotRegex(text, r"\d", "no figure is given away")
+
+    def test_transfer_refuses_a_range_that_is_right_whatever_happens(self) -> None:
+        for low, high in (("0", "100"), ("20", "71"), ("60", "20"), ("-10", "30"), ("nan", "30")):
+            with self.subTest(low=low, high=high):
+                keeps = ("--keeps", low, high)
+                code, text = self.check("transfer", *keeps, "--not-better-in", "angle")
+                self.assertEqual(code, 2)
+                self.assertIn("at most 50 wide", text)
 
     def test_observation(self) -> None:
         exercise = DOCS / "exercises" / "observation.py"

@@ -153,7 +153,8 @@ class TooFew(GapCase):
     def test_what_cannot_be_told_is_marked(self) -> None:
         output = self.finished(COMPARE, "--episodes", "15", *EXPERT, "--out", "out")
         self.assertIsNone(self.load("out", "metrics.json")["mean_pos_divergence_beats_null"])
-        self.assertIn("(!) not surely less than that of a tee that never moves", output)
+        self.assertIn("(?) too few episodes to compare it with that of a tee that never", output)
+        self.assertNotIn("(!)", output)
         self.assertIn("differences 20", output)
 
 

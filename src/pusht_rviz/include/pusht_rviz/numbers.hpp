@@ -51,7 +51,7 @@ std::string rateText(const pusht_msgs::SuccessRate& rate);
 /// "37 % [21 %, 61 %]"
 std::string transferText(const pusht_msgs::Summary& summary);
 
-/// "0.0817 m [0.0692, 0.0964]"; with "(!)" if it is doubtful.
+/// "0.0817 m [0.0692, 0.0964]"; with its mark behind, if it has one.
 std::string meanText(const pusht_msgs::Mean& mean);
 
 /// That of `name`, as meanText() has it.

@@ -12,6 +12,7 @@
 #include "pusht_task/parameters.hpp"
 #include "pusht_task/ros/conversions.hpp"
 #include "sim2sim_eval/protocol/divergence.hpp"
+#include "sim2sim_eval/results/headline.hpp"
 
 namespace sim2sim {
 namespace {
@@ -149,10 +150,14 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
   forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
     message.means.push_back(toMessage(metricName(rollouts[rollout], kQuantities[i]), kQuantities[i].unit,
                                       finished ? printedMean(summary, rollout, i) : summary.means[rollout][i]));
-    message.means.back().doubtful = static_cast<std::uint8_t>(finished && rollout == kEngineReplay &&
-                                                              !doubtMark(summary, kQuantities[i].name).empty());
+    if (finished && rollout == kEngineReplay) {
+      message.means.back().mark = markOf(summary, kQuantities[i].name);
+    }
   });
   message.policy = configuration.policy;
+  const Headline headline = headlineOf(configuration, summary.outcomes.table);
+  message.verdict = nameOf(headline.verdict);
+  message.headline = headline.text();
   return message;
 }
 

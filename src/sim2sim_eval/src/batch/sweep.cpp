@@ -144,7 +144,7 @@ class Sweeper {
       folder_.resume(index, row->metrics);
     } else {
       row.emplace(configuration, runRow(index, engine, references));
-      folder_.keep(index, protocol_, *row);
+      folder_.keep(index, configuration, *row);
     }
     printRow(configuration, settingText(index), row->summary);
   }
@@ -385,7 +385,7 @@ void merge(const MergeOptions& options) {
   withStatus(folder, [&] {
     for (std::size_t row = 0; row < rows.size(); ++row) {
       requireNotInterrupted("in row " + std::to_string(row) + " of " + std::to_string(rows.size()));
-      folder.keep(row, rows[row].protocol, SweepRow(rows[row], joinRow(shards, rows[row], row)));
+      folder.keep(row, rows[row], SweepRow(rows[row], joinRow(shards, rows[row], row)));
     }
   });
   warn(doubtAboutPolicy(folder.rows().front(), shards.provenance));

@@ -227,15 +227,15 @@ void SweepFolder::begin(const json& description, const json& provenance) {
   writeTables();
 }
 
-void SweepFolder::keep(std::size_t index, const Protocol& protocol, const SweepRow& row) {
+void SweepFolder::keep(std::size_t index, const RunConfiguration& configuration, const SweepRow& row) {
   const fs::path folder = rowFolder(path(), index);
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) {
     throw pusht::RuntimeFault("cannot create " + folder.string() + ": " + error.message());
   }
-  pusht::writeFile(folder / kEpisodesFile, episodesCsv(protocol, row.episodes));
-  pusht::writeFile(folder / kStatisticsFile, jsonText(statistics(protocol, row.episodes)));
+  pusht::writeFile(folder / kEpisodesFile, episodesCsv(configuration.protocol, row.episodes));
+  pusht::writeFile(folder / kStatisticsFile, jsonText(statistics(configuration, row.episodes)));
   pusht::writeFile(folder / kMetricsFile, jsonText(row.metrics));
   resume(index, row.metrics);
 }

@@ -13,6 +13,7 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/split.hpp"
+#include "sim2sim_eval/results/headline.hpp"
 #include "sim2sim_eval/results/text.hpp"
 
 namespace sim2sim {
@@ -38,7 +39,7 @@ json rounded(const std::optional<Interval>& interval) {
   return interval ? json{rounded(interval->low), rounded(interval->high)} : json();
 }
 
-constexpr int kStatisticsFormat = 1;  // of statistics.json
+constexpr int kStatisticsFormat = 2;  // of statistics.json
 constexpr std::array kShownQuantiles = {0.05, 0.25, 0.75, 0.95};
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFixedColumns = 5;    // those before the quantities
@@ -128,8 +129,6 @@ std::string line(const std::string& head, const std::string& left, const std::st
   return padded(head, kHead) + padded(left, kColumn) + right + "\n";
 }
 
-std::string percent(double share) { return std::isinf(share) ? "any" : fixedText(100.0 * readable(share), 0) + " %"; }
-
 std::string transferText(const Outcomes& outcomes) {
   if (!outcomes.transfer) {
     return "undefined: the reference never succeeds";
@@ -177,11 +176,14 @@ std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
   const Summary::Yardsticks& yardsticks = summary.yardsticks[kEngineReplay];
   constexpr int kDigits = 4;
   bool any_doubt = false;
+  bool any_too_few = false;
   const auto mean = [&](std::size_t i) {
     const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
-    const std::string mark = doubtMark(summary, quantity.name);
-    any_doubt = any_doubt || !mark.empty();
-    return cell(printedMean(summary, kEngineReplay, quantityIndex(quantity.name)), units[i]) + mark;
+    const std::string mark = markOf(summary, quantity.name);
+    any_doubt = any_doubt || mark == markOf(false);
+    any_too_few = any_too_few || mark == markOf(std::nullopt);
+    return cell(printedMean(summary, kEngineReplay, quantityIndex(quantity.name)), units[i]) +
+           doubtMark(summary, quantity.name);
   };
   const auto median = [&](std::size_t i) { return cell(yardsticks[i].median, units[i]); };
   const auto minus_null = [&](std::size_t i) {
@@ -209,7 +211,8 @@ std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
                     error("anchor_position_error"), error("anchor_angle_error"));
     }
   }
-  return lines + (any_doubt ? "(!) not surely less than that of a tee that never moves\n" : "");
+  return lines + (any_doubt ? "(!) not shown to be less than that of a tee that never moves\n" : "") +
+         (any_too_few ? "(?) too few episodes to compare it with that of a tee that never moves\n" : "");
 }
 
 json outcomes(const Outcomes& outcomes) {
@@ -375,9 +378,14 @@ Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t qu
 }
 
 std::string doubtMark(const Summary& summary, std::string_view divergence) {
+  const std::string mark = markOf(summary, divergence);
+  return mark.empty() ? mark : " " + mark;
+}
+
+std::string markOf(const Summary& summary, std::string_view divergence) {
   for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
     if (divergence == kDivergencePairs[i].divergence) {
-      return summary.yardsticks[kEngineReplay][i].beatsNull().value_or(false) ? "" : " (!)";
+      return markOf(summary.yardsticks[kEngineReplay][i].beatsNull());
     }
   }
   return "";
@@ -395,8 +403,13 @@ std::string divergences(const Summary& summary, const std::string& separator) {
   return text;
 }
 
-json statistics(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
-  json statistics = {{"format", kStatisticsFormat}, {"confidence", kConfidence}, {"episodes", episodes.size()}};
+json statistics(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes) {
+  const Protocol& protocol = configuration.protocol;
+  const PairTable successes = pairsOf(episodes, kReferenceClosed, episodes, kEngineClosed);
+  json statistics = {{"format", kStatisticsFormat},
+                     {"confidence", kConfidence},
+                     {"episodes", episodes.size()},
+                     {"headline", toJson(headlineOf(configuration, successes))}};
   const std::vector<std::string> rollouts = protocol.rolloutNames();
   forEachQuantity(protocol, [&](std::size_t rollout, std::size_t i) {
     const std::string name = std::string(kQuantities[i].name) + "_" + kQuantities[i].unit;
@@ -412,6 +425,7 @@ std::string table(const RunConfiguration& configuration, const Summary& summary)
   const Outcomes& outcomes = summary.outcomes;
   const PairTable& pairs = outcomes.table;
   std::string table =
+      headlineOf(configuration, pairs).text() + "\n" +
       line("", configuration.reference.title + " (reference)", configuration.engine.title) +
       line("success, closed loop", cell(summary.reference), cell(summary.engine)) +
       line("transfer", "", transferText(outcomes)) +

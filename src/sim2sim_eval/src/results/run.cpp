@@ -85,7 +85,7 @@ nlohmann::json Run::finish(std::ostream& out, int faults_survived) {
   if (bet_) {
     metrics["decision"] = decision(*bet_, *configuration_.until_decided);
   }
-  folder_.finish(protocol, metrics, episodes_, bands_, faults_survived);
+  folder_.finish(configuration_, metrics, episodes_, bands_, faults_survived);
   return metrics;
 }
 

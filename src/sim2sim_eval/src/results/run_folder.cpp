@@ -33,13 +33,13 @@ fs::path RunFolder::bagPath() const { return path() / kBag; }
 
 fs::path RunFolder::tracesPath() const { return path() / kTraces; }
 
-void RunFolder::finish(const Protocol& protocol, const nlohmann::json& metrics,
+void RunFolder::finish(const RunConfiguration& configuration, const nlohmann::json& metrics,
                        const std::vector<EpisodeResult>& episodes, const DivergenceBands& bands, int faults_survived) {
   const auto count = static_cast<int>(episodes.size());
   try {
-    pusht::writeFile(path() / kEpisodesFile, episodesCsv(protocol, episodes));
+    pusht::writeFile(path() / kEpisodesFile, episodesCsv(configuration.protocol, episodes));
     pusht::writeFile(path() / kBandsFile, bands.csv());
-    pusht::writeFile(path() / kStatisticsFile, jsonText(statistics(protocol, episodes)));
+    pusht::writeFile(path() / kStatisticsFile, jsonText(statistics(configuration, episodes)));
     pusht::writeFile(path() / kMetricsFile, jsonText(metrics));
     writeStatus({pusht::ExitCode::kOk, "finished", count, count, faults_survived});
   } catch (const pusht::RuntimeFault& fault) {

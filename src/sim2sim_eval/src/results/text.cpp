@@ -38,6 +38,17 @@ std::string signedText(double value, const std::optional<Interval>& interval, co
          (interval ? " " + bracketed(*interval, digits) : "");
 }
 
+std::string percent(double share) { return std::isinf(share) ? "any" : percentNumber(share) + " %"; }
+
+std::string percentNumber(double share) { return fixedText(100.0 * readable(share), 0); }
+
+std::string markOf(const std::optional<bool>& beats_null) {
+  if (!beats_null) {
+    return "(?)";
+  }
+  return *beats_null ? "" : "(!)";
+}
+
 std::string probabilityText(double p) {
   constexpr double kLeast = 1e-4;
   constexpr int kDigits = 4;

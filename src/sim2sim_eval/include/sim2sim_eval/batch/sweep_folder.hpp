@@ -63,7 +63,7 @@ class SweepFolder {
   void begin(const nlohmann::json& description, const nlohmann::json& provenance);
 
   /// Writes a row; rows come in order. Throws RuntimeFault if it cannot be written.
-  void keep(std::size_t index, const Protocol& protocol, const SweepRow& row);
+  void keep(std::size_t index, const RunConfiguration& configuration, const SweepRow& row);
 
   /// The same for a row that is on disk already.
   void resume(std::size_t index, nlohmann::json metrics);

@@ -41,9 +41,9 @@ std::string episodesCsv(const Protocol& protocol, const std::vector<EpisodeResul
 /// The episodes that episodesCsv() has written. Throws InvalidInput, naming the line, if the text is anything else.
 std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::string& text);
 
-/// statistics.json: of every quantity in every rollout the number of episodes that have it, mean, standard deviation,
-/// median and quantiles.
-nlohmann::json statistics(const Protocol& protocol, const std::vector<EpisodeResult>& episodes);
+/// statistics.json: the headline; and of every quantity in every rollout the number of episodes that have it, mean,
+/// standard deviation, median and quantiles.
+nlohmann::json statistics(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes);
 
 /// "0.0817 m [0.0700, 0.0934]", "11  0.220 [0.128, 0.352]": figures with their intervals, for people.
 std::string cell(const SuccessRate& rate);
@@ -52,14 +52,16 @@ std::string cell(const Estimate& estimate, const std::string& unit);
 /// The mean of a quantity in a rollout as metrics.json has it: the course rounds its own to six decimals.
 Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t quantity);
 
-/// " (!)" behind a mean divergence of the replay that is not surely less than that of a tee that never moves; else
-/// empty.
+/// The mark of a mean divergence of the replay, as in text.hpp; empty for other quantities.
+std::string markOf(const Summary& summary, std::string_view divergence);
+
+/// The same with a blank before it, to stand behind the figure.
 std::string doubtMark(const Summary& summary, std::string_view divergence);
 
 /// The mean divergences of the replay, one cell after the other.
 std::string divergences(const Summary& summary, const std::string& separator);
 
-/// The figures of a run for people.
+/// The headline and the figures of a run for people.
 std::string table(const RunConfiguration& configuration, const Summary& summary);
 
 }  // namespace sim2sim

@@ -46,8 +46,8 @@ class RunFolder {
   void begin(const nlohmann::json& provenance, int episodes);
 
   /// The results of a whole run. If they cannot be written, the status says so, and RuntimeFault is thrown.
-  void finish(const Protocol& protocol, const nlohmann::json& metrics, const std::vector<EpisodeResult>& episodes,
-              const DivergenceBands& bands, int faults_survived);
+  void finish(const RunConfiguration& configuration, const nlohmann::json& metrics,
+              const std::vector<EpisodeResult>& episodes, const DivergenceBands& bands, int faults_survived);
 
   /// The finished episodes of a run that ended early.
   void abandon(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, const RunStatus& status) const;

@@ -23,6 +23,15 @@ std::string padded(const std::string& text, std::size_t width);
 /// "-0.0240 m [-0.0310, -0.0170]": a difference. "none" for NaN.
 std::string signedText(double value, const std::optional<Interval>& interval, const std::string& unit, int digits);
 
+/// "31 %"; "any" for infinity.
+std::string percent(double share);
+/// "31"
+std::string percentNumber(double share);
+
+/// The mark of a divergence: "(!)" if it is not shown to be less than that of a tee that never moves, "(?)" if there
+/// are too few episodes to say, empty if it is less. `beats_null` is empty where there are too few.
+std::string markOf(const std::optional<bool>& beats_null);
+
 /// "0.0012", "< 0.0001"
 std::string probabilityText(double p);
 

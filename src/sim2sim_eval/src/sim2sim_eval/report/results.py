@@ -15,7 +15,7 @@ from sim2sim_eval.command import Refusal, rosrun
 
 REFERENCE, ENGINE, REPLAY = MODES = ("reference_closed", "engine_closed", "engine_replay")
 METRICS_FORMAT = 4
-STATISTICS_FORMAT = 1
+STATISTICS_FORMAT = 2
 KINDS = {  # of an episode: who succeeds in it (reference, engine)
     (True, False): "only_reference_succeeds",
     (True, True): "both_succeed",

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/results/headline.hpp"
+
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include "sim2sim_eval/results/text.hpp"
+#include "sim2sim_eval/statistics/sequential.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr const char* kQuestion = "Does the skill transfer?";
+constexpr const char* kTooEarly = "Cannot say yet";
+
+/// The answer's first words, those of `verdict` with what more the interval says.
+std::string wordsOf(TransferVerdict verdict, const Interval& transfer) {
+  switch (verdict) {
+    case TransferVerdict::kTransfers:
+      return transfer.low > kMore ? "Yes, and more" : "Yes";
+    case TransferVerdict::kTransfersInPart:
+      return transfer.low < kNotEnough ? "At most in part" : "In part";
+    case TransferVerdict::kDoesNotTransfer:
+      return "No";
+    default:
+      return transfer.low < kNotEnough ? kTooEarly : std::string(kTooEarly) + ", but at least in part";
+  }
+}
+
+/// "So far no" for "No"
+std::string soFar(std::string words) {
+  words[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(words[0])));
+  return "So far " + words;
+}
+
+/// "31 % [30, 32]", "60 % [3 or more]"
+std::string shareText(double share, const Interval& interval) {
+  const std::string low = percentNumber(interval.low);
+  return percent(share) + " [" +
+         (std::isinf(interval.high) ? low + " or more" : low + ", " + percentNumber(interval.high)) + "]";
+}
+
+std::string counted(int episodes) { return std::to_string(episodes) + (episodes == 1 ? " episode" : " episodes"); }
+
+Headline tooFew(int episodes) {
+  const std::string fewest = "; it takes " + std::to_string(kFewestEpisodes) + " or more.";
+  const std::string answer = episodes == 0 ? "no episode has finished" : counted(episodes) + " can say nothing";
+  return {TransferVerdict::kCannotSay, kQuestion, std::string(kTooEarly) + ": " + answer + fewest};
+}
+
+}  // namespace
+
+std::string nameOf(TransferVerdict verdict) {
+  constexpr std::array kNames = {"transfers", "transfers_in_part", "does_not_transfer", "cannot_say",
+                                 "nothing_to_transfer"};
+  return kNames.at(static_cast<std::size_t>(verdict));
+}
+
+TransferVerdict verdictOf(const Interval& transfer) {
+  if (transfer.low >= kWhole) {
+    return TransferVerdict::kTransfers;
+  }
+  if (transfer.high <= kNotEnough) {
+    return TransferVerdict::kDoesNotTransfer;
+  }
+  return transfer.high < kWhole ? TransferVerdict::kTransfersInPart : TransferVerdict::kCannotSay;
+}
+
+Headline headlineOf(const RunConfiguration& configuration, const PairTable& successes) {
+  const int episodes = successes.pairs();
+  if (episodes < kFewestEpisodes) {
+    return tooFew(episodes);
+  }
+  const bool same_title = configuration.engine.title == configuration.reference.title;
+  const std::string engine = same_title ? "the engine" : inSentence(configuration.engine.title);
+  const std::string reference = same_title ? "the reference" : inSentence(configuration.reference.title);
+  const bool partial = !configuration.until_decided && episodes < configuration.protocol.episodes;
+  const std::string count =
+      partial ? " (" + std::to_string(episodes) + " of " + counted(configuration.protocol.episodes) + ")." : ".";
+  const int reference_successes = successes.both + successes.first_only;
+  if (reference_successes == 0) {
+    const std::string words = "Nothing to transfer";
+    return {TransferVerdict::kNothingToTransfer, kQuestion,
+            (partial ? soFar(words) : words) + ": with this policy " + reference + " never succeeds" +
+                (partial ? count : " in " + counted(episodes) + ".")};
+  }
+  const Interval interval = configuration.until_decided ? transferSequence(successes) : tangInterval(successes).value();
+  const TransferVerdict verdict = verdictOf(interval);
+  const std::string words = wordsOf(verdict, interval);
+  const double transfer = (successes.both + successes.second_only) / static_cast<double>(reference_successes);
+  return {verdict, kQuestion,
+          (partial && verdict != TransferVerdict::kCannotSay ? soFar(words) : words) + ": with this policy " + engine +
+              (transfer > 1.0 ? " has " : " keeps ") + shareText(transfer, interval) + " of " + reference +
+              "'s success" + count};
+}
+
+nlohmann::json toJson(const Headline& headline) {
+  return {{"verdict", nameOf(headline.verdict)}, {"question", headline.question}, {"answer", headline.answer}};
+}
+
+std::string inSentence(const std::string& title) {
+  const std::string kind = "engine";
+  const bool is_noun = title.size() > kind.size() && title.compare(title.size() - kind.size(), kind.size(), kind) == 0;
+  return is_noun ? "the " + title : title;
+}
+
+}  // namespace sim2sim

@@ -1,128 +1,191 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_chipmunk/chipmunk_world.hpp"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
+#include <functional>
 #include <memory>
+#include <ostream>
+#include <string>
 #include <vector>
 
+#include "../src/chipmunk_scene.hpp"
 #include "pusht_chipmunk/chipmunk_kind.hpp"
-#include "pusht_task/error.hpp"
-#include "pusht_task/testing/batch_simulator_suite.hpp"
-#include "pusht_task/testing/golden.hpp"
-#include "pusht_task/testing/simulator_suite.hpp"
+#include "pusht_task/joined.hpp"
+#include "pusht_task/testing/kind_suites.hpp"
 
-namespace pusht {
-namespace testing {
+namespace pusht::testing {
 namespace {
 
+PhysicsOfKind chipmunkPhysics() {
+  PhysicsOfKind physics;
+  physics.replay_error = 0.1;
+  return physics;
+}
+
 std::vector<Subject> subjects() {
-  return {{chipmunkKind()},
-          {chipmunkKind(), {{"iterations", "10"}, {"collision_slop", "0.001"}, {"overlap_left", "0.5"}}}};
+  PhysicsOfKind coarse;
+  coarse.contact_position = coarse.push_position = 4e-3;  // half of an overlap is left after a second
+  return {{chipmunkKind(), {}, chipmunkPhysics()},
+          {chipmunkKind(), {{"iterations", "10"}, {"collision_slop", "0.001"}, {"overlap_left", "0.5"}}, coarse}};
 }
 
 }  // namespace
+}  // namespace pusht::testing
 
-INSTANTIATE_TEST_SUITE_P(Chipmunk, SimulatorSuite, ::testing::ValuesIn(subjects()));
-INSTANTIATE_TEST_SUITE_P(Chipmunk, BatchSimulatorSuite, ::testing::ValuesIn(subjects()));
+PUSHT_TEST_SIMULATOR_KIND(Chipmunk, subjects());
 
-}  // namespace testing
-
+namespace pusht {
 namespace {
 
-/// As in the reference: 0.2 kg, servo 20, damping 0.5, implicit in the velocity.
-TEST(ChipmunkWorld, PusherServoInFreeSpaceHasItsClosedForm) {
-  ChipmunkWorld world;
-  WorldState start;
-  start.tee_position = {0.25, 0.25};
-  world.reset(start);
-  world.step({0.5F, -0.25F});
-  constexpr double kPull = 20.0 / 0.2;
-  constexpr double kRate = 20.5 / 0.2;
-  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();
-  for (int i = 0; i < kSubstepsPerControlStep; ++i) {
-    velocity += kSubstep * (kPull * Eigen::Vector2d(0.5, -0.25) - kRate * velocity) / (1.0 + kSubstep * kRate);
+using chipmunk::Scene;
+
+// Errors that are easily made in an engine, planted in the scene: the physics suite finds each.
+
+/// Friction of the table as engines offer it ready-made: a disc, not a box.
+struct FrictionOfADisc : Scene {
+  using Scene::Scene;
+  void addDryFriction() override {
+    addFriction(cpPivotJointNew2(table(), tee(), cpvzero, cpvzero), physics().tee_friction[0]);
+    addFriction(cpSimpleMotorNew(table(), tee(), 0.0), physics().tee_yaw_friction);
   }
-  EXPECT_LE((world.state().pusher_velocity - velocity).norm(), 1e-12);
+};
+
+struct FrictionAtTheCenterOfMass : Scene {
+  using Scene::Scene;
+  void addDryFriction() override {
+    const cpVect center = cpv(0.0, -physics().centerOfMass());
+    const double far = 1000.0;  // [m]
+    addFriction(cpGrooveJointNew(table(), tee(), cpv(0.0, -far), cpv(0.0, far), center), physics().tee_friction[0]);
+    addFriction(cpGrooveJointNew(table(), tee(), cpv(-far, 0.0), cpv(far, 0.0), center), physics().tee_friction[1]);
+    addFriction(cpSimpleMotorNew(table(), tee(), 0.0), physics().tee_yaw_friction);
+  }
+};
+
+/// Damping as a force on the body, as engines have it, at its center.
+struct DampingAtTheCenterOfMass : Scene {
+  using Scene::Scene;
+  void applyForces(const cpVect& command) override {
+    applyServo(command);
+    cpBodySetForce(tee(), cpvmult(cpBodyGetVelocity(tee()), -physics().tee_damping));
+    cpBodySetTorque(tee(), -physics().tee_yaw_damping * cpBodyGetAngularVelocity(tee()));
+  }
+};
+
+struct ThreeWalls : Scene {
+  using Scene::Scene;
+  void addWalls() override {
+    const double half = 0.02;
+    const double middle = physics().wall_inner_face + half;
+    addBox(table(), cpv(0.0, middle), middle, half);
+    addBox(table(), cpv(0.0, -middle), middle, half);
+    addBox(table(), cpv(middle, 0.0), half, middle);
+  }
+};
+
+using MakeScene = std::function<std::unique_ptr<Scene>()>;
+
+struct Mutation {
+  const char* name;
+  MakeScene make_scene;
+};
+
+void PrintTo(const Mutation& mutation, std::ostream* out) {  // NOLINT(readability-identifier-naming)
+  *out << mutation.name;
 }
 
-/// A tee that slides loses to damping and dry friction what an implicit step takes, axis by axis.
-TEST(ChipmunkWorld, TableStopsTheTee) {
-  ChipmunkWorld world;
-  WorldState start;
-  start.pusher_position = {0.3, 0.3};
-  start.tee_velocity = {0.0, -0.5};  // along the line of both centres: it does not turn
-  world.reset(start);
-  world.step({0.0F, 0.0F});
-  constexpr double kMass = kBarMass + kStemMass;
-  double velocity = 0.5;
-  for (int i = 0; i < kSubstepsPerControlStep; ++i) {
-    velocity = std::max(0.0, velocity - kSubstep * (4.0 * velocity + 1.2) / (kMass + kSubstep * 4.0));
-  }
-  EXPECT_EQ(velocity, 0.0) << "or the test would show nothing of dry friction";
-  EXPECT_NEAR(world.state().tee_velocity.y(), 0.0, 1e-12);
-  EXPECT_NEAR(world.state().tee_yaw_rate, 0.0, 1e-12);
-  EXPECT_LT(world.state().tee_position.y(), -0.002);
-  const WorldState stopped = world.state();
-  world.step({0.0F, 0.0F});
-  EXPECT_NEAR(world.state().tee_position.y(), stopped.tee_position.y(), 1e-12) << "it stays where it is";
+MakeScene withNumbers(const std::function<void(Physics&)>& change) {
+  Physics physics;
+  change(physics);
+  return [physics] { return std::make_unique<Scene>(ChipmunkParameters(), physics); };
 }
 
-TEST(ChipmunkWorld, WallsHoldThePusher) {
-  ChipmunkWorld world;
-  WorldState start;
-  start.tee_position = {-0.2, -0.2};
-  world.reset(start);
-  for (int i = 0; i < 20; ++i) {
-    world.step({1.0F, 0.0F});
-  }
-  EXPECT_NEAR(world.state().pusher_position.x(), kWallInnerFace - kPusherRadius, 2e-3);
+template <class SceneWithAnError>
+MakeScene withLaws() {
+  return [] { return std::make_unique<SceneWithAnError>(ChipmunkParameters()); };
 }
 
-/// How far the tee ends from where it ended in the reference, by episode: ours, and one that never moves [m].
-TEST(ChipmunkWorld, FollowsTheReferenceThroughExpertEpisodes) {
-  ChipmunkWorld world;
-  std::vector<double> errors;
-  std::vector<double> of_null;
-  for (const auto& golden : testing::loadGolden("expert_actions.json", "cases")) {
-    const WorldState start = testing::worldPose(golden.at("start_tee_xyyaw_pusher_xy"));
-    world.reset(start);
-    double error = 0.0;
-    double null_error = 0.0;
-    const auto steps = golden.at("actions").size();
-    for (std::size_t step = 0; step < steps; ++step) {
-      world.step(testing::action(golden.at("actions").at(step)));
-      const WorldState reference = testing::worldPose(golden.at("tee_xyyaw_pusher_xy").at(step));
-      error += (world.state().tee_position - reference.tee_position).norm() / static_cast<double>(steps);
-      null_error += (start.tee_position - reference.tee_position).norm() / static_cast<double>(steps);
+/// A number that is so many times what it should be.
+MakeScene scaled(double Physics::*number, double factor) {
+  return withNumbers([=](Physics& physics) { physics.*number *= factor; });
+}
+
+std::vector<Mutation> mutations() {
+  return {
+      {"tee mass", scaled(&Physics::tee_mass, 1.1)},
+      {"center of mass too near", scaled(&Physics::tee_first_moment, 0.9)},
+      {"center of mass at the origin", scaled(&Physics::tee_first_moment, 0.0)},
+      {"center of mass on the wrong side", scaled(&Physics::tee_first_moment, -1.0)},
+      {"moment of inertia", scaled(&Physics::tee_second_moment, 1.1)},
+      {"moment of inertia without the stem's offset",
+       withNumbers([](Physics& physics) { physics.tee_second_moment -= kStemMass * kStemOffset * kStemOffset; })},
+      {"moment of inertia of points",
+       withNumbers([](Physics& physics) { physics.tee_second_moment = kStemMass * kStemOffset * kStemOffset; })},
+      {"damping", scaled(&Physics::tee_damping, 1.1)},
+      {"no damping", scaled(&Physics::tee_damping, 0.0)},
+      {"yaw damping", scaled(&Physics::tee_yaw_damping, 1.1)},
+      {"no yaw damping", scaled(&Physics::tee_yaw_damping, 0.0)},
+      {"friction along x", withNumbers([](Physics& physics) { physics.tee_friction[0] *= 1.1; })},
+      {"friction along y", withNumbers([](Physics& physics) { physics.tee_friction[1] *= 0.9; })},
+      {"no friction", withNumbers([](Physics& physics) {
+         physics.tee_friction = {0.0, 0.0};
+       })},
+      {"yaw friction", scaled(&Physics::tee_yaw_friction, 1.1)},
+      {"yaw friction 100 times too small", scaled(&Physics::tee_yaw_friction, 0.01)},
+      {"pusher mass", scaled(&Physics::pusher_mass, 1.1)},
+      {"servo gain", scaled(&Physics::servo_gain, 1.1)},
+      {"servo limit", scaled(&Physics::servo_limit, 1.1)},
+      {"no servo limit", scaled(&Physics::servo_limit, 1000.0)},
+      {"pusher damping", scaled(&Physics::pusher_damping, 1.5)},
+      {"pusher's numbers all too large", withNumbers([](Physics& physics) {
+         for (double Physics::*number :
+              {&Physics::pusher_mass, &Physics::servo_gain, &Physics::servo_limit, &Physics::pusher_damping}) {
+           physics.*number *= 1.1;
+         }
+       })},
+      {"friction in contacts", scaled(&Physics::contact_friction, 0.9)},
+      {"no friction in contacts", scaled(&Physics::contact_friction, 0.0)},
+      {"pusher's size", scaled(&Physics::pusher_radius, 1.1)},
+      {"bar's length", scaled(&Physics::bar_half_length, 1.05)},
+      {"bar's width", scaled(&Physics::bar_half_width, 1.1)},
+      {"stem's length", scaled(&Physics::stem_half_length, 1.05)},
+      {"stem's width", scaled(&Physics::stem_half_width, 1.1)},
+      {"stem's place", scaled(&Physics::stem_offset, 0.95)},
+      {"stem on the wrong side", scaled(&Physics::stem_offset, -1.0)},
+      {"walls too far", withNumbers([](Physics& physics) { physics.wall_inner_face += 0.002; })},
+      {"three walls", withLaws<ThreeWalls>()},
+      {"friction of a disc", withLaws<FrictionOfADisc>()},
+      {"friction at the center of mass", withLaws<FrictionAtTheCenterOfMass>()},
+      {"damping at the center of mass", withLaws<DampingAtTheCenterOfMass>()},
+  };
+}
+
+/// The checks that find an error.
+std::vector<std::string> findingsIn(const MakeScene& make_scene) {
+  ChipmunkWorld world(make_scene);
+  std::vector<std::string> names;
+  for (const testing::NamedPhysicsCheck& named : testing::kPhysicsChecks) {
+    if (!named.check(world, testing::chipmunkPhysics()).list().empty()) {
+      names.emplace_back(named.name);
     }
-    errors.push_back(error);
-    of_null.push_back(null_error);
   }
-  const auto median = [](std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-  };
-  RecordProperty("median_error_mm", std::to_string(1e3 * median(errors)));
-  EXPECT_LT(median(errors), 0.1 * median(of_null));
+  return names;
 }
 
-TEST(ChipmunkKind, TakesItsParameters) {
-  ParameterSet parameters = chipmunkKind().defaults();
-  const auto trajectory = [](const ParameterSet& chosen) {
-    const auto world = chipmunkKind().load(chosen).make_world();
-    return testing::chaseFrom(*world, spawn(3), 60);
-  };
-  const std::vector<WorldState> usual = trajectory(parameters);
-  for (const auto& [name, value] :
-       {std::pair("iterations", "1"), std::pair("collision_slop", "0.001"), std::pair("overlap_left", "0.5")}) {
-    ParameterSet changed = parameters;
-    changed.set(name, value);
-    EXPECT_NE(trajectory(changed).back(), usual.back()) << name;
-  }
+TEST(PhysicsSuiteOverAMutation, FindsNothingWhereNothingIsPlanted) {
+  EXPECT_EQ(findingsIn(withNumbers([](Physics&) {})), std::vector<std::string>());
+  EXPECT_EQ(findingsIn(withLaws<Scene>()), std::vector<std::string>());
 }
+
+class PhysicsSuiteOverMutation : public ::testing::TestWithParam<Mutation> {};
+
+TEST_P(PhysicsSuiteOverMutation, FindsTheError) {
+  const std::vector<std::string> findings = findingsIn(GetParam().make_scene);
+  EXPECT_FALSE(findings.empty());
+  RecordProperty("found_by", joined(findings));
+}
+
+INSTANTIATE_TEST_SUITE_P(Chipmunk, PhysicsSuiteOverMutation, ::testing::ValuesIn(mutations()));
 
 }  // namespace
 }  // namespace pusht

@@ -4,16 +4,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pusht_engine/rigid_body_kind.hpp"
-#include "pusht_task/testing/batch_simulator_suite.hpp"
 #include "pusht_task/testing/bits.hpp"
+#include "pusht_task/testing/kind_suites.hpp"
 #include "pusht_task/testing/refusal.hpp"
-#include "pusht_task/testing/simulator_suite.hpp"
 #include "rigid_body_testing.hpp"
 
 namespace pusht {
@@ -21,8 +23,86 @@ namespace pusht {
 namespace testing {
 namespace {
 
-std::vector<Subject> subjects() {
-  return {{rigidBodyKind()}, {rigidBodyKind(), {{"preset", "simple"}}}, {rigidBodyKind(), {{"preset", "shaped"}}}};
+/// What each switch stands for: rigid_body::kSwitches, and the numbers of rigid_body::simple.
+PhysicsOfKind physicsOf(const RigidBodyParameters& switches) {
+  using namespace rigid_body::simple;
+  PhysicsOfKind physics;
+  Physics& numbers = physics.numbers;
+  if (!switches.pusher_inertia) {  // the pusher moves in the same way, but no contact stops it
+    const double scale = kPusherMass / numbers.pusher_mass;
+    for (double Physics::*number :
+         {&Physics::pusher_mass, &Physics::servo_gain, &Physics::servo_limit, &Physics::pusher_damping}) {
+      numbers.*number *= scale;
+    }
+  }
+  if (!switches.servo) {
+    numbers.servo_gain = kServoRate * numbers.pusher_mass;
+    numbers.servo_limit = std::numeric_limits<double>::infinity();
+    numbers.pusher_damping = 0.0;
+    physics.implicit_servo = false;
+  }
+  if (!switches.tee_inertia) {
+    numbers.tee_second_moment = kStemMass * kStemOffset * kStemOffset;
+  }
+  if (!switches.shape) {
+    physics.discs = true;
+    numbers.bar_half_length = numbers.bar_half_width = kBarRadius;
+    numbers.stem_half_length = numbers.stem_half_width = kStemRadius;
+  }
+  if (!switches.drag) {
+    numbers.tee_damping = numbers.tee_yaw_damping = 0.0;
+    physics.drag_rate = kDragRate;
+  }
+  if (!switches.coulomb) {
+    numbers.tee_friction = {0.0, 0.0};
+    numbers.tee_yaw_friction = 0.0;
+  }
+  if (!switches.friction) {
+    numbers.contact_friction = 0.0;
+  }
+  physics.walls = switches.walls;
+
+  physics.soft_friction = switches.coulomb;
+  physics.contact_position = 2e-3;  // as MuJoCo, whose contacts give way by 1.1 mm under 12 N
+  physics.slip_speed = 0.05;        // as MuJoCo: a normal is some degrees off, a touch that sticks creeps
+  if (!switches.pusher_inertia) {   // the servo presses twenty times as hard
+    physics.contact_position = 0.02;
+    physics.slip_speed = 0.15;
+  }
+  if (!switches.drag || !switches.coulomb) {  // it turns for long, and the integrator is of first order
+    physics.free_position = 5e-4;
+    physics.free_yaw = 6e-3;
+    physics.free_speed = 5e-3;
+  }
+  return physics;
+}
+
+Subject subjectWith(const RigidBodyParameters& switches, std::map<std::string, std::string> settings) {
+  return {rigidBodyKind(), std::move(settings), physicsOf(switches)};
+}
+
+std::vector<Subject> presets() {
+  const RigidBodyParameters faithful;
+  RigidBodyParameters simple;
+  for (const rigid_body::Switch& each : rigid_body::kSwitches) {
+    simple.*each.value = false;
+  }
+  RigidBodyParameters shaped = simple;
+  shaped.shape = shaped.tee_inertia = true;
+  Subject default_preset = subjectWith(faithful, {});
+  default_preset.physics.replay_error = 1e-3;
+  return {default_preset, subjectWith(simple, {{"preset", "simple"}}), subjectWith(shaped, {{"preset", "shaped"}})};
+}
+
+/// Each switch alone is the two-mass engine's.
+std::vector<Subject> singleSwitches() {
+  std::vector<Subject> subjects;
+  for (const rigid_body::Switch& each : rigid_body::kSwitches) {
+    RigidBodyParameters switches;
+    switches.*each.value = false;
+    subjects.push_back(subjectWith(switches, {{each.name, "false"}}));
+  }
+  return subjects;
 }
 
 /// With RigidBodyLanes, which the kind itself does not use: its own lanes are single worlds, one stepped after the
@@ -44,10 +124,15 @@ Subject inSimdLanes() {
 
 }  // namespace
 
-INSTANTIATE_TEST_SUITE_P(RigidBody, SimulatorSuite, ::testing::ValuesIn(subjects()));
-INSTANTIATE_TEST_SUITE_P(RigidBody, BatchSimulatorSuite, ::testing::Values(Subject{rigidBodyKind()}, inSimdLanes()));
+INSTANTIATE_TEST_SUITE_P(InSimdLanes, BatchSimulatorSuite, ::testing::Values(inSimdLanes()));
+INSTANTIATE_TEST_SUITE_P(SingleSwitches, PhysicsSuite, ::testing::ValuesIn(singleSwitches()));
 
 }  // namespace testing
+}  // namespace pusht
+
+PUSHT_TEST_SIMULATOR_KIND(RigidBody, presets());
+
+namespace pusht {
 
 namespace {
 

@@ -2,6 +2,7 @@
 /// PushT in Chipmunk 7, the engine behind pymunk and gym-pusht.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -19,6 +20,10 @@ struct ChipmunkParameters {
   double overlap_left = 0.0018;  ///< [-] share of an overlap that is left after a second
 };
 
+namespace chipmunk {
+class Scene;
+}
+
 /// One world. The tee is one rigid body of two boxes, the pusher a disc that does not turn.
 ///
 /// Chipmunk has forces that are constant in a substep, but in the reference servo and damping act at the velocity at
@@ -30,18 +35,19 @@ class ChipmunkWorld : public Simulator {
   static constexpr double kStartTolerance = 1e-12;  ///< [m, rad, m/s, rad/s]
 
   explicit ChipmunkWorld(const ChipmunkParameters& parameters = {});
+  /// Builds its scene with `make_scene` at every reset; a test gives scenes with errors.
+  using MakeScene = std::function<std::unique_ptr<chipmunk::Scene>()>;
+  explicit ChipmunkWorld(MakeScene make_scene);
   ~ChipmunkWorld() override;
 
  private:
-  struct Scene;
-
   /// Builds the scene anew: Chipmunk remembers contacts and their order.
   void doReset(const WorldState& state) override;
   void doStep(const Action& action) override;
   WorldState doState() const override;
 
-  ChipmunkParameters parameters_;
-  std::unique_ptr<Scene> scene_;
+  MakeScene make_scene_;
+  std::unique_ptr<chipmunk::Scene> scene_;
 };
 
 }  // namespace pusht

@@ -10,13 +10,15 @@
 #include <string>
 
 #include "pusht_task/simulator_kind.hpp"
+#include "pusht_task/testing/physics_of_kind.hpp"
 
 namespace pusht::testing {
 
-/// A kind of simulator with values for some of its parameters, by name.
+/// A kind of simulator with values for some of its parameters, by name, and the physics that it then claims to have.
 struct Subject {
   SimulatorKind kind;
   std::map<std::string, std::string> settings{};
+  PhysicsOfKind physics{};
 
   SimulatorModel load() const {
     ParameterSet parameters = kind.defaults();

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Physics of the task as one struct of numbers: an engine that follows the reference can be built from it, and the
+/// physics suite (testing/physics_suite.hpp) holds every kind of simulator against it.
+#pragma once
+
+#include <array>
+
+#include "pusht_task/constants.hpp"
+
+namespace pusht {
+
+/// [kg m^2] Moment of inertia of a box with these half-sides about its center, in the plane.
+constexpr double momentOfBox(double mass, double half_x, double half_y) {
+  return mass * (half_x * half_x + half_y * half_y) / 3.0;
+}
+
+/// Masses, forces and sizes of the reference. The table acts on the tee at its origin, along each axis of the table,
+/// and on its yaw.
+struct Physics {
+  double tee_mass = kBarMass + kStemMass;             ///< [kg]
+  double tee_first_moment = kStemOffset * kStemMass;  ///< [kg m] mass times center of mass, along body -y
+  double tee_second_moment =                          ///< [kg m^2] moment of inertia about the tee origin
+      momentOfBox(kBarMass, kBarHalfLength, kTeeHalfWidth) + momentOfBox(kStemMass, kTeeHalfWidth, kStemHalfLength) +
+      kStemMass * kStemOffset * kStemOffset;
+  double tee_damping = dynamics::kTeeDamping;                                             ///< [N s/m] per axis
+  double tee_yaw_damping = dynamics::kTeeYawDamping;                                      ///< [N m s]
+  std::array<double, 2> tee_friction = {dynamics::kTeeFriction, dynamics::kTeeFriction};  ///< [N] Coulomb, per axis
+  double tee_yaw_friction = dynamics::kTeeYawFriction;                                    ///< [N m] Coulomb
+
+  double pusher_mass = dynamics::kPusherMass;        ///< [kg]
+  double servo_gain = dynamics::kServoGain;          ///< [N s/m] per axis
+  double servo_limit = dynamics::kServoLimit;        ///< [N] per axis
+  double pusher_damping = dynamics::kPusherDamping;  ///< [N s/m] per axis
+
+  double contact_friction = dynamics::kContactFriction;  ///< [-] between all bodies
+  double pusher_radius = kPusherRadius;                  ///< [m]
+  double bar_half_length = kBarHalfLength;               ///< [m] along body x
+  double bar_half_width = kTeeHalfWidth;                 ///< [m] along body y
+  double stem_half_length = kStemHalfLength;             ///< [m] along body y
+  double stem_half_width = kTeeHalfWidth;                ///< [m] along body x
+  double stem_offset = kStemOffset;                      ///< [m] from the bar's center to the stem's, along body -y
+  double wall_inner_face = kWallInnerFace;               ///< [m] |x| or |y|
+
+  /// [m] from the tee origin to its center of mass, along body -y.
+  constexpr double centerOfMass() const { return tee_first_moment / tee_mass; }
+};
+
+}  // namespace pusht

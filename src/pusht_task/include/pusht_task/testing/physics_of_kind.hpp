@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Physics that a kind of simulator claims to have, and motions that follow from it by plain formulas.
+#pragma once
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/physics.hpp"
+#include "pusht_task/types.hpp"
+
+namespace pusht::testing {
+
+/// Claims of a kind; the defaults are the task itself. A kind with simpler physics states its own numbers: 0 for a
+/// force that it does not have.
+struct PhysicsOfKind {
+  Physics numbers{};
+  bool implicit_servo =
+      true;                ///< servo and damping of the pusher act at the velocity at a substep's end, not its begin
+  double drag_rate = 0.0;  ///< [1/s] of every mass of the tee, explicit; in place of damping
+  bool soft_friction = false;  ///< the table's Coulomb friction is MuJoCo's: a tee at rest creeps
+  bool discs = false;          ///< bar and stem are discs; their half-sides are radii
+  bool walls = true;
+
+  // Largest deviations from the formulas. A wider one than these has its reason beside it.
+  double free_position = 1e-4;     ///< [m] of a body that moves freely, after a control step
+  double free_yaw = 1e-3;          ///< [rad]
+  double free_speed = 1e-3;        ///< [m/s], and [rad/s] at a lever of kLever
+  double contact_position = 1e-3;  ///< [m] overlap in touch
+  double push_position = 1e-3;     ///< [m] how far bodies lag behind a push
+  double push_speed = 5e-3;        ///< [m/s] of bodies that push each other steadily
+  double slip_speed = 5e-3;        ///< [m/s] along a face with friction
+
+  /// [-] Median position error in replays of expert episodes, as a share of that of a tee that never moves; none if the
+  /// kind does not claim to follow the reference.
+  std::optional<double> replay_error{};
+
+  static constexpr double kLever = 0.06;  ///< [m]
+};
+
+/// One axis of the pusher in free space.
+struct PlainPusher {
+  double position;  ///< [m]
+  double velocity;  ///< [m/s]
+
+  void controlStep(const PhysicsOfKind& physics, double command) {
+    const Physics& p = physics.numbers;
+    const double inertia =
+        p.pusher_mass + (physics.implicit_servo ? kSubstep * (p.servo_gain + p.pusher_damping) : 0.0);  // [kg]
+    for (int i = 0; i < kSubstepsPerControlStep; ++i) {
+      const double servo = std::clamp(p.servo_gain * (command - velocity), -p.servo_limit, p.servo_limit);
+      velocity += kSubstep * (servo - p.pusher_damping * velocity) / inertia;
+      position += kSubstep * velocity;
+    }
+  }
+};
+
+/// The pusher behind the tee, which it pushes straight through the tee's center of mass: one body along one axis.
+struct PlainPush {
+  double travel = 0.0;    ///< [m]
+  double velocity = 0.0;  ///< [m/s]
+
+  void controlStep(const PhysicsOfKind& physics, double command, double tee_friction) {
+    const Physics& p = physics.numbers;
+    const double servo = p.servo_gain + p.pusher_damping;
+    const double damping = servo + p.tee_damping;
+    const double inertia = p.pusher_mass + p.tee_mass + kSubstep * p.tee_damping +
+                           (physics.implicit_servo ? kSubstep * servo : 0.0);  // [kg]
+    for (int i = 0; i < kSubstepsPerControlStep; ++i) {
+      const double force =
+          p.servo_gain * command - tee_friction - (damping + physics.drag_rate * p.tee_mass) * velocity;
+      velocity = std::max(0.0, velocity + kSubstep * force / inertia);
+      travel += kSubstep * velocity;
+    }
+  }
+};
+
+/// The tee alone on its table: Newton and Euler about the tee origin, with friction of the table solved by
+/// Gauss-Seidel.
+struct PlainTee {
+  Eigen::Vector3d pose;      ///< [m, m, rad]
+  Eigen::Vector3d velocity;  ///< per second
+
+  void controlStep(const PhysicsOfKind& physics) {
+    for (int i = 0; i < kSubstepsPerControlStep; ++i) {
+      substep(physics);
+    }
+  }
+
+  void substep(const PhysicsOfKind& physics) {
+    const Physics& p = physics.numbers;
+    const Eigen::Vector2d moment = p.tee_first_moment * Eigen::Vector2d(std::sin(pose[2]), -std::cos(pose[2]));
+    Eigen::Matrix3d inertia;
+    inertia << p.tee_mass, 0.0, -moment.y(),  //
+        0.0, p.tee_mass, moment.x(),          //
+        -moment.y(), moment.x(), p.tee_second_moment;
+    const Eigen::DiagonalMatrix<double, 3> damping(p.tee_damping, p.tee_damping, p.tee_yaw_damping);
+    Eigen::Vector3d force = -(damping * velocity) - physics.drag_rate * (inertia * velocity);
+    force.head<2>() += velocity[2] * velocity[2] * moment;  // centrifugal
+    const Eigen::Matrix3d mobility = (inertia + kSubstep * Eigen::Matrix3d(damping)).inverse();
+    force += physics.soft_friction ? softFriction(p, inertia.inverse(), force) : hardFriction(p, mobility, force);
+    velocity += kSubstep * (mobility * force);
+    pose += kSubstep * velocity;
+  }
+
+ private:
+  /// [N, N, N m] Coulomb friction that stops each coordinate in this substep, as far as its limit goes.
+  Eigen::Vector3d hardFriction(const Physics& p, const Eigen::Matrix3d& mobility, const Eigen::Vector3d& force) const {
+    return limitedForce(p, mobility, -velocity / kSubstep - mobility * force);
+  }
+
+  /// MuJoCo's: chapter "Computation" of its documentation, with the defaults of solref and solimp, for `frictionloss`.
+  Eigen::Vector3d softFriction(const Physics& p, const Eigen::Matrix3d& inverse_inertia,
+                               const Eigen::Vector3d& force) const {
+    constexpr double kTimeConstant = 0.02;   // [s]
+    constexpr double kImpedance = 0.9;       // [-] at no violation
+    constexpr double kMostImpedance = 0.95;  // [-]
+    const double center = p.centerOfMass();
+    const double about_center = p.tee_second_moment - p.tee_mass * center * center;  // [kg m^2]
+    const Eigen::Vector3d weight(1.0 / p.tee_mass + center * center / about_center, 1.0 / p.tee_mass,
+                                 1.0 / about_center);  // the inverse inertia at yaw 0
+    const Eigen::Vector3d wanted = -2.0 / (kMostImpedance * kTimeConstant) * velocity;
+    Eigen::Matrix3d response = inverse_inertia;
+    response.diagonal() += (1.0 - kImpedance) / kImpedance * weight;
+    return limitedForce(p, response, wanted - inverse_inertia * force);
+  }
+
+  /// The force for which response * force is `wanted`, each coordinate limited: by Gauss-Seidel.
+  static Eigen::Vector3d limitedForce(const Physics& p, const Eigen::Matrix3d& response,
+                                      const Eigen::Vector3d& wanted) {
+    constexpr int kSweeps = 1000;
+    const Eigen::Vector3d limits(p.tee_friction[0], p.tee_friction[1], p.tee_yaw_friction);
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      for (Eigen::Index i = 0; i < 3; ++i) {
+        const double missing = wanted[i] - response.row(i).dot(force);
+        force[i] = std::clamp(force[i] + missing / response(i, i), -limits[i], limits[i]);
+      }
+    }
+    return force;
+  }
+};
+
+}  // namespace pusht::testing

@@ -38,3 +38,38 @@ function(pusht_add_pytest file)
     " ${CMAKE_CURRENT_SOURCE_DIR}/${file} || [ $? -eq 1 ] || rm -f ${path}")
   catkin_run_tests_target(pytest ${name} ${results} COMMAND ${command} DEPENDENCIES ${_pytest_DEPENDENCIES})
 endfunction()
+
+# The rest of a package for a kind of simulator, after find_package and catkin_package: the library SOURCES, which other
+# packages see together with the libraries PUBLIC; the node NODE of nodes/NODE.cpp; what is installed, DIRECTORIES with
+# it; and, of test/, the rostest ROSTEST.
+function(pusht_simulator_package)
+  cmake_parse_arguments(_kind "" "NODE;ROSTEST" "SOURCES;PUBLIC;PRIVATE;DIRECTORIES" ${ARGN})
+  add_library(${PROJECT_NAME} ${_kind_SOURCES})
+  target_include_directories(${PROJECT_NAME} PUBLIC include ${catkin_INCLUDE_DIRS})
+  target_link_libraries(${PROJECT_NAME} PUBLIC pusht_task ${_kind_PUBLIC} PRIVATE ${_kind_PRIVATE})
+  pusht_compile_options(${PROJECT_NAME})
+
+  add_executable(${_kind_NODE} nodes/${_kind_NODE}.cpp)
+  target_link_libraries(${_kind_NODE} PRIVATE ${PROJECT_NAME} ${catkin_LIBRARIES})
+  add_dependencies(${_kind_NODE} ${catkin_EXPORTED_TARGETS})
+  pusht_compile_options(${_kind_NODE})
+
+  install(TARGETS ${PROJECT_NAME}
+    ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+    LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
+  install(TARGETS ${_kind_NODE} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+  install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
+  install(DIRECTORY ${_kind_DIRECTORIES} DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+
+  if(CATKIN_ENABLE_TESTING)
+    find_package(rostest REQUIRED)
+    add_rostest(${_kind_ROSTEST} DEPENDENCIES ${_kind_NODE})
+  endif()
+endfunction()
+
+# A gtest of such a package.
+function(pusht_add_kind_gtest target)
+  find_package(nlohmann_json REQUIRED)
+  pusht_add_gtest(${target} ${ARGN})
+  target_link_libraries(${target} ${PROJECT_NAME})
+endfunction()

@@ -2,11 +2,13 @@
 #include "sim2sim_eval/simulators.hpp"
 
 #include <gmock/gmock.h>
+#include <link.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -56,6 +58,112 @@ TEST(SimulatorKinds, AreDescribedInFull) {
       EXPECT_EQ(parameter.read(pusht::textOf(parameter.default_value)), parameter.default_value) << parameter.name;
     }
   }
+}
+
+/// A shared library that is loaded.
+struct Loaded {
+  std::string file;                 ///< name of its file: "libchipmunk.so.7.0.3"
+  std::vector<std::string> needed;  ///< "libchipmunk.so.7": those that it is linked to
+};
+
+std::vector<std::string> neededBy(const dl_phdr_info& info) {
+  std::vector<std::string> needed;
+  for (ElfW(Half) i = 0; i < info.dlpi_phnum; ++i) {
+    if (info.dlpi_phdr[i].p_type != PT_DYNAMIC) {
+      continue;
+    }
+    const auto* const first = reinterpret_cast<const ElfW(Dyn)*>(info.dlpi_addr + info.dlpi_phdr[i].p_vaddr);
+    const char* names = nullptr;
+    for (const auto* entry = first; entry->d_tag != DT_NULL; ++entry) {
+      names = entry->d_tag == DT_STRTAB ? reinterpret_cast<const char*>(entry->d_un.d_ptr) : names;
+    }
+    for (const auto* entry = first; entry->d_tag != DT_NULL; ++entry) {
+      if (entry->d_tag == DT_NEEDED) {
+        needed.emplace_back(names + entry->d_un.d_val);
+      }
+    }
+  }
+  return needed;
+}
+
+std::vector<Loaded> loadedLibraries() {
+  std::vector<Loaded> libraries;
+  dl_iterate_phdr(
+      [](dl_phdr_info* info, std::size_t /*size*/, void* list) {
+        if (std::filesystem::exists(info->dlpi_name)) {  // not the program, not the kernel's
+          static_cast<std::vector<Loaded>*>(list)->push_back(
+              {std::filesystem::canonical(info->dlpi_name).filename(), neededBy(*info)});
+        }
+        return 0;
+      },
+      &libraries);
+  return libraries;
+}
+
+/// The first that is loaded whose file's name begins with that `name`.
+Loaded loadedLibrary(const std::string& name) {
+  for (const Loaded& library : loadedLibraries()) {
+    if (library.file.rfind(name, 0) == 0) {
+      return library;
+    }
+  }
+  throw pusht::InternalError("library " + name + ": is not loaded");
+}
+
+bool isNamed(const std::string& file, const std::vector<std::string>& libraries) {
+  return std::any_of(libraries.begin(), libraries.end(),
+                     [&](const std::string& library) { return file.rfind(library, 0) == 0; });
+}
+
+/// What the kinds' own libraries are linked to, besides what is every kind's, and no kind names.
+std::vector<std::string> forgottenLibraries(const std::vector<pusht::SimulatorKind>& kinds) {
+  std::vector<std::string> named = loadedLibrary("libpusht_task.so").needed;
+  named.insert(named.end(), {"libpusht_task.so", "libm.so", "ld-linux"});
+  for (const pusht::SimulatorKind& kind : kinds) {
+    named.insert(named.end(), kind.libraries.begin(), kind.libraries.end());
+  }
+  std::vector<std::string> forgotten;
+  for (const pusht::SimulatorKind& kind : kinds) {
+    for (const std::string& library : kind.libraries) {
+      if (library.rfind("libpusht_", 0) != 0) {
+        continue;
+      }
+      for (const std::string& needed : loadedLibrary(library).needed) {
+        if (!isNamed(needed, named)) {
+          forgotten.push_back(needed);
+        }
+      }
+    }
+  }
+  return forgotten;
+}
+
+/// A kept reference is used again as long as these libraries have the same bytes.
+TEST(SimulatorKinds, NameEveryLibraryThatTheirOwnIsLinkedTo) {
+  std::vector<pusht::SimulatorKind> kinds;
+  for (const pusht::SimulatorKind& kind : simulatorKinds()) {
+    kinds.push_back(kind);
+  }
+  EXPECT_EQ(forgottenLibraries(kinds), std::vector<std::string>());
+  pusht::SimulatorKind forgetful = simulatorKind("chipmunk");
+  forgetful.libraries = {"libpusht_chipmunk.so"};
+  EXPECT_EQ(forgottenLibraries({forgetful}), std::vector<std::string>{"libchipmunk.so.7"});
+}
+
+/// A version as "7.0.3" in the file's name of the engine's library is the kind's version. (libccd has no third number.)
+TEST(SimulatorKinds, TellTheVersionOfTheLibraryThatIsLoaded) {
+  const std::regex versioned("lib.*\\.so\\.(\\d+\\.\\d+\\.\\d+)");
+  int found = 0;
+  for (const pusht::SimulatorKind& kind : simulatorKinds()) {
+    for (const std::string& library : kind.libraries) {
+      const std::string file = loadedLibrary(library).file;
+      if (std::smatch match; std::regex_match(file, match, versioned)) {
+        EXPECT_EQ(kind.version, match[1]) << kind.name;
+        ++found;
+      }
+    }
+  }
+  EXPECT_GT(found, 0);
 }
 
 /// Another value of a parameter; none for a text that may be anything, as a file's name.

@@ -40,8 +40,8 @@ function(pusht_add_pytest file)
 endfunction()
 
 # The rest of a package for a kind of simulator, after find_package and catkin_package: the library SOURCES, which other
-# packages see together with the libraries PUBLIC; the node NODE of nodes/NODE.cpp; what is installed, DIRECTORIES with
-# it; and, of test/, the rostest ROSTEST.
+# packages see together with the libraries PUBLIC; the node NODE of nodes/NODE.cpp; their installation, with that of
+# DIRECTORIES; and the rostest ROSTEST. (Headers the package installs itself, where catkin_lint looks for it.)
 function(pusht_simulator_package)
   cmake_parse_arguments(_kind "" "NODE;ROSTEST" "SOURCES;PUBLIC;PRIVATE;DIRECTORIES" ${ARGN})
   add_library(${PROJECT_NAME} ${_kind_SOURCES})
@@ -58,7 +58,6 @@ function(pusht_simulator_package)
     ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
     LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
   install(TARGETS ${_kind_NODE} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
-  install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
   install(DIRECTORY ${_kind_DIRECTORIES} DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 
   if(CATKIN_ENABLE_TESTING)

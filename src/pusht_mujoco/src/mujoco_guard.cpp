@@ -7,6 +7,8 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <new>
+#include <string>
 
 #include "pusht_task/error.hpp"
 
@@ -46,7 +48,13 @@ void MujocoGuard::onError(const char* message) {
 
 void MujocoGuard::onWarning(const char* message) { keep(message, last_warning); }
 
-void MujocoGuard::raise() { throw InternalError("MuJoCo: " + std::string(last_error.data())); }
+void MujocoGuard::raise() {
+  const std::string message = last_error.data();
+  if (message.find("ould not allocate") != std::string::npos) {
+    throw std::bad_alloc();
+  }
+  throw InternalError("MuJoCo: " + message);
+}
 
 std::string MujocoGuard::takeWarning() {
   std::string warning = last_warning.data();

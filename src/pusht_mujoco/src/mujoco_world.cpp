@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_mujoco/mujoco_world.hpp"
 
+#include <new>
 #include <string>
 #include <utility>
 
@@ -18,7 +19,7 @@ mjData* makeData(const mjModel& model) {
   mjData* data = nullptr;
   MujocoGuard::run([&] { data = mj_makeData(&model); });
   if (data == nullptr) {
-    throw InternalError("MuJoCo: mj_makeData failed");
+    throw std::bad_alloc();
   }
   return data;
 }

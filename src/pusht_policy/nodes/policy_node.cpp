@@ -15,6 +15,7 @@ pusht::PolicyModel load(pusht::ParameterReader& parameters) {
   pusht::PolicyChoice choice;
   choice.policy = parameters.text("policy", choice.policy);
   choice.require_policy = parameters.flag("require_policy", choice.require_policy);
+  choice.allow_untrained = parameters.flag("allow_untrained", choice.allow_untrained);
   choice.untrained_seed = parameters.seed("seed", choice.untrained_seed);
   pusht::ChosenPolicy chosen = pusht::choosePolicy(
       choice, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"), [] { return !ros::ok(); });

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_policy/policy_choice.hpp"
 
+#include <sys/resource.h>
+
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
+#include <chrono>
+#include <cstdlib>
+#include <string>
 #include <system_error>
 
 #include "network_choice.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"
+#include "rehearsal.hpp"
 
 namespace pusht {
 namespace {
@@ -22,13 +28,51 @@ const NetworkPolicies& loadNetworkPolicies() {
     static const auto& library = *new boost::dll::shared_library(path.string(), mode::rtld_now | mode::rtld_global);
     return library.get<const NetworkPolicies>(kNetworkPoliciesSymbol);
   } catch (const boost::system::system_error& error) {
-    throw BadDependency("library " + path.string() + ": cannot be loaded: " + error.what());
+    const std::string message = "library " + path.string() + ": cannot be loaded: " + error.what();
+    for (const char* limit : {"allocate memory", "failed to map segment", "Too many open files"}) {
+      if (message.find(limit) != std::string::npos) {
+        throw RuntimeFault(message);
+      }
+    }
+    throw BadDependency(message);
   }
 }
 
 const NetworkPolicies& networkPolicies() {
   static const NetworkPolicies& policies = loadNetworkPolicies();
   return policies;
+}
+
+/// Runs `load`, which brings libtorch into the process. Where memory is limited (`ulimit -v`), libtorch may abort while
+/// it is loaded, and threads of OpenBLAS wait for memory for ever; so a copy of the process tries first, with less.
+/// Throws RuntimeFault if that is not enough.
+template <class Load>
+ChosenPolicy withinMemory(const std::string& what, const std::function<bool()>& stop, const Load& load) {
+  constexpr rlim_t kMegabyte = 1'000'000;
+  constexpr rlim_t kMargin = 50 * kMegabyte;
+  constexpr std::chrono::seconds kDeadline{60};  // libtorch alone takes a second to load, and many on a busy machine
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) {
+    return load();
+  }
+  const std::string cannot =
+      what + ": cannot be loaded with " + std::to_string(limit.rlim_cur / kMegabyte) + " MB of memory (ulimit -v): ";
+  try {
+    rehearse(what, kDeadline, stop, [&] {
+      const rlimit less{limit.rlim_cur > kMargin ? limit.rlim_cur - kMargin : 0, limit.rlim_max};
+      setrlimit(RLIMIT_AS, &less);
+      load();
+    });
+  } catch (const CrashedCopy& error) {
+    throw RuntimeFault(cannot + error.what());
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    if (error.exitCode() != ExitCode::kRuntimeFault || message.find("interrupted") != std::string::npos) {
+      throw;
+    }
+    throw RuntimeFault(cannot + message);
+  }
+  return load();
 }
 
 }  // namespace
@@ -42,23 +86,28 @@ ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, c
             {},
             ""};
   }
+  const auto untrained = [&](const std::string& warning) {
+    return withinMemory("the untrained policy", stop,
+                        [&] { return networkPolicies().untrained(choice.untrained_seed, warning); });
+  };
   if (choice.policy == kUntrainedPolicy) {
-    return networkPolicies().untrained(choice.untrained_seed, "");
+    return untrained("");
   }
-  if (choice.policy == kShippedPolicy) {
-    return networkPolicies().trained(shipped, kShippedPolicy, stop);
-  }
+  const bool is_shipped = choice.policy == kShippedPolicy;
+  const fs::path file = is_shipped ? shipped : fs::path(choice.policy);
   std::error_code ignored;
-  const bool missing = fs::status(choice.policy, ignored).type() == fs::file_type::not_found;
-  if (choice.require_policy || choice.policy.empty() || !missing) {
-    return networkPolicies().trained(choice.policy, choice.policy, stop);
+  const bool missing = !file.empty() && fs::status(file, ignored).type() == fs::file_type::not_found;
+  if (!missing) {
+    return withinMemory("policy " + file.string(), stop,
+                        [&] { return networkPolicies().trained(file, choice.policy, stop); });
+  }
+  if (is_shipped ? choice.require_policy : !choice.allow_untrained) {
+    throw InvalidInput("policy " + file.string() + ": must be a readable file, but is not there");
   }
   // The course's guard, the one place where a measurement goes on with something else than was asked for.
-  return networkPolicies().untrained(
-      choice.untrained_seed,
-      "policy " + choice.policy +
-          ": there is no such file. Running an UNTRAINED policy instead: success and transfer say nothing "
-          "until a trained one is named.");
+  return untrained("policy " + file.string() +
+                   ": there is no such file. Running an UNTRAINED policy instead: success and transfer say nothing "
+                   "until a trained one is named.");
 }
 
 }  // namespace pusht

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -79,6 +80,10 @@ std::string describe(const torch::jit::IValue& value) {
 std::string firstLine(const std::exception& error) {
   const auto* torch_error = dynamic_cast<const c10::Error*>(&error);
   std::string message = torch_error != nullptr ? torch_error->what_without_backtrace() : error.what();
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
+      message.find("can't allocate memory") != std::string::npos) {
+    throw std::bad_alloc();
+  }
   constexpr std::string_view kMark = "RuntimeError: ";
   if (const auto mark = message.rfind(kMark); mark != std::string::npos) {
     message.erase(0, mark + kMark.size());

@@ -60,7 +60,7 @@ std::vector<Operation> readGraph(const torch::jit::Graph& graph, int inputs);
 std::vector<Operation> untrainedOperations(std::uint64_t seed);
 
 /// What an exception of libtorch has to say, on one line of plain text: without its traces, the first line of the
-/// message, which a failing module puts after "RuntimeError:".
+/// message, which a failing module puts after "RuntimeError:". Throws std::bad_alloc instead if memory is used up.
 std::string firstLine(const std::exception& error);
 
 /// The values of a float32 tensor, row-major.

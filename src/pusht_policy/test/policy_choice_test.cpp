@@ -34,8 +34,8 @@ TEST(ChoosePolicy, NamesAFileByItsPath) {
 }
 
 /// The course's guard, and its seed.
-TEST(ChoosePolicy, AMissingFileIsReplacedWithAWarning) {
-  const ChosenPolicy chosen = choosePolicy({"none.pt", false, 7}, kShippedFile);
+TEST(ChoosePolicy, AMissingFileIsReplacedWithAWarningIfThatIsAllowed) {
+  const ChosenPolicy chosen = choosePolicy({"none.pt", false, 7, true}, kShippedFile);
   EXPECT_EQ(chosen.name, kUntrainedPolicy);
   EXPECT_THAT(chosen.warning, HasSubstr("policy none.pt: there is no such file. Running an UNTRAINED policy instead"));
   const auto observations = testing::observations();
@@ -47,10 +47,17 @@ TEST(ChoosePolicy, AMissingFileIsReplacedWithAWarning) {
   EXPECT_NE(chosen.identity, other.identity);
 }
 
-TEST(ChoosePolicy, AMissingFileIsAnErrorWhereThePolicyIsRequired) {
-  EXPECT_THROW(choosePolicy({"none.pt", true, 0}, kShippedFile), InvalidInput);
-  EXPECT_THROW(choosePolicy({"", false, 0}, kShippedFile), InvalidInput);
-  EXPECT_THROW(choosePolicy({kShippedPolicy}, "none.pt"), InvalidInput) << "the shipped one has no stand-in";
+TEST(ChoosePolicy, TheShippedFileIsReplacedWithAWarningUnlessItIsRequired) {
+  const ChosenPolicy chosen = choosePolicy({kShippedPolicy}, "none.pt");
+  EXPECT_EQ(chosen.name, kUntrainedPolicy);
+  EXPECT_THAT(chosen.warning, HasSubstr("policy none.pt: there is no such file. Running an UNTRAINED policy instead"));
+  EXPECT_THROW(choosePolicy({kShippedPolicy, true}, "none.pt"), InvalidInput);
+}
+
+TEST(ChoosePolicy, AFileThatIsNamedMustBeThere) {
+  EXPECT_THROW(choosePolicy({"none.pt"}, kShippedFile), InvalidInput);
+  EXPECT_THROW(choosePolicy({""}, kShippedFile), InvalidInput);
+  EXPECT_THROW(choosePolicy({"", false, 0, true}, kShippedFile), InvalidInput);
 }
 
 }  // namespace

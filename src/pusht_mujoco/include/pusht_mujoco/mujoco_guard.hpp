@@ -13,8 +13,8 @@ namespace pusht {
 /// own. What the call worked on is then in an undefined state and may only be deleted.
 class MujocoGuard {
  public:
-  /// Throws InternalError with MuJoCo's message if `call` raises mju_error. `call` must not own anything
-  /// that needs a destructor.
+  /// Throws InternalError with MuJoCo's message if `call` raises mju_error, std::bad_alloc if MuJoCo has no memory.
+  /// `call` must not own anything that needs a destructor.
   template <class Call>
   static void run(const Call& call) {
     MujocoGuard guard;

@@ -20,8 +20,9 @@ constexpr const char* kUntrainedPolicy = "fresh-untrained";
 
 struct PolicyChoice {
   std::string policy = kShippedPolicy;  ///< a TorchScript file, or one of the names above
-  bool require_policy = false;          ///< a file that is not there is an error, not a warning
+  bool require_policy = false;          ///< the shipped checkpoint must be there, too
   std::uint64_t untrained_seed = 0;     ///< of the weights, where an untrained policy runs
+  bool allow_untrained = false;         ///< an untrained policy replaces a named file that is not there
 };
 
 struct ChosenPolicy {
@@ -33,8 +34,10 @@ struct ChosenPolicy {
   std::string warning;                 ///< says that something else runs than was asked for; else empty
 };
 
-/// `shipped` is the checkpoint that "bc" names. Throws as NetworkPolicy::load does, which heeds `stop`; and
-/// BadDependency if the library of the networks, which is loaded for all but the expert, is not beside this one.
+/// `shipped` is the checkpoint that "bc" names. If it is not there, an untrained policy runs, with a warning, unless
+/// `choice` requires it: the course's guard. A file that is named must be there. Throws as NetworkPolicy::load does,
+/// which heeds `stop`; and BadDependency if the library of the networks, which is loaded for all but the expert, is not
+/// beside this one.
 ChosenPolicy choosePolicy(
     const PolicyChoice& choice, const std::filesystem::path& shipped,
     const std::function<bool()>& stop = [] { return false; });

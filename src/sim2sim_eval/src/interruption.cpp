@@ -6,11 +6,15 @@
 #include <atomic>
 #include <csignal>
 #include <cstdint>
+#include <cstdlib>
 #include <ctime>
+#include <exception>
 #include <iostream>
+#include <system_error>
 #include <thread>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/ros/node.hpp"
 
 namespace sim2sim {
 namespace {
@@ -30,6 +34,23 @@ std::string last_words;  // written by a signal handler
   ::_exit(static_cast<int>(pusht::ExitCode::kRuntimeFault));
 }
 
+std::string command;  // for endUncaught()
+
+/// Ends the process when an exception finds no handler: one line and an exit code, no core.
+[[noreturn]] void endUncaught() {
+  int code = static_cast<int>(pusht::ExitCode::kInternalError);
+  try {
+    std::rethrow_exception(std::current_exception());
+  } catch (const std::system_error& failure) {  // a thread that the system does not give, say
+    code = pusht::reportFailure(command, pusht::RuntimeFault(failure.what()));
+  } catch (const std::exception& failure) {
+    code = pusht::reportFailure(command, failure);
+  } catch (...) {
+    pusht::reportFailure(command, pusht::InternalError("an unknown exception"));
+  }
+  ::_exit(code);
+}
+
 void onInterrupt(int number) {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC, &now);
@@ -45,6 +66,8 @@ void onInterrupt(int number) {
 }  // namespace
 
 void catchInterrupts(const std::string& name) {
+  command = name;
+  std::set_terminate(endUncaught);
   last_words = name + ": interrupted, and ended before it had stopped in order; what it was writing is lost\n";
   struct sigaction action {};
   action.sa_flags = SA_RESTART;

@@ -18,6 +18,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/reason.hpp"
+#include "pusht_task/standard_streams.hpp"
 
 namespace pusht {
 namespace {
@@ -108,6 +109,7 @@ class Watch {
 
 int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, const std::function<ExitCode()>& body,
             std::uint32_t init_options) {
+  openStandardStreams();
   try {
     const bool started_by_roslaunch = startedByRoslaunch(argc, argv);  // init() takes such arguments away
     schedulePatiently();

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/batch/command_line.hpp"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <iostream>
+#include <optional>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/ros/node.hpp"
+#include "pusht_task/standard_streams.hpp"
 #include "sim2sim_eval/interruption.hpp"
 
 namespace sim2sim {
@@ -24,12 +31,73 @@ CLI::Validator decimalText(const char* name) {
           ""};
 }
 
+/// Throws RuntimeFault where libraries, which open files of their own, would fail in their own words.
+void requireOpenFiles() {
+  constexpr rlim_t kFewest = 16;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) == 0 && limit.rlim_cur < kFewest) {
+    throw pusht::RuntimeFault("the limit of open files (ulimit -n) is " + std::to_string(limit.rlim_cur) +
+                              ": must be at least " + std::to_string(kFewest));
+  }
+}
+
+/// How many characters must be put in, left out, changed, or swapped with their neighbor to make one text the other.
+std::size_t editDistance(const std::string& a, const std::string& b) {
+  std::vector<std::vector<std::size_t>> distance(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        distance[i][j] = i + j;
+        continue;
+      }
+      distance[i][j] = std::min(
+          {distance[i - 1][j] + 1, distance[i][j - 1] + 1, distance[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        distance[i][j] = std::min(distance[i][j], distance[i - 2][j - 2] + 1);
+      }
+    }
+  }
+  return distance[a.size()][b.size()];
+}
+
+/// The option of `app` whose name is nearest to `name`; none if all are far.
+std::optional<std::string> nearestOption(const CLI::App& app, const std::string& name) {
+  std::optional<std::string> nearest;
+  std::size_t least = std::max<std::size_t>(2, name.size() / 4) + 1;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& known : option->get_lnames()) {
+      if (const std::size_t distance = editDistance(name, known); distance < least) {
+        least = distance;
+        nearest = known;
+      }
+    }
+  }
+  return nearest;
+}
+
+/// What to say of arguments that `app` does not know.
+std::string unexpectedText(const CLI::App& app, const CLI::ExtrasError& error) {
+  constexpr std::size_t kLongest = 60;  // characters of an argument that may be an option
+  for (const std::string& argument : app.remaining()) {
+    const std::string name = argument.substr(0, argument.find('='));
+    if (name.size() < 3 || name.size() > kLongest || name.compare(0, 2, "--") != 0) {
+      continue;
+    }
+    const std::optional<std::string> nearest = nearestOption(app, name.substr(2));
+    return name + ": there is no such option; " +
+           (nearest ? "did you mean --" + *nearest + "?" : "--help lists what there is");
+  }
+  return error.what();
+}
+
 }  // namespace
 
 int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body) {
+  pusht::openStandardStreams();
   try {
     app.parse(argc, argv);
     catchInterrupts(app.get_name());
+    requireOpenFiles();
     body();
     if (!std::cout.flush()) {
       throw pusht::RuntimeFault("cannot write to stdout");
@@ -37,8 +105,12 @@ int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
     return static_cast<int>(pusht::ExitCode::kOk);
   } catch (const CLI::Success& request) {  // --help
     return app.exit(request);
+  } catch (const CLI::ExtrasError& error) {
+    return pusht::reportFailure(app.get_name(), pusht::InvalidInput(unexpectedText(app, error)));
   } catch (const CLI::ParseError& error) {
     return pusht::reportFailure(app.get_name(), pusht::InvalidInput(error.what()));
+  } catch (const std::system_error& error) {  // files or threads that the system does not give
+    return pusht::reportFailure(app.get_name(), pusht::RuntimeFault(error.what()));
   } catch (const std::exception& failure) {
     return pusht::reportFailure(app.get_name(), failure);
   }
@@ -49,6 +121,10 @@ void requireNewFile(const std::string& what, const std::filesystem::path& path) 
   if (!path.empty() && std::filesystem::symlink_status(path, ignored).type() != std::filesystem::file_type::not_found) {
     throw pusht::InvalidInput(what + " " + path.string() + ": is there already; name a new file");
   }
+}
+
+CLI::Validator notEmpty() {
+  return {[](const std::string& text) -> std::string { return text.empty() ? "'': must not be empty" : ""; }, ""};
 }
 
 CLI::Validator decimalInteger() { return decimalText<std::uint64_t>("integer"); }

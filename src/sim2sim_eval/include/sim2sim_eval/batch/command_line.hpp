@@ -18,6 +18,9 @@ int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
 /// Throws InvalidInput, with `what` in front, if there is something at `path` already; an empty one means none.
 void requireNewFile(const std::string& what, const std::filesystem::path& path);
 
+/// Refuses "", which an unset variable of a shell leaves: it must not count as an option that was not given.
+CLI::Validator notEmpty();
+
 /// Accept whole decimal numbers only: CLI11 itself takes 010 for eight, and nothing for zero.
 CLI::Validator decimalInteger();
 CLI::Validator decimalReal();

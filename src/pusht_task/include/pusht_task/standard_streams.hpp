@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace pusht {
+
+/// Opens /dev/null in place of each standard stream that was closed when the program began: otherwise the first files
+/// that it opens would take the numbers 0 to 2, and what is printed would be written into them. Call it first in
+/// main().
+inline void openStandardStreams() {
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+    if (::fcntl(stream, F_GETFD) < 0) {
+      [[maybe_unused]] const int opened = ::open("/dev/null", O_RDWR);  // takes the lowest free number: this one
+    }
+  }
+}
+
+}  // namespace pusht

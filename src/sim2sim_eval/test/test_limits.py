@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Commands at the limits that a shell sets, and with command lines that are mistyped."""
+
+import os
+import shlex
+import subprocess
+import sys
+import unittest
+from typing import List
+
+sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
+from command_case import CommandCase, executable  # noqa: E402
+
+ATTRIBUTE = executable("sim2sim_eval", "attribute")
+COMPARE = executable("sim2sim_eval", "compare")
+MERGE = executable("sim2sim_eval", "merge")
+SWEEP = executable("sim2sim_eval", "sweep")
+RUN = ("--episodes", "2", "--threads", "1")
+
+
+class LimitCase(CommandCase):
+    def shell(
+        self, before: str, *command: str, after: str = ""
+    ) -> "subprocess.CompletedProcess[str]":
+        """Runs a command of ours from a shell that has set limits."""
+        return self.run_command("bash", "-c", f"{before}; exec {shlex.join(command)} {after}")
+
+    def assert_finished_or_fault(
+        self, process: "subprocess.CompletedProcess[str]", out: str
+    ) -> bool:
+        """Either the results, or exit code 4 with one line and a status that says so."""
+        folder = self.folder / out
+        if process.returncode == 0:
+            self.assertEqual(process.stderr, "")
+            self.assertEqual(self.load(out, "status.json")["exit_code"], 0)
+            return True
+        self.assert_one_line(process, 4, "compare")
+        self.assertFalse((folder / "metrics.json").exists())
+        if folder.exists():
+            self.assertEqual(self.load(out, "status.json")["exit_code"], 4)
+        return False
+
+
+class Memory(LimitCase):
+    def test_a_policy_is_loaded_or_named(self) -> None:
+        outcomes: List[bool] = []
+        for megabytes in (250, 700, 3000):
+            with self.subTest(megabytes):
+                out = f"out-{megabytes}"
+                process = self.shell(
+                    f"ulimit -v {megabytes}000", COMPARE, "--policy", "bc", *RUN, "--out", out
+                )
+                outcomes.append(self.assert_finished_or_fault(process, out))
+        self.assertFalse(outcomes[0])
+        self.assertTrue(outcomes[-1])
+
+    def test_many_threads_are_a_fault_of_the_run(self) -> None:
+        for megabytes in (100, 150, 200, 300):
+            with self.subTest(megabytes):
+                out = f"out-{megabytes}"
+                run = ("--policy", "expert", "--episodes", "1000", "--threads", "100")
+                process = self.shell(f"ulimit -v {megabytes}000", COMPARE, *run, "--out", out)
+                self.assert_finished_or_fault(process, out)
+
+
+class Files(LimitCase):
+    def test_few_files_are_a_fault_of_the_run(self) -> None:
+        for policy in ("expert", "bc"):
+            for count in (4, 5, 15, 16):
+                with self.subTest(f"{policy}, {count}"):
+                    out = f"{policy}-{count}"
+                    run = ("--policy", policy, *RUN, "--out", out)
+                    process = self.shell(f"ulimit -n {count}", COMPARE, *run)
+                    self.assertEqual(self.assert_finished_or_fault(process, out), count == 16)
+
+    def test_attribution_is_whole_or_absent(self) -> None:
+        grid = "{servo: [false, true], drag: [false, true]}"
+        plan = f"{{policy: expert, episodes: 20, horizon: 20, engine: rigid_body, grid: {grid}}}"
+        self.write("plan.yaml", plan.encode())
+        process = self.run_command(SWEEP, "plan.yaml", "--out", "sweep")
+        self.assertEqual((process.returncode, process.stderr), (0, ""))
+        before = self.files("sweep")
+        process = self.shell("ulimit -f 3", ATTRIBUTE, "sweep")
+        self.assert_one_line(process, 4, "attribute")
+        self.assertIn("cannot write sweep/attribution.json: File too large", process.stderr)
+        self.assertEqual(self.files("sweep"), before)
+        for arguments in ((), ("--overwrite",)):
+            process = self.run_command(ATTRIBUTE, "sweep", *arguments)
+            self.assertEqual((process.returncode, process.stderr), (0, ""))
+        process = self.run_command(ATTRIBUTE, "sweep")
+        self.assert_one_line(process, 2, "attribute")
+        self.assertIn("sweep/attribution.csv: is there already", process.stderr)
+
+
+class ClosedStreams(LimitCase):
+    def test_commands_work(self) -> None:
+        self.write("plan.yaml", b"{policy: bc, episodes: 2, rows: [{}, {block_damp: 20}]}")
+        compare = (COMPARE, "--policy", "bc", *RUN)
+        sweep = (SWEEP, "plan.yaml", "--threads", "1")
+        for name, command in (("compare", compare), ("sweep", sweep)):
+            whole = self.run_command(*command, "--out", name)
+            self.assertEqual((whole.returncode, whole.stderr), (0, ""))
+            for number, closed in enumerate((">&-", "2>&-", "<&-", ">&- 2>&-", "<&- >&- 2>&-")):
+                with self.subTest(f"{name} {closed}"):
+                    out = f"{name}-{number}"
+                    process = self.shell("true", *command, "--out", out, after=closed)
+                    self.assertEqual((process.returncode, process.stderr), (0, ""))
+                    found, wanted = (
+                        {
+                            str(file.relative_to(self.folder / folder)): file.read_bytes()
+                            for file in (self.folder / folder).rglob("*")
+                            if file.is_file()
+                        }
+                        for folder in (out, name)
+                    )
+                    self.assertEqual(found, wanted)
+
+    def test_failure_keeps_its_code(self) -> None:
+        for closed in (">&- 2>&-", "<&- >&- 2>&-"):
+            process = self.shell(
+                "true", COMPARE, "--policy", "none.pt", "--out", "out", after=closed
+            )
+            self.assertEqual((process.returncode, process.stderr), (2, ""))
+            self.assertFalse((self.folder / "out").exists())
+
+
+class CommandLine(LimitCase):
+    def test_mistyped_option_is_answered_with_the_nearest(self) -> None:
+        for argument, said in {
+            "--epsiodes": "--epsiodes: there is no such option; did you mean --episodes?",
+            "--polcy=bc": "--polcy: there is no such option; did you mean --policy?",
+            "--block_dump": "did you mean --block_damp?",
+            "--over-write": "did you mean --overwrite?",
+            "--velocity": "--velocity: there is no such option; --help lists what there is",
+        }.items():
+            process = self.run_command(COMPARE, argument, "5", "--out", "out")
+            self.assert_one_line(process, 2, "compare")
+            self.assertIn(said, process.stderr)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_empty_names_are_refused(self) -> None:
+        self.write("plan.yaml", b"{policy: expert, episodes: 1, rows: [{}]}")
+        for command in (
+            *((COMPARE, option) for option in ("--out", "--starts", "--write-starts")),
+            (COMPARE, "--reference-cache"),
+            *((SWEEP, "plan.yaml", option) for option in ("--out", "--shard")),
+            (SWEEP,),
+            (MERGE,),
+            (ATTRIBUTE,),
+            (executable("sim2sim_eval", "contrast"), "--out"),
+            (executable("sim2sim_eval", "demonstrate"), "--out"),
+            (executable("sim2sim_eval", "plan"),),
+            (executable("sim2sim_eval", "recompute"),),
+        ):
+            with self.subTest(command):
+                process = self.run_command(*command, "")
+                self.assert_one_line(process, 2, os.path.basename(command[0]))
+                self.assertIn("must not be empty", process.stderr)
+        self.assertEqual(self.files("."), {"plan.yaml"})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <system_error>
 
+#include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
@@ -13,13 +15,27 @@
 
 namespace {
 
-void attribute(const std::filesystem::path& sweep, const std::filesystem::path& baseline) {
+namespace fs = std::filesystem;
+
+void attribute(const fs::path& sweep, const fs::path& baseline, bool overwrite) {
+  const fs::path table = sweep / sim2sim::kAttributionTable;
+  const fs::path file = sweep / sim2sim::kAttributionFile;
+  for (const fs::path& path : {table, file}) {
+    std::error_code ignored;
+    if (!overwrite && fs::symlink_status(path, ignored).type() != fs::file_type::not_found) {
+      throw pusht::InvalidInput("attribution " + path.string() + ": is there already; replace it with --overwrite");
+    }
+  }
   const auto go_on = [] { sim2sim::requireNotInterrupted(); };
   const sim2sim::Attribution attribution = sim2sim::attribute(sweep, baseline, go_on);
   go_on();
   std::cout << sim2sim::table(attribution);
-  pusht::writeFile(sweep / sim2sim::kAttributionTable, sim2sim::toCsv(attribution));
-  pusht::writeFile(sweep / sim2sim::kAttributionFile, sim2sim::jsonText(sim2sim::toJson(attribution)));
+  pusht::AsideFile new_table(table);  // both files, or none
+  pusht::AsideFile new_file(file);
+  new_table.write(sim2sim::toCsv(attribution), true);
+  new_file.write(sim2sim::jsonText(sim2sim::toJson(attribution)), true);
+  new_table.moveIntoPlace();
+  new_file.moveIntoPlace();
 }
 
 }  // namespace
@@ -31,7 +47,10 @@ int main(int argc, char** argv) {
       "attribute");
   std::string sweep;
   std::string baseline;
-  app.add_option("sweep", sweep, "folder of the sweep")->required();
-  app.add_option("--baseline", baseline, "folder of a run over the same episodes, to be shown beside");
-  return sim2sim::runCommand(app, argc, argv, [&] { attribute(sweep, baseline); });
+  app.add_option("sweep", sweep, "folder of the sweep")->required()->check(sim2sim::notEmpty());
+  app.add_option("--baseline", baseline, "folder of a run over the same episodes, to be shown beside")
+      ->check(sim2sim::notEmpty());
+  bool overwrite = false;
+  app.add_flag("--overwrite", overwrite, "replace an attribution that is in the folder already");
+  return sim2sim::runCommand(app, argc, argv, [&] { attribute(sweep, baseline, overwrite); });
 }

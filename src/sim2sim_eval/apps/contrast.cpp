@@ -59,9 +59,9 @@ int main(int argc, char** argv) {
   std::vector<std::string> folders;
   int against = 0;
   std::string out;
-  app.add_option("results", folders, "folders of runs or sweeps")->required();
+  app.add_option("results", folders, "folders of runs or sweeps")->required()->check(sim2sim::notEmpty());
   app.add_option("--against", against, "number of the run that the others are compared with, from 0")
       ->check(sim2sim::decimalInteger());
-  app.add_option("--out", out, "JSON file for all figures");
+  app.add_option("--out", out, "JSON file for all figures")->check(sim2sim::notEmpty());
   return sim2sim::runCommand(app, argc, argv, [&] { contrast(folders, against, out); });
 }

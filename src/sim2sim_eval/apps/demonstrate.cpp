@@ -39,6 +39,6 @@ int main(int argc, char** argv) {
   std::string out = "demonstrations.bag";
   app.add_option("--seed", plan.seed, "spawn seed of the first demonstration")->check(sim2sim::decimalInteger());
   app.add_option("--episodes", plan.episodes, "number of demonstrations")->check(sim2sim::decimalInteger());
-  app.add_option("--out", out, "the bag to write");
+  app.add_option("--out", out, "the bag to write")->check(sim2sim::notEmpty());
   return sim2sim::runCommand(app, argc, argv, [&] { demonstrate(plan, out); });
 }

@@ -153,8 +153,9 @@ int main(int argc, char** argv) {
   CLI::App app("Says how small a difference a run can show, from how much the episodes of a finished run vary.",
                "plan");
   Options options;
-  app.add_option("pilot", options.pilot, "folder of a run")->required();
-  app.add_option("other", options.other, "folder of a second run over the same episodes, to plan a contrast");
+  app.add_option("pilot", options.pilot, "folder of a run")->required()->check(sim2sim::notEmpty());
+  app.add_option("other", options.other, "folder of a second run over the same episodes, to plan a contrast")
+      ->check(sim2sim::notEmpty());
   app.add_option("--episodes", options.episodes, "numbers of episodes: N,N,...")->delimiter(',')->capture_default_str();
   app.add_option("--success", options.success, "a difference of success rates: how many episodes show it?")
       ->check(sim2sim::decimalReal());

@@ -86,8 +86,9 @@ void recompute(const Options& options) {
 int main(int argc, char** argv) {
   CLI::App app("Computes the results of a run again from its bag; they are the same, byte for byte.", "recompute");
   Options options;
-  app.add_option("bag", options.bag, "compare.bag of a run")->required();
-  app.add_option("--out", options.out, "folder for the results (default: the next free results/recompute-N)");
+  app.add_option("bag", options.bag, "compare.bag of a run")->required()->check(sim2sim::notEmpty());
+  app.add_option("--out", options.out, "folder for the results (default: the next free results/recompute-N)")
+      ->check(sim2sim::notEmpty());
   app.add_flag("--overwrite", options.overwrite, "replace results that are in the folder already");
   app.add_flag("--traces", options.traces, "write what the worlds did into traces.npy");
   return sim2sim::runCommand(app, argc, argv, [&] { recompute(options); });

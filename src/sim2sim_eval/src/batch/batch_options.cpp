@@ -3,6 +3,11 @@
 
 #include <sched.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <system_error>
+
+#include "pusht_task/files.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 
 namespace sim2sim {
@@ -17,7 +22,19 @@ void BatchOptions::declare(CLI::App& app) {
                  "number of threads; it does not change the results (default: the number of cores)")
       ->check(decimalInteger() & CLI::Range(1, kMostThreads));
   app.add_option("--reference-cache", reference_cache,
-                 "folder that keeps what the reference did, for later runs with the same policy and reference");
+                 "folder that keeps what the reference did, for later runs with the same policy and reference")
+      ->check(notEmpty());
+}
+
+int defaultEpisodes(int usual, const std::filesystem::path& starts) {
+  std::error_code ignored;
+  if (starts.empty() || !std::filesystem::is_regular_file(starts, ignored)) {
+    return usual;
+  }
+  const std::string text = pusht::readFile(starts, "starts");
+  const auto ends = std::count(text.begin(), text.end(), '\n');
+  const auto rows = ends + (text.empty() || text.back() == '\n' ? 0 : 1) - 1;  // without the names of the columns
+  return static_cast<int>(std::clamp<std::ptrdiff_t>(rows, 1, usual));
 }
 
 void GapOptions::declare(CLI::App& app) {

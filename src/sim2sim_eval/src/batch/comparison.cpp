@@ -8,6 +8,8 @@
 #include <iostream>
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
 #include <utility>
 
 #include "pusht_task/error.hpp"
@@ -19,6 +21,7 @@
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/setup.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/protocol/rest_of_run.hpp"
 #include "sim2sim_eval/results/run.hpp"
 #include "sim2sim_eval/results/run_folder.hpp"
 #include "sim2sim_eval/results/traces.hpp"
@@ -81,16 +84,23 @@ class InOrder {
   std::map<int, Episode> waiting_;  // for those before them
 };
 
-/// Writes those that `protocol` has; an empty `path` means none.
-void writeStarts(const fs::path& path, const Protocol& protocol) {
-  if (path.empty()) {
-    return;
-  }
+/// The starts of a run, as a file for readStarts().
+std::string startsOf(const Protocol& protocol) {
   std::vector<pusht::WorldState> states;
   for (int episode = protocol.first_episode; episode <= protocol.lastEpisode(); ++episode) {
     states.push_back(protocol.start(episode));
   }
-  pusht::writeFile(path, startsCsv(states));
+  return startsCsv(states);
+}
+
+/// Throws InvalidInput if there is something at `path` already. A run that goes on may have written it before.
+void requireNewStarts(const fs::path& path, const Protocol& protocol, bool goes_on) {
+  std::error_code ignored;
+  const bool written_before = goes_on && fs::is_regular_file(fs::symlink_status(path, ignored)) &&
+                              pusht::readFile(path, "write_starts") == startsOf(protocol);
+  if (!written_before) {
+    requireNewFile("write_starts", path);
+  }
 }
 
 /// Each parameter of a kind of the course, as an option of its own.
@@ -117,8 +127,16 @@ void CompareOptions::declare(CLI::App& app) {
                  "'fresh-untrained'")
       ->capture_default_str();
   CLI::Option* const require =
-      app.add_flag("--require-policy", require_policy, "a missing policy is an error, not a warning");
-  app.add_option("--episodes", protocol.episodes, "number of episodes")->check(decimalInteger())->capture_default_str();
+      app.add_flag("--require-policy", require_policy,
+                   "the shipped policy must be there, too: without it an untrained one runs, with a warning");
+  CLI::Option* const allow =
+      app.add_flag("--allow-untrained", allow_untrained,
+                   "run an untrained policy, with a warning, in place of a named file that is not there");
+  app.add_option("--episodes", protocol.episodes,
+                 "number of episodes; without it as many as --starts has, if these are fewer than the default")
+      ->check(decimalInteger())
+      ->each([this](const std::string& /*text*/) { episodes_given = true; })
+      ->capture_default_str();
   app.add_option("--first-episode", protocol.first_episode, "index of the first episode")
       ->check(decimalInteger())
       ->capture_default_str();
@@ -127,8 +145,10 @@ void CompareOptions::declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--starts", starts,
                  "CSV file with the start of each episode, instead of spawn seeds: columns as the fields of "
-                 "WorldState.msg; velocities may be left out");
-  app.add_option("--write-starts", write_starts, "write the starts of the run into a new CSV file, for --starts");
+                 "WorldState.msg; velocities may be left out")
+      ->check(notEmpty());
+  app.add_option("--write-starts", write_starts, "write the starts of the run into a new CSV file, for --starts")
+      ->check(notEmpty());
   app.add_option("--reference", reference, "kind of simulator: " + pusht::joined(kindNames()))->capture_default_str();
   app.add_option("--engine", engine, "kind of simulator that is compared with the reference")->capture_default_str();
   app.add_option("--set", engine_settings, "NAME=VALUE: a parameter of the engine; may be repeated")
@@ -138,8 +158,13 @@ void CompareOptions::declare(CLI::App& app) {
   declareShortForms(app, kCourseEngine, engine_settings);
   declareShortForms(app, kCourseReference, reference_settings);
   app.add_flag("--smoke", smoke, "short fixed run of an untrained policy, whatever --policy says: 2 episodes, 40 steps")
-      ->excludes(require);
-  app.add_option("--out", out, "folder for the results (default: the next free results/compare-N)");
+      ->excludes(require)
+      ->excludes(allow);
+  app.add_option(
+         "--out", out,
+         "folder for the results (default: the next free results/compare-N); if it holds this run, unfinished, the "
+         "run continues, unless it has --record or --traces")
+      ->check(notEmpty());
   app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
   app.add_flag("--record", record, "write the run into compare.bag");
   app.add_flag("--traces", traces, "write what the worlds did into traces.npy, for `report` and for NumPy");
@@ -156,6 +181,9 @@ void compare(const CompareOptions& options) {
   // All that can be refused is refused before anything is written.
   RunConfiguration configuration;
   configuration.protocol = options.smoke ? smokeRun(options.protocol) : options.protocol;
+  if (!options.smoke && !options.episodes_given) {
+    configuration.protocol.episodes = defaultEpisodes(configuration.protocol.episodes, options.starts);
+  }
   configuration.smoke = options.smoke;
   configuration.until_decided = options.until_decided;
   if (options.until_decided) {
@@ -167,13 +195,13 @@ void compare(const CompareOptions& options) {
       givenStarts(options.starts, configuration.protocol.first_episode, configuration.protocol.episodes);
   const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_settings);
   const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_settings);
-  requireNewFile("write_starts", options.write_starts);
   std::error_code ignored;
   if (!options.write_starts.empty() &&
       fs::weakly_canonical(options.write_starts, ignored) == fs::weakly_canonical(options.out, ignored)) {
     throw pusht::InvalidInput("write_starts " + options.write_starts + ": must not be the folder of the results");
   }
-  RunFolder folder(options.out, options.overwrite);
+  RunFolder folder(options.out, options.overwrite, "compare", options.goesOn());
+  requireNewStarts(options.write_starts, configuration.protocol, folder.takesUp());
   folder.refuseInputs({{"policy", options.policy},
                        {"reference cache", options.batch.reference_cache},
                        {"starts", options.starts},
@@ -181,7 +209,8 @@ void compare(const CompareOptions& options) {
   const LoadedSimulator engine(chosen_engine);
   const Setup setup = loadFor(folder, [&] {
     const std::string policy = options.smoke ? pusht::kUntrainedPolicy : options.policy;
-    return Setup({policy, options.require_policy, configuration.protocol.seed}, reference, {chosen_engine});
+    return Setup({policy, options.require_policy, configuration.protocol.seed, options.allow_untrained}, reference,
+                 {chosen_engine});
   });
   folder.refuseInputs(setup.reference().inputs());
   folder.refuseInputs(engine.inputs());
@@ -191,9 +220,14 @@ void compare(const CompareOptions& options) {
   const auto references = options.batch.references(setup, configuration.protocol.horizon);
 
   const nlohmann::ordered_json origin = setup.provenance(configuration, engine);
-  Run run(configuration, folder, origin);
+  nlohmann::json identity = {
+      {"configuration", describe(configuration)}, {"inputs", setup.identity()}, {"machine_code", origin.at("code")}};
+  identity["configuration"].erase("config_hash");  // it follows from the rest
+  Run run(configuration, folder, origin, identity);
   try {
-    writeStarts(options.write_starts, configuration.protocol);
+    if (!options.write_starts.empty()) {
+      pusht::writeFile(options.write_starts, startsOf(configuration.protocol));
+    }
     std::optional<Recorder> recorder;
     if (options.record) {
       recorder.emplace(folder.bagPath(), origin);
@@ -205,6 +239,16 @@ void compare(const CompareOptions& options) {
     ProgressBar bar("episodes", configuration.protocol.episodes);
     int reference_successes = 0;
     int engine_successes = 0;
+    const auto count = [&](const EpisodeResult& result) {
+      reference_successes += result.rollouts[kReferenceClosed].success ? 1 : 0;
+      engine_successes += result.rollouts[kEngineClosed].success ? 1 : 0;
+    };
+    std::set<int> finished;  // before an interruption
+    for (const EpisodeResult& result : run.episodes()) {
+      count(result);
+      finished.insert(result.index);
+    }
+    bar.skip(static_cast<std::int64_t>(finished.size()));
     const auto take = [&](const Episode& episode) {
       const EpisodeResult result = run.add(episode);
       if (recorder) {
@@ -213,16 +257,16 @@ void compare(const CompareOptions& options) {
       if (traces) {
         traces->add(episode);
       }
-      reference_successes += result.rollouts[kReferenceClosed].success ? 1 : 0;
-      engine_successes += result.rollouts[kEngineClosed].success ? 1 : 0;
+      count(result);
       bar.advance("success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
     };
-    std::atomic<bool> decided = false;
-    InOrder in_order(configuration.protocol.first_episode, [&](const Episode& episode) {
-      take(episode);
-      decided = run.decided();
-      return !decided;
-    });
+    std::atomic<bool> decided = run.decided();
+    InOrder in_order(configuration.protocol.first_episode + static_cast<int>(finished.size()),
+                     [&](const Episode& episode) {
+                       take(episode);
+                       decided = run.decided();
+                       return !decided;
+                     });
     const auto deliver = [&](Episode&& episode) {
       if (options.until_decided) {
         in_order.add(std::move(episode));
@@ -231,15 +275,19 @@ void compare(const CompareOptions& options) {
       }
     };
     try {
-      runProtocol(configuration.protocol, setup.players(engine), options.batch.threadCount(),
-                  references ? &*references : nullptr, deliver, [&] { return decided || interrupted(); });
+      runRest(configuration.protocol, finished, setup.players(engine), options.batch.threadCount(),
+              references ? &*references : nullptr, deliver, [&] { return decided || interrupted(); });
     } catch (const pusht::Error&) {
       if (!decided) {  // else it is of an episode that is not needed
         throw;
       }
     }
     if (!run.whole()) {
-      throw pusht::RuntimeFault("interrupted after " + run.progress());
+      throw pusht::RuntimeFault("interrupted after " + run.progress() + "; " +
+                                (options.goesOn()
+                                     ? "to continue, run the same command with --out "
+                                     : "a run with --record or --traces begins again: --overwrite --out ") +
+                                folder.path().string());
     }
     if (recorder) {
       recorder->finish();

@@ -6,17 +6,17 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
-#include <map>
 #include <optional>
 #include <utility>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
-#include "pusht_task/reason.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/batch/shard.hpp"
 #include "sim2sim_eval/batch/sweep_folder.hpp"
 #include "sim2sim_eval/batch/sweep_plan.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/protocol/rest_of_run.hpp"
 #include "sim2sim_eval/results/attribution.hpp"
 #include "sim2sim_eval/results/run_folder.hpp"
 
@@ -54,17 +54,6 @@ json descriptionOf(const SweepPlan& plan, const Setup& setup, const json& engine
     description["permutations"] = toJson(*plan.sample);
   }
   return description;
-}
-
-/// The run that a row of the sweep is that `description` describes. Throws json::exception if it describes none,
-/// InvalidInput as Protocol::validate().
-RunConfiguration rowOf(const json& description, std::size_t row) {
-  RunConfiguration configuration;
-  configuration.protocol = protocolFrom(description);
-  configuration.policy = description.at("policy");
-  configuration.reference = simulatorFrom(description.at("inputs").at("reference"));
-  configuration.engine = simulatorFrom(description.at("rows").at(row));
-  return configuration;
 }
 
 /// What tells the rows apart: names of parameters that have more than one value. All of them for a single row.
@@ -143,31 +132,47 @@ class Sweeper {
       bar_.skip(protocol_.episodes);
       folder_.resume(index, row->metrics);
     } else {
-      row.emplace(configuration, runRow(index, engine, references));
+      row.emplace(configuration, runRow(index, engine, configuration, references));
       folder_.keep(index, configuration, *row);
     }
     printRow(configuration, settingText(index), row->summary);
   }
 
   std::vector<EpisodeResult> runRow(std::size_t index, const LoadedSimulator& engine,
-                                    const ReferenceCache& references) {
+                                    const RunConfiguration& configuration, const ReferenceCache& references) {
+    Journal journal = folder_.journal(index, configuration);
     std::vector<EpisodeResult> episodes(protocol_.episodes);
     int finished = 0;
-    const auto deliver = [&](const Episode& episode) {
-      episodes.at(episode.index() - protocol_.first_episode) = episode.result();
+    const auto take = [&](const EpisodeResult& result) {
+      episodes.at(result.index - protocol_.first_episode) = result;
       ++finished;
-      bar_.advance("row " + std::to_string(index + 1) + " of " + std::to_string(plan_.rows.size()));
+    };
+    for (const FinishedEpisode& episode : journal.kept()) {
+      take(episode.result);
+    }
+    bar_.skip(finished);
+    const auto deliver = [&](const Episode& episode) {
+      const EpisodeResult result = episode.result();
+      journal.add({result});
+      take(result);
+      bar_.advance(rowText(index, plan_.rows.size()));
     };
     try {
-      runProtocol(protocol_, setup_.players(engine), options_.batch.threadCount(), &references, deliver, interrupted);
+      runRest(protocol_, journal.keptIndices(), setup_.players(engine), options_.batch.threadCount(), &references,
+              deliver, interrupted);
     } catch (pusht::Error& error) {
+      if (dynamic_cast<const pusht::SimulationFault*>(&error) != nullptr) {
+        journal.remove();  // the row cannot be finished
+        std::error_code not_empty;
+        fs::remove(rowFolder(folder_.path(), index), not_empty);
+      }
       error.addContext("row " + std::to_string(index) + " (" + settingText(index) + ")");
       throw;
     }
     if (finished < protocol_.episodes) {
-      throw pusht::RuntimeFault("interrupted in row " + std::to_string(index) + " of " +
-                                std::to_string(plan_.rows.size()) + "; to continue, run the same command with --out " +
-                                folder_.path().string());
+      throw pusht::RuntimeFault("interrupted in " + rowText(index, plan_.rows.size()) + ", after " +
+                                std::to_string(finished) + " of its " + std::to_string(protocol_.episodes) +
+                                " episodes; to continue, run the same command with --out " + folder_.path().string());
     }
     return episodes;
   }
@@ -193,135 +198,19 @@ class Sweeper {
   ProgressBar bar_;
 };
 
-/// Runs `body`; whatever its end, status.json tells it.
-template <class Body>
-void withStatus(SweepFolder& folder, const Body& body) {
-  try {
-    body();
-  } catch (const std::exception& failure) {
-    try {
-      folder.finish(pusht::exitCodeOf(failure), pusht::reasonOf(failure));
-    } catch (const pusht::RuntimeFault&) {
-      // The first failure is the one to report.
-    }
-    throw;
-  }
-  folder.finish(pusht::ExitCode::kOk, "finished");
-  std::cout << "results: " << folder.path().string() << std::endl;
-}
-
-/// Which shard a sweep is; it is then described as the whole. Throws BadDependency if it is none.
-Shard takeShard(SweepOnDisk& sweep) {
-  const json shard = sweep.description.value("shard", json());
-  if (!shard.is_string()) {
-    throw pusht::BadDependency("shard " + sweep.folder.string() + ": is a sweep in one piece");
-  }
-  sweep.description.erase("shard");
-  return Shard::from(shard.get<std::string>());
-}
-
-/// All shards of one sweep.
-struct Shards {
-  std::map<int, fs::path> folders;  // by number
-  int of;
-  json description;  // of the whole
-  json provenance;
-};
-
-/// Throws InvalidInput if a shard is of another format.
-void requireFormats(const std::vector<std::string>& folders) {
-  for (const std::string& folder : folders) {
-    const SweepOnDisk sweep = readSweep(folder);
-    for (const auto& [file, content] :
-         {std::pair(kSweepFile, sweep.description), {kProvenanceFile, sweep.provenance}}) {
-      try {
-        requireDescriptionFormat(content);
-      } catch (pusht::Error& error) {
-        error.addContext("shard " + (fs::path(folder) / file).string());
-        throw;
-      }
-    }
-  }
-}
-
-/// Throws BadDependency unless the folders hold all shards of one sweep, InvalidInput if one is of another format.
-Shards requireShards(const std::vector<std::string>& folders) {
-  requireFormats(folders);
-  SweepOnDisk first = readSweep(folders.front());
-  Shards shards{{}, takeShard(first).of, first.description, first.provenance};
-  for (const std::string& folder : folders) {
-    SweepOnDisk sweep = readSweep(folder);
-    const Shard shard = takeShard(sweep);
-    std::string difference = differenceOf(sweep, first);
-    if (difference.empty() && shard.of != shards.of) {
-      difference = "it is " + shard.text();
-    }
-    if (!difference.empty()) {
-      throw pusht::BadDependency(
-          std::string("shard ").append(folder).append(": is of another sweep than the first one: ").append(difference));
-    }
-    const auto [place, is_new] = shards.folders.emplace(shard.number, folder);
-    if (!is_new) {
-      throw pusht::BadDependency("shards " + place->second.string() + " and " + folder + ": are both " + shard.text());
-    }
-  }
-  std::string missing;
-  for (int number = 1; number <= shards.of; ++number) {
-    if (shards.folders.count(number) == 0) {
-      missing += (missing.empty() ? "" : ", ") + Shard{number, shards.of}.text();
-    }
-  }
-  if (!missing.empty()) {
-    throw pusht::BadDependency("shards " + missing + ": are missing");
-  }
-  return shards;
-}
-
-/// The runs that the rows are. Throws BadDependency if the description is not as it was written.
-std::vector<RunConfiguration> rowsOf(const Shards& shards) {
-  const std::string name =
-      "shard " + shards.folders.begin()->second.string() + ": its sweep.json must be as it was written: ";
-  try {
-    std::vector<RunConfiguration> rows;
-    for (std::size_t row = 0; row < shards.description.at("rows").size(); ++row) {
-      rows.push_back(rowOf(shards.description, row));
-    }
-    if (rows.empty()) {
-      throw pusht::InvalidInput("there are no rows");
-    }
-    return rows;
-  } catch (const json::exception& error) {
-    throw pusht::BadDependency(name + error.what());
-  } catch (const pusht::InvalidInput& error) {
-    throw pusht::BadDependency(name + error.what());
-  }
-}
-
-/// The episodes of a row, from all shards.
-std::vector<EpisodeResult> joinRow(const Shards& shards, const RunConfiguration& whole, std::size_t row) {
-  std::vector<EpisodeResult> episodes;
-  for (const auto& [number, folder] : shards.folders) {
-    RunConfiguration part = whole;
-    part.protocol = Shard{number, shards.of}.share(whole.protocol);
-    const auto found = readRow(folder, row, part);
-    if (!found) {
-      throw pusht::BadDependency("shard " + folder.string() + ": row " + std::to_string(row) + " is not finished");
-    }
-    episodes.insert(episodes.end(), found->episodes.begin(), found->episodes.end());
-  }
-  return episodes;
-}
-
 }  // namespace
 
 void SweepOptions::declare(CLI::App& app) {
-  app.add_option("plan", plan, "YAML file: policy, seed, episodes, and a grid or a list of knob settings")->required();
+  app.add_option("plan", plan, "YAML file: policy, seed, episodes, and a grid or a list of knob settings")
+      ->required()
+      ->check(notEmpty());
   app.add_option("--episodes", episodes, "number of episodes, instead of the plan's")
       ->check(decimalInteger() & CLI::PositiveNumber);
-  app.add_option("--shard", shard, "only a share of the episodes, for `merge`: I/N, e.g. 2/5");
+  app.add_option("--shard", shard, "only a share of the episodes, for `merge`: I/N, e.g. 2/5")->check(notEmpty());
   app.add_option("--out", out,
                  "folder for the results (default: the next free results/sweep-N); if it holds this sweep already, the "
-                 "sweep continues");
+                 "sweep continues")
+      ->check(notEmpty());
   app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
   batch.declare(app);
 }
@@ -366,29 +255,6 @@ void sweep(const SweepOptions& options) {
   if (options.shard.empty()) {  // the other shards may have the successes
     warn(doubtAboutPolicy(folder.rows().front(), origin));
   }
-}
-
-void MergeOptions::declare(CLI::App& app) {
-  app.add_option("shards", shards, "folders of all shards of a sweep")->required();
-  app.add_option("--out", out, "folder for the results (default: the next free results/merge-N)");
-  app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
-}
-
-void merge(const MergeOptions& options) {
-  SweepFolder folder(options.out, options.overwrite, "merge");
-  for (const std::string& shard : options.shards) {
-    folder.refuseInputs(inputsOf(shard));
-  }
-  const Shards shards = requireShards(options.shards);
-  const std::vector<RunConfiguration> rows = rowsOf(shards);
-  folder.begin(shards.description, shards.provenance);
-  withStatus(folder, [&] {
-    for (std::size_t row = 0; row < rows.size(); ++row) {
-      requireNotInterrupted("in row " + std::to_string(row) + " of " + std::to_string(rows.size()));
-      folder.keep(row, rows[row], SweepRow(rows[row], joinRow(shards, rows[row], row)));
-    }
-  });
-  warn(doubtAboutPolicy(folder.rows().front(), shards.provenance));
 }
 
 }  // namespace sim2sim

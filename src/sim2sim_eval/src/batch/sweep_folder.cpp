@@ -125,17 +125,6 @@ std::string sweepCsv(const std::vector<json>& rows) {
   return csv;
 }
 
-/// "/seed is 1, must be 0"
-std::string firstDifference(const json& found, const json& wanted) {
-  const json difference = json::diff(found, wanted);
-  if (difference.empty()) {
-    return "";
-  }
-  const json::json_pointer place(difference[0].at("path").get<std::string>());
-  const auto text_at = [&](const json& object) { return object.contains(place) ? object.at(place).dump() : "nothing"; };
-  return place.to_string() + " is " + text_at(found) + ", must be " + text_at(wanted);
-}
-
 }  // namespace
 
 SweepOnDisk readSweep(const fs::path& folder) {
@@ -218,6 +207,7 @@ void SweepFolder::begin(const json& description, const json& provenance) {
                                 "); name another folder, or replace it with --overwrite");
     }
     writeStatus(pusht::ExitCode::kRuntimeFault, kUnderWay);
+    folder_.removeLeftovers();
     return;
   }
   folder_.refuseResults(overwrite_);
@@ -227,20 +217,32 @@ void SweepFolder::begin(const json& description, const json& provenance) {
   writeTables();
 }
 
-void SweepFolder::keep(std::size_t index, const RunConfiguration& configuration, const SweepRow& row) {
-  const fs::path folder = rowFolder(path(), index);
+Journal SweepFolder::journal(std::size_t index, const RunConfiguration& configuration) const {
+  return {createRow(index) / kJournalFile, configuration.protocol, {{"configuration", describe(configuration)}}};
+}
+
+fs::path SweepFolder::createRow(std::size_t index) const {
+  fs::path folder = rowFolder(path(), index);
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) {
     throw pusht::RuntimeFault("cannot create " + folder.string() + ": " + error.message());
   }
+  return folder;
+}
+
+void SweepFolder::keep(std::size_t index, const RunConfiguration& configuration, const SweepRow& row) {
+  const fs::path folder = createRow(index);
   pusht::writeFile(folder / kEpisodesFile, episodesCsv(configuration.protocol, row.episodes));
   pusht::writeFile(folder / kStatisticsFile, jsonText(statistics(configuration, row.episodes)));
   pusht::writeFile(folder / kMetricsFile, jsonText(row.metrics));
   resume(index, row.metrics);
+  writeStatus(pusht::ExitCode::kRuntimeFault, kUnderWay);
 }
 
 void SweepFolder::resume(std::size_t index, json row) {
+  std::error_code ignored;
+  fs::remove(rowFolder(path(), index) / kJournalFile, ignored);  // the row has all that it holds
   row["row"] = index;
   rows_.push_back(std::move(row));
   if (rows_.size() % (description_.at("rows").size() / kTablesWritten + 1) == 0) {
@@ -271,6 +273,10 @@ void SweepFolder::writeStatus(pusht::ExitCode code, const std::string& reason) c
 void SweepFolder::writeTables() const {
   pusht::writeFile(path() / kSweepCsv, sweepCsv(rows_));
   pusht::writeFile(path() / kSweepFile, jsonText({{"sweep", description_}, {"rows", rows_}}));
+}
+
+std::string rowText(std::size_t index, std::size_t rows) {
+  return "row " + std::to_string(index) + " of 0 to " + std::to_string(rows - 1);
 }
 
 }  // namespace sim2sim

@@ -4,7 +4,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 #include <optional>
 #include <set>
@@ -15,12 +14,12 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
+#include "sim2sim_eval/batch/batch_options.hpp"
 
 namespace sim2sim {
 namespace {
 
 constexpr std::size_t kMostRows = 100'000;
-constexpr int kMostShards = 1'000'000;
 
 /// "line 3, block_damp"
 std::string placeOf(const YAML::Node& node, const std::string& key) {
@@ -355,6 +354,7 @@ SweepPlan planFrom(const YAML::Node& root) {
   };
   take("seed", plan.protocol.seed);
   take("first_episode", plan.protocol.first_episode);
+  plan.protocol.episodes = defaultEpisodes(plan.protocol.episodes, plan.starts);
   take("episodes", plan.protocol.episodes);
   take("horizon", plan.protocol.horizon);
   plan.protocol.validate();
@@ -378,34 +378,6 @@ SweepPlan readSweepPlan(const std::filesystem::path& path) {
     error.addContext("sweep " + path.string());
     throw;
   }
-}
-
-Shard Shard::from(const std::string& text) {
-  Shard shard;
-  const char* const end = text.data() + text.size();
-  const auto number = std::from_chars(text.data(), end, shard.number);
-  const bool slash = number.ec == std::errc() && number.ptr != end && *number.ptr == '/';
-  const auto of = slash ? std::from_chars(number.ptr + 1, end, shard.of) : number;
-  if (!slash || of.ec != std::errc() || of.ptr != end || shard.number < 1 || shard.number > shard.of ||
-      shard.of > kMostShards) {
-    throw pusht::InvalidInput("shard '" + text + "': must be I/N with I from 1 to N, e.g. 2/5");
-  }
-  return shard;
-}
-
-Protocol Shard::share(const Protocol& protocol) const {
-  if (of > protocol.episodes) {
-    throw pusht::InvalidInput("shard " + text() +
-                              ": there must be at least as many episodes as shards, but there are " +
-                              std::to_string(protocol.episodes));
-  }
-  const auto before = [&](int shards) {
-    return static_cast<int>(static_cast<std::int64_t>(protocol.episodes) * shards / of);
-  };
-  Protocol share = protocol;
-  share.first_episode = protocol.first_episode + before(number - 1);
-  share.episodes = before(number) - before(number - 1);
-  return share;
 }
 
 }  // namespace sim2sim

@@ -13,6 +13,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/spawn.hpp"
+#include "sim2sim_eval/protocol/rest_of_run.hpp"
 
 namespace sim2sim {
 namespace {
@@ -330,6 +331,12 @@ Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pu
 
 void runProtocol(const Protocol& protocol, const Players& players, int threads, const ReferenceCache* references,
                  const std::function<void(Episode&&)>& deliver, const std::function<bool()>& stop) {
+  runRest(protocol, {}, players, threads, references, deliver, stop);
+}
+
+void runRest(const Protocol& protocol, const std::set<int>& finished, const Players& players, int threads,
+             const ReferenceCache* references, const std::function<void(Episode&&)>& deliver,
+             const std::function<bool()>& stop) {
   protocol.validate();
   threads = std::min(threads, protocol.episodes);
   const int in_flight = std::min(kEpisodesInFlight, (protocol.episodes + threads - 1) / threads);
@@ -356,7 +363,7 @@ void runProtocol(const Protocol& protocol, const Players& players, int threads, 
     Flight flight(protocol, worlds, *policy);
     while (!stop() && !failed) {
       while (!flight.full() && next_episode <= protocol.lastEpisode()) {
-        if (const int index = next_episode++; index <= protocol.lastEpisode()) {
+        if (const int index = next_episode++; index <= protocol.lastEpisode() && finished.count(index) == 0) {
           begin(flight, index);
         }
       }

@@ -114,8 +114,14 @@ std::vector<RunResults> read(const fs::path& folder, const std::function<void()>
   if (std::error_code ignored; fs::exists(folder / kMetricsFile, ignored)) {
     throw pusht::InvalidInput("results " + folder.string() + ": is a run; a sweep over switches is needed");
   }
+  const std::vector<fs::path> rows = runsIn(folder);
+  const json sweep = json::parse(pusht::readFile(folder / kSweepFile, "results"), nullptr, false);
+  if (const json::json_pointer shard("/sweep/shard"); sweep.is_object() && sweep.contains(shard)) {
+    throw pusht::InvalidInput("results " + folder.string() + ": is shard " + sweep.at(shard).dump() +
+                              " of a sweep; merge the shards first");
+  }
   std::vector<RunResults> runs;
-  for (const fs::path& run : runsIn(folder)) {
+  for (const fs::path& run : rows) {
     go_on();
     runs.push_back(readResults(run));
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "pusht_task/numbers.hpp"
 
@@ -38,31 +39,71 @@ double rankedValue(const std::vector<std::uint32_t>& bins, std::uint64_t total, 
 
 }  // namespace
 
-DivergenceBands::DivergenceBands(const Protocol& protocol) {
+nlohmann::json toJson(const EpisodeBins& bins) {
+  constexpr const char* kHexDigits = "0123456789abcdef";
+  nlohmann::json lists = nlohmann::json::array();
+  for (const auto& rollout : bins) {
+    for (const std::vector<std::uint16_t>& component : rollout) {
+      std::string text;
+      for (const unsigned int bin : component) {
+        for (const unsigned int shift : {12U, 8U, 4U, 0U}) {
+          text += kHexDigits[bin >> shift & 15U];
+        }
+      }
+      lists.push_back(std::move(text));
+    }
+  }
+  return lists;
+}
+
+EpisodeBins binsFrom(const nlohmann::json& json) {
+  constexpr std::size_t kDigits = 4;
+  constexpr int kBase = 16;
+  const auto lists = json.get<std::vector<std::string>>();
+  EpisodeBins bins(lists.size() / 2);
+  for (std::size_t i = 0; i < 2 * bins.size(); ++i) {
+    for (std::size_t at = 0; at + kDigits <= lists[i].size(); at += kDigits) {
+      bins[i / 2].at(i % 2).push_back(
+          static_cast<std::uint16_t>(std::stoul(lists[i].substr(at, kDigits), nullptr, kBase)));
+    }
+  }
+  return bins;
+}
+
+DivergenceBands::DivergenceBands(const Protocol& protocol) : protocol_(protocol) {
   const std::vector<std::string> names = protocol.rolloutNames();
   for (std::size_t rollout = kReferenceClosed + 1; rollout < names.size(); ++rollout) {
     curves_.push_back({names[rollout], {}});
   }
 }
 
-void DivergenceBands::add(const Episode& episode) {
+EpisodeBins DivergenceBands::binsOf(const Protocol& protocol, const Episode& episode) {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-  for (std::size_t rollout = kReferenceClosed + 1; rollout <= curves_.size(); ++rollout) {
+  EpisodeBins bins;
+  for (std::size_t rollout = kReferenceClosed + 1; rollout < kModeCount + protocol.probes.size(); ++rollout) {
     const pusht::Trace& trace = rollout < kModeCount ? episode.rollout(static_cast<Mode>(rollout)).trace()
                                                      : episode.probe(rollout - kModeCount).value();
-    add(curves_[rollout - 1], reference, trace);
+    auto& of_rollout = bins.emplace_back();
+    for (const Divergence& divergence : divergenceBySteps(reference, trace)) {
+      for (std::size_t i = 0; i < kComponents.size(); ++i) {
+        of_rollout[i].push_back(static_cast<std::uint16_t>(binOf(divergence.*kComponents[i])));
+      }
+    }
   }
+  return bins;
 }
 
-void DivergenceBands::add(Curve& curve, const pusht::Trace& reference, const pusht::Trace& rollout) {
-  const std::vector<Divergence> divergences = divergenceBySteps(reference, rollout);
-  curve.steps.resize(std::max(curve.steps.size(), divergences.size()));
-  for (std::size_t step = 0; step < divergences.size(); ++step) {
+void DivergenceBands::add(const EpisodeBins& bins) {
+  for (std::size_t rollout = 0; rollout < curves_.size(); ++rollout) {
+    Curve& curve = curves_[rollout];
     for (std::size_t i = 0; i < kComponents.size(); ++i) {
-      Bins& bins = curve.steps[step][i];
-      const std::size_t bin = binOf(divergences[step].*kComponents[i]);
-      bins.resize(std::max(bins.size(), bin + 1));
-      ++bins[bin];
+      const std::vector<std::uint16_t>& steps = bins.at(rollout)[i];
+      curve.steps.resize(std::max(curve.steps.size(), steps.size()));
+      for (std::size_t step = 0; step < steps.size(); ++step) {
+        Bins& counts = curve.steps[step][i];
+        counts.resize(std::max<std::size_t>(counts.size(), steps[step] + 1U));
+        ++counts[steps[step]];
+      }
     }
   }
 }

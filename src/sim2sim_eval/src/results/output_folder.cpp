@@ -35,12 +35,14 @@ const std::vector<ResultFile>& resultFiles() {
   static const std::vector<ResultFile> files = {
       {Results::kRun, regexes("(metrics|statistics)\\.json")},
       {Results::kRun, regexes("(episodes|divergence)\\.csv")},
+      {Results::kRun, regexes("episodes\\.journal")},
       {Results::kRun, regexes("compare\\.bag")},
       {Results::kRun, regexes("traces\\.npy(\\.part)?")},
       {Results::kRun, regexes("compare\\.bag\\.part")},  // of a run that was killed
       {Results::kSweep, regexes("sweep\\.(json|csv)")},
       {Results::kSweep, regexes("attribution\\.(json|csv)")},
       {Results::kSweep, regexes("rows", "[0-9]{3,}", "((metrics|statistics)\\.json|episodes\\.csv)(\\.part)?")},
+      {Results::kSweep, regexes("rows", "[0-9]{3,}", "episodes\\.journal")},
       {Results::kSweep, regexes("reference", "[0-9a-f]{16}", "[0-9a-f]+\\.(reference|floor_1e-[69])(\\.part)?")},
       {std::nullopt, regexes("report\\.html")},
       {std::nullopt, regexes("provenance\\.json")},
@@ -182,10 +184,11 @@ void OutputFolder::refuseInputs(const std::vector<Input>& inputs) const {
   }
 }
 
-void OutputFolder::refuseResults(bool overwrite) const {
-  const auto refuse = [this](const std::string& why) {
-    throw pusht::InvalidInput("out " + path_.string() + ": " + why);
-  };
+void OutputFolder::refuse(const std::string& why) const {
+  throw pusht::InvalidInput("out " + path_.string() + ": " + why);
+}
+
+void OutputFolder::refuseOtherResults() const {
   for (const ResultFile& file : resultFiles()) {
     const std::vector<fs::path> found = find(path_, file);
     if (file.of && *file.of != results_ && !found.empty()) {
@@ -193,6 +196,10 @@ void OutputFolder::refuseResults(bool overwrite) const {
              " does not replace; name another folder");
     }
   }
+}
+
+void OutputFolder::refuseResults(bool overwrite) const {
+  refuseOtherResults();
   for (const ResultFile& file : resultFiles()) {
     for (const fs::path& path : find(path_, file)) {
       std::error_code ignored;
@@ -216,6 +223,17 @@ void OutputFolder::removeResults() const {
   for (const ResultFile& file : resultFiles()) {
     if ((!file.of || *file.of == results_) && !isStatus(file)) {
       remove(path_, file);
+    }
+  }
+  removeLeftovers();
+}
+
+void OutputFolder::removeLeftovers() const {
+  for (const char* name : {kProvenanceFile, kStatusFile}) {
+    const fs::path path = path_ / (std::string(name) + ".part");
+    std::error_code ignored;
+    if (fs::symlink_status(path, ignored).type() == fs::file_type::regular) {  // a link is not ours
+      fs::remove(path, ignored);
     }
   }
 }

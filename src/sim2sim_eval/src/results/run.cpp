@@ -29,23 +29,37 @@ bool isWhole(const RunConfiguration& run, const std::vector<EpisodeResult>& epis
   return bet.verdict() != Verdict::kUndecided;
 }
 
-Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance)
+Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance,
+         const nlohmann::json& identity)
     : configuration_(std::move(configuration)), folder_(folder), bands_(configuration_.protocol) {
   if (configuration_.until_decided) {
     bet_.emplace(*configuration_.until_decided);
   }
-  folder_.begin(provenance, configuration_.protocol.episodes);
+  folder_.begin(provenance, configuration_.protocol, identity);
+  if (const Journal* journal = folder_.journal()) {
+    for (const FinishedEpisode& episode : journal->kept()) {
+      add(episode);
+    }
+  }
 }
 
 EpisodeResult Run::add(const Episode& episode) {
-  EpisodeResult result = episode.result();
+  FinishedEpisode finished{episode.result(), DivergenceBands::binsOf(configuration_.protocol, episode)};
+  if (Journal* journal = folder_.journal()) {
+    journal->add(finished);
+  }
+  add(finished);
+  return std::move(finished.result);
+}
+
+void Run::add(const FinishedEpisode& finished) {
+  const EpisodeResult& result = finished.result;
   const auto after = std::upper_bound(episodes_.begin(), episodes_.end(), result,
                                       [](const auto& a, const auto& b) { return a.index < b.index; });
   episodes_.insert(after, result);
-  bands_.add(episode);
+  bands_.add(finished.bins);
   watch(result);
   summary_.reset();
-  return result;
 }
 
 void Run::take(std::vector<EpisodeResult> episodes, DivergenceBands bands) {

@@ -16,17 +16,51 @@ constexpr const char* kTraces = "traces.npy";
 
 }  // namespace
 
-RunFolder::RunFolder(fs::path path, bool overwrite, std::string command)
-    : folder_(std::move(path), std::move(command), Results::kRun), overwrite_(overwrite) {
-  folder_.refuseResults(overwrite_);
+RunFolder::RunFolder(fs::path path, bool overwrite, std::string command, bool goes_on)
+    : folder_(std::move(path), std::move(command), Results::kRun), overwrite_(overwrite), goes_on_(goes_on) {
+  refuseResults();
 }
 
-void RunFolder::begin(const nlohmann::json& provenance, int episodes) {
+bool RunFolder::takesUp() const {
+  std::error_code ignored;
+  return goes_on_ && !overwrite_ && !path().empty() && fs::exists(path() / kJournalFile, ignored) &&
+         !fs::exists(path() / kMetricsFile, ignored);
+}
+
+void RunFolder::refuseResults() const {
+  if (takesUp()) {
+    folder_.refuseOtherResults();
+  } else {
+    folder_.refuseResults(overwrite_);
+  }
+}
+
+void RunFolder::begin(const nlohmann::json& provenance, const Protocol& protocol, const nlohmann::json& identity) {
   folder_.open();
-  folder_.refuseResults(overwrite_);  // another run may have been quicker
-  writeStatus(underWay(episodes));    // first, or the status of an earlier run would speak for this one
-  folder_.removeResults();
-  pusht::writeFile(path() / kProvenanceFile, jsonText(provenance));
+  refuseResults();  // another run may have been quicker
+  const bool takes_up = takesUp();
+  const auto open_journal = [&] { journal_.emplace(path() / kJournalFile, protocol, identity); };
+  if (takes_up) {
+    open_journal();  // first: what it refuses stays as it is
+  }
+  RunStatus status = underWay(protocol.episodes);
+  status.episodes_finished = takes_up ? static_cast<int>(journal_->kept().size()) : 0;
+  writeStatus(status);  // before anything is removed, or the status of an earlier run would speak for this one
+  try {
+    if (takes_up) {
+      folder_.removeLeftovers();
+    } else {
+      folder_.removeResults();
+    }
+    if (goes_on_ && !takes_up) {
+      open_journal();
+    }
+    pusht::writeFile(path() / kProvenanceFile, jsonText(provenance));
+  } catch (const pusht::RuntimeFault& fault) {
+    status.reason = fault.what();
+    writeStatus(status);
+    throw;
+  }
 }
 
 fs::path RunFolder::bagPath() const { return path() / kBag; }
@@ -42,6 +76,9 @@ void RunFolder::finish(const RunConfiguration& configuration, const nlohmann::js
     pusht::writeFile(path() / kStatisticsFile, jsonText(statistics(configuration, episodes)));
     pusht::writeFile(path() / kMetricsFile, jsonText(metrics));
     writeStatus({pusht::ExitCode::kOk, "finished", count, count, faults_survived});
+    if (journal_) {
+      journal_->remove();
+    }
   } catch (const pusht::RuntimeFault& fault) {
     std::error_code ignored;
     fs::remove(path() / kMetricsFile, ignored);  // it would speak for a run that failed
@@ -64,7 +101,7 @@ void RunFolder::abandon(const Protocol& protocol, const std::vector<EpisodeResul
 
 void RunFolder::refuse(RunStatus status) {
   folder_.open();
-  folder_.refuseResults(overwrite_);
+  refuseResults();
   status.beside_earlier_results = folder_.holdsResults();
   writeStatus(status);
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -25,6 +26,10 @@ struct BatchOptions {
   /// The cache that they ask for. Throws as ReferenceCache does.
   std::optional<ReferenceCache> references(const Setup& setup, int horizon) const;
 };
+
+/// The number of episodes of a run that names none: `usual`, or as many as the file has starts, if these are fewer. An
+/// empty path, or a file that cannot be read, means `usual`.
+int defaultEpisodes(int usual, const std::filesystem::path& starts);
 
 /// How divergence is measured, besides its means.
 struct GapOptions {

@@ -16,8 +16,10 @@ namespace sim2sim {
 
 struct CompareOptions {
   Protocol protocol;
+  bool episodes_given = false;                 ///< else defaultEpisodes()
   std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice
   bool require_policy = false;
+  bool allow_untrained = false;
   std::string reference = kCourseReference;       ///< kind
   std::vector<std::string> reference_settings{};  ///< as in chooseSimulator()
   std::string engine = kCourseEngine;             ///< kind
@@ -33,12 +35,15 @@ struct CompareOptions {
   GapOptions gap;
   BatchOptions batch;
 
+  /// Whether the run continues after an interruption. A bag, or traces, of a part of a run cannot be added to.
+  bool goesOn() const { return !record && !traces; }
+
   /// Declares the options on a command line.
   void declare(CLI::App& app);
 };
 
-/// Runs the protocol, writes the results folder and prints the table. Throws an Error of its kind on failure;
-/// finished episodes are kept then.
+/// Runs the protocol, writes the results folder and prints the table; a run that the folder holds unfinished goes on,
+/// with the bytes of a run in one piece. Throws an Error of its kind on failure; finished episodes are kept then.
 void compare(const CompareOptions& options);
 
 }  // namespace sim2sim

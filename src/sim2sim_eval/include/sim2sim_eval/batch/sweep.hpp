@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Sweeps in process: what `rosrun sim2sim_eval sweep` and `merge` do.
+/// Sweeps in process: what `rosrun sim2sim_eval sweep` does.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <string>
-#include <vector>
 
 #include "sim2sim_eval/batch/batch_options.hpp"
 
@@ -26,18 +25,5 @@ struct SweepOptions {
 /// all rows. A row in which a simulation fails does not keep the others from running. Throws an Error of its kind on
 /// failure; finished rows are kept then.
 void sweep(const SweepOptions& options);
-
-struct MergeOptions {
-  std::vector<std::string> shards;  ///< folders
-  std::string out;                  ///< folder; empty: the next free results/merge-N
-  bool overwrite = false;
-
-  /// Declares the options on a command line.
-  void declare(CLI::App& app);
-};
-
-/// Joins the shards of a sweep: the bytes of the sweep in one piece. Throws BadDependency, naming them, for shards that
-/// are missing, given twice, unfinished, or of another sweep, build or machine class.
-void merge(const MergeOptions& options);
 
 }  // namespace sim2sim

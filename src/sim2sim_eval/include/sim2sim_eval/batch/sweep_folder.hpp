@@ -3,14 +3,18 @@
 #pragma once
 
 #include <cstddef>
+#include <exception>
 #include <filesystem>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/reason.hpp"
 #include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_eval/results/journal.hpp"
 #include "sim2sim_eval/results/output_folder.hpp"
 #include "sim2sim_eval/results/report.hpp"
 #include "sim2sim_eval/results/run_folder.hpp"
@@ -62,6 +66,9 @@ class SweepFolder {
   /// folder holds results that must stay; as OutputFolder::open() otherwise.
   void begin(const nlohmann::json& description, const nlohmann::json& provenance);
 
+  /// The journal of a row that is run; keep() and resume() remove it. Throws as Journal does.
+  Journal journal(std::size_t index, const RunConfiguration& configuration) const;
+
   /// Writes a row; rows come in order. Throws RuntimeFault if it cannot be written.
   void keep(std::size_t index, const RunConfiguration& configuration, const SweepRow& row);
 
@@ -85,6 +92,7 @@ class SweepFolder {
   const std::filesystem::path& path() const { return folder_.path(); }
 
  private:
+  std::filesystem::path createRow(std::size_t index) const;
   void writeTables() const;
   void writeStatus(pusht::ExitCode code, const std::string& reason) const;
 
@@ -93,5 +101,25 @@ class SweepFolder {
   nlohmann::json description_;
   std::vector<nlohmann::json> rows_;
 };
+
+/// "row 0 of 0 to 2": rows are counted as their folders are.
+std::string rowText(std::size_t index, std::size_t rows);
+
+/// Runs `body`; whatever its end, status.json of the sweep tells it.
+template <class Body>
+void withStatus(SweepFolder& folder, const Body& body) {
+  try {
+    body();
+  } catch (const std::exception& failure) {
+    try {
+      folder.finish(pusht::exitCodeOf(failure), pusht::reasonOf(failure));
+    } catch (const pusht::RuntimeFault&) {
+      // The first failure is the one to report.
+    }
+    throw;
+  }
+  folder.finish(pusht::ExitCode::kOk, "finished");
+  std::cout << "results: " << folder.path().string() << std::endl;
+}
 
 }  // namespace sim2sim

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -12,14 +13,27 @@
 
 namespace sim2sim {
 
+/// What an episode adds to the bands: for each rollout that is compared with the reference, and for position and angle,
+/// the bin of its divergence after each control step.
+using EpisodeBins = std::vector<std::array<std::vector<std::uint16_t>, 2>>;
+
+/// For each list of bins a text of four hex digits a bin.
+nlohmann::json toJson(const EpisodeBins& bins);
+
+/// Throws json::exception or std::exception if `json` does not come from toJson().
+EpisodeBins binsFrom(const nlohmann::json& json);
+
 /// Counts how many episodes diverge how far after each control step, in bins whose edges are 2 % apart: so its memory
 /// does not grow with the episodes, and their order does not matter. Quantiles are right to 1 %.
 class DivergenceBands {
  public:
   explicit DivergenceBands(const Protocol& protocol);
 
-  /// A finished episode of the protocol.
-  void add(const Episode& episode);
+  /// What a finished episode of the protocol adds.
+  static EpisodeBins binsOf(const Protocol& protocol, const Episode& episode);
+
+  void add(const EpisodeBins& bins);
+  void add(const Episode& episode) { add(binsOf(protocol_, episode)); }
 
   /// A row for each rollout that is compared with the reference and each control step: how many episodes go on, and
   /// quantiles of their divergences. Values below 1e-12 are 0.
@@ -36,8 +50,7 @@ class DivergenceBands {
     std::vector<std::array<Bins, kComponents.size()>> steps;
   };
 
-  static void add(Curve& curve, const pusht::Trace& reference, const pusht::Trace& rollout);
-
+  Protocol protocol_;
   std::vector<Curve> curves_;
 };
 

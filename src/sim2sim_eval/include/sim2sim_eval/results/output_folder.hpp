@@ -20,6 +20,8 @@ constexpr const char* kEpisodesFile = "episodes.csv";
 constexpr const char* kProvenanceFile = "provenance.json";
 constexpr const char* kStatusFile = "status.json";
 
+constexpr const char* kJournalFile = "episodes.journal";  ///< of a run, or of a row, that is not finished
+
 constexpr const char* kSweepFile = "sweep.json";
 
 // Of what is said of a sweep.
@@ -58,6 +60,9 @@ class OutputFolder {
   /// `overwrite`, of this kind. A status that tells of no finished episode is not a result.
   void refuseResults(bool overwrite) const;
 
+  /// The same, but only for results of the other kind.
+  void refuseOtherResults() const;
+
   /// Whether there are results besides a status.
   bool holdsResults() const;
 
@@ -65,16 +70,20 @@ class OutputFolder {
   /// it or a link or a file is in it where a folder for results belongs, RuntimeFault if it cannot be written.
   void open();
 
-  /// Removes the results of this kind besides the status, and folders of theirs that are empty then. Throws
-  /// RuntimeFault if that fails.
+  /// Removes the results of this kind besides the status, leftovers too, and folders of theirs that are empty then.
+  /// Throws RuntimeFault if that fails.
   void removeResults() const;
 
-  /// The same for what a sweep keeps of the reference.
+  /// Removes what a killed process has left of files that it was writing: "provenance.json.part".
+  void removeLeftovers() const;
+
+  /// Removes what a sweep keeps of the reference.
   void removeReference() const;
 
   const std::filesystem::path& path() const { return path_; }
 
  private:
+  [[noreturn]] void refuse(const std::string& why) const;
   std::string nameIn(const std::filesystem::path& path) const;
   void create();
   void lock();

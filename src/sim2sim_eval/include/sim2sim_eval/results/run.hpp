@@ -22,8 +22,10 @@ bool isWhole(const RunConfiguration& run, const std::vector<EpisodeResult>& epis
 /// Gathers the finished episodes of a run, and tells in its folder and as a table what they say.
 class Run {
  public:
-  /// Begins `folder`, which must outlive the run.
-  Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance);
+  /// Begins `folder`, which must outlive the run; `identity` as for RunFolder::begin(). A run that goes on has the
+  /// episodes of its journal.
+  Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance,
+      const nlohmann::json& identity = {});
 
   const RunConfiguration& configuration() const { return configuration_; }
 
@@ -53,6 +55,7 @@ class Run {
   void abandon(std::ostream& out, const std::exception& failure, int faults_survived = 0) const;
 
  private:
+  void add(const FinishedEpisode& finished);
   void watch(const EpisodeResult& episode);
 
   RunConfiguration configuration_;

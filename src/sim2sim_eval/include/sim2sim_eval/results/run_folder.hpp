@@ -4,12 +4,14 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pusht_task/error.hpp"
 #include "sim2sim_eval/protocol/protocol.hpp"
 #include "sim2sim_eval/results/bands.hpp"
+#include "sim2sim_eval/results/journal.hpp"
 #include "sim2sim_eval/results/output_folder.hpp"
 #include "sim2sim_eval/results/report.hpp"
 
@@ -34,16 +36,24 @@ std::string statusText(const RunStatus& status);
 /// Every file in it is complete or absent. metrics.json speaks for a whole run: it is only written by finish().
 class RunFolder {
  public:
-  /// As OutputFolder; throws InvalidInput, too, if `path` holds results that must stay.
-  RunFolder(std::filesystem::path path, bool overwrite, std::string command = "compare");
+  /// As OutputFolder; throws InvalidInput, too, if `path` holds results that must stay. Those of a run that is not
+  /// finished need not, if `goes_on`: begin() takes them up.
+  RunFolder(std::filesystem::path path, bool overwrite, std::string command = "compare", bool goes_on = false);
 
   /// As OutputFolder.
   void refuseInputs(const std::vector<Input>& inputs) const { folder_.refuseInputs(inputs); }
 
+  /// Whether there is an unfinished run that this one takes up.
+  bool takesUp() const;
+
   /// Creates the folder, without results of an earlier run, and writes what the run depends on and that it is under
   /// way. From here on the folder is locked. Throws InvalidInput if another run has locked it, RuntimeFault if it
-  /// cannot be written.
-  void begin(const nlohmann::json& provenance, int episodes);
+  /// cannot be written. A run that may go on keeps a journal() under `identity`, which is all that decides the bytes of
+  /// its episodes. If there is one already, results stay, and it throws as Journal does, before it writes anything.
+  void begin(const nlohmann::json& provenance, const Protocol& protocol, const nlohmann::json& identity = {});
+
+  /// Null unless the run may go on after an interruption.
+  Journal* journal() { return journal_ ? &*journal_ : nullptr; }
 
   /// The results of a whole run. If they cannot be written, the status says so, and RuntimeFault is thrown.
   void finish(const RunConfiguration& configuration, const nlohmann::json& metrics,
@@ -67,8 +77,12 @@ class RunFolder {
  private:
   void writeStatus(const RunStatus& status) const;
 
+  void refuseResults() const;
+
   OutputFolder folder_;
   bool overwrite_;
+  bool goes_on_;
+  std::optional<Journal> journal_;
 };
 
 /// What `load` gives, before a run or sweep begins in `folder`. If a fault ends it (an interruption, say), the folder

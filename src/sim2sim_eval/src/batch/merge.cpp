@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/merge.hpp"
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/batch/shard.hpp"
+#include "sim2sim_eval/batch/sweep_folder.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/results/run_folder.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// The run that a row of the sweep is that `description` describes. Throws json::exception if it describes none,
+/// InvalidInput as Protocol::validate().
+RunConfiguration rowOf(const json& description, std::size_t row) {
+  RunConfiguration configuration;
+  configuration.protocol = protocolFrom(description);
+  configuration.policy = description.at("policy");
+  configuration.reference = simulatorFrom(description.at("inputs").at("reference"));
+  configuration.engine = simulatorFrom(description.at("rows").at(row));
+  return configuration;
+}
+
+/// Which shard a sweep is; it is then described as the whole. Throws BadDependency if it is none.
+Shard takeShard(SweepOnDisk& sweep) {
+  const json shard = sweep.description.value("shard", json());
+  if (!shard.is_string()) {
+    throw pusht::BadDependency("shard " + sweep.folder.string() + ": is a sweep in one piece");
+  }
+  sweep.description.erase("shard");
+  return Shard::from(shard.get<std::string>());
+}
+
+/// All shards of one sweep.
+struct Shards {
+  std::map<int, fs::path> folders;  // by number
+  int of;
+  json description;  // of the whole
+  json provenance;
+};
+
+/// Throws InvalidInput if a shard is of another format.
+void requireFormats(const std::vector<std::string>& folders) {
+  for (const std::string& folder : folders) {
+    const SweepOnDisk sweep = readSweep(folder);
+    for (const auto& [file, content] :
+         {std::pair(kSweepFile, sweep.description), {kProvenanceFile, sweep.provenance}}) {
+      try {
+        requireDescriptionFormat(content);
+      } catch (pusht::Error& error) {
+        error.addContext("shard " + (fs::path(folder) / file).string());
+        throw;
+      }
+    }
+  }
+}
+
+/// Throws BadDependency unless the folders hold all shards of one sweep, InvalidInput if one is of another format.
+Shards requireShards(const std::vector<std::string>& folders) {
+  requireFormats(folders);
+  SweepOnDisk first = readSweep(folders.front());
+  Shards shards{{}, takeShard(first).of, first.description, first.provenance};
+  for (const std::string& folder : folders) {
+    SweepOnDisk sweep = readSweep(folder);
+    const Shard shard = takeShard(sweep);
+    std::string difference = differenceOf(sweep, first);
+    if (difference.empty() && shard.of != shards.of) {
+      difference = "it is " + shard.text();
+    }
+    if (!difference.empty()) {
+      throw pusht::BadDependency(
+          std::string("shard ").append(folder).append(": is of another sweep than the first one: ").append(difference));
+    }
+    const auto [place, is_new] = shards.folders.emplace(shard.number, folder);
+    if (!is_new) {
+      throw pusht::BadDependency("shards " + place->second.string() + " and " + folder + ": are both " + shard.text());
+    }
+  }
+  std::string missing;
+  for (int number = 1; number <= shards.of; ++number) {
+    if (shards.folders.count(number) == 0) {
+      missing += (missing.empty() ? "" : ", ") + Shard{number, shards.of}.text();
+    }
+  }
+  if (!missing.empty()) {
+    throw pusht::BadDependency("shards " + missing + ": are missing");
+  }
+  return shards;
+}
+
+/// The runs that the rows are. Throws BadDependency if the description is not as it was written.
+std::vector<RunConfiguration> rowsOf(const Shards& shards) {
+  const std::string name =
+      "shard " + shards.folders.begin()->second.string() + ": its sweep.json must be as it was written: ";
+  try {
+    std::vector<RunConfiguration> rows;
+    for (std::size_t row = 0; row < shards.description.at("rows").size(); ++row) {
+      rows.push_back(rowOf(shards.description, row));
+    }
+    if (rows.empty()) {
+      throw pusht::InvalidInput("there are no rows");
+    }
+    return rows;
+  } catch (const json::exception& error) {
+    throw pusht::BadDependency(name + error.what());
+  } catch (const pusht::InvalidInput& error) {
+    throw pusht::BadDependency(name + error.what());
+  }
+}
+
+/// The episodes of a row, from all shards.
+std::vector<EpisodeResult> joinRow(const Shards& shards, const RunConfiguration& whole, std::size_t row) {
+  std::vector<EpisodeResult> episodes;
+  for (const auto& [number, folder] : shards.folders) {
+    RunConfiguration part = whole;
+    part.protocol = Shard{number, shards.of}.share(whole.protocol);
+    const auto found = readRow(folder, row, part);
+    if (!found) {
+      throw pusht::BadDependency("shard " + folder.string() + ": row " + std::to_string(row) + " is not finished");
+    }
+    episodes.insert(episodes.end(), found->episodes.begin(), found->episodes.end());
+  }
+  return episodes;
+}
+
+}  // namespace
+
+void MergeOptions::declare(CLI::App& app) {
+  app.add_option("shards", shards, "folders of all shards of a sweep")->required()->check(notEmpty());
+  app.add_option("--out", out, "folder for the results (default: the next free results/merge-N)")->check(notEmpty());
+  app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
+}
+
+void merge(const MergeOptions& options) {
+  SweepFolder folder(options.out, options.overwrite, "merge");
+  for (const std::string& shard : options.shards) {
+    folder.refuseInputs(inputsOf(shard));
+  }
+  const Shards shards = requireShards(options.shards);
+  const std::vector<RunConfiguration> rows = rowsOf(shards);
+  loadFor(folder, [&] {  // damaged rows are found before anything is replaced
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      requireNotInterrupted("while " + rowText(row, rows.size()) + " was checked");
+      joinRow(shards, rows[row], row);
+    }
+  });
+  folder.begin(shards.description, shards.provenance);
+  withStatus(folder, [&] {
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      requireNotInterrupted("in " + rowText(row, rows.size()));
+      folder.keep(row, rows[row], SweepRow(rows[row], joinRow(shards, rows[row], row)));
+    }
+  });
+  warn(doubtAboutPolicy(folder.rows().front(), shards.provenance));
+}
+
+}  // namespace sim2sim

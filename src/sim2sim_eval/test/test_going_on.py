@@ -17,8 +17,8 @@ from command_case import CommandCase, executable, until  # noqa: E402
 COMPARE = executable("sim2sim_eval", "compare")
 SWEEP = executable("sim2sim_eval", "sweep")
 JOURNAL = "episodes.journal"
-RUN = ("--policy", "expert", "--episodes", "400", "--reanchor", "20")
-PLAN = "{policy: expert, episodes: 300, rows: [{block_damp: 6}, {block_damp: 20}]}"
+RUN = ("--policy", "expert", "--episodes", "150")
+PLAN = "{policy: expert, episodes: 150, rows: [{block_damp: 6}, {block_damp: 20}]}"
 
 
 class GoingOn(CommandCase):
@@ -78,7 +78,7 @@ class Comparison(GoingOn):
             lines = self.interrupt(*RUN, "--threads", threads, episodes=episodes, number=number)
             self.assertEqual(lines[: len(before)], before, "what is there stays")
             status = self.load("out", "status.json")
-            self.assertEqual((status["exit_code"], status["episodes"]), (4, 400))
+            self.assertEqual((status["exit_code"], status["episodes"]), (4, 150))
             self.assertFalse((self.folder / "out" / "metrics.json").exists())
             before = lines
         self.assertEqual(self.finished(*RUN), whole)
@@ -99,10 +99,10 @@ class Comparison(GoingOn):
         for other, named in {
             "--seed 1": "/configuration/seed is 0, must be 1",
             "--block_damp 7": "/configuration/knobs/block_damp is 6.0, must be 7.0",
-            "--episodes 401": "/configuration/episodes is 400, must be 401",
-            "--policy fresh-untrained": "/configuration/policy is",
+            "--reanchor 20": "/configuration/probes is",
+            "--until-decided 0.5": "/configuration/until_decided is nothing, must be 0.5",
         }.items():
-            process = self.compare(*RUN[: -2 if "reanchor" in other else None], *other.split())
+            process = self.compare(*RUN, *other.split())
             self.assert_one_line(process, 2, "compare")
             self.assertIn(f"out/{JOURNAL}: is of another run ({named}", process.stderr)
             self.assertEqual(self.results("out"), before)
@@ -131,7 +131,8 @@ class Comparison(GoingOn):
             self.assertEqual(journal.read_bytes(), b"\n".join(damaged) + b"\n")
 
     def test_run_until_it_is_decided_goes_on(self) -> None:
-        run = ("--policy", "expert", "--episodes", "3000", "--until-decided", "0.97")
+        run = ("--policy", "expert", "--episodes", "3000", "--engine", "mujoco", "--no-floor")
+        run += ("--until-decided", "0.97")
         whole = self.finished(*run, out="whole")
         self.assertGreater(self.load("whole", "metrics.json")["episodes"], 60)
         self.interrupt(*run, episodes=5)
@@ -183,7 +184,7 @@ class Sweep(GoingOn):
         self.assertEqual(self.results("out"), self.results("whole"))
 
     def test_what_a_killed_process_has_left_is_removed(self) -> None:
-        self.write("plan.yaml", PLAN.replace("300", "2").encode())
+        self.write("plan.yaml", PLAN.replace("150", "2").encode())
         for times in range(2):
             process = self.run_command(SWEEP, "plan.yaml", "--out", "out")
             self.assertEqual((process.returncode, process.stderr), (0, ""))

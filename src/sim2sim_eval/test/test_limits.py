@@ -148,7 +148,7 @@ class CommandLine(LimitCase):
             (SWEEP,),
             (MERGE,),
             (ATTRIBUTE,),
-            (executable("sim2sim_eval", "contrast"), "--out"),
+            (executable("sim2sim_eval", "contrast"), "sweep", "--out"),
             (executable("sim2sim_eval", "demonstrate"), "--out"),
             (executable("sim2sim_eval", "plan"),),
             (executable("sim2sim_eval", "recompute"),),

@@ -95,6 +95,9 @@ void RunFolder::abandon(const Protocol& protocol, const std::vector<EpisodeResul
                         const RunStatus& status) const {
   if (status.exit_code != pusht::ExitCode::kInternalError) {  // after a defect no figure can be trusted
     pusht::writeFile(path() / kEpisodesFile, episodesCsv(protocol, episodes));
+  } else {
+    std::error_code ignored;
+    fs::remove(path() / kJournalFile, ignored);
   }
   writeStatus(status);
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs and sweeps that are interrupted go on, and their results have the bytes of a run in one piece."""
+"""Interrupted runs and sweeps go on, and their results have the bytes of a run in one piece."""
 
 import os
 import shutil

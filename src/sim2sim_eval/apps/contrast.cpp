@@ -45,9 +45,9 @@ void contrast(const std::vector<std::string>& folders, int against, const fs::pa
   runs.erase(runs.begin());
   const std::vector<sim2sim::Contrast> contrasts = sim2sim::contrast(baseline, runs);
   sim2sim::requireNotInterrupted();
-  std::cout << sim2sim::table(baseline, contrasts);
+  std::cout << sim2sim::table(baseline, runs, contrasts);
   if (!out.empty()) {
-    pusht::writeFile(out, sim2sim::jsonText(sim2sim::toJson(baseline, contrasts)));
+    pusht::writeFile(out, sim2sim::jsonText(sim2sim::toJson(baseline, runs, contrasts)));
   }
 }
 

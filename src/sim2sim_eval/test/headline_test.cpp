@@ -132,6 +132,7 @@ TEST(Headline, IsJson) {
 
 TEST(InSentence, GivesANounItsArticle) {
   EXPECT_EQ(inSentence("rigid-body engine"), "the rigid-body engine");
+  EXPECT_EQ(inSentence("two-mass engine, block_damp 20.0"), "the two-mass engine, block_damp 20.0");
   EXPECT_EQ(inSentence("Chipmunk"), "Chipmunk");
 }
 

@@ -129,11 +129,11 @@ TEST(TransferBet, IsFairAtTheShare) {
   EXPECT_NEAR(less, 1.0, 1e-14);
 }
 
-TEST(TransferBet, DecidesAtTwentyTimesTheMoneyAndStaysDecided) {
+TEST(TransferBet, DecidesAtFortyTimesTheMoneyAndStaysDecided) {
   TransferBet bet(0.5);
   Purses purses(0.5, 1.0);
   int pairs = 0;
-  while (purses.log() < std::log(20.0)) {
+  while (purses.log() < std::log(40.0)) {
     EXPECT_EQ(bet.verdict(), Verdict::kUndecided);
     EXPECT_FALSE(bet.decidedAfter());
     purses.add(false, true);
@@ -147,6 +147,23 @@ TEST(TransferBet, DecidesAtTwentyTimesTheMoneyAndStaysDecided) {
   EXPECT_EQ(bet.verdict(), Verdict::kKeeps);
   EXPECT_EQ(bet.decidedAfter(), pairs);
   EXPECT_EQ(bet.counts().first_only, 1000);
+}
+
+/// The words of a decision follow from the interval that is shown beside them: it leaves the share out from the episode
+/// on that decides, and not before.
+TEST(TransferBet, DecidesAsSoonAsTheSequenceLeavesTheShareOut) {
+  std::mt19937_64 random = randomWalk(3);
+  for (const double share : {0.1, 0.2, 0.5, 0.9}) {
+    TransferBet bet(share);
+    for (int i = 0; i < 400 && bet.verdict() == Verdict::kUndecided; ++i) {
+      const Pair pair = draw(kDefault, random);
+      bet.add(pair.first, pair.second);
+      const Interval sequence = transferSequence(bet.counts());
+      EXPECT_EQ(bet.verdict() == Verdict::kKeeps, sequence.low >= share) << share << ", " << i;
+      EXPECT_EQ(bet.verdict() == Verdict::kDoesNot, sequence.high <= share) << share << ", " << i;
+    }
+    EXPECT_NE(bet.verdict(), Verdict::kUndecided) << share;
+  }
 }
 
 TEST(TransferBet, IsNotMovedByPairsWithoutSuccess) {
@@ -288,7 +305,7 @@ TEST(AnyDifference, IsFairIfThereIsNone) {
 }
 
 /// After k of a kind the money is 2^k / (k + 1): 16 after 7, 28 after 8.
-TEST(AnyDifference, DecidesAtTwentyTimesTheMoneyAndStaysDecided) {
+TEST(AnyDifference, DecidesAtFortyTimesTheMoneyAndStaysDecided) {
   AnyDifference test;
   test.add(true, true);
   addTimes(test, 7, false, true);

@@ -78,9 +78,61 @@ class Docs(CommandCase):
 
     def test_packages(self) -> None:
         count_of = {readme: self.check(readme) for readme in sorted(PACKAGES.glob("*/README.md"))}
-        self.assertEqual(count_of[PACKAGES / "sim2sim_eval" / "README.md"], 7)
+        self.assertEqual(count_of[PACKAGES / "sim2sim_eval" / "README.md"], 9)
         for node in PACKAGES.glob("pusht_*/nodes/*.cpp"):  # what has a node shows how it is used
             self.assertGreater(count_of[node.parents[1] / "README.md"], 0, str(node))
+
+
+class Pasted(LiveCase):
+    """The commands of the README, in their order, in one folder that was empty."""
+
+    EPISODES = "20"  # the fewest with intervals of differences
+
+    def setUp(self) -> None:
+        super().setUp()
+        uri = f"http://127.0.0.1:{free_port()}"
+        self.port = uri.split(":")[-1]
+        self.environment = {
+            "ROS_MASTER_URI": uri,
+            "ROS_IP": "127.0.0.1",
+            "ROS_HOME": str(self.folder / "ros"),
+            "DISPLAY": "",
+            "PWD": str(self.folder),
+        }
+
+    def quick(self, command: str) -> str:
+        """The same with few episodes, where it says how many or may."""
+        if re.search(r"--episodes \d", command):
+            return re.sub(r"--episodes \d+", f"--episodes {self.EPISODES}", command)
+        if command.startswith(("rosrun sim2sim_eval compare", "rosrun sim2sim_eval sweep")):
+            return f"{command} --episodes {self.EPISODES}"
+        return command
+
+    def paste(self, command: str) -> None:
+        if not command.startswith("roslaunch"):
+            self.succeed("bash", "-c", self.quick(command), environment=self.environment)
+            return
+        launch = command.replace("roslaunch", f"roslaunch -p {self.port}", 1)
+        process = Process(self, *launch.split(), "rviz:=false", environment=self.environment)
+        if "replay.launch" in command:  # shows the bag until it is ended
+            process.line(r"process\[sim2sim-\d+\]: started")
+            self.succeed(
+                *("rosservice", "call", "--wait", "/sim2sim/control", "{command: pause}"),
+                environment=self.environment,
+            )
+            process.interrupt()
+        self.assertEqual(process.ended(), 0, process.output)
+
+    def test_readme(self) -> None:
+        text = (PACKAGES.parent / "README.md").read_text(encoding="utf-8")
+        lines = [line for _, block in BLOCK.findall(text) for line in block.splitlines()]
+        pasted = [line for line in lines if not line.startswith("script/")]
+        self.assertEqual(len(pasted), 15)
+        for line in pasted:
+            with self.subTest(line):
+                self.paste(re.sub(r"\s+#.*", "", line))
+        for file in ("live/metrics.json", "first/report.html", "switches/attribution.json"):
+            self.assertTrue((self.folder / file).exists(), file)
 
 
 class ByHand(LiveCase):
@@ -156,6 +208,18 @@ class Names(CommandCase):
                 paragraphs = file.read_text(encoding="utf-8").split("\n\n")
                 (listed,) = [text for text in paragraphs if text.startswith(begin)]
                 self.assertEqual(wanted - set(re.findall("`.*?`", listed)), set())
+
+    def test_what_docs_name_of_the_report_is_there(self) -> None:
+        folder = PACKAGES / "sim2sim_eval" / "src" / "sim2sim_eval" / "report"
+        page = "".join(file.read_text(encoding="utf-8") for file in folder.glob("page.*"))
+        for text in (DOCS / "tutorial.md", DOCS / "exercises" / "README.md"):
+            names = re.findall(
+                r"ection \*([^*]+)\*|\*([^*]+)\* under \*([^*]+)\*", text.read_text()
+            )
+            self.assertGreater(len(names), 0, text)
+            for name in filter(None, sum(names, ())):
+                with self.subTest(f"{text.name}: {name}"):
+                    self.assertIn(name, page)
 
 
 class Exercises(CommandCase):

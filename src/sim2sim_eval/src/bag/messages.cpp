@@ -143,7 +143,8 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
   message.only_engine_succeeds = static_cast<std::uint32_t>(outcomes.table.second_only);
   message.neither_succeeds = static_cast<std::uint32_t>(outcomes.table.neither);
   message.transfer = outcomes.transfer.value_or(kNan);
-  const Interval transfer = outcomes.transfer_interval.value_or(Interval{kNan, kNan});
+  const Interval transfer =
+      (finished ? transferInterval(configuration, outcomes) : std::nullopt).value_or(Interval{kNan, kNan});
   message.transfer_low = transfer.low;
   message.transfer_high = transfer.high;
   const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();

@@ -308,7 +308,7 @@ constexpr std::size_t kCellWidth = 42;
 
 /// "+0.0198 m [0.0149, 0.0247]  25 %"
 std::string shareCell(const Share& share, int digits) {
-  const std::string part = std::isfinite(share.part) ? "  " + pusht::fixedText(100.0 * share.part, 0) + " %" : "";
+  const std::string part = std::isfinite(share.part) ? "  " + percent(share.part) : "";
   return signedText(share.value, share.interval, "", digits) + part;
 }
 

@@ -9,6 +9,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
+#include "sim2sim_eval/results/answers.hpp"
 #include "sim2sim_eval/results/output_folder.hpp"
 #include "sim2sim_eval/results/report.hpp"
 #include "sim2sim_eval/results/run_configuration.hpp"
@@ -20,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kFormat = 1;  // of the JSON of contrasts
+constexpr int kFormat = 2;  // of the JSON of contrasts
 
 /// What two runs must have in common, by its place in metrics.json.
 constexpr std::array kCommon = {"/policy",  "/seed",  "/starts", "/first_episode", "/episodes",
@@ -61,7 +62,6 @@ ContrastRow rowOf(const RunResults& baseline, const RunResults& other, std::size
 
 Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
   Contrast contrast;
-  contrast.title = other.title();
   AnyDifference watched;
   for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
     const bool before = baseline.episodes[i].rollouts[kEngineClosed].success;
@@ -232,17 +232,25 @@ std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<Run
     requirePairs(baseline, other);
     contrasts.push_back(contrastOf(baseline, other));
   }
+  const std::vector<std::string> titles = titlesOf(allOf(baseline, others));
+  for (std::size_t i = 0; i < contrasts.size(); ++i) {
+    contrasts[i].title = titles[i + 1];
+  }
   adjust(contrasts);
   return contrasts;
 }
 
-json toJson(const RunResults& baseline, const std::vector<Contrast>& contrasts) {
+json toJson(const RunResults& baseline, const std::vector<RunResults>& others, const std::vector<Contrast>& contrasts) {
+  const Answer answer = answerOf(baseline, others, contrasts);
+  const std::string title = titlesOf(allOf(baseline, others)).front();
   json result = {{"format", kFormat},
                  {"confidence", kConfidence},
-                 {"baseline", {{"title", baseline.title()}, {"simulator", baseline.metrics["simulators"]["engine"]}}},
+                 {"headline", {{"question", answer.question}, {"answer", answer.answer}}},
+                 {"baseline", {{"title", title}, {"simulator", baseline.metrics["simulators"]["engine"]}}},
                  {"episodes", baseline.protocol.episodes},
                  {"contrasts", json::array()}};
-  for (const Contrast& contrast : contrasts) {
+  for (std::size_t i = 0; i < contrasts.size(); ++i) {
+    const Contrast& contrast = contrasts[i];
     json figures = json::object();
     figures["engine_success_rate"] = {{"unit", ""},
                                       {"episodes", contrast.successes.pairs()},
@@ -261,6 +269,7 @@ json toJson(const RunResults& baseline, const std::vector<Contrast>& contrasts) 
                                             {"decided_after", jsonOf(row.decided_after)}};
     }
     result["contrasts"].push_back({{"title", contrast.title},
+                                   {"headline", sentenceOf(baseline, others[i], contrast)},
                                    {"both_succeed", contrast.successes.both},
                                    {"only_baseline_succeeds", contrast.lost},
                                    {"only_other_succeeds", contrast.gained},
@@ -270,12 +279,14 @@ json toJson(const RunResults& baseline, const std::vector<Contrast>& contrasts) 
   return result;
 }
 
-std::string table(const RunResults& baseline, const std::vector<Contrast>& contrasts) {
+std::string table(const RunResults& baseline, const std::vector<RunResults>& others,
+                  const std::vector<Contrast>& contrasts) {
   constexpr int kRateDigits = 3;
   constexpr int kDigits = 4;
-  std::string text;
+  const std::string against = titlesOf(allOf(baseline, others)).front();
+  std::string text = answerOf(baseline, others, contrasts).text() + "\n";
   for (const Contrast& contrast : contrasts) {
-    text += contrast.title + "\n  against " + baseline.title() + ", " + std::to_string(contrast.successes.pairs()) +
+    text += contrast.title + "\n  against " + against + ", " + std::to_string(contrast.successes.pairs()) +
             " episodes\n" + line("", "difference", "p", "Holm", "decided after") +
             line("engine_success_rate", signedText(contrast.successes.difference(), contrast.interval, "", kRateDigits),
                  probabilityCell(contrast.p), probabilityCell(contrast.adjusted_p), countCell(contrast.decided_after));

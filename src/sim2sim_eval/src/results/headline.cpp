@@ -103,7 +103,8 @@ nlohmann::json toJson(const Headline& headline) {
 
 std::string inSentence(const std::string& title) {
   const std::string kind = "engine";
-  const bool is_noun = title.size() > kind.size() && title.compare(title.size() - kind.size(), kind.size(), kind) == 0;
+  const std::string head = title.substr(0, title.find(','));  // without parameters
+  const bool is_noun = head.size() > kind.size() && head.compare(head.size() - kind.size(), kind.size(), kind) == 0;
   return is_noun ? "the " + title : title;
 }
 

@@ -129,11 +129,11 @@ std::string line(const std::string& head, const std::string& left, const std::st
   return padded(head, kHead) + padded(left, kColumn) + right + "\n";
 }
 
-std::string transferText(const Outcomes& outcomes) {
+std::string transferText(const RunConfiguration& configuration, const Outcomes& outcomes) {
   if (!outcomes.transfer) {
     return "undefined: the reference never succeeds";
   }
-  const std::optional<Interval>& interval = outcomes.transfer_interval;
+  const std::optional<Interval> interval = transferInterval(configuration, outcomes);
   return percent(*outcomes.transfer) +
          (interval ? " [" + percent(interval->low) + ", " + percent(interval->high) + "]" : "");
 }
@@ -195,6 +195,12 @@ std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
   if (std::isfinite(yardsticks[0].over_floor)) {
     lines += line("  / floor (1e-6 m)", over_floor(0), over_floor(1));
   }
+  if (2 * summary.unmoved_floors > summary.episodes) {
+    lines += line("  floor (1e-9 m)",
+                  "exactly 0 in " + std::to_string(summary.unmoved_floors) + " of " + std::to_string(summary.episodes) +
+                      " episodes: the reference does not see so small a shift",
+                  "");
+  }
   const auto absorbed = [&](const char* quantity) {
     const Estimate& estimate = summary.mean(kEngineClosed, quantity);
     return signedText(estimate.value, estimate.interval, kQuantities[quantityIndex(quantity)].unit, kDigits);
@@ -243,6 +249,10 @@ json yardstick(const std::string& name, const std::string& unit, const Yardstick
 std::string metricName(const std::string& rollout, const Quantity& quantity) {
   return rollout == modeName(kEngineReplay) && quantity.course_key != nullptr ? quantity.course_key
                                                                               : rollout + "_" + quantity.name;
+}
+
+std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes) {
+  return configuration.until_decided ? std::optional(transferSequence(outcomes.table)) : outcomes.transfer_interval;
 }
 
 json metrics(const RunConfiguration& configuration, const Summary& summary) {
@@ -294,14 +304,14 @@ json decision(const TransferBet& bet, double share) {
   return {{"share", share},
           {"verdict", kVerdicts.at(static_cast<std::size_t>(bet.verdict()))},
           {"episodes", after ? json(*after) : json()},
+          {"holds_when_stopped", {"transfer_sequence"}},
           {"transfer_sequence", rounded(transferSequence(bet.counts()))}};
 }
 
 std::string decisionText(const TransferBet& bet, double share) {
-  const Interval transfer = transferSequence(bet.counts());
   const std::string known =
-      " (two-sided: transfer is in [" + percent(transfer.low) + ", " + percent(transfer.high) +
-      "], whenever the run stops; the intervals above\nare those of a run of fixed length, and hold less often here)\n";
+      "\n(the interval of the transfer holds whenever the run stops; the other intervals are those of a run of fixed "
+      "length,\nand hold less often here)\n";
   const std::string success = percent(share) + " of the reference's success";
   if (bet.verdict() == Verdict::kUndecided) {
     return "not decided after " + std::to_string(bet.counts().pairs()) + " episodes: does the engine keep " + success +
@@ -428,7 +438,7 @@ std::string table(const RunConfiguration& configuration, const Summary& summary)
       headlineOf(configuration, pairs).text() + "\n" +
       line("", configuration.reference.title + " (reference)", configuration.engine.title) +
       line("success, closed loop", cell(summary.reference), cell(summary.engine)) +
-      line("transfer", "", transferText(outcomes)) +
+      line("transfer", "", transferText(configuration, outcomes)) +
       line("engine - reference", "McNemar p " + probabilityText(outcomes.p),
            signedText(outcomes.table.difference(), outcomes.difference_interval, "", 3)) +
       line("the same episodes",

@@ -19,6 +19,20 @@ std::optional<std::size_t> widestFloor(const Protocol& protocol) {
              : std::optional(kModeCount + static_cast<std::size_t>(floor - protocol.probes.begin()));
 }
 
+/// Episodes in which the reference does exactly the same from a start that is moved least: it cannot tell the two
+/// apart.
+int unmovedFloors(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
+  const auto floor = std::find(protocol.probes.begin(), protocol.probes.end(), floorProbes().front());
+  if (floor == protocol.probes.end()) {
+    return 0;
+  }
+  const std::size_t rollout = kModeCount + static_cast<std::size_t>(floor - protocol.probes.begin());
+  return static_cast<int>(std::count_if(episodes.begin(), episodes.end(), [rollout](const EpisodeResult& episode) {
+    const RolloutResult& result = episode.rollouts[rollout];
+    return result.at("mean_position_divergence") == 0.0 && result.at("mean_angle_divergence") == 0.0;
+  }));
+}
+
 SuccessRate successRate(const std::vector<EpisodeResult>& episodes, Mode mode) {
   const auto successes =
       static_cast<int>(std::count_if(episodes.begin(), episodes.end(),
@@ -134,6 +148,7 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   summary.partings = partingsOf(episodes, kEngineReplay);
   if (floor) {
     summary.floor = partingsOf(episodes, *floor);
+    summary.unmoved_floors = unmovedFloors(protocol, episodes);
   }
   return summary;
 }

@@ -56,7 +56,7 @@ void TransferBet::add(bool reference, bool engine) {
   if (verdict_ != Verdict::kUndecided) {
     return;
   }
-  const double enough = -std::log(kErrorRate);
+  const double enough = -std::log(0.5 * kErrorRate);  // as transferSequence(), so that the two agree
   if (logMore() >= enough) {
     verdict_ = Verdict::kKeeps;
   } else if (logLess() >= enough) {

@@ -44,7 +44,7 @@ struct ContrastRow {
 };
 
 struct Contrast {
-  std::string title;                   ///< of the other
+  std::string title;                   ///< of the other, by what tells it from the rest
   PairTable successes;                 ///< of the engine; first: the baseline
   std::optional<Interval> interval{};  ///< of the difference of the rates, Tango's
   double p;                            ///< McNemar's, mid-p
@@ -63,9 +63,12 @@ void requirePairs(const RunResults& baseline, const RunResults& other);
 /// requirePairs().
 std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others);
 
-nlohmann::json toJson(const RunResults& baseline, const std::vector<Contrast>& contrasts);
+/// `contrasts` are those of `others`, in order. With the answer of all, and a sentence for each.
+nlohmann::json toJson(const RunResults& baseline, const std::vector<RunResults>& others,
+                      const std::vector<Contrast>& contrasts);
 
-/// For people.
-std::string table(const RunResults& baseline, const std::vector<Contrast>& contrasts);
+/// The same for people.
+std::string table(const RunResults& baseline, const std::vector<RunResults>& others,
+                  const std::vector<Contrast>& contrasts);
 
 }  // namespace sim2sim

@@ -47,7 +47,7 @@ Headline headlineOf(const RunConfiguration& configuration, const PairTable& succ
 /// "headline" in statistics.json.
 nlohmann::json toJson(const Headline& headline);
 
-/// A simulator's title inside a sentence: "the two-mass engine", "Chipmunk".
+/// A simulator's title inside a sentence, perhaps with parameters behind it: "the two-mass engine", "Chipmunk".
 std::string inSentence(const std::string& title);
 
 }  // namespace sim2sim

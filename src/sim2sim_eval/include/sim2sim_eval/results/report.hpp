@@ -23,8 +23,12 @@ std::string metricName(const std::string& rollout, const Quantity& quantity);
 /// `summary` is that of the whole run.
 nlohmann::json metrics(const RunConfiguration& configuration, const Summary& summary);
 
+/// The interval of the transfer that holds: Tang's, or transferSequence() in a run that ends when it is decided.
+std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes);
+
 /// What a run that ends when it is decided says of `share`: for metrics.json, and for people. The intervals of the
 /// other figures are those of a run of fixed length: they hold less often where a run was stopped by what it found.
+/// "holds_when_stopped" names those that do hold.
 nlohmann::json decision(const TransferBet& bet, double share);
 std::string decisionText(const TransferBet& bet, double share);
 

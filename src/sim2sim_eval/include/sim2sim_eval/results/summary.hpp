@@ -81,6 +81,7 @@ struct Summary {
   std::vector<Yardsticks> yardsticks;  ///< by rollout; none for the reference
   Partings partings{};                 ///< of the replay
   std::optional<Partings> floor{};     ///< of the widest floor, if there is one: when the reference leaves itself
+  int unmoved_floors = 0;              ///< episodes whose narrowest floor is exactly the reference
 
   const Estimate& mean(std::size_t rollout, std::string_view quantity) const {
     return means.at(rollout)[quantityIndex(quantity)];

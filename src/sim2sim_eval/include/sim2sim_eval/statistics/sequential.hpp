@@ -2,8 +2,8 @@
 /// Watching a comparison while it runs, and stopping it as soon as the answer is known. However often one looks, and
 /// whenever one stops, the answer is wrong in at most 5 % of runs.
 /// Each test bets against a hypothesis at odds that would be fair if it held. Money made of nothing twenty times over
-/// speaks against it. The money is called an e-value; it is given as its natural logarithm.
-/// Source: J. Ville, "Étude critique de la notion de collectif" (1939), for the inequality.
+/// speaks against it, forty times where there are two sides. The money is called an e-value; it is given as its natural
+/// logarithm. Source: J. Ville, "Étude critique de la notion de collectif" (1939), for the inequality.
 #pragma once
 
 #include <array>
@@ -39,6 +39,7 @@ class Bets {
 };
 
 /// Does the engine keep at least the given share of the reference's success: engine rate >= share * reference rate?
+/// Decided as soon as transferSequence() leaves the share out, so that the verdict follows from that interval.
 /// Source: I. Waudby-Smith and A. Ramdas, "Estimating means of bounded random variables by betting" (JRSS B, 2024).
 class TransferBet {
  public:

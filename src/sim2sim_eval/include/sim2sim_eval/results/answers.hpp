@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// What several runs over the same episodes say, in sentences: what a reader of a sweep or of two runs asks first.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "sim2sim_eval/results/contrast.hpp"
+
+namespace sim2sim {
+
+/// Names that tell runs apart: title, changed parameters, and those in which the runs of one kind differ:
+/// "two-mass engine, block_damp 6.0".
+std::vector<std::string> titlesOf(const std::vector<RunResults>& runs);
+
+/// All runs, the baseline first.
+std::vector<RunResults> allOf(const RunResults& baseline, const std::vector<RunResults>& others);
+
+struct Answer {
+  std::string question;
+  std::string answer;
+
+  std::string text() const { return question + " " + answer; }
+};
+
+/// What all of them say together. A change is one that stays a finding after Holm, over all figures of `contrasts`,
+/// which are those of `others` against `baseline`.
+Answer answerOf(const RunResults& baseline, const std::vector<RunResults>& others,
+                const std::vector<Contrast>& contrasts);
+
+/// What one of them says: "block_damp 20 against 6: the position divergence falls by 0.0069 m [0.0024, 0.0114]; ..."
+std::string sentenceOf(const RunResults& baseline, const RunResults& other, const Contrast& contrast);
+
+}  // namespace sim2sim

@@ -24,6 +24,7 @@ from live_support import LiveCase, Process, free_port  # noqa: E402
 PACKAGES = Path(rospkg.RosPack().get_path("sim2sim_eval")).parent
 DOCS = PACKAGES.parent / "docs"
 KNOB = ("falls", "falls", "no-difference")  # as in the solutions
+LAUNCH_DEADLINE = 180  # [s] a live run of a few episodes on a busy machine
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# ([\w.]+)\n")
 
@@ -113,7 +114,9 @@ class Pasted(LiveCase):
             self.succeed("bash", "-c", self.quick(command), environment=self.environment)
             return
         launch = command.replace("roslaunch", f"roslaunch -p {self.port}", 1)
-        process = Process(self, *launch.split(), "rviz:=false", environment=self.environment)
+        quick = [] if "replay" in command else [f"episodes:={self.EPISODES}"]
+        arguments = ["rviz:=false", *quick]
+        process = Process(self, *launch.split(), *arguments, environment=self.environment)
         if "replay.launch" in command:  # shows the bag until it is ended
             process.line(r"process\[sim2sim-\d+\]: started")
             self.succeed(
@@ -121,7 +124,7 @@ class Pasted(LiveCase):
                 environment=self.environment,
             )
             process.interrupt()
-        self.assertEqual(process.ended(), 0, process.output)
+        self.assertEqual(process.ended(LAUNCH_DEADLINE), 0, process.output)
 
     def test_readme(self) -> None:
         text = (PACKAGES.parent / "README.md").read_text(encoding="utf-8")

@@ -4,7 +4,6 @@
 
 import inspect
 import json
-import os
 import re
 import subprocess
 import sys
@@ -16,9 +15,8 @@ from typing import Any, Dict, List, Tuple
 import numpy as np
 from pusht_task.task import spawn, wrap_angle
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-import numpy_two_mass  # noqa: E402
-from numpy_two_mass import (  # noqa: E402
+import numpy_two_mass
+from numpy_two_mass import (
     BAR,
     NumpyTwoMass,
     find_contacts,

@@ -10,7 +10,6 @@ import os
 import re
 import resource
 import signal
-import sys
 import time
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
@@ -21,9 +20,8 @@ import roslaunch  # type: ignore[import]
 import rospkg  # type: ignore[import]
 import torch
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import Endless, catches, executable, signals  # noqa: E402
-from live_support import (  # noqa: E402
+from command_case import Endless, catches, executable, signals
+from live_support import (
     DEADLINE,
     RECORDED_RESULTS,
     RESULTS,

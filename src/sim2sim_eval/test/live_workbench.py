@@ -2,15 +2,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The workbench in rviz: the panel drives runs, and a bag is shown as if it were live."""
 
-import os
 import re
-import sys
 from typing import Any, Dict, List, Tuple
 
 import rosbag  # type: ignore[import]
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from live_support import (  # noqa: E402
+from live_support import (
     RECORDED_RESULTS,
     Launch,
     LiveCase,

@@ -5,20 +5,17 @@
 import csv
 import itertools
 import json
-import os
 import re
 import shutil
 import signal
 import subprocess
-import sys
 import unittest
 from pathlib import Path
 from typing import Any, Dict, List
 
 import numpy as np
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, catches, executable, until  # noqa: E402
+from command_case import CommandCase, catches, executable, until
 
 ATTRIBUTE = executable("sim2sim_eval", "attribute")
 MERGE = executable("sim2sim_eval", "merge")

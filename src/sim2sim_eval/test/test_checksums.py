@@ -12,15 +12,13 @@ to add a class:
 
 import hashlib
 import json
-import os
 import sys
 import tempfile
 import unittest
 from pathlib import Path
 from typing import Dict, List
 
-sys.path.insert(0, os.path.dirname(__file__))  # not every runner of tests does
-from command_case import CommandCase, executable  # noqa: E402
+from command_case import CommandCase, executable
 
 TABLE = Path(__file__).resolve().parent / "data" / "checksums.json"
 FILES = ("metrics.json", "episodes.csv", "divergence.csv", "traces.npy")

@@ -12,7 +12,6 @@ import pty
 import shutil
 import signal
 import subprocess
-import sys
 import time
 import unittest
 import zipfile
@@ -30,8 +29,7 @@ from pusht_policy.demonstrations import (
 )
 from sim2sim_eval.report.results import METRICS_FORMAT
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import (  # noqa: E402
+from command_case import (
     DEADLINE,
     CommandCase,
     Endless,

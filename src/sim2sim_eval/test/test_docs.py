@@ -8,18 +8,15 @@ any rest. A block whose first line is a comment with a file name is that file. W
 hand is called of nodes. And what docs name is there.
 """
 
-import os
 import re
-import sys
 import unittest
 from pathlib import Path
 from typing import Iterator, List, Tuple
 
 import rospkg  # type: ignore[import]
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, executable  # noqa: E402
-from live_support import LiveCase, Process, free_port  # noqa: E402
+from command_case import CommandCase, executable
+from live_support import LiveCase, Process, free_port
 
 PACKAGES = Path(rospkg.RosPack().get_path("sim2sim_eval")).parent
 DOCS = PACKAGES.parent / "docs"

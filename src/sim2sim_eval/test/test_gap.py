@@ -5,16 +5,13 @@
 import csv
 import json
 import math
-import os
-import sys
 import unittest
 from typing import Any, Dict, List
 
 import numpy as np
 from scipy import stats  # type: ignore[import]
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, executable  # noqa: E402
+from command_case import CommandCase, executable
 
 COMPARE = executable("sim2sim_eval", "compare")
 CONTRAST = executable("sim2sim_eval", "contrast")

@@ -2,17 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Interrupted runs and sweeps go on, and their results have the bytes of a run in one piece."""
 
-import os
 import shutil
 import signal
 import subprocess
-import sys
 import unittest
 from pathlib import Path
 from typing import Dict, List, Tuple
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, executable, until  # noqa: E402
+from command_case import CommandCase, executable, until
 
 COMPARE = executable("sim2sim_eval", "compare")
 SWEEP = executable("sim2sim_eval", "sweep")

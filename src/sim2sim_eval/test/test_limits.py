@@ -5,12 +5,10 @@
 import os
 import shlex
 import subprocess
-import sys
 import unittest
 from typing import List
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, executable  # noqa: E402
+from command_case import CommandCase, executable
 
 ATTRIBUTE = executable("sim2sim_eval", "attribute")
 COMPARE = executable("sim2sim_eval", "compare")

@@ -2,13 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The rooms that know no ROS need none of its libraries, nor those of a simulator."""
 
-import os
-import sys
 from pathlib import Path
 from typing import Set
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, executable  # noqa: E402
+from command_case import CommandCase, executable
 
 LIBRARIES = Path(executable("sim2sim_eval", "compare")).parents[1]
 

@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The views of the configurations of rviz, and how they fill a screen."""
 
-import os
-import sys
 import unittest
 from pathlib import Path
 from typing import Any, Dict, List
@@ -12,8 +10,7 @@ from unittest import mock
 import rospkg  # type: ignore[import]
 import yaml  # type: ignore[import]
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import load_script  # noqa: E402
+from command_case import load_script
 
 PACKAGES = rospkg.RosPack()
 CONFIGURATIONS = {

@@ -66,6 +66,7 @@ struct Loaded {
   std::vector<std::string> needed;  ///< "libchipmunk.so.7": those that it is linked to
 };
 
+// NOLINTBEGIN(performance-no-int-to-ptr): the loader tells addresses as numbers
 std::vector<std::string> neededBy(const dl_phdr_info& info) {
   std::vector<std::string> needed;
   for (ElfW(Half) i = 0; i < info.dlpi_phnum; ++i) {
@@ -85,6 +86,7 @@ std::vector<std::string> neededBy(const dl_phdr_info& info) {
   }
   return needed;
 }
+// NOLINTEND(performance-no-int-to-ptr)
 
 std::vector<Loaded> loadedLibraries() {
   std::vector<Loaded> libraries;

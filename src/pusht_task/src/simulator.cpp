@@ -15,6 +15,9 @@
 namespace pusht {
 namespace {
 
+/// [rad] Largest yaw of an initial state, before it is wrapped to [-pi, pi). Wrapping keeps 1e-13 rad of it.
+constexpr double kPlausibleYaw = 1000.0;
+
 /// A number of a world state, and how large it may be.
 struct Bounded {
   const char* name;
@@ -73,7 +76,8 @@ WorldState checkedStart(const WorldState& state) {
   if (!isFinite(state)) {
     throw InvalidInput("reset: every number of a world state must be finite");
   }
-  for (const std::string& fault : {faultOf(positionsOf(state)), faultOf(velocitiesOf(state))}) {
+  const std::array<Bounded, 1> yaw = {Bounded{"tee_yaw", state.tee_yaw, kPlausibleYaw, "rad"}};
+  for (const std::string& fault : {faultOf(positionsOf(state)), faultOf(yaw), faultOf(velocitiesOf(state))}) {
     if (!fault.empty()) {
       throw InvalidInput("reset: " + fault);
     }

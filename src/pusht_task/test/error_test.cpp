@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "pusht_task/clipped.hpp"
 #include "pusht_task/ros/node.hpp"
 
 namespace pusht {
@@ -27,6 +28,16 @@ TEST(ReportFailure, IsOneLineAndTheExitCodeOfTheKind) {
 
 TEST(ReportFailure, MemoryThatIsUsedUpIsAFaultOfTheRun) {
   EXPECT_EQ(reported(std::bad_alloc()), "4 compare: there is no more memory; ask for fewer threads or episodes\n");
+}
+
+TEST(ReportFailure, DoesNotEchoLongTexts) {
+  EXPECT_LT(reported(InvalidInput("seed '" + std::string(10'000'000, 'x') + "': must be a number")).size(), 2200U);
+}
+
+TEST(Clipped, KeepsBeginAndEnd) {
+  EXPECT_EQ(clipped("seed 3", 6), "seed 3");
+  EXPECT_EQ(clipped("0123456789", 6), "012 ... (4 bytes left out) ... 789");
+  EXPECT_EQ(clipped("12\u00e9456\u00e989", 6), "12 ... (7 bytes left out) ... 89") << "UTF-8 stays whole";
 }
 
 }  // namespace

@@ -81,7 +81,28 @@ TEST(ParameterSets, ChangeValuesAndKeepTheOrder) {
   EXPECT_EQ(changed.get<double>("mass"), 1.0);
   EXPECT_TRUE(changed.at("drag").isDefault());
   EXPECT_FALSE(changed.at("walls").isDefault());
-  EXPECT_EQ(merged(toy(), {parameter("drag", "1"), parameter("drag", "2")}).get<double>("drag"), 2.0);
+}
+
+TEST(ParameterSets, AreRefusedAParameterThatIsSetTwice) {
+  for (const Parameters& twice : {Parameters{parameter("drag", "1"), parameter("drag", "2")},
+                                  Parameters{parameter("drag", "1"), parameter("mass", "2"), parameter("drag", "2")}}) {
+    EXPECT_EQ(refusalOf([&] { merged(toy(), twice); }), "parameter drag 1, 2: must be set once");
+    EXPECT_EQ(refusalOf([&] { changed({}, twice); }), "parameter drag 1, 2: must be set once");
+  }
+}
+
+TEST(Changed, SetsEachParameterOnce) {
+  EXPECT_EQ(changed({parameter("drag", "1"), parameter("mass", "2")}, {parameter("walls", "true"), parameter("drag", "3")}),
+            (Parameters{parameter("drag", "3"), parameter("mass", "2"), parameter("walls", "true")}));
+}
+
+TEST(SameValue, IsOfNumbersOrTexts) {
+  EXPECT_TRUE(sameValue("6", "6.0"));
+  EXPECT_TRUE(sameValue("1e-3", "0.001"));
+  EXPECT_TRUE(sameValue("shaped", "shaped"));
+  EXPECT_FALSE(sameValue("6", "6.1"));
+  EXPECT_FALSE(sameValue("6", "six"));
+  EXPECT_FALSE(sameValue("true", "1"));
 }
 
 TEST(ParameterSets, APresetSetsWhatIsNotSetByName) {

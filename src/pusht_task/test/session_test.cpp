@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "pusht_task/clipped.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/ros/conversions.hpp"
@@ -139,6 +140,32 @@ TEST_F(SimulatorSessions, RefusesWhatTheKindDoesNotTake) {
     EXPECT_EQ(session_.configure(request).message, reason);
     EXPECT_EQ(session_.describe().parameters, std::vector{parameter("steps", "2")});
   }
+}
+
+TEST_F(SimulatorSessions, RefuseAParameterThatIsSetTwice) {
+  const auto refused = configure("", {parameter("steps", "3"), parameter("steps", "4")});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(refused.message, "parameter steps 3, 4: must be set once");
+  EXPECT_EQ(session_.describe().parameters, Parameters{parameter("steps", "2")});
+}
+
+TEST_F(SimulatorSessions, DoNotEchoLongTexts) {
+  const std::string endless(10'000'000, 'x');
+  for (const auto& refused : {configure(endless), configure("", {parameter(endless, "1")}),
+                              configure("", {parameter("steps", endless)})}) {
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_LT(refused.message.size(), kLongestMessage + 100);
+    EXPECT_THAT(refused.message, HasSubstr("bytes left out"));
+  }
+}
+
+TEST_F(SimulatorSessions, RefuseAYawThatWrapsToNothing) {
+  pusht_msgs::ResetRequest request;
+  request.start = {toMessage(spawn(3))};
+  request.start.front().tee_yaw = 1e300;
+  EXPECT_THAT(session_.reset(request).message, HasSubstr("tee_yaw 1e+300 rad: must be within 1000.0 rad"));
+  request.start.front().tee_yaw = -1000.0;
+  EXPECT_EQ(session_.reset(request).success, 1);
 }
 
 TEST_F(SimulatorSessions, AFailedStepNeedsAReset) {

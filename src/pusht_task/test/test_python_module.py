@@ -581,6 +581,19 @@ class Kinds(SessionCase):
         other = self.configure({}, True, "mine")
         self.refused(other, "its episode has ended", ExitCode.RUNTIME_FAULT)
 
+    def test_a_parameter_that_is_set_twice_is_refused(self) -> None:
+        twice = [Parameter("drift", "0.6"), Parameter("count", "4"), Parameter("drift", "0.7")]
+        answer = self.session.configure(ConfigureRequest(parameters=twice))
+        self.refused(answer, "parameter drift 0.6, 0.7: must be set once")
+        self.assertEqual(self.session.parameters, DEFAULTS)
+
+    def test_long_texts_are_not_echoed(self) -> None:
+        endless = "x" * 10_000_000
+        for changes in ({endless: "1"}, {"drift": endless}):
+            answer = self.configure(changes)
+            self.refused(answer, "characters left out")
+            self.assertLess(len(answer.message), 2100)
+
     def test_other_kinds_are_refused(self) -> None:
         self.reset()
         before = self.session.describe()

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/evaluator.hpp"
+#include "sim2sim_eval/live/evaluator_parameters.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/testing/refusal.hpp"
+#include "pusht_task/testing/temporary_folder.hpp"
+#include "sim2sim_eval/live/progress_line.hpp"
+#include "sim2sim_eval/live/request.hpp"
 
 namespace sim2sim {
 namespace {
@@ -76,6 +83,52 @@ TEST(MergedGoal, AKindHasItsOwnParameters) {
   const Cast::Setting engine = merged(parameters(), goal).settings.engine;
   EXPECT_EQ(engine.kind, "chipmunk");
   EXPECT_EQ(engine.parameters, pusht::Parameters{pusht::parameter("pusher_mass", "2")});
+}
+
+TEST(MergedGoal, SetsAParameterOnce) {
+  pusht_msgs::CompareGoal goal;
+  goal.engine_parameters = {pusht::parameter("block_damp", "20")};
+  EXPECT_EQ(merged(parameters(), goal).settings.engine.parameters,
+            pusht::Parameters{pusht::parameter("block_damp", "20")})
+      << "in place of the evaluator's";
+  goal.engine_parameters.push_back(pusht::parameter("block_damp", "6"));
+  EXPECT_EQ(refusalOf([&] { merged(parameters(), goal); }), "parameter block_damp 20, 6: must be set once");
+  goal.engine_parameters.clear();
+  goal.reference_parameters = {pusht::parameter("scene", "a"), pusht::parameter("scene", "a")};
+  EXPECT_EQ(refusalOf([&] { merged(parameters(), goal); }), "parameter scene a, a: must be set once");
+}
+
+TEST(MergedGoal, KeepsTheSizeOfEveryNumber) {
+  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
+  const auto refusal = [](std::vector<std::uint32_t> pusht_msgs::CompareGoal::*field) {
+    pusht_msgs::CompareGoal goal;
+    (goal.*field) = {kMost};
+    return refusalOf([&] { merged(parameters(), goal); });
+  };
+  const std::string rule = " 4294967295: must be at most 2147483647";
+  EXPECT_EQ(refusal(&pusht_msgs::CompareGoal::episodes), "episodes" + rule);
+  EXPECT_EQ(refusal(&pusht_msgs::CompareGoal::first_episode), "first_episode" + rule);
+  EXPECT_EQ(refusal(&pusht_msgs::CompareGoal::horizon), "horizon" + rule);
+  EXPECT_EQ(refusal(&pusht_msgs::CompareGoal::reanchor), "reanchor" + rule);
+  pusht_msgs::CompareGoal goal;
+  goal.seed = {std::numeric_limits<std::uint64_t>::max()};
+  EXPECT_EQ(merged(parameters(), goal).protocol.seed, goal.seed.front());
+}
+
+TEST(FreeFolder, IsTheFirstWithoutResults) {
+  const pusht::testing::TemporaryFolder folder;
+  const std::string out = (folder / "out").string();
+  const auto add_results = [](const std::string& name) {
+    std::filesystem::create_directory(name);
+    std::ofstream(name + "/metrics.json") << "{}";
+  };
+  EXPECT_EQ(freeFolder(""), "");
+  EXPECT_EQ(freeFolder(out), out);
+  add_results(out);
+  EXPECT_EQ(freeFolder(out), out + "-2");
+  EXPECT_EQ(freeFolder(out + "/"), out + "-2");
+  add_results(out + "-2");
+  EXPECT_EQ(freeFolder(out), out + "-3");
 }
 
 TEST(MergedGoal, SaysWhereTheWorldsAre) {

@@ -25,7 +25,7 @@ from pusht_msgs.msg import (  # type: ignore[import]
     Summary,
     WorldStateStamped,
 )
-from pusht_msgs.srv import Reset, Step  # type: ignore[import]
+from pusht_msgs.srv import Configure, Episodes, Reset, Step  # type: ignore[import]
 from pusht_task.task import wrap_angle
 from pusht_task.testing import Inbox, run, sends, until
 from rosgraph_msgs.msg import Log  # type: ignore[import]
@@ -54,7 +54,6 @@ CONTROL_STEP = rospy.Duration(0, 100_000_000)
 PACED = {"rate": 150.0}  # a run that can be followed
 AT_ONCE = -1.0  # a rate: as fast as possible
 EPISODES = 3  # with fewer steps than messages wait in a publisher
-KNOBS = [Parameter("block_damp", "6.0")]  # the default: another goal may have set another value
 BATCH = ("--policy", "expert", "--episodes", str(EPISODES))
 
 
@@ -89,7 +88,7 @@ class LiveSession(GoalCase):
             topic.forget(last)
 
     def send(self, **fields: Any) -> None:
-        super().send(**{"episodes": EPISODES, "engine_parameters": KNOBS, **fields})
+        super().send(**{"episodes": EPISODES, **fields})
 
     # The bytes.
 
@@ -131,11 +130,64 @@ class LiveSession(GoalCase):
         self.assertEqual(describe("engine").parameters_hash, before.parameters_hash)
 
     def test_kind_of_a_goal(self) -> None:
-        for kind in ("rigid_body", "two_mass"):  # the last is what the other tests meet
+        for kind in ("rigid_body", "two_mass"):
             with self.subTest(kind):
                 self.out = self.folder / kind
-                self.compare(engine=[kind], engine_parameters=[])
+                self.compare(engine=kind)
                 self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH, "--engine", kind))
+
+    def test_goal_inherits_nothing_from_the_one_before(self) -> None:
+        expected = self.batch_bytes(*BATCH)
+        simple = [Parameter("preset", "simple"), Parameter("drag", "true")]
+        for number, fields in enumerate(
+            (
+                {"engine": "rigid_body", "engine_parameters": simple},
+                {"engine_parameters": [Parameter("block_damp", "20")]},
+                {"reference": "rigid_body"},
+                {"reference": "two_mass", "reference_parameters": [Parameter("baumgarte", "20")]},
+            )
+        ):
+            with self.subTest(fields):
+                self.out = self.folder / f"{number} set"
+                self.compare(episodes=1, record=False, **fields)
+                self.assertNotEqual(result_bytes(self.out), expected)
+                self.out = self.folder / f"{number} open"
+                self.compare(record=False)
+                self.assertEqual(result_bytes(self.out), expected)
+
+    def test_parameter_that_a_goal_leaves_open_is_not_of_the_one_before(self) -> None:
+        self.compare(episodes=1, record=False, engine_parameters=[Parameter("pusher_mass", "2")])
+        self.out = self.folder / "damped"
+        self.compare(record=False, engine_parameters=[Parameter("block_damp", "20")])
+        expected = self.batch_bytes(*BATCH, "--block_damp", "20")
+        self.assertEqual(result_bytes(self.out), expected)
+
+    def test_world_that_is_configured_by_hand_stays_so(self) -> None:
+        def set_by_hand(value: str) -> None:
+            for world in ("engine", "engine_replay"):
+                configure = connected(f"/{world}/configure", Configure)
+                answer = configure(parameters=[Parameter("block_damp", value)], end_episode=True)
+                self.assertTrue(answer.success, answer.message)
+
+        set_by_hand("20")
+        self.addCleanup(set_by_hand, "6.0")
+        for number in range(2):
+            self.out = self.folder / str(number)
+            self.compare(record=False)
+            self.assertEqual(metrics_of(self.out)["knobs"]["block_damp"], 20.0)
+
+    def test_parameter_on_the_server_that_has_no_effect_is_refused(self) -> None:
+        self.addCleanup(rospy.set_param, "/engine/block_damp", 6.0)
+        rospy.set_param("/engine/block_damp", 6)
+        self.compare(episodes=1)
+        rospy.set_param("/engine/block_damp", 1.0 / 3.0)
+        self.out = self.folder / "refused"
+        self.send()
+        result = self.result(GoalStatus.ABORTED)
+        self.assertEqual(result.exit_code, 2)
+        self.assertRegex(
+            result.reason, "parameter /engine/block_damp 0.33333.*: the node works with 6.0; set it"
+        )
 
     def test_part_of_a_run(self) -> None:
         self.compare(seed=4, first_episode=2, episodes=1, horizon=25)
@@ -172,18 +224,110 @@ class LiveSession(GoalCase):
                 self.assertEqual(status_of(self.out)["reason"], result.reason)
 
     def test_goal_that_cannot_be_is_rejected(self) -> None:
-        self.send(policy_namespace="a b")
-        self.assertTrue(self.client.wait_for_result(rospy.Duration(DEADLINE)))
-        self.assertEqual(self.client.get_state(), GoalStatus.REJECTED)
-        self.assertIn(
-            "policy_namespace 'a b': must be a ROS name", self.client.get_goal_status_text()
-        )
+        damp = [Parameter("block_damp", "6"), Parameter("block_damp", "20")]
+        cases: List[Tuple[Dict[str, Any], str]] = [
+            ({"policy_namespace": "a b"}, "policy_namespace 'a b': must be a ROS name"),
+            ({"engine_parameters": damp}, "parameter block_damp 6, 20: must be set once"),
+            ({"episodes": 2**32 - 1}, "episodes 4294967295: must be at most"),
+            ({"horizon": 2**32 - 1}, "horizon 4294967295: must be at most"),
+            ({"reanchor": [5, 2**32 - 1]}, "reanchor 4294967295: must be at most"),
+            ({"policy_namespace": "x" * 10_000_000 + " "}, "policy_namespace 'x.*bytes left out"),
+        ]
+        for fields, reason in cases:
+            with self.subTest(reason):
+                self.send(**fields)
+                self.assertTrue(self.client.wait_for_result(rospy.Duration(DEADLINE)))
+                self.assertEqual(self.client.get_state(), GoalStatus.REJECTED)
+                result = self.client.get_result()
+                self.assertEqual(result.exit_code, 2)
+                self.assertRegex(result.reason, reason)
+                self.assertLess(len(result.reason), 2100)
+                self.assertEqual(self.client.get_goal_status_text(), result.reason)
 
     def test_policy_that_nobody_serves(self) -> None:
         self.send(policy_namespace="nobody")
         result = self.result(GoalStatus.ABORTED)
         self.assertEqual(result.exit_code, 4)
         self.assertRegex(result.reason, "/nobody/describe: nobody answers within")
+        self.assertRegex(result.reason, "roslaunch pusht_policy policy.launch name:=nobody$")
+
+    def test_world_is_no_policy(self) -> None:
+        self.send(policy_namespace="engine")
+        result = self.result(GoalStatus.ABORTED)
+        self.assertEqual(result.exit_code, 2)
+        self.assertIn("/engine: is the simulator 'two_mass', must be a policy", result.reason)
+
+    def test_node_that_is_waited_for_is_named(self) -> None:
+        progress = Inbox("/sim2sim/progress", Progress)
+        until(lambda: sends("/sim2sim", "/sim2sim/progress"), "progress")
+        self.send(replay_namespace="late")
+        progress.until(lambda message: message.busy and message.waiting_for == "/late")
+        self.result(GoalStatus.ABORTED)
+        ended = progress.until(lambda message: not message.busy)[-1]
+        self.assertEqual(ended.waiting_for, "")
+        self.assertRegex(ended.failure, "simulator.launch name:=late kind:=two_mass$")
+
+    # A run that does not begin leaves the last one as it was.
+
+    def test_start_that_fails_leaves_the_last_run(self) -> None:
+        self.compare()
+        before = self.picture()
+        cases = {
+            "refused": {"out": str(self.out)},
+            "no node": {"replay_namespace": "late"},
+            "wrong": {"engine_parameters": [Parameter("pusher_mass", "-1")]},
+        }
+        for name, fields in cases.items():
+            with self.subTest(name):
+                self.send(**{"out": str(self.folder / name), **fields})
+                result = self.result(GoalStatus.ABORTED)
+                self.assertEqual(result.summary.episodes, 0)
+                self.assertEqual(self.picture(), before)
+
+    def picture(self) -> Any:
+        """What late subscribers learn of the run that is shown."""
+        with_stamp = rospy.wait_for_message("/sim2sim/summary", Summary, DEADLINE)
+        progress = self.progress()
+        shown = {name: self.frames_now(name) for name in WORLDS}
+        run = (progress.run, progress.episodes, progress.episodes_finished)
+        answer = connected("/sim2sim/episodes", Episodes)()
+        return str(with_stamp), run, str(answer.episodes), str(answer.curve), shown
+
+    def frames_now(self, name: str) -> Tuple[float, float, float]:
+        """Of the tee, from TF."""
+        last = Inbox("/tf", TFMessage)
+        wanted = f"{name}/tee"
+
+        def has(message: Any) -> bool:
+            return any(frame.child_frame_id == wanted for frame in message.transforms)
+
+        message = last.until(has)[-1]
+        frame = next(f for f in message.transforms if f.child_frame_id == wanted)
+        place = frame.transform
+        return place.translation.x, place.translation.y, place.rotation.z
+
+    def test_cancel_at_full_speed_leaves_one_moment(self) -> None:
+        for number in range(8):
+            with self.subTest(number):
+                self.out = self.folder / str(number)
+                self.divergence.forget(max(describe(world).stamp for world in WORLDS))
+                markers = Inbox("/sim2sim/markers", MarkerArray)
+                until(lambda: sends("/sim2sim", "/sim2sim/markers"), "markers")
+                self.send(record=False, episodes=1000, rate=0.0)
+                self.divergence.until(lambda message: message.step == 10 + 7 * number)
+                self.cancel()
+                self.result(GoalStatus.PREEMPTED)
+                curve = connected("/sim2sim/episodes", Episodes)().curve
+                last = max(describe(world).stamp for world in WORLDS)
+                told = self.divergence.until(lambda message: message.header.stamp == last)[-1]
+                self.assertEqual(curve[-1], told)
+                self.assertEqual([point.step for point in curve], list(range(told.step + 1)))
+                wanted = f"episode {told.episode}, {told.step / 10:.1f} s"
+
+                def drawn(message: Any, wanted: str = wanted) -> bool:
+                    return any(wanted in text for text in texts(message))
+
+                markers.until(drawn)
 
     # The action.
 
@@ -251,6 +395,8 @@ class LiveSession(GoalCase):
         second.send_goal_and_wait(CompareGoal(), rospy.Duration(DEADLINE))
         self.assertEqual(second.get_state(), GoalStatus.REJECTED)
         self.assertIn("a comparison is under way", second.get_goal_status_text())
+        self.assertEqual(second.get_result().exit_code, 4)
+        self.assertIn("a comparison is under way", second.get_result().reason)
         self.accepted("resume")
         self.result()
         self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
@@ -327,6 +473,25 @@ class LiveSession(GoalCase):
         self.accepted("rate", AT_ONCE)
         self.result()
         self.assertEqual(result_bytes(self.out), self.batch_bytes(*BATCH))
+
+    def test_control_between_runs(self) -> None:
+        response = self.control(command="step")
+        self.assertFalse(response.success)
+        self.assertEqual(response.message, "step: no comparison is under way")
+        response = self.control(command="pause")
+        self.assertTrue(response.success)
+        self.assertIn("the next one begins paused", response.message)
+        self.accepted("resume")
+
+    def test_late_subscriber_gets_the_curve(self) -> None:
+        self.send_and_hold(0, 5, **PACED)
+        curve = connected("/sim2sim/episodes", Episodes)().curve
+        last = rospy.wait_for_message("/sim2sim/divergence", Divergence, DEADLINE)
+        self.assertEqual(curve[-1], last)
+        self.assertEqual([point.step for point in curve], list(range(6)))
+        self.accepted("rate", AT_ONCE)
+        self.accepted("resume")
+        self.result()
 
     def test_anybody_can_learn_of_pause_and_rate(self) -> None:
         self.send_and_hold(0, 5, rate=120.0, record=False)
@@ -489,30 +654,36 @@ class LiveSession(GoalCase):
         self.assertEqual(found, wanted | {("overlay/table", "overlay/card")})
 
     def test_bag_of_a_plain_recorder(self) -> None:
-        names = [f"/{world}/state" for world in WORLDS] + ["/sim2sim/divergence"]
-        names += ["/sim2sim/episode", "/sim2sim/summary"]
-        command = ("rosbag", "record", "--output-name", "plain.bag", "__name:=recorder", *names)
+        self.compare(episodes=1, seed=9)  # the recorder hears of this run, too
+        names = [f"/{world}/state" for world in WORLDS]
+        names += [f"/sim2sim/{n}" for n in ("divergence", "episode", "summary", "trace")]
+        command = ("rosbag", "record", "-a", "--output-name", "plain.bag", "__name:=recorder")
         recorder = Process(self, *command)
-        for name in names:
+        for name in [*names, "/sim2sim/configuration"]:
             publisher = "/" + name.split("/")[1]
             until(lambda: sends(publisher, name, "/recorder"), f"a record of {name}")
+        self.forget_runs()
+        self.out = self.folder / "recorded"
         self.send(**PACED)
         self.result()
         # What has arrived here has been sent to the recorder, which ends when it has written it.
         self.episode.until(lambda message: message.episode == EPISODES - 1)
         recorder.interrupt()
         recorder.ended()
-        with rosbag.Bag(str(self.folder / "plain.bag")) as plain, rosbag.Bag(
-            str(self.out / "compare.bag")
-        ) as ours:
+        plain_bag = self.folder / "plain.bag"
+        with rosbag.Bag(str(plain_bag)) as plain, rosbag.Bag(str(self.out / "compare.bag")) as ours:
             for name in names:
                 if name != "/sim2sim/summary":  # some say that nothing is known yet
                     with self.subTest(name):
                         wanted = stamps_in(ours, name)
-                        # Before: what was latched, and the reset by which a world is taken over.
+                        # Before: what was latched.
                         found = [stamp for stamp in stamps_in(plain, name) if stamp >= wanted[0]]
                         self.assertEqual(found, wanted)
             self.assertGreaterEqual(plain.get_message_count("/sim2sim/summary"), EPISODES)
+        again = self.folder / "again"
+        command = ("rosrun", "sim2sim_eval", "recompute", str(plain_bag), "--out", str(again))
+        self.succeed(*command)
+        self.assertEqual(result_bytes(again), result_bytes(self.out))
 
     # F18.
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pusht_msgs/WorldStateStamped.h>
+#include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
@@ -25,6 +26,7 @@
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/recorded_run.hpp"
 #include "sim2sim_eval/results/provenance.hpp"
+#include "sim2sim_eval/results/report.hpp"
 
 namespace sim2sim {
 namespace {
@@ -266,6 +268,42 @@ TEST_F(RunBagTest, WhatDoesNotFollowTheProtocolIsRefusedByName) {
   EXPECT_THAT(replayed([](RecordedEpisode& e) { e.probes[1].pop_back(); }), HasSubstr("episode 5, floor_1e-6: "));
   EXPECT_THAT(replayed([](RecordedEpisode& e) { e.probes.clear(); }),
               HasSubstr("episode 5, floor_1e-9: 0 steps are recorded, must be "));
+}
+
+/// What `rosbag record -a` makes: its own times, and topics that overtake each other.
+void recordPlainly(const std::filesystem::path& ours, const std::filesystem::path& plain) {
+  const rosbag::Bag source(ours.string());
+  rosbag::Bag copy(plain.string(), rosbag::bagmode::Write);
+  ros::Time now(1e9);
+  const auto take = [&](const std::vector<std::string>& topics) {
+    for (const rosbag::MessageInstance& instance : rosbag::View(source, rosbag::TopicQuery(topics))) {
+      now += ros::Duration(0, 1000);
+      copy.write(instance.getTopic(), now, instance);
+    }
+  };
+  take({kConfigurationTopic});
+  take({kEpisodeTopic});
+  take({"/engine_replay/state", "/engine/state"});
+  take({kTraceTopic, "/reference/state", kSummaryTopic, kTfTopic});
+}
+
+TEST_F(RunBagTest, ABagOfAPlainRecorderIsTheSameRun) {
+  {
+    Recording recording(path_, play_);
+    recording.begin(play_.run(3), 7);  // a node is lost
+    for (const int index : {3, 4, 5}) {
+      recording.record(play_.run(index));
+    }
+    recording.finish();
+  }
+  const std::filesystem::path plain = folder_ / "plain.bag";
+  recordPlainly(path_, plain);
+  const RecordedRun wanted = readRun(path_);
+  const RecordedRun found = readRun(plain);
+  EXPECT_EQ(found.provenance, wanted.provenance);
+  EXPECT_EQ(found.bands.csv(), wanted.bands.csv());
+  const Protocol& protocol = wanted.configuration.protocol;
+  EXPECT_EQ(episodesCsv(protocol, found.episodes), episodesCsv(protocol, wanted.episodes));
 }
 
 TEST_F(RunBagTest, AGapIsRefusedByName) {

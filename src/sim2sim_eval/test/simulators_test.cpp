@@ -334,7 +334,7 @@ TEST(CompareLaunch, DescribesItsShortFormsAsTheKindsDo) {
       const std::string usual =
           real != nullptr ? pusht::significantText(*real, 6) : pusht::textOf(parameter.default_value);
       std::ostringstream wanted;
-      wanted << argument << " default=\"\" doc=\"" << role << ": " << parameter.meaning << unit
+      wanted << argument << " default=\"auto\" doc=\"" << role << ": " << parameter.meaning << unit
              << " (default: " << usual << ")\"";
       EXPECT_THAT(launch, HasSubstr(wanted.str()));
     }

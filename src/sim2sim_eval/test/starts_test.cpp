@@ -72,6 +72,7 @@ TEST_F(StartsTest, WhatIsNoStartIsRefusedByLineValueAndRule) {
   EXPECT_THAT(refusal(head + "\n"), HasSubstr("has 0 rows: must have at least 1, one for each episode"));
   EXPECT_THAT(refusal(""), HasSubstr("has 0 rows"));
   EXPECT_THAT(refusal(head + "\n0,0,0,0,x\n"), HasSubstr("line 2: tee_yaw 'x': must be a decimal number"));
+  EXPECT_THAT(refusal(head + "\n0,0,0,0,1e300\n"), HasSubstr("line 2: reset: tee_yaw 1e+300 rad: must be within"));
   EXPECT_THAT(refusal(head + "\n0,0,0,0,nan\n"), HasSubstr("tee_yaw 'nan': must be a decimal number"));
   EXPECT_THAT(refusal(head + "\n0,0,0,0\n"), HasSubstr("line 2: 4 values: must be 5"));
   EXPECT_THAT(refusal(head + "\n0,0,0,0,0,0\n"), HasSubstr("line 2: 6 values: must be 5"));

@@ -32,6 +32,7 @@ from pusht_task.task import (
     HORIZON,
     PLAUSIBLE_DISTANCE,
     PLAUSIBLE_SPEED,
+    PLAUSIBLE_YAW,
     PLAUSIBLE_YAW_RATE,
     START_TOLERANCE,
     WorldState,
@@ -53,6 +54,7 @@ VELOCITIES = (*SPEEDS, "tee_yaw_rate")
 KINDS = {bool: "true or false", int: "an integer", float: "a finite number", str: "a text"}
 TYPES = {bool: "boolean", int: "integer", float: "real", str: "text"}  # in ParameterDescriptor
 FOREIGN = (Exception, SystemExit)  # what foreign code may end with; sys.exit() ends no node
+LONGEST_MESSAGE = 2000  # characters
 NEXT = -1  # as the index of a step: the one that comes next
 
 Value = Union[bool, int, float, str]  # of a parameter
@@ -69,11 +71,20 @@ class Simulator(Protocol):
         """One control step with the commanded pusher velocity [m/s], float64 [2] in [-1, 1]."""
 
 
+def clipped(text: str, longest: int = LONGEST_MESSAGE) -> str:
+    """Of a long text its begin and end: a value of 10 MB is named, not copied. As in C++."""
+    if len(text) <= longest:
+        return text
+    half = longest // 2
+    left_out = f" ... ({len(text) - 2 * half} characters left out) ... "
+    return text[:half] + left_out + text[-half:]
+
+
 class Refusal(Exception):
     """Why a request is not served: one line that names the thing, its value and the rule."""
 
     def __init__(self, message: str, exit_code: ExitCode = ExitCode.INVALID_INPUT) -> None:
-        super().__init__(message)
+        super().__init__(clipped(message))
         self.exit_code = exit_code
 
 
@@ -250,6 +261,7 @@ class SimulatorSession:
                 " set end_episode to end it"
             )
         base = self._base_for(request.kind)
+        _require_once(request.parameters)
         changes = {
             change.name: _from_text(change.value, base.get(change.name))
             for change in request.parameters
@@ -383,6 +395,16 @@ class FailedStart:
         )
 
 
+def _require_once(parameters: Sequence[Any]) -> None:
+    """One of the values of a parameter that is named twice would count without a word."""
+    values: Dict[str, str] = {}
+    for parameter in parameters:
+        if parameter.name in values:
+            both = f"{values[parameter.name]}, {parameter.value}"
+            raise Refusal(f"parameter {parameter.name} {both}: must be set once")
+        values[parameter.name] = parameter.value
+
+
 def merged(
     parameters: Mapping[str, Value], changes: Mapping[str, object], namespace: str = ""
 ) -> Dict[str, Value]:
@@ -436,6 +458,8 @@ def _start(request: Any) -> WorldState:
         if not math.isfinite(number):
             raise Refusal(f"start: {name} {number}: must be finite")
     _require_plausible(numbers, Refusal)
+    if abs(message.tee_yaw) > PLAUSIBLE_YAW:  # beyond it a wrapped yaw says little
+        raise Refusal(f"tee_yaw {message.tee_yaw}: must be within {PLAUSIBLE_YAW}")
     return WorldState(**{**numbers, "tee_yaw": wrap_angle(message.tee_yaw)})
 
 

@@ -32,6 +32,7 @@ WALL_INNER_FACE = 0.39  # [m] |x| or |y|
 START_TOLERANCE = 1e-6  # [m, rad, m/s, rad/s] how far a world may be from the start it was reset to
 PLAUSIBLE_DISTANCE = 1000.0  # [m] per axis; what lies beyond is a simulation that has failed
 PLAUSIBLE_SPEED = 100000.0  # [m/s] per axis
+PLAUSIBLE_YAW = 1000.0  # [rad] of an initial state, before it is wrapped to [-pi, pi)
 PLAUSIBLE_YAW_RATE = 1000000.0  # [rad/s]
 
 # Frames above the table: the middles of the bodies.

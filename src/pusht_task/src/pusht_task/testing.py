@@ -403,7 +403,12 @@ class SimulatorContract(ServedCase):
 
     def test_f21_start_beyond_what_is_plausible_is_refused(self) -> None:
         self.accepted("reset", seed=3)
-        for beyond in ({"tee_x": 1e11}, {"pusher_vy": -1e11}, {"tee_yaw_rate": 1e308}):
+        for beyond in (
+            {"tee_x": 1e11},
+            {"tee_yaw": 1e300},
+            {"pusher_vy": -1e11},
+            {"tee_yaw_rate": 1e308},
+        ):
             start = message_of(replace(spawn(3), **beyond))
             self.refused("must be within", "reset", start=[start])
         self.accepted("step", step=0)

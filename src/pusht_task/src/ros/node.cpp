@@ -16,6 +16,7 @@
 #include <mutex>
 #include <thread>
 
+#include "pusht_task/clipped.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/reason.hpp"
 #include "pusht_task/standard_streams.hpp"
@@ -133,7 +134,7 @@ void requireClock() {
 }
 
 int reportFailure(const std::string& reporter, const std::exception& failure) {
-  std::string message = reasonOf(failure);
+  std::string message = clipped(reasonOf(failure));
   std::replace_if(
       message.begin(), message.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
   std::cerr << reporter + ": " + message + "\n" << std::flush;  // at once: other processes write there too

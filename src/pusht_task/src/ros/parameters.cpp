@@ -3,11 +3,13 @@
 
 #include <ros/exceptions.h>
 #include <ros/names.h>
+#include <ros/param.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <sstream>
 #include <system_error>
@@ -61,6 +63,11 @@ pusht_msgs::Parameter parameter(const std::string& name, const std::string& valu
   return result;
 }
 
+bool sameValue(const std::string& a, const std::string& b) {
+  const std::optional<double> number = decimal<double>(a);
+  return number ? number == decimal<double>(b) : a == b;
+}
+
 Parameters toMessages(const ParameterSet& parameters) {
   Parameters messages;
   for (const Parameter& known : parameters) {
@@ -69,7 +76,32 @@ Parameters toMessages(const ParameterSet& parameters) {
   return messages;
 }
 
+void requireOnce(const Parameters& parameters) {
+  for (auto first = parameters.begin(); first != parameters.end(); ++first) {
+    const auto second =
+        std::find_if(std::next(first), parameters.end(), [&](const auto& other) { return other.name == first->name; });
+    if (second != parameters.end()) {
+      throw InvalidInput("parameter " + first->name + " " + first->value + ", " + second->value + ": must be set once");
+    }
+  }
+}
+
+Parameters changed(Parameters parameters, const Parameters& changes) {
+  requireOnce(changes);
+  for (const pusht_msgs::Parameter& change : changes) {
+    const auto known = std::find_if(parameters.begin(), parameters.end(),
+                                    [&](const auto& parameter) { return parameter.name == change.name; });
+    if (known == parameters.end()) {
+      parameters.push_back(change);
+    } else {
+      known->value = change.value;
+    }
+  }
+  return parameters;
+}
+
 ParameterSet merged(ParameterSet parameters, const Parameters& changes) {
+  requireOnce(changes);
   for (const pusht_msgs::Parameter& change : changes) {
     parameters.set(change.name, change.value);
   }
@@ -100,6 +132,15 @@ void setParameters(const ros::NodeHandle& private_handle, const Parameters& para
       private_handle.setParam(parameter.name, parameter.value);
     }
   }
+}
+
+std::optional<std::string> storedText(const std::string& key) {
+  XmlRpcValue value;
+  if (!ros::param::get(key, value)) {
+    return std::nullopt;
+  }
+  const bool single = value.getType() != XmlRpcValue::TypeStruct && value.getType() != XmlRpcValue::TypeArray;
+  return single ? std::optional(textIn(value)) : std::nullopt;
 }
 
 ParameterReader::ParameterReader(const ros::NodeHandle& private_handle) : namespace_(private_handle.getNamespace()) {

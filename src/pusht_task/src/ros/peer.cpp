@@ -8,6 +8,8 @@
 #include <gsl/util>
 #include <utility>
 
+#include "pusht_task/clipped.hpp"
+
 namespace pusht {
 namespace {
 
@@ -62,9 +64,9 @@ void Watchdog::watch() {
 
 Peer::Peer(std::string services, Watchdog& watchdog) : services_(std::move(services)), watchdog_(watchdog) {}
 
-void Peer::connect(std::chrono::milliseconds patience, bool respawn, const std::function<bool()>& stop) {
+void Peer::connect(const Wait& wait) {
   const auto begin = std::chrono::steady_clock::now();
-  const auto expiry = begin + patience;
+  const auto expiry = begin + wait.patience;
   const std::string service = services_ + "/describe";
   pusht_msgs::Describe describe;
   bool answered = false;
@@ -72,13 +74,17 @@ void Peer::connect(std::chrono::milliseconds patience, bool respawn, const std::
   auto last_sign = begin;  // of life
   while (!answered) {
     if (!said && std::chrono::steady_clock::now() - begin > kSilence) {
-      ROS_WARN_STREAM("waiting for the node of " << service << ", for "
-                                                 << std::chrono::duration<double>(patience).count() << " s at most");
+      ROS_WARN_STREAM("waiting for the node of "
+                      << service << ", for " << std::chrono::duration<double>(wait.patience).count() << " s at most");
       said = true;
+      wait.tell(services_);
     }
-    if (stop() || std::chrono::steady_clock::now() >= expiry) {
-      throw RuntimeFault(service + ": nobody answers" +
-                         (stop() ? "" : " within " + std::to_string(patience.count()) + " ms"));
+    if (wait.stop()) {
+      throw NodeMissing(service + ": nobody answers");
+    }
+    if (std::chrono::steady_clock::now() >= expiry) {
+      throw NodeMissing(service + ": nobody answers within " + std::to_string(wait.patience.count()) + " ms",
+                        services_);
     }
     const std::string owner = std::exchange(owner_, ownerOf(service));
     bool late = false;
@@ -94,13 +100,16 @@ void Peer::connect(std::chrono::milliseconds patience, bool respawn, const std::
     answered = answered && ownerOf(service) == owner_;  // not one that has come in its place meanwhile
     if (may_live) {
       last_sign = std::chrono::steady_clock::now();
-    } else if (!respawn && std::chrono::steady_clock::now() - last_sign > kDeadOrNever) {
-      throw RuntimeFault(service + ": the master knows a node at " + owner_ +
-                         ", but nobody answers there: it has died");
+    } else if (!wait.respawn && std::chrono::steady_clock::now() - last_sign > kDeadOrNever) {
+      throw NodeMissing(service + ": the master knows a node at " + owner_ + ", but nobody answers there: it has died",
+                        services_);
     }
     if (!answered) {
       ros::WallDuration(std::chrono::duration<double>(kConnectPeriod).count()).sleep();
     }
+  }
+  if (said) {
+    wait.tell("");
   }
   lost_ = false;
   description_ = describe.response;
@@ -112,9 +121,11 @@ void Peer::connect(std::chrono::milliseconds patience, bool respawn, const std::
 void Peer::requireSameOwner() const {
   const std::string owner = ownerOf(services_ + "/describe");
   if (owner.empty()) {
-    lose(ros::master::check()
-             ? services_ + ": the node has gone: it was shut down, or a second node of that name has replaced it"
-             : "the ROS master at " + ros::master::getURI() + " has died");
+    if (!ros::master::check()) {
+      lost_ = true;
+      throw PeerFault("the ROS master at " + ros::master::getURI() + " has died");
+    }
+    lose(services_ + ": the node has gone: it was shut down, or a second node of that name has replaced it");
   }
   if (owner != owner_) {
     lose(services_ + ": its services belong to another node (" + owner + ") than the one connected to (" + owner_ +
@@ -126,10 +137,10 @@ void Peer::raise(int exit_code, const std::string& message) const {
   const auto code = static_cast<ExitCode>(exit_code);
   for (const ExitCode known : {ExitCode::kInvalidInput, ExitCode::kRuntimeFault, ExitCode::kInternalError}) {
     if (code == known) {
-      throw Error(code, services_ + ": " + message);
+      throw Error(code, services_ + ": " + clipped(message));
     }
   }
-  throw BadDependency(services_ + ": " + message);  // of a node that knows no exit codes, too
+  throw BadDependency(services_ + ": " + clipped(message));  // of a node that knows no exit codes, too
 }
 
 void Peer::requireInstance(const std::string& instance_id) const {
@@ -139,9 +150,16 @@ void Peer::requireInstance(const std::string& instance_id) const {
   }
 }
 
+void Peer::requireService(const std::string& service) const {
+  if (ownerOf(service).empty()) {
+    throw InvalidInput(service + ": the node of " + services_ + " is '" + description_.name +
+                       "', which has no such service: is it the right node?");
+  }
+}
+
 void Peer::lose(const std::string& how) const {
   lost_ = true;
-  throw PeerFault(how);
+  throw PeerFault(how, services_);
 }
 
 }  // namespace pusht

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "pusht_task/clipped.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/ros/node.hpp"
 
@@ -37,7 +38,7 @@ pusht_msgs::ActResponse PolicySession::act(const pusht_msgs::ActRequest& request
     actions_.resize(queries_.size());
     model_.policy->act(queries_, actions_);
   } catch (const std::exception& refusal) {
-    response.message = refusal.what();
+    response.message = clipped(refusal.what());
     response.exit_code = static_cast<int>(exitCodeOf(refusal));
     return response;
   }

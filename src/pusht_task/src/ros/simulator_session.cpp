@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pusht_task/clipped.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
@@ -77,7 +78,7 @@ Response answer(const std::string& instance_id, const Serve& serve) {
   } catch (const std::exception& refusal) {
     response = Response();
     response.success = 0;
-    response.message = refusal.what();
+    response.message = clipped(refusal.what());
     response.exit_code = static_cast<int>(exitCodeOf(refusal));
   }
   response.instance_id = instance_id;
@@ -302,7 +303,7 @@ const SimulatorKind& SimulatorSession::kindFor(const std::string& name) const {
 pusht_msgs::DescribeResponse describeFailure(const std::exception& failure) {
   pusht_msgs::DescribeResponse response;
   response.success = 0;
-  response.message = reasonOf(failure);
+  response.message = clipped(reasonOf(failure));
   response.exit_code = static_cast<int>(exitCodeOf(failure));
   response.instance_id = newInstanceId();
   return response;

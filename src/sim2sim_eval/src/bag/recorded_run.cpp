@@ -186,14 +186,39 @@ class QuietLibraries {
   ~QuietLibraries() { console_bridge::restorePreviousOutputHandler(); }
 };
 
-/// The run's description, from the one message that holds it.
+/// A message of a run.
+struct Recorded {
+  ros::Time stamp;
+  int place;  ///< among those with this stamp: worlds, traces, the episode's result
+  std::function<void(Reader&)> take;
+};
+
+/// A recorder that subscribes has its own times and, over topics, its own order; stamps and places tell the true one.
+Recorded recordedIn(const rosbag::MessageInstance& instance, const std::map<std::string, Mode>& modes) {
+  const auto recorded = [](int place, auto message, const auto& take) {
+    return Recorded{message.header.stamp, place,
+                    [message = std::move(message), take](Reader& reader) { take(reader, message); }};
+  };
+  const auto plainly = [](Reader& reader, const auto& message) { reader.take(message); };
+  const auto world = modes.find(instance.getTopic());
+  if (world != modes.end()) {
+    return recorded(0, messageIn<pusht_msgs::WorldStateStamped>(instance),
+                    [mode = world->second](Reader& reader, const auto& message) { reader.take(mode, message); });
+  }
+  if (instance.getTopic() == kTraceTopic) {
+    return recorded(1, messageIn<pusht_msgs::Trace>(instance), plainly);
+  }
+  return recorded(2, messageIn<pusht_msgs::EpisodeResult>(instance), plainly);
+}
+
+/// The description of the run that the bag holds; of the last one if a plain recorder has heard of several.
 nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
   rosbag::View view(bag, rosbag::TopicQuery(kConfigurationTopic));
-  if (view.size() != 1) {
-    throw pusht::InvalidInput("holds " + std::to_string(view.size()) + " messages on " + kConfigurationTopic +
+  if (view.size() == 0) {
+    throw pusht::InvalidInput(std::string("holds 0 messages on ") + kConfigurationTopic +
                               ", must be 1: the bag of one run");
   }
-  return nlohmann::ordered_json::parse(messageIn<std_msgs::String>(*view.begin()).data);
+  return nlohmann::ordered_json::parse(messageIn<std_msgs::String>(*std::next(view.begin(), view.size() - 1)).data);
 }
 
 /// The starts that the bag holds, if they were given; `protocol` knows their hash.
@@ -219,27 +244,38 @@ RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop,
     modes.emplace(provenance.at("state_topics").at(modeName(mode)).get<std::string>(), mode);
   }
   provenance.erase("state_topics");
+  const ros::Time begin = ros::Time().fromNSec(provenance.value("begin_stamp", std::uint64_t{0}));
+  provenance.erase("begin_stamp");
 
+  Reader reader(configuration.protocol, each);
+  const auto read = [&](const Recorded& recorded) {
+    if (stop()) {
+      throw pusht::RuntimeFault("interrupted while it was read");
+    }
+    reader.moveOnTo(recorded.stamp);
+    recorded.take(reader);
+  };
   std::vector<std::string> topics = {kEpisodeTopic, kTraceTopic};
   for (const auto& [topic, mode] : modes) {
     topics.push_back(topic);
   }
-  Reader reader(configuration.protocol, each);
   rosbag::View view(bag, rosbag::TopicQuery(topics));
+  std::vector<Recorded> plain;  // of a bag that a plain recorder has made
   for (const rosbag::MessageInstance& instance : view) {
-    if (stop()) {
-      throw pusht::RuntimeFault("interrupted while it was read");
+    Recorded recorded = recordedIn(instance, modes);
+    if (recorded.stamp < begin) {
+      continue;  // of what was before the run
     }
-    reader.moveOnTo(instance.getTime());
-    const auto mode = modes.find(instance.getTopic());
-    if (mode != modes.end()) {
-      reader.take(mode->second, messageIn<pusht_msgs::WorldStateStamped>(instance));
-    } else if (instance.getTopic() == kTraceTopic) {
-      reader.take(messageIn<pusht_msgs::Trace>(instance));
+    if (plain.empty() && recorded.stamp == instance.getTime()) {
+      read(recorded);
     } else {
-      reader.take(messageIn<pusht_msgs::EpisodeResult>(instance));
+      plain.push_back(std::move(recorded));
     }
   }
+  std::stable_sort(plain.begin(), plain.end(), [](const Recorded& a, const Recorded& b) {
+    return std::pair(a.stamp, a.place) < std::pair(b.stamp, b.place);
+  });
+  std::for_each(plain.begin(), plain.end(), read);
   std::vector<EpisodeResult> episodes = reader.results();
   return {std::move(configuration), std::move(provenance), reader.bands(), std::move(episodes)};
 }

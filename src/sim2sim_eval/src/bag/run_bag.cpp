@@ -51,16 +51,31 @@ const WorldNames& defaultWorldNames() {
   return names;
 }
 
-RunBag::RunBag(const std::filesystem::path& path, const nlohmann::ordered_json& provenance, WorldNames worlds,
-               const ros::Time& stamp)
-    : worlds_(std::move(worlds)), file_(path) {
+std_msgs::String configurationMessage(const nlohmann::ordered_json& provenance, const WorldNames& worlds,
+                                      const ros::Time& stamp) {
   nlohmann::ordered_json run = provenance;
+  run["begin_stamp"] = stamp.toNSec();
   for (const Mode mode : kModes) {
-    run["state_topics"][modeName(mode)] = worlds_[mode].state_topic;
+    run["state_topics"][modeName(mode)] = worlds[mode].state_topic;
   }
   std_msgs::String message;
   message.data = run.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
-  file_.writeLatched(kConfigurationTopic, std::max(stamp, ros::TIME_MIN), message);
+  return message;
+}
+
+std::vector<pusht_msgs::Trace> traceMessages(const Protocol& protocol, const Episode& episode, const ros::Time& stamp) {
+  std::vector<pusht_msgs::Trace> messages;
+  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
+    messages.push_back(toMessage(protocol.probes[i].name, episode.index(), *episode.probe(i), stamp));
+  }
+  return messages;
+}
+
+RunBag::RunBag(const std::filesystem::path& path, const nlohmann::ordered_json& provenance, WorldNames worlds,
+               const ros::Time& stamp)
+    : worlds_(std::move(worlds)), file_(path) {
+  file_.writeLatched(kConfigurationTopic, std::max(stamp, ros::TIME_MIN),
+                     configurationMessage(provenance, worlds_, stamp));
 }
 
 RunBag::~RunBag() {
@@ -95,11 +110,13 @@ void RunBag::write(const tf2_msgs::TFMessage& fixed_frames, const ros::Time& sta
 }
 
 void RunBag::writeProbes(const Protocol& protocol, const Episode& episode, const ros::Time& stamp) {
-  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
-    worker_.post(
-        [this, message = sim2sim::toMessage(protocol.probes[i].name, episode.index(), episode.probe(i).value(),
-                                            stamp)] { file_.write(kTraceTopic, message.header.stamp, message); });
+  for (const pusht_msgs::Trace& message : traceMessages(protocol, episode, stamp)) {
+    write(message);
   }
+}
+
+void RunBag::write(const pusht_msgs::Trace& message) {
+  worker_.post([this, message] { file_.write(kTraceTopic, message.header.stamp, message); });
 }
 
 void RunBag::write(const pusht_msgs::Divergence& message) {

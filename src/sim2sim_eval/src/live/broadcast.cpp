@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim2sim_eval/bag/messages.hpp"
+#include "sim2sim_eval/live/up_to.hpp"
 
 namespace sim2sim {
 
@@ -22,19 +23,14 @@ constexpr int kStepsPerPicture = 10;
 
 Broadcast::Broadcast(const ros::NodeHandle& node)
     : node_(node),
+      configuration_topic_(node_.advertise<std_msgs::String>("configuration", 1, true)),
       divergence_(node_.advertise<pusht_msgs::Divergence>("divergence", kQueue, true)),
+      trace_(node_.advertise<pusht_msgs::Trace>("trace", kQueue)),
       episode_(node_.advertise<pusht_msgs::EpisodeResult>("episode", kQueue)),
       summary_topic_(node_.advertise<pusht_msgs::Summary>("summary", 1, true)),
       markers_(node_.advertise<visualization_msgs::MarkerArray>("markers", kQueue)),
       tell_episodes_(node_.advertiseService("episodes", &Broadcast::onEpisodes, this)),
       repeating_(node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { repeat(); })) {}
-
-void Broadcast::clear() {
-  summary_ = {};
-  summary_topic_.publish(summary_);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  episodes_.clear();
-}
 
 void Broadcast::begin(const RunConfiguration& configuration, Picture picture, std::unique_ptr<RunBag> bag,
                       const ros::Time& stamp) {
@@ -55,6 +51,7 @@ void Broadcast::begin(const RunConfiguration& configuration, Picture picture, st
   scene_ = picture_->scene();
   update_ = {};
   episodes_.clear();
+  curve_.clear();
   markers_.publish(scene_);
 }
 
@@ -72,12 +69,16 @@ void Broadcast::recall(const std::vector<EpisodeResult>& results, const Summary&
 
 pusht_msgs::Divergence Broadcast::step(const Episode& episode, const ros::Time& stamp, bool paced) {
   const std::pair<int, int> last = std::exchange(told_, {episode.index(), episode.steps()});
+  stamp_ = stamp;
   if (last != std::pair(episode.index(), episode.steps() - 1)) {
     for (int before = 0; before < episode.steps(); ++before) {
-      divergence_.publish(divergenceMessage(episode, before, stamp));
+      const pusht_msgs::Divergence missed = divergenceMessage(episode, before, stamp);
+      remember(missed);
+      divergence_.publish(missed);
     }
   }
   pusht_msgs::Divergence divergence = divergenceMessage(episode, episode.steps(), stamp);
+  remember(divergence);
   divergence_.publish(divergence);
   if (bag_) {
     bag_->writeWorlds(episode, episode.steps(), stamp);
@@ -90,7 +91,22 @@ pusht_msgs::Divergence Broadcast::step(const Episode& episode, const ros::Time& 
   return divergence;
 }
 
+void Broadcast::remember(const pusht_msgs::Divergence& divergence) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (divergence.step == 0) {
+    curve_.clear();
+  }
+  curve_.push_back(divergence);
+}
+
+void Broadcast::settle(const Episode& episode) {
+  if (drawn_ != told_ && episode.index() == told_.first) {
+    draw(upTo(configuration_.protocol, episode, told_.second), stamp_, false);
+  }
+}
+
 void Broadcast::draw(const Episode& episode, const ros::Time& stamp, bool recorded) {
+  drawn_ = {episode.index(), episode.steps()};
   const MarkerArray update = picture_->update(configuration_, episode, finished_, last_);
   if (bag_ && recorded) {
     bag_->write(scene_, stamp);  // again: a player may begin anywhere
@@ -106,6 +122,7 @@ void Broadcast::draw(const Episode& episode, const ros::Time& stamp, bool record
 bool Broadcast::onEpisodes(pusht_msgs::EpisodesRequest& /*request*/, pusht_msgs::EpisodesResponse& response) {
   const std::lock_guard<std::mutex> lock(mutex_);
   response.episodes = episodes_;
+  response.curve = curve_;
   return true;
 }
 
@@ -128,10 +145,15 @@ void Broadcast::finish(const Episode& episode, const EpisodeResult& result, cons
     const std::lock_guard<std::mutex> lock(mutex_);
     episodes_.push_back(message);
   }
+  for (const pusht_msgs::Trace& trace : traceMessages(protocol, episode, stamp)) {
+    trace_.publish(trace);
+    if (bag_) {
+      bag_->write(trace);
+    }
+  }
   episode_.publish(message);
   summary_topic_.publish(summary_);
   if (bag_) {
-    bag_->writeProbes(protocol, episode, stamp);
     bag_->write(message);
     bag_->write(summary_);
   }

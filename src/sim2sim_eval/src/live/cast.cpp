@@ -23,19 +23,40 @@ std::string identityOf(const DescribeResponse& node) {
   return node.name + " " + node.version + " (" + textOf(node.parameters) + ") " + node.provenance;
 }
 
+/// A parameter that is set on the parameter server has no effect on a node that runs: it may not be overlooked.
+void requireParametersInForce(const std::string& services, const DescribeResponse& node) {
+  for (const pusht_msgs::Parameter& parameter : node.parameters) {
+    const std::optional<std::string> set = pusht::storedText(services + "/" + parameter.name);
+    const bool free_text = std::holds_alternative<std::string>(pusht::valueOf(parameter.value));  // may be a path
+    if (set && !free_text && !pusht::sameValue(*set, parameter.value)) {
+      throw pusht::InvalidInput("parameter " + services + "/" + parameter.name + " " + *set + ": the node works with " +
+                                parameter.value + "; set it with " + services +
+                                "/configure, in the goal, or before the node is started");
+    }
+  }
+}
+
+void requireIsPolicy(const pusht::Peer& peer) {
+  const DescribeResponse& node = peer.description();
+  if (!node.frame_prefix.empty()) {
+    throw pusht::InvalidInput(peer.services() + ": is the simulator '" + node.name + "', must be a policy");
+  }
+}
+
 }  // namespace
 
-Cast::Cast(const Services& services, std::chrono::milliseconds deadline)
-    : watchdog_(deadline),
+Cast::Cast(const Services& services, std::chrono::milliseconds deadline, WorldMemory& memory)
+    : memory_(memory),
+      watchdog_(deadline),
       parts_{Part{{services.worlds[kReferenceClosed], watchdog_}, {}, nullptr},
              Part{{services.worlds[kEngineClosed], watchdog_}, {}, nullptr},
              Part{{services.worlds[kEngineReplay], watchdog_}, {}, nullptr}},
       policy_peer_(services.policy, watchdog_) {}
 
-void Cast::connect(const Settings& settings, std::chrono::milliseconds patience, bool respawn,
-                   const std::function<bool()>& stop) {
-  connectWorlds(settings, patience, respawn, stop);
-  policy_peer_.connect(patience, respawn, stop);
+void Cast::connect(const Settings& settings, const pusht::Peer::Wait& wait) {
+  connectWorlds(settings, wait);
+  policy_peer_.connect(wait);
+  requireIsPolicy(policy_peer_);
   policy_ = std::make_unique<pusht::ServedPolicy>(policy_peer_);
   requireThreeWorlds();
   requireOneEngine();
@@ -50,17 +71,23 @@ void Cast::connect(const Settings& settings, std::chrono::milliseconds patience,
   identity_ = std::move(identity);
 }
 
-void Cast::connectWorlds(const Settings& settings, std::chrono::milliseconds patience, bool respawn,
-                         const std::function<bool()>& stop) {
+void Cast::connectWorlds(const Settings& settings, const pusht::Peer::Wait& wait) {
   worlds_ = {};  // leaves those that have not been lost
   std::array<std::unique_ptr<pusht::Simulator>, kModeCount> worlds;
   for (std::size_t mode = 0; mode < kModeCount; ++mode) {
     Part& part = parts_.at(mode);
+    part.peer.connect(wait);
+    const std::string& services = part.peer.services();
+    const pusht_msgs::DescribeResponse& now = part.peer.description();
     const Setting& asked = mode == kReferenceClosed ? settings.reference : settings.engine;
-    const pusht::Parameters& parameters = identity_ ? part.description.parameters : asked.parameters;  // as before
-    part.peer.connect(patience, respawn, stop);
-    auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_, asked.kind, parameters);
+    Setting setting = {asked.kind, part.description.parameters};  // as before
+    if (!identity_) {
+      requireParametersInForce(services, now);
+      setting = memory_.resolve(services, now, asked);
+    }
+    auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_, setting.kind, setting.parameters);
     part.description = world->describe();  // not before: a node that dies meanwhile gets what was asked for next time
+    memory_.configured(services, part.description);
     part.world = world.get();
     worlds.at(mode) = std::move(world);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/live/control.hpp"
 
+#include "pusht_task/clipped.hpp"
 #include "pusht_task/error.hpp"
 
 namespace sim2sim {
@@ -34,7 +35,7 @@ pusht_msgs::ControlResponse answerTo(const std::function<void()>& serve) {
     serve();
     response.success = 1;
   } catch (const pusht::InvalidInput& refusal) {
-    response.message = refusal.what();
+    response.message = pusht::clipped(refusal.what());
   }
   return response;
 }

@@ -3,39 +3,30 @@
 
 #include <ros/ros.h>
 
-#include <algorithm>
-#include <array>
 #include <boost/process/search_path.hpp>
 #include <boost/process/system.hpp>
 #include <functional>
 #include <iostream>
-#include <iterator>
 #include <limits>
-#include <regex>
 #include <system_error>
 #include <utility>
 
+#include "pusht_task/clipped.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
-#include "pusht_task/numbers.hpp"
 #include "pusht_task/reason.hpp"
 #include "pusht_task/ros/node.hpp"
-#include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/control.hpp"
-#include "sim2sim_eval/results/provenance.hpp"
+#include "sim2sim_eval/live/participants.hpp"
 #include "sim2sim_eval/results/run.hpp"
 #include "sim2sim_eval/simulators.hpp"
 
 namespace sim2sim {
 namespace {
 
-constexpr double kRateForEyes = 50.0;  // [control steps/s]
-constexpr double kFullSpeed = 0.0;
-constexpr std::uint32_t kProgressQueue = 100;  // who listens must not miss that a run has begun or ended
-constexpr std::uint32_t kNoReanchor = 0;       // alone, in a goal: none; a list without values leaves it open
+constexpr std::uint32_t kProgressQueue = 100;  // a subscriber must not miss that a run has begun or ended
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::chrono::seconds kLinePeriod{5};
 constexpr const char* kEndOfLaunch = " (roslaunch now ends the other nodes, and says so in red)";
 constexpr const char* kHowToResume = "rosservice call /sim2sim/control \"{command: resume}\"";
 
@@ -43,92 +34,7 @@ std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(seconds));
 }
 
-/// Sets `field` to what a goal says of it, if it says anything.
-template <class Field, class Values>
-void set(const char* name, Field& field, const Values& values) {
-  if (values.size() > 1) {
-    throw pusht::InvalidInput(std::string(name) + " has " + std::to_string(values.size()) +
-                              " values: must have one, or none: then the parameter counts");
-  }
-  if (!values.empty()) {
-    field = static_cast<Field>(values.front());
-  }
-}
-
-/// Which node took part, as what.
-nlohmann::ordered_json participant(const pusht_msgs::DescribeResponse& node) {
-  nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
-  for (const pusht_msgs::Parameter& parameter : node.parameters) {
-    parameters[parameter.name] = parameter.value;
-  }
-  return {{"name", node.name},
-          {"version", node.version},
-          {"instance_id", node.instance_id},
-          {"parameters", parameters},
-          {"parameters_hash", node.parameters_hash}};
-}
-
-void requirePolicy(const LiveRequest& request, const Cast& cast) {
-  const std::string& name = cast.describePolicy().name;
-  if (!request.policy.empty() && request.policy != name) {
-    throw pusht::InvalidInput("policy " + request.policy + ": " + request.services.policy + " serves " + name +
-                              "; name no policy if its node is started elsewhere, or this one");
-  }
-}
-
-RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast) {
-  RunConfiguration configuration;
-  configuration.protocol = request.protocol;
-  configuration.smoke = request.smoke;
-  configuration.until_decided = request.until_decided;
-  configuration.policy = cast.describePolicy().name;
-  configuration.reference = recordOf(cast.describe(kReferenceClosed));
-  configuration.engine = recordOf(cast.describe(kEngineClosed));
-  return configuration;
-}
-
-nlohmann::ordered_json originOf(const RunConfiguration& configuration, const Cast& cast) {
-  nlohmann::ordered_json result =
-      provenance(configuration, provenanceOf(cast.describePolicy()), provenanceOf(cast.describe(kReferenceClosed)),
-                 provenanceOf(cast.describe(kEngineClosed)));
-  result["nodes"]["policy"] = participant(cast.describePolicy());
-  for (const Mode mode : kModes) {
-    result["nodes"][modeName(mode)] = participant(cast.describe(mode));
-  }
-  return result;
-}
-
-/// The files that the run has read, and its nodes as far as they say so.
-std::vector<Input> inputsOf(const LiveRequest& request, const Cast& cast) {
-  std::vector<Input> inputs = {{"policy", cast.describePolicy().name}, {"starts", request.starts}};
-  for (const Mode mode : kModes) {
-    const std::vector<Input> files = filesIn(provenanceOf(cast.describe(mode)));
-    inputs.insert(inputs.end(), files.begin(), files.end());
-  }
-  return inputs;
-}
-
-Picture pictureOf(const RunConfiguration& configuration, const Cast& cast) {
-  std::array<std::string, kModeCount> prefixes;
-  for (const Mode mode : kModes) {
-    prefixes[mode] = cast.describe(mode).frame_prefix;
-  }
-  return Picture::of(configuration, prefixes);
-}
-
-/// Null if the run is not to be recorded.
-std::unique_ptr<RunBag> makeBag(const LiveRequest& request, const RunFolder& folder,
-                                const nlohmann::ordered_json& provenance, Cast& cast) {
-  if (!request.record) {
-    return nullptr;
-  }
-  WorldNames worlds;
-  for (const Mode mode : kModes) {
-    worlds[mode] = {request.services.worlds[mode] + "/state", cast.describe(mode).frame_prefix};
-  }
-  cast.stamps().advance();
-  return std::make_unique<RunBag>(folder.bagPath(), provenance, worlds, cast.stamps().now());
-}
+std::string clippedReason(const std::exception& failure) { return pusht::clipped(pusht::reasonOf(failure)); }
 
 void writeStatusFile(const std::string& path, const RunStatus& status) {
   if (!path.empty()) {
@@ -138,7 +44,7 @@ void writeStatusFile(const std::string& path, const RunStatus& status) {
 
 /// Leaves the reason why the node does not start where its results would be.
 void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failure) {
-  const RunStatus status = {pusht::exitCodeOf(failure), pusht::reasonOf(failure), 0, 0, 0};
+  const RunStatus status = {pusht::exitCodeOf(failure), clippedReason(failure), 0, 0, 0};
   const auto attempt = [](const std::function<void()>& tell) {
     try {
       tell();
@@ -150,195 +56,30 @@ void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failu
   attempt([&] { RunFolder(parameters.text("out", ""), parameters.flag("overwrite", false)).refuse(status); });
 }
 
-/// None for 0. Throws InvalidInput as TransferBet does.
-std::optional<double> decidedShare(double share) {
-  if (share == 0.0) {
-    return std::nullopt;
+/// How to start the node again that was lost; empty where that is not known.
+std::string howToBringBack(const pusht::NodeMissing& lost, const LiveRequest& request) {
+  const std::string name = lost.services.empty() ? "" : lost.services.substr(1);
+  if (name.empty() || name.find('/') != std::string::npos) {
+    return "";
   }
-  const TransferBet valid(share);
-  return share;
+  const std::string restart = "; if it is down, start it again and send the goal again: roslaunch ";
+  if (lost.services == request.services.policy) {
+    return restart + "pusht_policy policy.launch name:=" + name;
+  }
+  const bool reference = lost.services == request.services.worlds[kReferenceClosed];
+  const std::string& asked = (reference ? request.settings.reference : request.settings.engine).kind;
+  const std::string kind = asked.empty() ? (reference ? "mujoco" : "two_mass") : asked;
+  return restart + "sim2sim_eval simulator.launch name:=" + name + " kind:=" + kind;
+}
+
+pusht_msgs::CompareResult refusal(pusht::ExitCode exit_code, const std::string& reason) {
+  pusht_msgs::CompareResult result;
+  result.exit_code = static_cast<int>(exit_code);
+  result.reason = reason;
+  return result;
 }
 
 }  // namespace
-
-pusht::Parameters settingsFrom(const std::string& what, const std::string& text) {
-  static const std::regex setting_name("(^|\\s)\\s*([A-Za-z_][A-Za-z0-9_]*)=");
-  const std::sregex_iterator end;
-  std::sregex_iterator name(text.begin(), text.end(), setting_name);
-  const std::string before =
-      text.substr(0, name == end ? std::string::npos : static_cast<std::size_t>(name->position()));
-  if (before.find_first_not_of(" \t\n") != std::string::npos) {
-    throw pusht::InvalidInput(what + " '" + text + "': must be NAME=VALUE NAME=VALUE");
-  }
-  pusht::Parameters settings;
-  while (name != end) {
-    const std::sregex_iterator next = std::next(name);
-    const auto value = static_cast<std::size_t>(name->position() + name->length());
-    const auto value_end =
-        next == end ? text.find_last_not_of(" \t\n") + 1 : static_cast<std::size_t>(next->position());
-    if (std::any_of(settings.begin(), settings.end(), [&](const auto& other) { return other.name == name->str(2); })) {
-      throw pusht::InvalidInput(what + " '" + text + "': " + name->str(2) + " must be set once");
-    }
-    settings.push_back(pusht::parameter(name->str(2), text.substr(value, std::max(value, value_end) - value)));
-    name = next;
-  }
-  return settings;
-}
-
-LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
-  if (request.smoke && !(goal.episodes.empty() && goal.horizon.empty())) {
-    throw pusht::InvalidInput("episodes and horizon: a smoke run has its own");
-  }
-  if (!goal.policy_namespace.empty()) {
-    request.policy.clear();  // of another node
-  }
-  std::string& policy = request.services.policy;
-  set("policy_namespace", policy, goal.policy_namespace);
-  policy = pusht::serviceName("policy_namespace", policy);
-  const auto set_world = [&](const char* name, Mode mode, const std::vector<std::string>& values) {
-    std::string& world = request.services.worlds[mode];
-    set(name, world, values);
-    world = pusht::serviceName(name, world);
-  };
-  set_world("reference_namespace", kReferenceClosed, goal.reference_namespace);
-  set_world("engine_namespace", kEngineClosed, goal.engine_namespace);
-  set_world("replay_namespace", kEngineReplay, goal.replay_namespace);
-  set("seed", request.protocol.seed, goal.seed);
-  set("first_episode", request.protocol.first_episode, goal.first_episode);
-  set("episodes", request.protocol.episodes, goal.episodes);
-  set("horizon", request.protocol.horizon, goal.horizon);
-  set("bound_position", request.protocol.bound.position, goal.bound_position);
-  set("bound_angle", request.protocol.bound.angle, goal.bound_angle);
-  if (!goal.until_decided.empty()) {
-    double share = 0.0;
-    set("until_decided", share, goal.until_decided);
-    request.until_decided = decidedShare(share);
-  }
-  set("floor", request.floor, goal.floor);
-  if (goal.reanchor == std::vector<std::uint32_t>{kNoReanchor}) {
-    request.reanchor.clear();
-  } else if (!goal.reanchor.empty()) {
-    request.reanchor.assign(goal.reanchor.begin(), goal.reanchor.end());
-  }
-  request.protocol.probes = probesOf(request.floor, request.reanchor);
-  set("rate", request.rate, goal.rate);
-  set("record", request.record, goal.record);
-  set("starts", request.starts, goal.starts);
-  set("out", request.out, goal.out);
-  set("overwrite", request.overwrite, goal.overwrite);
-  const auto set_role = [](const char* name, Cast::Setting& setting, const auto& kinds, const auto& parameters) {
-    Cast::Setting asked;
-    set(name, asked.kind, kinds);
-    if (asked.kind.empty()) {
-      asked = setting;
-    }
-    asked.parameters.insert(asked.parameters.end(), parameters.begin(), parameters.end());  // the last of a name counts
-    setting = asked;
-  };
-  set_role("reference", request.settings.reference, goal.reference, goal.reference_parameters);
-  set_role("engine", request.settings.engine, goal.engine, goal.engine_parameters);
-  return request;
-}
-
-pusht_msgs::CompareGoal goalOf(const LiveRequest& request) {
-  const auto kind = [](const Cast::Setting& setting) {
-    return setting.kind.empty() ? std::vector<std::string>() : std::vector<std::string>{setting.kind};
-  };
-  const Protocol& protocol = request.protocol;
-  pusht_msgs::CompareGoal goal;
-  goal.reference_namespace = {request.services.worlds[kReferenceClosed]};
-  goal.engine_namespace = {request.services.worlds[kEngineClosed]};
-  goal.replay_namespace = {request.services.worlds[kEngineReplay]};
-  goal.policy_namespace = {request.services.policy};
-  goal.reference = kind(request.settings.reference);
-  goal.engine = kind(request.settings.engine);
-  goal.seed = {protocol.seed};
-  goal.first_episode = {static_cast<std::uint32_t>(protocol.first_episode)};
-  goal.episodes = {static_cast<std::uint32_t>(protocol.episodes)};
-  goal.horizon = {static_cast<std::uint32_t>(protocol.horizon)};
-  goal.rate = {request.rate};
-  goal.record = {static_cast<std::uint8_t>(request.record)};
-  goal.starts = {request.starts};
-  goal.out = {request.out};
-  goal.overwrite = {static_cast<std::uint8_t>(request.overwrite)};
-  goal.until_decided = {request.until_decided.value_or(0.0)};
-  goal.bound_position = {protocol.bound.position};
-  goal.bound_angle = {protocol.bound.angle};
-  goal.floor = {static_cast<std::uint8_t>(request.floor)};
-  goal.reanchor = {kNoReanchor};
-  if (!request.reanchor.empty()) {
-    goal.reanchor.assign(request.reanchor.begin(), request.reanchor.end());
-  }
-  goal.reference_parameters = request.settings.reference.parameters;
-  goal.engine_parameters = request.settings.engine.parameters;
-  return goal;
-}
-
-bool ProgressLine::due(Clock::time_point now) {
-  if (now - last_ < kLinePeriod) {
-    return false;
-  }
-  last_ = now;
-  return true;
-}
-
-std::string ProgressLine::text(const std::optional<Summary>& finished, int step, Clock::time_point now) const {
-  const int count = finished ? finished->episodes : 0;
-  std::string line = std::to_string(count) + " of " + std::to_string(episodes_) +
-                     " episodes finished, the next one is at control step " + std::to_string(step);
-  if (!finished) {
-    return line;
-  }
-  return line + "; success: reference " + std::to_string(finished->reference.successes) + ", engine " +
-         std::to_string(finished->engine.successes) + "; about " + pusht::fixedText(secondsLeft(count, now), 0) +
-         " s left";
-}
-
-double ProgressLine::secondsLeft(int finished, Clock::time_point now) const {
-  const std::chrono::duration<double> elapsed = now - begin_;
-  return elapsed.count() / finished * (episodes_ - finished);
-}
-
-EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters) {
-  EvaluatorParameters loaded;
-  LiveRequest& request = loaded.request;
-  request.services.worlds = {parameters.services("reference_namespace", "reference"),
-                             parameters.services("engine_namespace", "engine"),
-                             parameters.services("replay_namespace", "engine_replay")};
-  request.services.policy = parameters.services("policy_namespace", "policy");
-  request.policy = parameters.text("policy", "");
-  request.protocol.seed = parameters.seed("seed", request.protocol.seed);
-  request.protocol.first_episode = parameters.integer("first_episode", request.protocol.first_episode);
-  request.protocol.episodes = parameters.integer("episodes", request.protocol.episodes);
-  request.protocol.horizon = parameters.integer("horizon", request.protocol.horizon);
-  request.protocol.bound.position = parameters.real("bound_position", request.protocol.bound.position);
-  request.protocol.bound.angle = parameters.real("bound_angle", request.protocol.bound.angle);
-  request.until_decided = decidedShare(parameters.real("until_decided", 0.0));
-  request.floor = parameters.flag("floor", request.floor);
-  request.reanchor = reanchorFrom(parameters.text("reanchor", ""));
-  request.protocol.probes = probesOf(request.floor, request.reanchor);
-  request.smoke = parameters.flag("smoke", request.smoke);
-  if (request.smoke) {
-    request.protocol = smokeRun(request.protocol);
-  }
-  loaded.headless = parameters.text("headless", "rviz was not asked for");
-  request.rate = parameters.real("rate", loaded.headless.empty() ? kRateForEyes : kFullSpeed);
-  const auto settings = [&](const std::string& key) { return settingsFrom(key, parameters.text(key, "")); };
-  request.settings = {{parameters.text("reference", ""), settings("reference_parameters")},
-                      {parameters.text("engine", ""), settings("engine_parameters")}};
-  request.record = parameters.flag("record", request.record);
-  request.starts = parameters.text("starts", request.starts);
-  request.out = parameters.text("out", request.out);
-  request.overwrite = parameters.flag("overwrite", request.overwrite);
-  loaded.start = parameters.flag("start", loaded.start);
-  loaded.exit = parameters.flag("exit", loaded.exit) && !loaded.headless.empty();
-  loaded.respawn = parameters.flag("respawn", loaded.respawn);
-  loaded.deadline = parameters.positive("deadline", loaded.deadline);
-  loaded.patience = parameters.positive("patience", loaded.patience);
-  loaded.status_file = parameters.text("status_file", loaded.status_file);
-  loaded.report = parameters.flag("report", loaded.report);
-  return loaded;
-}
 
 Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters)
     : node_(node),
@@ -394,7 +135,6 @@ std::optional<Evaluator::Job> Evaluator::nextJob() {
 
 RunStatus Evaluator::execute(const Job& job) {
   run_.reset();
-  broadcast_.clear();
   goal_ = job.goal;
   folder_.clear();
   faults_survived_ = 0;
@@ -402,14 +142,14 @@ RunStatus Evaluator::execute(const Job& job) {
   try {
     writeStatusFile(parameters_.status_file, underWay(job.request.protocol.episodes));
     folder.emplace(job.request.out, job.request.overwrite);
-    compare(job.request, *folder);
+    runIn(*folder, job.request);
     const auto episodes = static_cast<int>(run_->episodes().size());
     return {pusht::ExitCode::kOk, "finished", episodes, episodes, faults_survived_};
   } catch (const std::exception& failure) {
     pusht::reportFailure(ros::this_node::getName(), failure);
     const int finished = run_ ? static_cast<int>(run_->episodes().size()) : 0;
     const int episodes = run_ ? run_->configuration().protocol.episodes : job.request.protocol.episodes;
-    RunStatus status = {pusht::exitCodeOf(failure), pusht::reasonOf(failure), finished, episodes, faults_survived_};
+    RunStatus status = {pusht::exitCodeOf(failure), clippedReason(failure), finished, episodes, faults_survived_};
     try {
       broadcast_.end();
     } catch (const std::exception&) {
@@ -446,15 +186,29 @@ RunStatus Evaluator::writeReport(const RunStatus& finished) const {
   return status;
 }
 
+void Evaluator::runIn(RunFolder& folder, const LiveRequest& request) {
+  try {
+    compare(request, folder);
+  } catch (const pusht::NodeMissing& lost) {
+    if (parameters_.exit || stopped()) {
+      throw;
+    }
+    throw pusht::RuntimeFault(lost.what() + howToBringBack(lost, request));
+  }
+}
+
 void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   request.protocol.validate();
   request.protocol.starts = givenStarts(request.starts, request.protocol.first_episode, request.protocol.episodes);
   pacer_.setRate(request.rate);
-  begin(request.protocol.episodes);
-  const LiveOptions options = {request.settings, parameters_.respawn, milliseconds(parameters_.patience)};
-  Cast cast(request.services, milliseconds(parameters_.deadline));
-  const auto stop = [this] { return stopped(); };
-  cast.connect(options.settings, options.patience, options.respawn, stop);
+  if (pacer_.paused()) {
+    ROS_WARN_STREAM("the run waits, since the evaluator is paused; to go on: " << kHowToResume);
+  }
+  const LiveOptions options = {request.settings,
+                               {milliseconds(parameters_.patience), parameters_.respawn, [this] { return stopped(); },
+                                [this](const std::string& services) { waitFor(services); }}};
+  Cast cast(request.services, milliseconds(parameters_.deadline), worlds_);
+  cast.connect(options.settings, options.wait);
 
   requirePolicy(request, cast);
   const RunConfiguration configuration = configurationOf(request, cast);
@@ -462,9 +216,14 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   folder.refuseInputs(inputsOf(request, cast));
   run_ = std::make_unique<Run>(configuration, folder, provenance);
   folder_ = std::filesystem::absolute(folder.path());
-  std::unique_ptr<RunBag> bag = makeBag(request, folder, provenance, cast);
+  begin(request.protocol.episodes);
+  cast.stamps().advance();
+  const WorldNames names = worldNamesOf(request, cast);
+  std::unique_ptr<RunBag> bag =
+      request.record ? std::make_unique<RunBag>(folder.bagPath(), provenance, names, cast.stamps().now()) : nullptr;
   broadcast_.begin(configuration, pictureOf(configuration, cast), std::move(bag), cast.stamps().now());
-  runLive(configuration.protocol, cast, pacer_, *this, options, stop);
+  broadcast_.tell(configurationMessage(provenance, names, cast.stamps().now()));
+  runLive(configuration.protocol, cast, pacer_, *this, options);
   broadcast_.end();
   const nlohmann::json metrics = run_->finish(std::cout, faults_survived_);
   ROS_INFO_STREAM("finished, all is well: results in " << folder_.string() << (parameters_.exit ? kEndOfLaunch : ""));
@@ -487,15 +246,16 @@ void Evaluator::answer(Job& job, const RunStatus& status) {
     busy_ = false;  // who has the result may send the next goal
     failure_ = status.exit_code == pusht::ExitCode::kOk ? "" : status.reason;
     activity_ = "idle";
+    waiting_for_.clear();
   }
   tellProgress();
   if (job.goal) {
-    pusht_msgs::CompareResult result;
-    result.exit_code = static_cast<int>(status.exit_code);
-    result.reason = status.reason;
+    pusht_msgs::CompareResult result = refusal(status.exit_code, status.reason);
     result.folder = folder_.string();
     result.faults_survived = static_cast<std::uint32_t>(status.faults_survived);
-    result.summary = broadcast_.summary();
+    if (run_) {
+      result.summary = broadcast_.summary();
+    }
     if (status.exit_code == pusht::ExitCode::kOk) {
       job.goal->setSucceeded(result);
     } else if (cancelled) {
@@ -520,14 +280,18 @@ void Evaluator::onGoal(Goal goal) {
 bool Evaluator::accept(Goal& goal) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (busy_) {
-    goal.setRejected({}, "a comparison is under way: cancel it, or wait for its end");
+    const std::string reason = "a comparison is under way: cancel it, or wait for its end";
+    goal.setRejected(refusal(pusht::ExitCode::kRuntimeFault, reason), reason);
     return false;
   }
   LiveRequest request;
   try {
     request = merged(parameters_.request, *goal.getGoal());
-  } catch (const pusht::InvalidInput& refusal) {
-    goal.setRejected({}, refusal.what());
+    if (goal.getGoal()->out.empty() && !request.overwrite) {
+      request.out = freeFolder(request.out);
+    }
+  } catch (const pusht::InvalidInput& error) {
+    goal.setRejected(refusal(error.exitCode(), clippedReason(error)), clippedReason(error));
     return false;
   }
   goal.setAccepted();
@@ -551,11 +315,34 @@ bool Evaluator::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::Contr
     if (request.command == pusht_msgs::ControlRequest::CANCEL) {
       cancel();
     } else {
+      requireRunFor(request.command);
       obey(pacer_, request);
     }
     tellProgress();
   });
+  if (response.success != 0 && request.command == pusht_msgs::ControlRequest::PAUSE && !busy()) {
+    response.message = "no comparison is under way: the next one begins paused";
+  }
   return true;
+}
+
+bool Evaluator::busy() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return busy_;
+}
+
+void Evaluator::requireRunFor(const std::string& command) const {
+  if (command == pusht_msgs::ControlRequest::STEP && !busy()) {
+    throw pusht::InvalidInput("step: no comparison is under way");
+  }
+}
+
+void Evaluator::waitFor(const std::string& services) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    waiting_for_ = services;
+  }
+  tellProgress();
 }
 
 void Evaluator::cancel() {
@@ -601,11 +388,9 @@ void Evaluator::begin(int episodes) {
     episodes_ = episodes;
     episodes_finished_ = 0;
     seconds_left_.reset();
+    ++runs_;
   }
   tellProgress();
-  if (pacer_.paused()) {
-    ROS_WARN_STREAM("the run waits, since the evaluator is paused; to go on: " << kHowToResume);
-  }
 }
 
 void Evaluator::tellProgress() {
@@ -620,9 +405,13 @@ void Evaluator::tellProgress() {
     progress.episodes_finished = static_cast<std::uint32_t>(episodes_finished_);
     progress.seconds_left = busy_ ? seconds_left_.value_or(kNan) : kNan;
     progress.failure = failure_;
+    progress.run = runs_;
+    progress.waiting_for = waiting_for_;
   }
   progress_.publish(progress);
 }
+
+void Evaluator::onBreak(const Episode& episode) { broadcast_.settle(episode); }
 
 void Evaluator::onFault(int episode, const pusht::PeerFault& fault) {
   ++faults_survived_;

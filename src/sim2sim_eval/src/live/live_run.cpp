@@ -20,9 +20,18 @@ pusht::RuntimeFault interruptedIn(int episode) {
   return pusht::RuntimeFault("interrupted in episode " + std::to_string(episode));
 }
 
-/// Whether the run needs further episodes.
-bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, LiveObserver& observer,
-                const std::function<bool()>& stop) {
+void requireUndisturbedEnd(Cast& cast, int index) {
+  try {
+    cast.requireUndisturbed();
+  } catch (pusht::Error& error) {
+    error.addContext("end of episode " + std::to_string(index));
+    throw;
+  }
+}
+
+/// Takes `flight`, of one episode, which has begun, to its end.
+Episode fly(Flight& flight, const Episode& under_way, Cast& cast, Pacer& pacer, LiveObserver& observer,
+            const std::function<bool()>& stop) {
   using Clock = std::chrono::steady_clock;
   Clock::time_point next_check = Clock::now() + kCheckPeriod;
   const auto check = [&] {
@@ -31,11 +40,7 @@ bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, L
       next_check = Clock::now() + kCheckPeriod;
     }
   };
-  cast.announce(index, protocol.horizon);
-  cast.stamps().advance();
-  Flight flight(protocol, cast.worlds(), cast.policy());
-  const Episode& under_way = flight.begin(index);
-  observer.onStep(under_way, cast.stamps().now());
+  const int index = under_way.index();
   while (!under_way.finished()) {
     if (!pacer.wait(stop)) {
       throw interruptedIn(index);
@@ -46,36 +51,46 @@ bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, L
     observer.onStep(under_way, cast.stamps().now());
   }
   cast.silence();
-  const auto end_undisturbed = [&] {
-    try {
-      cast.requireUndisturbed();
-    } catch (pusht::Error& error) {
-      error.addContext("end of episode " + std::to_string(index));
-      throw;
-    }
-  };
-  end_undisturbed();
+  requireUndisturbedEnd(cast, index);
   const auto watch = [&] {
     if (stop()) {
       throw interruptedIn(index);
     }
     check();
   };
-  const Episode episode = std::move(flight.land(watch).front());
-  end_undisturbed();
+  return std::move(flight.land(watch).front());
+}
+
+/// Whether the run needs further episodes.
+bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, LiveObserver& observer,
+                const std::function<bool()>& stop) {
+  cast.announce(index, protocol.horizon);
+  cast.stamps().advance();
+  Flight flight(protocol, cast.worlds(), cast.policy());
+  const Episode& under_way = flight.begin(index);
+  observer.onStep(under_way, cast.stamps().now());
+  const Episode episode = [&] {
+    try {
+      return fly(flight, under_way, cast, pacer, observer, stop);
+    } catch (const pusht::Error&) {
+      observer.onBreak(under_way);
+      throw;
+    }
+  }();
+  requireUndisturbedEnd(cast, index);
   return observer.onFinish(episode, cast.stamps().now());
 }
 
 }  // namespace
 
-void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& observer, const LiveOptions& options,
-             const std::function<bool()>& stop) {
+void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& observer, const LiveOptions& options) {
+  const std::function<bool()>& stop = options.wait.stop;
   bool lost = false;  // a node
   int faults = 0;     // in this episode
   for (int index = protocol.first_episode; index <= protocol.lastEpisode();) {
     try {
       if (lost) {
-        cast.connect(options.settings, options.patience, options.respawn, stop);
+        cast.connect(options.settings, options.wait);
         lost = false;
       }
       if (!runEpisode(protocol, index, cast, pacer, observer, stop)) {
@@ -87,7 +102,7 @@ void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& o
       if (stop()) {  // what ends the run may end the nodes too, and a little earlier
         throw interruptedIn(index);
       }
-      if (!options.respawn || ++faults == kMostFaults) {
+      if (!options.wait.respawn || ++faults == kMostFaults) {
         throw;
       }
       observer.onFault(index, fault);

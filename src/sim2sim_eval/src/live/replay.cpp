@@ -16,6 +16,7 @@
 #include "pusht_task/ros/transforms.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/control.hpp"
+#include "sim2sim_eval/live/up_to.hpp"
 #include "sim2sim_eval/results/run.hpp"
 #include "sim2sim_eval/results/summary.hpp"
 
@@ -56,19 +57,6 @@ int stepsIn(double seconds) { return static_cast<int>(std::lround(seconds / push
 
 }  // namespace
 
-Episode upTo(const Protocol& protocol, const Episode& whole, int steps) {
-  const auto begin = [&](Mode mode) { return pusht::Rollout(whole.rollout(mode).trace().states.front()); };
-  Episode episode(protocol, whole.index(), {begin(kReferenceClosed), begin(kEngineClosed), begin(kEngineReplay)});
-  for (const Mode mode : kModes) {
-    const pusht::Trace& trace = whole.rollout(mode).trace();
-    const std::size_t common = std::min(trace.steps(), static_cast<std::size_t>(steps));
-    for (std::size_t k = 0; k < common; ++k) {
-      episode.record(mode, trace.actions[k], trace.states[k + 1]);
-    }
-  }
-  return episode;
-}
-
 ReplayParameters ReplayParameters::load(pusht::ParameterReader& parameters) {
   ReplayParameters loaded;
   loaded.bag = parameters.text("bag", "");
@@ -97,8 +85,8 @@ Replay::Replay(const ros::NodeHandle& node, const ReplayParameters& parameters)
       request_(node_.advertise<pusht_msgs::CompareGoal>("request", 1, true)) {
   pusht_msgs::ControlRequest start;
   start.episode = static_cast<std::uint64_t>(parameters.episode.value_or(episodes_.begin()->first));
-  start.step = static_cast<std::uint32_t>(stepsIn(parameters.start));
-  sought_ = placeOf(start);
+  const Place begin = placeOf(start);
+  sought_ = Place{begin.episode, std::min(stepsIn(parameters.start), episodes_.at(begin.episode).steps())};
   pacer_.setRate(parameters.speed / pusht::kControlStep);
   const RunConfiguration& configuration = run_.configuration;
   request_.publish(requestOf(configuration.protocol));
@@ -189,7 +177,11 @@ Replay::Place Replay::placeOf(const pusht_msgs::ControlRequest& request) const {
                               std::to_string(episodes_.rbegin()->first));
   }
   const auto last = static_cast<std::uint32_t>(held->second.steps());
-  return {held->first, static_cast<int>(std::min(request.step, last))};
+  if (request.step > last) {
+    throw pusht::InvalidInput("step " + std::to_string(request.step) + ": must be from 0 to " + std::to_string(last) +
+                              ", the end of episode " + std::to_string(request.episode));
+  }
+  return {held->first, static_cast<int>(request.step)};
 }
 
 bool Replay::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response) {

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -20,15 +21,28 @@ using Parameters = std::vector<pusht_msgs::Parameter>;
 
 pusht_msgs::Parameter parameter(const std::string& name, const std::string& value);
 
+/// Whether both texts stand for one value: "6" and "6.0" do.
+bool sameValue(const std::string& a, const std::string& b);
+
 /// As messages.
 Parameters toMessages(const ParameterSet& parameters);
 
-/// `changes` on top of `parameters`. Throws as ParameterSet::set.
+/// Throws InvalidInput with name, values and rule if one of `parameters` is named twice: one of its values would count
+/// without a word.
+void requireOnce(const Parameters& parameters);
+
+/// `changes` on top of `parameters`, which keep their order. Throws as requireOnce() for `changes`.
+Parameters changed(Parameters parameters, const Parameters& changes);
+
+/// `changes` on top of `parameters`. Throws as requireOnce() and ParameterSet::set.
 ParameterSet merged(ParameterSet parameters, const Parameters& changes);
 
 /// Makes the parameters of a node those that it works with, typed as valueOf() says. The parameter server's integers
 /// have 32 bits; others stay texts.
 void setParameters(const ros::NodeHandle& private_handle, const Parameters& parameters);
+
+/// The text of what the parameter server holds as `key`; none if it holds nothing there, or no single value.
+std::optional<std::string> storedText(const std::string& key);
 
 /// The namespace of services that `name` stands for here. Throws InvalidInput with `what`, the name and the rule if it
 /// is none.

@@ -12,14 +12,23 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "pusht_task/error.hpp"
 
 namespace pusht {
 
+/// A node that is needed is not there.
+struct NodeMissing : RuntimeFault {
+  explicit NodeMissing(const std::string& message, std::string services_of_it = "")
+      : RuntimeFault(message), services(std::move(services_of_it)) {}
+
+  std::string services;  ///< namespace of its services; empty: to start it again would not help
+};
+
 /// A peer died, was replaced by another instance, or gave no answer in time. What it was doing is lost.
-struct PeerFault : RuntimeFault {
-  using RuntimeFault::RuntimeFault;
+struct PeerFault : NodeMissing {
+  using NodeMissing::NodeMissing;
 };
 
 /// A deadline on the steady clock, for one call at a time.
@@ -53,11 +62,20 @@ class Peer {
   /// `services` is the namespace of its services, e.g. "/engine". The watchdog must outlive the peer.
   Peer(std::string services, Watchdog& watchdog);
 
+  /// How long connect() waits for a node, and what it does meanwhile.
+  struct Wait {
+    std::chrono::milliseconds patience;
+    bool respawn;                ///< a node that has died is started again
+    std::function<bool()> stop;  ///< whether to give up
+    /// Called with the namespace of the node's services when the wait has taken a second, with "" when it is there.
+    std::function<void(const std::string&)> tell = [](const std::string&) {};
+  };
+
   /// Waits until the peer describes itself, and says so if that takes more than a second; the instance that does is the
-  /// one that has to answer from now on. Throws RuntimeFault if nobody does within `patience` or before `stop` holds,
-  /// or if the node that the master knows is dead and without `respawn` nobody starts it again; the peer's own error if
-  /// it failed at start.
-  void connect(std::chrono::milliseconds patience, bool respawn, const std::function<bool()>& stop);
+  /// one that has to answer from now on. Throws NodeMissing if none does within the patience or before `stop` holds, or
+  /// if the node that the master knows is dead and without `respawn` is not started again; the peer's own error if it
+  /// failed at start.
+  void connect(const Wait& wait);
 
   /// Throws PeerFault if by now the services belong to another node than the one that was connected to, or to none.
   void requireSameOwner() const;
@@ -70,6 +88,7 @@ class Peer {
   friend class ServiceCaller;
 
   void requireInstance(const std::string& instance_id) const;
+  void requireService(const std::string& service) const;
   [[noreturn]] void lose(const std::string& how) const;
   [[noreturn]] void raise(int exit_code, const std::string& message) const;
 
@@ -88,13 +107,14 @@ class ServiceCaller {
   ServiceCaller(const Peer& peer, const std::string& service) : peer_(peer), name_(peer.services() + "/" + service) {}
 
   /// Throws PeerFault if the peer gives no answer in time, or is another instance than the one that was connected to;
-  /// the error it answers with if it refuses.
+  /// InvalidInput if it lives without such a service; the error it answers with if it refuses.
   typename Service::Response call(const typename Service::Request& request) {
     Service service;
     service.request = request;
     // A connection may break while the peer lives on. It recognises a request that it has seen.
     if (!attempt(service) && !attempt(service)) {
       peer_.requireSameOwner();
+      peer_.requireService(name_);
       peer_.lose(name_ + ": the node has died or is out of reach");
     }
     peer_.requireInstance(service.response.instance_id);

@@ -5,7 +5,9 @@
 #include <pusht_msgs/Divergence.h>
 #include <pusht_msgs/EpisodeResult.h>
 #include <pusht_msgs/Summary.h>
+#include <pusht_msgs/Trace.h>
 #include <ros/time.h>
+#include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -13,6 +15,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "pusht_task/ros/bag_file.hpp"
 #include "sim2sim_eval/bag/worker.hpp"
@@ -39,6 +42,14 @@ struct WorldName {
 using WorldNames = std::array<WorldName, kModeCount>;
 const WorldNames& defaultWorldNames();
 
+/// What kConfigurationTopic holds: `provenance` as in provenance.json, configuration included, the state topics, and a
+/// stamp [ns] that none of the run's messages is below.
+std_msgs::String configurationMessage(const nlohmann::ordered_json& provenance, const WorldNames& worlds,
+                                      const ros::Time& stamp);
+
+/// What kTraceTopic holds of an episode that has finished: a message for each probe.
+std::vector<pusht_msgs::Trace> traceMessages(const Protocol& protocol, const Episode& episode, const ros::Time& stamp);
+
 /// Writes a run step by step, in a thread of its own, at the times of the stamps, which must not decrease. What was
 /// written stays, whatever ends the run. Every function throws RuntimeFault if the bag cannot be written.
 class RunBag {
@@ -58,6 +69,7 @@ class RunBag {
   /// The probes of an episode that has finished.
   void writeProbes(const Protocol& protocol, const Episode& episode, const ros::Time& stamp);
 
+  void write(const pusht_msgs::Trace& message);
   void write(const pusht_msgs::Divergence& message);
   void write(const pusht_msgs::EpisodeResult& message);
   void write(const pusht_msgs::Summary& message);

@@ -10,6 +10,7 @@
 #include <ros/publisher.h>
 #include <ros/service_server.h>
 #include <ros/steady_timer.h>
+#include <std_msgs/String.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <visualization_msgs/MarkerArray.h>
 
@@ -25,19 +26,19 @@
 
 namespace sim2sim {
 
-/// Topics in the node's private namespace: `divergence` (every control step; latched), `episode`, `summary` (latched)
-/// and `markers`, which come again once a second, for whoever came late or has forgotten; the service `episodes`, of
-/// those that have finished; the static frames of the tables.
+/// Topics in the node's private namespace: `configuration` (latched), `divergence` (every control step; latched),
+/// `trace`, `episode`, `summary` (latched) and `markers`, which come again once a second, for late subscribers; the
+/// service `episodes`, of what they have missed; the static frames of the tables.
 class Broadcast {
  public:
   explicit Broadcast(const ros::NodeHandle& node);
 
-  /// Forgets the last run, and says so: nothing is known of the next one yet.
-  void clear();
-
   /// A run begins, and is drawn as `picture`. `bag` may be null: the run is not recorded.
   void begin(const RunConfiguration& configuration, Picture picture, std::unique_ptr<RunBag> bag,
              const ros::Time& stamp);
+
+  /// What a recorder of all topics needs to make the bag of this run; see configurationMessage().
+  void tell(const std_msgs::String& configuration) const { configuration_topic_.publish(configuration); }
 
   /// Episodes that have finished before, as those of a replay; `finished` is of them, and `last` the one that ended the
   /// run, if one did.
@@ -55,6 +56,9 @@ class Broadcast {
   void finish(const Episode& episode, const EpisodeResult& result, const Summary& finished, bool last,
               const ros::Time& stamp);
 
+  /// The episode was left before its end: the picture becomes that of the control step that was told last.
+  void settle(const Episode& episode);
+
   /// The run has ended, well or not: the bag is put in its place. Throws RuntimeFault if that fails.
   void end();
 
@@ -63,11 +67,14 @@ class Broadcast {
 
  private:
   bool onEpisodes(pusht_msgs::EpisodesRequest& request, pusht_msgs::EpisodesResponse& response);
+  void remember(const pusht_msgs::Divergence& divergence);
   void draw(const Episode& episode, const ros::Time& stamp, bool recorded);
   void repeat() const;
 
   ros::NodeHandle node_;
+  ros::Publisher configuration_topic_;
   ros::Publisher divergence_;
+  ros::Publisher trace_;
   ros::Publisher episode_;
   ros::Publisher summary_topic_;
 
@@ -75,8 +82,10 @@ class Broadcast {
   std::unique_ptr<RunBag> bag_;
   pusht_msgs::Summary summary_;
   std::optional<Summary> finished_;
-  std::optional<int> last_;   // episode, once it is known
-  std::pair<int, int> told_;  // episode and step
+  std::optional<int> last_;    // episode, once it is known
+  std::pair<int, int> told_;   // episode and step
+  std::pair<int, int> drawn_;  // the same
+  ros::Time stamp_;            // of what was told last
 
   tf2_ros::StaticTransformBroadcaster fixed_frames_;
   std::optional<Picture> picture_;
@@ -86,6 +95,7 @@ class Broadcast {
   visualization_msgs::MarkerArray scene_;
   visualization_msgs::MarkerArray update_;
   std::vector<pusht_msgs::EpisodeResult> episodes_;  // as they finished
+  std::vector<pusht_msgs::Divergence> curve_;        // of the episode that is shown
 
   // Last: they use what stands above.
   ros::ServiceServer tell_episodes_;

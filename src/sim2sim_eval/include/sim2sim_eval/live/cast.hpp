@@ -4,7 +4,6 @@
 
 #include <array>
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +11,7 @@
 #include "pusht_task/ros/peer.hpp"
 #include "pusht_task/ros/served_policy.hpp"
 #include "pusht_task/ros/served_simulator.hpp"
+#include "sim2sim_eval/live/world_memory.hpp"
 #include "sim2sim_eval/protocol/protocol.hpp"
 
 namespace sim2sim {
@@ -25,14 +25,10 @@ class Cast {
     std::string policy;
   };
 
-  /// A call that is not answered within `deadline` is a PeerFault.
-  Cast(const Services& services, std::chrono::milliseconds deadline);
+  /// A call that is not answered within `deadline` is a PeerFault. `memory` must outlive the cast.
+  Cast(const Services& services, std::chrono::milliseconds deadline, WorldMemory& memory);
 
-  /// What a world becomes.
-  struct Setting {
-    std::string kind{};              ///< of simulator; empty: it stays what it is
-    pusht::Parameters parameters{};  ///< the others keep their values; of a kind that is named, they have its defaults
-  };
+  using Setting = WorldSetting;
 
   /// In each role.
   struct Settings {
@@ -40,12 +36,13 @@ class Cast {
     Setting engine;
   };
 
-  /// Connects to all, the first time or after a fault, takes the worlds over, and sets their parameters. Each may
-  /// take as long to appear as Peer::connect() says. Throws RuntimeFault if one does not, PeerFault if one is lost
-  /// meanwhile; the error of one that failed at start; InvalidInput if the two worlds of the engine differ or two
-  /// worlds are one; BadDependency if one has come back as another.
-  void connect(const Settings& settings, std::chrono::milliseconds patience, bool respawn,
-               const std::function<bool()>& stop);
+  /// Connects to all, the first time or after a fault, takes the worlds over, and sets their parameters: of a world
+  /// whose kind is left open, on top of what it was before any run changed it. Each may take as long to appear as
+  /// Peer::connect() says. Throws NodeMissing if one does not, PeerFault if one is lost meanwhile; the error of one
+  /// that failed at start; InvalidInput if the two worlds of the engine differ, two worlds are one, a world's parameter
+  /// on the parameter server is not the one that it works with, or the policy is none; BadDependency if one has come
+  /// back as another.
+  void connect(const Settings& settings, const pusht::Peer::Wait& wait);
 
   /// Makes ready for an episode. Throws PeerFault if a node has been replaced.
   void announce(int episode, int horizon);
@@ -72,11 +69,11 @@ class Cast {
     pusht::ServedSimulator* world = nullptr;
   };
 
-  void connectWorlds(const Settings& settings, std::chrono::milliseconds patience, bool respawn,
-                     const std::function<bool()>& stop);
+  void connectWorlds(const Settings& settings, const pusht::Peer::Wait& wait);
   void requireThreeWorlds() const;
   void requireOneEngine() const;
 
+  WorldMemory& memory_;
   pusht::Watchdog watchdog_;
   pusht::StampSource stamps_;
   std::array<Part, kModeCount> parts_;

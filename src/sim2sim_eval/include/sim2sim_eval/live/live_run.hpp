@@ -25,19 +25,19 @@ class LiveObserver {
   virtual void onStep(const Episode& episode, const ros::Time& stamp) = 0;
   /// Returns whether the run needs further episodes.
   virtual bool onFinish(const Episode& episode, const ros::Time& stamp) = 0;
+  /// `episode` is left before its end, by an error or because the run is to stop.
+  virtual void onBreak(const Episode& episode) = 0;
   /// A node was lost in `episode`, which is void; the run waits for the node to come back.
   virtual void onFault(int episode, const pusht::PeerFault& fault) = 0;
 };
 
 struct LiveOptions {
   Cast::Settings settings;
-  bool respawn = false;                   ///< nodes that die are started again by someone; else a fault ends the run
-  std::chrono::milliseconds patience{0};  ///< for a node to appear, or to come back
+  pusht::Peer::Wait wait;  ///< for nodes; without `respawn` a fault ends the run, and `stop` ends it in any case
 };
 
 /// Runs the episodes of `protocol` over a cast that is connected. Throws PeerFault for a node that is lost for good,
-/// RuntimeFault when `stop` holds; as Episode does otherwise.
-void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& observer, const LiveOptions& options,
-             const std::function<bool()>& stop);
+/// RuntimeFault when the options' `stop` holds; as Episode does otherwise.
+void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& observer, const LiveOptions& options);
 
 }  // namespace sim2sim

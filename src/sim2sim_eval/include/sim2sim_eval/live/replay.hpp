@@ -28,9 +28,6 @@
 
 namespace sim2sim {
 
-/// `whole` as it was after `steps` control steps, or after its last one.
-Episode upTo(const Protocol& protocol, const Episode& whole, int steps);
-
 struct ReplayParameters {
   std::string bag;
   std::optional<int> episode{};  ///< to begin with; none: the first one of the bag

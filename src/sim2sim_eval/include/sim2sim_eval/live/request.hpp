@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// What a live run is asked to do: by parameters, and by goals on top of them.
+#pragma once
+
+#include <pusht_msgs/CompareGoal.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pusht_task/ros/parameters.hpp"
+#include "sim2sim_eval/live/cast.hpp"
+#include "sim2sim_eval/protocol/protocol.hpp"
+
+namespace sim2sim {
+
+/// One comparison that is asked for.
+struct LiveRequest {
+  Cast::Services services;
+  std::string policy{};  ///< the name that the policy must have; empty: any
+  Protocol protocol;
+  std::optional<double> until_decided{};  ///< as in RunConfiguration
+  bool floor = true;                      ///< as in probesOf(); so is the next
+  std::vector<int> reanchor{};
+  bool smoke = false;  ///< short; the policy node should be given the untrained policy
+  double rate = 0.0;   ///< [control steps/s]; 0: as fast as possible
+  Cast::Settings settings;
+  bool record = true;      ///< write compare.bag
+  std::string starts;      ///< file for readStarts(); empty: spawn seeds
+  std::string out;         ///< folder for the results; empty: the next free results/compare-N
+  bool overwrite = false;  ///< replace results that are in the folder
+};
+
+/// "NAME=VALUE NAME=VALUE"; a value may hold spaces. Throws InvalidInput with `what` and the text if it is none,
+/// or sets a name twice.
+pusht::Parameters settingsFrom(const std::string& what, const std::string& text);
+
+/// `out` if a run without overwrite may write its results there; else the first of out-2, out-3 and so on that it may.
+/// Empty stays empty: then the run finds its place.
+std::string freeFolder(const std::string& out);
+
+/// `goal` on top of `request`. Throws InvalidInput with the field of the goal that cannot be.
+LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal);
+
+/// None for 0. Throws InvalidInput as TransferBet does.
+std::optional<double> decidedShare(double share);
+
+/// All of `request` as a goal.
+pusht_msgs::CompareGoal goalOf(const LiveRequest& request);
+
+}  // namespace sim2sim

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The begin of an episode.
+#pragma once
+
+#include "sim2sim_eval/protocol/protocol.hpp"
+
+namespace sim2sim {
+
+/// `whole` as it was after `steps` control steps, or after its last one.
+Episode upTo(const Protocol& protocol, const Episode& whole, int steps);
+
+}  // namespace sim2sim

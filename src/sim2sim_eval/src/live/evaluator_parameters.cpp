@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/live/evaluator_parameters.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr double kRateForEyes = 50.0;  // [control steps/s]
+constexpr double kFullSpeed = 0.0;
+
+}  // namespace
+
+EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters) {
+  EvaluatorParameters loaded;
+  LiveRequest& request = loaded.request;
+  request.services.worlds = {parameters.services("reference_namespace", "reference"),
+                             parameters.services("engine_namespace", "engine"),
+                             parameters.services("replay_namespace", "engine_replay")};
+  request.services.policy = parameters.services("policy_namespace", "policy");
+  request.policy = parameters.text("policy", "");
+  request.protocol.seed = parameters.seed("seed", request.protocol.seed);
+  request.protocol.first_episode = parameters.integer("first_episode", request.protocol.first_episode);
+  request.protocol.episodes = parameters.integer("episodes", request.protocol.episodes);
+  request.protocol.horizon = parameters.integer("horizon", request.protocol.horizon);
+  request.protocol.bound.position = parameters.real("bound_position", request.protocol.bound.position);
+  request.protocol.bound.angle = parameters.real("bound_angle", request.protocol.bound.angle);
+  request.until_decided = decidedShare(parameters.real("until_decided", 0.0));
+  request.floor = parameters.flag("floor", request.floor);
+  request.reanchor = reanchorFrom(parameters.text("reanchor", ""));
+  request.protocol.probes = probesOf(request.floor, request.reanchor);
+  request.smoke = parameters.flag("smoke", request.smoke);
+  if (request.smoke) {
+    request.protocol = smokeRun(request.protocol);
+  }
+  request.protocol.validate();
+  loaded.headless = parameters.text("headless", "rviz was not asked for");
+  request.rate = parameters.real("rate", loaded.headless.empty() ? kRateForEyes : kFullSpeed);
+  const auto settings = [&](const std::string& key) { return settingsFrom(key, parameters.text(key, "")); };
+  request.settings = {{parameters.text("reference", ""), settings("reference_parameters")},
+                      {parameters.text("engine", ""), settings("engine_parameters")}};
+  request.record = parameters.flag("record", request.record);
+  request.starts = parameters.text("starts", request.starts);
+  request.out = parameters.text("out", request.out);
+  request.overwrite = parameters.flag("overwrite", request.overwrite);
+  loaded.start = parameters.flag("start", loaded.start);
+  loaded.exit = parameters.flag("exit", loaded.exit) && !loaded.headless.empty();
+  loaded.respawn = parameters.flag("respawn", loaded.respawn);
+  loaded.deadline = parameters.positive("deadline", loaded.deadline);
+  loaded.patience = parameters.positive("patience", loaded.patience);
+  loaded.status_file = parameters.text("status_file", loaded.status_file);
+  loaded.report = parameters.flag("report", loaded.report);
+  return loaded;
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/live/request.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <iterator>
+#include <limits>
+#include <regex>
+#include <type_traits>
+
+#include "pusht_task/error.hpp"
+#include "sim2sim_eval/results/run_folder.hpp"
+#include "sim2sim_eval/statistics/sequential.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr int kMostFolders = 10'000;
+constexpr std::uint32_t kNoReanchor = 0;  // alone, in a goal: none; a list without values leaves it open
+
+/// `value`, of a goal's field, as what it is in a request. Throws InvalidInput if that holds no such number.
+template <class Field, class Value>
+Field fieldOf(const std::string& name, const Value& value) {
+  if constexpr (std::is_same_v<Field, int>) {
+    if (value > static_cast<Value>(std::numeric_limits<int>::max())) {
+      throw pusht::InvalidInput(name + " " + std::to_string(value) + ": must be at most " +
+                                std::to_string(std::numeric_limits<int>::max()));
+    }
+  }
+  return static_cast<Field>(value);
+}
+
+/// Sets `field` to what a goal says of it, if it says anything.
+template <class Field, class Values>
+void set(const std::string& name, Field& field, const Values& values) {
+  if (values.size() > 1) {
+    throw pusht::InvalidInput(name + " has " + std::to_string(values.size()) +
+                              " values: must have one, or none: then the parameter counts");
+  }
+  if (!values.empty()) {
+    field = fieldOf<Field>(name, values.front());
+  }
+}
+
+}  // namespace
+
+std::optional<double> decidedShare(double share) {
+  if (share == 0.0) {
+    return std::nullopt;
+  }
+  const TransferBet valid(share);
+  return share;
+}
+
+pusht::Parameters settingsFrom(const std::string& what, const std::string& text) {
+  static const std::regex setting_name("(^|\\s)\\s*([A-Za-z_][A-Za-z0-9_]*)=");
+  const std::sregex_iterator end;
+  std::sregex_iterator name(text.begin(), text.end(), setting_name);
+  const std::string before =
+      text.substr(0, name == end ? std::string::npos : static_cast<std::size_t>(name->position()));
+  if (before.find_first_not_of(" \t\n") != std::string::npos) {
+    throw pusht::InvalidInput(what + " '" + text + "': must be NAME=VALUE NAME=VALUE");
+  }
+  pusht::Parameters settings;
+  while (name != end) {
+    const std::sregex_iterator next = std::next(name);
+    const auto value = static_cast<std::size_t>(name->position() + name->length());
+    const auto value_end =
+        next == end ? text.find_last_not_of(" \t\n") + 1 : static_cast<std::size_t>(next->position());
+    if (std::any_of(settings.begin(), settings.end(), [&](const auto& other) { return other.name == name->str(2); })) {
+      throw pusht::InvalidInput(what + " '" + text + "': " + name->str(2) + " must be set once");
+    }
+    settings.push_back(pusht::parameter(name->str(2), text.substr(value, std::max(value, value_end) - value)));
+    name = next;
+  }
+  return settings;
+}
+
+std::string freeFolder(const std::string& out) {
+  const auto is_free = [](const std::string& name) {
+    try {
+      const RunFolder folder(name, false);
+      return true;
+    } catch (const pusht::InvalidInput&) {
+      return false;
+    }
+  };
+  std::string name = out;
+  for (int number = 2; !is_free(name) && number < kMostFolders; ++number) {
+    name = (std::filesystem::path(out) / "").parent_path().string() + "-" + std::to_string(number);
+  }
+  return name;
+}
+
+LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
+  if (request.smoke && !(goal.episodes.empty() && goal.horizon.empty())) {
+    throw pusht::InvalidInput("episodes and horizon: a smoke run has its own");
+  }
+  if (!goal.policy_namespace.empty()) {
+    request.policy.clear();  // of another node
+  }
+  std::string& policy = request.services.policy;
+  set("policy_namespace", policy, goal.policy_namespace);
+  policy = pusht::serviceName("policy_namespace", policy);
+  const auto set_world = [&](const char* name, Mode mode, const std::vector<std::string>& values) {
+    std::string& world = request.services.worlds[mode];
+    set(name, world, values);
+    world = pusht::serviceName(name, world);
+  };
+  set_world("reference_namespace", kReferenceClosed, goal.reference_namespace);
+  set_world("engine_namespace", kEngineClosed, goal.engine_namespace);
+  set_world("replay_namespace", kEngineReplay, goal.replay_namespace);
+  set("seed", request.protocol.seed, goal.seed);
+  set("first_episode", request.protocol.first_episode, goal.first_episode);
+  set("episodes", request.protocol.episodes, goal.episodes);
+  set("horizon", request.protocol.horizon, goal.horizon);
+  set("bound_position", request.protocol.bound.position, goal.bound_position);
+  set("bound_angle", request.protocol.bound.angle, goal.bound_angle);
+  if (!goal.until_decided.empty()) {
+    double share = 0.0;
+    set("until_decided", share, goal.until_decided);
+    request.until_decided = decidedShare(share);
+  }
+  set("floor", request.floor, goal.floor);
+  if (goal.reanchor == std::vector<std::uint32_t>{kNoReanchor}) {
+    request.reanchor.clear();
+  } else if (!goal.reanchor.empty()) {
+    request.reanchor.clear();
+    std::transform(goal.reanchor.begin(), goal.reanchor.end(), std::back_inserter(request.reanchor),
+                   [](std::uint32_t every) { return fieldOf<int>("reanchor", every); });
+  }
+  request.protocol.probes = probesOf(request.floor, request.reanchor);
+  set("rate", request.rate, goal.rate);
+  set("record", request.record, goal.record);
+  set("starts", request.starts, goal.starts);
+  set("out", request.out, goal.out);
+  set("overwrite", request.overwrite, goal.overwrite);
+  const auto set_role = [](const char* name, Cast::Setting& setting, const auto& kinds, const auto& parameters) {
+    Cast::Setting asked;
+    set(name, asked.kind, kinds);
+    if (asked.kind.empty()) {
+      asked = setting;
+    }
+    asked.parameters = pusht::changed(asked.parameters, parameters);
+    setting = asked;
+  };
+  set_role("reference", request.settings.reference, goal.reference, goal.reference_parameters);
+  set_role("engine", request.settings.engine, goal.engine, goal.engine_parameters);
+  return request;
+}
+
+pusht_msgs::CompareGoal goalOf(const LiveRequest& request) {
+  const auto kind = [](const Cast::Setting& setting) {
+    return setting.kind.empty() ? std::vector<std::string>() : std::vector<std::string>{setting.kind};
+  };
+  const Protocol& protocol = request.protocol;
+  pusht_msgs::CompareGoal goal;
+  goal.reference_namespace = {request.services.worlds[kReferenceClosed]};
+  goal.engine_namespace = {request.services.worlds[kEngineClosed]};
+  goal.replay_namespace = {request.services.worlds[kEngineReplay]};
+  goal.policy_namespace = {request.services.policy};
+  goal.reference = kind(request.settings.reference);
+  goal.engine = kind(request.settings.engine);
+  goal.seed = {protocol.seed};
+  goal.first_episode = {static_cast<std::uint32_t>(protocol.first_episode)};
+  goal.episodes = {static_cast<std::uint32_t>(protocol.episodes)};
+  goal.horizon = {static_cast<std::uint32_t>(protocol.horizon)};
+  goal.rate = {request.rate};
+  goal.record = {static_cast<std::uint8_t>(request.record)};
+  goal.starts = {request.starts};
+  goal.out = {request.out};
+  goal.overwrite = {static_cast<std::uint8_t>(request.overwrite)};
+  goal.until_decided = {request.until_decided.value_or(0.0)};
+  goal.bound_position = {protocol.bound.position};
+  goal.bound_angle = {protocol.bound.angle};
+  goal.floor = {static_cast<std::uint8_t>(request.floor)};
+  goal.reanchor = {kNoReanchor};
+  if (!request.reanchor.empty()) {
+    goal.reanchor.assign(request.reanchor.begin(), request.reanchor.end());
+  }
+  goal.reference_parameters = request.settings.reference.parameters;
+  goal.engine_parameters = request.settings.engine.parameters;
+  return goal;
+}
+
+}  // namespace sim2sim

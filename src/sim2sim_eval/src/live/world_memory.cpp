@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/live/world_memory.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace sim2sim {
+namespace {
+
+/// The values that the parameters have where only words of presets are set; of those that are described.
+std::map<std::string, std::string> impliedBy(const pusht_msgs::DescribeResponse& now) {
+  std::map<std::string, std::string> implied;
+  for (const pusht_msgs::ParameterDescriptor& descriptor : now.parameter_descriptors) {
+    implied[descriptor.name] = descriptor.default_value;
+  }
+  for (const pusht_msgs::ParameterDescriptor& descriptor : now.parameter_descriptors) {
+    const auto value = std::find_if(now.parameters.begin(), now.parameters.end(),
+                                    [&](const auto& parameter) { return parameter.name == descriptor.name; });
+    for (const pusht_msgs::Preset& preset : descriptor.presets) {
+      if (value != now.parameters.end() && value->value == preset.word) {
+        for (const pusht_msgs::Parameter& setting : preset.settings) {
+          implied[setting.name] = setting.value;
+        }
+      }
+    }
+  }
+  return implied;
+}
+
+}  // namespace
+
+WorldSetting settingOf(const pusht_msgs::DescribeResponse& now) {
+  const std::map<std::string, std::string> implied = impliedBy(now);
+  WorldSetting setting{now.name, {}};
+  for (const pusht_msgs::Parameter& parameter : now.parameters) {
+    const auto known = implied.find(parameter.name);
+    if (known == implied.end() || !pusht::sameValue(known->second, parameter.value)) {
+      setting.parameters.push_back(parameter);
+    }
+  }
+  return setting;
+}
+
+WorldSetting WorldMemory::resolve(const std::string& services, const pusht_msgs::DescribeResponse& now,
+                                  const WorldSetting& asked) {
+  const auto [known, is_new] = worlds_.try_emplace(services);
+  World& world = known->second;
+  const bool others = world.left && (world.left->name != now.name || world.left->parameters != now.parameters);
+  if (is_new || others) {
+    world.original = settingOf(now);
+  }
+  world.left.reset();
+  const WorldSetting current = settingOf(now);
+  const bool unchanged = current.kind == world.original.kind && current.parameters == world.original.parameters;
+  if (!asked.kind.empty() || unchanged) {
+    return asked;
+  }
+  return {world.original.kind, pusht::changed(world.original.parameters, asked.parameters)};
+}
+
+void WorldMemory::configured(const std::string& services, const pusht_msgs::DescribeResponse& now) {
+  worlds_[services].left = State{now.name, now.parameters};
+}
+
+}  // namespace sim2sim

@@ -240,6 +240,18 @@ class Arguments(LiveCase):
         for name in set(names.split(", ")) - self.DERIVED:
             self.assert_argument("sim2sim_eval", "compare", name, f"/sim2sim/{name}")
 
+    def test_no_argument_is_listed_as_required(self) -> None:
+        arguments = self.succeed("roslaunch", "--ros-args", "sim2sim_eval", "compare.launch")
+        self.assertIn("Optional Arguments", arguments)
+        self.assertNotIn("Required Arguments", arguments)
+
+    def test_empty_values_are_defaults(self) -> None:
+        path = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "launch" / "compare.launch"
+        names = ("policy", "reanchor", "reference", "reference_parameters", "engine")
+        names += ("engine_parameters", "pusher_mass", "block_damp", "baumgarte", "scene")
+        empty = self.parameters_of(path, *(f"{name}:=" for name in names))
+        self.assertEqual(empty, self.parameters_of(path))
+
     def test_short_forms_are_parameters_of_the_engine(self) -> None:
         path = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "launch" / "compare.launch"
         for name in ("pusher_mass", "block_damp", "baumgarte"):

@@ -157,6 +157,8 @@ class Replay(LiveCase):
         self.assertIn("child_frame_id", self.succeed(*frames, environment=self.environment))
         answer = self.control("{command: seek, episode: 2}")
         self.assertIn("episode 2: must be one that the bag holds: 0 to 1", answer)
+        answer = self.control("{command: seek, episode: 1, step: 9999}")
+        self.assertIn("step 9999: must be from 0 to ", answer)
         self.assertIn("cancel: only in a live run", self.control("{command: cancel}"))
         self.control("{command: resume}")
         expect(max(recorded))

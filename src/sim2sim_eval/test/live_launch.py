@@ -136,6 +136,39 @@ class Runs(LiveCase):
         until(lambda: copy.exists() and status_of_file(copy)["exit_code"] == 0, "a finished run")
         self.assertEqual(copy.read_bytes(), (launch.out / "status.json").read_bytes())
 
+    def test_lost_node_is_brought_back_as_documented(self) -> None:
+        """Whatever kind a run has made of it."""
+        launch = Launch(self, policy="expert", start=False)
+        launch.line(r"process\[sim2sim-\d+\]: started")
+        launch.tool("rosservice", "call", "--wait", "/sim2sim/control", "{command: resume}")
+        self.run_goal(launch, "first", "engine: [rigid_body]")
+        lost = launch.node("/engine")
+        os.kill(lost, signal.SIGKILL)
+        command = ("roslaunch", "sim2sim_eval", "simulator.launch", "name:=engine")
+        Process(self, *command, "kind:=two_mass", environment=launch.environment)
+        until(lambda: self.answers_anew(launch, lost), "the node")
+        self.run_goal(launch, "second")
+        wanted = self.batch_bytes("--policy", "expert", "--episodes", "1")
+        self.assertEqual(result_bytes(self.folder / "second"), wanted)
+
+    def answers_anew(self, launch: Launch, lost: int) -> bool:
+        """Whether another process than the lost one serves the engine."""
+        try:
+            return launch.node("/engine") != lost
+        except (OSError, rosgraph.MasterError):
+            return False
+
+    def run_goal(self, launch: Launch, out: str, *fields: str) -> None:
+        """Waits for a run that must finish."""
+        folder = self.folder / out
+        goal = ", ".join(("episodes: [1]", "record: [false]", f"out: ['{folder}']", *fields))
+        command = ("rostopic", "pub", "-1", "/sim2sim/compare/goal")
+        topic = "pusht_msgs/CompareActionGoal"
+        launch.tool(*command, topic, f"{{goal: {{{goal}}}}}")
+        status = folder / "status.json"
+        until(lambda: status.exists() and status_of_file(status)["exit_code"] != 4, "a status")
+        self.assertEqual(status_of_file(status)["reason"], "finished")
+
     def with_engine_from_elsewhere(self, *node: str, **arguments: Any) -> Launch:
         launch = Launch(
             self, policy="expert", episodes=1, engine_nodes=False, record=False, **arguments

@@ -533,12 +533,25 @@ class TrainCommand(CommandCase):
             provenance_file.read_text(), json.dumps(provenance, indent=2, sort_keys=True) + "\n"
         )
 
+    def test_file_that_is_there_stays(self) -> None:
+        before = self.bag.read_bytes()
+        for options in ((), ("--overwrite",)):
+            finished = self.run_command(self.command(*options, out=self.bag.name))
+            self.assert_refused(finished, 2, "some.bag: is there already")
+        self.assertEqual(self.bag.read_bytes(), before)
+        self.assertEqual(self.run_command(self.command()).returncode, 0)
+        again = self.run_command(self.command())
+        self.assertEqual(again.returncode, 2, again.stderr)
+        self.assertIn("policy.ts.pt: is there already", again.stderr)
+        again = self.run_command(self.command("--overwrite"))
+        self.assertEqual(again.returncode, 0, again.stderr)
+
     def test_interrupted_run_resumes_to_the_same_bytes(self) -> None:
         epochs = 600  # some 2 s
         self.assertEqual(
             self.run_command(self.command(out="whole.pt", epochs=epochs)).returncode, 0
         )
-        for number in (signal.SIGTERM, signal.SIGINT):
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
             with subprocess.Popen(
                 self.command(epochs=epochs),
                 stdout=subprocess.PIPE,

@@ -10,6 +10,8 @@ import os
 import re
 import shlex
 import shutil
+import signal
+import subprocess
 import sys
 import unittest
 from pathlib import Path
@@ -24,7 +26,7 @@ from selenium.webdriver.support.wait import WebDriverWait  # type: ignore[import
 from sim2sim_eval.report.results import METRICS_FORMAT
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, executable  # noqa: E402
+from command_case import CommandCase, catches, executable, until  # noqa: E402
 
 ATTRIBUTE = executable("sim2sim_eval", "attribute")
 COMPARE = executable("sim2sim_eval", "compare")
@@ -78,7 +80,7 @@ class ReportCase(CommandCase):
         cls.made.doCleanups()
 
     def report(self, *arguments: str) -> str:
-        process = self.run_command(REPORT, *arguments, "--out", "report.html")
+        process = self.run_command(REPORT, *arguments, "--out", "report.html", "--overwrite")
         self.assertEqual(process.returncode, 0, process.stderr)
         self.assertEqual((process.stdout, process.stderr), ("report.html\n", ""))
         return (self.folder / "report.html").read_text(encoding="utf-8")
@@ -399,6 +401,96 @@ class Refusals(ReportCase):
         self.assertIn(
             "must be episodes like 7,12", self.refused(str(self.run_folder), "--animate", "x")
         )
+
+    def test_file_that_is_there_stays(self) -> None:
+        folder = self.copy()
+        before = (folder / "metrics.json").read_bytes()
+        for options in ((), ("--overwrite",)):
+            process = self.run_command(REPORT, "copy", "--out", "copy/metrics.json", *options)
+            self.assert_one_line(process, 2, "report")
+            self.assertIn("out copy/metrics.json: is there already", process.stderr)
+        self.assertEqual((folder / "metrics.json").read_bytes(), before)
+        self.assertEqual(self.run_command(REPORT, "copy").returncode, 0)
+        process = self.run_command(REPORT, "copy")
+        self.assert_one_line(process, 2, "report")
+        self.assertIn("out copy/report.html: is there already", process.stderr)
+        self.assertEqual(self.run_command(REPORT, "copy", "--overwrite").returncode, 0)
+        (folder / "report.html").unlink()
+        (folder / "report.html").symlink_to("metrics.json")
+        self.assert_one_line(self.run_command(REPORT, "copy", "--overwrite"), 2, "report")
+
+    def test_images_that_are_there_stay(self) -> None:
+        self.write("success.png", b"mine")
+        images = (str(self.run_folder), "--images", ".")
+        for options in ((), ("--overwrite",)):
+            self.assertIn("success.png: is there already", self.refused(*images, *options))
+        self.assertEqual(self.files("."), {"success.png"}, "nothing beside it")
+        (self.folder / "success.png").unlink()
+        for options in ((), ("--overwrite",)):
+            process = self.run_command(REPORT, *images, "--out", "report.html", *options)
+            self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("success.png: is there already", self.refused(*images))
+
+    def test_numbers_that_are_not_finite(self) -> None:
+        folder = self.copy()
+        whole = np.load(folder / "traces.npy")
+        for field, value in (("tee_x", np.nan), ("tee_yaw", np.inf), ("action_x", -np.inf)):
+            with self.subTest(field):
+                traces = whole.copy()
+                traces[field][5] = value
+                np.save(folder / "traces.npy", traces)
+                refused = self.refused("copy")
+                self.assertIn(f"episode 0, step 5: {field} {value}: must be finite", refused)
+        np.save(folder / "traces.npy", whole)
+        path = folder / "provenance.json"
+        text = path.read_text()
+        for number in ("1e400", "NaN", "-Infinity"):
+            with self.subTest(number):
+                path.write_text(text.replace("{", f'{{"more": {number},', 1))
+                self.assertIn(f"{number}: must be a finite number", self.refused("copy"))
+
+    def test_deeply_nested_files(self) -> None:
+        for name in ("metrics.json", "statistics.json", "provenance.json"):
+            for depth in (600, 100_000):
+                with self.subTest(name=name, depth=depth):
+                    path = self.copy() / name
+                    nested = '{"a": ' * depth + "1" + "}" * depth
+                    path.write_text(path.read_text().replace("{", f'{{"more": {nested},', 1))
+                    if depth > 1000 or name == "provenance.json":
+                        self.assertIn("less deeply nested", self.refused("copy"))
+                    shutil.rmtree(path.parent)
+
+    def test_signals(self) -> None:
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            with self.subTest(number), subprocess.Popen(
+                (REPORT, str(self.run_folder), "--out", "refused.html"),
+                cwd=self.folder,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+            ) as process:
+                until(lambda: catches(process.pid, signal.SIGHUP))
+                process.send_signal(number)
+                printed, said = process.communicate(timeout=self.deadline)
+                expected = (4, "", "report: interrupted; nothing is written\n")
+                self.assertEqual((process.returncode, printed, said), expected)
+                self.assertEqual(self.files("."), set())
+
+    def test_without_a_workspace(self) -> None:
+        """In an empty environment, and where Python alone is told where the packages are."""
+        for path in ("", os.environ["PYTHONPATH"]):
+            for command in (REPORT, executable("sim2sim_eval", "plot_sweep")):
+                process = subprocess.run(
+                    (command, str(self.run_folder), "--out", "none.png"),
+                    cwd=self.folder,
+                    env={"PYTHONPATH": path},
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.PIPE,
+                    text=True,
+                )
+                self.assertNotIn("Traceback", process.stderr)
+                self.assert_one_line(process, process.returncode, Path(command).name)
+                self.assertIn(process.returncode, (2, 3))
 
     def test_folder_that_cannot_be_written(self) -> None:
         process = self.run_command(REPORT, str(self.run_folder), "--out", "none/report.html")

@@ -18,15 +18,17 @@ from unittest import mock
 import rospkg  # type: ignore[import]
 import torch
 from matplotlib.figure import Figure  # type: ignore[import]
+from sim2sim_eval.report.curves import read_curves
 from sim2sim_eval.report.results import METRICS_FORMAT
 
 sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, executable, load_script, until  # noqa: E402
+from command_case import CommandCase, catches, executable, until  # noqa: E402
 
 SWEEP = executable("sim2sim_eval", "sweep")
 MERGE = executable("sim2sim_eval", "merge")
 COMPARE = executable("sim2sim_eval", "compare")
 PLOT = executable("sim2sim_eval", "plot_sweep")
+INTERRUPTED = "plot_sweep: interrupted; nothing is written\n"
 
 # Short, and yet with successes in both worlds: the expert needs about half the horizon.
 PLAN = """
@@ -189,6 +191,43 @@ class Rows(SweepCase):
         self.assertIn("no knob", self.refused(2, self.run_command(PLOT, "flat"), "plot_sweep"))
         self.refused(2, self.run_command(PLOT, "none"), "plot_sweep")
 
+    def test_plot_leaves_what_is_there(self) -> None:
+        self.finished("out", plan="{policy: expert, episodes: 2, rows: [{}, {block_damp: 20}]}")
+        self.assertEqual(self.run_command(PLOT, "out", "--out", "plot.png").returncode, 0)
+        theirs = self.write("theirs.png", b"theirs")
+        cases = (("plot.png", ()), ("theirs.png", ()), ("theirs.png", ("--overwrite",)))
+        for out, options in cases:
+            process = self.run_command(PLOT, "out", "--out", out, *options)
+            said = self.refused(2, process, "plot_sweep")
+            self.assertIn(f"out {out}: is there already", said)
+        self.assertEqual(Path(theirs).read_bytes(), b"theirs")
+        process = self.run_command(PLOT, "out", "--out", "plot.png", "--overwrite")
+        self.assertEqual(process.returncode, 0, process.stderr)
+
+    def test_plot_that_is_interrupted(self) -> None:
+        self.finished("out", plan="{policy: expert, episodes: 2, rows: [{}, {block_damp: 20}]}")
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            with subprocess.Popen(
+                (PLOT, "out"), cwd=self.folder, stderr=subprocess.PIPE, text=True
+            ) as process:
+                until(lambda: catches(process.pid, signal.SIGHUP))
+                process.send_signal(number)
+                _, said = process.communicate(timeout=self.deadline)
+            self.assertEqual((process.returncode, said), (4, INTERRUPTED), number)
+            self.assertFalse((self.folder / "out" / "sweep.png").exists())
+
+    def test_plot_of_nested_and_unfinished_sweeps(self) -> None:
+        self.finished("out", plan="{policy: expert, episodes: 2, rows: [{}, {block_damp: 20}]}")
+        path = self.folder / "out" / "sweep.json"
+        content = json.loads(path.read_text())
+        del content["rows"][1]
+        path.write_text(json.dumps(content))
+        said = self.refused(2, self.run_command(PLOT, "out"), "plot_sweep")
+        self.assertIn("is unfinished: 1 of 2 rows", said)
+        path.write_text("[" * 100_000 + "]" * 100_000)
+        said = self.refused(2, self.run_command(PLOT, "out"), "plot_sweep")
+        self.assertIn("sweep.json: must be JSON that is less deeply nested", said)
+
     def test_plot_of_words(self) -> None:
         for grid, words in (
             ("{preset: [simple, faithful]}", ["simple", "faithful"]),
@@ -199,7 +238,7 @@ class Rows(SweepCase):
         ):
             plan = f"{{policy: expert, episodes: 2, horizon: 5, engine: rigid_body, grid: {grid}}}"
             self.finished("out", "--overwrite", plan=plan)
-            process = self.run_command(PLOT, "out", "--out", "plot.svg")
+            process = self.run_command(PLOT, "out", "--out", "plot.svg", "--overwrite")
             self.assertEqual((process.returncode, process.stderr), (0, ""))
             drawn = (self.folder / "plot.svg").read_text()
             for word in words:
@@ -227,7 +266,7 @@ class Rows(SweepCase):
             figures.append(figure)
 
         with mock.patch.object(Figure, "savefig", save_and_keep):
-            load_script("plot_sweep").plot_sweep(self.folder / "out", None, None)
+            read_curves(self.folder / "out").drawing("curves").file("png", "")
         (figure,) = figures
         figure.canvas.draw()  # it was saved in another resolution
         legends = [axes.get_legend() for axes in figure.axes if axes.get_legend()]
@@ -256,7 +295,7 @@ class Rows(SweepCase):
         for number, (rows, texts) in enumerate(cases.items()):
             out = str(number)
             self.finished(out, plan="{policy: expert, episodes: 3, horizon: 60, " + rows + "}")
-            process = self.run_command(PLOT, out, "--out", "plot.svg")
+            process = self.run_command(PLOT, out, "--out", "plot.svg", "--overwrite")
             self.assertEqual(process.returncode, 0, process.stderr)
             drawn = (self.folder / "plot.svg").read_text()
             for text in texts:

@@ -11,6 +11,7 @@ from typing import Any, Dict, List, Optional, Sequence
 import numpy as np
 import rosbag  # type: ignore[import]
 from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[import]
+from pusht_task.command import Refusal
 
 ORIGIN_TOPIC = "/demonstration/origin"
 STEP_TOPIC = "/demonstration/step"
@@ -19,7 +20,7 @@ DEMONSTRATION_FORMAT = 1  # of the bag, as its origin says; without a number it 
 MESSAGE_TYPES = {STEP_TOPIC: DemonstrationStep, END_TOPIC: DemonstrationEnd}
 
 
-class InputError(ValueError):
+class InputError(Refusal, ValueError):
     """Bad input or configuration; the text names the thing, its value and the rule."""
 
 
@@ -86,7 +87,7 @@ def _origin(path: Path, bag: Any) -> Optional[Dict[str, Any]]:
     for _, message, _ in bag.read_messages(topics=[ORIGIN_TOPIC]):
         try:
             origin = json.loads(message.data)
-        except ValueError as error:
+        except (RecursionError, ValueError) as error:
             raise InputError(f"{path}: {ORIGIN_TOPIC}: {error}; it must be JSON") from None
         if not isinstance(origin, dict):
             raise InputError(f"{path}: {ORIGIN_TOPIC} is {message.data}; it must be a JSON object")

@@ -6,7 +6,6 @@ The same recipe, demonstrations, torch and BLAS on a processor for which they ch
 or not. Another core type sums gradients in another order.
 """
 
-import argparse
 import contextlib
 import ctypes
 import fcntl
@@ -23,7 +22,7 @@ import time
 import zipfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, NoReturn, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
 
 import numpy as np
 import torch
@@ -38,6 +37,7 @@ from pusht_policy.demonstrations import (
     sha256_of_frames,
 )
 from pusht_policy.model import Policy, minimum_and_range, normalised
+from pusht_task.command import SIGNALS, Refusal, read_json, require_new_file
 from pusht_task.exit_codes import ExitCode
 from pusht_task.files import write_file
 
@@ -54,14 +54,18 @@ EVALUATED: Dict[str, Any] = {
     "first_episode": 0,
     "smoke": False,
 }
+ARCHIVE_MARK = b"PK\x03\x04"  # at the beginning of a TorchScript archive
 ARCHIVE_TIME = (1980, 1, 1, 0, 0, 0)  # of every file in a TorchScript archive
 
 
-class Fault(RuntimeError):
+class Fault(Refusal):
     """A run-time fault; the text names the thing, its value and the rule."""
 
+    def __init__(self, message: str) -> None:
+        super().__init__(message, ExitCode.RUNTIME_FAULT)
 
-class Interrupted(Exception):
+
+class Interrupted(Fault):
     """Training was interrupted by a signal after its state had been saved."""
 
 
@@ -106,13 +110,21 @@ class NormalisedFrames:
     targets: Tensor  # float32 [n, 2]
 
 
-def train(bags: Sequence[Path], out: Path, state_dir: Path, recipe: Recipe) -> None:
-    """Trains on the bags and writes `out` and its provenance; goes on where a state was left."""
+def train(
+    bags: Sequence[Path], out: Path, state_dir: Path, recipe: Recipe, overwrite: bool = False
+) -> None:
+    """Trains on the bags and writes `out` and its provenance; goes on where a state was left.
+
+    Refuses a file that is there; with `overwrite` it may be a checkpoint.
+    """
     recipe.check()
     if not out.parent.is_dir():
         raise InputError(f"{out}: its folder does not exist; it must exist")
     if out.is_dir():
         raise InputError(f"{out}: is a folder; it must be a file name")
+    require_new_file("out", out, ARCHIVE_MARK if overwrite else None)
+    if not overwrite:
+        require_new_file("provenance", provenance_path(out))
     with _stop_signals() as stop_requested, _locked(state_dir):
         demonstrations = read_demonstrations(bags)
         frames = sum(len(d.actions) for d in demonstrations)
@@ -179,7 +191,10 @@ class Trainer:
             if stop_requested():
                 self.save(state_path)
                 progress.close()
-                raise Interrupted(f"after epoch {self.epoch} of {self.recipe.epochs}")
+                raise Interrupted(
+                    f"interrupted after epoch {self.epoch} of {self.recipe.epochs}, state saved; "
+                    "run the same command again to resume"
+                )
             self._run_epoch()
             if self.epoch % STATE_INTERVAL == 0 or self.epoch == self.recipe.epochs:
                 self.save(state_path)
@@ -376,29 +391,6 @@ def _require(path: Path, content: Any, key: str, expected: Any) -> None:
         raise InputError(f"{path}: {key} is {found}; it must be {expected}")
 
 
-class OneLineParser(argparse.ArgumentParser):
-    """Bad arguments are one line on stderr and exit code 2."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(ExitCode.INVALID_INPUT, f"{self.prog}: {message}\n")
-
-
-def run_command(name: str, command: Callable[[], None], resume_hint: str = "") -> int:
-    """Runs a command and returns its exit code; expected errors become one line on stderr."""
-    try:
-        command()
-    except InputError as error:
-        print(f"{name}: {error}", file=sys.stderr)
-        return ExitCode.INVALID_INPUT
-    except Interrupted as error:
-        print(f"{name}: interrupted {error}, state saved; {resume_hint}", file=sys.stderr)
-        return ExitCode.RUNTIME_FAULT
-    except (Fault, OSError) as error:
-        print(f"{name}: {error}", file=sys.stderr)
-        return ExitCode.RUNTIME_FAULT
-    return ExitCode.OK
-
-
 def provenance_path(checkpoint: Path) -> Path:
     """Where the provenance of a checkpoint is kept: beside it."""
     return checkpoint.with_name(checkpoint.name + ".provenance.json")
@@ -491,14 +483,13 @@ def _frames(demonstrations: Sequence[Demonstration]) -> Frames:
 
 @contextlib.contextmanager
 def _stop_signals() -> Iterator[Callable[[], bool]]:
-    """SIGINT and SIGTERM ask for a stop while the context lasts."""
+    """SIGINT, SIGTERM and SIGHUP ask for a stop while the context lasts."""
     received: List[int] = []
-    signals = (signal.SIGINT, signal.SIGTERM)
-    previous = [signal.signal(s, lambda number, _: received.append(number)) for s in signals]
+    previous = [signal.signal(s, lambda number, _: received.append(number)) for s in SIGNALS]
     try:
         yield lambda: bool(received)
     finally:
-        for number, handler in zip(signals, previous):
+        for number, handler in zip(SIGNALS, previous):
             signal.signal(number, handler)
 
 
@@ -525,12 +516,7 @@ def _json_bytes(value: Any) -> bytes:
 
 
 def _read_json(path: Path) -> Dict[str, Any]:
-    try:
-        value = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; it must exist") from None
-    except ValueError as error:
-        raise InputError(f"{path}: {error}; it must be JSON") from None
+    value = read_json(path, "it must exist")
     if not isinstance(value, dict):
         raise InputError(f"{path}: is a JSON {type(value).__name__}; it must be an object")
     return value

@@ -172,7 +172,8 @@ RunStatus Evaluator::writeReport(const RunStatus& finished) const {
   namespace process = boost::process;
   RunStatus status = finished;
   try {
-    const int code = process::system(process::search_path("rosrun"), "sim2sim_eval", "report", folder_.string());
+    const int code =
+        process::system(process::search_path("rosrun"), "sim2sim_eval", "report", folder_.string(), "--overwrite");
     if (code == 0) {
       return status;
     }

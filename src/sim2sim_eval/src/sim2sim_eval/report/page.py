@@ -13,11 +13,14 @@ import jinja2
 import numpy as np
 import rospkg  # type: ignore[import]
 from pusht_task import task
+from pusht_task.command import Refusal
+from pusht_task.exit_codes import ExitCode
 
-from sim2sim_eval.command import Refusal, rosrun
+from sim2sim_eval.command import rosrun
 from sim2sim_eval.report import figures
 from sim2sim_eval.report.attribution import Attribution, read_attribution
 from sim2sim_eval.report.attribution import draw as draw_attribution
+from sim2sim_eval.report.curves import draw as draw_sweep
 from sim2sim_eval.report.figures import COMPONENTS
 from sim2sim_eval.report.results import (
     ENGINE,
@@ -30,6 +33,7 @@ from sim2sim_eval.report.results import (
     Run,
     Traces,
     contrast,
+    read_json,
     read_sweep,
 )
 
@@ -100,12 +104,11 @@ class Page:
     def of_sweep(self, folder: Path) -> str:
         """Curves over every parameter that varies, and every row against the first."""
         rows = read_sweep(folder)["rows"]
+        curves, pairs = draw_sweep(folder)
         with tempfile.TemporaryDirectory() as scratch:
-            curves = _plot_sweep(folder, Path(scratch, "curves.svg"))
-            pairs = _plot_sweep(folder, Path(scratch, "pairs.svg"), "--against", "0")
             out = Path(scratch, "contrast.json")
             rosrun("contrast", str(folder), "--against", "0", "--out", str(out))
-            contrasts = json.loads(out.read_text(encoding="utf-8"))
+            contrasts = read_json(out)
         return self._render(
             title=f"Sweep {folder.resolve().name}",
             headline=comparison(contrasts["contrasts"], contrasts["baseline"]["title"]),
@@ -143,7 +146,12 @@ class Page:
 
 def glossary() -> List[Dict[str, str]]:
     """The words of docs/glossary.md that a report uses."""
-    package = Path(rospkg.RosPack().get_path("sim2sim_eval"))
+    try:
+        package = Path(rospkg.RosPack().get_path("sim2sim_eval"))
+    except rospkg.ResourceNotFound:
+        raise Refusal(
+            "sim2sim_eval: not found; source the workspace's setup.bash", ExitCode.BAD_DEPENDENCY
+        ) from None
     places = (package / "glossary.md", package.parent.parent / "docs" / "glossary.md")
     path = next((place for place in places if place.exists()), None)
     if path is None:
@@ -593,11 +601,6 @@ def _contrast(content: Json) -> Json:
 
 def _is_finding(figure: Json) -> bool:
     return figure["adjusted_p"] is not None and figure["adjusted_p"] <= SIGNIFICANT
-
-
-def _plot_sweep(folder: Path, out: Path, *arguments: str) -> str:
-    rosrun("plot_sweep", str(folder), "--out", str(out), *arguments)
-    return figures.inline(out.read_text(encoding="utf-8"), out.stem)
 
 
 def _rate(metrics: Json, role: str) -> str:

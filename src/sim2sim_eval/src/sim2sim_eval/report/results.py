@@ -2,7 +2,6 @@
 """The results of runs, as the commands have written them, checked."""
 
 import csv
-import json
 import math
 import tempfile
 from dataclasses import dataclass
@@ -11,7 +10,10 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from sim2sim_eval.command import Refusal, rosrun
+from pusht_task import command
+from pusht_task.command import Refusal
+
+from sim2sim_eval.command import rosrun
 
 REFERENCE, ENGINE, REPLAY = MODES = ("reference_closed", "engine_closed", "engine_replay")
 METRICS_FORMAT = 4
@@ -149,17 +151,12 @@ def contrast(baseline: Run, others: Sequence[Run]) -> List[Json]:
         out = Path(scratch, "contrast.json")
         folders = [str(run.folder) for run in (baseline, *others)]
         rosrun("contrast", *folders, "--against", "0", "--out", str(out))
-        contrasts: List[Json] = json.loads(out.read_text(encoding="utf-8"))["contrasts"]
+        contrasts: List[Json] = read_json(out)["contrasts"]
         return contrasts
 
 
 def read_json(path: Path, rule: str = "it is needed") -> Json:
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (FileNotFoundError, NotADirectoryError):
-        raise Refusal(f"{path}: no such file; {rule}") from None
-    except ValueError as error:
-        raise Refusal(f"{path}: must be JSON: {error}") from None
+    content = command.read_json(path, rule)
     if not isinstance(content, dict):
         raise Refusal(f"{path}: must be a JSON object")
     return content
@@ -239,6 +236,7 @@ def _traces(path: Path, run: Run) -> Traces:
         raise Refusal(f"{path}: must be a NumPy array: {error}") from None
     if not isinstance(records, np.ndarray) or records.dtype.names != TRACE_FIELDS:
         raise Refusal(f"{path}: must be one array with the fields {', '.join(TRACE_FIELDS)}")
+    _require_finite(path, records)
     begins = np.flatnonzero(records["step"] == 0)
     traces = {
         (int(trace["episode"][0]), trace["mode"][0].decode("ascii", "replace")): trace
@@ -255,3 +253,16 @@ def _traces(path: Path, run: Run) -> Traces:
             if not math.isclose(math.hypot(last["tee_x"], last["tee_y"]), away, abs_tol=1e-9):
                 raise Refusal(f"{path}: must end episode {episode.index} as episodes.csv does")
     return traces
+
+
+def _require_finite(path: Path, records: Any) -> None:
+    """Refuses NaN and infinity, but for the actions of the last step of a rollout: there are none."""
+    last = np.append(records["step"][1:] == 0, True)
+    for name in TRACE_FIELDS[3:]:
+        bad = ~np.isfinite(records[name])
+        if name.startswith("action"):
+            bad &= ~(last & np.isnan(records[name]))
+        if bad.any():
+            record = records[int(np.argmax(bad))]
+            where = f"episode {record['episode']}, step {record['step']}"
+            raise Refusal(f"{path}: {where}: {name} {record[name]}: must be finite")

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The rules of the commands in Python: arguments, signals, error lines, exit codes, new files.
+
+They are those of the commands in C++ (docs/faults.md). Imports next to nothing, so that a command
+obeys them before it loads the libraries that it needs.
+"""
+
+import argparse
+import contextlib
+import json
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import Any, Callable, Iterator, List, NoReturn, Optional, Tuple
+
+from pusht_task.exit_codes import ExitCode
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+ONE_SIGNAL = 0.5  # [s] Closer signals are one: `timeout` sends to the command and to its group
+PATIENCE = 10  # [s] for an end in order after a signal
+LONGEST_ECHO = 2000  # characters of an error line
+MARK_WITHIN = 4096  # bytes at either end of a file, in which a command's own mark stands
+
+
+class Refusal(Exception):
+    """Why nothing is written: one line that names the thing, its value and the rule."""
+
+    def __init__(self, message: str, exit_code: int = ExitCode.INVALID_INPUT) -> None:
+        super().__init__(message)
+        self.exit_code = exit_code
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """Bad arguments are one line on stderr and exit code 2."""
+
+    def error(self, message: str) -> NoReturn:
+        complain(self.prog, message)
+        sys.exit(ExitCode.INVALID_INPUT)
+
+
+def run_command(name: str, body: Callable[[], None], hint: str = "nothing is written") -> int:
+    """Runs the work of a command. Every failure is one line on stderr and an exit code.
+
+    `hint` says what an interrupt leaves.
+    """
+    if sys.stdout is not None:
+        sys.stdout.reconfigure(errors="surrogateescape")  # type: ignore[union-attr]  # file names
+    interrupts.catch(name)
+    try:
+        body()
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        return ExitCode.OK
+    except Refusal as refusal:
+        message, code = str(refusal), refusal.exit_code
+    except KeyboardInterrupt:
+        message, code = "interrupted" + (f"; {hint}" if hint else ""), ExitCode.RUNTIME_FAULT
+    except ImportError as error:
+        missing = error.name or str(error)
+        message, code = f"{missing}: not found; it is needed", ExitCode.BAD_DEPENDENCY
+    except MemoryError:
+        message, code = "memory is used up", ExitCode.RUNTIME_FAULT
+    except OSError as error:
+        thing = f"{error.filename}: " if error.filename is not None else ""
+        message, code = f"{thing}{error.strerror or error}", ExitCode.RUNTIME_FAULT
+        _forget_stdout()
+    except Exception as error:
+        if str(error) == "can't start new thread":  # Python's words for a limit of processes
+            complain(name, str(error))
+            return ExitCode.RUNTIME_FAULT
+        message = f"internal error: {type(error).__name__}: {error}"
+        code = ExitCode.INTERNAL_ERROR
+    complain(name, message)
+    return code
+
+
+def complain(name: str, message: str) -> None:
+    """One line on stderr, if there is one."""
+    line = " ".join(message.split())
+    if len(line) > LONGEST_ECHO:
+        half = LONGEST_ECHO // 2
+        line = f"{line[:half]} ... {line[-half:]}"
+    with contextlib.suppress(OSError, AttributeError, ValueError):
+        sys.stderr.write(f"{name}: {line}\n")
+        sys.stderr.flush()
+
+
+def _forget_stdout() -> None:
+    """What is left in the buffer of a stdout that takes nothing would be a second error."""
+    with contextlib.suppress(OSError, AttributeError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+class Interrupts:
+    """SIGINT, SIGTERM and SIGHUP as in the commands in C++: KeyboardInterrupt in the main thread.
+
+    A second signal more than 0.5 s later, or 10 s without an end, ends the process at once.
+    """
+
+    def __init__(self) -> None:
+        self._first: Optional[float] = None  # [s] on the monotonic clock
+        self._held = False
+        self._last_words = ""
+
+    def catch(self, name: str) -> None:
+        self._last_words = f"{name}: interrupted, and ended before it had stopped in order\n"
+        for number in SIGNALS:
+            signal.signal(number, self._on_signal)
+        signal.signal(signal.SIGALRM, self._end_at_once)
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # an error of write(), then
+        sys.unraisablehook = self._on_lost_exception
+
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """A signal waits until the end of the block: an import that is cut short says so at length."""
+        self._held = True
+        try:
+            yield
+        finally:
+            self._held = False
+        if self._first is not None:
+            raise KeyboardInterrupt
+
+    def _on_signal(self, _number: int, _frame: Any) -> None:
+        now = time.monotonic()
+        if self._first is None:
+            self._first = now
+            signal.alarm(PATIENCE)
+            if not self._held:
+                raise KeyboardInterrupt
+        elif now - self._first > ONE_SIGNAL:
+            self._end_at_once()
+
+    def _end_at_once(self, *_: Any) -> None:
+        with contextlib.suppress(OSError):
+            os.write(2, self._last_words.encode("utf-8", "replace"))
+        os._exit(ExitCode.RUNTIME_FAULT)
+
+    def _on_lost_exception(self, unraisable: Any) -> None:
+        """An interrupt in code that may raise nothing, such as a destructor."""
+        if issubclass(unraisable.exc_type, KeyboardInterrupt):
+            self._end_at_once()
+        sys.__unraisablehook__(unraisable)
+
+
+interrupts = Interrupts()
+
+
+def require_new_file(option: str, path: Path, mark: Optional[bytes] = None) -> None:
+    """Refuses a file that is there, a link too.
+
+    With `mark` it may be replaced if it is a file of this command's own: one that has the mark
+    near its beginning or its end.
+    """
+    if not os.path.lexists(path):
+        return
+    if mark is None:
+        raise Refusal(f"{option} {path}: is there already; name a new file")
+    if path.is_symlink() or not path.is_file() or not _has_mark(path, mark):
+        raise Refusal(f"{option} {path}: is there already, and is not this command's own")
+
+
+def _has_mark(path: Path, mark: bytes) -> bool:
+    with open(path, "rb") as file:
+        if mark in file.read(MARK_WITHIN):
+            return True
+        file.seek(max(0, path.stat().st_size - MARK_WITHIN))
+        return mark in file.read()
+
+
+def read_json(path: Path, rule: str = "it is needed") -> Any:
+    """The content of a JSON file. Refuses what is none, and numbers that are not finite."""
+    try:
+        return json.loads(
+            path.read_text(encoding="utf-8"), parse_float=_finite, parse_constant=_finite
+        )
+    except (FileNotFoundError, NotADirectoryError):
+        raise Refusal(f"{path}: no such file; {rule}") from None
+    except ValueError as error:
+        raise Refusal(f"{path}: must be JSON: {error}") from None
+    except RecursionError:
+        raise Refusal(f"{path}: must be JSON that is less deeply nested") from None
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if value - value != 0.0:
+        raise ValueError(f"{text[:40]}: must be a finite number")
+    return value

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a report is made of: which page and which figures results call for."""
+
+from pathlib import Path
+from typing import List, Sequence, Tuple
+
+from pusht_task.command import Refusal
+
+from sim2sim_eval.report.attribution import draw as draw_attribution
+from sim2sim_eval.report.attribution import is_attributed, read_attribution
+from sim2sim_eval.report.curves import draw as draw_sweep
+from sim2sim_eval.report.figures import MARK, Drawing, draw, draw_rates
+from sim2sim_eval.report.page import Page
+from sim2sim_eval.report.results import is_sweep, read_run, read_traces
+
+__all__ = ["MARK", "make"]
+
+
+def make(folders: Sequence[Path], animate: Sequence[int]) -> Tuple[str, List[Drawing]]:
+    """The page of results, and the figures on it. Refuses what is not as this version writes it."""
+    try:
+        if len(folders) == 1 and is_sweep(folders[0]):
+            return _of_sweep(folders[0], animate)
+        return _of_runs(folders, animate)
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        names = ", ".join(map(str, folders))
+        raise Refusal(f"{names}: is not as this version writes it: {error!r}") from None
+    except RecursionError:
+        names = ", ".join(map(str, folders))
+        raise Refusal(f"{names}: must have files that are less deeply nested") from None
+
+
+def _of_sweep(folder: Path, animate: Sequence[int]) -> Tuple[str, List[Drawing]]:
+    if animate:
+        raise Refusal(f"{folder}: is a sweep, which has no --animate")
+    if is_attributed(folder):
+        return Page().of_attribution(folder), draw_attribution(read_attribution(folder))
+    return Page().of_sweep(folder), draw_sweep(folder)
+
+
+def _of_runs(folders: Sequence[Path], animate: Sequence[int]) -> Tuple[str, List[Drawing]]:
+    runs = [read_run(folder) for folder in folders]
+    html = Page().of_runs(runs, [read_traces(run) for run in runs], animate)
+    drawings = [draw_rates(runs)]
+    for number, run in enumerate(runs):
+        drawings += draw(run, f"{number}-" if len(runs) > 1 else "").values()
+    return html, drawings

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reports: what they say, what they refuse, and how they look and move in a browser."""
 
+import base64
 import html
 import json
 import logging
@@ -54,6 +55,12 @@ def program(name: str) -> str:
     path = shutil.which(name)
     assert path, f"{name} is not installed"
     return path
+
+
+def answer_of(run: Path) -> str:
+    """What the headline of a run answers."""
+    statistics = json.loads((run / "statistics.json").read_text())
+    return str(statistics["headline"]["answer"])
 
 
 class ReportCase(CommandCase):
@@ -142,6 +149,24 @@ class Content(ReportCase):
         self.assertIn("neither traces.npy nor compare.bag", page)
         self.assertNotIn("<canvas", page)
 
+    def test_part_of_a_run(self) -> None:
+        folder = self.copy()
+        for name in ("metrics.json", "statistics.json", "divergence.csv", "traces.npy"):
+            (folder / name).unlink()
+        (folder / "compare.bag").unlink()
+        status = {"episodes_finished": EPISODES, "episodes": 2000, "exit_code": 4}
+        reason = f"interrupted after {EPISODES} of 2000 episodes"
+        self.change(folder / "status.json", reason=reason, **status)
+        page = html.unescape(self.report("copy"))
+        said = f"Not a whole run: {EPISODES} of 2000 episodes; interrupted after"
+        self.assertIn(said, page[: page.index("<h1>")])
+        self.assertEqual(page.count('<tr><td class="number">'), EPISODES)
+        self.assertNotIn("<svg", page, "no figures")
+        self.change(folder / "status.json", episodes_finished=0)
+        process = self.run_command(REPORT, "copy", "--out", "none.html")
+        self.assert_one_line(process, 2, "report")
+        self.assertIn("no episode has finished", process.stderr)
+
     def test_traces_have_the_same_bytes_from_a_bag_and_for_any_number_of_threads(self) -> None:
         run = (COMPARE, "--episodes", str(EPISODES), "--traces", "--threads")
         for threads in ("1", "3"):
@@ -174,9 +199,8 @@ class Content(ReportCase):
         page = html.unescape(self.report(str(self.run_folder), "other", "--images", "images"))
         self.assertIn("Pair by pair, against two-mass engine", page)
         self.assertIn('id="run1"', page)
-        headline = re.search("<h1>(.*)</h1>", page)
-        assert headline
-        self.assertEqual(headline[1], "Chipmunk succeeds more often than two-mass engine")
+        for run, out in ((self.run_folder, "run0"), (self.folder / "other", "run1")):
+            self.assertIn(answer_of(run), page[: page.index("<main>")], out)
         contrast = self.run_command(
             executable("sim2sim_eval", "contrast"), str(self.run_folder), "other"
         ).stdout
@@ -196,9 +220,15 @@ class Content(ReportCase):
         process = self.run_command(SWEEP, "plan.yaml", "--out", "sweep")
         self.assertEqual(process.returncode, 0, process.stderr)
         page = self.report("sweep")
-        headline = "<h1>No difference from two-mass engine, block_damp 2.0 in success is shown of"
-        self.assertIn(headline, page)
-        self.assertEqual(page.count("<svg"), 2)
+        self.assertIn('<span class="question">Does the skill transfer?</span>', page)
+        for row in ("000", "001"):
+            answer = answer_of(self.folder / "sweep" / "rows" / row)
+            self.assertIn(answer, html.unescape(page))
+        self.assertEqual(page.count("<svg"), 4, "two figures, wide and narrow")
+        self.assertNotIn("attribute sweep", page)
+        self.report("sweep", "--images", "images")
+        names = {f"{name}.{kind}" for name in ("curves", "pairs") for kind in ("png", "pdf")}
+        self.assertEqual(self.files("images"), names)
         self.assertIn("Pair by pair, against two-mass engine, block_damp 2.0", page)
         rows = json.loads((self.folder / "sweep" / "sweep.json").read_text())["rows"]
         for row in rows:
@@ -206,11 +236,20 @@ class Content(ReportCase):
 
     def test_cause(self) -> None:
         (self.folder / "ladder.yaml").write_text(LADDER)
-        for words in ((SWEEP, "ladder.yaml", "--out", "ladder"), (ATTRIBUTE, "ladder")):
+        process = self.run_command(SWEEP, "ladder.yaml", "--out", "ladder")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("rosrun sim2sim_eval attribute ladder", self.report("ladder"))
+        (self.folder / "base.yaml").write_text(
+            "{policy: expert, episodes: 24, horizon: 60, reanchor: [5, 20], rows: [{}]}"
+        )
+        for words in (
+            (SWEEP, "base.yaml", "--out", "base"),
+            (ATTRIBUTE, "ladder", "--baseline", "base/rows/000"),
+        ):
             process = self.run_command(*words)
             self.assertEqual(process.returncode, 0, process.stderr)
         page = html.unescape(self.report("ladder", "--images", "images"))
-        self.assertIn("<h1>What closes the gap in position: ", page)
+        self.assertIn("What closes the gap in position: ", page)
         gaps = json.loads((self.folder / "ladder" / "attribution.json").read_text())["gaps"]
         for gap in gaps.values():
             self.assertIn(f"<h3>{gap['title']}", page)
@@ -220,6 +259,13 @@ class Content(ReportCase):
                 if ends:
                     text += f" [{ends[0]:.4f}, {ends[1]:.4f}]"
                 self.assertIn(text, page, name)
+                ends = found["part_interval"]
+                if ends:
+                    self.assertIn(f" % [{100 * ends[0]:.0f}, {100 * ends[1]:.0f}]", page, name)
+            if gap["baseline"]["value"] is not None:
+                self.assertIn("<td>baseline: two-mass engine</td>", page)
+                self.assertIn(f"{gap['baseline']['value']:.4f} [", page)
+        self.assertIn("success: part of the gap", page)
         images = {path.name for path in (self.folder / "images").iterdir()}
         kinds = ("png", "pdf")
         drawn = {f"{name}.{kind}" for name in ("shares", "staircase") for kind in kinds}
@@ -253,11 +299,11 @@ class Content(ReportCase):
         )
         runs = {
             "--smoke": "The policy is untrained",
-            "--policy fresh-untrained --episodes 20": "Nothing to transfer",
-            "--policy expert --episodes 1 --starts starts.csv": "Too few episodes to tell",
+            "--policy fresh-untrained --episodes 20": "The policy is untrained",
+            "--policy expert --episodes 1 --starts starts.csv": "(?) In position there are too few",
             "--episodes 20 --no-floor --reanchor 1,5": "made in 5 steps",
             "--until-decided 0.9 --episodes 60": "does not keep 90 % of the success",
-            "--reference two_mass --policy expert --episodes 20": "No loss of skill is shown",
+            "--reference two_mass --policy expert --episodes 20": "two-mass engine",
             "--set block_damp=20 --set pusher_mass=2 --set baumgarte=70 --episodes 20": "baumgarte",
         }
         for number, (options, said) in enumerate(runs.items()):
@@ -365,8 +411,19 @@ class Refusals(ReportCase):
                 shutil.rmtree(path.parent)
 
     def test_run_that_has_not_ended_well(self) -> None:
-        (self.copy() / "metrics.json").unlink()
+        folder = self.copy()
+        (folder / "metrics.json").unlink()
+        (folder / "status.json").unlink()
         self.assertIn("the folder of a whole run is needed", self.refused("copy"))
+
+    def test_unfinished_sweep(self) -> None:
+        plan = "{policy: expert, episodes: 2, grid: {block_damp: [2, 20]}}"
+        (self.folder / "plan.yaml").write_text(plan)
+        process = self.run_command(SWEEP, "plan.yaml", "--out", "sweep")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        rows = self.load("sweep", "sweep.json")["rows"]
+        self.change(self.folder / "sweep" / "sweep.json", rows=rows[:1])
+        self.assertIn("sweep: is unfinished: 1 of 2 rows", self.refused("sweep"))
 
     def test_another_format(self) -> None:
         folder = self.copy()
@@ -575,28 +632,27 @@ class Browser(ReportCase):
         rng = np.random.default_rng(0)
         seen = 0
         for episode in rng.integers(0, EPISODES, 5):
-            for mode in ("engine_closed", "engine_replay"):
+            for _ in range(2):
                 own = traces[traces["episode"] == episode]
                 shown = {
-                    "canvas.left": own[own["mode"] == b"reference_closed"],
-                    "canvas.right": own[own["mode"] == mode.encode()],
+                    f".script [data-mode={mode}] canvas": own[own["mode"] == mode.encode()]
+                    for mode in ("reference_closed", "engine_closed", "engine_replay")
                 }
                 last = max(len(trace) for trace in shown.values()) - 1
                 for step in rng.integers(0, last + 1, 4):
                     self.run_script(
                         """
                         const player = window.players.run0;
-                        player.mode.value = arguments[1];
                         player.show(arguments[0]);
-                        player.seek(arguments[2]);
+                        player.seek(arguments[1]);
                         // Without what else has the pusher's colour.
-                        for (const view of [player.left, player.right]) {
+                        for (const view of Object.values(player.views)) {
                           view.tee = () => {};
                           view.path = () => {};
                         }
                         player.draw();
                         """,
-                        *(int(episode), mode, int(step)),
+                        *(int(episode), int(step)),
                     )
                     for canvas, trace in shown.items():
                         state = trace[min(step, len(trace) - 1)]
@@ -604,7 +660,7 @@ class Browser(ReportCase):
                             continue  # the engine lets it out
                         seen += 1
                         x, y = self.pusher_on(canvas)
-                        where = (canvas, int(episode), mode, int(step))
+                        where = (canvas, int(episode), int(step))
                         self.assertAlmostEqual(x, state["pusher_x"], delta=pixel, msg=where)
                         self.assertAlmostEqual(y, state["pusher_y"], delta=pixel, msg=where)
         self.assertGreater(seen, 40)
@@ -629,11 +685,11 @@ class Browser(ReportCase):
                 colors = self.run_script(
                     """
                     const player = window.players.run0;
-                    const draw = player.left.context;
-                    player.left.path = player.left.pusher = () => {};
+                    const left = player.views.reference_closed;
+                    const draw = left.context;
+                    left.path = left.pusher = () => {};
                     player.show(arguments[0]);
                     player.seek(arguments[1]);
-                    const { left } = player;
                     return arguments[2].map(([x, y]) =>
                       draw.getImageData(left.x(x), left.y(y), 1, 1).data.join());
                     """,
@@ -648,7 +704,7 @@ class Browser(ReportCase):
         def clock() -> str:
             return str(self.run_script("return window.players.run0.clock.textContent"))
 
-        picture = "return document.querySelector('canvas.left').toDataURL()"
+        picture = "return document.querySelector('.script canvas').toDataURL()"
         first = self.run_script(picture)
         button = self.browser.find_element("css selector", "button.play")
         button.click()
@@ -687,7 +743,7 @@ class Browser(ReportCase):
         first: Dict[str, str] = {}
         for episode, success in rows.items():
             kind = names[success["reference_closed"], success["engine_closed"]]
-            first.setdefault(kind, f"{kind}: {episode}")
+            first.setdefault(kind, f"{kind}: episode {episode}")
         buttons = [b.text for b in self.browser.find_elements("css selector", ".kinds button")]
         self.assertEqual(buttons, [first[name] for name in names.values() if name in first])
 
@@ -708,6 +764,161 @@ class Browser(ReportCase):
         self.assertEqual(len(paths), EPISODES)
         self.run_script("arguments[0].click()", paths[12])
         self.assertEqual(self.run_script("return window.players.run0.select.value"), "12")
+
+    def rows_shown(self) -> List[List[str]]:
+        shown: List[List[str]] = self.run_script(
+            """
+            return [...document.querySelectorAll(".episodes tbody tr")]
+              .map((row) => [...row.cells].map((cell) => cell.textContent));
+            """
+        )
+        return shown
+
+    def test_filters_hold_for_table_pictures_and_turning(self) -> None:
+        self.open()
+        every = self.rows_shown()
+        choose = """
+            const filter = document.querySelector(`.filters .${arguments[0]}`);
+            filter.value = arguments[1];
+            filter.dispatchEvent(new Event("input", { bubbles: true }));
+            """
+        cause = next(row[8] for row in every if row[8])
+        for name, value, passes in (
+            ("kind", "2", lambda row: row[2] == "neither"),
+            ("cause", cause, lambda row: row[8] == cause),
+            ("least", "0.1", lambda row: row[5] != "" and float(row[5]) >= 0.1),
+        ):
+            with self.subTest(name):
+                self.run_script(choose, name, value)
+                expected = [row for row in every if passes(row)]
+                self.assertEqual(self.rows_shown(), expected)
+                self.assertLess(len(expected), len(every))
+                seen = self.run_script(
+                    """
+                    return [...document.querySelectorAll(".paths button")]
+                      .filter((button) => button.offsetParent)
+                      .map((button) => button.dataset.episode);
+                    """
+                )
+                self.assertEqual(seen, [row[0] for row in expected])
+                order = self.run_script("return window.players.run0.order.map(String)")
+                self.assertEqual(order, seen)
+                csv = self.run_script("return window.tables.run0.csv()").splitlines()
+                self.assertEqual([line.split(",") for line in csv[1:]], expected)
+                self.run_script(choose, name, "")
+        self.assertEqual(self.rows_shown(), every)
+
+    def test_address_leads_to_episode_and_time(self) -> None:
+        self.open()
+        place = "const p = window.players.run0; return [p.select.value, p.clock.textContent]"
+        address = f"file://{self.made.folder / 'run'}.html"
+        self.browser.get("about:blank")
+        self.browser.get(address + "#episode=12&t=1.3")
+        self.assertEqual(self.run_script(place), ["12", "1.3 s"])
+        for bad in ("#episode=999&t=1", "#episode=x", "#t=4", "#run=none&episode=3"):
+            self.browser.get("about:blank")
+            self.browser.get(address + bad)
+            self.assertEqual(self.run_script(place)[1], "0.0 s", bad)
+        self.assertEqual(self.browser.get_log("browser"), [])
+        self.run_script("window.players.run0.step(7); window.players.run0.step(2)")
+        self.assertTrue(self.browser.current_url.endswith("&t=0.9"), self.browser.current_url)
+
+    def test_keys(self) -> None:
+        self.open()
+        press = """
+            const player = window.players.run0;
+            player.section.scrollIntoView();
+            const of = { bubbles: true, cancelable: true };
+            for (const [key, shiftKey] of arguments[0])
+              document.body.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, ...of }));
+            return [player.select.value, player.clock.textContent, player.play.textContent];
+            """
+        start = self.run_script(press, [])
+        right = [["ArrowRight", False]]
+        moved = self.run_script(press, right * 3 + [["ArrowRight", True], ["ArrowLeft", False]])
+        self.assertEqual(moved, [start[0], "1.2 s", "Play"])
+        self.assertEqual(self.run_script(press, [["Home", False]])[1], "0.0 s")
+        following = self.run_script(press, [["n", False]])[0]
+        self.assertEqual(int(following), int(start[0]) + 1)
+        self.assertEqual(self.run_script(press, [["p", False]])[0], start[0])
+        self.assertEqual(self.run_script(press, [[" ", False]])[2], "Pause")
+        self.assertEqual(self.run_script(press, [[" ", False]])[2], "Play")
+
+    def test_each_world_says_how_it_ended(self) -> None:
+        self.open()
+        lines = (self.run_folder / "episodes.csv").read_text().splitlines()[1:]
+        for line in (each.split(",") for each in lines[:30]):
+            episode, mode, steps, success = int(line[0]), line[2], int(line[3]), line[4]
+            if not mode.startswith(("reference_closed", "engine_closed", "engine_replay")):
+                continue
+            badge = self.run_script(
+                """
+                const [player, [episode, mode, steps]] = [window.players.run0, arguments];
+                player.show(episode);
+                player.seek(steps - 1);
+                const before = player.badges[mode].textContent;
+                player.seek(player.last);
+                return [before, player.badges[mode].textContent];
+                """,
+                *(episode, mode, steps),
+            )
+            words = "success at" if success == "true" else "no success, ended at"
+            self.assertEqual(badge, ["", f"{words} {steps / 10:.1f} s"], (episode, mode))
+        spoken = self.run_script("return document.querySelectorAll('output, [aria-live]').length")
+        self.assertEqual(spoken, 0, "nothing is read aloud at every frame")
+
+    def test_play_stays_on_the_screen(self) -> None:
+        for width, height in SIZES:
+            with self.subTest(width):
+                self.open(width, height)
+                self.run_script(
+                    "arguments[0].click()",
+                    self.browser.find_elements("css selector", ".paths button")[25],
+                )
+                top, bottom = self.run_script(
+                    """
+                    const { top, bottom } = document.querySelector(".play").getBoundingClientRect();
+                    return [top, bottom];
+                    """
+                )
+                self.assertGreaterEqual(top, 0)
+                self.assertLessEqual(bottom, height)
+
+    def test_without_scripts(self) -> None:
+        allow = {"value": False}
+        self.addCleanup(self.browser.execute_cdp_cmd, "Emulation.setScriptExecutionDisabled", allow)
+        self.browser.execute_cdp_cmd("Emulation.setScriptExecutionDisabled", {"value": True})
+        self.browser.get(f"file://{self.made.folder / 'run'}.html")
+        shown = [
+            len(
+                [
+                    each
+                    for each in self.browser.find_elements("css selector", name)
+                    if each.is_displayed()
+                ]
+            )
+            for name in (
+                ".poster svg",
+                ".episodes tbody tr",
+                "canvas",
+                ".play",
+                ".filters",
+                "noscript",
+            )
+        ]
+        self.assertEqual(shown[0], 3, "frames of an episode")
+        self.assertEqual(shown[1:], [EPISODES, 0, 0, 0, 1])
+
+    def test_prints_on_four_pages_with_provenance(self) -> None:
+        self.open()
+        inches = {"paperWidth": 8.27, "paperHeight": 11.69}
+        printed = self.browser.execute_cdp_cmd("Page.printToPDF", inches)["data"]
+        pages = re.findall(rb"/Type\s*/Page\b", base64.b64decode(printed))
+        self.assertLessEqual(len(pages), 4)
+        self.addCleanup(self.browser.execute_cdp_cmd, "Emulation.setEmulatedMedia", {"media": ""})
+        self.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        height = "return document.querySelector('.provenance pre').getBoundingClientRect().height"
+        self.assertGreater(self.run_script(height), 100)
 
     def test_nothing_overflows_or_clips(self) -> None:
         for page in PAGES:

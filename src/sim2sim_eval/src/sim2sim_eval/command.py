@@ -7,13 +7,13 @@ from pusht_task.command import Refusal
 from pusht_task.exit_codes import ExitCode
 
 
-def rosrun(command: str, *arguments: str) -> str:
-    """Runs a command of the suite, and returns what it prints. Refuses with its line if it fails."""
+def rosrun(command: str, *arguments: str) -> None:
+    """Runs a command of the suite. Refuses with its line if it fails."""
     try:
         process = subprocess.run(
             ["rosrun", "sim2sim_eval", command, *arguments],
             stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,
         )
@@ -28,4 +28,3 @@ def rosrun(command: str, *arguments: str) -> str:
         raise Refusal(
             lines[-1], process.returncode if process.returncode > 0 else ExitCode.RUNTIME_FAULT
         )
-    return process.stdout

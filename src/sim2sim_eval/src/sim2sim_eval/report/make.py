@@ -11,7 +11,13 @@ from sim2sim_eval.report.attribution import is_attributed, read_attribution
 from sim2sim_eval.report.curves import draw as draw_sweep
 from sim2sim_eval.report.figures import MARK, Drawing, draw, draw_rates
 from sim2sim_eval.report.page import Page
-from sim2sim_eval.report.results import is_sweep, read_run, read_traces
+from sim2sim_eval.report.results import (
+    is_partial,
+    is_sweep,
+    read_partial,
+    read_run,
+    read_traces,
+)
 
 __all__ = ["MARK", "make"]
 
@@ -21,6 +27,10 @@ def make(folders: Sequence[Path], animate: Sequence[int]) -> Tuple[str, List[Dra
     try:
         if len(folders) == 1 and is_sweep(folders[0]):
             return _of_sweep(folders[0], animate)
+        if len(folders) == 1 and is_partial(folders[0]):
+            if animate:
+                raise Refusal(f"{folders[0]}: is a part of a run, which has no --animate")
+            return Page().of_partial(read_partial(folders[0])), []
         return _of_runs(folders, animate)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         names = ", ".join(map(str, folders))

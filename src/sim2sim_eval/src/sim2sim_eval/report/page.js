@@ -9,6 +9,9 @@ const KIND_NAMES = {
   neither_succeeds: "neither",
   only_engine_succeeds: "engine only",
 };
+const MODES = ["reference_closed", "engine_closed", "engine_replay"];
+const ENGINES = MODES.slice(1);
+const [LEFT, RIGHT] = [40, 12]; // [px] beside the curves
 const FIELDS = 7; // pusher x, y; tee x, y, yaw; action x, y
 // On the dark table the colours are those of rviz, in every theme.
 const ON_TABLE = {
@@ -16,6 +19,7 @@ const ON_TABLE = {
   reference_closed: "#5aaaff", engine_closed: "#f0dc46", engine_replay: "#ee6677",
 };
 const geometry = JSON.parse(document.getElementById("geometry").textContent);
+const seconds = (steps) => `${(steps * geometry.controlStep).toFixed(1)} s`;
 const element = (name, properties = {}) => Object.assign(document.createElement(name), properties);
 
 // The states of a mode: numbers in SI units, by step.
@@ -72,6 +76,17 @@ class TableView {
     this.tee({ tee: [0, 0], yaw: 0 }, { stroke: ON_TABLE.target, width: 0.004, opacity: 0.7 });
   }
 
+  // A bar of 0.1 m at the lower left.
+  scale() {
+    const draw = this.context;
+    const [x, y, length] = [this.x(0.03 - geometry.wall), this.y(0.03 - geometry.wall), this.length(0.1)];
+    draw.fillStyle = ON_TABLE.dim;
+    draw.fillRect(x, y, length, 3);
+    draw.font = `${this.canvas.width / 28}px sans-serif`;
+    draw.textAlign = "left";
+    draw.fillText("0.1 m", x, y - 7);
+  }
+
   tee(state, { fill = null, stroke = null, width = 0.003, opacity = 1 }) {
     const { barHalfLength: a, halfWidth: w, stemHalfLength: s, stemOffset: o } = geometry;
     const outline = [[-a, w], [a, w], [a, -w], [w, -w], [w, -o - s], [-w, -o - s], [-w, -w], [-a, -w]];
@@ -126,6 +141,7 @@ class TableView {
   world(states, time, mode, ghost) {
     const state = between(states, time);
     this.clear();
+    this.scale();
     this.path(states, Math.min(Math.floor(time), states.count - 1), ON_TABLE[mode], 0.003);
     this.tee(state, { fill: ON_TABLE[mode] });
     if (ghost) {
@@ -141,56 +157,83 @@ class Player {
     const find = (selector) => section.querySelector(selector);
     this.data = data;
     this.section = section;
-    this.left = new TableView(find("canvas.left"));
-    this.right = new TableView(find("canvas.right"));
+    this.views = {};
+    this.badges = {};
+    for (const mode of MODES) {
+      const figure = find(`.script figure[data-mode=${mode}]`);
+      this.views[mode] = new TableView(figure.querySelector("canvas"));
+      this.badges[mode] = figure.querySelector(".badge");
+    }
     this.curve = find("canvas.curve");
     this.select = find(".episode");
     this.scrub = find(".scrub");
+    this.marks = find(".marks");
     this.clock = find(".clock");
     this.play = find(".play");
     this.mode = find(".mode");
     this.speed = find(".speed");
     this.ghost = find(".ghost");
-    this.caption = find(".chosen");
     this.time = 0; // [control steps]
+    this.pointed = null; // [control steps] where the pointer is on the curves
     this.playing = false;
+    this.order = data.episodes.map((one) => one.episode); // for previous and next; filters change it
+    this.onSeek = () => {};
     for (const { episode, kind } of data.episodes) {
       this.select.append(element("option", { value: episode, textContent: `${episode} (${KIND_NAMES[kind]})` }));
     }
     for (const episode of data.first) {
       const { kind } = data.episodes.find((one) => one.episode === episode);
-      const button = element("button", { type: "button", textContent: `${KIND_NAMES[kind]}: ${episode}` });
+      const button = element("button", { type: "button", textContent: `${KIND_NAMES[kind]}: episode ${episode}` });
       button.addEventListener("click", () => this.show(episode));
       find(".kinds").append(button);
     }
     this.select.addEventListener("change", () => this.show(Number(this.select.value)));
+    find(".previous").addEventListener("click", () => this.turn(-1));
+    find(".next").addEventListener("click", () => this.turn(1));
     this.scrub.addEventListener("input", () => { this.pause(); this.seek(Number(this.scrub.value)); });
     this.play.addEventListener("click", () => (this.playing ? this.pause() : this.start()));
-    this.mode.addEventListener("change", () => this.load());
+    this.mode.addEventListener("change", () => { section.dataset.shown = this.mode.value; });
     this.ghost.addEventListener("change", () => this.draw());
-    window.addEventListener("resize", () => this.drawCurve());
+    const place = (event) => {
+      const { left, width } = this.curve.getBoundingClientRect();
+      const share = (event.clientX - left - LEFT) / (width - LEFT - RIGHT);
+      return Math.round(Math.min(Math.max(share, 0), 1) * this.last);
+    };
+    this.curve.addEventListener("pointermove", (event) => { this.pointed = place(event); this.drawCurves(); });
+    this.curve.addEventListener("pointerleave", () => { this.pointed = null; this.drawCurves(); });
+    this.curve.addEventListener("click", (event) => { this.pause(); this.seek(place(event)); });
+    window.addEventListener("resize", () => this.drawCurves());
     this.show(data.first[0] ?? data.episodes[0].episode);
   }
 
-  show(episode) {
+  has(episode) { return this.data.episodes.some((one) => one.episode === episode); }
+
+  show(episode, time = 0) {
     this.pause();
     this.select.value = episode;
-    this.time = 0;
-    this.load();
+    const { states, succeeds, parting } = this.data.episodes.find((one) => one.episode === episode);
+    this.states = Object.fromEntries(MODES.map((mode) => [mode, unpack(states[mode])]));
+    this.succeeds = succeeds;
+    this.last = Math.max(...MODES.map((mode) => this.states[mode].count)) - 1;
+    this.scrub.max = this.last;
+    const reference = this.states.reference_closed;
+    this.apart = Object.fromEntries(ENGINES.map((mode) => {
+      const common = Math.min(reference.count, this.states[mode].count);
+      return [mode, Array.from({ length: common }, (_, step) => divergence(reference.at(step), this.states[mode].at(step)))];
+    }));
+    this.marks.replaceChildren(...ENGINES.filter((mode) => parting[mode] !== null).map((mode) => {
+      const mark = element("i", { className: mode });
+      mark.style.left = `${(100 * parting[mode]) / Math.max(1, this.last)}%`;
+      return mark;
+    }));
+    this.seek(Math.min(Math.max(time, 0), this.last));
+    this.onSeek();
   }
 
-  load() {
-    const { states } = this.data.episodes.find((one) => one.episode === Number(this.select.value));
-    this.reference = unpack(states.reference_closed);
-    this.engine = unpack(states[this.mode.value]);
-    this.last = Math.max(this.reference.count, this.engine.count) - 1;
-    this.scrub.max = this.last;
-    const replays = this.mode.value === "engine_replay";
-    this.caption.textContent = `${this.data.titles.engine}, ${replays ? "open loop" : "closed loop"}`;
-    this.caption.className = `chosen ${replays ? "replay" : "engine"}`;
-    const common = Math.min(this.reference.count, this.engine.count);
-    this.apart = Array.from({ length: common }, (_, step) => divergence(this.reference.at(step), this.engine.at(step)));
-    this.seek(Math.min(this.time, this.last));
+  turn(way) {
+    const at = this.order.indexOf(Number(this.select.value));
+    const next = this.order[at < 0 ? 0 : at + way];
+    if (next !== undefined) { this.show(next); }
   }
 
   start() {
@@ -209,26 +252,51 @@ class Player {
   }
 
   pause() {
+    const was = this.playing;
     this.playing = false;
     this.play.textContent = "Play";
+    if (was) { this.onSeek(); }
+  }
+
+  step(steps) {
+    this.pause();
+    this.seek(Math.min(Math.max(Math.round(this.time) + steps, 0), this.last));
+    this.onSeek();
   }
 
   seek(time) {
     this.time = time;
     this.scrub.value = Math.floor(time);
-    this.clock.textContent = `${(time * geometry.controlStep).toFixed(1)} s`;
+    this.clock.textContent = seconds(time);
     this.draw();
   }
 
   draw() {
-    this.left.world(this.reference, this.time, "reference_closed", null);
-    const ghost = this.ghost.checked ? between(this.reference, this.time) : null;
-    this.right.world(this.engine, this.time, this.mode.value, ghost);
-    this.drawCurve();
+    const reference = this.states.reference_closed;
+    const running = this.time <= reference.count - 1;
+    for (const mode of MODES) {
+      const states = this.states[mode];
+      const ghost = mode !== "reference_closed" && running && this.ghost.checked ? between(reference, this.time) : null;
+      this.views[mode].world(states, this.time, mode, ghost);
+      this.badge(mode, states);
+    }
+    this.drawCurves();
   }
 
-  // Position above, angle below, each with the bound; the line marks the time.
-  drawCurve() {
+  // What has become of a world: nothing while it runs, then how and when it ended. Changes rarely.
+  badge(mode, states) {
+    const ended = this.time >= states.count - 1;
+    const [end, good] = [seconds(states.count - 1), this.succeeds[mode]];
+    const text = !ended ? "" : good ? `success at ${end}` : `no success, ended at ${end}`;
+    const badge = this.badges[mode];
+    if (badge.textContent !== text) {
+      badge.textContent = text;
+      badge.className = ended ? `badge ${good ? "good" : "bad"}` : "badge";
+    }
+  }
+
+  // Position above, angle below, each with the bound; the line marks the time, or where the pointer is.
+  drawCurves() {
     const draw = this.curve.getContext("2d");
     const pixels = window.devicePixelRatio;
     const [width, height] = [this.curve.clientWidth, this.curve.clientHeight];
@@ -239,30 +307,51 @@ class Player {
     draw.fillRect(0, 0, width, height);
     const bounds = [this.data.bound.position_m, this.data.bound.angle_rad];
     const names = ["position [m]", "angle [rad]"];
-    const x = (step) => 10 + (step / Math.max(1, this.last)) * (width - 20);
-    draw.font = "13px sans-serif";
-    names.forEach((name, i) => {
-      const [top, bottom] = [i * height / 2 + 8, (i + 1) * height / 2 - 6];
-      const most = Math.max(2 * bounds[i], ...this.apart.map((pair) => pair[i]));
-      const y = (value) => bottom - (value / most) * (bottom - top);
-      draw.strokeStyle = ON_TABLE.dim;
-      draw.lineWidth = 1;
-      draw.setLineDash([5, 5]);
-      draw.beginPath(); draw.moveTo(x(0), y(bounds[i])); draw.lineTo(x(this.last), y(bounds[i])); draw.stroke();
-      draw.setLineDash([]);
-      draw.strokeStyle = ON_TABLE[this.mode.value];
-      draw.lineWidth = 2;
+    const foot = 16; // [px] for the times
+    const x = (step) => LEFT + (step / Math.max(1, this.last)) * (width - LEFT - RIGHT);
+    const line = (points, color, thick, dashes = []) => {
+      draw.setLineDash(dashes);
+      draw.strokeStyle = color;
+      draw.lineWidth = thick;
       draw.beginPath();
-      this.apart.forEach((pair, step) => draw.lineTo(x(step), y(pair[i])));
+      points.forEach((point) => draw.lineTo(...point));
       draw.stroke();
-      const now = this.apart[Math.min(Math.floor(this.time), this.apart.length - 1)][i];
-      draw.fillStyle = ON_TABLE.target;
-      draw.textAlign = "right";
-      draw.fillText(`${name} ${now.toFixed(3)}`, width - 14, top + 10);
+      draw.setLineDash([]);
+    };
+    const text = (words, at, y, align, color = ON_TABLE.dim) => {
+      draw.textAlign = align;
+      draw.fillStyle = color;
+      draw.fillText(words, at, y);
+    };
+    draw.font = "12px sans-serif";
+    const cursor = this.pointed ?? this.time;
+    const half = (height - foot) / 2;
+    names.forEach((name, i) => {
+      const [top, bottom] = [i * half + 16, (i + 1) * half - 4];
+      const most = Math.max(1.2 * bounds[i], ...ENGINES.flatMap((mode) => this.apart[mode].map((pair) => pair[i])));
+      const y = (value) => bottom - (value / most) * (bottom - top);
+      line([[x(0), y(0)], [x(this.last), y(0)]], ON_TABLE.walls, 1);
+      line([[x(0), y(bounds[i])], [x(this.last), y(bounds[i])]], ON_TABLE.dim, 1, [5, 5]);
+      text(most.toFixed(2), LEFT - 4, top + 4, "right");
+      text("0", LEFT - 4, bottom + 3, "right");
+      text(name, LEFT, top - 5, "left", ON_TABLE.target);
+      for (const mode of ENGINES) {
+        line(this.apart[mode].map((pair, step) => [x(step), y(pair[i])]), ON_TABLE[mode], 2);
+      }
+      let right = width - RIGHT;
+      for (const mode of [...ENGINES].reverse()) {
+        const pair = this.apart[mode][Math.floor(cursor)];
+        const value = pair ? pair[i].toFixed(3) : "ended";
+        text(value, right, top - 5, "right", ON_TABLE[mode]);
+        right -= draw.measureText(value).width + 12;
+      }
+      if (i === 0) { text(seconds(cursor), right, top - 5, "right", ON_TABLE.target); }
     });
-    draw.strokeStyle = ON_TABLE.target;
-    draw.lineWidth = 1;
-    draw.beginPath(); draw.moveTo(x(this.time), 0); draw.lineTo(x(this.time), height); draw.stroke();
+    const every = [1, 2, 5, 10, 20, 50, 100].find((s) => this.last * geometry.controlStep / s <= 8) ?? 200; // [s]
+    for (let s = 0; s <= this.last * geometry.controlStep; s += every) {
+      text(`${s} s`, x(s / geometry.controlStep), height - 4, "center");
+    }
+    line([[x(cursor), 0], [x(cursor), height - foot]], ON_TABLE.target, 1);
   }
 }
 
@@ -277,6 +366,13 @@ function reachOf(traces) {
   return Math.min(most + geometry.stemOffset + geometry.stemHalfLength, geometry.wall + 0.02);
 }
 
+// Shows an episode, and the player whole where the screen is high enough for it.
+function visit(player, episode, time = 0) {
+  player.show(episode, time);
+  const { section } = player;
+  section.scrollIntoView({ block: section.offsetHeight <= window.innerHeight ? "center" : "end" });
+}
+
 // A small table for each episode: the tee's paths from its start, and where it ends.
 function drawPaths(box, data, player) {
   const keys = box.parentElement.querySelector(".keys");
@@ -289,10 +385,8 @@ function drawPaths(box, data, player) {
     button.setAttribute("aria-label", button.title);
     const canvas = element("canvas", { width: 208, height: 208 });
     button.append(canvas, element("span", { textContent: episode }));
-    button.addEventListener("click", () => {
-      player.show(episode);
-      player.section.scrollIntoView();
-    });
+    button.addEventListener("click", () => visit(player, episode));
+    button.dataset.episode = episode;
     box.append(button);
     const traces = { reference_closed: unpack(states.reference_closed), engine_closed: unpack(states.engine_closed) };
     const view = new TableView(canvas, reachOf(Object.values(traces)));
@@ -316,12 +410,25 @@ const ROWS_PER_PAGE = 100;
 
 class EpisodeTable {
   constructor(table, rows, player) {
+    this.all = rows;
     this.rows = rows;
     this.player = player;
+    this.run = table.dataset.run;
     this.page = 0;
     this.column = 0;
     this.ascending = true;
-    this.pages = table.closest("section").querySelector(".pages");
+    const card = table.closest("section");
+    this.pages = card.querySelector(".pages");
+    this.count = card.querySelector(".count");
+    this.filters = Object.fromEntries(["kind", "cause", "least"].map((name) => [name, card.querySelector(`.filters .${name}`)]));
+    for (const kind of KINDS) {
+      this.filters.kind.append(element("option", { value: KINDS.indexOf(kind), textContent: KIND_NAMES[kind] }));
+    }
+    for (const cause of [...new Set(rows.map((row) => row[8]))].filter(Boolean).sort()) {
+      this.filters.cause.append(element("option", { value: cause, textContent: cause }));
+    }
+    for (const filter of Object.values(this.filters)) { filter.addEventListener("input", () => this.filter()); }
+    card.querySelector(".csv").addEventListener("click", () => this.download());
     const head = element("tr");
     this.heads = COLUMNS.map(([name], column) => {
       const cell = element("th", { scope: "col" });
@@ -331,26 +438,59 @@ class EpisodeTable {
       head.append(cell);
       return cell;
     });
-    const top = element("thead");
-    top.append(head);
-    this.body = element("tbody");
-    table.append(top, this.body);
-    this.draw();
+    table.tHead.replaceChildren(head);
+    this.body = table.tBodies[0];
+    this.filter();
+  }
+
+  // Rows that pass all filters; the small pictures, and previous and next of the player, follow.
+  filter() {
+    const { kind, cause, least } = this.filters;
+    this.rows = this.all.filter((row) =>
+      (kind.value === "" || row[2] === Number(kind.value)) &&
+      (cause.value === "" || row[8] === cause.value) &&
+      (least.value === "" || (row[5] !== null && row[5] >= Number(least.value))));
+    const shown = new Set(this.rows.map((row) => row[0]));
+    if (this.player) {
+      this.player.order = this.player.data.episodes.map((one) => one.episode).filter((episode) => shown.has(episode));
+      for (const button of document.querySelectorAll(`#${this.run} .paths button`)) {
+        button.hidden = !shown.has(Number(button.dataset.episode));
+      }
+    }
+    this.count.textContent = this.rows.length < this.all.length ? `${this.rows.length} of ${this.all.length}` : "";
+    this.sorted();
   }
 
   sort(column) {
     this.ascending = column === this.column ? !this.ascending : true;
     this.column = column;
+    this.sorted();
+  }
+
+  sorted() {
+    const column = this.column;
     const sign = this.ascending ? 1 : -1;
     const numeric = (row) => (typeof row[column] === "string" && row[column] !== "" && !isNaN(row[column]) ? Number(row[column]) : row[column]);
     const missing = (value) => value === null || value === "";
     this.rows.sort((a, b) => {
       const [x, y] = [numeric(a), numeric(b)];
-      if (missing(x) || missing(y)) { return missing(x) - missing(y); } // last, either way
+      if (missing(x) || missing(y)) { return missing(x) - missing(y) || a[0] - b[0]; } // last, either way
       return sign * (x < y ? -1 : x > y ? 1 : 0) || a[0] - b[0];
     });
     this.page = 0;
     this.draw();
+  }
+
+  csv() {
+    const quoted = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : value);
+    const lines = this.rows.map((row) => row.map((value, column) => quoted(String(COLUMNS[column][1](value)))));
+    return [COLUMNS.map(([name]) => name), ...lines].map((cells) => `${cells.join(",")}\n`).join("");
+  }
+
+  download() {
+    const address = URL.createObjectURL(new Blob([this.csv()], { type: "text/csv" }));
+    element("a", { href: address, download: `${this.run}-episodes.csv` }).click();
+    setTimeout(() => URL.revokeObjectURL(address), 0);
   }
 
   draw() {
@@ -364,13 +504,10 @@ class EpisodeTable {
       row.forEach((value, column) => {
         const cell = element("td", { className: typeof value === "number" && column !== 2 ? "number" : "" });
         const text = COLUMNS[column][1](value);
-        if (column === 0 && this.player && this.player.data.episodes.some((one) => one.episode === value)) {
-          const link = element("a", { href: `#${this.player.section.dataset.run}`, textContent: text });
-          link.addEventListener("click", (event) => {
-            event.preventDefault();
-            this.player.show(value);
-            this.player.section.scrollIntoView();
-          });
+        if ((column === 0 || column === 7) && value !== null && this.player && this.player.has(row[0])) {
+          const time = column === 0 ? 0 : value;
+          const link = element("a", { href: addressOf(this.run, row[0], time), textContent: text });
+          link.addEventListener("click", (event) => { event.preventDefault(); visit(this.player, row[0], time); });
           cell.append(link);
         } else {
           cell.textContent = text;
@@ -392,7 +529,23 @@ class EpisodeTable {
   }
 }
 
+// "#run=run1&episode=7&t=2.3": an episode of a run, at a time [s]. The first run needs no name.
+function addressOf(run, episode, time) {
+  const name = run === "run0" ? "" : `run=${run}&`;
+  return `#${name}episode=${episode}&t=${(time * geometry.controlStep).toFixed(1)}`;
+}
+
+function follow(address) {
+  const words = new URLSearchParams(address.slice(1));
+  const player = window.players[words.get("run") ?? "run0"];
+  const episode = Number(words.get("episode") ?? NaN);
+  const time = Number(words.get("t") ?? 0) / geometry.controlStep;
+  if (player && player.has(episode)) { visit(player, episode, Number.isFinite(time) ? Math.round(time) : 0); }
+}
+
+document.documentElement.classList.add("scripted");
 window.players = {};
+window.tables = {};
 for (const article of document.querySelectorAll("article.run")) {
   const { player: data, table } = JSON.parse(document.getElementById(`${article.id}-data`).textContent);
   let player = null;
@@ -400,5 +553,40 @@ for (const article of document.querySelectorAll("article.run")) {
     player = window.players[article.id] = new Player(article.querySelector(".player"), data);
     drawPaths(article.querySelector(".paths"), data, player);
   }
-  new EpisodeTable(article.querySelector("table.episodes"), table, player);
+  window.tables[article.id] = new EpisodeTable(article.querySelector("table.episodes"), table, player);
 }
+let active = Object.values(window.players)[0]; // the player that keys move: the one used last
+follow(location.hash);
+window.addEventListener("hashchange", () => follow(location.hash));
+for (const [run, player] of Object.entries(window.players)) {
+  player.onSeek = () => {
+    active = player;
+    const address = addressOf(run, Number(player.select.value), Math.round(player.time));
+    try { history.replaceState(null, "", address); } catch { /* a page without an address of its own */ }
+  };
+  player.scrub.addEventListener("change", () => player.onSeek());
+  player.curve.addEventListener("click", () => player.onSeek());
+}
+
+const KEYS = {
+  " ": (player) => player.play.click(),
+  ArrowLeft: (player, far) => player.step(far ? -10 : -1),
+  ArrowRight: (player, far) => player.step(far ? 10 : 1),
+  Home: (player) => player.step(-Infinity),
+  End: (player) => player.step(Infinity),
+  n: (player) => player.turn(1),
+  p: (player) => player.turn(-1),
+};
+window.addEventListener("beforeprint", () => {
+  for (const details of document.querySelectorAll("details")) { details.open = true; }
+});
+document.addEventListener("keydown", (event) => {
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  const busy = event.target.closest?.("input:not([type=range]), select, textarea, a, button, summary");
+  const elsewhere = busy && (key === " " || !busy.closest("button"));
+  const seen = active && active.section.getBoundingClientRect();
+  if (!active || !KEYS[key] || elsewhere || event.ctrlKey || event.altKey || event.metaKey) { return; }
+  if (seen.bottom < 0 || seen.top > window.innerHeight) { return; }
+  event.preventDefault();
+  KEYS[key](active, event.shiftKey);
+});

@@ -18,6 +18,8 @@ from sim2sim_eval.command import rosrun
 REFERENCE, ENGINE, REPLAY = MODES = ("reference_closed", "engine_closed", "engine_replay")
 METRICS_FORMAT = 4
 STATISTICS_FORMAT = 2
+STATUS_FORMAT = 1
+QUESTION = "Does the skill transfer?"
 KINDS = {  # of an episode: who succeeds in it (reference, engine)
     (True, False): "only_reference_succeeds",
     (True, True): "both_succeed",
@@ -46,6 +48,11 @@ class Episode:
     def steps(self, mode: str) -> int:
         return int(self.modes[mode]["steps"])
 
+    def parting(self, mode: str) -> Optional[int]:
+        """The control step at which this mode first leaves the bound around the reference."""
+        text = self.modes[mode]["parting_step"]
+        return int(text) if text else None
+
     @property
     def kind(self) -> str:
         return KINDS[self.succeeds(REFERENCE), self.succeeds(ENGINE)]
@@ -61,6 +68,16 @@ class Run:
     provenance: Json
     episodes: List[Episode]
     bands: Dict[str, Dict[str, Any]]  # by mode: columns of divergence.csv
+
+    @property
+    def question(self) -> str:
+        """What the headline asks."""
+        return str(self.statistics["headline"]["question"])
+
+    @property
+    def answer(self) -> str:
+        """What the headline answers."""
+        return str(self.statistics["headline"]["answer"])
 
     def title(self, role: str) -> str:
         """What people call the simulator."""
@@ -83,6 +100,42 @@ class Run:
         for episode in self.episodes:
             first.setdefault(episode.kind, episode.index)
         return [first[kind] for kind in KINDS.values() if kind in first]
+
+
+@dataclass(frozen=True)
+class Partial:
+    """What the folder of a run holds that has not ended well: the episodes that have finished."""
+
+    folder: Path
+    status: Json
+    provenance: Json
+    episodes: List[Episode]
+
+    def title(self, role: str) -> str:
+        title: str = self.provenance["configuration"]["simulators"][role]["title"]
+        return title
+
+    @property
+    def counts(self) -> Dict[str, int]:
+        """How many of the finished episodes are of each kind."""
+        return {kind: sum(e.kind == kind for e in self.episodes) for kind in KINDS.values()}
+
+
+def is_partial(folder: Path) -> bool:
+    return (folder / "status.json").exists() and not (folder / "metrics.json").exists()
+
+
+def read_partial(folder: Path) -> Partial:
+    """Refuses a folder in which no episode has finished."""
+    status = read_json(folder / "status.json")
+    require_format(folder / "status.json", status, STATUS_FORMAT)
+    if status.get("beside_earlier_results"):
+        raise Refusal(f"{folder}: holds files of an earlier run; the folder of one run is needed")
+    finished = status.get("episodes_finished", 0)
+    if not finished or not (folder / "episodes.csv").exists():
+        raise Refusal(f"{folder}: no episode has finished ({status.get('reason')}); one must have")
+    provenance = read_json(folder / "provenance.json")
+    return Partial(folder, status, provenance, _episodes(folder / "episodes.csv", finished))
 
 
 def is_sweep(folder: Path) -> bool:
@@ -145,14 +198,13 @@ def read_traces(run: Run) -> Optional[Traces]:
         return _traces(again / "traces.npy", run)
 
 
-def contrast(baseline: Run, others: Sequence[Run]) -> List[Json]:
+def contrast(baseline: Run, others: Sequence[Run]) -> Json:
     """The others against the baseline, pair by pair, as the command `contrast` has it."""
     with tempfile.TemporaryDirectory() as scratch:
         out = Path(scratch, "contrast.json")
         folders = [str(run.folder) for run in (baseline, *others)]
         rosrun("contrast", *folders, "--against", "0", "--out", str(out))
-        contrasts: List[Json] = read_json(out)["contrasts"]
-        return contrasts
+        return read_json(out)
 
 
 def read_json(path: Path, rule: str = "it is needed") -> Json:
@@ -256,7 +308,7 @@ def _traces(path: Path, run: Run) -> Traces:
 
 
 def _require_finite(path: Path, records: Any) -> None:
-    """Refuses NaN and infinity, but for the actions of the last step of a rollout: there are none."""
+    """Refuses NaN and infinity. The last step of a rollout has no action: NaN stands for it."""
     last = np.append(records["step"][1:] == 0, True)
     for name in TRACE_FIELDS[3:]:
         bad = ~np.isfinite(records[name])

@@ -507,15 +507,15 @@ class Refusals(ReportCase):
                 self.assertIn(f"{number}: must be a finite number", self.refused("copy"))
 
     def test_deeply_nested_files(self) -> None:
+        depth = 100_000
+        nested = '{"a": ' * depth + "1" + "}" * depth
         for name in ("metrics.json", "statistics.json", "provenance.json"):
-            for depth in (600, 100_000):
-                with self.subTest(name=name, depth=depth):
-                    path = self.copy() / name
-                    nested = '{"a": ' * depth + "1" + "}" * depth
-                    path.write_text(path.read_text().replace("{", f'{{"more": {nested},', 1))
-                    if depth > 1000 or name == "provenance.json":
-                        self.assertIn("less deeply nested", self.refused("copy"))
-                    shutil.rmtree(path.parent)
+            with self.subTest(name):
+                path = self.copy() / name
+                path.write_text(path.read_text().replace("{", f'{{"more": {nested},', 1))
+                refused = self.refused("copy")
+                self.assertIn(f"copy/{name}: must be JSON that is less deeply nested", refused)
+                shutil.rmtree(path.parent)
 
     def test_signals(self) -> None:
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):

@@ -138,9 +138,15 @@ std::string transferText(const RunConfiguration& configuration, const Outcomes& 
          (interval ? " [" + percent(interval->low) + ", " + percent(interval->high) + "]" : "");
 }
 
+/// "1.3 times", "110 times"; "undefined" for NaN
 std::string timesText(double multiple) {
+  if (std::isnan(multiple)) {
+    return "undefined";
+  }
   constexpr int kDigits = 2;
-  return std::isnan(multiple) ? "undefined" : pusht::significantText(readable(multiple), kDigits) + " times";
+  constexpr double kLong = 100.0;  // from here on two digits alone would have an exponent
+  const std::string text = pusht::significantText(readable(multiple), kDigits);
+  return (multiple < kLong ? text : fixedText(pusht::decimal<double>(text).value_or(multiple), 0)) + " times";
 }
 
 /// "46 of 50, half by 1.3 s"

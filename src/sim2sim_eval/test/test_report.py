@@ -903,11 +903,10 @@ class Browser(ReportCase):
                 "canvas",
                 ".play",
                 ".filters",
-                "noscript",
             )
         ]
         self.assertEqual(shown[0], 3, "frames of an episode")
-        self.assertEqual(shown[1:], [EPISODES, 0, 0, 0, 1])
+        self.assertEqual(shown[1:], [EPISODES, 0, 0, 0])
 
     def test_prints_on_four_pages_with_provenance(self) -> None:
         self.open()

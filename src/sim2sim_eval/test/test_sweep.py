@@ -271,7 +271,7 @@ class Rows(SweepCase):
         figure.canvas.draw()  # it was saved in another resolution
         legends = [axes.get_legend() for axes in figure.axes if axes.get_legend()]
         self.assertEqual(len(legends), 3)
-        self.assertEqual([len(legend.get_texts()) for legend in legends], [6, 8, 8])
+        self.assertEqual([len(legend.get_texts()) for legend in legends], [5, 7, 7])
         boxes = [part.get_window_extent() for part in (*legends, figure._suptitle)]
         for number, box in enumerate(boxes):
             self.assertTrue(figure.bbox.contains(*box.min) and figure.bbox.contains(*box.max), box)

@@ -13,7 +13,7 @@ import signal
 import sys
 import time
 from pathlib import Path
-from typing import Any, Callable, Iterator, List, NoReturn, Optional, Tuple
+from typing import Any, Callable, Iterator, NoReturn, Optional
 
 from pusht_task.exit_codes import ExitCode
 
@@ -114,7 +114,7 @@ class Interrupts:
 
     @contextlib.contextmanager
     def held(self) -> Iterator[None]:
-        """A signal waits until the end of the block: an import that is cut short says so at length."""
+        """A signal waits until the end of the block: a broken import prints a traceback."""
         self._held = True
         try:
             yield

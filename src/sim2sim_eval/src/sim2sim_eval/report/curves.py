@@ -70,8 +70,8 @@ PANELS = [
         f"{REPLAY}_null_angle_divergence_rad",
     ),
 ]
-NULL_MODEL = "a tee that never moves"
-HOLLOW = f"hollow: not shown to be nearer than {NULL_MODEL}"
+DOTTED = "dotted: a tee that never moves"
+HOLLOW = "; hollow: not shown to be nearer than it"
 OTHER_KEYS = [
     "confidence",
     "engine_simulator",
@@ -293,7 +293,7 @@ def draw_null_model(axes: Any, panel: Panel, rows: Sequence[Row]) -> None:
     """The divergence of a tee that never moves: one line, since it hangs on the reference alone."""
     values = [row[panel.null] for row in rows if row.get(panel.null) is not None]
     if values:
-        axes.axhline(max(values), color=DIM, linestyle=":", linewidth=1.8, label=NULL_MODEL)
+        axes.axhline(max(values), color=DIM, linestyle=":", linewidth=1.8)
 
 
 def draw_column(
@@ -356,8 +356,9 @@ def title_of(rows: Sequence[Row], whole: int) -> str:
         lines[-1] += f", {100 * row['confidence']:g} % intervals"
     if AGAINST in row:
         lines[-1] += f", what differs from row {row[AGAINST]}"
-    if any(row[panel.beats_null] is not True for row in rows for panel in panels):
-        lines.append(HOLLOW)
+    hollow = any(row[panel.beats_null] is not True for row in rows for panel in panels)
+    if AGAINST not in row:
+        lines.append(DOTTED + (HOLLOW if hollow else ""))
     if len(rows) < whole:
         lines.append(what_is_missing(len(rows), whole))
     return "\n".join(lines)
@@ -409,7 +410,8 @@ class Curves:
                     one.set_ylabel(f"change of\n{panel.label}" if against else panel.label)
                 if not against:
                     one.set_ylim(0, 1 if panel is SUCCESS else None)
-        figure.align_ylabels()
+        if not narrow:
+            figure.align_ylabels()
         title = title_of(self.rows, self.whole)
         width = int(figure.get_figwidth() / CHARACTER)
         lines = [part for line in title.splitlines() for part in textwrap.wrap(line, width)]

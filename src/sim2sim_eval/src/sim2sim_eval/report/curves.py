@@ -25,6 +25,7 @@ MARKERS = ["o", "s", "^", "D", "v", "P"]
 MOST_LINES = len(SERIES)  # more in one panel cannot be told apart
 LOGARITHMIC_FROM = 10.0  # largest over smallest value of a knob
 CHARACTER = 0.1  # [in] that one takes in a tick's label
+TITLE_CHARACTER = 0.135  # [in] that one takes in the title
 LONGEST_BESIDE = 26  # characters of labels that stand beside each other in a legend
 DODGE = 0.01  # of the axis, between lines at one value: their bars must not hide each other
 DODGE_OF_WORDS = 0.04
@@ -413,9 +414,9 @@ class Curves:
         if not narrow:
             figure.align_ylabels()
         title = title_of(self.rows, self.whole)
-        width = int(figure.get_figwidth() / CHARACTER)
+        width = int(figure.get_figwidth() / TITLE_CHARACTER)
         lines = [part for line in title.splitlines() for part in textwrap.wrap(line, width)]
-        figure.suptitle("\n".join(lines))
+        figure.suptitle("\n".join(lines), fontsize=14)
         layout = figure.get_layout_engine()
         layout.set(w_pad=0.1, h_pad=0.1, wspace=0.05)  # [in], but wspace
         return figure

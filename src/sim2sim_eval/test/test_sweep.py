@@ -17,6 +17,7 @@ from unittest import mock
 
 import rospkg  # type: ignore[import]
 import torch
+from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import]
 from matplotlib.figure import Figure  # type: ignore[import]
 from sim2sim_eval.report.curves import read_curves
 from sim2sim_eval.report.results import METRICS_FORMAT
@@ -268,7 +269,7 @@ class Rows(SweepCase):
         with mock.patch.object(Figure, "savefig", save_and_keep):
             read_curves(self.folder / "out").drawing("curves").file("png", "")
         (figure,) = figures
-        figure.canvas.draw()  # it was saved in another resolution
+        FigureCanvasAgg(figure).draw()  # it was saved in another resolution
         legends = [axes.get_legend() for axes in figure.axes if axes.get_legend()]
         self.assertEqual(len(legends), 3)
         self.assertEqual([len(legend.get_texts()) for legend in legends], [5, 7, 7])

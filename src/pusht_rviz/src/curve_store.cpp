@@ -35,19 +35,47 @@ void CurveStore::add(const pusht_msgs::Divergence& divergence) {
     current_.episode = divergence.episode;
   }
   std::vector<CurvePoint>& points = current_.points;
-  while (!points.empty() && points.back().time >= point.time) {
-    points.pop_back();
+  if (!replay_) {
+    const auto after =
+        std::find_if(points.begin(), points.end(), [&](const CurvePoint& one) { return one.time >= point.time; });
+    points.erase(after, points.end());
   }
-  points.push_back(point);
+  insert(point);
+  cursor_ = point.time;
+}
+
+void CurveStore::insert(const CurvePoint& point) {
+  std::vector<CurvePoint>& points = current_.points;
+  const auto after = std::lower_bound(points.begin(), points.end(), point.time,
+                                      [](const CurvePoint& one, double time) { return one.time < time; });
+  if (after != points.end() && after->time == point.time) {
+    *after = point;
+  } else {
+    points.insert(after, point);
+  }
   end_ = std::max(end_, point.time);
-  for (const std::size_t aspect : {kPosition, kAngle}) {
-    for (const std::size_t kind : {kReplayCurve, kClosedCurve}) {
-      const double value = point.values[kind][aspect];
-      if (value > greatest_[aspect]) {  // not so if it is NaN
-        greatest_[aspect] = value;
-      }
+}
+
+void CurveStore::recall(const std::vector<pusht_msgs::Divergence>& curve) {
+  for (const pusht_msgs::Divergence& divergence : curve) {
+    if (current_.points.empty()) {
+      current_.episode = divergence.episode;
+      cursor_ = kControlStep * curve.back().step;
+    }
+    if (divergence.episode == current_.episode) {
+      insert(pointFrom(divergence));
     }
   }
+  ++version_;
+}
+
+const EpisodeCurves* CurveStore::find(std::uint64_t episode) const {
+  if (current_.episode == episode && !current_.points.empty()) {
+    return &current_;
+  }
+  const auto found = std::find_if(earlier_.begin(), earlier_.end(),
+                                  [&](const EpisodeCurves& curves) { return curves.episode == episode; });
+  return found == earlier_.end() ? nullptr : &*found;
 }
 
 void CurveStore::clear() {
@@ -56,7 +84,7 @@ void CurveStore::clear() {
   ++version_;
   ++earlier_version_;
   end_ = 0.0;
-  greatest_ = {};
+  cursor_ = 0.0;
 }
 
 }  // namespace pusht_rviz

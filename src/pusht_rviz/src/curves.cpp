@@ -4,6 +4,7 @@
 #include <qcustomplot.h>
 
 #include <QVBoxLayout>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -15,11 +16,14 @@ namespace {
 
 constexpr int kRedrawPeriod = 70;      // [ms]
 constexpr double kShortestAxis = 5.0;  // [s]
-constexpr int kFaded = 72;             // of 255
+constexpr int kFaded = 56;             // of 255
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 
+constexpr std::array<double, kAspects> kLeast = {1e-5, 1e-4};    // of the axes, [m] and [rad]
+constexpr std::array<double, kAspects> kGreatest = {1.0, 3.15};  // beyond, a curve runs along the top
+
 constexpr std::array<const char*, kAspects> kTitles = {"position apart [m]", "angle apart [rad]"};
-constexpr std::array<const char*, kCurveKinds> kNames = {"replay", "closed loop", "tee that never moves"};
+constexpr std::array<const char*, kCurveKinds> kNames = {"same actions", "same policy", "tee that never moves"};
 
 QColor colourOf(std::size_t kind) {
   return kind == kReplayCurve ? theme::kReplay : kind == kClosedCurve ? theme::kEngine : theme::kDim;
@@ -27,19 +31,13 @@ QColor colourOf(std::size_t kind) {
 
 QFont small() {
   QFont made;
-  made.setPixelSize(12);
+  made.setPixelSize(theme::px(12));
   return made;
 }
 
-/// The next number of the form 1, 1.5, 2, 3, 4, 6, 8 times a power of ten: axes change seldom.
-double roundUp(double value) {
-  const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double step : {1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0}) {
-    if (value <= step * power) {
-      return step * power;
-    }
-  }
-  return 10.0 * power;
+/// As a logarithmic axis can show it; NaN stays.
+double shown(double value, std::size_t aspect) {
+  return std::isnan(value) ? value : std::clamp(value, kLeast.at(aspect), kGreatest.at(aspect));
 }
 
 }  // namespace
@@ -49,7 +47,7 @@ Curves::Curves(QWidget* parent) : QWidget(parent), plot_(new QCustomPlot(this)) 
   all->setContentsMargins(0, 0, 0, 0);
   all->addWidget(plot_);
   plot_->setObjectName("curves");
-  plot_->setMinimumHeight(180);
+  plot_->setMinimumHeight(theme::px(180));
   plot_->setBackground(QBrush(theme::kBackground));
   plot_->setNoAntialiasingOnDrag(true);
   plot_->plotLayout()->clear();
@@ -73,9 +71,11 @@ Curves::Curves(QWidget* parent) : QWidget(parent), plot_(new QCustomPlot(this)) 
   legend->setIconSize(18, 14);
   legend->setLayer("legend");
   legend->setColumnSpacing(6);
+  legend->setWrap(2);
   for (QCPGraph* const graph : charts_[kPosition].now) {
     graph->addToLegend(legend);
   }
+  charts_[kPosition].floor->addToLegend(legend);
 
   connect(&timer_, &QTimer::timeout, this, &Curves::redraw);
   timer_.start(kRedrawPeriod);
@@ -104,8 +104,14 @@ void Curves::build(Aspect aspect) {
   }
   QCPAxis* const time = chart.rect->axis(QCPAxis::atBottom);
   QCPAxis* const value = chart.rect->axis(QCPAxis::atLeft);
-  value->ticker()->setTickCount(4);
-  value->setNumberFormat("gb");
+  value->setScaleType(QCPAxis::stLogarithmic);
+  const QSharedPointer<QCPAxisTickerLog> decades(new QCPAxisTickerLog);
+  decades->setTickCount(4);
+  decades->setSubTickCount(0);
+  value->setTicker(decades);
+  value->setNumberFormat("eb");
+  value->setNumberPrecision(0);
+  value->setRange(kLeast.at(aspect), kGreatest.at(aspect));
   if (aspect == kAngle) {
     time->setLabel("time [s]");
     time->setLabelFont(small());
@@ -121,6 +127,20 @@ void Curves::build(Aspect aspect) {
   chart.bound = plot_->addGraph(time, value);
   chart.bound->setPen(QPen(theme::kBright, 1.0, Qt::DotLine));
   chart.bound->setAntialiased(false);
+  chart.floor = plot_->addGraph(time, value);
+  chart.floor->setName("reference from itself (floor)");
+  chart.floor->setPen(QPen(theme::kReference, 1.0, Qt::DashDotLine));
+  chart.floor->setAntialiased(false);
+  chart.cursor = new QCPItemStraightLine(plot_);
+  chart.cursor->setPen(QPen(theme::kBright, 1.0));
+  chart.cursor->setAntialiased(false);
+  chart.cursor->setClipAxisRect(chart.rect);
+  for (QCPItemPosition* const end : {chart.cursor->point1, chart.cursor->point2}) {
+    end->setAxisRect(chart.rect);
+    end->setAxes(time, value);
+  }
+  chart.cursor->setLayer(live_);
+  chart.cursor->setVisible(false);
   for (const std::size_t kind : {kClosedCurve, kReplayCurve}) {
     QColor faded = colourOf(kind);
     faded.setAlpha(kFaded);
@@ -139,21 +159,44 @@ void Curves::build(Aspect aspect) {
   chart.title->setColor(theme::kBright);
   chart.title->setBrush(QBrush(theme::kPaper));  // curves run below it
   chart.title->setText(kTitles.at(aspect));
-  chart.title->setPositionAlignment(Qt::AlignLeft | Qt::AlignTop);
+  chart.title->setPositionAlignment(Qt::AlignRight | Qt::AlignBottom);
   chart.title->position->setType(QCPItemPosition::ptAxisRectRatio);
   chart.title->position->setAxisRect(chart.rect);
   chart.title->setClipAxisRect(chart.rect);
-  chart.title->position->setCoords(0.015, 0.02);
+  chart.title->position->setCoords(0.985, 0.97);
   chart.title->setLayer("overlay");
 }
 
 void Curves::add(const pusht_msgs::Divergence& divergence) { store_.add(divergence); }
 
-void Curves::clear() { store_.clear(); }
+void Curves::clear() {
+  store_.clear();
+  chosen_.reset();
+}
 
 void Curves::setBound(double position, double angle) {
   bounds_ = {position, angle};
   stale_ = true;
+}
+
+void Curves::setFloor(const std::array<double, kAspects>& floor) {
+  floor_ = floor;
+  stale_ = true;
+}
+
+void Curves::setReplay(bool replay) {
+  store_.setReplay(replay);
+  stale_ = stale_ || replay != replay_;
+  replay_ = replay;
+}
+
+bool Curves::choose(std::uint64_t episode) {
+  if (store_.find(episode) == nullptr) {
+    return false;
+  }
+  chosen_ = episode == store_.current().episode ? std::nullopt : std::optional(episode);
+  stale_ = true;
+  return true;
 }
 
 void Curves::redraw() {
@@ -181,29 +224,35 @@ bool Curves::fitAxes() {
   const double end = std::max(kShortestAxis, kShortestAxis * std::ceil(store_.end() / kShortestAxis));
   for (const Aspect aspect : {kPosition, kAngle}) {
     Chart& chart = charts_.at(aspect);
-    const double top = roundUp(std::max(2.0 * bounds_.at(aspect), 1.05 * store_.greatest(aspect)));
     const QCPRange time(0.0, end);
-    const QCPRange value(0.0, top);
     QCPAxis* const bottom = chart.rect->axis(QCPAxis::atBottom);
-    QCPAxis* const left = chart.rect->axis(QCPAxis::atLeft);
-    changed = changed || bottom->range() != time || left->range() != value;
+    changed = changed || bottom->range() != time;
     bottom->setRange(time);
-    left->setRange(value);
     chart.bound->setData({0.0, end}, {bounds_.at(aspect), bounds_.at(aspect)}, true);
+    const double floor = shown(floor_.at(aspect), aspect);
+    chart.floor->setData({0.0, end}, {floor, floor}, true);
   }
   return changed;
 }
 
 void Curves::drawNow() {
-  const std::vector<CurvePoint>& points = store_.current().points;
+  const EpisodeCurves* const bright = store_.find(chosen());
+  const std::vector<CurvePoint> none;
+  const std::vector<CurvePoint>& points = bright == nullptr ? none : bright->points;
   for (const Aspect aspect : {kPosition, kAngle}) {
+    Chart& chart = charts_.at(aspect);
+    chart.cursor->setVisible(replay_ && !points.empty());
+    chart.cursor->point1->setCoords(store_.cursor(), kLeast.at(aspect));
+    chart.cursor->point2->setCoords(store_.cursor(), kGreatest.at(aspect));
+    chart.title->setText(QString(kTitles.at(aspect)) +
+                         (chosen_ ? QString::fromUtf8(" · episode ") + QString::number(*chosen_) : ""));
     for (std::size_t kind = 0; kind < kCurveKinds; ++kind) {
       QVector<QCPGraphData> data;
       data.reserve(static_cast<int>(points.size()));
       for (const CurvePoint& point : points) {
-        data.append({point.time, point.values.at(kind).at(aspect)});
+        data.append({point.time, shown(point.values.at(kind).at(aspect), aspect)});
       }
-      charts_.at(aspect).now.at(kind)->data()->set(data, true);
+      chart.now.at(kind)->data()->set(data, true);
     }
   }
 }
@@ -214,8 +263,11 @@ void Curves::drawEarlier() {
       QVector<QCPCurveData> data;
       double order = 0.0;
       for (const EpisodeCurves& curves : store_.earlier()) {
+        if (chosen_) {
+          break;  // it is looked at alone
+        }
         for (const CurvePoint& point : curves.points) {
-          data.append({order++, point.time, point.values.at(kind).at(aspect)});
+          data.append({order++, point.time, shown(point.values.at(kind).at(aspect), aspect)});
         }
         data.append({order++, kGap, kGap});
       }

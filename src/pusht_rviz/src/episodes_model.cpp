@@ -83,6 +83,7 @@ EpisodeRow rowFrom(const pusht_msgs::EpisodeResult& result) {
     } else if (rollout.mode == "engine_closed") {
       row.engine_success = rollout.success != 0;
       row.engine_steps = rollout.steps;
+      row.closed_parting_step = rollout.parting_step;
     } else if (rollout.mode == "engine_replay") {
       row.parting_step = rollout.parting_step;
       row.parting_cause = inWords(rollout.parting_cause);

@@ -277,7 +277,7 @@ void EvaluatorLink::askForEpisodes() {
       callOf<pusht_msgs::Episodes>({},
                                    [post = post_, number](bool answered, const pusht_msgs::EpisodesResponse& response) {
                                      if (answered) {
-                                       post->put(EpisodesNews{number, response.episodes});
+                                       post->put(EpisodesNews{number, response.episodes, response.curve});
                                      }
                                    }),
       [](Presence /*presence*/) {}, times);
@@ -327,7 +327,7 @@ void EvaluatorLink::connectNode(Role role, const std::vector<std::string>& name)
 
 void EvaluatorLink::read(const pusht_msgs::Progress& progress) {
   const bool first = !std::exchange(heard_, true);
-  const bool begins = first || (progress.busy != 0 && progress_.busy == 0);
+  const bool begins = first || progress.run != progress_.run;
   progress_ = progress;
   if (begins) {
     episodes_line_.reset();  // what it would bring is of an earlier run
@@ -400,6 +400,8 @@ void EvaluatorLink::read(const DescriptionNews& news) {
 void EvaluatorLink::read(const ControlNews& news) {
   if (!news.done) {
     Q_EMIT refused(QString::fromStdString(news.message));
+  } else {
+    Q_EMIT obeyed();
   }
   if (news.command == pusht_msgs::ControlRequest::SEEK) {
     seeking_ = false;
@@ -415,6 +417,7 @@ void EvaluatorLink::read(const EpisodesNews& news) {
   if (!news.episodes.empty()) {
     Q_EMIT episodesFinished(news.episodes);
   }
+  Q_EMIT recalled(news.curve);
 }
 
 void EvaluatorLink::read(const MasterNews& news) {

@@ -137,6 +137,18 @@ std::string rangeText(const pusht_msgs::ParameterDescriptor& parameter) {
   return parameter.words.empty() ? "" : "one of: " + joined(parameter.words);
 }
 
+std::string nextFolder(const std::string& folder) {
+  const std::size_t end = folder.find_last_not_of('/');
+  if (end == std::string::npos) {
+    return folder;
+  }
+  const std::string name = folder.substr(0, end + 1);
+  const std::size_t dash = name.find_last_not_of("0123456789");
+  const std::optional<std::uint32_t> number =
+      dash == std::string::npos || name[dash] != '-' ? std::nullopt : decimal<std::uint32_t>(name.substr(dash + 1));
+  return number ? name.substr(0, dash + 1) + std::to_string(std::uint64_t{*number} + 1) : name + "-2";
+}
+
 std::string refusalOf(const pusht_msgs::ParameterDescriptor& parameter, const std::string& text) {
   const std::string range = rangeText(parameter);
   if (parameter.type == "boolean") {

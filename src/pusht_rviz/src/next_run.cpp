@@ -128,6 +128,7 @@ void NextRun::setRequest(const pusht_msgs::CompareGoal& request, const QString& 
       request.episodes.empty() ? std::nullopt : std::optional<std::uint32_t>(request.episodes.front());
   quietly(out_.edit, request.out.empty() ? "" : QString::fromStdString(request.out.front()));
   overwrite_ = !request.overwrite.empty() && request.overwrite.front() != 0;
+  moveOn();
   quietly(run_seed_.edit, firstOf(request.seed, "0"));
   quietly(first_episode_.edit, firstOf(request.first_episode, "0"));
   spawned_ = request.starts.empty() || request.starts.front().empty();
@@ -181,9 +182,14 @@ void NextRun::setDescription(Role role, const QString& kind, const pusht_msgs::D
 
 void NextRun::setEvaluator(const QString& name) { quietly(evaluator_, name); }
 
-void NextRun::runAccepted() {
-  if (!overwrite_) {
-    quietly(out_.edit, "");
+void NextRun::runBegan() {
+  began_ = true;
+  moveOn();
+}
+
+void NextRun::moveOn() {
+  if (began_ && !overwrite_) {
+    quietly(out_.edit, QString::fromStdString(nextFolder(textOf(out_.edit))));
   }
 }
 
@@ -195,7 +201,7 @@ QString NextRun::waitsFor() const {
 }
 
 void NextRun::forget() {
-  known_ = false;
+  known_ = began_ = false;
   reference_->forget();
   engine_->forget();
   policies_.clear();

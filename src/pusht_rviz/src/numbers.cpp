@@ -82,6 +82,31 @@ std::string meanText(const pusht_msgs::Summary& summary, const std::string& name
   return mean == summary.means.end() ? kDash : meanText(*mean);
 }
 
+std::string pairsText(const pusht_msgs::Summary& summary) {
+  if (summary.episodes_finished == 0) {
+    return kDash;
+  }
+  return "both solve " + std::to_string(summary.both_succeed) + ", only reference " +
+         std::to_string(summary.only_reference_succeeds) + ", only engine " +
+         std::to_string(summary.only_engine_succeeds) + ", neither " + std::to_string(summary.neither_succeeds);
+}
+
+std::array<double, 2> floorOf(const pusht_msgs::Summary& summary) {
+  std::array<double, 2> floor = {std::nan(""), std::nan("")};
+  for (const pusht_msgs::Mean& mean : summary.means) {  // the widest floor is the last one
+    const bool of_floor = mean.name.rfind("floor_", 0) == 0;
+    const auto ends = [&](const std::string& end) {
+      return mean.name.size() > end.size() && mean.name.compare(mean.name.size() - end.size(), end.size(), end) == 0;
+    };
+    if (of_floor && ends("_mean_position_divergence")) {
+      floor[0] = mean.value;
+    } else if (of_floor && ends("_mean_angle_divergence")) {
+      floor[1] = mean.value;
+    }
+  }
+  return floor;
+}
+
 std::string timeLeftText(double seconds) {
   constexpr double kMinute = 60.0;
   constexpr std::int64_t kMinutesInHour = 60;

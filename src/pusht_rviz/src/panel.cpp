@@ -77,19 +77,15 @@ Panel::Panel(QWidget* parent)
       progress_(new QProgressBar(this)),
       status_(new QLabel(this)),
       views_(new ViewButtons(this)),
-      replay_controls_(new QWidget(this)),
-      scrubber_(new QSlider(Qt::Horizontal, replay_controls_)),
-      place_(new QLabel(replay_controls_)),
-      seed_(new QLineEdit(replay_controls_)),
-      go_(new QPushButton("Go", replay_controls_)),
-      go_refusal_(new QLabel(replay_controls_)),
+      replay_controls_(new ReplayControls(this)),
       tabs_(new QTabWidget(this)),
-      summary_(new SummaryView(this)),
+      episodes_(new EpisodesModel(this)),
+      strip_(new EpisodeStrip(episodes_, this)),
+      summary_(new SummaryView(strip_, this)),
       curves_(new Curves(this)),
       next_run_(new NextRun(this)),
       episode_list_(new QTableView(this)),
-      go_to_episode_(new QPushButton("Go to this episode", this)),
-      episodes_(new EpisodesModel(this)),
+      go_to_episode_(new QPushButton(this)),
       play_icon_(theme::icon(theme::Shape::kPlay)),
       pause_icon_(theme::icon(theme::Shape::kPause)) {
   setAttribute(Qt::WA_StyledBackground);
@@ -98,7 +94,6 @@ Panel::Panel(QWidget* parent)
   all->setContentsMargins(6, 6, 6, 4);
   all->setSpacing(6);
   buildControls();
-  buildReplay();
   buildTabs();
   connectLink();
   setReplay(false);
@@ -131,7 +126,7 @@ void Panel::buildControls() {
   for (std::size_t role = 0; role < kRoles; ++role) {
     nodes_.at(role) = new QLabel(this);
     nodes_.at(role)->setObjectName(QString("node.") + kRoleNames.at(role));
-    nodes_.at(role)->setStyleSheet("font-size: 12px");
+    nodes_.at(role)->setStyleSheet("font-size: " + QString::number(theme::px(12)) + "px");
     line->addWidget(nodes_.at(role));
     if (role + 1 < kRoles) {
       line->addStretch(1);
@@ -161,42 +156,11 @@ void Panel::buildControls() {
     showState();
   });
   connect(rate_, QOverload<int>::of(&QComboBox::activated), this, &Panel::chooseRate);
-}
-
-void Panel::buildReplay() {
-  scrubber_->setObjectName("scrubber");
-  scrubber_->setToolTip("control steps of the episode that is shown");
-  scrubber_->setRange(0, 0);
-  place_->setObjectName("place");
-  place_->setProperty("dim", true);
-  seed_->setObjectName("go_to_seed");
-  seed_->setToolTip("spawn seed of an episode: 10000 + the run's seed + its index");
-  go_->setObjectName("go");
-  go_refusal_->setObjectName("go.refusal");
-  go_refusal_->setProperty("refusal", true);
-  go_refusal_->setWordWrap(true);
-  go_refusal_->hide();
-  auto* const all = new QVBoxLayout(replay_controls_);
-  all->setContentsMargins(0, 0, 0, 0);
-  all->setSpacing(4);
-  all->addWidget(scrubber_);
-  auto* const row = new QHBoxLayout;
-  row->addWidget(place_, 1);
-  auto* const head = new QLabel("go to seed");
-  head->setProperty("dim", true);
-  row->addWidget(head);
-  seed_->setFixedWidth(90);
-  row->addWidget(seed_);
-  row->addWidget(go_);
-  all->addLayout(row);
-  all->addWidget(go_refusal_);
-  connect(scrubber_, &QSlider::valueChanged, this, [this](int step) {
-    shown_step_ = static_cast<std::uint32_t>(step);
+  connect(replay_controls_, &ReplayControls::stepChosen, this, [this](std::uint32_t step) {
+    shown_step_ = step;
     link_.seek(shown_episode_, shown_step_);
   });
-  connect(go_, &QPushButton::clicked, this, &Panel::goToSeed);
-  connect(seed_, &QLineEdit::returnPressed, this, &Panel::goToSeed);
-  connect(seed_, &QLineEdit::textChanged, go_refusal_, &QLabel::hide);
+  connect(replay_controls_, &ReplayControls::seedChosen, this, &Panel::goToSeed);
 }
 
 void Panel::buildTabs() {
@@ -225,15 +189,16 @@ void Panel::buildTabs() {
   // Fixed heights and widths: nothing has to look at ten thousand rows.
   episode_list_->verticalHeader()->hide();
   episode_list_->verticalHeader()->setSectionResizeMode(QHeaderView::Fixed);
-  episode_list_->verticalHeader()->setDefaultSectionSize(22);
+  episode_list_->verticalHeader()->setDefaultSectionSize(theme::px(22));
   episode_list_->horizontalHeader()->setMinimumSectionSize(24);
   episode_list_->horizontalHeader()->setSectionResizeMode(EpisodesModel::kCause, QHeaderView::Stretch);
-  constexpr std::array kWidths = {34, 50, 66, 64, 44};
+  constexpr std::array kWidths = {34, 50, 72, 64, 44};
   for (std::size_t i = 0; i < kWidths.size(); ++i) {
-    episode_list_->setColumnWidth(static_cast<int>(i), kWidths.at(i));
+    episode_list_->setColumnWidth(static_cast<int>(i), theme::px(kWidths.at(i)));
   }
   connect(episode_list_, &QTableView::doubleClicked, this, [this](const QModelIndex& index) { goToRow(index.row()); });
   connect(go_to_episode_, &QPushButton::clicked, this, [this] { goToRow(episode_list_->currentIndex().row()); });
+  connect(strip_, &EpisodeStrip::clicked, this, &Panel::goTo);
 
   tabs_->setObjectName("tabs");
   tabs_->tabBar()->setObjectName("tab_bar");
@@ -260,7 +225,7 @@ void Panel::connectLink() {
   connect(&link_, &EvaluatorLink::forgotten, this, [this] {
     summary_->clear();
     next_run_->forget();
-    asked_ = cancelling_ = false;
+    asked_ = cancelling_ = busy_ = false;
     request_rate_.reset();
     faults_ = {};
     titles_ = {};
@@ -272,7 +237,16 @@ void Panel::connectLink() {
     curves_->clear();
     asked_ = cancelling_ = false;
   });
-  connect(&link_, &EvaluatorLink::progressed, this, &Panel::showState);
+  connect(&link_, &EvaluatorLink::progressed, this, [this] {
+    const pusht_msgs::Progress& progress = link_.progress();
+    const bool busy = progress.busy != 0;
+    const bool was = progress.episodes_finished > 0 || !progress.failure.empty();  // before the panel came
+    if (progress.replay == 0 && ((busy && !busy_) || (was && !next_run_->began()))) {
+      next_run_->runBegan();
+    }
+    busy_ = busy;
+    showState();
+  });
   connect(&link_, &EvaluatorLink::requestCame, this, [this](const pusht_msgs::CompareGoal& request) {
     if (!request.bound_position.empty() && !request.bound_angle.empty()) {
       curves_->setBound(request.bound_position.front(), request.bound_angle.front());
@@ -287,15 +261,17 @@ void Panel::connectLink() {
     shown_step_ = divergence.step;
   });
   connect(&link_, &EvaluatorLink::settled, this, [this] {
+    showStrip();
     if (replay_) {
       showScrubber();
     }
   });
   connect(&link_, &EvaluatorLink::episodesFinished, episodes_, &EpisodesModel::add);
   connect(&link_, &EvaluatorLink::summarised, summary_, &SummaryView::show);
+  connect(&link_, &EvaluatorLink::summarised, this,
+          [this](const pusht_msgs::Summary& summary) { curves_->setFloor(floorOf(summary)); });
   connect(&link_, &EvaluatorLink::goalAccepted, this, [this] {
     tabs_->setCurrentIndex(0);
-    next_run_->runAccepted();
     asked_ = false;
     showState();
   });
@@ -311,6 +287,11 @@ void Panel::connectLink() {
     cancelling_ = false;
     showState();
   });
+  connect(&link_, &EvaluatorLink::obeyed, this, [this] {
+    said_.clear();
+    showStatus();
+  });
+  connect(&link_, &EvaluatorLink::recalled, curves_, &Curves::recall);
   connect(&link_, &EvaluatorLink::presenceChanged, this, &Panel::showState);
   connect(&link_, &EvaluatorLink::policiesFound, next_run_, &NextRun::setPolicies);
   connect(&link_, &EvaluatorLink::described, this,
@@ -385,25 +366,41 @@ void Panel::chooseRate() {
   link_.setRate(*chosen_rate_);
 }
 
+void Panel::goTo(std::uint64_t episode) {
+  said_.clear();
+  replay_controls_->refuse("");
+  const std::optional<int> row = episodes_->rowOfEpisode(episode);
+  if (row) {
+    episode_list_->selectRow(*row);
+  }
+  if (replay_) {
+    link_.seek(episode, 0);
+  } else if (!curves_->choose(episode)) {
+    said_ = "episode " + QString::number(episode) + ": " +
+            (row ? "the panel keeps the curves of the last " + QString::number(CurveStore::kKept) + " episodes it saw"
+                 : "it has not begun");
+  }
+  showStatus();
+  showStrip();
+}
+
 void Panel::goToRow(int row) {
-  if (replay_ && row >= 0 && row < episodes_->rowCount()) {
-    link_.seek(episodes_->row(row).episode, 0);
+  if (row >= 0 && row < episodes_->rowCount()) {
+    goTo(episodes_->row(row).episode);
   }
 }
 
 void Panel::goToSeed() {
-  const std::string text = seed_->text().trimmed().toStdString();
+  const std::string text = replay_controls_->seed().toStdString();
   const std::optional<std::uint64_t> seed = decimal<std::uint64_t>(text);
   const std::optional<int> row = seed ? episodes_->rowOfSeed(*seed) : std::nullopt;
-  go_refusal_->setVisible(!row);
   if (row) {
     goToRow(*row);
-    episode_list_->selectRow(*row);
     return;
   }
   const QString seeds = episodes_->seedsText();
-  go_refusal_->setText("seed " + (text.empty() ? "''" : QString::fromStdString(text)) +
-                       ": must be one of this run's, " + (seeds.isEmpty() ? "which has none" : seeds));
+  replay_controls_->refuse("seed " + (text.empty() ? "''" : QString::fromStdString(text)) +
+                           ": must be one of this run's, " + (seeds.isEmpty() ? "which has none" : seeds));
 }
 
 void Panel::showState() {
@@ -475,6 +472,8 @@ void Panel::showProgress() {
     words << "ending";
   } else if (progress.paused != 0) {
     words << "paused";
+  } else if (!progress.waiting_for.empty()) {
+    words << "waits for " + QString::fromStdString(progress.waiting_for);
   } else if (progress.busy != 0 && progress.replay == 0) {
     const QString left = QString::fromStdString(timeLeftText(progress.seconds_left));
     words << (left.isEmpty() ? "runs" : left);
@@ -519,6 +518,9 @@ void Panel::showStatus() {
   if (!refusal_.isEmpty() && progress.busy == 0 && tabs_->currentWidget() != next_run_) {
     lines << refusal_;
   }
+  if (!progress.waiting_for.empty()) {
+    lines << "the run waits for the node " + QString::fromStdString(progress.waiting_for);
+  }
   if (progress.busy == 0 && !progress.failure.empty()) {
     lines << "the last run ended early: " + QString::fromStdString(progress.failure);
   }
@@ -528,15 +530,15 @@ void Panel::showStatus() {
 
 void Panel::showScrubber() {
   const std::optional<int> row = episodes_->rowOfEpisode(shown_episode_);
-  const std::uint32_t steps = std::max(row ? episodes_->row(*row).steps : 0, shown_step_);
-  if (!scrubber_->isSliderDown()) {
-    const QSignalBlocker quiet(scrubber_);
-    scrubber_->setRange(0, static_cast<int>(steps));
-    scrubber_->setValue(static_cast<int>(shown_step_));
-  }
-  place_->setText("episode " + QString::number(shown_episode_) + QString::fromUtf8(" · ") +
-                  QString::number(kControlStep * shown_step_, 'f', 1) + " / " +
-                  QString::number(kControlStep * steps, 'f', 1) + " s");
+  replay_controls_->show(shown_episode_, shown_step_, row ? &episodes_->row(*row) : nullptr);
+}
+
+void Panel::showStrip() {
+  // The first episode to finish is the first of the run, unless it is under way.
+  const std::uint64_t first =
+      episodes_->rowCount() == 0 ? shown_episode_ : std::min(episodes_->row(0).episode, shown_episode_);
+  strip_->setRun(link_.progress().episodes, first);
+  strip_->setShown(curves_->chosen());
 }
 
 void Panel::setReplay(bool replay) {
@@ -550,10 +552,11 @@ void Panel::setReplay(bool replay) {
     }
   }
   replay_ = replay;
+  curves_->setReplay(replay);
   start_->setVisible(!replay);
   cancel_->setVisible(!replay);
   replay_controls_->setVisible(replay);
-  go_to_episode_->setVisible(replay);
+  go_to_episode_->setText(replay ? "Go to this episode" : "Show the curves of this episode");
 }
 
 }  // namespace pusht_rviz

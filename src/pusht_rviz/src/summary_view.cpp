@@ -27,15 +27,13 @@ QLabel* figure(QWidget* parent, const char* name) {
 
 }  // namespace
 
-SummaryView::SummaryView(QWidget* parent)
+SummaryView::SummaryView(QWidget* strip, QWidget* parent)
     : QWidget(parent),
+      headline_(new QLabel(this)),
       reference_(figure(this, "reference_success")),
       engine_(figure(this, "engine_success")),
       transfer_(figure(this, "transfer")),
-      both_(figure(this, "both")),
-      only_reference_(figure(this, "only_reference")),
-      only_engine_(figure(this, "only_engine")),
-      neither_(figure(this, "neither")),
+      pairs_(figure(this, "pairs")),
       position_(figure(this, "mean_position")),
       angle_(figure(this, "mean_angle")) {
   auto* const rates = new QGridLayout;
@@ -63,43 +61,31 @@ SummaryView::SummaryView(QWidget* parent)
   engine_->setProperty("head", true);
   transfer_->setProperty("head", true);
 
-  // The same episodes, in both worlds.
-  auto* const pairs = new QGridLayout;
-  pairs->setHorizontalSpacing(10);
-  pairs->setVerticalSpacing(0);
-  const auto count = [&](QLabel* value, const char* name, int column) {
-    auto* const head = new QLabel(name);
-    head->setProperty("dim", true);
-    head->setAlignment(Qt::AlignCenter);
-    value->setAlignment(Qt::AlignCenter);
-    value->setProperty("head", true);
-    pairs->addWidget(value, 0, column);
-    pairs->addWidget(head, 1, column);
-    pairs->setColumnStretch(column, 1);
-  };
-  count(both_, "both solve", 0);
-  count(only_reference_, "only reference", 1);
-  count(only_engine_, "only engine", 2);
-  count(neither_, "neither", 3);
+  headline_->setObjectName("headline");
+  headline_->setWordWrap(true);
+  headline_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  headline_->hide();
+  pairs_->setProperty("dim", true);
+  pairs_->setToolTip(
+      "the same episodes in both worlds; a square: reference on the left, engine on the right, filled "
+      "where the policy succeeds");
 
   auto* const all = new QVBoxLayout(this);
   all->setContentsMargins(4, 4, 4, 2);
   all->setSpacing(4);
+  all->addWidget(headline_);
   all->addLayout(rates);
-  all->addLayout(pairs);
+  all->addWidget(strip);
+  all->addWidget(pairs_);
 }
 
 void SummaryView::show(const pusht_msgs::Summary& summary) {
-  const auto count = [&](std::uint32_t episodes) {
-    return summary.episodes_finished == 0 ? QString::fromUtf8(kDash) : QString::number(episodes);
-  };
+  headline_->setText(QString::fromStdString(summary.headline));
+  headline_->setVisible(!summary.headline.empty());
   reference_->setText(QString::fromStdString(rateText(summary.reference)));
   engine_->setText(QString::fromStdString(rateText(summary.engine)));
   transfer_->setText(QString::fromStdString(transferText(summary)));
-  both_->setText(count(summary.both_succeed));
-  only_reference_->setText(count(summary.only_reference_succeeds));
-  only_engine_->setText(count(summary.only_engine_succeeds));
-  neither_->setText(count(summary.neither_succeeds));
+  pairs_->setText(QString::fromStdString(pairsText(summary)));
   position_->setText(QString::fromStdString(meanText(summary, "mean_pos_divergence")));
   angle_->setText(QString::fromStdString(meanText(summary, "mean_ang_divergence")));
 }

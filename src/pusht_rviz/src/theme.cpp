@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_rviz/theme.hpp"
 
+#include <QGuiApplication>
 #include <QPainter>
 #include <QPixmap>
 #include <QPolygonF>
+#include <QScreen>
 #include <QStyle>
 #include <QVariant>
+#include <algorithm>
+#include <cmath>
 
 namespace pusht_rviz::theme {
 namespace {
@@ -42,12 +46,21 @@ QPixmap drawn(Shape shape, const QColor& colour) {
 
 }  // namespace
 
+int px(int length) {
+  constexpr double kWidth = 1366.0;  // [px]
+  const QScreen* const screen = QGuiApplication::primaryScreen();
+  const double scale = screen == nullptr ? 1.0 : std::clamp(screen->size().width() / kWidth, 1.0, 1.25);
+  return static_cast<int>(std::lround(scale * length));
+}
+
 QString styleSheet() {
   QString sheet = R"(
     QWidget { background: @background; color: @bright; font-size: 13px; }
     QLabel { background: transparent; }
     QLabel[dim="true"] { color: @dim; font-size: 12px; }
     QLabel[head="true"] { color: @bright; font-weight: bold; }
+    QLabel#headline { color: @bright; font-size: 15px; font-weight: bold; padding: 4px 6px; background: @paper;
+                      border-left: 3px solid @reference; }
     QLabel[refusal="true"] { color: @bad; font-size: 12px; }
     QLabel#status { color: @bad; background: @paper; border-left: 3px solid @bad; padding: 4px; }
     QToolTip { background: @paper; color: @bright; border: 1px solid @axis; font-size: 13px; }
@@ -107,7 +120,10 @@ QString styleSheet() {
         std::pair("@bad", kBad)}) {
     sheet.replace(name, colour.name());
   }
-  return sheet;
+  for (const int size : {12, 13, 15}) {
+    sheet.replace("font-size: " + QString::number(size) + "px", "font-size: @" + QString::number(px(size)) + "px");
+  }
+  return sheet.replace("font-size: @", "font-size: ");
 }
 
 void mark(QWidget* field, bool wrong) {

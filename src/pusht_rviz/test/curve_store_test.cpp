@@ -34,9 +34,7 @@ TEST(CurveStore, KeepsWhatComesWithItsTime) {
   EXPECT_DOUBLE_EQ(last.values[kClosedCurve][kPosition], 0.02);
   EXPECT_TRUE(std::isnan(last.values[kClosedCurve][kAngle]));
   EXPECT_DOUBLE_EQ(store.end(), 0.2);
-  EXPECT_DOUBLE_EQ(store.greatest(kPosition), 0.04)
-      << "of replay and closed loop: the null model may leave the picture";
-  EXPECT_DOUBLE_EQ(store.greatest(kAngle), 0.4);
+  EXPECT_DOUBLE_EQ(store.cursor(), 0.2);
 }
 
 TEST(CurveStore, MovesAnEpisodeThatEndedToTheEarlierOnes) {
@@ -75,6 +73,57 @@ TEST(CurveStore, TakesAnEpisodeThatBeginsAgain) {
   EXPECT_EQ(store.earlier().front().episode, 4U);
 }
 
+TEST(CurveStore, OfAReplayKeepsTheWholeEpisodeWhateverIsSought) {
+  CurveStore store;
+  store.setReplay(true);
+  for (std::uint32_t step = 0; step <= 9; ++step) {
+    store.add(divergence(3, step, 0.01 * step));
+  }
+  store.add(divergence(3, 4, 0.04));
+  ASSERT_EQ(store.current().points.size(), 10U);
+  for (std::size_t step = 0; step <= 9; ++step) {
+    EXPECT_DOUBLE_EQ(store.current().points[step].time, kControlStep * static_cast<double>(step));
+  }
+  EXPECT_DOUBLE_EQ(store.cursor(), 0.4);
+  store.add(divergence(3, 12));
+  store.add(divergence(3, 11));
+  EXPECT_DOUBLE_EQ(store.current().points.back().time, 1.2) << "in the order of time";
+}
+
+TEST(CurveStore, IsWholeForALatePanel) {
+  CurveStore late;
+  late.add(divergence(3, 7));  // the latched one
+  std::vector<pusht_msgs::Divergence> missed;
+  for (std::uint32_t step = 0; step <= 8; ++step) {
+    missed.push_back(divergence(3, step));
+  }
+  late.add(divergence(3, 8));
+  late.add(divergence(3, 9));  // meanwhile
+  late.recall(missed);
+  ASSERT_EQ(late.current().points.size(), 10U);
+  for (std::size_t step = 0; step <= 9; ++step) {
+    EXPECT_DOUBLE_EQ(late.current().points[step].time, kControlStep * static_cast<double>(step));
+  }
+  EXPECT_DOUBLE_EQ(late.cursor(), 0.9);
+  late.add(divergence(4, 0));
+  late.recall(missed);
+  EXPECT_EQ(late.current().points.size(), 1U) << "an episode that has ended is not the one under way";
+  CurveStore empty;
+  empty.recall(missed);
+  EXPECT_EQ(empty.current().points.size(), 9U);
+}
+
+TEST(CurveStore, FindsWhatItKeeps) {
+  CurveStore store;
+  EXPECT_EQ(store.find(0), nullptr) << "nothing has come";
+  store.add(divergence(3, 1));
+  store.add(divergence(4, 1));
+  ASSERT_NE(store.find(3), nullptr);
+  EXPECT_EQ(store.find(3)->episode, 3U);
+  EXPECT_EQ(store.find(4), &store.current());
+  EXPECT_EQ(store.find(5), nullptr);
+}
+
 TEST(CurveStore, CanBeCleared) {
   CurveStore store;
   store.add(divergence(0, 1));
@@ -84,7 +133,6 @@ TEST(CurveStore, CanBeCleared) {
   EXPECT_NE(store.version(), before);
   EXPECT_TRUE(store.current().points.empty());
   EXPECT_TRUE(store.earlier().empty());
-  EXPECT_EQ(store.greatest(kPosition), 0.0);
   EXPECT_EQ(store.end(), 0.0);
 }
 

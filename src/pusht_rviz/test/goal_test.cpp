@@ -85,6 +85,16 @@ std::string only(const std::vector<Refusal>& refusals) {
                               : std::to_string(refusals.size()) + " refusals";
 }
 
+TEST(NextFolder, HasTheNextNumber) {
+  EXPECT_EQ(nextFolder(""), "");
+  EXPECT_EQ(nextFolder("my_results"), "my_results-2");
+  EXPECT_EQ(nextFolder("my_results-2"), "my_results-3");
+  EXPECT_EQ(nextFolder("results/compare-9"), "results/compare-10");
+  EXPECT_EQ(nextFolder("results/compare-9/"), "results/compare-10");
+  EXPECT_EQ(nextFolder("run7"), "run7-2");
+  EXPECT_EQ(nextFolder("2026-04"), "2026-04-2") << "04 is no number of a run";
+}
+
 TEST(Goal, SaysWhatTheFormSaysAndNoMore) {
   const Draft draft = goalFrom(fiftyEpisodes());
   EXPECT_THAT(draft.refusals, IsEmpty());

@@ -32,7 +32,13 @@
 #include <functional>
 #include <string>
 
+#include "pusht_rviz/curves.hpp"
+#include "pusht_rviz/episode_strip.hpp"
+
 namespace {
+
+using pusht_rviz::Curves;
+using pusht_rviz::EpisodeStrip;
 
 constexpr int kDeadline = 60'000;  // [ms] for what must come: it does so in a moment, on a busy machine later
 
@@ -209,6 +215,18 @@ TEST_F(PanelTest, DrivesARunThroughEveryButton) {
   const QString rate = QString::number(summary_.reference.successes) + "/2  ";
   EXPECT_TRUE(waitUntil([&] { return find<QLabel>("reference_success")->text().startsWith(rate); }))
       << find<QLabel>("reference_success")->text().toStdString();
+  EXPECT_EQ(find<QLabel>("headline")->text().toStdString(), summary_.headline);
+
+  // A click on a square shows the curves of that episode.
+  auto* const strip = find<EpisodeStrip>("episode_strip");
+  auto* const curves = dock_->findChild<Curves*>();
+  ASSERT_NE(curves, nullptr);
+  EXPECT_EQ(curves->chosen(), 2U);
+  ASSERT_TRUE(waitUntil([&] { return strip->isVisible() && strip->centerOf(2); }));
+  QTest::mouseClick(strip, Qt::LeftButton, Qt::NoModifier, *strip->centerOf(1));
+  EXPECT_EQ(curves->chosen(), 1U);
+  QTest::mouseClick(strip, Qt::LeftButton, Qt::NoModifier, *strip->centerOf(2));
+  EXPECT_EQ(curves->chosen(), 2U);
 }
 
 /// With the environment variable PANEL_TEST_SMOKE: an evaluator of a smoke run, which has its own number of episodes.
@@ -226,8 +244,11 @@ TEST_F(PanelTest, ShowsWhyTheEvaluatorRefusesARun) {
   })) << find<QLabel>("status")->text().toStdString();
   EXPECT_EQ(find<QTabWidget>("tabs")->currentIndex(), kNextRun) << "where it can be mended";
   type("episodes", "2");
+  const QString folder = find<QLineEdit>("out")->text();
   click("start");
   ASSERT_TRUE(waitUntil([&] { return episodes_ == 2; }));
+  EXPECT_TRUE(waitUntil([&] { return find<QLineEdit>("out")->text() == folder + "-2"; }))
+      << "a folder takes one run: " << find<QLineEdit>("out")->text().toStdString();
 }
 
 /// With the environment variable PANEL_TEST_VICTIM: the process that plays the engine. It is killed.

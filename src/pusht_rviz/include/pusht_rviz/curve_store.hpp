@@ -42,10 +42,20 @@ class CurveStore {
  public:
   static constexpr std::size_t kKept = 50;  ///< earlier episodes
 
-  /// A step of another episode ends the one under way. A step that is not after the last one means that the episode
-  /// began again, or was sought: what came from there on is forgotten. So is an earlier course of the same episode.
+  /// Curves of a replay: a step that is not after the last one forgets nothing, since it was only sought.
+  void setReplay(bool replay) { replay_ = replay; }
+
+  /// A step of another episode ends the one under way. In a live run, a step that is not after the last one means that
+  /// the episode began again: what came from there on is forgotten. So is an earlier course of the same episode.
   void add(const pusht_msgs::Divergence& divergence);
+  /// Steps that were missed: those of the episode under way that are not there yet.
+  void recall(const std::vector<pusht_msgs::Divergence>& curve);
   void clear();
+
+  /// The curves of an episode, the one under way or an earlier one; null if they are not kept.
+  const EpisodeCurves* find(std::uint64_t episode) const;
+
+  double cursor() const { return cursor_; }  ///< [s] time of the step that came last
 
   const EpisodeCurves& current() const { return current_; }
   const std::deque<EpisodeCurves>& earlier() const { return earlier_; }  ///< oldest first
@@ -55,16 +65,16 @@ class CurveStore {
 
   double end() const { return end_; }  ///< [s] the last time of all that was added since clear()
 
-  /// The greatest value of replay and closed loop that was added since clear(); 0 without any.
-  double greatest(Aspect aspect) const { return greatest_.at(aspect); }
-
  private:
+  void insert(const CurvePoint& point);
+
   EpisodeCurves current_;
   std::deque<EpisodeCurves> earlier_;
   std::uint64_t version_ = 0;
   std::uint64_t earlier_version_ = 0;
   double end_ = 0.0;
-  std::array<double, kAspects> greatest_{};
+  double cursor_ = 0.0;
+  bool replay_ = false;
 };
 
 }  // namespace pusht_rviz

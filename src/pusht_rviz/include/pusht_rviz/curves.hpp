@@ -10,19 +10,24 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
 
 #include "pusht_rviz/curve_store.hpp"
 
 class QCPAxisRect;
 class QCPCurve;
 class QCPGraph;
+class QCPItemStraightLine;
 class QCPItemText;
 class QCPLayer;
 class QCustomPlot;
 
 namespace pusht_rviz {
 
-/// Position above, angle below: the episode under way bright, earlier ones faded, the bound as a line.
+/// Position above, angle below, on logarithmic axes of fixed range: one episode bright, earlier ones faded; bound and
+/// floor as lines. What is smaller or larger than an axis is drawn at its end.
 ///
 /// Cheap, since rviz draws in the same thread: redraws at most 15 times a second, only if something has changed, and
 /// then only the layer of the episode under way, unless an axis or the earlier episodes have changed.
@@ -33,10 +38,24 @@ class Curves : public QWidget {
   explicit Curves(QWidget* parent = nullptr);
 
   void add(const pusht_msgs::Divergence& divergence);
+  void recall(const std::vector<pusht_msgs::Divergence>& curve) { store_.recall(curve); }
   void clear();
 
   /// Beyond which a rollout has parted from the reference: [m] and [rad].
   void setBound(double position, double angle);
+
+  /// Mean divergence of the reference from itself, [m] and [rad]; NaN: there is none.
+  void setFloor(const std::array<double, kAspects>& floor);
+
+  /// In a replay the whole of an episode is drawn, with a line where the replay is.
+  void setReplay(bool replay);
+
+  /// Draws an earlier episode bright in place of the one under way, until the latter is chosen. False: its curves are
+  /// not kept.
+  bool choose(std::uint64_t episode);
+
+  /// The episode that is drawn bright.
+  std::uint64_t chosen() const { return chosen_.value_or(store_.current().episode); }
 
   const CurveStore& store() const { return store_; }
 
@@ -45,6 +64,8 @@ class Curves : public QWidget {
     QCPAxisRect* rect = nullptr;
     QCPItemText* title = nullptr;
     QCPGraph* bound = nullptr;
+    QCPGraph* floor = nullptr;
+    QCPItemStraightLine* cursor = nullptr;
     std::array<QCPCurve*, kCurveKinds> earlier{};  ///< all of them in one; none of the null model
     std::array<QCPGraph*, kCurveKinds> now{};
   };
@@ -57,6 +78,10 @@ class Curves : public QWidget {
 
   CurveStore store_;
   std::array<double, kAspects> bounds_{0.03, 0.20};
+  std::array<double, kAspects> floor_{std::numeric_limits<double>::quiet_NaN(),
+                                      std::numeric_limits<double>::quiet_NaN()};
+  std::optional<std::uint64_t> chosen_;
+  bool replay_ = false;
   QCustomPlot* plot_;
   QCPLayer* live_;  // of the episode under way
   std::array<Chart, kAspects> charts_{};

@@ -23,8 +23,9 @@ struct EpisodeRow {
   std::uint32_t engine_steps = 0;
   bool reference_success = false;
   bool engine_success = false;
-  std::uint32_t parting_step = 0;  ///< of the replay; 0: it stays within the bound
-  QString parting_cause;           ///< in words
+  std::uint32_t parting_step = 0;         ///< of the replay; 0: it stays within the bound
+  std::uint32_t closed_parting_step = 0;  ///< of the engine in closed loop, likewise
+  QString parting_cause;                  ///< in words
   QString parting_first;
 };
 

@@ -56,11 +56,13 @@ class EvaluatorLink : public QObject {
   void progressed();
   void requestCame(const pusht_msgs::CompareGoal& request);
   void diverged(const pusht_msgs::Divergence& divergence);
+  void recalled(const std::vector<pusht_msgs::Divergence>& curve);  ///< of the episode under way, until now
   void episodesFinished(const std::vector<pusht_msgs::EpisodeResult>& episodes);
   void summarised(const pusht_msgs::Summary& summary);
   void goalAccepted();
   void goalEnded(bool rejected, const QString& text);
   void refused(const QString& why);  ///< a command, in words
+  void obeyed();                     ///< a command: what was refused before is over
   void presenceChanged(int role);
   void settled();  ///< all that had come was told
   void described(int role, const QString& kind, const pusht_msgs::DescribeResponse& description);

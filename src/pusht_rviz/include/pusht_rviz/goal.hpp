@@ -33,6 +33,10 @@ Reading<std::uint32_t> readFirstEpisode(const std::string& text);  ///< from 0 t
 /// The episode of a run that begins from a spawn seed.
 Reading<std::uint32_t> episodeOfSeed(const std::string& text, std::uint64_t run_seed);
 
+/// Name of the folder for the run after one whose results are in `folder`: "results" gives "results-2", that gives
+/// "results-3". Empty stays empty.
+std::string nextFolder(const std::string& folder);
+
 /// The rule that `text` breaks as a value of this parameter; empty: none.
 std::string refusalOf(const pusht_msgs::ParameterDescriptor& parameter, const std::string& text);
 

@@ -62,6 +62,7 @@ struct ControlNews {
 struct EpisodesNews {
   std::uint64_t request = 0;  ///< which was asked with this number
   std::vector<pusht_msgs::EpisodeResult> episodes;
+  std::vector<pusht_msgs::Divergence> curve;  ///< of the episode under way
 };
 
 /// What the master knows.

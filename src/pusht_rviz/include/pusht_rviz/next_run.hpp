@@ -34,8 +34,9 @@ class NextRun : public QWidget {
   void setEvaluator(const QString& name);
   void forget();
 
-  /// The run that the controls describe has been accepted: a folder takes one run.
-  void runAccepted();
+  /// A run has begun. A folder takes one run, so the name of the folder moves on: nextFolder().
+  void runBegan();
+  bool began() const { return began_; }
 
   /// What has to come before draft() says what people chose; empty: nothing.
   QString waitsFor() const;
@@ -59,6 +60,7 @@ class NextRun : public QWidget {
   void coupleFromSeed();
   void refresh();
   void showPolicies();
+  void moveOn();
 
   Field episodes_;
   Field run_seed_;
@@ -68,6 +70,7 @@ class NextRun : public QWidget {
   bool known_ = false;  // what the evaluator takes if nothing is said
   bool spawned_ = true;
   bool overwrite_ = false;
+  bool began_ = false;  // a run of this evaluator
   std::optional<std::uint32_t> requested_episodes_;
   QComboBox* policy_;
   QStringList policies_;    // that there are

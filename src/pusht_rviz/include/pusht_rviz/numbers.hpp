@@ -7,6 +7,7 @@
 #include <pusht_msgs/SuccessRate.h>
 #include <pusht_msgs/Summary.h>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
@@ -56,6 +57,13 @@ std::string meanText(const pusht_msgs::Mean& mean);
 
 /// That of `name`, as meanText() has it.
 std::string meanText(const pusht_msgs::Summary& summary, const std::string& name);
+
+/// "both solve 6, only reference 24, only engine 5, neither 15"; kDash without episodes.
+std::string pairsText(const pusht_msgs::Summary& summary);
+
+/// Mean divergence of the reference from itself, from starts that are moved by the most: position [m] and angle [rad];
+/// NaN where a run has no floor.
+std::array<double, 2> floorOf(const pusht_msgs::Summary& summary);
 
 /// "45 s left", "3 min left", "2 h 5 min left"; empty for NaN.
 std::string timeLeftText(double seconds);

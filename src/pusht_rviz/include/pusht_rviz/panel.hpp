@@ -20,9 +20,11 @@
 #include <optional>
 
 #include "pusht_rviz/curves.hpp"
+#include "pusht_rviz/episode_strip.hpp"
 #include "pusht_rviz/episodes_model.hpp"
 #include "pusht_rviz/evaluator_link.hpp"
 #include "pusht_rviz/next_run.hpp"
+#include "pusht_rviz/replay_controls.hpp"
 #include "pusht_rviz/summary_view.hpp"
 #include "pusht_rviz/view_buttons.hpp"
 
@@ -46,13 +48,13 @@ class Panel : public rviz::Panel {
 
  private:
   void buildControls();
-  void buildReplay();
   void buildTabs();
   void connectLink();
 
   void start();
   void pauseOrResume();
   void chooseRate();
+  void goTo(std::uint64_t episode);
   void goToRow(int row);
   void goToSeed();
 
@@ -62,6 +64,7 @@ class Panel : public rviz::Panel {
   void showStatus();
   void showNode(std::size_t role);
   void showScrubber();
+  void showStrip();
   void setReplay(bool replay);
 
   EvaluatorLink link_;
@@ -75,24 +78,21 @@ class Panel : public rviz::Panel {
   std::array<QLabel*, kRoles> nodes_{};
   QLabel* status_;
   ViewButtons* views_;
-  QWidget* replay_controls_;
-  QSlider* scrubber_;
-  QLabel* place_;
-  QLineEdit* seed_;
-  QPushButton* go_;
-  QLabel* go_refusal_;
+  ReplayControls* replay_controls_;
   QTabWidget* tabs_;
+  EpisodesModel* episodes_;
+  EpisodeStrip* strip_;
   SummaryView* summary_;
   Curves* curves_;
   NextRun* next_run_;
   QTableView* episode_list_;
   QPushButton* go_to_episode_;
-  EpisodesModel* episodes_;
   QIcon play_icon_;
   QIcon pause_icon_;
 
   int width_ = 390;  // [px] at first
   bool replay_ = false;
+  bool busy_ = false;                       // the evaluator was, when it told last
   bool asked_ = false;                      // a goal was sent, and is not answered yet
   bool cancelling_ = false;                 // the run under way
   QString refusal_;                         // the first rule that the form breaks

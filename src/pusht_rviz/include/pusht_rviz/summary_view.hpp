@@ -10,24 +10,24 @@
 
 namespace pusht_rviz {
 
-/// Success rates, transfer, the table of pairs, mean divergence, as the terminal prints them. Computes nothing.
+/// The headline, success rates, transfer, a square for each episode, mean divergence, as the terminal prints them.
+/// Computes nothing.
 class SummaryView : public QWidget {
   Q_OBJECT
 
  public:
-  explicit SummaryView(QWidget* parent = nullptr);
+  /// `strip` is shown between figures and counts; it becomes a child.
+  explicit SummaryView(QWidget* strip, QWidget* parent = nullptr);
 
   void show(const pusht_msgs::Summary& summary);
   void clear();
 
  private:
+  QLabel* headline_;
   QLabel* reference_;
   QLabel* engine_;
   QLabel* transfer_;
-  QLabel* both_;
-  QLabel* only_reference_;
-  QLabel* only_engine_;
-  QLabel* neither_;
+  QLabel* pairs_;
   QLabel* position_;
   QLabel* angle_;
 };

@@ -21,6 +21,9 @@ inline const QColor kGrid(0x3A, 0x41, 0x50);
 inline const QColor kGood(0x6C, 0xD3, 0xA0);
 inline const QColor kBad(0xFF, 0x9D, 0x6B);  ///< apart from kGood for colour-blind readers, too
 
+/// Length or size of a font [px] as on a screen of 1366 pixels, on the screen that is there: up to 1.25 times larger.
+int px(int length);
+
 /// Of the whole panel.
 QString styleSheet();
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim2sim_eval/bag/messages.hpp"
+#include "sim2sim_eval/live/captions.hpp"
 #include "sim2sim_eval/live/up_to.hpp"
 
 namespace sim2sim {
@@ -19,6 +20,11 @@ constexpr std::uint32_t kQueue = 1000;
 /// Where nobody can follow every control step, and in the bag, the picture is drawn every so many of them.
 constexpr int kStepsPerPicture = 10;
 
+/// Where a run is: "policy bc, episode 7, 3.9 s".
+std::string placeOf(const RunConfiguration& run, const Episode& episode) {
+  return "policy " + run.policy + ", episode " + std::to_string(episode.index()) + ", " + secondsText(episode.steps());
+}
+
 }  // namespace
 
 Broadcast::Broadcast(const ros::NodeHandle& node)
@@ -30,7 +36,9 @@ Broadcast::Broadcast(const ros::NodeHandle& node)
       summary_topic_(node_.advertise<pusht_msgs::Summary>("summary", 1, true)),
       markers_(node_.advertise<visualization_msgs::MarkerArray>("markers", kQueue)),
       tell_episodes_(node_.advertiseService("episodes", &Broadcast::onEpisodes, this)),
-      repeating_(node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { repeat(); })) {}
+      repeating_(node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { repeat(); })) {
+  tellState(RunState::kWaits, "no run yet");
+}
 
 void Broadcast::begin(const RunConfiguration& configuration, Picture picture, std::unique_ptr<RunBag> bag,
                       const ros::Time& stamp) {
@@ -52,7 +60,35 @@ void Broadcast::begin(const RunConfiguration& configuration, Picture picture, st
   update_ = {};
   episodes_.clear();
   curve_.clear();
+  state_ = RunState::kRuns;
+  place_ = "policy " + configuration_.policy + ", no step yet";
   markers_.publish(scene_);
+  drawState();
+}
+
+void Broadcast::tellState(RunState state, const std::string& words) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  state_ = state;
+  words_ = words;
+  drawState();
+}
+
+void Broadcast::tellPaused(bool paused) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  paused_ = paused;
+  drawState();
+}
+
+/// With the mutex held.
+void Broadcast::drawState() {
+  if (state_ != RunState::kRuns) {
+    state_markers_ = stateMarkers(state_, words_);
+  } else if (paused_) {
+    state_markers_ = stateMarkers(RunState::kPaused, "paused: " + place_);
+  } else {
+    state_markers_ = stateMarkers(RunState::kRuns, place_);
+  }
+  markers_.publish(state_markers_);
 }
 
 void Broadcast::recall(const std::vector<EpisodeResult>& results, const Summary& finished, std::optional<int> last,
@@ -93,10 +129,24 @@ pusht_msgs::Divergence Broadcast::step(const Episode& episode, const ros::Time& 
 
 void Broadcast::remember(const pusht_msgs::Divergence& divergence) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (foretold_) {
+    return;
+  }
   if (divergence.step == 0) {
     curve_.clear();
   }
   curve_.push_back(divergence);
+}
+
+void Broadcast::foretell(const Episode& whole, const ros::Time& stamp) {
+  std::vector<pusht_msgs::Divergence> curve;
+  for (int step = 0; step <= whole.steps(); ++step) {
+    curve.push_back(divergenceMessage(whole, step, stamp));
+    divergence_.publish(curve.back());
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  foretold_ = true;
+  curve_ = std::move(curve);
 }
 
 void Broadcast::settle(const Episode& episode) {
@@ -107,16 +157,24 @@ void Broadcast::settle(const Episode& episode) {
 
 void Broadcast::draw(const Episode& episode, const ros::Time& stamp, bool recorded) {
   drawn_ = {episode.index(), episode.steps()};
-  const MarkerArray update = picture_->update(configuration_, episode, finished_, last_);
+  const std::string& headline = summary_.headline;
+  const MarkerArray update = picture_->update(configuration_, episode, finished_, headline);
   if (bag_ && recorded) {
     bag_->write(scene_, stamp);  // again: a player may begin anywhere
     bag_->write(update, stamp);
   }
-  const MarkerArray overlay = picture_->overlay(configuration_, episode, finished_, last_);
+  const MarkerArray overlay = picture_->overlay(configuration_, episode, headline);
   const std::lock_guard<std::mutex> lock(mutex_);
   update_ = update;
   update_.markers.insert(update_.markers.end(), overlay.markers.begin(), overlay.markers.end());
   markers_.publish(update_);
+  const bool at_end = finished_ && last_ == episode.index() && episode.finished();  // a replay may be elsewhere
+  state_ = at_end ? RunState::kFinished : RunState::kRuns;
+  place_ = placeOf(configuration_, episode);
+  words_ = at_end
+               ? "finished: policy " + configuration_.policy + ", " + std::to_string(finished_->episodes) + " episodes"
+               : "";
+  drawState();
 }
 
 bool Broadcast::onEpisodes(pusht_msgs::EpisodesRequest& /*request*/, pusht_msgs::EpisodesResponse& response) {
@@ -130,6 +188,7 @@ void Broadcast::repeat() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   markers_.publish(scene_);
   markers_.publish(update_);
+  markers_.publish(state_markers_);
 }
 
 void Broadcast::finish(const Episode& episode, const EpisodeResult& result, const Summary& finished, bool last,

@@ -138,6 +138,7 @@ RunStatus Evaluator::execute(const Job& job) {
   goal_ = job.goal;
   folder_.clear();
   faults_survived_ = 0;
+  broadcast_.tellState(RunState::kWaits, "a run begins");
   std::optional<RunFolder> folder;
   try {
     writeStatusFile(parameters_.status_file, underWay(job.request.protocol.episodes));
@@ -155,6 +156,7 @@ RunStatus Evaluator::execute(const Job& job) {
     } catch (const std::exception&) {
       // The bag cannot be written; perhaps that is the failure.
     }
+    broadcast_.tellState(RunState::kEnded, "ended early: " + status.reason);
     try {
       if (run_) {
         run_->abandon(std::cout, failure, faults_survived_);
@@ -343,6 +345,9 @@ void Evaluator::waitFor(const std::string& services) {
     const std::lock_guard<std::mutex> lock(mutex_);
     waiting_for_ = services;
   }
+  if (!services.empty()) {
+    broadcast_.tellState(RunState::kWaits, "waits for the node " + services);
+  }
   tellProgress();
 }
 
@@ -410,6 +415,7 @@ void Evaluator::tellProgress() {
     progress.waiting_for = waiting_for_;
   }
   progress_.publish(progress);
+  broadcast_.tellPaused(progress.paused != 0);
 }
 
 void Evaluator::onBreak(const Episode& episode) { broadcast_.settle(episode); }

@@ -1,285 +1,208 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/live/picture.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
 
 #include "pusht_task/constants.hpp"
-#include "pusht_task/numbers.hpp"
 #include "pusht_task/ros/transforms.hpp"
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
+#include "sim2sim_eval/live/captions.hpp"
+#include "sim2sim_eval/live/legend.hpp"
 #include "sim2sim_eval/live/sheet.hpp"
-#include "sim2sim_eval/live/strips.hpp"
-#include "sim2sim_eval/results/text.hpp"
+#include "sim2sim_eval/live/window.hpp"
 
 namespace sim2sim {
 
+using Eigen::Vector2d;
 using pusht::color;
-using pusht::fixedText;
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
 namespace {
 
 constexpr Mode kMiddle = kEngineClosed;
-constexpr double kTableSpacing = 0.96;  // [m] between the centres of neighbouring tables
+constexpr double kSpacing = 0.96;  // [m] between the middles of neighbouring windows
 
-// The layout in the frame of a table, whose walls end at +-0.43; all in metres.
-constexpr double kHeadlineY = 0.70;
-constexpr double kTitleY = 0.615;
-constexpr double kResultY = 0.545;
-constexpr double kCertaintyY = 0.485;
-constexpr double kStatusY = -0.461;
-constexpr double kPartingY = -0.506;
-constexpr double kEndY = -0.996;
-constexpr double kSettingsY = -1.041;
-constexpr std::array<std::pair<double, double>, 2> kCards = {{{-1.07, -0.44}, {0.445, 0.75}}};  // from y to y
-constexpr std::size_t kLineLength = 52;  // letters of small text that fit beside each other on a card
+// The layout, in the frame of the middle window, all in metres; rviz_window knows the size of the whole.
+constexpr double kWholeWidth = 2.86;
+constexpr double kQuestionY = 0.955;
+constexpr double kAnswerY = 0.877;
+constexpr double kSubheadSize = 0.052;
+constexpr double kHeadlineSize = 0.066;
+constexpr std::size_t kHeadlineLength = 145;  // bytes; a long answer has smaller letters
+constexpr double kStateY = 0.790;
+constexpr double kTitleY = 0.700;
+constexpr double kSubtitleY = 0.636;
+constexpr double kResultY = 0.574;
+constexpr double kCertaintyY = 0.519;
+constexpr double kStatusY = -0.607;
+constexpr double kPartingY = -0.665;
+constexpr double kSettingsY = -0.727;
+constexpr double kSettingsPitch = 0.052;
+constexpr std::size_t kSettingsLines = 2;
+constexpr std::size_t kLineLength = 48;  // bytes of small text in the width of a window
+constexpr double kLegendY = -0.870;
+const Pane kPane = {{0.0, -0.036}, {0.92, 1.04}};
 
-// The overlay: all worlds on one table, in front of the others, and a card beside it. Its strips, as those below a
-// table, are at the middle of the card.
+// The overlay: one large window, and a card beside it.
 constexpr const char* kOverlay = "overlay";
-const std::string kOverlayTable = "overlay/table";
-const std::string kOverlayCard = "overlay/card";
-constexpr double kOverlayX = -0.48;
-constexpr double kOverlayY = -2.4;
-constexpr double kCardX = 0.93;
-constexpr double kCardY = 0.72;
-constexpr double kCardTop = -0.25;
-constexpr double kCardBottom = -1.19;
-constexpr double kOverlayHeadlineY = -0.30;
-constexpr double kLegendY = -0.37;
-constexpr double kLegendPitch = 0.055;
-constexpr double kOverlayPartingY = -1.05;
-constexpr double kLinePitch = 0.05;
+constexpr double kOverlayY = -2.6;
+const Pane kOverlayPane = {{-0.47, -0.12}, {1.90, 1.72}};
+constexpr double kCardX = 0.96;
+constexpr double kCardTop = 0.66;
+constexpr double kCardBlock = 0.29;
+constexpr double kCardPitch = 0.058;
+constexpr double kCardLegendY = -0.45;
 
-constexpr double kTrailWidth = 0.006;
-constexpr double kEdgeWidth = 0.012;
-constexpr double kArrowWidth = 0.010;
-constexpr float kGhostOpacity = 0.35F;
-
+constexpr double kTableEdge = 0.012;
 constexpr double kArrowTime = 0.25;       // [s] an arrow ends where the pusher would be then
-constexpr double kPartingRadius = 0.022;  // [m] of the ring around a tee that leaves the bound
+constexpr double kPartingRadius = 0.018;  // [m] of the ring around a tee that leaves the bound
 constexpr double kAxisBegin = 0.05;       // [m] from the target, of the lines that show its tolerance
 constexpr double kAxisEnd = pusht::kStemOffset + pusht::kStemHalfLength + 0.02;
+constexpr double kTeeMark = 0.045;  // [m] of the mark of a tee that is beyond the edge of a window
+constexpr double kPusherMark = 0.022;
 
 constexpr std::size_t kMaxTrailPoints = 75;  // about: bounds the size of an update
 constexpr double kTrailSpacing = 0.002;      // [m] up to which a tee rests
 
-/// The points that a long line is drawn with: evenly spaced, and the last.
-template <class Point>
-std::vector<Point> thinned(const std::vector<Point>& points) {
-  std::vector<Point> kept;
-  const std::size_t stride = points.size() / kMaxTrailPoints + 1;
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    kept.push_back(points[i]);
-  }
-  if (!points.empty() && (points.size() - 1) % stride != 0) {
-    kept.push_back(points.back());
-  }
-  return kept;
-}
+std::string windowFrame(const std::string& prefix) { return prefix + "/window"; }
 
-/// The way of a tee, and when it was where; where it rests there is one point.
-std::vector<WayPoint> trailOf(const pusht::Trace& trace) {
-  const double last_step = std::max(1.0, static_cast<double>(trace.steps()));
-  std::vector<WayPoint> trail;
-  const pusht::WorldState* last = nullptr;
-  for (std::size_t step = 0; step < trace.states.size(); ++step) {
-    const pusht::WorldState& state = trace.states[step];
-    if (last == nullptr || (state.tee_position - last->tee_position).norm() > kTrailSpacing) {
-      last = &state;
-      trail.push_back(
-          {point(state.tee_position.x(), state.tee_position.y(), kTrailZ), static_cast<double>(step) / last_step});
+/// A way, and how much of it lies behind each point, in [0, 1].
+struct Way {
+  std::vector<Vector2d> points;
+  std::vector<double> shares;
+};
+
+/// The way of a tee, with evenly spaced points and the last; where it rests there is one point.
+Way wayOf(const pusht::Trace& trace) {
+  std::vector<Vector2d> all;
+  for (const pusht::WorldState& state : trace.states) {
+    if (all.empty() || (state.tee_position - all.back()).norm() > kTrailSpacing) {
+      all.push_back(state.tee_position);
     }
   }
-  return trail;
-}
-
-/// Along the tops of the walls, as a LINE_LIST: a LINE_STRIP gets thin at corners.
-Points wallEdges() {
-  constexpr double kEdge = pusht::kWallInnerFace + kEdgeWidth;
-  constexpr double kEnd = kEdge + 0.5 * kEdgeWidth;
-  return {point(-kEnd, kEdge, kEdgeZ),  point(kEnd, kEdge, kEdgeZ),  point(-kEnd, -kEdge, kEdgeZ),
-          point(kEnd, -kEdge, kEdgeZ),  point(kEdge, -kEnd, kEdgeZ), point(kEdge, kEnd, kEdgeZ),
-          point(-kEdge, -kEnd, kEdgeZ), point(-kEdge, kEnd, kEdgeZ)};
-}
-
-/// Whose divergence is drawn below a table, from the right: its own, and below the reference both others'.
-std::vector<Mode> curvesBelow(Mode mode) {
-  return mode == kReferenceClosed ? std::vector<Mode>{kEngineReplay, kEngineClosed} : std::vector<Mode>{mode};
-}
-
-/// What texts and axes above and below a table are written on.
-void drawCards(Sheet& sheet) {
-  for (const auto& [bottom, top] : kCards) {
-    sheet.rectangle(color(kCard), -0.5 * kTableSpacing, bottom, 0.5 * kTableSpacing, top, kCardZ);
+  Way way;
+  const auto add = [&](std::size_t i) {
+    way.points.push_back(all[i]);
+    way.shares.push_back(static_cast<double>(i) / static_cast<double>(std::max<std::size_t>(1, all.size() - 1)));
+  };
+  const std::size_t stride = all.size() / kMaxTrailPoints + 1;
+  for (std::size_t i = 0; i < all.size(); i += stride) {
+    add(i);
   }
+  if ((all.size() - 1) % stride != 0) {
+    add(all.size() - 1);
+  }
+  return way;
 }
 
 /// How near to the target the tee must be: its origin in the ring, its stem between the two lines.
-void drawTolerance(Sheet& sheet, const std_msgs::ColorRGBA& color) {
-  sheet.line(Marker::LINE_STRIP, color, kMarkWidth, circle(0.0, 0.0, kMarkZ, pusht::kPositionTolerance));
-  Points sides;
+void drawTarget(Sheet& sheet, const Window& window, const std_msgs::ColorRGBA& mark) {
+  window.tee(sheet, color(kBright, kTargetOpacity), color(kBright), {}, kTargetZ);
+  window.line(sheet, mark, kMarkWidth, circleOf({0.0, 0.0}, pusht::kPositionTolerance), kMarkZ);
   for (const double angle : {-pusht::kAngleTolerance, pusht::kAngleTolerance}) {
-    for (const double radius : {kAxisBegin, kAxisEnd}) {
-      sides.push_back(point(radius * std::sin(angle), -radius * std::cos(angle), kMarkZ));
-    }
+    const Vector2d along(std::sin(angle), -std::cos(angle));
+    window.line(sheet, mark, kMarkWidth, {kAxisBegin * along, kAxisEnd * along}, kMarkZ);
   }
-  sheet.line(Marker::LINE_LIST, color, kMarkWidth, std::move(sides));
 }
 
 /// The tee's origin and stem, to be seen against the tolerance.
-void drawAxis(Sheet& sheet, const pusht::WorldState& state, const std_msgs::ColorRGBA& color) {
-  const Eigen::Vector2d stem(std::sin(state.tee_yaw), -std::cos(state.tee_yaw));
-  const Eigen::Vector2d end = state.tee_position + (pusht::kStemOffset + pusht::kStemHalfLength) * stem;
-  sheet.line(Marker::LINE_STRIP, color, kMarkWidth,
-             {point(state.tee_position.x(), state.tee_position.y(), kMarkZ), point(end.x(), end.y(), kMarkZ)});
+void drawAxis(Sheet& sheet, const Window& window, const pusht::WorldState& state, const std_msgs::ColorRGBA& color) {
+  const Vector2d stem(std::sin(state.tee_yaw), -std::cos(state.tee_yaw));
+  window.line(sheet, color, kMarkWidth,
+              {state.tee_position, state.tee_position + (pusht::kStemOffset + pusht::kStemHalfLength) * stem}, kMarkZ);
 }
 
-/// What the pusher was told in the last control step, in white, and how fast it is; none once the world rests.
-void drawVelocities(Sheet& sheet, Mode mode, const Episode& episode) {
+/// The pusher; what it was told in the last control step, in white, and how fast it is, unless the world rests.
+void drawPusher(Sheet& sheet, const Window& window, Mode mode, const Episode& episode,
+                const std_msgs::ColorRGBA& body) {
   const pusht::Trace& trace = episode.rollout(mode).trace();
   const pusht::WorldState& state = trace.states.back();
-  Eigen::Vector2d commanded = Eigen::Vector2d::Zero();
-  Eigen::Vector2d actual = Eigen::Vector2d::Zero();
+  Vector2d commanded = Vector2d::Zero();
+  Vector2d actual = Vector2d::Zero();
   if (episode.goesOn(mode) && trace.steps() > 0) {
-    commanded = kArrowTime * Eigen::Vector2d(trace.actions.back()[0], trace.actions.back()[1]);
+    commanded = kArrowTime * Vector2d(trace.actions.back()[0], trace.actions.back()[1]);
     actual = kArrowTime * state.pusher_velocity;
   }
-  const auto from = [&](double z) { return point(state.pusher_position.x(), state.pusher_position.y(), z); };
-  sheet.arrow(color(kBright), 0.7 * kArrowWidth, from(kArrowZ), commanded);
-  sheet.arrow(colorOf(mode), kArrowWidth, from(kArrowZ + 0.5 * kLayer), actual);
+  window.area(sheet, body, circleOf(state.pusher_position, pusht::kPusherRadius), kPusherZ);
+  window.arrow(sheet, color(kBright), kCommandWidth, state.pusher_position, commanded, kArrowZ);
+  window.arrow(sheet, colorOf(mode), kVelocityWidth, state.pusher_position, actual, kArrowZ + 0.5 * kLayer);
+  window.edgeMark(sheet, body, kPusherMark, state.pusher_position);
 }
 
-/// The way of the tee, and where it left the bound around the reference.
-void drawWay(Sheet& sheet, Mode mode, const pusht::Trace& trace, const std::optional<Parting>& parting) {
-  sheet.way(colorOf(mode), kTrailWidth, thinned(trailOf(trace)));
-  Points ring;
+/// The way of the tee, where it left the bound around the reference, and where it is if that is out of sight.
+void drawWay(Sheet& sheet, const Window& window, Mode mode, const pusht::Trace& trace,
+             const std::optional<Parting>& parting) {
+  const Way way = wayOf(trace);
+  window.way(sheet, colorOf(mode), kTrailWidth, way.points, way.shares, kTrailZ);
+  std::vector<Vector2d> ring;
   if (parting) {
-    const Eigen::Vector2d& at = trace.states[static_cast<std::size_t>(parting->step)].tee_position;
-    ring = circle(at.x(), at.y(), kMarkZ, kPartingRadius);
+    ring = circleOf(trace.states[static_cast<std::size_t>(parting->step)].tee_position, kPartingRadius);
   }
-  sheet.line(Marker::LINE_STRIP, colorOf(mode), kMarkWidth, std::move(ring));
+  window.line(sheet, colorOf(mode), kMarkWidth, ring, kMarkZ);
+  window.edgeMark(sheet, colorOf(mode), kTeeMark, trace.states.back().tee_position);
 }
 
-/// A figure of the finished episodes in large, and how sure it is in small.
-struct Result {
-  std::string figure;
-  std::string certainty;
-};
-
-Result successResult(const SuccessRate& rate, int episodes) {
-  return {
-      "success " + std::to_string(rate.successes) + "/" + std::to_string(episodes) + " = " + fixedText(rate.rate, 2),
-      "95% interval " + bracketed(rate.interval, 2)};
-}
-
-Result divergenceResult(const Summary& summary) {
-  const Estimate& position = summary.mean(kEngineReplay, "mean_position_divergence");
-  const Estimate& angle = summary.mean(kEngineReplay, "mean_angle_divergence");
-  Result result{"divergence " + fixedText(position.value, 3) + " m" + doubtMark(summary, "mean_position_divergence") +
-                    ", " + fixedText(angle.value, 2) + " rad" + doubtMark(summary, "mean_angle_divergence"),
-                ""};
-  if (position.interval && angle.interval) {
-    result.certainty =
-        "95% intervals " + bracketed(*position.interval, 3) + " m, " + bracketed(*angle.interval, 2) + " rad";
+/// The edge of a window: bright when the policy has succeeded in it.
+void drawEdge(Sheet& sheet, const Pane& pane, const std_msgs::ColorRGBA& color, double width) {
+  const Vector2d half = 0.5 * pane.size;
+  Points points;
+  for (const auto& [x, y] : {std::pair(-1.0, -1.0), std::pair(1.0, -1.0), std::pair(1.0, 1.0), std::pair(-1.0, 1.0),
+                             std::pair(-1.0, -1.0)}) {
+    points.push_back(point(pane.center.x() + x * half.x(), pane.center.y() + y * half.y(), kEdgeZ));
   }
-  return result;
+  sheet.line(Marker::LINE_STRIP, color, width, std::move(points));
 }
 
-Result resultOf(Mode mode, const Summary& summary) {
-  switch (mode) {
-    case kReferenceClosed:
-      return successResult(summary.reference, summary.episodes);
-    case kEngineClosed:
-      return successResult(summary.engine, summary.episodes);
-    default:
-      return divergenceResult(summary);
-  }
+/// The question above, the answer below it; without a question the answer alone.
+void drawHeadline(Sheet& sheet, const std::string& headline) {
+  const std::size_t question = headline.find("? ");
+  const std::size_t answer = question == std::string::npos ? 0 : question + 2;
+  sheet.text(headline.substr(0, answer), 0.0, kQuestionY, kSubheadSize, color(kDim));
+  const std::string text = pusht::fitted(headline.substr(answer), kHeadlineLength);
+  const double size = kWholeWidth / (kLetterWidth * static_cast<double>(std::max<std::size_t>(1, text.size())));
+  sheet.text(text, 0.0, kAnswerY, std::min(kHeadlineSize, size), color(kBright));
 }
 
-/// What the finished episodes say, above the table.
-void drawResult(Sheet& sheet, const Result& result) {
-  sheet.text(result.figure, 0.0, kResultY, kResultSize, color(kBright));
-  sheet.text(result.certainty, 0.0, kCertaintyY, kSmallSize, color(kDim));
+const pusht::WorldState& stateOf(const Episode& episode, Mode mode) {
+  return episode.rollout(mode).trace().states.back();
 }
 
-/// How far the tee has come, and whether that is enough, below the table and around it.
-void drawStatus(Sheet& sheet, Mode mode, const pusht::Rollout& rollout) {
-  const pusht::PoseError error = rollout.error();
-  const std::string off_target = fixedText(error.position, 3) + " m, " + fixedText(error.angle, 2) + " rad off target";
-  const bool success = rollout.success();
-  sheet.text((success ? "success: " : "") + off_target, 0.0, kStatusY, kSmallSize,
-             success ? colorOf(mode) : color(kDim));
-  sheet.line(Marker::LINE_LIST, colorOf(mode), kEdgeWidth, success ? wallEdges() : Points());
-  drawTolerance(sheet, error.inTolerance() || success ? colorOf(mode) : color(kDim));
-  drawAxis(sheet, rollout.trace().states.back(), color(kBright));
+/// The colour of the marks at the target: that of the world once its tee is near enough.
+std_msgs::ColorRGBA markColor(Mode mode, const Episode& episode) {
+  const pusht::Rollout& rollout = episode.rollout(mode);
+  return rollout.error().inTolerance() || rollout.success() ? colorOf(mode) : color(kDim);
 }
 
-std::string secondsText(int steps) { return fixedText(steps * pusht::kControlStep, 1) + " s"; }
-
-std::string partingText(const std::optional<Parting>& parting) {
-  if (!parting) {
-    return "";
-  }
-  return "parts at " + secondsText(parting->step) + ": " + nameOf(parting->cause).label + ", " +
-         nameOf(parting->first) + " first";
-}
-
-/// Why curves below a table end while the episode goes on; empty while all go on.
-std::string endOfCurves(const Episode& episode, Mode mode) {
-  std::vector<Mode> ends = {kReferenceClosed};
-  for (const Mode other : curvesBelow(mode)) {
-    ends.push_back(other);
-  }
-  for (const Mode end : ends) {
-    const int steps = episode.rollout(end).steps();
-    if (steps < episode.steps()) {
-      return "from " + secondsText(steps) + ": " + (end == kReferenceClosed ? "the reference" : "the engine") +
-             " has succeeded";
-    }
-  }
-  return "";
-}
-
-std::string headline(const RunConfiguration& run, const Episode& episode, const std::optional<Summary>& summary,
-                     std::optional<int> last) {
-  if (summary && last == episode.index() && episode.finished()) {  // a replay may be elsewhere
-    return "policy " + run.policy + ": finished, " + std::to_string(summary->episodes) + " episodes";
-  }
-  return "policy " + run.policy + ", episode " + std::to_string(episode.index()) + ", " + secondsText(episode.steps());
-}
-
-/// What a simulator has not by default, as long as it fits.
-std::string settingsOf(const SimulatorRecord& simulator) {
-  std::string text;
-  for (const std::string& name : simulator.changed) {
-    const nlohmann::ordered_json& value = simulator.parameters.at(name);
-    text += (text.empty() ? "" : ", ") + name + " " + (value.is_string() ? value.get<std::string>() : value.dump());
-  }
-  return pusht::fitted(text, kLineLength);
-}
-
-/// How a world differs from the others, whose simulators may be of its kind.
-std::string partOf(Mode mode, const RunConfiguration& run) {
-  if (mode == kEngineReplay) {
-    return "replay";
-  }
-  return mode == kReferenceClosed && run.reference.title == run.engine.title ? "reference" : "closed loop";
-}
-
-geometry_msgs::TransformStamped standing(const std::string& parent, const std::string& child, double x, double y) {
+geometry_msgs::TransformStamped standing(const std::string& child, double x, double y) {
   geometry_msgs::TransformStamped frame;
-  frame.header.frame_id = parent;
+  frame.header.frame_id = "world";
   frame.child_frame_id = child;
   frame.transform.translation.x = x;
   frame.transform.translation.y = y;
   frame.transform.rotation.w = 1.0;
   return frame;
+}
+
+std::uint32_t bandColor(RunState state) {
+  switch (state) {
+    case RunState::kWaits:
+      return 0x23507F;
+    case RunState::kPaused:
+      return 0x5E5620;
+    case RunState::kFinished:
+      return 0x1F5C41;
+    case RunState::kEnded:
+      return 0x80401F;
+    default:
+      return kCard;
+  }
 }
 
 }  // namespace
@@ -290,7 +213,9 @@ Picture Picture::of(const RunConfiguration& run, const std::array<std::string, k
   std::array<World, kModeCount> worlds;
   for (const Mode mode : kModes) {
     const SimulatorRecord& simulator = mode == kReferenceClosed ? run.reference : run.engine;
-    worlds[mode] = {frame_prefixes[mode], simulator.title + ", " + partOf(mode, run), settingsOf(simulator)};
+    worlds[mode] = {frame_prefixes[mode], pusht::fitted(titleOf(mode, run), kLineLength),
+                    pusht::fitted(subtitleOf(mode, run), kLineLength),
+                    settingsOf(simulator, kSettingsLines, kLineLength)};
   }
   return Picture(std::move(worlds));
 }
@@ -299,107 +224,116 @@ std::vector<geometry_msgs::TransformStamped> Picture::frames() const {
   std::vector<geometry_msgs::TransformStamped> frames;
   for (const Mode mode : kModes) {
     const std::string& prefix = worlds_[mode].frame_prefix;
-    const double place = static_cast<double>(mode) - static_cast<double>(kMiddle);
-    frames.push_back(standing("world", prefix + "/table", place * kTableSpacing, 0.0));
+    const double x = kSpacing * (static_cast<double>(mode) - static_cast<double>(kMiddle));
+    frames.push_back(standing(prefix + "/table", x, 0.0));
     frames.push_back(pusht::targetFrame(prefix));
+    frames.push_back(standing(windowFrame(prefix), x, 0.0));
   }
-  frames.push_back(standing("world", kOverlayTable, kOverlayX, kOverlayY));
-  frames.push_back(pusht::targetFrame(kOverlay));
-  frames.push_back(standing(kOverlayTable, kOverlayCard, kCardX, kCardY));
+  frames.push_back(standing(windowFrame(kOverlay), 0.0, kOverlayY));
   return frames;
 }
 
 MarkerArray Picture::scene() const {
   MarkerArray scene;
-  const auto add = [&](const MarkerArray& more) {
-    scene.markers.insert(scene.markers.end(), more.markers.begin(), more.markers.end());
-  };
   for (const Mode mode : kModes) {
     const World& world = worlds_[mode];
-    pusht::WorldColors colors;
-    colors.tee = colorOf(mode);
-    add(pusht::worldMarkers(world.frame_prefix, colors));
-
-    Sheet sheet(world.frame_prefix + "/table");
-    drawCards(sheet);
+    Sheet sheet(windowFrame(world.frame_prefix));
     sheet.text(world.title, 0.0, kTitleY, kTitleSize, colorOf(mode));
-    sheet.text(world.settings, 0.0, kSettingsY, kSmallSize, color(kDim));
-    drawAxes(sheet);
-    sheet.appendTo(scene, world.frame_prefix + "/axes");
+    sheet.text(world.subtitle, 0.0, kSubtitleY, kResultSize, color(kBright));
+    for (std::size_t line = 0; line < kSettingsLines; ++line) {
+      sheet.text(line < world.settings.size() ? world.settings[line] : "", 0.0,
+                 kSettingsY - kSettingsPitch * static_cast<double>(line), kSmallSize, color(kDim));
+    }
+    if (mode == kMiddle) {
+      drawLegend(sheet, {-0.5 * kWholeWidth, kLegendY}, 3);
+    }
+    sheet.appendTo(scene, world.frame_prefix + "/captions");
   }
-
-  add(pusht::tableMarkers(kOverlay));
-  Sheet card(kOverlayCard);
-  card.rectangle(color(kCard), -0.5 * kTableSpacing, kCardBottom, 0.5 * kTableSpacing, kCardTop, kCardZ);
-  drawAxes(card);
-  card.appendTo(scene, std::string(kOverlay) + "/axes");
+  Sheet card(windowFrame(kOverlay));
+  drawLegend(card, {kCardX - 0.41, kCardLegendY}, 1);
+  card.appendTo(scene, std::string(kOverlay) + "/captions");
   return scene;
 }
 
 MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode, const std::optional<Summary>& summary,
-                            std::optional<int> last) const {
+                            const std::string& headline) const {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-  const Bound& bound = run.protocol.bound;
+  const Window window(kPane, regionOf(episode, kPane));
+  const pusht::WorldColors colors;
   MarkerArray update;
   for (const Mode mode : kModes) {
     const pusht::Rollout& rollout = episode.rollout(mode);
-    const std::optional<Parting> parting = partingOf(reference, rollout.trace(), bound);
-    Sheet sheet(worlds_[mode].frame_prefix + "/table");
-    drawWay(sheet, mode, rollout.trace(), parting);
+    const std::optional<Parting> parting = partingOf(reference, rollout.trace(), run.protocol.bound);
+    Sheet sheet(windowFrame(worlds_[mode].frame_prefix));
+    window.table(sheet, colors.table, colors.walls);
+    drawTarget(sheet, window, markColor(mode, episode));
+    drawWay(sheet, window, mode, rollout.trace(), parting);
+    window.tee(sheet, colorOf(mode), colorOf(mode), stateOf(episode, mode), kTeeZ);
     if (mode == kEngineReplay) {
-      sheet.tee(colorOf(kReferenceClosed, kGhostOpacity), colorOf(kReferenceClosed), reference.states.back(), kGhostZ);
+      window.tee(sheet, colorOf(kReferenceClosed, kGhostOpacity), colorOf(kReferenceClosed), reference.states.back(),
+                 kGhostZ);
     }
-    drawVelocities(sheet, mode, episode);
-    drawResult(sheet, summary ? resultOf(mode, *summary) : Result{});
-    drawStatus(sheet, mode, rollout);
+    drawAxis(sheet, window, stateOf(episode, mode), color(kBright));
+    drawPusher(sheet, window, mode, episode, color(kBright));
+    drawEdge(sheet, kPane, rollout.success() ? colorOf(mode) : colors.walls,
+             rollout.success() ? kTableEdge : 0.5 * kTableEdge);
+    const Result result = summary ? resultOf(mode, *summary) : Result{};
+    sheet.text(result.figure, 0.0, kResultY, kResultSize, color(kBright));
+    sheet.text(result.certainty, 0.0, kCertaintyY, kSmallSize, color(kDim));
+    sheet.text(statusOf(mode, episode), 0.0, kStatusY, kSmallSize, rollout.success() ? colorOf(mode) : color(kDim));
     sheet.text(partingText(parting), 0.0, kPartingY, kSmallSize, colorOf(mode));
-    drawCurves(sheet, episode, curvesBelow(mode), bound);
-    sheet.text(endOfCurves(episode, mode), 0.0, kEndY, kSmallSize, color(kDim));
     if (mode == kMiddle) {
-      sheet.text(headline(run, episode, summary, last), 0.0, kHeadlineY, kHeadlineSize, color(kBright));
+      drawHeadline(sheet, headline);
     }
     sheet.appendTo(update, worlds_[mode].frame_prefix + "/episode");
   }
   return update;
 }
 
-MarkerArray Picture::overlay(const RunConfiguration& run, const Episode& episode, const std::optional<Summary>& summary,
-                             std::optional<int> last) const {
+MarkerArray Picture::overlay(const RunConfiguration& run, const Episode& episode, const std::string& headline) const {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-  const Bound& bound = run.protocol.bound;
-  MarkerArray overlay;
-  Sheet table(kOverlayTable);
-  Sheet card(kOverlayCard);
-  const pusht::Rollout& solid = episode.rollout(kReferenceClosed);
-  drawTolerance(table, solid.error().inTolerance() || solid.success() ? colorOf(kReferenceClosed) : color(kDim));
+  const Window window(kOverlayPane, regionOf(episode, kOverlayPane));
+  const pusht::WorldColors colors;
+  Sheet sheet(windowFrame(kOverlay));
+  window.table(sheet, colors.table, colors.walls);
+  drawTarget(sheet, window, markColor(kReferenceClosed, episode));
+  drawEdge(sheet, kOverlayPane, colors.walls, 0.5 * kTableEdge);
   for (const Mode mode : kModes) {
     const pusht::Trace& trace = episode.rollout(mode).trace();
-    const pusht::WorldState& state = trace.states.back();
-    const std::optional<Parting> parting = partingOf(reference, trace, bound);
+    const std::optional<Parting> parting = partingOf(reference, trace, run.protocol.bound);
     const float opacity = mode == kReferenceClosed ? 1.0F : kGhostOpacity;
-    card.text(worlds_[mode].title + (mode == kReferenceClosed ? " (solid)" : "") +
-                  (episode.rollout(mode).success() ? ": success" : ""),
-              0.0, kLegendY - kLegendPitch * static_cast<double>(mode), kSmallSize, colorOf(mode));
-    drawWay(table, mode, trace, parting);
-    table.tee(colorOf(mode, opacity), colorOf(mode), state,
-              kGhostZ - kLayer + 0.5 * kLayer * static_cast<double>(mode));
-    drawAxis(table, state, mode == kReferenceClosed ? color(kBright) : colorOf(mode));
-    Marker& pusher = table.add(Marker::CYLINDER, colorOf(mode, opacity));
-    pusher.pose.position = point(state.pusher_position.x(), state.pusher_position.y(), pusht::kPusherFrameHeight);
-    pusher.scale.x = pusher.scale.y = 2.0 * pusht::kPusherRadius;
-    pusher.scale.z = 2.0 * pusht::kPusherFrameHeight;
-    drawVelocities(table, mode, episode);
-    if (mode != kReferenceClosed) {
-      card.text(partingText(parting), 0.0, kOverlayPartingY - kLinePitch * static_cast<double>(mode - kEngineClosed),
-                kSmallSize, colorOf(mode));
+    drawWay(sheet, window, mode, trace, parting);
+    window.tee(sheet, colorOf(mode, opacity), colorOf(mode), trace.states.back(),
+               kTeeZ + 0.5 * kLayer * static_cast<double>(mode));
+    drawAxis(sheet, window, trace.states.back(), mode == kReferenceClosed ? color(kBright) : colorOf(mode));
+    drawPusher(sheet, window, mode, episode, colorOf(mode, opacity));
+    double y = kCardTop - kCardBlock * static_cast<double>(mode);
+    for (const std::string& line :
+         {worlds_[mode].title, worlds_[mode].subtitle, statusOf(mode, episode), partingText(parting)}) {
+      const bool first = y == kCardTop - kCardBlock * static_cast<double>(mode);
+      sheet.text(line, kCardX, y, first ? kResultSize : kSmallSize, first ? colorOf(mode) : color(kDim));
+      y -= kCardPitch;
     }
   }
-  card.text(headline(run, episode, summary, last), 0.0, kOverlayHeadlineY, kResultSize, color(kBright));
-  drawCurves(card, episode, curvesBelow(kReferenceClosed), bound);
-  card.text(endOfCurves(episode, kReferenceClosed), 0.0, kEndY, kSmallSize, color(kDim));
-  table.appendTo(overlay, std::string(kOverlay) + "/episode");
-  card.appendTo(overlay, std::string(kOverlay) + "/card");
+  drawHeadline(sheet, headline);
+  MarkerArray overlay;
+  sheet.appendTo(overlay, std::string(kOverlay) + "/episode");
   return overlay;
+}
+
+MarkerArray stateMarkers(RunState state, const std::string& text) {
+  constexpr std::size_t kLength = 120;  // bytes that fit
+  constexpr double kHalfHeight = 0.036;
+  Sheet sheet("world");
+  for (const double middle : {0.0, kOverlayY}) {
+    const double y = middle + kStateY;
+    sheet.rectangle(color(bandColor(state)), -0.5 * kWholeWidth, y - kHalfHeight, 0.5 * kWholeWidth, y + kHalfHeight,
+                    kBandZ);
+    sheet.text(pusht::fitted(text, kLength), 0.0, y, kResultSize, color(kBright));
+  }
+  MarkerArray markers;
+  sheet.appendTo(markers, "state");
+  return markers;
 }
 
 }  // namespace sim2sim

@@ -129,8 +129,12 @@ void Replay::advance() {
 }
 
 void Replay::show(const Place& place) {
+  const bool another = !shown_ || shown_->index() != place.episode;
   shown_ = upTo(run_.configuration.protocol, episodes_.at(place.episode), place.step);
   stamp_ += ros::Duration(pusht::kControlStep);
+  if (another) {
+    broadcast_.foretell(episodes_.at(place.episode), stamp_);
+  }
   std::vector<geometry_msgs::TransformStamped> frames;
   for (const Mode mode : kModes) {
     const pusht::WorldState& state = shown_->rollout(mode).trace().states.back();
@@ -215,6 +219,7 @@ void Replay::tellProgress() {
   progress.episodes_finished = static_cast<std::uint32_t>(episodes_.size());
   progress.seconds_left = std::numeric_limits<double>::quiet_NaN();
   progress_.publish(progress);
+  broadcast_.tellPaused(pacer_.paused());
 }
 
 pusht::ExitCode serveReplay() {

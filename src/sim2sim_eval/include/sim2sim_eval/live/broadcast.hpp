@@ -17,6 +17,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -45,12 +46,22 @@ class Broadcast {
   void recall(const std::vector<EpisodeResult>& results, const Summary& finished, std::optional<int> last,
               const ros::Time& stamp);
 
+  /// What the run does, in the picture: that it waits, and for what, or why it has ended. From any thread. While it
+  /// runs, the picture says where it is, whatever `words` are.
+  void tellState(RunState state, const std::string& words);
+
+  /// Whether a run that goes on is paused. From any thread.
+  void tellPaused(bool paused);
+
   /// Whether somebody looks at the run.
   bool watched() const { return markers_.getNumSubscribers() + divergence_.getNumSubscribers() > 0; }
 
   /// The start of an episode, or a control step. `paced`: at a rate that eyes can follow. After a leap within an
   /// episode the divergence of the steps before is told, too: a curve is whole.
   pusht_msgs::Divergence step(const Episode& episode, const ros::Time& stamp, bool paced);
+
+  /// The divergence of a whole episode of a replay, before its first step is shown.
+  void foretell(const Episode& whole, const ros::Time& stamp);
 
   /// An episode has finished; `finished` are all that have, by index. `last`: the run needs no more.
   void finish(const Episode& episode, const EpisodeResult& result, const Summary& finished, bool last,
@@ -69,6 +80,7 @@ class Broadcast {
   bool onEpisodes(pusht_msgs::EpisodesRequest& request, pusht_msgs::EpisodesResponse& response);
   void remember(const pusht_msgs::Divergence& divergence);
   void draw(const Episode& episode, const ros::Time& stamp, bool recorded);
+  void drawState();
   void repeat() const;
 
   ros::NodeHandle node_;
@@ -94,8 +106,14 @@ class Broadcast {
   mutable std::mutex mutex_;  // of what is told from another thread
   visualization_msgs::MarkerArray scene_;
   visualization_msgs::MarkerArray update_;
+  visualization_msgs::MarkerArray state_markers_;
+  RunState state_ = RunState::kWaits;
+  bool paused_ = false;
+  std::string words_;                                // of the state
+  std::string place_;                                // in the run, in words
   std::vector<pusht_msgs::EpisodeResult> episodes_;  // as they finished
   std::vector<pusht_msgs::Divergence> curve_;        // of the episode that is shown
+  bool foretold_ = false;                            // the curve is that of the whole episode
 
   // Last: they use what stands above.
   ros::ServiceServer tell_episodes_;

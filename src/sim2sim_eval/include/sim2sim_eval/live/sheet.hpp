@@ -19,53 +19,50 @@
 
 namespace sim2sim {
 
-// As in the captions of single worlds.
+// Colours as in the captions of single worlds.
 using pusht::kBright;
 using pusht::kCard;
 using pusht::kDim;
 using pusht::kLayer;
-using pusht::kResultSize;
-using pusht::kSmallSize;
-using pusht::kTitleSize;
+
+// Heights of texts [m].
+constexpr double kTitleSize = 0.062;
+constexpr double kResultSize = 0.051;
+constexpr double kSmallSize = 0.044;
+
+constexpr double kLetterWidth = 0.46;  // mean width of a letter, in heights of the text
 
 // Three colours that stay far apart in all common colour-vision deficiencies, on a dark background; the same in
 // reports.
 constexpr std::array<std::uint32_t, kModeCount> kWorldColors = {0x5AAAFF, 0xF0DC46, 0xEE6677};
-constexpr std::uint32_t kAxis = 0x7A8496;
-constexpr std::uint32_t kGrid = 0x3A4150;
-constexpr std::uint32_t kPaper = 0x1F242E;
 
 std_msgs::ColorRGBA colorOf(Mode mode, float opacity = 1.0F);
 
-constexpr double kHeadlineSize = 0.05;  // [m]
+// Widths of lines and arrows [m].
+constexpr double kMarkWidth = 0.005;  // of thin lines that mark something
+constexpr double kTrailWidth = 0.007;
+constexpr double kCommandWidth = 0.009;
+constexpr double kVelocityWidth = 0.012;
 
-constexpr double kMarkWidth = 0.004;  // [m] of thin lines that mark something
+constexpr float kGhostOpacity = 0.35F;
+constexpr float kTargetOpacity = 0.2F;
 
-// What covers what: heights above the table [m].
+// Heights [m]: each thing covers those that stand before it here.
+constexpr double kFloorZ = -2.0 * kLayer;
+constexpr double kTargetZ = -kLayer;
 constexpr double kTrailZ = 0.0;
-constexpr double kGhostZ = 2.0 * pusht::kTeeFrameHeight + kLayer;
-constexpr double kMarkZ = kGhostZ + kLayer;
-constexpr double kEdgeZ = pusht::kWallHeight + kLayer;
-constexpr double kArrowZ = 2.0 * pusht::kPusherFrameHeight + kLayer;
-constexpr double kCardZ = kArrowZ + 2.0 * kLayer;  // an engine's pusher may leave the table, and passes below it
-constexpr double kPaperZ = kCardZ + kLayer;
-constexpr double kGridZ = kPaperZ + kLayer;
-constexpr double kAxisZ = kGridZ + kLayer;
-constexpr double kCurveZ = kAxisZ + kLayer;
-constexpr double kTextZ = kCurveZ + kLayer;
+constexpr double kTeeZ = kLayer;
+constexpr double kGhostZ = 2.0 * kLayer;
+constexpr double kMarkZ = 3.0 * kLayer;
+constexpr double kPusherZ = 4.0 * kLayer;
+constexpr double kArrowZ = 5.0 * kLayer;
+constexpr double kEdgeZ = 7.0 * kLayer;  // an arrow has half a layer more
+constexpr double kBandZ = 8.0 * kLayer;
+constexpr double kTextZ = 9.0 * kLayer;
 
 using Points = std::vector<geometry_msgs::Point>;
 
 geometry_msgs::Point point(double x, double y, double z);
-
-/// A point of a way, and when somebody was there: a share of the time since the start, in [0, 1].
-struct WayPoint {
-  geometry_msgs::Point place;
-  double time;
-};
-
-/// The points of a circle, closed [m].
-Points circle(double x, double y, double z, double radius);
 
 /// What is drawn in one frame. A thing that is not there, as a text without letters, is deleted where it was drawn
 /// before: so each drawing of the same kind of picture has the same markers.
@@ -79,8 +76,8 @@ class Sheet {
   /// LINE_STRIP or LINE_LIST.
   void line(int type, const std_msgs::ColorRGBA& color, double width, Points points);
 
-  /// A way that somebody took: dim where it begins.
-  void way(const std_msgs::ColorRGBA& color, double width, const std::vector<WayPoint>& way_points);
+  /// A surface: each three points are a triangle.
+  void triangles(const std_msgs::ColorRGBA& color, Points corners);
 
   /// From a point along a vector in the plane; none if it is shorter than its head.
   void arrow(const std_msgs::ColorRGBA& color, double width, const geometry_msgs::Point& from,
@@ -91,9 +88,8 @@ class Sheet {
   /// A rectangle from corner to corner at a height.
   void rectangle(const std_msgs::ColorRGBA& color, double left, double bottom, double right, double top, double z);
 
-  /// The tee's shape at the pose of `state`, filled and with its outline.
-  void tee(const std_msgs::ColorRGBA& surface, const std_msgs::ColorRGBA& outline, const pusht::WorldState& state,
-           double z);
+  /// The marker that was added last.
+  visualization_msgs::Marker& last() { return markers_.back(); }
 
   /// Adds all to `array`, named `ns`/0, `ns`/1, ...
   void appendTo(visualization_msgs::MarkerArray& array, const std::string& ns);

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_rviz/replay_controls.hpp"
+
+#include <QHBoxLayout>
+#include <QPainter>
+#include <QSignalBlocker>
+#include <QStyle>
+#include <QVBoxLayout>
+#include <algorithm>
+#include <utility>
+
+#include "pusht_rviz/curve_store.hpp"
+#include "pusht_rviz/theme.hpp"
+
+namespace pusht_rviz {
+
+MarkedSlider::MarkedSlider(QWidget* parent) : QSlider(Qt::Horizontal, parent) {}
+
+void MarkedSlider::setMarks(std::vector<Mark> marks) {
+  marks_ = std::move(marks);
+  update();
+}
+
+void MarkedSlider::paintEvent(QPaintEvent* event) {
+  QSlider::paintEvent(event);
+  QPainter painter(this);
+  constexpr int kHandle = 12;  // [px] as in the style sheet
+  for (const Mark& mark : marks_) {
+    const int at = QStyle::sliderPositionFromValue(minimum(), maximum(), mark.value, width() - kHandle) + kHandle / 2;
+    painter.fillRect(at - 1, 0, 3, height(), mark.color);
+  }
+}
+
+ReplayControls::ReplayControls(QWidget* parent)
+    : QWidget(parent),
+      scrubber_(new MarkedSlider(this)),
+      place_(new QLabel(this)),
+      seed_(new QLineEdit(this)),
+      go_(new QPushButton("Go", this)),
+      refusal_(new QLabel(this)) {
+  scrubber_->setObjectName("scrubber");
+  scrubber_->setToolTip(
+      "control steps of the episode that is shown; ticks: where the replay (red) and the engine (yellow) part from the "
+      "reference");
+  scrubber_->setRange(0, 0);
+  place_->setObjectName("place");
+  place_->setProperty("dim", true);
+  seed_->setObjectName("go_to_seed");
+  seed_->setToolTip("spawn seed of an episode: 10000 + the run's seed + its index");
+  go_->setObjectName("go");
+  refusal_->setObjectName("go.refusal");
+  refusal_->setProperty("refusal", true);
+  refusal_->setWordWrap(true);
+  refusal_->hide();
+  auto* const all = new QVBoxLayout(this);
+  all->setContentsMargins(0, 0, 0, 0);
+  all->setSpacing(4);
+  all->addWidget(scrubber_);
+  auto* const row = new QHBoxLayout;
+  row->addWidget(place_, 1);
+  auto* const head = new QLabel("go to seed");
+  head->setProperty("dim", true);
+  row->addWidget(head);
+  seed_->setFixedWidth(theme::px(90));
+  row->addWidget(seed_);
+  row->addWidget(go_);
+  all->addLayout(row);
+  all->addWidget(refusal_);
+  connect(scrubber_, &QSlider::valueChanged, this,
+          [this](int step) { Q_EMIT stepChosen(static_cast<std::uint32_t>(step)); });
+  connect(go_, &QPushButton::clicked, this, &ReplayControls::seedChosen);
+  connect(seed_, &QLineEdit::returnPressed, this, &ReplayControls::seedChosen);
+  connect(seed_, &QLineEdit::textChanged, refusal_, &QLabel::hide);
+}
+
+void ReplayControls::show(std::uint64_t episode, std::uint32_t step, const EpisodeRow* row) {
+  const std::uint32_t steps = std::max(row == nullptr ? 0 : row->steps, step);
+  if (!scrubber_->isSliderDown()) {
+    const QSignalBlocker quiet(scrubber_);
+    scrubber_->setRange(0, static_cast<int>(steps));
+    scrubber_->setValue(static_cast<int>(step));
+  }
+  std::vector<MarkedSlider::Mark> marks;
+  if (row != nullptr) {
+    for (const auto& [at, color] :
+         {std::pair(row->closed_parting_step, theme::kEngine), std::pair(row->parting_step, theme::kReplay)}) {
+      if (at > 0) {
+        marks.push_back({static_cast<int>(at), color});
+      }
+    }
+  }
+  scrubber_->setMarks(std::move(marks));
+  place_->setText("episode " + QString::number(episode) + QString::fromUtf8(" · ") +
+                  QString::number(kControlStep * step, 'f', 1) + " / " + QString::number(kControlStep * steps, 'f', 1) +
+                  " s");
+}
+
+void ReplayControls::refuse(const QString& why) {
+  refusal_->setText(why);
+  refusal_->setVisible(!why.isEmpty());
+}
+
+}  // namespace pusht_rviz

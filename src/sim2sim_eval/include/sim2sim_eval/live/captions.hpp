@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The words of a picture.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_eval/results/report.hpp"
+
+namespace sim2sim {
+
+/// A figure of the finished episodes in large, and its uncertainty in small.
+struct Result {
+  std::string figure{};
+  std::string certainty{};
+};
+
+/// What the finished episodes say of a world.
+Result resultOf(Mode mode, const Summary& summary);
+
+/// Who acts in a world: "same policy", "same actions as MuJoCo".
+std::string subtitleOf(Mode mode, const RunConfiguration& run);
+
+/// Title of a world's simulator: "MuJoCo, the reference".
+std::string titleOf(Mode mode, const RunConfiguration& run);
+
+/// Parameters that a simulator has not by default, in at most `lines` lines of at most `length` bytes. Those that do
+/// not fit are counted: "and 3 more".
+std::vector<std::string> settingsOf(const SimulatorRecord& simulator, std::size_t lines, std::size_t length);
+
+/// How far the tee of a world is from the target, whether that is enough, and whether it has left the table.
+std::string statusOf(Mode mode, const Episode& episode);
+
+/// "parts at 0.2 s: ..."; empty as long as a rollout is within the bound.
+std::string partingText(const std::optional<Parting>& parting);
+
+/// "3.9 s"
+std::string secondsText(int steps);
+
+}  // namespace sim2sim

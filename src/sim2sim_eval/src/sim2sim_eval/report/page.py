@@ -101,8 +101,8 @@ class Page:
         answers = [{"name": run.name, "answer": run.answer} for run in runs]
         return self._render(
             title=f"{runs[0].title('reference')} to {engines}",
-            question=runs[0].question if len(runs) == 1 else QUESTION,
-            headline=runs[0].answer if len(runs) == 1 else compared.get("headline"),
+            question=compared["headline"]["question"] if compared else runs[0].question,
+            headline=compared["headline"]["answer"] if compared else runs[0].answer,
             answers=answers if len(runs) > 1 else [],
             caution=_caution([run.metrics for run in runs]),
             rates=figures.draw_rates(runs),
@@ -128,8 +128,8 @@ class Page:
             compared = read_json(out)
         return self._render(
             title=f"Sweep {folder.resolve().name}",
-            question=QUESTION,
-            headline=compared.get("headline"),
+            question=compared["headline"]["question"],
+            headline=compared["headline"]["answer"],
             caution=_caution(rows),
             contrasts=[_contrast(c) for c in compared["contrasts"]],
             baseline=compared["baseline"]["title"],

@@ -92,8 +92,9 @@ TEST(ParameterSets, AreRefusedAParameterThatIsSetTwice) {
 }
 
 TEST(Changed, SetsEachParameterOnce) {
-  EXPECT_EQ(changed({parameter("drag", "1"), parameter("mass", "2")}, {parameter("walls", "true"), parameter("drag", "3")}),
-            (Parameters{parameter("drag", "3"), parameter("mass", "2"), parameter("walls", "true")}));
+  EXPECT_EQ(
+      changed({parameter("drag", "1"), parameter("mass", "2")}, {parameter("walls", "true"), parameter("drag", "3")}),
+      (Parameters{parameter("drag", "3"), parameter("mass", "2"), parameter("walls", "true")}));
 }
 
 TEST(SameValue, IsOfNumbersOrTexts) {

@@ -151,8 +151,8 @@ TEST_F(SimulatorSessions, RefuseAParameterThatIsSetTwice) {
 
 TEST_F(SimulatorSessions, DoNotEchoLongTexts) {
   const std::string endless(10'000'000, 'x');
-  for (const auto& refused : {configure(endless), configure("", {parameter(endless, "1")}),
-                              configure("", {parameter("steps", endless)})}) {
+  for (const auto& refused :
+       {configure(endless), configure("", {parameter(endless, "1")}), configure("", {parameter("steps", endless)})}) {
     EXPECT_EQ(refused.exit_code, 2);
     EXPECT_LT(refused.message.size(), kLongestMessage + 100);
     EXPECT_THAT(refused.message, HasSubstr("bytes left out"));

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/evaluator_parameters.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -16,6 +14,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/testing/refusal.hpp"
 #include "pusht_task/testing/temporary_folder.hpp"
+#include "sim2sim_eval/live/evaluator_parameters.hpp"
 #include "sim2sim_eval/live/progress_line.hpp"
 #include "sim2sim_eval/live/request.hpp"
 

@@ -13,7 +13,6 @@ import shlex
 import shutil
 import signal
 import subprocess
-import sys
 import unittest
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
@@ -26,8 +25,7 @@ from selenium.webdriver.chrome.service import Service  # type: ignore[import]
 from selenium.webdriver.support.wait import WebDriverWait  # type: ignore[import]
 from sim2sim_eval.report.results import METRICS_FORMAT
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, catches, executable, until  # noqa: E402
+from command_case import CommandCase, catches, executable, until
 
 ATTRIBUTE = executable("sim2sim_eval", "attribute")
 COMPARE = executable("sim2sim_eval", "compare")

@@ -9,7 +9,6 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import unittest
 from pathlib import Path
 from typing import Any, Dict, List
@@ -22,8 +21,7 @@ from matplotlib.figure import Figure  # type: ignore[import]
 from sim2sim_eval.report.curves import read_curves
 from sim2sim_eval.report.results import METRICS_FORMAT
 
-sys.path.insert(0, os.path.dirname(__file__))  # nosetests does not
-from command_case import CommandCase, catches, executable, until  # noqa: E402
+from command_case import CommandCase, catches, executable, until
 
 SWEEP = executable("sim2sim_eval", "sweep")
 MERGE = executable("sim2sim_eval", "merge")

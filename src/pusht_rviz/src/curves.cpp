@@ -35,7 +35,7 @@ QFont small() {
   return made;
 }
 
-/// As a logarithmic axis can show it; NaN stays.
+/// Value clamped to the range of the logarithmic axis; NaN stays.
 double shown(double value, std::size_t aspect) {
   return std::isnan(value) ? value : std::clamp(value, kLeast.at(aspect), kGreatest.at(aspect));
 }

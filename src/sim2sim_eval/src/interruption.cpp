@@ -40,7 +40,10 @@ std::string command;  // for endUncaught()
 [[noreturn]] void endUncaught() {
   int code = static_cast<int>(pusht::ExitCode::kInternalError);
   try {
-    std::rethrow_exception(std::current_exception());
+    if (const std::exception_ptr uncaught = std::current_exception()) {
+      std::rethrow_exception(uncaught);
+    }
+    throw pusht::InternalError("std::terminate without an exception");
   } catch (const std::system_error& failure) {  // a thread that the system does not give, say
     code = pusht::reportFailure(command, pusht::RuntimeFault(failure.what()));
   } catch (const std::exception& failure) {

@@ -63,7 +63,7 @@ class Recorder {
   RunBag bag_;
 };
 
-/// Hands episodes that come in any order on in that of their indices, until nobody needs further ones.
+/// Reorder buffer: takes episodes in any order and hands them on by index, until no further one is needed.
 class InOrder {
  public:
   /// `take` gets the episodes from index `first` on, and returns whether it needs further ones.
@@ -283,11 +283,11 @@ void compare(const CompareOptions& options) {
       }
     }
     if (!run.whole()) {
-      throw pusht::RuntimeFault("interrupted after " + run.progress() + "; " +
-                                (options.goesOn()
-                                     ? "to continue, run the same command with --out "
-                                     : "a run with --record or --traces begins again: --overwrite --out ") +
-                                folder.path().string());
+      throw pusht::RuntimeFault(
+          "interrupted after " + run.progress() + "; " +
+          (options.goesOn() ? "to continue, run the same command with --out "
+                            : "a run with --record or --traces begins again: --overwrite --out ") +
+          folder.path().string() + (options.goesOn() && options.overwrite ? " and without --overwrite" : ""));
     }
     if (recorder) {
       recorder->finish();

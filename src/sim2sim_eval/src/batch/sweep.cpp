@@ -172,7 +172,8 @@ class Sweeper {
     if (finished < protocol_.episodes) {
       throw pusht::RuntimeFault("interrupted in " + rowText(index, plan_.rows.size()) + ", after " +
                                 std::to_string(finished) + " of its " + std::to_string(protocol_.episodes) +
-                                " episodes; to continue, run the same command with --out " + folder_.path().string());
+                                " episodes; to continue, run the same command with --out " + folder_.path().string() +
+                                (options_.overwrite ? " and without --overwrite" : ""));
     }
     return episodes;
   }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint32_t kQueue = 1000;
 
-/// Where nobody can follow every control step, and in the bag, the picture is drawn every so many of them.
+/// [control steps] Period of the picture in the bag, and in a run that is too fast to follow by eye.
 constexpr int kStepsPerPicture = 10;
 
 /// Where a run is: "policy bc, episode 7, 3.9 s".

@@ -150,7 +150,8 @@ void Replay::show(const Place& place) {
   broadcast_.step(*shown_, stamp_, true);
 }
 
-/// For whoever came after the last step, or has forgotten (rviz's Reset). tf2 warns of what has the same stamp twice.
+/// Sends the last frames again, for late subscribers and after rviz's Reset. Stamps grow, because tf2 warns of one that
+/// comes twice.
 void Replay::repeat() {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (geometry_msgs::TransformStamped& frame : moving_) {

@@ -71,7 +71,7 @@ inline void steps(Simulator& world, const Eigen::Vector2d& command, int count) {
     world.step(actionOf(command));
   }
 }
-/// [rad] The axis of the table that a direction along x has after a turn, for Physics::tee_friction.
+/// Index into Physics::tee_friction of the table's axis that the x direction lies along after a turn.
 inline std::size_t axisOfX(int quarters) { return quarters % 2 == 0 ? 0 : 1; }
 
 /// The pusher in free space after each of three control steps.

@@ -46,14 +46,14 @@ class Broadcast {
   void recall(const std::vector<EpisodeResult>& results, const Summary& finished, std::optional<int> last,
               const ros::Time& stamp);
 
-  /// What the run does, in the picture: that it waits, and for what, or why it has ended. From any thread. While it
-  /// runs, the picture says where it is, whatever `words` are.
+  /// Shows in the picture what the run does: that it waits, and for what, or why it has ended. From any thread. While
+  /// the run goes on, the picture shows its episode and time instead of `words`.
   void tellState(RunState state, const std::string& words);
 
   /// Whether a run that goes on is paused. From any thread.
   void tellPaused(bool paused);
 
-  /// Whether somebody looks at the run.
+  /// Whether markers or divergence have a subscriber.
   bool watched() const { return markers_.getNumSubscribers() + divergence_.getNumSubscribers() > 0; }
 
   /// The start of an episode, or a control step. `paced`: at a rate that eyes can follow. After a leap within an

@@ -18,10 +18,10 @@ struct Result {
   std::string certainty{};
 };
 
-/// What the finished episodes say of a world.
+/// Result of the finished episodes in a world.
 Result resultOf(Mode mode, const Summary& summary);
 
-/// Who acts in a world: "same policy", "same actions as MuJoCo".
+/// Source of a world's actions: "same policy", "same actions as MuJoCo".
 std::string subtitleOf(Mode mode, const RunConfiguration& run);
 
 /// Title of a world's simulator: "MuJoCo, the reference".
@@ -31,7 +31,7 @@ std::string titleOf(Mode mode, const RunConfiguration& run);
 /// not fit are counted: "and 3 more".
 std::vector<std::string> settingsOf(const SimulatorRecord& simulator, std::size_t lines, std::size_t length);
 
-/// How far the tee of a world is from the target, whether that is enough, and whether it has left the table.
+/// Distance of a world's tee from the target [m, rad], whether that is a success, and whether it has left the table.
 std::string statusOf(Mode mode, const Episode& episode);
 
 /// "parts at 0.2 s: ..."; empty as long as a rollout is within the bound.

@@ -47,7 +47,7 @@ class Evaluator : private LiveObserver {
   using Server = actionlib::ActionServer<pusht_msgs::CompareAction>;
   using Goal = Server::GoalHandle;
 
-  /// A request, and who has made it.
+  /// A request and the goal that made it; none if parameters did.
   struct Job {
     LiveRequest request;
     std::optional<Goal> goal;
@@ -69,14 +69,15 @@ class Evaluator : private LiveObserver {
   std::optional<Job> nextJob();
   RunStatus execute(const Job& job);
 
-  /// Of a finished run. If it cannot be written, the status says so; the results stand.
+  /// Writes the report of a finished run and returns the run's status. If the report cannot be written, the status says
+  /// so; the results stand.
   RunStatus writeReport(const RunStatus& finished) const;
-  /// As compare(); the error of a node that is missing says how to bring it back, if the evaluator stays.
+  /// Calls compare(). The error of a missing node says how to bring the node back, if the evaluator stays.
   void runIn(RunFolder& folder, const LiveRequest& request);
   void compare(LiveRequest request, RunFolder& folder);
-  /// Empty: the wait is over.
+  /// Tells which node is waited for, by the namespace of its services; empty: the wait is over.
   void waitFor(const std::string& services);
-  /// From here on what was told of the run before is over: all nodes are there.
+  /// Announces a new run: all nodes are there, and progress of the run before is replaced.
   void begin(int episodes);
   void answer(Job& job, const RunStatus& status);
   bool stopped() const;

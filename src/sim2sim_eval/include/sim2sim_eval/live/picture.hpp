@@ -15,7 +15,7 @@
 
 namespace sim2sim {
 
-/// What a run is doing, as its picture shows it.
+/// State of a run, as its picture shows it.
 enum class RunState { kWaits, kRuns, kPaused, kFinished, kEnded };
 
 /// Draws what it is told and remembers nothing. Together, scene(), update() and overlay() are the whole picture; each

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What several runs over the same episodes say, in sentences: what a reader of a sweep or of two runs asks first.
+/// Sentences about several runs over the same episodes: the answer that a reader of a sweep or of two runs looks for.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -24,12 +24,14 @@ struct Answer {
   std::string text() const { return question + " " + answer; }
 };
 
-/// What all of them say together. A change is one that stays a finding after Holm, over all figures of `contrasts`,
-/// which are those of `others` against `baseline`.
+/// Question and answer about all runs together. `contrasts` are those of `others` against `baseline`; a change counts
+/// if it stays a finding after Holm over all of their figures.
 Answer answerOf(const RunResults& baseline, const std::vector<RunResults>& others,
                 const std::vector<Contrast>& contrasts);
 
-/// What one of them says: "block_damp 20 against 6: the position divergence falls by 0.0069 m [0.0024, 0.0114]; ..."
+/// Sentence about one run against the baseline: "Against block_damp 6, with block_damp 20 success is not shown to
+/// change
+/// (...); the position divergence falls by 0.0069 m [0.0024, 0.0114]; ..."
 std::string sentenceOf(const RunResults& baseline, const RunResults& other, const Contrast& contrast);
 
 }  // namespace sim2sim

@@ -67,7 +67,7 @@ std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<Run
 nlohmann::json toJson(const RunResults& baseline, const std::vector<RunResults>& others,
                       const std::vector<Contrast>& contrasts);
 
-/// The same for people.
+/// Table of all figures for the terminal, below the answer in words.
 std::string table(const RunResults& baseline, const std::vector<RunResults>& others,
                   const std::vector<Contrast>& contrasts);
 

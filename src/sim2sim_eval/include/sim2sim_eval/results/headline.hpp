@@ -17,7 +17,7 @@ constexpr double kWhole = 0.9;      ///< an interval from here on up: it transfe
 constexpr double kMore = 1.1;       ///< an interval beyond: it transfers, and more
 constexpr double kNotEnough = 0.5;  ///< an interval up to here: it does not transfer
 
-/// What the interval [low, high] of the transfer says.
+/// Verdict on the interval [low, high] of the transfer.
 enum class TransferVerdict {
   kTransfers,         ///< kWhole <= low
   kTransfersInPart,   ///< kNotEnough < high < kWhole

@@ -60,7 +60,7 @@ class OutputFolder {
   /// `overwrite`, of this kind. A status that tells of no finished episode is not a result.
   void refuseResults(bool overwrite) const;
 
-  /// The same, but only for results of the other kind.
+  /// Throws InvalidInput if the folder holds results of the other kind: of a sweep for a run, of a run for a sweep.
   void refuseOtherResults() const;
 
   /// Whether there are results besides a status.

@@ -59,7 +59,7 @@ Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t qu
 /// The mark of a mean divergence of the replay, as in text.hpp; empty for other quantities.
 std::string markOf(const Summary& summary, std::string_view divergence);
 
-/// The same with a blank before it, to stand behind the figure.
+/// markOf() with a blank before it, to stand behind the figure; empty if there is no mark.
 std::string doubtMark(const Summary& summary, std::string_view divergence);
 
 /// The mean divergences of the replay, one cell after the other.

@@ -27,7 +27,7 @@ struct RunStatus {
   bool beside_earlier_results = false;  ///< the other files in the folder are not of this run
 };
 
-/// Of a run from its begin to its end, and for ever of one that was killed.
+/// Status while a run is under way; it stays if the process is killed.
 RunStatus underWay(int episodes);
 
 /// The text of status.json.
@@ -68,10 +68,10 @@ class RunFolder {
 
   const std::filesystem::path& path() const { return folder_.path(); }
 
-  /// Where the run's bag belongs; whoever records writes it.
+  /// Path of the run's bag, which the recorder writes.
   std::filesystem::path bagPath() const;
 
-  /// The same for a TraceFile.
+  /// Path of the run's traces, which a TraceFile writes.
   std::filesystem::path tracesPath() const;
 
  private:

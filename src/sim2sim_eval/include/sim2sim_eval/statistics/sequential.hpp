@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// Watching a comparison while it runs, and stopping it as soon as the answer is known. However often one looks, and
 /// whenever one stops, the answer is wrong in at most 5 % of runs.
-/// Each test bets against a hypothesis at odds that would be fair if it held. Money made of nothing twenty times over
-/// speaks against it, forty times where there are two sides. The money is called an e-value; it is given as its natural
+/// Each test bets against a hypothesis at odds that would be fair if it held, from a wealth of 1. The hypothesis is
+/// rejected when the wealth (the e-value) reaches 20, or 40 where there are two sides. Functions give its natural
 /// logarithm. Source: J. Ville, "Étude critique de la notion de collectif" (1939), for the inequality.
 #pragma once
 

@@ -249,6 +249,7 @@ TEST_F(PanelTest, ShowsWhyTheEvaluatorRefusesARun) {
   ASSERT_TRUE(waitUntil([&] { return episodes_ == 2; }));
   EXPECT_TRUE(waitUntil([&] { return find<QLineEdit>("out")->text() == folder + "-2"; }))
       << "a folder takes one run: " << find<QLineEdit>("out")->text().toStdString();
+  ASSERT_TRUE(waitUntil([&] { return progress_.busy == 0; })) << "its results are written";
 }
 
 /// With the environment variable PANEL_TEST_VICTIM: the process that plays the engine. It is killed.

@@ -87,7 +87,7 @@ def _at(trace: Any, step: int) -> Any:
 
 
 def _frame(worlds: Dict[str, Any], traces: Traces, episode: int, step: int) -> str:
-    """A table from above, 1 m wide in units of 1 mm, with the tees of all worlds."""
+    """A table from above, 0.8 m wide, in units of 1 mm, with the tees of all worlds."""
     inner = 1000 * GEOMETRY["wall"]
     edge = inner + 12
     parts = [

@@ -41,6 +41,7 @@ from sim2sim_eval.report.words import (
     TOO_FEW,
     figure,
     glossary,
+    in_sentence,
     interval,
     mark,
     probability,
@@ -197,7 +198,7 @@ class Page:
 def _sentences(run: Run) -> List[str]:
     """What the figures say, and what each does not show."""
     m = run.metrics
-    reference, engine = run.title("reference"), run.name
+    reference, engine = in_sentence(run.title("reference")), in_sentence(run.name)
     difference = interval(m["success_difference_interval"], RATE_DIGITS)
     mean_position = figure(m, "mean_pos_divergence", "m")
     mean_angle = figure(m, "mean_ang_divergence", "rad")
@@ -258,7 +259,7 @@ def _caution(runs: Sequence[Json]) -> List[str]:
         )
     if any("decision" in metrics for metrics in runs):
         caution.append(
-            "The run ended when it was decided. The answer above holds all the same; the other "
+            "The run was to end when it is decided. The answer above holds all the same; the other "
             "intervals are those of a run of fixed length, and hold less often here."
         )
     return caution + CAUTION
@@ -360,7 +361,7 @@ def _divergences(run: Run) -> List[Json]:
     factors = [m[f"{key}_over_floor"] for key, _ in MEANS]
     if factors[0] is not None:
         cells = [times(factor) for factor in factors]
-        lines.append({"head": "over the floor (1e-6 m)", "cells": cells})
+        lines.append({"head": "over the floor (1e-6 m), roughly", "cells": cells})
     absorbed = [(f"{ENGINE}_absorbed_{name}_divergence", unit) for name, unit in COMPONENTS]
     lines.append(line("less in closed loop", absorbed, with_sign=True))
     for probe in m["probes"]:

@@ -76,6 +76,12 @@ def interval(found: Optional[Sequence[float]], digits: int) -> str:
     return f" [{', '.join(ends)}]" if ends else ""
 
 
+def in_sentence(title: str) -> str:
+    """A simulator's title with its article: "the two-mass engine", "Chipmunk"."""
+    kind = title.split(",")[0].split(" with ")[0]  # without parameters
+    return f"the {title}" if kind.endswith(" engine") else title
+
+
 def probability(p: Optional[float]) -> str:
     if p is None:
         return ""

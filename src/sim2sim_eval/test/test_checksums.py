@@ -7,7 +7,7 @@ row for each class of machines with the same bytes: the version of libm, and whe
 On a machine of another class the test is skipped. After a change that is meant to change bytes, or
 to add a class:
 
-    python3 src/sim2sim_eval/test/test_checksums.py --renew
+    /usr/bin/python3 src/sim2sim_eval/test/test_checksums.py --renew
 """
 
 import hashlib

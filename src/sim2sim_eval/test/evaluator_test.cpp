@@ -55,6 +55,8 @@ TEST(SettingsFrom, RefusesWhatIsNone) {
   }
   EXPECT_EQ(refusalOf([] { settingsFrom("engine_parameters", "block_damp=10 pusher_mass=2 block_damp=20"); }),
             "engine_parameters 'block_damp=10 pusher_mass=2 block_damp=20': block_damp must be set once");
+  EXPECT_EQ(refusalOf([] { settingsFrom("engine_parameters", std::string(1'000'000, 'a') + "=1"); }),
+            "engine_parameters of 1000002 bytes: must have at most 10000");
 }
 
 TEST(MergedGoal, LeavesOpenWhatItDoesNotSay) {

@@ -2,6 +2,7 @@
 #include "sim2sim_eval/live/request.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <iterator>
@@ -54,6 +55,11 @@ std::optional<double> decidedShare(double share) {
 }
 
 pusht::Parameters settingsFrom(const std::string& what, const std::string& text) {
+  constexpr std::size_t kLongest = 10'000;  // [bytes] std::regex recurses over each, and its stack is limited
+  if (text.size() > kLongest) {
+    throw pusht::InvalidInput(what + " of " + std::to_string(text.size()) + " bytes: must have at most " +
+                              std::to_string(kLongest));
+  }
   static const std::regex setting_name("(^|\\s)\\s*([A-Za-z_][A-Za-z0-9_]*)=");
   const std::sregex_iterator end;
   std::sregex_iterator name(text.begin(), text.end(), setting_name);

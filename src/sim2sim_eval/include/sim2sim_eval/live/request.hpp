@@ -31,8 +31,8 @@ struct LiveRequest {
   bool overwrite = false;  ///< replace results that are in the folder
 };
 
-/// "NAME=VALUE NAME=VALUE"; a value may hold spaces. Throws InvalidInput with `what` and the text if it is none,
-/// or sets a name twice.
+/// "NAME=VALUE NAME=VALUE"; a value may hold spaces. Throws InvalidInput with `what` if the text is none, sets a name
+/// twice, or has more than 10 000 bytes.
 pusht::Parameters settingsFrom(const std::string& what, const std::string& text);
 
 /// `out` if a run without overwrite may write its results there; else the first of out-2, out-3 and so on that it may.

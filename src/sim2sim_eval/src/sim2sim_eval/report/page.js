@@ -349,7 +349,7 @@ class Player {
     });
     const every = [1, 2, 5, 10, 20, 50, 100].find((s) => this.last * geometry.controlStep / s <= 8) ?? 200; // [s]
     for (let s = 0; s <= this.last * geometry.controlStep; s += every) {
-      text(`${s} s`, x(s / geometry.controlStep), height - 4, "center");
+      text(`${s} s`, Math.min(x(s / geometry.controlStep), width - 14), height - 4, "center");
     }
     line([[x(cursor), 0], [x(cursor), height - foot]], ON_TABLE.target, 1);
   }

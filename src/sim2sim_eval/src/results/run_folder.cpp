@@ -105,6 +105,9 @@ void RunFolder::abandon(const Protocol& protocol, const std::vector<EpisodeResul
 void RunFolder::refuse(RunStatus status) {
   folder_.open();
   refuseResults();
+  if (takesUp()) {
+    return;  // the status of the unfinished run stays: it tells how many episodes there are
+  }
   status.beside_earlier_results = folder_.holdsResults();
   writeStatus(status);
 }

@@ -62,8 +62,8 @@ class RunFolder {
   /// The finished episodes of a run that ended early.
   void abandon(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, const RunStatus& status) const;
 
-  /// Only says why there was no run. Results that the run would have replaced stay; the status says so. Throws as
-  /// begin() does.
+  /// Only says why there was no run. Results that the run would have replaced stay; the status says so. An unfinished
+  /// run that this one would have taken up keeps its own status. Throws as begin() does.
   void refuse(RunStatus status);
 
   const std::filesystem::path& path() const { return folder_.path(); }

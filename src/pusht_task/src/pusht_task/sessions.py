@@ -72,7 +72,7 @@ class Simulator(Protocol):
 
 
 def clipped(text: str, longest: int = LONGEST_MESSAGE) -> str:
-    """Of a long text its begin and end: a value of 10 MB is named, not copied. As in C++."""
+    """The begin and end of a long text: a value of 10 MB is named, not copied."""
     if len(text) <= longest:
         return text
     half = longest // 2
@@ -503,7 +503,7 @@ def _stepped(simulator: Simulator, action: np.ndarray) -> WorldState:
 
 
 def _require_plausible(numbers: Mapping[str, float], error: Type[Exception]) -> None:
-    """Of a world state, by name."""
+    """The numbers of a world state, by name."""
     limits = {name: PLAUSIBLE_DISTANCE for name in POSITIONS}
     limits.update({name: PLAUSIBLE_SPEED for name in SPEEDS}, tee_yaw_rate=PLAUSIBLE_YAW_RATE)
     for name, limit in limits.items():

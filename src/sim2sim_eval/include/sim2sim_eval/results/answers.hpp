@@ -30,8 +30,7 @@ Answer answerOf(const RunResults& baseline, const std::vector<RunResults>& other
                 const std::vector<Contrast>& contrasts);
 
 /// Sentence about one run against the baseline: "Against block_damp 6, with block_damp 20 success is not shown to
-/// change
-/// (...); the position divergence falls by 0.0069 m [0.0024, 0.0114]; ..."
+/// change (...); the position divergence falls by 0.0069 m [0.0024, 0.0114]; ..."
 std::string sentenceOf(const RunResults& baseline, const RunResults& other, const Contrast& contrast);
 
 }  // namespace sim2sim

@@ -40,13 +40,13 @@ class Attribution:
         return names
 
     def gaps(self, component: str) -> List[Json]:
-        """Of "position" or "angle": in open loop, then re-anchored."""
+        """The gaps of "position" or "angle": in open loop, then re-anchored."""
         found = [self.content["gaps"][name] for name in self.content["order"]]
         return [gap for gap in found if gap["title"].startswith(component)]
 
     @property
     def is_exact(self) -> bool:
-        """Of all combinations; else of those along random orders."""
+        """Whether all combinations were run, and not only those along random orders."""
         return int(self.content["orders"]) == 0
 
     @property

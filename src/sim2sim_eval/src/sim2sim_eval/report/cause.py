@@ -11,13 +11,15 @@ FEWEST_PAIRS = 20  # episodes, below which shares have no intervals
 
 
 def cause(attribution: Attribution) -> str:
-    """Who closes most of the gap in position, in open loop."""
+    """The switches that close most of the gap in position, in open loop."""
     gap = attribution.gaps("position")[0]
     if gap["all_off"] <= gap["all_on"]:
-        return "Together the switches close no gap"
-    ranked = attribution.ranked(gap)[:3]
-    most = [f"{name} {100 * part:.0f}\u00a0%" for name, part in ranked if part > 0]
-    return f"What closes the gap in position: {', '.join(most)}"
+        return "The switches are not shown to close the gap in position"
+    most = [name for name, part in attribution.ranked(gap)[:3] if part > 0]
+    found = [gap["switches"][name] for name in most]
+    parts = [_part(one["part"], one["part_interval"]).replace(" ", "\u00a0") for one in found]
+    named = ", ".join(f"{name} {part}" for name, part in zip(most, parts))
+    return f"What closes the gap in position: {named}"
 
 
 def section(attribution: Attribution) -> Json:
@@ -33,9 +35,9 @@ def section(attribution: Attribution) -> Json:
             f"{content['episodes']} episodes, {_combinations(attribution)}.",
             f"In open loop the tees are {position['all_off']:.4f} m and {angle['all_off']:.4f} rad "
             f"apart with all switches off, and {position['all_on']:.4f} m and "
-            f"{angle['all_on']:.4f} rad with all on. In closed loop the engine lacks "
-            f"{success['all_off']:.3f} of success with all off, and {success['all_on']:.3f} with "
-            "all on.",
+            f"{angle['all_on']:.4f} rad with all on. In closed loop the engine's success rate is "
+            f"{_below(success['all_off'])} that of {content['reference']} with all off, and "
+            f"{_below(success['all_on'])} it with all on.",
         ],
         "drawings": draw(attribution),
         "exact": attribution.is_exact,
@@ -103,6 +105,10 @@ def _yardstick(name: str, found: Json) -> Optional[Json]:
         return None
     value = f"{found['value']:.{DIVERGENCE_DIGITS}f}"
     return {"name": name, "cells": [value + interval(found["interval"], DIVERGENCE_DIGITS)]}
+
+
+def _below(lost: float) -> str:
+    return f"{abs(lost):.3f} {'below' if lost >= 0 else 'above'}"
 
 
 def _part(part: Optional[float], ends: Optional[List[float]]) -> str:

@@ -232,7 +232,10 @@ class KnobAxis:
         return value * math.exp(way) if self.logarithmic else value + way
 
     def labels(self, character: float) -> List[str]:
-        """Of labels that would touch only the first one stays; `character`: a share of the axis."""
+        """Labels of the values; one that would touch the label before it is empty.
+
+        `character`: the width of a character, as a share of the axis.
+        """
         labels: List[str] = []
         end = -math.inf  # of the last label that stays
         for value in self.values:

@@ -63,7 +63,7 @@ def transfer(metrics: Json) -> str:
 
 
 def readable(value: float) -> float:
-    """As in metrics.json; its figures stay as they are."""
+    """The number rounded as metrics.json has it; a figure of that file stays as it is."""
     return round(value, 6) if value == 0 or abs(value) >= 1e-3 else float(f"{value:.6g}")
 
 

@@ -45,7 +45,7 @@ TEST(Headline, TransfersInPart) {
 }
 
 TEST(Headline, TransfersAtMostInPart) {
-  expect(headline("two-mass engine", {10, 20, 4, 66}), "transfers_in_part",
+  expect(headline("two-mass engine", {10, 20, 4, 66}), "at_most_in_part",
          "At most in part: with this policy the two-mass engine keeps 47 % [28, 73] of MuJoCo's success.");
 }
 
@@ -120,7 +120,9 @@ TEST(Headline, VerdictFollowsFromTheInterval) {
   EXPECT_EQ(verdict({0.899, 2.0}), "cannot_say");
   EXPECT_EQ(verdict({0.0, 0.9}), "cannot_say");
   EXPECT_EQ(verdict({0.6, 0.899}), "transfers_in_part");
-  EXPECT_EQ(verdict({0.0, 0.501}), "transfers_in_part");
+  EXPECT_EQ(verdict({0.5, 0.899}), "transfers_in_part");
+  EXPECT_EQ(verdict({0.499, 0.899}), "at_most_in_part");
+  EXPECT_EQ(verdict({0.0, 0.501}), "at_most_in_part");
   EXPECT_EQ(verdict({0.0, 0.5}), "does_not_transfer");
 }
 

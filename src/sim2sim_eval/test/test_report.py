@@ -164,6 +164,10 @@ class Content(ReportCase):
         process = self.run_command(REPORT, "copy", "--out", "none.html")
         self.assert_one_line(process, 2, "report")
         self.assertIn("no episode has finished", process.stderr)
+        (folder / "episodes.journal").touch()  # as a killed run leaves it
+        process = self.run_command(REPORT, "copy", "--out", "none.html")
+        self.assert_one_line(process, 2, "report")
+        self.assertIn("was killed; run the same command again", process.stderr)
 
     def test_traces_have_the_same_bytes_from_a_bag_and_for_any_number_of_threads(self) -> None:
         run = (COMPARE, "--episodes", str(EPISODES), "--traces", "--threads")

@@ -85,7 +85,13 @@ void Cast::connectWorlds(const Settings& settings, const pusht::Peer::Wait& wait
       requireParametersInForce(services, now);
       setting = memory_.resolve(services, now, asked);
     }
-    auto world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_, setting.kind, setting.parameters);
+    std::unique_ptr<pusht::ServedSimulator> world;
+    try {
+      world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_, setting.kind, setting.parameters);
+    } catch (const pusht::InvalidInput&) {  // a refused configuration changes nothing
+      memory_.configured(services, now);
+      throw;
+    }
     part.description = world->describe();  // not before: a node that dies meanwhile gets what was asked for next time
     memory_.configured(services, part.description);
     part.world = world.get();

@@ -219,11 +219,11 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   folder.refuseInputs(inputsOf(request, cast));
   run_ = std::make_unique<Run>(configuration, folder, provenance);
   folder_ = std::filesystem::absolute(folder.path());
-  begin(request.protocol.episodes);
   cast.stamps().advance();
   const WorldNames names = worldNamesOf(request, cast);
   std::unique_ptr<RunBag> bag =
       request.record ? std::make_unique<RunBag>(folder.bagPath(), provenance, names, cast.stamps().now()) : nullptr;
+  begin(request.protocol.episodes);
   broadcast_.begin(configuration, pictureOf(configuration, cast), std::move(bag), cast.stamps().now());
   broadcast_.tell(configurationMessage(provenance, names, cast.stamps().now()));
   runLive(configuration.protocol, cast, pacer_, *this, options);

@@ -77,7 +77,12 @@ bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, L
       throw;
     }
   }();
-  requireUndisturbedEnd(cast, index);
+  try {
+    requireUndisturbedEnd(cast, index);
+  } catch (const pusht::Error&) {
+    observer.onBreak(episode);
+    throw;
+  }
   return observer.onFinish(episode, cast.stamps().now());
 }
 

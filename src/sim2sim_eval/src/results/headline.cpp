@@ -22,7 +22,9 @@ std::string wordsOf(TransferVerdict verdict, const Interval& transfer) {
     case TransferVerdict::kTransfers:
       return transfer.low > kMore ? "Yes, and more" : "Yes";
     case TransferVerdict::kTransfersInPart:
-      return transfer.low < kNotEnough ? "At most in part" : "In part";
+      return "In part";
+    case TransferVerdict::kAtMostInPart:
+      return "At most in part";
     case TransferVerdict::kDoesNotTransfer:
       return "No";
     default:
@@ -54,8 +56,8 @@ Headline tooFew(int episodes) {
 }  // namespace
 
 std::string nameOf(TransferVerdict verdict) {
-  constexpr std::array kNames = {"transfers", "transfers_in_part", "does_not_transfer", "cannot_say",
-                                 "nothing_to_transfer"};
+  constexpr std::array kNames = {"transfers",         "transfers_in_part", "at_most_in_part",
+                                 "does_not_transfer", "cannot_say",        "nothing_to_transfer"};
   return kNames.at(static_cast<std::size_t>(verdict));
 }
 
@@ -66,7 +68,10 @@ TransferVerdict verdictOf(const Interval& transfer) {
   if (transfer.high <= kNotEnough) {
     return TransferVerdict::kDoesNotTransfer;
   }
-  return transfer.high < kWhole ? TransferVerdict::kTransfersInPart : TransferVerdict::kCannotSay;
+  if (transfer.high >= kWhole) {
+    return TransferVerdict::kCannotSay;
+  }
+  return transfer.low >= kNotEnough ? TransferVerdict::kTransfersInPart : TransferVerdict::kAtMostInPart;
 }
 
 Headline headlineOf(const RunConfiguration& configuration, const PairTable& successes) {

@@ -20,13 +20,14 @@ constexpr double kNotEnough = 0.5;  ///< an interval up to here: it does not tra
 /// Verdict on the interval [low, high] of the transfer.
 enum class TransferVerdict {
   kTransfers,         ///< kWhole <= low
-  kTransfersInPart,   ///< kNotEnough < high < kWhole
+  kTransfersInPart,   ///< kNotEnough <= low, high < kWhole
+  kAtMostInPart,      ///< low < kNotEnough < high < kWhole
   kDoesNotTransfer,   ///< high <= kNotEnough
   kCannotSay,         ///< low < kWhole <= high, or fewer than kFewestEpisodes
   kNothingToTransfer  ///< the reference never succeeds
 };
 
-/// "transfers", "transfers_in_part", "does_not_transfer", "cannot_say", "nothing_to_transfer"
+/// "transfers", "transfers_in_part", "at_most_in_part", "does_not_transfer", "cannot_say", "nothing_to_transfer"
 std::string nameOf(TransferVerdict verdict);
 
 TransferVerdict verdictOf(const Interval& transfer);

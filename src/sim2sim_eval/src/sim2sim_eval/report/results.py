@@ -133,6 +133,8 @@ def read_partial(folder: Path) -> Partial:
         raise Refusal(f"{folder}: holds files of an earlier run; the folder of one run is needed")
     finished = status.get("episodes_finished", 0)
     if not finished or not (folder / "episodes.csv").exists():
+        if (folder / "episodes.journal").exists():  # killed: its command has not written them out
+            raise Refusal(f"{folder}: was killed; run the same command again, it goes on")
         raise Refusal(f"{folder}: no episode has finished ({status.get('reason')}); one must have")
     provenance = read_json(folder / "provenance.json")
     return Partial(folder, status, provenance, _episodes(folder / "episodes.csv", finished))

@@ -22,7 +22,12 @@ class GoingOn(CommandCase):
     def end_at(
         self, episodes: int, number: signal.Signals, command: List[str], journal: Path
     ) -> List[bytes]:
-        """Ends a command with a signal once its journal has so many episodes; its lines."""
+        """Ends a command with a signal once its journal has so many episodes, and one of its own."""
+
+        def finished() -> int:
+            return journal.read_bytes().count(b"\n") - 1 if journal.exists() else -1
+
+        before = max(finished(), episodes - 1)
         with subprocess.Popen(
             command,
             cwd=self.folder,
@@ -31,7 +36,7 @@ class GoingOn(CommandCase):
             stderr=subprocess.PIPE,
             text=True,
         ) as process:
-            until(lambda: journal.exists() and journal.read_bytes().count(b"\n") > episodes)
+            until(lambda: finished() > before)
             process.send_signal(number)
             _, said = process.communicate(timeout=self.deadline)
         if number == signal.SIGKILL:

@@ -22,7 +22,7 @@ class GoingOn(CommandCase):
     def end_at(
         self, episodes: int, number: signal.Signals, command: List[str], journal: Path
     ) -> List[bytes]:
-        """Ends a command with a signal once its journal has so many episodes, and one of its own."""
+        """Ends a command with a signal once its journal has so many, and one of its own."""
 
         def finished() -> int:
             return journal.read_bytes().count(b"\n") - 1 if journal.exists() else -1

@@ -411,7 +411,8 @@ class Curves:
         for panel, row in zip(PANELS, axes):
             for number, one in enumerate(row):
                 if number == 0 or narrow:
-                    one.set_ylabel(f"change of\n{panel.label}" if against else panel.label)
+                    label = f"change of\n{panel.label}" if against else panel.label
+                    one.set_ylabel(label, linespacing=1.5)
                 if not against:
                     one.set_ylim(0, 1 if panel is SUCCESS else None)
         if not narrow:

@@ -223,8 +223,8 @@ class Content(ReportCase):
         self.assertEqual(process.returncode, 0, process.stderr)
         page = self.report("sweep")
         self.assertIn('<span class="question">', page)
-        for row in ("000", "001"):
-            answer = answer_of(self.folder / "sweep" / "rows" / row)
+        for number in ("000", "001"):
+            answer = answer_of(self.folder / "sweep" / "rows" / number)
             self.assertIn(answer, html.unescape(page))
         self.assertEqual(page.count("<svg"), 4, "two figures, wide and narrow")
         self.assertNotIn("attribute sweep", page)

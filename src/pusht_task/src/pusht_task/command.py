@@ -7,6 +7,7 @@ obeys them before it loads the libraries that it needs.
 
 import argparse
 import contextlib
+import io
 import json
 import os
 import signal
@@ -45,8 +46,8 @@ def run_command(name: str, body: Callable[[], None], hint: str = "nothing is wri
 
     `hint` says what an interrupt leaves.
     """
-    if sys.stdout is not None:
-        sys.stdout.reconfigure(errors="surrogateescape")  # type: ignore[union-attr]  # file names
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="surrogateescape")  # names of files may be any bytes
     interrupts.catch(name)
     try:
         body()

@@ -97,7 +97,8 @@ def _shares(attribution: Attribution, narrow: bool) -> Any:
     """Each switch's part of each gap, with its interval."""
     names = [name for name, _ in attribution.ranked(attribution.gaps("position")[0])]
     columns = {component: attribution.gaps(component) for component in ("position", "angle")}
-    columns["success"] = [attribution.success]
+    if any(found["part"] is not None for found in attribution.success["switches"].values()):
+        columns["success"] = [attribution.success]
     height = 0.8 + 0.5 * len(names)
     count = len(columns)
     if narrow:

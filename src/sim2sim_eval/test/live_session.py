@@ -601,8 +601,8 @@ class LiveSession(GoalCase):
     def test_whoever_comes_late_sees_everything(self) -> None:
         self.send_and_hold(0, 20, **PACED)
         markers = Inbox("/sim2sim/markers", MarkerArray)
-        scene = markers.until(lambda message: "reference/axes" in namespaces(message))[-1]
-        self.assertIn("engine_replay", namespaces(scene))
+        scene = markers.until(lambda message: "reference/captions" in namespaces(message))[-1]
+        self.assertIn("engine_replay/captions", namespaces(scene))
         shown = markers.until(lambda message: "reference/episode" in namespaces(message))[-1]
         markers.until(lambda message: message == scene)  # again: rviz's Reset forgets
         markers.until(lambda message: message == shown)

@@ -84,7 +84,7 @@ std::vector<Case> wallCases() {
   return cases;
 }
 
-struct Divergence {
+struct CaseDivergences {
   std::vector<double> position;  ///< [m] of each case, its mean over the steps, the start included
   std::vector<double> yaw;       ///< [rad]
   int at_wall = 0;               ///< steps after which the reference's tee touches a wall
@@ -102,10 +102,10 @@ double median(std::vector<double> values) {
 constexpr int kNever = 0;
 
 /// The engine gets MuJoCo's state every `anchor` steps.
-Divergence divergenceOf(const std::vector<Case>& cases, const pusht::RigidBodyParameters& parameters, int anchor) {
+CaseDivergences divergenceOf(const std::vector<Case>& cases, const pusht::RigidBodyParameters& parameters, int anchor) {
   pusht::MujocoWorld reference(std::make_shared<const pusht::MujocoScene>());
   pusht::RigidBodyEngine engine(parameters);
-  Divergence result;
+  CaseDivergences result;
   for (const Case& one : cases) {
     reference.reset(one.start);
     engine.reset(one.start);
@@ -135,20 +135,20 @@ Divergence divergenceOf(const std::vector<Case>& cases, const pusht::RigidBodyPa
 // Bounds are those asked for. What was found is in docs/ladder.md; a few episodes decide the means.
 
 TEST(FaithfulEngine, FollowsMuJoCoInOpenLoop) {
-  const Divergence found = divergenceOf(expertCases(), {}, kNever);
+  const CaseDivergences found = divergenceOf(expertCases(), {}, kNever);
   EXPECT_LE(median(found.position), 1e-5);
   EXPECT_LE(median(found.yaw), 1e-4);
 }
 
 TEST(FaithfulEngine, FollowsMuJoCoForTwentySteps) {
-  const Divergence found = divergenceOf(expertCases(), {}, 20);
+  const CaseDivergences found = divergenceOf(expertCases(), {}, 20);
   EXPECT_LE(mean(found.position), 2e-5);
   EXPECT_LE(mean(found.yaw), 5e-4);
 }
 
 TEST(FaithfulEngine, FollowsMuJoCoAtWalls) {
   const std::vector<Case> cases = wallCases();
-  const Divergence found = divergenceOf(cases, {}, 20);
+  const CaseDivergences found = divergenceOf(cases, {}, 20);
   EXPECT_GT(found.at_wall, 2000);
   EXPECT_LE(mean(found.position), 5e-5);
   EXPECT_LE(mean(found.yaw), 1e-3);
@@ -157,7 +157,7 @@ TEST(FaithfulEngine, FollowsMuJoCoAtWalls) {
 TEST(FaithfulEngine, WithNearestPointsIsNear) {
   pusht::RigidBodyParameters parameters;
   parameters.narrow_phase = false;
-  const Divergence found = divergenceOf(expertCases(), parameters, kNever);
+  const CaseDivergences found = divergenceOf(expertCases(), parameters, kNever);
   EXPECT_LE(median(found.position), 1e-3);
   EXPECT_LE(median(found.yaw), 12e-3);
 }

@@ -19,10 +19,8 @@ namespace {
 
 using nlohmann::json;
 
-json engineOf(const RunResults& run) { return run.metrics.at("simulators").at("engine"); }
-
 json valueOf(const RunResults& run, const std::string& parameter) {
-  return engineOf(run).at("parameters").value(parameter, json());
+  return run.engine().at("parameters").value(parameter, json());
 }
 
 /// "6", "true", "simple"
@@ -37,17 +35,17 @@ std::string prose(const json& value) {
 
 bool areOfOneKind(const std::vector<RunResults>& runs) {
   return std::all_of(runs.begin(), runs.end(), [&](const RunResults& run) {
-    return engineOf(run).at("name") == engineOf(runs.front()).at("name");
+    return run.engine().at("name") == runs.front().engine().at("name");
   });
 }
 
 /// The parameters in which those of `runs` differ that are of the kind of `run`.
 std::vector<std::string> differing(const std::vector<RunResults>& runs, const RunResults& run) {
   std::vector<std::string> names;
-  const json engine = engineOf(run);
+  const json engine = run.engine();
   for (const auto& [name, value] : engine.at("parameters").items()) {
     const auto differs = [&, &name = name, &value = value](const RunResults& other) {
-      return engineOf(other).at("name") == engine.at("name") && valueOf(other, name) != value;
+      return other.engine().at("name") == engine.at("name") && valueOf(other, name) != value;
     };
     if (std::any_of(runs.begin(), runs.end(), differs)) {
       names.push_back(name);
@@ -248,7 +246,7 @@ std::vector<std::string> titlesOf(const std::vector<RunResults>& runs) {
   constexpr std::size_t kMost = 3;  // of those that are named to tell runs apart only
   std::vector<std::string> titles;
   for (const RunResults& run : runs) {
-    const std::vector<std::string> changed = engineOf(run).at("changed");
+    const std::vector<std::string> changed = run.engine().at("changed");
     std::vector<std::string> more;
     for (const std::string& name : differing(runs, run)) {
       if (std::find(changed.begin(), changed.end(), name) == changed.end()) {

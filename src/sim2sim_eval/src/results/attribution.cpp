@@ -29,15 +29,13 @@ using nlohmann::json;
 
 constexpr int kAttributionFormat = 1;  // of the JSON
 
-json engineOf(const RunResults& run) { return run.metrics.at("simulators").at("engine"); }
-
 /// The true/false parameters in which rows differ.
 std::vector<std::string> switchesIn(const std::vector<RunResults>& runs) {
-  const json first = engineOf(runs.front());
+  const json first = runs.front().engine();
   std::vector<std::string> switches;
   for (const auto& [name, value] : first.at("parameters").items()) {
     const auto differing = std::find_if(runs.begin(), runs.end(), [&, &name = name, &value = value](const auto& run) {
-      return engineOf(run).at("parameters").value(name, json()) != value;
+      return run.engine().at("parameters").value(name, json()) != value;
     });
     if (differing == runs.end()) {
       continue;
@@ -52,7 +50,7 @@ std::vector<std::string> switchesIn(const std::vector<RunResults>& runs) {
 }
 
 Coalition coalitionOf(const RunResults& run, const std::vector<std::string>& switches) {
-  const json parameters = engineOf(run).at("parameters");
+  const json parameters = run.engine().at("parameters");
   Coalition on = 0;
   for (std::size_t i = 0; i < switches.size(); ++i) {
     const json value = parameters.value(switches[i], json());
@@ -125,9 +123,9 @@ std::vector<RunResults> read(const fs::path& folder, const std::function<void()>
     go_on();
     runs.push_back(readResults(run));
   }
-  const json name = engineOf(runs.front()).at("name");
+  const json name = runs.front().engine().at("name");
   for (const RunResults& run : runs) {
-    if (engineOf(run).at("name") != name) {
+    if (run.engine().at("name") != name) {
       throw pusht::InvalidInput("results " + run.folder.string() + ": must be of the engine of the first row");
     }
     requirePairs(runs.front(), run);

@@ -152,6 +152,8 @@ std::string RunResults::title() const {
   return title;
 }
 
+const json& RunResults::engine() const { return metrics.at("simulators").at("engine"); }
+
 RunResults readResults(const fs::path& folder) {
   const auto refuse = [&](const char* file, const std::string& why) {
     throw pusht::InvalidInput("results " + (folder / file).string() + ": " + why);

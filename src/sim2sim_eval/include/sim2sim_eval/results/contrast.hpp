@@ -24,6 +24,9 @@ struct RunResults {
 
   /// What tells it from others, for people: "two-mass engine, block_damp 20.0".
   std::string title() const;
+
+  /// The engine in `metrics`: its name, title, parameters, and the names of those that are changed.
+  const nlohmann::json& engine() const;
 };
 
 /// Throws InvalidInput, naming the file, if `folder` does not hold the results of a whole run.

@@ -382,6 +382,9 @@ class Refusals(LiveCase):
         self.assertIn("must not be where results are written", status["reason"])
         self.assertEqual(scene.read_bytes(), shipped.read_bytes())
 
+    def test_f4_policy_that_is_named_must_be_there(self) -> None:
+        self.assert_refused(r"none\.pt", policy="none.pt")
+
     def test_f5_policy_that_is_no_torchscript(self) -> None:
         policy = self.folder / "policy.pt"
         policy.write_text("not a policy")

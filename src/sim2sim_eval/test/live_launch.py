@@ -280,8 +280,8 @@ class Arguments(LiveCase):
 
     def test_empty_values_are_defaults(self) -> None:
         path = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "launch" / "compare.launch"
-        names = ("policy", "reanchor", "reference", "reference_parameters", "engine")
-        names += ("engine_parameters", "pusher_mass", "block_damp", "baumgarte", "scene")
+        names = "policy reanchor reference reference_parameters engine engine_parameters".split()
+        names += "pusher_mass block_damp baumgarte scene".split()
         empty = self.parameters_of(path, *(f"{name}:=" for name in names))
         self.assertEqual(empty, self.parameters_of(path))
 

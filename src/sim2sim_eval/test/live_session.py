@@ -140,14 +140,13 @@ class LiveSession(GoalCase):
     def test_goal_inherits_nothing_from_the_one_before(self) -> None:
         expected = self.batch_bytes(*BATCH)
         simple = [Parameter("preset", "simple"), Parameter("drag", "true")]
-        for number, fields in enumerate(
-            (
-                {"engine": "rigid_body", "engine_parameters": simple},
-                {"engine_parameters": [Parameter("block_damp", "20")]},
-                {"reference": "rigid_body"},
-                {"reference": "two_mass", "reference_parameters": [Parameter("baumgarte", "20")]},
-            )
-        ):
+        goals: Tuple[Dict[str, Any], ...] = (
+            {"engine": "rigid_body", "engine_parameters": simple},
+            {"engine_parameters": [Parameter("block_damp", "20")]},
+            {"reference": "rigid_body"},
+            {"reference": "two_mass", "reference_parameters": [Parameter("baumgarte", "20")]},
+        )
+        for number, fields in enumerate(goals):
             with self.subTest(fields):
                 self.out = self.folder / f"{number} set"
                 self.compare(episodes=1, record=False, **fields)
@@ -280,7 +279,7 @@ class LiveSession(GoalCase):
     def test_start_that_fails_leaves_the_last_run(self) -> None:
         self.compare()
         before = self.picture()
-        cases = {
+        cases: Dict[str, Dict[str, Any]] = {
             "refused": {"out": str(self.out)},
             "no node": {"replay_namespace": "late"},
             "wrong": {"engine_parameters": [Parameter("pusher_mass", "-1")]},

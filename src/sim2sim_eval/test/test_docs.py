@@ -216,7 +216,7 @@ class Names(CommandCase):
                 r"ection \*([^*]+)\*|\*([^*]+)\* under \*([^*]+)\*", text.read_text()
             )
             self.assertGreater(len(names), 0, text)
-            for name in filter(None, sum(names, ())):
+            for name in (part for found in names for part in found if part):
                 with self.subTest(f"{text.name}: {name}"):
                     self.assertIn(name, page)
 

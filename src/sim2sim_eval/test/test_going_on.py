@@ -133,8 +133,8 @@ class Comparison(GoingOn):
             self.assertEqual(journal.read_bytes(), b"\n".join(damaged) + b"\n")
 
     def test_run_until_it_is_decided_goes_on(self) -> None:
-        run = ("--policy", "expert", "--episodes", "3000", "--engine", "mujoco", "--no-floor")
-        run += ("--until-decided", "0.97")
+        run = "--policy expert --episodes 3000 --engine mujoco --no-floor".split()
+        run += ["--until-decided", "0.97"]
         whole = self.finished(*run, out="whole")
         self.assertGreater(self.load("whole", "metrics.json")["episodes"], 60)
         self.interrupt(*run, episodes=5)

@@ -744,7 +744,7 @@ def stamps_in(bag: Any, topic: str) -> List[Any]:
 def point_of(divergence: Any) -> Tuple[Any, ...]:
     """All but the number that a topic gives to its messages."""
     at = (divergence.header.stamp, divergence.episode, divergence.step)
-    # As texts: what is not a number equals nothing.
+    # Texts are compared: what is not a number equals nothing.
     return (*at, str(divergence.replay_position), str(divergence.replay_angle))
 
 

@@ -36,8 +36,8 @@ std::string statusText(const RunStatus& status);
 /// Every file in it is complete or absent. metrics.json speaks for a whole run: it is only written by finish().
 class RunFolder {
  public:
-  /// As OutputFolder; throws InvalidInput, too, if `path` holds results that must stay. Those of a run that is not
-  /// finished need not, if `goes_on`: begin() takes them up.
+  /// Opens the OutputFolder; throws InvalidInput, too, if `path` holds results that must stay. Those of a run that is
+  /// not finished need not, if `goes_on`: begin() takes them up.
   RunFolder(std::filesystem::path path, bool overwrite, std::string command = "compare", bool goes_on = false);
 
   /// As OutputFolder.

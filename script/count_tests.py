@@ -150,12 +150,19 @@ def main(arguments: List[str]) -> int:
         "--ran", nargs="+", action="append", default=[], metavar="BUILD TARGET",
         help="a build folder, and the targets that ran in it",
     )  # fmt: skip
+    parser.add_argument(
+        "--result", type=Path, action="append", default=[], metavar="FILE",
+        help="a file of results, in a build folder that is counted, that must have a case",
+    )  # fmt: skip
     options = parser.parse_args(arguments)
     count = Count()
     count.lint(options.lint)
     for build, *targets in options.ran:
         count.folder(Path(build))
         count.require(Path(build), targets)
+    for path in options.result:
+        if not count.has_case(path):
+            count.failed.append(f"{path}: has no test that ran")
     if options.all:
         count.require_tree(options.all)
     print(count)

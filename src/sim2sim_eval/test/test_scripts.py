@@ -126,6 +126,14 @@ class Count(ScriptCase):
         process = self.count("--ran", "build", "run_tests_pusht_toy_gtest")
         self.assert_output(process, 0, "4 passed, 0 failed")
 
+    def test_results_that_are_asked_for_by_name(self) -> None:
+        path = self.result("other.xml", CASE)
+        arguments = ("--result", str(path), "--ran", "build", "run_tests")
+        self.assert_output(self.count(*arguments), 0, "6 passed, 0 failed")
+        path.unlink()
+        line = f"FAILED: {path}: has no test that ran"
+        self.assert_output(self.count(*arguments), 1, line, "5 passed, 1 failed")
+
     def test_files_that_nothing_runs(self) -> None:
         """As catkin leaves out all tests of a sort whose tool is missing."""
         self.write("build/CTestTestfile.cmake", "")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the packages say of themselves: versions, changelogs, and the Debian packages that they need."""
+"""What packages say of themselves: versions, changelogs, the Debian packages that they need."""
 
 import re
 import unittest

@@ -18,6 +18,7 @@ namespace sim2sim {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 /// The modes alone.
@@ -235,6 +236,29 @@ TEST(Table, MarksADivergenceThatDoesNotBeatTheNullModel) {
   const Summary better = summarize(bare(), episodesAgainstNull(-0.01));
   EXPECT_EQ(better.yardsticks[kEngineReplay][0].beatsNull(), true);
   EXPECT_EQ(table(configuration, better).find("(!)"), std::string::npos);
+}
+
+/// Floors of 10 episodes, in the first `unmoved` of which the reference does exactly what it did.
+std::vector<EpisodeResult> episodesWithFloors(int unmoved) {
+  std::vector<EpisodeResult> episodes = episodesWith(10, 5, 3);
+  for (EpisodeResult& episode : episodes) {
+    for (const double moved : {1e-9, 1e-6}) {
+      RolloutResult floor = episode.rollouts[kEngineReplay];
+      floor.at("mean_position_divergence") = episode.index < unmoved ? 0.0 : moved;
+      floor.at("mean_angle_divergence") = 0.0;
+      episode.rollouts.push_back(floor);
+    }
+  }
+  return episodes;
+}
+
+TEST(Table, SaysIfTheReferenceDoesNotSeeTheSmallestShift) {
+  RunConfiguration configuration;
+  const auto text = [&configuration](int unmoved) {
+    return table(configuration, summarize(configuration.protocol, episodesWithFloors(unmoved)));
+  };
+  EXPECT_THAT(text(6), HasSubstr("exactly 0 in 6 of 10 episodes: the reference does not see so small a shift"));
+  EXPECT_THAT(text(5), Not(HasSubstr("exactly 0")));
 }
 
 TEST(Table, GivesNoIntervalBelowTheFewestEpisodes) {

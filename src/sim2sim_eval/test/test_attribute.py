@@ -142,7 +142,8 @@ class Attributing(CommandCase):
     def test_same_bytes_from_shards(self) -> None:
         whole = self.attribute(self.sweep())
         for number in ("1", "2"):
-            self.sweep(PLAN, f"shard-{number}", "--shard", f"{number}/2")
+            shard = self.sweep(PLAN, f"shard-{number}", "--shard", f"{number}/2")
+            self.refused(shard, f'shard-{number}: is shard "{number}/2" of a sweep; merge')
         process = self.run_command(MERGE, "shard-1", "shard-2", "--out", "merged")
         self.assertEqual(process.returncode, 0, process.stderr)
         self.assertEqual(self.attribute(self.folder / "merged"), whole)

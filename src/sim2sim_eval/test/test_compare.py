@@ -467,6 +467,21 @@ class GivenStarts(CompareCase):
             self.assertEqual(self.result_bytes(name), self.result_bytes("given"), name)
         self.assertIn(",,reference_closed,", (self.folder / "given" / "episodes.csv").read_text())
 
+    def test_episodes_are_as_many_as_the_rows_unless_said_otherwise(self) -> None:
+        expert = ("--policy", "expert", "--no-floor", "--reference", "two_mass")
+        self.finished(*expert, "--episodes", "60", "--write-starts", "60.csv", out="spawned")
+        lines = (self.folder / "60.csv").read_text().splitlines(keepends=True)
+        (self.folder / "3.csv").write_text("".join(lines[:4]))
+        for arguments, episodes in {
+            ("--starts", "3.csv"): 3,
+            ("--starts", "3.csv", "--episodes", "2"): 2,
+            ("--starts", "60.csv"): 50,
+        }.items():
+            metrics = self.finished(*expert, *arguments, "--overwrite")
+            self.assertEqual(metrics["episodes"], episodes, arguments)
+        said = self.refused(2, *expert, "--starts", "3.csv", "--episodes", "4", out="more")
+        self.assertIn("3.csv", said)
+
     def test_recompute_takes_the_starts_from_the_bag(self) -> None:
         self.finished(*self.RUN, "--write-starts", "starts.csv", out="spawned")
         self.finished(*self.RUN, "--starts", "starts.csv", "--record")

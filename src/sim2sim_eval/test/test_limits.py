@@ -5,15 +5,21 @@
 import os
 import shlex
 import subprocess
+import tempfile
 import unittest
+from pathlib import Path
 from typing import List
 
 from command_case import CommandCase, executable
 
 ATTRIBUTE = executable("sim2sim_eval", "attribute")
 COMPARE = executable("sim2sim_eval", "compare")
+DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
 MERGE = executable("sim2sim_eval", "merge")
+PLOT = executable("sim2sim_eval", "plot_sweep")
+REPORT = executable("sim2sim_eval", "report")
 SWEEP = executable("sim2sim_eval", "sweep")
+TRAIN = executable("pusht_policy", "train")
 RUN = ("--episodes", "2", "--threads", "1")
 
 
@@ -89,6 +95,31 @@ class Files(LimitCase):
         process = self.run_command(ATTRIBUTE, "sweep")
         self.assert_one_line(process, 2, "attribute")
         self.assertIn("sweep/attribution.csv: is there already", process.stderr)
+
+    def test_python_names_the_file_that_cannot_grow(self) -> None:
+        self.write("plan.yaml", b"{policy: expert, episodes: 2, grid: {block_damp: [2, 20]}}")
+        process = self.run_command(SWEEP, "plan.yaml", "--out", "sweep")
+        self.assertEqual((process.returncode, process.stderr), (0, ""))
+        demonstrate = (DEMONSTRATE, "--episodes", "2", "--out", "two.bag")
+        self.assertEqual(self.run_command(*demonstrate).returncode, 0)
+        train = (TRAIN, "--bag", "two.bag", "--out", "two.pt", "--epochs", "1", "--threads", "1")
+        temporary = tempfile.gettempdir()  # where rosbag writes modules
+        for command, file, limit in (
+            ((PLOT, "sweep"), "sweep/sweep.png", 10),
+            ((REPORT, "sweep"), "sweep/report.html", 10),
+            (train, temporary, 1),
+            (train, "two.pt.training/state.pt", 100),
+        ):
+            with self.subTest(file):
+                process = self.shell(f"ulimit -f {limit}", *command)
+                name = Path(command[0]).name
+                self.assertEqual(process.returncode, 4, process.stderr)
+                self.assertEqual(process.stderr, f"{name}: {file}: File too large\n")
+                self.assertFalse((self.folder / file).is_file())
+                if file.startswith("sweep"):
+                    process = self.shell("true", *command, after="> /dev/full")
+                    self.assert_one_line(process, 4, name)
+                    self.assertIn("stdout: No space left on device", process.stderr)
 
 
 class ClosedStreams(LimitCase):

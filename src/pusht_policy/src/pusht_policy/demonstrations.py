@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Demonstrations as they are recorded in rosbags: reading and checking."""
 
+import contextlib
 import hashlib
 import json
 import struct
+import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, Iterator, List, Optional, Sequence
 
 import numpy as np
 import rosbag  # type: ignore[import]
 from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[import]
 from pusht_task.command import Refusal
+from pusht_task.files import named
 
 ORIGIN_TOPIC = "/demonstration/origin"
 STEP_TOPIC = "/demonstration/step"
@@ -56,7 +59,7 @@ def sha256_of_frames(demonstrations: Sequence[Demonstration]) -> str:
 
 def read_origin(path: Path) -> Optional[Dict[str, Any]]:
     """What made the demonstrations of a readable bag; None if the bag does not say."""
-    with rosbag.Bag(str(path)) as bag:
+    with _opened(path) as bag:
         return _origin(path, bag)
 
 
@@ -83,6 +86,13 @@ def read_demonstrations(bags: Sequence[Path]) -> List[Demonstration]:
     return sorted(demonstrations, key=lambda demonstration: demonstration.seed)
 
 
+@contextlib.contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    """A bag to read. rosbag writes modules for its types of messages into the temporary folder."""
+    with named(Path(tempfile.gettempdir())), rosbag.Bag(str(path)) as bag:
+        yield bag
+
+
 def _origin(path: Path, bag: Any) -> Optional[Dict[str, Any]]:
     for _, message, _ in bag.read_messages(topics=[ORIGIN_TOPIC]):
         try:
@@ -99,7 +109,7 @@ def _origin(path: Path, bag: Any) -> Optional[Dict[str, Any]]:
 def _read_bag(path: Path) -> List[Demonstration]:
     recordings: Dict[int, _Recording] = {}
     try:
-        with rosbag.Bag(str(path)) as bag:
+        with _opened(path) as bag:
             _check_topics(path, bag)
             _origin(path, bag)
             for topic, message, _ in bag.read_messages(topics=list(MESSAGE_TYPES)):

@@ -37,7 +37,7 @@ from pusht_policy.demonstrations import (
     sha256_of_frames,
 )
 from pusht_policy.model import Policy, minimum_and_range, normalised
-from pusht_task.command import SIGNALS, Refusal, read_json, require_new_file
+from pusht_task.command import SIGNALS, Refusal, read_json, require_new_file, say
 from pusht_task.exit_codes import ExitCode
 from pusht_task.files import write_file
 
@@ -129,9 +129,7 @@ def train(
         demonstrations = read_demonstrations(bags)
         frames = sum(len(d.actions) for d in demonstrations)
         successes = sum(d.success for d in demonstrations)
-        print(
-            f"{len(demonstrations)} demonstrations, {successes} solved, {frames} frames", flush=True
-        )
+        say(f"{len(demonstrations)} demonstrations, {successes} solved, {frames} frames")
         origins = [read_origin(bag) for bag in bags]
         _set_up_torch(recipe)
         trainer = Trainer(demonstrations, recipe)
@@ -245,7 +243,7 @@ class Trainer:
         self.train_loss = state["train_loss"]
         self.validation_loss = state["validation_loss"]
         self.history = state["history"]
-        print(f"resumed after epoch {self.epoch}", flush=True)
+        say(f"resumed after epoch {self.epoch}")
 
     def provenance(self) -> Dict[str, Any]:
         """The `training` part of the provenance of a finished run."""
@@ -541,11 +539,9 @@ class _Progress:
             f"epoch {epoch}/{self._epochs}  train {train_loss:.6f}  "
             f"validation {validation_loss:.6f}  {left // 60} min {left % 60:02d} s left"
         )
-        print(f"\r{line}\033[K" if self._terminal else line, end="", flush=True)
-        if not self._terminal:
-            print(flush=True)
+        say(f"\r{line}\033[K" if self._terminal else line, end="" if self._terminal else "\n")
 
     def close(self) -> None:
         """Ends the updated line."""
         if self._terminal:
-            print(flush=True)
+            say("")

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Callable, Iterator, NoReturn, Optional
 
 from pusht_task.exit_codes import ExitCode
+from pusht_task.files import named
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 ONE_SIGNAL = 0.5  # [s] Closer signals are one: `timeout` sends to the command and to its group
@@ -51,8 +52,6 @@ def run_command(name: str, body: Callable[[], None], hint: str = "nothing is wri
     interrupts.catch(name)
     try:
         body()
-        if sys.stdout is not None:
-            sys.stdout.flush()
         return ExitCode.OK
     except Refusal as refusal:
         message, code = str(refusal), refusal.exit_code
@@ -75,6 +74,12 @@ def run_command(name: str, body: Callable[[], None], hint: str = "nothing is wri
         code = ExitCode.INTERNAL_ERROR
     complain(name, message)
     return code
+
+
+def say(text: str, end: str = "\n") -> None:
+    """Prints to stdout at once. An error of the system names stdout."""
+    with named(Path("stdout")):
+        print(text, end=end, flush=True)
 
 
 def complain(name: str, message: str) -> None:

@@ -10,6 +10,17 @@ MODE = 0o644
 
 
 @contextlib.contextmanager
+def named(path: Path) -> Iterator[None]:
+    """Names `path` in an error of the system that names no file, as a write on a full disk does."""
+    try:
+        yield
+    except OSError as error:
+        if error.filename is None:
+            error.filename = str(path)
+        raise
+
+
+@contextlib.contextmanager
 def aside(path: Path) -> Iterator[BinaryIO]:
     """A file beside `path` that takes its place at the end, or is removed if that fails.
 
@@ -17,7 +28,7 @@ def aside(path: Path) -> Iterator[BinaryIO]:
     """
     name, descriptor = _fresh(path)
     try:
-        with os.fdopen(descriptor, "wb") as file:
+        with named(path), os.fdopen(descriptor, "wb") as file:
             yield file
             file.flush()
             os.fsync(descriptor)

@@ -39,6 +39,7 @@ VARIABLES = {
 MARK = b"sim2sim report"  # in the page and the metadata of images, by which they are known as ours
 NARROW = 4.3  # [in] width of a figure on a phone
 STYLE: Dict[str, Any] = {
+    "axes.axisbelow": True,
     "axes.edgecolor": DIM,
     "axes.facecolor": "none",
     "axes.grid": True,
@@ -320,5 +321,5 @@ def name_rows(axes: Any, names: Sequence[str]) -> None:
     """Rows from top to bottom, with their names on the left."""
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(max(1, len(names)) - 0.5, -0.5)
-    axes.tick_params(axis="y", length=0, labelcolor=INK)
+    axes.tick_params(axis="y", length=0, pad=7, labelcolor=INK)  # a dot may stand at 0
     axes.grid(axis="y", visible=False)

@@ -111,7 +111,7 @@ def _shares(attribution: Attribution, narrow: bool) -> Any:
         for number, gap in enumerate(gaps):
             color, marker = HORIZONS[number % len(HORIZONS)]
             if component == "success":
-                color, marker = COLORS[ENGINE], "s"
+                color, marker = INK, "D"
             label = gap["title"].split(", ")[1]
             for row, name in enumerate(names):
                 found = gap["switches"][name]

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Says what causes the gap between two simulators.
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <system_error>
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/comparison.hpp"
 

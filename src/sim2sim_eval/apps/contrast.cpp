@@ -2,6 +2,7 @@
 // Compares runs over the same episodes pair by pair.
 #include "sim2sim_eval/results/contrast.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <iostream>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Records demonstrations of the scripted expert in the reference simulator.
+#include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
 #include <string>

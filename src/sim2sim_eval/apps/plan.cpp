@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Says before a run what differences it can show.
+#include <CLI/CLI.hpp>
 #include <array>
 #include <iostream>
 #include <optional>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Computes the results of a run again from its bag.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
 #include <filesystem>

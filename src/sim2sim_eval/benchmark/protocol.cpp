@@ -3,6 +3,7 @@
 // threads, a kept reference and our policy kernel change.
 #include "sim2sim_eval/protocol/protocol.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <functional>
@@ -21,6 +22,7 @@
 #include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/protocol/reference_cache.hpp"
 #include "sim2sim_eval/results/provenance.hpp"
 #include "sim2sim_eval/results/report.hpp"
 

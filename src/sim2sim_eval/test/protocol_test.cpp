@@ -26,6 +26,7 @@
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_eval/protocol/divergence.hpp"
+#include "sim2sim_eval/protocol/reference_cache.hpp"
 #include "sim2sim_eval/results/report.hpp"
 
 namespace sim2sim {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/batch/merge.hpp"
 
+#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <filesystem>
 #include <map>

@@ -2,6 +2,7 @@
 #include "sim2sim_eval/live/participants.hpp"
 
 #include <array>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "pusht_task/error.hpp"

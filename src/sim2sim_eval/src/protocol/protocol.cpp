@@ -13,6 +13,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/spawn.hpp"
+#include "sim2sim_eval/protocol/reference_cache.hpp"
 #include "sim2sim_eval/protocol/rest_of_run.hpp"
 
 namespace sim2sim {

@@ -2,6 +2,7 @@
 #include "sim2sim_eval/results/partings.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "pusht_task/numbers.hpp"
 

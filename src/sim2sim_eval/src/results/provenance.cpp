@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "pusht_task/error.hpp"

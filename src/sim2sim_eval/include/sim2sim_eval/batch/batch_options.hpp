@@ -2,7 +2,6 @@
 /// How a run in process goes about its episodes.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,6 +9,10 @@
 #include "sim2sim_eval/batch/setup.hpp"
 #include "sim2sim_eval/protocol/protocol.hpp"
 #include "sim2sim_eval/protocol/reference_cache.hpp"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace sim2sim {
 

@@ -2,7 +2,6 @@
 /// The comparison in process: what `rosrun sim2sim_eval compare` does.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +10,10 @@
 #include "sim2sim_eval/batch/batch_options.hpp"
 #include "sim2sim_eval/protocol/protocol.hpp"
 #include "sim2sim_eval/simulators.hpp"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace sim2sim {
 

@@ -2,9 +2,12 @@
 /// What `rosrun sim2sim_eval merge` does.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace sim2sim {
 

@@ -2,10 +2,13 @@
 /// Sweeps in process: what `rosrun sim2sim_eval sweep` does.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
 #include "sim2sim_eval/batch/batch_options.hpp"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace sim2sim {
 

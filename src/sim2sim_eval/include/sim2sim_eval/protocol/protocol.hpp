@@ -20,10 +20,11 @@
 #include "sim2sim_eval/protocol/parting.hpp"
 #include "sim2sim_eval/protocol/probes.hpp"
 #include "sim2sim_eval/protocol/quantities.hpp"
-#include "sim2sim_eval/protocol/reference_cache.hpp"
 #include "sim2sim_eval/protocol/starts.hpp"
 
 namespace sim2sim {
+
+class ReferenceCache;
 
 /// The three rollouts of an episode, in the order in which they advance.
 enum Mode : std::size_t {

@@ -2,7 +2,6 @@
 /// Sentences about several runs over the same episodes: the answer that a reader of a sweep or of two runs looks for.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 

@@ -3,7 +3,7 @@
 /// panel, picture and page all show this text.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "sim2sim_eval/results/run_configuration.hpp"

@@ -2,7 +2,7 @@
 /// What the bits of a run depend on, besides its configuration.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

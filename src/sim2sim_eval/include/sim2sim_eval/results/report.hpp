@@ -2,7 +2,7 @@
 /// What a run says: its metrics, its rows, its table.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>

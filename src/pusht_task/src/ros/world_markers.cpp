@@ -158,12 +158,16 @@ std::vector<geometry_msgs::Point> teeOutline() {
 }
 
 std::vector<geometry_msgs::Point> teeSurface() {
-  const std::vector<geometry_msgs::Point> corners = teeOutline();
   std::vector<geometry_msgs::Point> triangles;
-  for (const int corner : {0, 1, 2, 0, 2, 7, 6, 3, 4, 6, 4, 5}) {
-    triangles.push_back(corners.at(static_cast<std::size_t>(corner)));
+  for (const auto& [a, b, c, d] : teeRectangles()) {
+    triangles.insert(triangles.end(), {a, b, c, a, c, d});
   }
   return triangles;
+}
+
+std::array<std::array<geometry_msgs::Point, 4>, 2> teeRectangles() {
+  const std::vector<geometry_msgs::Point> outline = teeOutline();
+  return {{{outline[0], outline[1], outline[2], outline[7]}, {outline[6], outline[3], outline[4], outline[5]}}};
 }
 
 MarkerArray tableMarkers(const std::string& frame_prefix, const WorldColors& colors) {

@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <utility>
 
 #include "pusht_task/constants.hpp"
@@ -51,6 +53,11 @@ class Bounds {
 
 std::vector<Vector2d> rectangle(const Vector2d& low, const Vector2d& high) {
   return {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
+}
+
+/// A point of the tee's frame, on the table.
+Vector2d onTable(const pusht::WorldState& state, const geometry_msgs::Point& in_tee) {
+  return state.tee_position + Eigen::Rotation2D<double>(state.tee_yaw) * Vector2d(in_tee.x, in_tee.y);
 }
 
 }  // namespace
@@ -208,10 +215,9 @@ void Window::tee(Sheet& sheet, const ColorRGBA& surface, const ColorRGBA& outlin
     addArea(triangles, part, z);
   }
   sheet.triangles(surface, std::move(triangles));
-  const Eigen::Rotation2D<double> turn(state.tee_yaw);
   std::vector<Vector2d> edge;
   for (const geometry_msgs::Point& corner : pusht::teeOutline()) {
-    edge.emplace_back(state.tee_position + turn * Vector2d(corner.x, corner.y));
+    edge.push_back(onTable(state, corner));
   }
   line(sheet, outline, kOutlineWidth, edge, z);
 }
@@ -233,15 +239,11 @@ void Window::edgeMark(Sheet& sheet, const ColorRGBA& color, double size, const V
 }
 
 std::array<std::vector<Vector2d>, 2> teeCorners(const pusht::WorldState& state) {
-  constexpr double kHalf = pusht::kTeeHalfWidth;
-  constexpr double kEnd = -pusht::kStemOffset - pusht::kStemHalfLength;
-  std::array<std::vector<Vector2d>, 2> parts = {
-      rectangle({-pusht::kBarHalfLength, -kHalf}, {pusht::kBarHalfLength, kHalf}),
-      rectangle({-kHalf, kEnd}, {kHalf, -kHalf})};
-  const Eigen::Rotation2D<double> turn(state.tee_yaw);
-  for (std::vector<Vector2d>& part : parts) {
-    std::transform(part.begin(), part.end(), part.begin(),
-                   [&](const Vector2d& corner) { return Vector2d(state.tee_position + turn * corner); });
+  const auto rectangles = pusht::teeRectangles();
+  std::array<std::vector<Vector2d>, 2> parts;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    std::transform(rectangles[i].begin(), rectangles[i].end(), std::back_inserter(parts[i]),
+                   [&](const geometry_msgs::Point& corner) { return onTable(state, corner); });
   }
   return parts;
 }

@@ -8,6 +8,7 @@
 #include <visualization_msgs/Marker.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -56,6 +57,8 @@ void enumerate(const std::string& ns, std::vector<visualization_msgs::Marker>& m
 /// The shape of the tee in the xy plane of its frame [m]: for a closed LINE_STRIP, and for a TRIANGLE_LIST.
 std::vector<geometry_msgs::Point> teeOutline();
 std::vector<geometry_msgs::Point> teeSurface();
+/// Corners of stem and bar in that plane [m], counterclockwise.
+std::array<std::array<geometry_msgs::Point, 4>, 2> teeRectangles();
 
 /// What never moves: table, walls and target, in the frames `<frame_prefix>/{table,target}`.
 visualization_msgs::MarkerArray tableMarkers(const std::string& frame_prefix, const WorldColors& colors = {});

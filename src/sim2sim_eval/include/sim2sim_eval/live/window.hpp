@@ -77,7 +77,7 @@ class Window {
   double zoom_;
 };
 
-/// The corners of the tee's bar and of its stem, each convex, on the table [m].
+/// The corners of the tee's stem and of its bar, each convex, on the table [m].
 std::array<std::vector<Eigen::Vector2d>, 2> teeCorners(const pusht::WorldState& state);
 
 /// A circle as a closed line [m].

@@ -7,6 +7,7 @@
 
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
+#include "sim2sim_eval/results/difference.hpp"
 
 namespace sim2sim {
 namespace {
@@ -145,11 +146,12 @@ std::vector<Input> inputsOf(const fs::path& shard) {
 }
 
 std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted) {
-  std::string difference = firstDifference(found.description, wanted.description);
+  constexpr const char* kMustBe = ", must be ";
+  std::string difference = firstDifference(found.description, wanted.description, kMustBe);
   for (const char* key : {"format", "code"}) {
     if (difference.empty()) {
-      difference =
-          firstDifference({{key, found.provenance.value(key, json())}}, {{key, wanted.provenance.value(key, json())}});
+      difference = firstDifference({{key, found.provenance.value(key, json())}},
+                                   {{key, wanted.provenance.value(key, json())}}, kMustBe);
     }
   }
   return difference;

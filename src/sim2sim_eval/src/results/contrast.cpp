@@ -10,6 +10,7 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/results/answers.hpp"
+#include "sim2sim_eval/results/difference.hpp"
 #include "sim2sim_eval/results/output_folder.hpp"
 #include "sim2sim_eval/results/report.hpp"
 #include "sim2sim_eval/results/run_configuration.hpp"
@@ -212,13 +213,7 @@ void requirePairs(const RunResults& baseline, const RunResults& other) {
     const json one = baseline.metrics.value(place, json());
     const json two = other.metrics.value(place, json());
     if (one != two) {
-      const json difference = json::diff(one, two);
-      json::json_pointer where(difference[0].at("path").get<std::string>());
-      while (!one.contains(where) && !two.contains(where)) {  // the end of a list, which neither has
-        where.pop_back();
-      }
-      const auto text = [&](const json& whole) { return whole.contains(where) ? whole.at(where).dump() : "nothing"; };
-      refuse(std::string(key + 1) + where.to_string() + " is " + text(one) + " and " + text(two));
+      refuse(key + 1 + firstDifference(one, two, " and "));
     }
   }
   for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {

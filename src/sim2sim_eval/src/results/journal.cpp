@@ -14,6 +14,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "sim2sim_eval/results/difference.hpp"
 #include "sim2sim_eval/results/report.hpp"
 
 namespace sim2sim {
@@ -41,19 +42,6 @@ json contentOf(std::string_view line) {
 }
 
 }  // namespace
-
-std::string firstDifference(const json& found, const json& wanted) {
-  const json difference = json::diff(found, wanted);
-  if (difference.empty()) {
-    return "";
-  }
-  json::json_pointer place(difference[0].at("path").get<std::string>());
-  while (!found.contains(place) && !wanted.contains(place)) {  // the end of a list, which neither has
-    place.pop_back();
-  }
-  const auto text_at = [&](const json& object) { return object.contains(place) ? object.at(place).dump() : "nothing"; };
-  return place.to_string() + " is " + text_at(found) + ", must be " + text_at(wanted);
-}
 
 Journal::Journal(fs::path path, const Protocol& protocol, const json& identity)
     : path_(std::move(path)), csv_head_(episodesCsv(protocol, {})), protocol_(protocol) {
@@ -91,7 +79,8 @@ bool Journal::read(const Protocol& protocol, const json& identity) {
       if (!content.is_object() || content.value("format", json()) != kJournalFormat) {
         refuse(number, "must say the format " + std::to_string(kJournalFormat) + " and the run");
       }
-      if (const std::string difference = firstDifference(content.value("run", json()), identity); !difference.empty()) {
+      const std::string difference = firstDifference(content.value("run", json()), identity, ", must be ");
+      if (!difference.empty()) {
         throw pusht::InvalidInput("journal " + path_.string() + ": is of another run (" + difference +
                                   "); name another folder, or replace the run with --overwrite");
       }

@@ -56,7 +56,4 @@ class Journal {
   int descriptor_ = -1;
 };
 
-/// The first difference of two JSON values, with both: "/seed is 1, must be 0". Empty if there is none.
-std::string firstDifference(const nlohmann::json& found, const nlohmann::json& wanted);
-
 }  // namespace sim2sim

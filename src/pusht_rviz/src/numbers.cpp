@@ -33,7 +33,26 @@ double readable(double value) {
 
 std::string bracketed(const std::string& low, const std::string& high) { return "[" + low + ", " + high + "]"; }
 
-std::string percent(double share) { return std::isinf(share) ? "any" : fixedText(100.0 * readable(share), 0) + " %"; }
+/// A transfer, with as many digits as it takes to stand on its side of each bound of the headline's words.
+std::string percent(double share) {
+  if (std::isinf(share)) {
+    return "any";
+  }
+  constexpr std::array kBounds = {0.5, 0.9, 1.1};
+  constexpr int kMostDigits = 4;
+  const double exact = readable(share);
+  std::string text;
+  for (int digits = 0; digits <= kMostDigits; ++digits) {
+    text = fixedText(100.0 * exact, digits);
+    const double shown = read(text) / 100.0;
+    if (std::all_of(kBounds.begin(), kBounds.end(), [&](double bound) {
+          return (shown < bound) == (exact < bound) && (shown > bound) == (exact > bound);
+        })) {
+      break;
+    }
+  }
+  return text + " %";
+}
 
 }  // namespace
 

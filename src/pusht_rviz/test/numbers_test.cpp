@@ -52,6 +52,7 @@ TEST(Numbers, RatesReadAsInTheTerminal) {
 TEST(Numbers, TransferIsInPercent) {
   EXPECT_EQ(transferText(transfer(0.3666667, 0.2149, 0.6051)), "37 % [21 %, 61 %]");
   EXPECT_EQ(transferText(transfer(1.5, 0.9, kInf)), "150 % [90 %, any]");
+  EXPECT_EQ(transferText(transfer(0.496, 0.4, 0.5004)), "49.6 % [40 %, 50.04 %]") << "on their side of 50 %";
   EXPECT_EQ(transferText(transfer(0.5, kNan, kNan)), "50 %");
   EXPECT_EQ(transferText(transfer(kNan, kNan, kNan)), kDash);
   EXPECT_EQ(transferText(pusht_msgs::Summary()), kDash) << "before the first episode has finished";

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <string>
 
 #include "sim2sim_eval/results/text.hpp"
@@ -124,6 +125,43 @@ TEST(Headline, VerdictFollowsFromTheInterval) {
   EXPECT_EQ(verdict({0.499, 0.899}), "at_most_in_part");
   EXPECT_EQ(verdict({0.0, 0.501}), "at_most_in_part");
   EXPECT_EQ(verdict({0.0, 0.5}), "does_not_transfer");
+}
+
+/// "50" beside "no" where the interval ends at 0.4996 would not say on which side of 0.5 that is.
+TEST(Headline, FiguresStandOnTheirSideOfEachBound) {
+  RunConfiguration configuration = configurationOf("two-mass engine", 1000);
+  EXPECT_EQ(transferNumber(configuration, 0.5), "50");
+  EXPECT_EQ(transferNumber(configuration, 0.504), "50.4");
+  EXPECT_EQ(transferNumber(configuration, 0.4996), "49.96");
+  EXPECT_EQ(transferNumber(configuration, 0.496), "49.6");
+  EXPECT_EQ(transferNumber(configuration, 0.494), "49");
+  EXPECT_EQ(transferNumber(configuration, 0.8999), "89.99");
+  EXPECT_EQ(transferNumber(configuration, 1.1), "110");
+  EXPECT_EQ(transferNumber(configuration, 1.1004), "110.04");
+  EXPECT_EQ(transferNumber(configuration, 0.4999999), "50") << "as files have it";
+  EXPECT_EQ(transferNumber(configuration, 0.328), "33");
+  configuration.until_decided = 0.33;
+  EXPECT_EQ(transferNumber(configuration, 0.328), "32.8");
+}
+
+/// Every outcome of 30 episodes in which the reference succeeds: the printed interval has the verdict of the words.
+TEST(Headline, WordsFollowFromThePrintedFigures) {
+  constexpr int kEpisodes = 30;
+  int finer = 0;
+  for (int both = 0; both <= kEpisodes; ++both) {
+    for (int reference = both == 0 ? 1 : 0; both + reference <= kEpisodes; ++reference) {
+      for (int engine = 0; both + reference + engine <= kEpisodes; ++engine) {
+        const Headline found = headline("Chipmunk", {both, reference, engine, kEpisodes - both - reference - engine});
+        double low = 0.0;
+        double high = 0.0;
+        const std::string interval = found.answer.substr(found.answer.find('['));
+        ASSERT_EQ(std::sscanf(interval.c_str(), "[%lf, %lf]", &low, &high), 2) << found.answer;
+        EXPECT_EQ(nameOf(verdictOf({low / 100.0, high / 100.0})), nameOf(found.verdict)) << found.answer;
+        finer += interval.find('.') != std::string::npos && interval.find('.') < interval.find(']') ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(finer, 0) << "outcomes whose interval ends close to a bound";
 }
 
 TEST(Headline, IsJson) {

@@ -272,6 +272,11 @@ TEST(Table, GivesNoIntervalBelowTheFewestEpisodes) {
   EXPECT_GT(enough.mean(kEngineReplay, "mean_position_divergence").interval->low, 0.0);
 }
 
+TEST(Decision, HasTheShareAsItWasGiven) {
+  EXPECT_THAT(decisionText(TransferBet(0.4999), 0.4999), HasSubstr("does the engine keep 49.99 % of"));
+  EXPECT_THAT(decisionText(TransferBet(0.5), 0.5), HasSubstr("does the engine keep 50 % of"));
+}
+
 TEST(Table, ShowsRatesWithIntervals) {
   RunConfiguration configuration = bareConfiguration();
   configuration.reference = {"mujoco", "MuJoCo"};

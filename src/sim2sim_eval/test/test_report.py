@@ -24,6 +24,7 @@ from selenium.webdriver.chrome.options import Options  # type: ignore[import]
 from selenium.webdriver.chrome.service import Service  # type: ignore[import]
 from selenium.webdriver.support.wait import WebDriverWait  # type: ignore[import]
 from sim2sim_eval.report.results import METRICS_FORMAT
+from sim2sim_eval.report.words import transfer_percent
 
 from command_case import CommandCase, catches, executable, until
 
@@ -294,6 +295,10 @@ class Content(ReportCase):
         self.assertNotIn("<img", page)
         self.assertIn("onerror", page, "it is shown, as text")
 
+    def test_transfer_stands_on_its_side_of_each_bound(self) -> None:
+        printed = [transfer_percent(share) for share in (0.5, 0.4996, 0.496, 0.494, 0.8999, 1.1)]
+        self.assertEqual(printed, ["50 %", "49.96 %", "49.6 %", "49 %", "89.99 %", "110 %"])
+
     def test_rare_runs(self) -> None:
         """Each with what its page must say."""
         (self.folder / "starts.csv").write_text(
@@ -304,7 +309,7 @@ class Content(ReportCase):
             "--policy fresh-untrained --episodes 20": "The policy is untrained",
             "--policy expert --episodes 1 --starts starts.csv": "(?) In position there are too few",
             "--episodes 20 --no-floor --reanchor 1,5": "made in 5 steps",
-            "--until-decided 0.9 --episodes 60": "does not keep 90 % of the success",
+            "--until-decided 0.8999 --episodes 60": "does not keep 89.99 % of the success",
             "--reference two_mass --policy expert --episodes 20": "two-mass engine",
             "--set block_damp=20 --set pusher_mass=2 --set baumgarte=70 --episodes 20": "baumgarte",
         }

@@ -42,7 +42,7 @@ bool areOfOneKind(const std::vector<RunResults>& runs) {
 /// The parameters in which those of `runs` differ that are of the kind of `run`.
 std::vector<std::string> differing(const std::vector<RunResults>& runs, const RunResults& run) {
   std::vector<std::string> names;
-  const json engine = run.engine();
+  const json& engine = run.engine();
   for (const auto& [name, value] : engine.at("parameters").items()) {
     const auto differs = [&, &name = name, &value = value](const RunResults& other) {
       return other.engine().at("name") == engine.at("name") && valueOf(other, name) != value;
@@ -162,7 +162,7 @@ Change changeOf(const Contrast& contrast, const Figure& figure) {
 std::string clauseOf(const Change& change, const Figure& figure) {
   const std::string name = figure.name;
   if (!change.p) {
-    return "there are too few episodes to compare " + name;
+    return std::string("there are ") + kTooFewToCompare + " " + name;
   }
   if (change.value == 0.0 && *change.p >= 1.0 && (!change.interval || change.interval->low == change.interval->high)) {
     return name + " is the same";

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/results/text.hpp"
 #include "sim2sim_eval/statistics/sequential.hpp"
 
@@ -40,10 +41,16 @@ std::string soFar(std::string words) {
 }
 
 /// "31 % [30, 32]", "60 % [3 or more]"
-std::string shareText(double share, const Interval& interval) {
-  const std::string low = percentNumber(interval.low);
-  return percent(share) + " [" +
-         (std::isinf(interval.high) ? low + " or more" : low + ", " + percentNumber(interval.high)) + "]";
+std::string shareText(const RunConfiguration& configuration, double share, const Interval& interval) {
+  const std::string low = transferNumber(configuration, interval.low);
+  return transferNumber(configuration, share) + " % [" +
+         (std::isinf(interval.high) ? low + " or more" : low + ", " + transferNumber(configuration, interval.high)) +
+         "]";
+}
+
+/// The two ends as they are printed, so that words and figures are of the same numbers.
+Interval asPrinted(const Interval& interval) {
+  return {readable(interval.low), std::isinf(interval.high) ? interval.high : readable(interval.high)};
 }
 
 std::string counted(int episodes) { return std::to_string(episodes) + (episodes == 1 ? " episode" : " episodes"); }
@@ -75,6 +82,25 @@ TransferVerdict verdictOf(const Interval& transfer) {
   return transfer.low >= kNotEnough ? TransferVerdict::kTransfersInPart : TransferVerdict::kAtMostInPart;
 }
 
+std::string transferNumber(const RunConfiguration& configuration, double share) {
+  constexpr int kMostDigits = 4;  // those of readable()
+  constexpr double kHundred = 100.0;
+  const double exact = readable(share);
+  const auto is_on_its_side = [&](const std::string& text, double bound) {
+    const double shown = pusht::decimal<double>(text).value() / kHundred;
+    return (shown < bound) == (exact < bound) && (shown > bound) == (exact > bound);
+  };
+  for (int digits = 0; digits < kMostDigits; ++digits) {
+    const std::string text = pusht::fixedText(kHundred * exact, digits);
+    const double deciding = configuration.until_decided.value_or(kNotEnough);
+    if (is_on_its_side(text, kNotEnough) && is_on_its_side(text, kWhole) && is_on_its_side(text, kMore) &&
+        is_on_its_side(text, deciding)) {
+      return text;
+    }
+  }
+  return pusht::fixedText(kHundred * exact, kMostDigits);
+}
+
 Headline headlineOf(const RunConfiguration& configuration, const PairTable& successes) {
   const int episodes = successes.pairs();
   if (episodes < kFewestEpisodes) {
@@ -93,14 +119,15 @@ Headline headlineOf(const RunConfiguration& configuration, const PairTable& succ
             (partial ? soFar(words) : words) + ": with this policy " + reference + " never succeeds" +
                 (partial ? count : " in " + counted(episodes) + ".")};
   }
-  const Interval interval = configuration.until_decided ? transferSequence(successes) : tangInterval(successes).value();
+  const Interval interval =
+      asPrinted(configuration.until_decided ? transferSequence(successes) : tangInterval(successes).value());
   const TransferVerdict verdict = verdictOf(interval);
   const std::string words = wordsOf(verdict, interval);
   const double transfer = (successes.both + successes.second_only) / static_cast<double>(reference_successes);
   return {verdict, kQuestion,
           (partial && verdict != TransferVerdict::kCannotSay ? soFar(words) : words) + ": with this policy " + engine +
-              (transfer > 1.0 ? " has " : " keeps ") + shareText(transfer, interval) + " of " + reference +
-              "'s success" + count};
+              (transfer > 1.0 ? " has " : " keeps ") + shareText(configuration, transfer, interval) + " of " +
+              reference + "'s success" + count};
 }
 
 nlohmann::json toJson(const Headline& headline) {

@@ -134,9 +134,11 @@ std::string transferText(const RunConfiguration& configuration, const Outcomes& 
   if (!outcomes.transfer) {
     return "undefined: the reference never succeeds";
   }
+  const auto text = [&](double share) {
+    return std::isinf(share) ? "any" : transferNumber(configuration, share) + " %";
+  };
   const std::optional<Interval> interval = transferInterval(configuration, outcomes);
-  return percent(*outcomes.transfer) +
-         (interval ? " [" + percent(interval->low) + ", " + percent(interval->high) + "]" : "");
+  return text(*outcomes.transfer) + (interval ? " [" + text(interval->low) + ", " + text(interval->high) + "]" : "");
 }
 
 /// "1.3 times", "110 times"; "undefined" for NaN
@@ -225,7 +227,7 @@ std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
     }
   }
   return lines + (any_doubt ? "(!) not shown to be less than that of a tee that never moves\n" : "") +
-         (any_too_few ? "(?) too few episodes to compare it with that of a tee that never moves\n" : "");
+         (any_too_few ? std::string("(?) ") + kTooFewToCompare + " it with that of a tee that never moves\n" : "");
 }
 
 json outcomes(const Outcomes& outcomes) {
@@ -319,7 +321,8 @@ std::string decisionText(const TransferBet& bet, double share) {
   const std::string known =
       "\n(the interval of the transfer holds whenever the run stops; the other intervals are those of a run of fixed "
       "length,\nand hold less often here)\n";
-  const std::string success = percent(share) + " of the reference's success";
+  constexpr int kDigits = 6;
+  const std::string success = pusht::significantText(100.0 * share, kDigits) + " % of the reference's success";
   if (bet.verdict() == Verdict::kUndecided) {
     return "not decided after " + std::to_string(bet.counts().pairs()) + " episodes: does the engine keep " + success +
            "?" + known;

@@ -32,6 +32,10 @@ std::string nameOf(TransferVerdict verdict);
 
 TransferVerdict verdictOf(const Interval& transfer);
 
+/// A share of the reference's success in percent: "31". It has as many digits as it takes to be printed on its side of
+/// each bound of the scale, and of the share that decides the end of the run: 0.4996 is "49.96", not "50".
+std::string transferNumber(const RunConfiguration& configuration, double share);
+
 struct Headline {
   TransferVerdict verdict = TransferVerdict::kCannotSay;
   std::string question;

@@ -28,6 +28,9 @@ std::string percent(double share);
 /// "31"
 std::string percentNumber(double share);
 
+/// Why a figure has no comparison, as words before what would be compared.
+inline constexpr const char* kTooFewToCompare = "too few episodes to compare";
+
 /// The mark of a divergence: "(!)" if it is not shown to be less than that of a tee that never moves, "(?)" if there
 /// are too few episodes to say, empty if it is less. `beats_null` is empty where there are too few.
 std::string markOf(const std::optional<bool>& beats_null);

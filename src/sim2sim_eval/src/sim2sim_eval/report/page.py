@@ -222,7 +222,7 @@ def _sentences(run: Run) -> List[str]:
 
 def _decision(m: Json, engine: str) -> str:
     decision = m["decision"]
-    kept = f"{100 * decision['share']:.0f} % of the success in the reference"
+    kept = f"{100 * decision['share']:.6g} % of the success in the reference"
     if decision["episodes"] is None:
         return f"It was not decided after {m['episodes']} episodes whether {engine} keeps {kept}."
     return f"Decided after {decision['episodes']} episodes: {engine} {decision['verdict']} {kept}."

@@ -13,6 +13,7 @@ from sim2sim_eval.report.results import Json
 
 RATE_DIGITS, DIVERGENCE_DIGITS = 3, 4  # as in the table that the commands print
 NOT_SHOWN, TOO_FEW = "(!)", "(?)"  # marks of a divergence beside that of a tee that never moves
+WORD_BOUNDS = (0.5, 0.9, 1.1)  # of the transfer, where the words of the headline change
 WORDS = (
     *("Reference", "Closed loop", "Open loop", "Success", "Tolerance", "Transfer", "Divergence"),
     *("Null model", "Floor", "Parting", "Band", "Holm", "Control step", "Spawn seed", "Tee"),
@@ -54,12 +55,23 @@ def figure(
     return f"{text} {unit}{rest}"
 
 
+def transfer_percent(share: float) -> str:
+    """With digits enough to stand on its side of each bound of the words: "49.96 %", not 50."""
+    text = ""
+    for digits in range(5):
+        text = f"{100 * share:.{digits}f}"
+        shown = float(text) / 100
+        if all((shown < end, shown > end) == (share < end, share > end) for end in WORD_BOUNDS):
+            break
+    return text + " %"
+
+
 def transfer(metrics: Json) -> str:
     if metrics["transfer"] is None:
         return "undefined, since the policy never succeeds in the reference"
     found = metrics["transfer_interval"]
-    ends = ["any" if end is None else f"{100 * end:.0f} %" for end in found or []]
-    return f"{100 * metrics['transfer']:.0f} %" + (f" [{', '.join(ends)}]" if ends else "")
+    ends = ["any" if end is None else transfer_percent(end) for end in found or []]
+    return transfer_percent(metrics["transfer"]) + (f" [{', '.join(ends)}]" if ends else "")
 
 
 def readable(value: float) -> float:

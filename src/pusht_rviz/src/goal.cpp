@@ -193,7 +193,7 @@ void SimulatorDraft::type(std::size_t place, const std::string& text) {
 std::vector<pusht_msgs::Parameter> SimulatorDraft::named() const {
   std::vector<pusht_msgs::Parameter> parameters;
   for (const Setting& setting : settings) {
-    if (setting.differs()) {
+    if (setting.differs() || !setting.described) {
       pusht_msgs::Parameter parameter;
       parameter.name = setting.parameter.name;
       parameter.value = setting.text;
@@ -204,7 +204,6 @@ std::vector<pusht_msgs::Parameter> SimulatorDraft::named() const {
 }
 
 SimulatorDraft draftOf(const std::string& kind, const pusht_msgs::DescribeResponse& described,
-                       const std::vector<pusht_msgs::Parameter>& requested,
                        const std::vector<pusht_msgs::Parameter>& chosen) {
   SimulatorDraft draft;
   draft.kind = kind;
@@ -213,15 +212,13 @@ SimulatorDraft draftOf(const std::string& kind, const pusht_msgs::DescribeRespon
     const auto known = std::find_if(descriptors.begin(), descriptors.end(),
                                     [&](const auto& descriptor) { return descriptor.name == parameter.name; });
     Setting setting;
-    if (known != descriptors.end()) {
+    setting.described = known != descriptors.end();
+    if (setting.described) {
       setting.parameter = *known;
-    } else {
-      setting.parameter.name = parameter.name;  // a text that may be anything
-    }
-    if (!kind.empty() && known != descriptors.end()) {
       setting.initial = known->default_value;
     } else {
-      setting.initial = textAmong(requested, parameter.name).value_or(parameter.value);
+      setting.parameter.name = parameter.name;  // a text that may be anything
+      setting.initial = parameter.value;
     }
     setting.text = textAmong(chosen, parameter.name).value_or(setting.initial);
     draft.settings.push_back(setting);

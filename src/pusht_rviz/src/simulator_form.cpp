@@ -32,6 +32,14 @@ QString described(const pusht_msgs::ParameterDescriptor& parameter) {
   return lines.join("\n");
 }
 
+/// Whether the parameters have the same names and defaults in the same order, whatever their values.
+bool sameParameters(const pusht_msgs::DescribeResponse& one, const pusht_msgs::DescribeResponse& other) {
+  const auto same_name = [](const auto& a, const auto& b) { return a.name == b.name; };
+  return one.parameter_descriptors == other.parameter_descriptors &&
+         std::equal(one.parameters.begin(), one.parameters.end(), other.parameters.begin(), other.parameters.end(),
+                    same_name);
+}
+
 }  // namespace
 
 SimulatorForm::SimulatorForm(const QString& role, QWidget* parent)
@@ -68,7 +76,7 @@ void SimulatorForm::setRequest(const std::string& kind, const std::vector<pusht_
 
 void SimulatorForm::setNode(const pusht_msgs::DescribeResponse& description) {
   const bool same_kinds = known_ && description.kinds == node_.kinds;
-  const bool same_node = same_kinds && description.name == node_.name;
+  const bool same_parameters = same_kinds && draft_.kind == description.name && sameParameters(description, node_);
   node_ = description;
   known_ = true;
   title_->setText(shown(description.success == 0    ? description.message
@@ -77,9 +85,9 @@ void SimulatorForm::setNode(const pusht_msgs::DescribeResponse& description) {
   if (description.kinds.empty()) {
     kinds_->hide();
     title_->show();
-    // What was typed stays, as long as it is the same simulator.
-    build(draftOf("", description, request_parameters_,
-                  same_node ? draft_.named() : std::vector<pusht_msgs::Parameter>()));
+    if (!same_parameters) {  // else the choice stands, whatever the node became since
+      build(draftOf(description.name, description, firstChoice(description.name)));
+    }
     return;
   }
   if (same_kinds && !draft_.kind.empty()) {  // the choice stands, whatever the node became since
@@ -127,15 +135,20 @@ void SimulatorForm::setKind(const QString& kind, const pusht_msgs::DescribeRespo
   }
   title_->hide();
   pending_ = false;
-  std::vector<pusht_msgs::Parameter> chosen;
-  if (kind.toStdString() == request_kind_) {
-    chosen = request_parameters_;
-  } else if (request_kind_.empty() && kind.toStdString() == node_.name) {
-    chosen = node_.parameters;  // the evaluator would leave them
-    chosen.insert(chosen.end(), request_parameters_.begin(), request_parameters_.end());
-  }
   kinds_->setToolTip(shown(description.title));
-  build(draftOf(kind.toStdString(), description, {}, chosen));
+  build(draftOf(kind.toStdString(), description, firstChoice(kind.toStdString())));
+}
+
+std::vector<pusht_msgs::Parameter> SimulatorForm::firstChoice(const std::string& kind) const {
+  if (kind == request_kind_) {
+    return request_parameters_;
+  }
+  if (!request_kind_.empty() || kind != node_.name) {
+    return {};
+  }
+  std::vector<pusht_msgs::Parameter> chosen = node_.parameters;
+  chosen.insert(chosen.end(), request_parameters_.begin(), request_parameters_.end());
+  return chosen;
 }
 
 void SimulatorForm::forget() {

@@ -117,25 +117,15 @@ TEST(Goal, NamesPolicyAndRateIfTheyWereChosen) {
 
 TEST(Goal, NamesAKindAndWhatDiffersFromItsDefaults) {
   RunDraft run = fiftyEpisodes();
-  run.engine = draftOf("two_mass", twoMass(), {}, {});
+  run.engine = draftOf("two_mass", twoMass(), {});
   Draft draft = goalFrom(run);
   EXPECT_THAT(draft.goal.engine, ElementsAre("two_mass"));
   EXPECT_THAT(draft.goal.engine_parameters, IsEmpty()) << "what the node is now does not count: its kind is named";
-  run.engine = draftOf("two_mass", twoMass(), {}, {parameter("block_damp", "20"), parameter("no_such", "1")});
+  run.engine = draftOf("two_mass", twoMass(), {parameter("block_damp", "20"), parameter("no_such", "1")});
   draft = goalFrom(run);
   EXPECT_THAT(draft.goal.engine_parameters, ElementsAre(parameter("block_damp", "20")));
   run.engine.settings[1].text = "6";
   EXPECT_THAT(goalFrom(run).goal.engine_parameters, IsEmpty()) << "6 is 6.0";
-}
-
-TEST(Goal, OfANodeThatStaysWhatItIsNamesWhatDiffersFromNow) {
-  RunDraft run = fiftyEpisodes();
-  run.engine = draftOf("", twoMass(), {}, {});
-  EXPECT_THAT(goalFrom(run).goal.engine, IsEmpty());
-  EXPECT_THAT(goalFrom(run).goal.engine_parameters, IsEmpty());
-  run.engine.settings[1].text = "6.0";
-  EXPECT_THAT(goalFrom(run).goal.engine_parameters, ElementsAre(parameter("block_damp", "6.0")))
-      << "which is its default, but not what the node has now";
 }
 
 std::vector<std::string> textsOf(const SimulatorDraft& draft) {
@@ -147,7 +137,7 @@ std::vector<std::string> textsOf(const SimulatorDraft& draft) {
 }
 
 TEST(Presets, SetWhatDoesNotDifferYet) {
-  SimulatorDraft draft = draftOf("rigid_body", rigidBody(), {}, {});
+  SimulatorDraft draft = draftOf("rigid_body", rigidBody(), {});
   EXPECT_THAT(textsOf(draft), ElementsAre("faithful", "true", "true"));
   draft.type(0, "simple");
   EXPECT_THAT(textsOf(draft), ElementsAre("simple", "false", "false"));
@@ -166,30 +156,11 @@ TEST(Presets, SetWhatDoesNotDifferYet) {
 
 TEST(Presets, LeaveWhatIsChosenByName) {
   const std::vector<pusht_msgs::Parameter> chosen = {parameter("preset", "simple"), parameter("servo", "true")};
-  SimulatorDraft draft = draftOf("rigid_body", rigidBody(), {}, chosen);
+  SimulatorDraft draft = draftOf("rigid_body", rigidBody(), chosen);
   EXPECT_THAT(textsOf(draft), ElementsAre("simple", "true", "false"));
   EXPECT_EQ(draft.named(), chosen);
-  EXPECT_THAT(draftOf("rigid_body", rigidBody(), {}, rigidBody().parameters).named(),
+  EXPECT_THAT(draftOf("rigid_body", rigidBody(), rigidBody().parameters).named(),
               ElementsAre(parameter("preset", "simple")));
-}
-
-TEST(Presets, OfANodeThatStaysWhatItIsSetOthersOnlyIfTheyAreNamed) {
-  SimulatorDraft draft = draftOf("", rigidBody(), {}, {});
-  EXPECT_THAT(draft.named(), IsEmpty());
-  draft.type(0, "shaped");
-  EXPECT_THAT(textsOf(draft), ElementsAre("shaped", "true", "false"));
-  draft.type(0, "simple");
-  EXPECT_THAT(textsOf(draft), ElementsAre("simple", "false", "false"));
-  EXPECT_THAT(draft.named(), IsEmpty());
-}
-
-TEST(Goal, OfANodeThatStaysWhatItIsBeginsWithWhatTheEvaluatorAsksFor) {
-  RunDraft run = fiftyEpisodes();
-  run.engine = draftOf("", twoMass(), {parameter("block_damp", "8")}, {});
-  EXPECT_EQ(run.engine.settings[1].text, "8") << "not 20, which it has now";
-  EXPECT_THAT(goalFrom(run).goal.engine_parameters, IsEmpty());
-  run.engine.settings[1].text = "20";
-  EXPECT_THAT(goalFrom(run).goal.engine_parameters, ElementsAre(parameter("block_damp", "20")));
 }
 
 TEST(Goal, LeavesOpenHowManyEpisodesIfItIsAsTheEvaluatorSays) {
@@ -206,11 +177,12 @@ TEST(Goal, NamesTheFolder) {
   EXPECT_THAT(goalFrom(run).goal.out, ElementsAre("mine"));
 }
 
-TEST(Goal, TakesParametersThatNobodyDescribes) {
+TEST(Goal, AlwaysNamesParametersWhoseDefaultIsNotKnown) {
   pusht_msgs::DescribeResponse foreign;
   foreign.parameters = {parameter("gain", "3")};
   RunDraft run = fiftyEpisodes();
-  run.reference = draftOf("", foreign, {}, {});
+  run.reference = draftOf("foreign", foreign, {});
+  EXPECT_THAT(goalFrom(run).goal.reference_parameters, ElementsAre(parameter("gain", "3")));
   run.reference.settings[0].text = "whatever";
   const Draft draft = goalFrom(run);
   EXPECT_THAT(draft.refusals, IsEmpty());
@@ -263,9 +235,9 @@ TEST(Goal, RefusesSpawnSeedsUnlessStartsAreGiven) {
 
 TEST(Goal, RefusesParametersByName) {
   RunDraft run = fiftyEpisodes();
-  run.engine = draftOf("two_mass", twoMass(), {}, {parameter("block_damp", "1e9")});
+  run.engine = draftOf("two_mass", twoMass(), {parameter("block_damp", "1e9")});
   EXPECT_EQ(only(goalFrom(run).refusals), "engine.block_damp | block_damp 1e9: must be from 0 to 100 [1/s]");
-  run.reference = draftOf("two_mass", twoMass(), {}, {parameter("pusher_mass", "0")});
+  run.reference = draftOf("two_mass", twoMass(), {parameter("pusher_mass", "0")});
   EXPECT_THAT(goalFrom(run).refusals, SizeIs(2));
 }
 

@@ -46,9 +46,10 @@ std::string rangeText(const pusht_msgs::ParameterDescriptor& parameter);
 /// A parameter of a simulator, as the form has it.
 struct Setting {
   pusht_msgs::ParameterDescriptor parameter;
-  std::string initial;  ///< what it is if the goal says nothing
-  std::string base;     ///< what it is unless the goal names it: `initial`, or what a word that the goal names sets
-  std::string text;     ///< what it is to be
+  std::string initial;     ///< its default; of a parameter without a descriptor, what the node said of it first
+  std::string base;        ///< what it is unless the goal names it: `initial`, or what a word that the goal names sets
+  std::string text;        ///< what it is to be
+  bool described = false;  ///< whether the node says what its default is
 
   /// Whether `text` says something else than `base`: 6 and 6.0 are the same number.
   bool differs() const;
@@ -56,21 +57,20 @@ struct Setting {
 
 /// A simulator, as the form has it.
 struct SimulatorDraft {
-  std::string kind;  ///< empty: the node stays what it is
+  std::string kind;  ///< empty: nothing is known of the node
   std::vector<Setting> settings;
 
   /// `text` is typed for a setting. If it is a word that sets others besides, they follow, unless they differ already.
   void type(std::size_t place, const std::string& text);
 
-  /// What a goal says of it: the settings that differ.
+  /// What a goal that names the kind says of it, so that what is shown is what runs: the settings that differ, and
+  /// those whose default is not known.
   std::vector<pusht_msgs::Parameter> named() const;
 };
 
-/// The settings of a node as it describes itself, or a kind of it. With a `kind` they are based on that kind's
-/// defaults, without on what `requested` names and else on what the node has now. `chosen` is written over the texts as
-/// far as there are such parameters.
+/// The settings of a simulator of a kind, based on the kind's defaults. `chosen` is written over the texts as far as
+/// there are such parameters.
 SimulatorDraft draftOf(const std::string& kind, const pusht_msgs::DescribeResponse& described,
-                       const std::vector<pusht_msgs::Parameter>& requested,
                        const std::vector<pusht_msgs::Parameter>& chosen);
 
 /// All that the form says of the next run.

@@ -60,6 +60,9 @@ class SimulatorForm : public QGroupBox {
     std::function<void(const QString&)> show;
   };
 
+  /// What the parameters of a kind are at first: what the evaluator asks for; if it leaves the kind open, on top of
+  /// what a node of that kind has. The others have their defaults.
+  std::vector<pusht_msgs::Parameter> firstChoice(const std::string& kind) const;
   void choose(const QString& kind);
   void build(const SimulatorDraft& draft);
   void addRow(const Setting& setting, int line);

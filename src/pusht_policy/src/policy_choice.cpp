@@ -65,12 +65,13 @@ ChosenPolicy withinMemory(const std::string& what, const std::function<bool()>& 
     });
   } catch (const CrashedCopy& error) {
     throw RuntimeFault(cannot + error.what());
+  } catch (const InterruptedCopy&) {
+    throw;
   } catch (const Error& error) {
-    const std::string message = error.what();
-    if (error.exitCode() != ExitCode::kRuntimeFault || message.find("interrupted") != std::string::npos) {
+    if (error.exitCode() != ExitCode::kRuntimeFault) {
       throw;
     }
-    throw RuntimeFault(cannot + message);
+    throw RuntimeFault(cannot + error.what());
   }
   return load();
 }

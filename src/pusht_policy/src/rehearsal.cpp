@@ -160,7 +160,7 @@ class Copy {
         throwSystemError(what_ + ": cannot be tried out: poll");
       }
       if (ready < 0 || stop()) {
-        throw RuntimeFault(what_ + ": interrupted while it was tried out");
+        throw InterruptedCopy(what_ + ": interrupted while it was tried out");
       }
       if (left.count() == 0) {
         throw RuntimeFault(what_ + ": must load and act within " +
@@ -195,7 +195,7 @@ void rehearse(const std::string& what, std::chrono::milliseconds deadline, const
   const std::string verdict = copy.verdict(deadline, stop);
   const int signal = copy.signalAtEnd();
   if (std::count(kEndingSignals.begin(), kEndingSignals.end(), signal) != 0) {
-    throw RuntimeFault(what + ": interrupted while it was tried out");
+    throw InterruptedCopy(what + ": interrupted while it was tried out");
   }
   if (signal != 0 || verdict.empty()) {
     throw CrashedCopy(

@@ -117,8 +117,9 @@ TEST_F(Rehearsal, EndsAtASignalThatAnotherThreadTakes) {
 
 /// As Ctrl-C does, which reaches both.
 TEST_F(Rehearsal, EndsAtASignalToTheCopy) {
-  expectFailure(
-      kLong, [] { std::raise(SIGINT); }, ExitCode::kRuntimeFault, "the work: interrupted while it was tried out");
+  const auto raise = [] { std::raise(SIGINT); };
+  expectFailure(kLong, raise, ExitCode::kRuntimeFault, "the work: interrupted while it was tried out");
+  EXPECT_THROW(rehearse("the work", kLong, never, raise), InterruptedCopy) << "callers tell it from other faults";
 }
 
 }  // namespace

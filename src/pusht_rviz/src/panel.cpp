@@ -225,7 +225,9 @@ void Panel::connectLink() {
   connect(&link_, &EvaluatorLink::forgotten, this, [this] {
     summary_->clear();
     next_run_->forget();
-    asked_ = cancelling_ = busy_ = false;
+    asked_ = cancelling_ = false;
+    last_run_ = 0;
+    live_episode_.reset();
     request_rate_.reset();
     faults_ = {};
     titles_ = {};
@@ -236,17 +238,14 @@ void Panel::connectLink() {
     episodes_->clear();
     curves_->clear();
     asked_ = cancelling_ = false;
-  });
-  connect(&link_, &EvaluatorLink::progressed, this, [this] {
-    const pusht_msgs::Progress& progress = link_.progress();
-    const bool busy = progress.busy != 0;
-    const bool was = progress.episodes_finished > 0 || !progress.failure.empty();  // before the panel came
-    if (progress.replay == 0 && ((busy && !busy_) || (was && !next_run_->began()))) {
+    live_episode_.reset();
+    const std::uint32_t run = link_.progress().run;
+    if (run != 0 && run != last_run_) {  // a goal that failed before its run began has left its folder free
       next_run_->runBegan();
     }
-    busy_ = busy;
-    showState();
+    last_run_ = run;
   });
+  connect(&link_, &EvaluatorLink::progressed, this, &Panel::showState);
   connect(&link_, &EvaluatorLink::requestCame, this, [this](const pusht_msgs::CompareGoal& request) {
     if (!request.bound_position.empty() && !request.bound_angle.empty()) {
       curves_->setBound(request.bound_position.front(), request.bound_angle.front());
@@ -259,6 +258,7 @@ void Panel::connectLink() {
     curves_->add(divergence);
     shown_episode_ = divergence.episode;
     shown_step_ = divergence.step;
+    live_episode_ = divergence.episode;
   });
   connect(&link_, &EvaluatorLink::settled, this, [this] {
     showStrip();
@@ -535,9 +535,11 @@ void Panel::showScrubber() {
 
 void Panel::showStrip() {
   // The first episode to finish is the first of the run, unless it is under way.
-  const std::uint64_t first =
-      episodes_->rowCount() == 0 ? shown_episode_ : std::min(episodes_->row(0).episode, shown_episode_);
-  strip_->setRun(link_.progress().episodes, first);
+  std::optional<std::uint64_t> first = live_episode_;
+  if (episodes_->rowCount() > 0) {
+    first = std::min(episodes_->row(0).episode, first.value_or(episodes_->row(0).episode));
+  }
+  strip_->setRun(first ? link_.progress().episodes : 0, first.value_or(0));
   strip_->setShown(curves_->chosen());
 }
 

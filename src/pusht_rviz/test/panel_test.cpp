@@ -244,7 +244,16 @@ TEST_F(PanelTest, ShowsWhyTheEvaluatorRefusesARun) {
   })) << find<QLabel>("status")->text().toStdString();
   EXPECT_EQ(find<QTabWidget>("tabs")->currentIndex(), kNextRun) << "where it can be mended";
   type("episodes", "2");
+
+  // A goal that fails before its run begins leaves the folder to the next one.
   const QString folder = find<QLineEdit>("out")->text();
+  type("out", "/proc/none/out");
+  click("start");
+  const auto failed = [&] { return find<QLabel>("status")->text().contains("cannot create /proc/none"); };
+  ASSERT_TRUE(waitUntil(failed)) << find<QLabel>("status")->text().toStdString();
+  EXPECT_EQ(find<QLineEdit>("out")->text(), "/proc/none/out");
+  openTab(kNextRun);
+  type("out", folder.toStdString().c_str());
   click("start");
   ASSERT_TRUE(waitUntil([&] { return episodes_ == 2; }));
   EXPECT_TRUE(waitUntil([&] { return find<QLineEdit>("out")->text() == folder + "-2"; }))

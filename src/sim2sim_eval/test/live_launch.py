@@ -278,12 +278,19 @@ class Arguments(LiveCase):
         self.assertIn("Optional Arguments", arguments)
         self.assertNotIn("Required Arguments", arguments)
 
-    def test_empty_values_are_defaults(self) -> None:
-        path = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "launch" / "compare.launch"
-        names = "policy reanchor reference reference_parameters engine engine_parameters".split()
-        names += "pusher_mass block_damp baumgarte scene".split()
-        empty = self.parameters_of(path, *(f"{name}:=" for name in names))
-        self.assertEqual(empty, self.parameters_of(path))
+    def test_empty_values_are_refused(self) -> None:
+        """They may be variables of a shell that are not set."""
+        names = "reanchor reference reference_parameters engine engine_parameters".split()
+        for name in (*names, "out", "starts", "status_file"):
+            with self.subTest(name):
+                launch = Launch(self, smoke=True, **{"out": f"of_{name}", name: ""})
+                launch.ended()
+                self.assertIn(f"sim2sim: {name} '': must not be empty; leave it out", launch.output)
+        for name in "policy pusher_mass block_damp baumgarte scene".split():
+            with self.subTest(name):
+                launch = Launch(self, episodes=1, **{"out": f"of_{name}", name: ""})
+                launch.ended()
+                self.assertEqual(launch.status()["exit_code"], 2, launch.output)
 
     def test_short_forms_are_parameters_of_the_engine(self) -> None:
         path = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "launch" / "compare.launch"
@@ -293,6 +300,14 @@ class Arguments(LiveCase):
         engine = Path(rospkg.RosPack().get_path("pusht_engine")) / "launch" / "engine.launch"
         given = self.parameters_of(engine, "parameters:={block_damp: 20, baumgarte: 50.5}")
         self.assertEqual((given["/engine/block_damp"], given["/engine/baumgarte"]), (20, 50.5))
+
+    def test_evaluator_is_signaled_before_the_nodes_that_it_needs(self) -> None:
+        """roslaunch does so in reverse order."""
+        path = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "launch" / "compare.launch"
+        config = roslaunch.config.ROSLaunchConfig()
+        arguments = ["rviz:=true", "expert_node:=true"]
+        roslaunch.xmlloader.XmlLoader().load(str(path), config, argv=arguments, verbose=False)
+        self.assertEqual([node.name for node in config.nodes][-1], "sim2sim")
 
     def assert_argument(self, package: str, launch: str, name: str, parameter: str) -> None:
         """A value that is not the default reaches the parameter."""
@@ -419,7 +434,8 @@ class LostNodes(LiveCase):
 
     def assert_ended_by(self, launch: Launch, reason: str, since: float, patience: float) -> None:
         """The fault of the time `since` ended the run; it was noticed within `patience` seconds."""
-        noticed, _ = launch.line(f"sim2sim: .*{reason}")
+        noticed, _ = launch.line(rf"lost in episode \d+: .*{reason}")
+        launch.line(f"sim2sim: .*{reason}")
         self.assertLess(noticed - since, patience)
         launch.ended()
         status = self.assert_not_whole(launch.out, reason)
@@ -529,6 +545,17 @@ class LostRuns(LiveCase):
         with rosbag.Bag(str(launch.out / "compare.bag")) as bag:
             recorded = bag.get_message_count("/sim2sim/episode")
         self.assertEqual(recorded, status["episodes_finished"])
+
+    def test_f22_node_that_hears_of_the_end_before_the_evaluator(self) -> None:
+        """roslaunch signals one node after the other."""
+        launch = Launch(self, **LONG)
+        launch.first("/sim2sim/episode")
+        evaluator = launch.node("/sim2sim")
+        os.kill(launch.node("/engine"), signal.SIGINT)
+        launch.line("lost in episode")
+        os.kill(evaluator, signal.SIGINT)
+        launch.ended()
+        self.assert_not_whole(launch.out, "^interrupted in episode")
 
     def test_f22_interrupted_while_it_waits_for_a_node(self) -> None:
         launch = Launch(self, policy_node=False)

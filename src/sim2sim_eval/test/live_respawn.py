@@ -88,6 +88,27 @@ class LiveRespawn(GoalCase):
         os.kill(last, signal.SIGCONT)
         self.assert_survived(2, "--block_damp", "20")
 
+    def test_f13_node_of_a_kind_that_was_set_by_hand(self) -> None:
+        """It comes back as another one, and the goal names no kind."""
+
+        def become(kind: str) -> None:
+            for engine in ("engine", "engine_replay"):
+                configure = connected(f"/{engine}/configure", Configure)
+                answer = configure(kind, [], True, "")
+                configure.close()
+                self.assertTrue(answer.success, answer.message)
+
+        before = rospy.get_param("/engine")
+        become("chipmunk")
+        self.addCleanup(become, "two_mass")
+        self.under_way()
+        for name in rospy.get_param("/engine"):
+            rospy.delete_param(f"/engine/{name}")
+        rospy.set_param("/engine", {**before, "kind": "two_mass"})
+        self.kill_node("engine")
+        self.accepted("resume")
+        self.assert_survived(1, "--engine", "chipmunk")
+
     def test_f14_stopped_node_that_goes_on(self) -> None:
         """The answer comes too late to count; the node itself is still there."""
         self.under_way()

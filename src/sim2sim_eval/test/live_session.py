@@ -273,6 +273,9 @@ class LiveSession(GoalCase):
         ended = progress.until(lambda message: not message.busy)[-1]
         self.assertEqual(ended.waiting_for, "")
         self.assertRegex(ended.failure, "simulator.launch name:=late kind:=two_mass$")
+        self.send(reference_namespace="unheard_of")
+        reason = self.result(GoalStatus.ABORTED).reason
+        self.assertRegex(reason, "simulator.launch name:=unheard_of kind:=KIND$")
 
     # A run that does not begin leaves the last one as it was.
 

@@ -153,6 +153,9 @@ class Replay(LiveCase):
             expect((1, step))
         self.control("{command: step}")
         expect((1, 6))
+        self.control("{command: seek, episode: 1, step: 9}")
+        until(lambda: shown.output.count(recorded[1, 9]) == 2, "the step, which was foretold, too")
+        self.assertEqual(shown.output.count(recorded[1, 2]), 1, "the others are not told again")
         self.control("{command: seek, episode: 0, step: 3}")
         expect((0, 3))
         frames = ("rostopic", "echo", "-n1", "/tf")  # again, for whoever comes late

@@ -9,7 +9,9 @@ import unittest
 from pathlib import Path
 from typing import Dict, List, Tuple
 
-from command_case import CommandCase, executable, until
+import torch
+
+from command_case import CommandCase, Endless, executable, until
 
 COMPARE = executable("sim2sim_eval", "compare")
 SWEEP = executable("sim2sim_eval", "sweep")
@@ -84,6 +86,30 @@ class Comparison(GoingOn):
             self.assertFalse((self.folder / "out" / "metrics.json").exists())
             before = lines
         self.assertEqual(self.finished(*RUN), whole)
+
+    def test_nothing_is_left_of_what_was_there_before(self) -> None:
+        """Neither the report of the part of a run nor files that a killed process was writing."""
+        whole = self.finished(*RUN, out="whole")
+        self.interrupt(*RUN)
+        left = ["report.html", *(f"{name}.part" for name in whole)]
+        for name in (*left, "mine.part"):
+            self.write(f"out/{name}", b"{")
+        self.assertEqual(self.finished(*RUN), {**whole, "mine.part": b"{"})
+
+    def test_status_stays_if_the_next_run_ends_while_it_loads(self) -> None:
+        self.interrupt(*RUN, episodes=3, number=signal.SIGINT)
+        before = self.results("out")
+        torch.jit.script(Endless(-10.0, 10.0)).save(str(self.folder / "endless.pt"))
+        command = [COMPARE, "--policy", "endless.pt", "--episodes", "150", "--out", "out"]
+        with subprocess.Popen(
+            command, cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        ) as process:
+            children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+            until(lambda: children.read_text() != "")
+            process.send_signal(signal.SIGTERM)
+            _, said = process.communicate(timeout=self.deadline)
+        self.assertEqual(process.returncode, 4, said)
+        self.assertEqual(self.results("out"), before)
 
     def test_line_in_which_it_was_killed_is_run_again(self) -> None:
         whole = self.finished(*RUN, out="whole")

@@ -98,6 +98,13 @@ TEST(WorldMemories, KeepWorldsApart) {
   EXPECT_EQ(memory.resolve("/other", twoMass("60.0"), {}).kind, "");
 }
 
+TEST(WorldMemories, KnowWhatAWorldWas) {
+  WorldMemory memory;
+  EXPECT_EQ(memory.kindOf("/engine"), "");
+  run(memory, twoMass("6.0"), {"rigid_body", {}}, rigidBody("faithful", "true", "true"));
+  EXPECT_EQ(memory.kindOf("/engine"), "two_mass");
+}
+
 TEST(SettingOf, IsTheShortestThatMakesTheWorld) {
   EXPECT_EQ(settingOf(twoMass("6")).parameters, Parameters()) << "6 is the default, 6.0";
   EXPECT_EQ(settingOf(twoMass("20.0")).parameters, Parameters{parameter("drag", "20.0")});

@@ -36,7 +36,6 @@ class NextRun : public QWidget {
 
   /// A run has begun. A folder takes one run, so the name of the folder moves on: nextFolder().
   void runBegan();
-  bool began() const { return began_; }
 
   /// What has to come before draft() says what people chose; empty: nothing.
   QString waitsFor() const;

@@ -92,7 +92,7 @@ class Panel : public rviz::Panel {
 
   int width_ = 390;  // [px] at first
   bool replay_ = false;
-  bool busy_ = false;                       // the evaluator was, when it told last
+  std::uint32_t last_run_ = 0;              // number of the last run that has begun, as in Progress
   bool asked_ = false;                      // a goal was sent, and is not answered yet
   bool cancelling_ = false;                 // the run under way
   QString refusal_;                         // the first rule that the form breaks
@@ -103,6 +103,7 @@ class Panel : public rviz::Panel {
   std::array<QString, kRoles> titles_;
   std::uint64_t shown_episode_ = 0;
   std::uint32_t shown_step_ = 0;
+  std::optional<std::uint64_t> live_episode_;  // that the run told of last; none: of no one yet
 };
 
 }  // namespace pusht_rviz

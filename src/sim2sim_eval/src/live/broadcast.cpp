@@ -106,7 +106,7 @@ void Broadcast::recall(const std::vector<EpisodeResult>& results, const Summary&
 pusht_msgs::Divergence Broadcast::step(const Episode& episode, const ros::Time& stamp, bool paced) {
   const std::pair<int, int> last = std::exchange(told_, {episode.index(), episode.steps()});
   stamp_ = stamp;
-  if (last != std::pair(episode.index(), episode.steps() - 1)) {
+  if (!foretold_ && last != std::pair(episode.index(), episode.steps() - 1)) {
     for (int before = 0; before < episode.steps(); ++before) {
       const pusht_msgs::Divergence missed = divergenceMessage(episode, before, stamp);
       remember(missed);

@@ -80,7 +80,7 @@ void Cast::connectWorlds(const Settings& settings, const pusht::Peer::Wait& wait
     const std::string& services = part.peer.services();
     const pusht_msgs::DescribeResponse& now = part.peer.description();
     const Setting& asked = mode == kReferenceClosed ? settings.reference : settings.engine;
-    Setting setting = {asked.kind, part.description.parameters};  // as before
+    Setting setting = settingOf(part.description);  // as before
     if (!identity_) {
       requireParametersInForce(services, now);
       setting = memory_.resolve(services, now, asked);

@@ -56,8 +56,9 @@ void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failu
   attempt([&] { RunFolder(parameters.text("out", ""), parameters.flag("overwrite", false)).refuse(status); });
 }
 
-/// How to start the node again that was lost; empty where that is not known.
-std::string howToBringBack(const pusht::NodeMissing& lost, const LiveRequest& request) {
+/// How to start the node again that was lost; empty where that is not known. A kind that the goal leaves open is what
+/// the world was before.
+std::string howToBringBack(const pusht::NodeMissing& lost, const LiveRequest& request, const WorldMemory& memory) {
   const std::string name = lost.services.empty() ? "" : lost.services.substr(1);
   if (name.empty() || name.find('/') != std::string::npos) {
     return "";
@@ -66,10 +67,13 @@ std::string howToBringBack(const pusht::NodeMissing& lost, const LiveRequest& re
   if (lost.services == request.services.policy) {
     return restart + "pusht_policy policy.launch name:=" + name;
   }
-  const bool reference = lost.services == request.services.worlds[kReferenceClosed];
-  const std::string& asked = (reference ? request.settings.reference : request.settings.engine).kind;
-  const std::string kind = asked.empty() ? (reference ? "mujoco" : "two_mass") : asked;
-  return restart + "sim2sim_eval simulator.launch name:=" + name + " kind:=" + kind;
+  const auto& worlds = request.services.worlds;
+  const bool reference = lost.services == worlds[kReferenceClosed];
+  std::string kind = (reference ? request.settings.reference : request.settings.engine).kind;
+  for (const std::string& world : {lost.services, reference ? lost.services : worlds[kEngineClosed]}) {
+    kind = kind.empty() ? memory.kindOf(world) : kind;
+  }
+  return restart + "sim2sim_eval simulator.launch name:=" + name + " kind:=" + (kind.empty() ? "KIND" : kind);
 }
 
 pusht_msgs::CompareResult refusal(pusht::ExitCode exit_code, const std::string& reason) {
@@ -135,6 +139,7 @@ std::optional<Evaluator::Job> Evaluator::nextJob() {
 
 RunStatus Evaluator::execute(const Job& job) {
   run_.reset();
+  begun_ = false;
   goal_ = job.goal;
   folder_.clear();
   faults_survived_ = 0;
@@ -196,7 +201,7 @@ void Evaluator::runIn(RunFolder& folder, const LiveRequest& request) {
     if (parameters_.exit || stopped()) {
       throw;
     }
-    throw pusht::RuntimeFault(lost.what() + howToBringBack(lost, request));
+    throw pusht::RuntimeFault(lost.what() + howToBringBack(lost, request, worlds_));
   }
 }
 
@@ -211,7 +216,7 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
                                {milliseconds(parameters_.patience), parameters_.respawn, [this] { return stopped(); },
                                 [this](const std::string& services) { waitFor(services); }}};
   Cast cast(request.services, milliseconds(parameters_.deadline), worlds_);
-  cast.connect(options.settings, options.wait);
+  connectFirst(cast, options);
 
   requirePolicy(request, cast);
   const RunConfiguration configuration = configurationOf(request, cast);
@@ -256,7 +261,7 @@ void Evaluator::answer(Job& job, const RunStatus& status) {
     pusht_msgs::CompareResult result = refusal(status.exit_code, status.reason);
     result.folder = folder_.string();
     result.faults_survived = static_cast<std::uint32_t>(status.faults_survived);
-    if (run_) {
+    if (begun_) {
       result.summary = broadcast_.summary();
     }
     if (status.exit_code == pusht::ExitCode::kOk) {
@@ -388,6 +393,7 @@ bool Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
 }
 
 void Evaluator::begin(int episodes) {
+  begun_ = true;
   line_.emplace(episodes);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -423,6 +429,10 @@ void Evaluator::onBreak(const Episode& episode) { broadcast_.settle(episode); }
 void Evaluator::onFault(int episode, const pusht::PeerFault& fault) {
   ++faults_survived_;
   ROS_WARN_STREAM("episode " << episode << " is void and begins again: " << fault.what());
+}
+
+void Evaluator::onLoss(int episode, const pusht::PeerFault& fault) {
+  ROS_WARN_STREAM("lost in episode " << episode << ": " << fault.what());
 }
 
 void Evaluator::report(pusht::DiagnosticStatusWrapper& status) const {

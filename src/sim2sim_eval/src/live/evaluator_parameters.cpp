@@ -7,6 +7,20 @@ namespace {
 constexpr double kRateForEyes = 50.0;  // [control steps/s]
 constexpr double kFullSpeed = 0.0;
 
+// Words of an optional text that is left out.
+constexpr const char* kAuto = "auto";
+constexpr const char* kNone = "none";
+
+/// A text that may be left out: the word `absent` says so, too. An empty one is refused: it may be a variable of a shell
+/// that is not set.
+std::string optionalText(pusht::ParameterReader& parameters, const std::string& key, const std::string& absent) {
+  const std::string text = parameters.text(key, absent);
+  if (text.empty()) {
+    throw pusht::InvalidInput(key + " '': must not be empty; leave it out, or say " + absent);
+  }
+  return text == absent ? "" : text;
+}
+
 }  // namespace
 
 EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters) {
@@ -16,7 +30,7 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
                              parameters.services("engine_namespace", "engine"),
                              parameters.services("replay_namespace", "engine_replay")};
   request.services.policy = parameters.services("policy_namespace", "policy");
-  request.policy = parameters.text("policy", "");
+  request.policy = optionalText(parameters, "policy", kAuto);
   request.protocol.seed = parameters.seed("seed", request.protocol.seed);
   request.protocol.first_episode = parameters.integer("first_episode", request.protocol.first_episode);
   request.protocol.episodes = parameters.integer("episodes", request.protocol.episodes);
@@ -25,7 +39,7 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   request.protocol.bound.angle = parameters.real("bound_angle", request.protocol.bound.angle);
   request.until_decided = decidedShare(parameters.real("until_decided", 0.0));
   request.floor = parameters.flag("floor", request.floor);
-  request.reanchor = reanchorFrom(parameters.text("reanchor", ""));
+  request.reanchor = reanchorFrom(optionalText(parameters, "reanchor", kNone));
   request.protocol.probes = probesOf(request.floor, request.reanchor);
   request.smoke = parameters.flag("smoke", request.smoke);
   if (request.smoke) {
@@ -34,19 +48,19 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   request.protocol.validate();
   loaded.headless = parameters.text("headless", "rviz was not asked for");
   request.rate = parameters.real("rate", loaded.headless.empty() ? kRateForEyes : kFullSpeed);
-  const auto settings = [&](const std::string& key) { return settingsFrom(key, parameters.text(key, "")); };
-  request.settings = {{parameters.text("reference", ""), settings("reference_parameters")},
-                      {parameters.text("engine", ""), settings("engine_parameters")}};
+  const auto settings = [&](const std::string& key) { return settingsFrom(key, optionalText(parameters, key, kNone)); };
+  request.settings = {{optionalText(parameters, "reference", kAuto), settings("reference_parameters")},
+                      {optionalText(parameters, "engine", kAuto), settings("engine_parameters")}};
   request.record = parameters.flag("record", request.record);
-  request.starts = parameters.text("starts", request.starts);
-  request.out = parameters.text("out", request.out);
+  request.starts = optionalText(parameters, "starts", kNone);
+  request.out = optionalText(parameters, "out", kAuto);
   request.overwrite = parameters.flag("overwrite", request.overwrite);
   loaded.start = parameters.flag("start", loaded.start);
   loaded.exit = parameters.flag("exit", loaded.exit) && !loaded.headless.empty();
   loaded.respawn = parameters.flag("respawn", loaded.respawn);
   loaded.deadline = parameters.positive("deadline", loaded.deadline);
   loaded.patience = parameters.positive("patience", loaded.patience);
-  loaded.status_file = parameters.text("status_file", loaded.status_file);
+  loaded.status_file = optionalText(parameters, "status_file", kNone);
   loaded.report = parameters.flag("report", loaded.report);
   return loaded;
 }

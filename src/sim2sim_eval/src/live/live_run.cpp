@@ -2,6 +2,7 @@
 #include "sim2sim_eval/live/live_run.hpp"
 
 #include <chrono>
+#include <thread>
 #include <utility>
 
 #include "pusht_task/error.hpp"
@@ -16,8 +17,25 @@ constexpr int kMostFaults = 5;
 /// rollout may have ended long before the episode does, and probes concern one node.
 constexpr std::chrono::milliseconds kCheckPeriod{250};
 
+/// What ends a run may end its nodes too, and a little earlier: for so long a lost node waits for such an explanation.
+constexpr std::chrono::seconds kGrace{2};
+
 pusht::RuntimeFault interruptedIn(int episode) {
   return pusht::RuntimeFault("interrupted in episode " + std::to_string(episode));
+}
+
+/// Whether `stop` holds within kGrace.
+bool stopsSoon(const std::function<bool()>& stop) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kStopPeriod{20};
+  const Clock::time_point expiry = Clock::now() + kGrace;
+  while (!stop()) {
+    if (Clock::now() >= expiry) {
+      return false;
+    }
+    std::this_thread::sleep_for(kStopPeriod);
+  }
+  return true;
 }
 
 void requireUndisturbedEnd(Cast& cast, int index) {
@@ -88,6 +106,17 @@ bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, L
 
 }  // namespace
 
+void connectFirst(Cast& cast, const LiveOptions& options) {
+  try {
+    cast.connect(options.settings, options.wait);
+  } catch (const pusht::PeerFault&) {
+    if (stopsSoon(options.wait.stop)) {
+      throw pusht::RuntimeFault("interrupted before the first episode");
+    }
+    throw;
+  }
+}
+
 void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& observer, const LiveOptions& options) {
   const std::function<bool()>& stop = options.wait.stop;
   bool lost = false;  // a node
@@ -104,14 +133,25 @@ void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& o
       ++index;
       faults = 0;
     } catch (const pusht::PeerFault& fault) {
-      if (stop()) {  // what ends the run may end the nodes too, and a little earlier
-        throw interruptedIn(index);
-      }
       if (!options.wait.respawn || ++faults == kMostFaults) {
+        if (!stop()) {
+          observer.onLoss(index, fault);
+        }
+        if (stopsSoon(stop)) {
+          throw interruptedIn(index);
+        }
         throw;
+      }
+      if (stop()) {
+        throw interruptedIn(index);
       }
       observer.onFault(index, fault);
       lost = true;
+    } catch (const pusht::NodeMissing&) {  // one that was lost has not come back
+      if (stop()) {
+        throw interruptedIn(index);
+      }
+      throw;
     }
   }
 }

@@ -62,4 +62,9 @@ void WorldMemory::configured(const std::string& services, const pusht_msgs::Desc
   worlds_[services].left = State{now.name, now.parameters};
 }
 
+std::string WorldMemory::kindOf(const std::string& services) const {
+  const auto known = worlds_.find(services);
+  return known == worlds_.end() ? "" : known->second.original.kind;
+}
+
 }  // namespace sim2sim

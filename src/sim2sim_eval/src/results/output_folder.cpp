@@ -55,6 +55,8 @@ bool isStatus(const ResultFile& file) { return &file == &resultFiles().back(); }
 
 bool isReference(const ResultFile& file) { return std::regex_match("reference", file.parts.front()); }
 
+bool isReport(const ResultFile& file) { return std::regex_match("report.html", file.parts.front()); }
+
 /// All that lies in `folder` under the name of `file`, links in the path to it not followed.
 void find(const fs::path& folder, const ResultFile& file, std::size_t part, std::vector<fs::path>& found) {
   std::error_code ignored;
@@ -229,11 +231,24 @@ void OutputFolder::removeResults() const {
 }
 
 void OutputFolder::removeLeftovers() const {
-  for (const char* name : {kProvenanceFile, kStatusFile}) {
-    const fs::path path = path_ / (std::string(name) + ".part");
-    std::error_code ignored;
-    if (fs::symlink_status(path, ignored).type() == fs::file_type::regular) {  // a link is not ours
-      fs::remove(path, ignored);
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path_, ignored)) {
+    const std::string name = entry.path().stem().string();
+    const bool ours = entry.path().extension() == ".part" &&
+                      std::any_of(resultFiles().begin(), resultFiles().end(), [&](const ResultFile& file) {
+                        return (!file.of || *file.of == results_) && file.parts.size() == 1 &&
+                               std::regex_match(name, file.parts.front());
+                      });
+    if (ours && entry.symlink_status(ignored).type() == fs::file_type::regular) {  // a link is not ours
+      fs::remove(entry.path(), ignored);
+    }
+  }
+}
+
+void OutputFolder::removeReport() const {
+  for (const ResultFile& file : resultFiles()) {
+    if (isReport(file)) {
+      remove(path_, file);
     }
   }
 }

@@ -49,6 +49,7 @@ void RunFolder::begin(const nlohmann::json& provenance, const Protocol& protocol
   try {
     if (takes_up) {
       folder_.removeLeftovers();
+      folder_.removeReport();
     } else {
       folder_.removeResults();
     }

@@ -107,16 +107,19 @@ class ServiceCaller {
   ServiceCaller(const Peer& peer, const std::string& service) : peer_(peer), name_(peer.services() + "/" + service) {}
 
   /// Throws PeerFault if the peer gives no answer in time, or is another instance than the one that was connected to;
-  /// InvalidInput if it lives without such a service; the error it answers with if it refuses.
+  /// InvalidInput if it lives and never had such a service; the error it answers with if it refuses.
   typename Service::Response call(const typename Service::Request& request) {
     Service service;
     service.request = request;
     // A connection may break while the peer lives on. It recognises a request that it has seen.
     if (!attempt(service) && !attempt(service)) {
       peer_.requireSameOwner();
-      peer_.requireService(name_);
+      if (!served_) {  // else it has withdrawn it: it is about to end
+        peer_.requireService(name_);
+      }
       peer_.lose(name_ + ": the node has died or is out of reach");
     }
+    served_ = true;
     peer_.requireInstance(service.response.instance_id);
     if (service.response.success == 0) {
       peer_.raise(service.response.exit_code, service.response.message);
@@ -158,6 +161,7 @@ class ServiceCaller {
   const Peer& peer_;
   std::string name_;
   ros::ServiceClient client_;
+  bool served_ = false;  // once
 };
 
 }  // namespace pusht

@@ -57,7 +57,7 @@ class Broadcast {
   bool watched() const { return markers_.getNumSubscribers() + divergence_.getNumSubscribers() > 0; }
 
   /// The start of an episode, or a control step. `paced`: at a rate that eyes can follow. After a leap within an
-  /// episode the divergence of the steps before is told, too: a curve is whole.
+  /// episode the divergence of the steps before is told, too, unless it was foretold: a curve is whole.
   pusht_msgs::Divergence step(const Episode& episode, const ros::Time& stamp, bool paced);
 
   /// The divergence of a whole episode of a replay, before its first step is shown.

@@ -29,12 +29,19 @@ class LiveObserver {
   virtual void onBreak(const Episode& episode) = 0;
   /// A node was lost in `episode`, which is void; the run waits for the node to come back.
   virtual void onFault(int episode, const pusht::PeerFault& fault) = 0;
+  /// A node was lost in `episode`, which ends the run. The run waits for up to 2 s whether it was to stop anyway, for
+  /// what ends the run may end its nodes first.
+  virtual void onLoss(int episode, const pusht::PeerFault& fault) = 0;
 };
 
 struct LiveOptions {
   Cast::Settings settings;
   pusht::Peer::Wait wait;  ///< for nodes; without `respawn` a fault ends the run, and `stop` ends it in any case
 };
+
+/// Connects `cast` for the first time; throws as Cast::connect() does, or RuntimeFault if a node is lost because the
+/// run is to stop.
+void connectFirst(Cast& cast, const LiveOptions& options);
 
 /// Runs the episodes of `protocol` over a cast that is connected. Throws PeerFault for a node that is lost for good,
 /// RuntimeFault when the options' `stop` holds; as Episode does otherwise.

@@ -29,6 +29,9 @@ class WorldMemory {
   /// The run has made the world what it is `now`.
   void configured(const std::string& services, const pusht_msgs::DescribeResponse& now);
 
+  /// What the world behind `services` was before any run changed it; empty if no run has met it.
+  std::string kindOf(const std::string& services) const;
+
  private:
   struct State {
     std::string name;

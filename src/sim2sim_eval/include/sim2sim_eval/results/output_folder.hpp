@@ -77,6 +77,9 @@ class OutputFolder {
   /// Removes what a killed process has left of files that it was writing: "provenance.json.part".
   void removeLeftovers() const;
 
+  /// Removes the report of results that are about to change.
+  void removeReport() const;
+
   /// Removes what a sweep keeps of the reference.
   void removeReference() const;
 

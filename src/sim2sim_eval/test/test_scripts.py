@@ -157,6 +157,14 @@ class Count(ScriptCase):
         self.assert_output(process, 1, report, "leak of 8 bytes", "", "5 passed, 1 failed")
 
 
+class Compare(ScriptCase):
+    def test_empty_argument_is_refused(self) -> None:
+        """It may be a variable of a shell that is not set."""
+        process = self.run_in_folder(str(ROOT / "script" / "compare"), "episodes:=2", "out:=")
+        self.assertEqual(process.returncode, 2, process.stdout)
+        self.assertEqual(process.stdout, "compare: out '': must not be empty; leave it out\n")
+
+
 class Lint(ScriptCase):
     """script/lint in a repository of its own, where the script `deploy` has a fault."""
 

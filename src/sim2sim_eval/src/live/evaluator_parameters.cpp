@@ -11,8 +11,8 @@ constexpr double kFullSpeed = 0.0;
 constexpr const char* kAuto = "auto";
 constexpr const char* kNone = "none";
 
-/// A text that may be left out: the word `absent` says so, too. An empty one is refused: it may be a variable of a shell
-/// that is not set.
+/// A text that may be left out: the word `absent` says so, too. An empty one is refused: it may be a variable of a
+/// shell that is not set.
 std::string optionalText(pusht::ParameterReader& parameters, const std::string& key, const std::string& absent) {
   const std::string text = parameters.text(key, absent);
   if (text.empty()) {

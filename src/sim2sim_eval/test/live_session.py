@@ -169,6 +169,10 @@ class LiveSession(GoalCase):
                 answer = configure(parameters=[Parameter("block_damp", value)], end_episode=True)
                 self.assertTrue(answer.success, answer.message)
 
+        self.compare(episodes=1, record=False)
+        self.out = self.folder / "refused"  # which changes nothing that the evaluator remembers
+        self.send(engine_parameters=[Parameter("pusher_mass", "-1")])
+        self.result(GoalStatus.ABORTED)
         set_by_hand("20")
         self.addCleanup(set_by_hand, "6.0")
         for number in range(2):

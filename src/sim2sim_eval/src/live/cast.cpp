@@ -88,8 +88,10 @@ void Cast::connectWorlds(const Settings& settings, const pusht::Peer::Wait& wait
     std::unique_ptr<pusht::ServedSimulator> world;
     try {
       world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_, setting.kind, setting.parameters);
-    } catch (const pusht::InvalidInput&) {  // a refused configuration changes nothing
-      memory_.configured(services, now);
+    } catch (const pusht::Error& error) {
+      if (error.exitCode() == pusht::ExitCode::kInvalidInput) {  // a refused configuration changes nothing
+        memory_.configured(services, now);
+      }
       throw;
     }
     part.description = world->describe();  // not before: a node that dies meanwhile gets what was asked for next time

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The scripts that check the suite: what they count, and which files they look at."""
 
+import json
 import shutil
 import subprocess
 import sys
@@ -199,6 +200,43 @@ class Lint(ScriptCase):
             return
         self.assertEqual(process.returncode, int(finds_fault), process.stdout)
         self.assertEqual("lint: shellcheck FAILED" in process.stdout, finds_fault, process.stdout)
+
+    def test_clang_tidy_has_our_checks_and_its_findings_fail(self) -> None:
+        """In a source and in a header of ours; not in a header of others."""
+        if "VERSION_CODENAME=bookworm" not in Path("/etc/os-release").read_text():
+            self.skipTest("style is checked with the tools of Debian 12")
+        for name in (".clang-format", ".clang-tidy"):
+            self.write(name, (ROOT / name).read_text())
+        package = "src/pusht_toy"
+        header = self.write(f"{package}/include/pusht_toy/toy.hpp", "constexpr int kToys = 3;\n")
+        self.write("others/other.hpp", "constexpr int Foreign = 4;\n")
+        text = '#include "pusht_toy/toy.hpp"\n\n#include "other.hpp"\n\nint toys() {\n  '
+        sound = "const int toys = kToys + Foreign;\n  return toys;\n}\n"
+        source = self.write(f"{package}/src/toy.cpp", text + sound)
+        compiler = f"c++ -std=c++17 -I{self.folder}/{package}/include -I{self.folder}/others"
+        entry = {
+            "directory": str(self.folder),
+            "command": f"{compiler} -o CMakeFiles/toy.dir/src/toy.cpp.o -c {source}",
+            "file": str(source),
+        }
+        self.write("build/compile_commands.json", json.dumps([entry]))
+
+        def lint() -> str:
+            output = self.run_in_folder("script/lint").stdout
+            self.assertIn("lint: clang-format ok", output)
+            return output
+
+        self.commit(self.SOUND)
+        self.assertIn("lint: clang-tidy ok", lint())
+        source.write_text(text + sound.replace("toys ", "BadName ").replace(" toys;", " BadName;"))
+        output = lint()
+        self.assertIn("lint: clang-tidy FAILED", output)
+        self.assertIn("toy.cpp:6:13: error: invalid case style for", output)
+        source.write_text(text + sound)
+        header.write_text("constexpr int kToys = 3;\nconstexpr int BadName = 5;\n")
+        output = lint()
+        self.assertIn("lint: clang-tidy FAILED", output)
+        self.assertIn("toy.hpp:2:15: error: invalid case style for", output)
 
     def test_committed_work_without_an_upstream_branch(self) -> None:
         self.commit(self.FAULTY)

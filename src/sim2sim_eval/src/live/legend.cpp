@@ -78,7 +78,8 @@ constexpr std::array<Entry, 6> kEntries = {{
 void drawLegend(Sheet& sheet, const Vector2d& corner, int columns) {
   int place = 0;
   for (const Entry& entry : kEntries) {
-    const Vector2d at = corner + Vector2d(kColumnWidth * (place % columns), -kRowPitch * (place / columns));
+    const int row = place / columns;
+    const Vector2d at = corner + Vector2d(kColumnWidth * (place % columns), -kRowPitch * row);
     entry.draw(sheet, at + Vector2d(0.5 * kIconWidth, 0.0));
     // A text of rviz has its middle where it is put.
     const double width = kLetterWidth * kSmallSize * static_cast<double>(std::char_traits<char>::length(entry.words));

@@ -133,7 +133,7 @@ void Window::addArea(Points& triangles, const std::vector<Vector2d>& corners, do
           kept.push_back(from);
         }
         if ((room(from) < 0.0) != (room(to) < 0.0)) {
-          kept.push_back(from + room(from) / (room(from) - room(to)) * (to - from));
+          kept.emplace_back(from + room(from) / (room(from) - room(to)) * (to - from));
         }
       }
     }

@@ -52,9 +52,9 @@ rigid_body::Model rigid_body::modelOf(const RigidBodyParameters& parameters) {
   const double central_moment = model.tee_moment - kTeeMass * kCenterOfMassOffset * kCenterOfMassOffset;
   const double by_turning = kCenterOfMassOffset * kCenterOfMassOffset / central_moment;
   const std::array<double, 3> inverse = {1.0 / kTeeMass + by_turning, 1.0 / kTeeMass, 1.0 / central_moment};
-  model.dry_friction = {kTeeFriction, kTeeFriction, kTeeYawFriction};
+  model.coulomb_limit = {kTeeFriction, kTeeFriction, kTeeYawFriction};
   for (std::size_t i = 0; i < inverse.size(); ++i) {
-    model.dry_friction_regularity[i] = soft::kLeastImpedance / (1.0 - soft::kLeastImpedance) / inverse[i];
+    model.coulomb_regularity[i] = soft::kLeastImpedance / (1.0 - soft::kLeastImpedance) / inverse[i];
   }
   model.tee_wall_weight = 2.0 / 3.0 / kTeeMass;
   model.pusher_wall_weight = 2.0 / 3.0 / model.pusher_mass;
@@ -62,14 +62,14 @@ rigid_body::Model rigid_body::modelOf(const RigidBodyParameters& parameters) {
   return model;
 }
 
-rigid_body::Bodies<double> RigidBodyPhysics::bodiesOf(const WorldState& state) {
+RigidBodyPhysics::Bodies RigidBodyPhysics::bodiesOf(const WorldState& state) {
   return {{state.tee_position.x(), state.tee_position.y(), state.tee_yaw, state.pusher_position.x(),
            state.pusher_position.y()},
           {state.tee_velocity.x(), state.tee_velocity.y(), state.tee_yaw_rate, state.pusher_velocity.x(),
            state.pusher_velocity.y()}};
 }
 
-WorldState RigidBodyPhysics::stateOf(const Bodies<double>& bodies) {
+WorldState RigidBodyPhysics::stateOf(const Bodies& bodies) {
   const auto& [positions, velocities] = bodies;
   WorldState state;
   state.tee_position = {positions[kTeeX], positions[kTeeY]};
@@ -82,6 +82,5 @@ WorldState RigidBodyPhysics::stateOf(const Bodies<double>& bodies) {
 }
 
 template class PlanarSimulator<RigidBodyPhysics>;
-template class PlanarLanes<RigidBodyPhysics>;
 
 }  // namespace pusht

@@ -44,8 +44,6 @@ SimulatorModel loadSwitches(const ParameterSet& parameters) {
   SimulatorModel model;
   model.parameters = parameters;
   model.make_world = [switches] { return std::make_unique<RigidBodyEngine>(switches); };
-  // One after the other. RigidBodyLanes has the same bits, but takes twice as long where a SIMD register holds two
-  // doubles: what each world does depends on so many conditions that masks cost more than company saves.
   model.make_lanes = lanesOf(model.make_world);
   return model;
 }

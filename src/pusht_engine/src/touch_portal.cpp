@@ -11,30 +11,30 @@ namespace {
 // MuJoCo's options for convex collisions, and the scene's heights: they decide which portal is found first.
 constexpr double kTolerance = 1e-6;         // [m] mpr_tolerance
 constexpr int kIterations = 50;             // mpr_iterations
-constexpr double kPusherHeight = 0.02;      // [m] of the cylinder's centre
+constexpr double kPusherHeight = 0.02;      // [m] of the cylinder's center
 constexpr double kPusherHalfHeight = 0.02;  // [m]
 constexpr double kNoDirection = 1e-15;
 
 struct Cylinder {
-  Vector2<double> centre;
+  Eigen::Vector2d center;
 };
 
 struct PlacedBox {
   const Box& box;
-  Vector2<double> centre;
-  Heading<double> heading;
+  Eigen::Vector2d center;
+  Heading heading;
 };
 
 double signOf(double value) { return value > 0.0 ? 1.0 : (value < 0.0 ? -1.0 : 0.0); }
 
-void centreOfCylinder(const void* object, ccd_vec3_t* centre) {
+void centerOfCylinder(const void* object, ccd_vec3_t* center) {
   const auto& cylinder = *static_cast<const Cylinder*>(object);
-  ccdVec3Set(centre, cylinder.centre.x(), cylinder.centre.y(), kPusherHeight);
+  ccdVec3Set(center, cylinder.center.x(), cylinder.center.y(), kPusherHeight);
 }
 
-void centreOfBox(const void* object, ccd_vec3_t* centre) {
+void centerOfBox(const void* object, ccd_vec3_t* center) {
   const auto& box = *static_cast<const PlacedBox*>(object);
-  ccdVec3Set(centre, box.centre.x(), box.centre.y(), box.box.height);
+  ccdVec3Set(center, box.center.x(), box.center.y(), box.box.height);
 }
 
 /// The point of the cylinder that is farthest along `direction`.
@@ -43,32 +43,32 @@ void supportOfCylinder(const void* object, const ccd_vec3_t* direction, ccd_vec3
   const auto [x, y, z] = direction->v;
   const double length = std::sqrt(x * x + y * y);
   const bool slanted = length >= kNoDirection;
-  ccdVec3Set(point, (slanted ? x / length * kPusherRadius : 0.0) + cylinder.centre.x(),
-             (slanted ? y / length * kPusherRadius : 0.0) + cylinder.centre.y(),
+  ccdVec3Set(point, (slanted ? x / length * kPusherRadius : 0.0) + cylinder.center.x(),
+             (slanted ? y / length * kPusherRadius : 0.0) + cylinder.center.y(),
              signOf(z) * kPusherHalfHeight + kPusherHeight);
 }
 
-/// The same of the box.
+/// The point of the box that is farthest along `direction`.
 void supportOfBox(const void* object, const ccd_vec3_t* direction, ccd_vec3_t* point) {
   const auto& box = *static_cast<const PlacedBox*>(object);
   const auto [x, y, z] = direction->v;
-  const Vector2<double> local = box.heading.toBody({x, y});
-  const Vector2<double> corner =
+  const Eigen::Vector2d local = box.heading.toBody({x, y});
+  const Eigen::Vector2d corner =
       box.heading.toTable({signOf(local.x()) * box.box.half_x, signOf(local.y()) * box.box.half_y});
-  ccdVec3Set(point, corner.x() + box.centre.x(), corner.y() + box.centre.y(),
+  ccdVec3Set(point, corner.x() + box.center.x(), corner.y() + box.center.y(),
              signOf(z) * box.box.half_height + box.box.height);
 }
 
 }  // namespace
 
-Contact<double> touchPortal(const Vector2<double>& pusher, const Box& box, const Vector2<double>& box_centre,
-                            const Heading<double>& heading) {
+Contact touchPortal(const Eigen::Vector2d& pusher, const Box& box, const Eigen::Vector2d& box_center,
+                    const Heading& heading) {
   const Cylinder cylinder = {pusher};
-  const PlacedBox placed = {box, box_centre, heading};
+  const PlacedBox placed = {box, box_center, heading};
   ccd_t options;
   CCD_INIT(&options);
-  options.center1 = centreOfCylinder;
-  options.center2 = centreOfBox;
+  options.center1 = centerOfCylinder;
+  options.center2 = centerOfBox;
   options.support1 = supportOfCylinder;
   options.support2 = supportOfBox;
   options.mpr_tolerance = kTolerance;
@@ -81,37 +81,22 @@ Contact<double> touchPortal(const Vector2<double>& pusher, const Box& box, const
   }
   // MuJoCo puts the normal of a round body where it belongs: from its axis to the point. Right on the axis, any will
   // do.
-  const Vector2<double> point(position.v[0], position.v[1]);
-  const Vector2<double> from_axis = point - pusher;
+  const Eigen::Vector2d point(position.v[0], position.v[1]);
+  const Eigen::Vector2d from_axis = point - pusher;
   const double length = from_axis.norm();
-  return {true, point, length > kNoDirection ? Vector2<double>(from_axis / length) : Vector2<double>(1.0, 0.0), depth};
+  return {true, point, length > kNoDirection ? Eigen::Vector2d(from_axis / length) : Eigen::Vector2d(1.0, 0.0), depth};
 }
 
-void refine(const Vector2<double>& pusher, const Box& box, const Vector2<double>& box_centre,
-            const Heading<double>& heading, Contact<double>& contact) {
+void refine(const Eigen::Vector2d& pusher, const Box& box, const Eigen::Vector2d& box_center, const Heading& heading,
+            Contact& contact) {
   // libccd finds no overlap where there is a gap, so bodies that are clearly apart need not be asked about.
   if (contact.depth > -10.0 * kTolerance) {
-    if (const Contact<double> found = touchPortal(pusher, box, box_centre, heading); found.touching) {
+    if (const Contact found = touchPortal(pusher, box, box_center, heading); found.touching) {
       contact = found;
       return;
     }
   }
   contact.touching = contact.touching && contact.depth <= 0.0;  // within a margin there is no overlap to be found
-}
-
-void refine(const Vector2<simd::Lanes>& pusher, const Box& box, const Vector2<simd::Lanes>& box_centre,
-            const Heading<simd::Lanes>& heading, Contact<simd::Lanes>& contact) {
-  for (int lane = 0; lane < simd::kLaneCount; ++lane) {
-    const auto vector = [lane](const Vector2<simd::Lanes>& v) { return Vector2<double>(v.x()[lane], v.y()[lane]); };
-    Contact<double> one = {contact.touching[lane], vector(contact.point), vector(contact.normal), contact.depth[lane]};
-    refine(vector(pusher), box, vector(box_centre), {heading.cosine[lane], heading.sine[lane]}, one);
-    contact.touching[lane] = one.touching;
-    contact.depth[lane] = one.depth;
-    for (Eigen::Index axis = 0; axis < 2; ++axis) {
-      contact.point[axis][lane] = one.point[axis];
-      contact.normal[axis][lane] = one.normal[axis];
-    }
-  }
 }
 
 }  // namespace pusht::rigid_body

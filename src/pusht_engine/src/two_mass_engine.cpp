@@ -57,13 +57,13 @@ two_mass::Model TwoMassPhysics::modelOf(const TwoMassParameters& parameters) {
           parameters.baumgarte};
 }
 
-two_mass::Bodies<double> TwoMassPhysics::bodiesOf(const WorldState& state) {
+TwoMassPhysics::Bodies TwoMassPhysics::bodiesOf(const WorldState& state) {
   const Eigen::Vector2d offset(kStemOffset * std::sin(state.tee_yaw), -kStemOffset * std::cos(state.tee_yaw));
   return {{state.pusher_position, state.tee_position, state.tee_position + offset},
           {state.pusher_velocity, state.tee_velocity, state.tee_velocity + state.tee_yaw_rate * turnLeft(offset)}};
 }
 
-WorldState TwoMassPhysics::stateOf(const Bodies<double>& bodies) {
+WorldState TwoMassPhysics::stateOf(const Bodies& bodies) {
   const auto& [positions, velocities] = bodies;
   const Eigen::Vector2d arm = positions[kStem] - positions[kBar];
   const Eigen::Vector2d arm_rate = velocities[kStem] - velocities[kBar];
@@ -78,7 +78,10 @@ WorldState TwoMassPhysics::stateOf(const Bodies<double>& bodies) {
   return state;
 }
 
+void TwoMassPhysics::substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies) {
+  two_mass::substep(model, command, bodies);
+}
+
 template class PlanarSimulator<TwoMassPhysics>;
-template class PlanarLanes<TwoMassPhysics>;
 
 }  // namespace pusht

@@ -2,6 +2,7 @@
 #include "pusht_engine/two_mass_kind.hpp"
 
 #include "pusht_engine/two_mass_engine.hpp"
+#include "pusht_engine/two_mass_lanes.hpp"
 
 namespace pusht {
 namespace {

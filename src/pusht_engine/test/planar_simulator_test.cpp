@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The machinery of worlds and lanes, with the least physics that one can write for it.
+// PlanarSimulator with a minimal physics.
 #include "pusht_engine/planar_simulator.hpp"
 
 #include <gtest/gtest.h>
 
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/testing/batch_simulator_suite.hpp"
 #include "pusht_task/testing/simulator_suite.hpp"
 
 namespace pusht {
@@ -22,18 +20,17 @@ struct Tow {
   };
   using Model = Parameters;
 
-  template <class Real>
   struct Bodies {
-    simd::Vector2<Real> pusher, pusher_velocity, tee, tee_velocity;
-    Real yaw, yaw_rate;
-    Real tightness;  // [0, 1] of the spring; no state shows it
+    Eigen::Vector2d pusher, pusher_velocity, tee, tee_velocity;
+    double yaw, yaw_rate;
+    double tightness;  // [0, 1] of the spring; no state shows it
   };
 
   static constexpr double kStartTolerance = 1e-12;
 
   static Model modelOf(const Parameters& parameters) { return parameters; }
 
-  static Bodies<double> bodiesOf(const WorldState& state) {
+  static Bodies bodiesOf(const WorldState& state) {
     return {state.pusher_position,
             state.pusher_velocity,
             state.tee_position,
@@ -43,39 +40,23 @@ struct Tow {
             0.0};
   }
 
-  static WorldState stateOf(const Bodies<double>& bodies) {
+  static WorldState stateOf(const Bodies& bodies) {
     return {bodies.pusher,       bodies.pusher_velocity, bodies.tee,
             bodies.tee_velocity, wrapAngle(bodies.yaw),  bodies.yaw_rate};
   }
 
-  template <class Real>
-  static void substep(const Model& model, const simd::Vector2<Real>& command, Bodies<Real>& bodies) {
+  static void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies) {
     constexpr double kReach = 0.1;  // [m]
     constexpr double kDamping = 0.9;
     constexpr double kTightening = 0.1;
-    const simd::Vector2<Real> way = bodies.pusher - bodies.tee;
-    const Real wanted = simd::select(way.dot(way) < Real(kReach * kReach), Real(1.0), Real(0.0));
-    bodies.tightness += kTightening * (wanted - bodies.tightness);
+    const Eigen::Vector2d way = bodies.pusher - bodies.tee;
+    bodies.tightness += kTightening * ((way.norm() < kReach ? 1.0 : 0.0) - bodies.tightness);
     bodies.pusher_velocity = command;
-    bodies.tee_velocity += simd::scaled<Real>(kSubstep * model.stiffness * bodies.tightness, way);
-    bodies.tee_velocity = simd::scaled<Real>(kDamping, bodies.tee_velocity);
+    bodies.tee_velocity = kDamping * (bodies.tee_velocity + kSubstep * model.stiffness * bodies.tightness * way);
     bodies.yaw_rate *= kDamping;
-    bodies.pusher += simd::scaled<Real>(kSubstep, bodies.pusher_velocity);
-    bodies.tee += simd::scaled<Real>(kSubstep, bodies.tee_velocity);
+    bodies.pusher += kSubstep * bodies.pusher_velocity;
+    bodies.tee += kSubstep * bodies.tee_velocity;
     bodies.yaw += kSubstep * bodies.yaw_rate;
-  }
-
-  template <class One, class Many, class Function>
-  static void forEachNumber(One& one, Many& many, Function function) {
-    for (Eigen::Index axis = 0; axis < 2; ++axis) {
-      function(one.pusher[axis], many.pusher[axis]);
-      function(one.pusher_velocity[axis], many.pusher_velocity[axis]);
-      function(one.tee[axis], many.tee[axis]);
-      function(one.tee_velocity[axis], many.tee_velocity[axis]);
-    }
-    function(one.yaw, many.yaw);
-    function(one.yaw_rate, many.yaw_rate);
-    function(one.tightness, many.tightness);
   }
 };
 
@@ -86,12 +67,12 @@ SimulatorKind towKind() {
   kind.version = "1";
   kind.parameters = {{"stiffness", "1/s^2", "of the spring, when it is tight", Tow::Parameters().stiffness}};
   kind.start_tolerance = Tow::kStartTolerance;
-  kind.load = [](const ParameterSet& parameters) {
-    const Tow::Parameters knobs = {parameters.get<double>("stiffness")};
+  kind.load = [](const ParameterSet& set) {
+    const Tow::Parameters parameters = {set.get<double>("stiffness")};
     SimulatorModel model;
-    model.parameters = parameters;
-    model.make_world = [knobs] { return std::make_unique<PlanarSimulator<Tow>>(knobs); };
-    model.make_lanes = [knobs](int lanes) { return std::make_unique<PlanarLanes<Tow>>(lanes, knobs); };
+    model.parameters = set;
+    model.make_world = [parameters] { return std::make_unique<PlanarSimulator<Tow>>(parameters); };
+    model.make_lanes = lanesOf(model.make_world);
     return model;
   };
   return kind;
@@ -99,10 +80,10 @@ SimulatorKind towKind() {
 
 std::vector<testing::Subject> tows() { return {{towKind()}, {towKind(), {{"stiffness", "20.0"}}}}; }
 
-/// Says that it is in double precision, and is not.
+/// Physics in single precision that claims the start tolerance of double precision.
 struct Rounding : Tow {
-  static Bodies<double> bodiesOf(const WorldState& state) {
-    Bodies<double> bodies = Tow::bodiesOf(state);
+  static Bodies bodiesOf(const WorldState& state) {
+    Bodies bodies = Tow::bodiesOf(state);
     bodies.tee.x() = static_cast<float>(bodies.tee.x());
     return bodies;
   }
@@ -114,22 +95,9 @@ TEST(PlanarSimulator, MustStartWhereItIsTold) {
   EXPECT_NO_THROW(world.reset({}));
 }
 
-TEST(PlanarLanes, MustStartWhereTheyAreTold) {
-  PlanarLanes<Rounding> lanes(2);
-  lanes.reset(0, {});
-  EXPECT_THROW(lanes.reset(1, spawn(3)), SimulationFault);
-  EXPECT_THROW(lanes.state(1), SimulationFault);
-  lanes.step(std::vector<std::optional<Action>>(2, Action{1.0F, 0.0F}));
-  EXPECT_THROW(lanes.state(1), SimulationFault);
-  EXPECT_GT(lanes.state(0).pusher_position.x(), 0.0);
-  lanes.reset(1, {});
-  EXPECT_EQ(lanes.state(1), WorldState());
-}
-
 }  // namespace
 
 namespace testing {
 INSTANTIATE_TEST_SUITE_P(Tow, SimulatorSuite, ::testing::ValuesIn(tows()));
-INSTANTIATE_TEST_SUITE_P(Tow, BatchSimulatorSuite, ::testing::ValuesIn(tows()));
 }  // namespace testing
 }  // namespace pusht

@@ -11,15 +11,15 @@ namespace {
 
 constexpr double kTiny = 1e-15;
 const Box kBar = kParts[0].box;
-const Heading<double> kStraight = {1.0, 0.0};
+const Heading kStraight = {1.0, 0.0};
 
-void expectVector(const Vector2<double>& found, const Vector2<double>& expected, double tolerance = kTiny) {
+void expectVector(const Eigen::Vector2d& found, const Eigen::Vector2d& expected, double tolerance = kTiny) {
   EXPECT_NEAR(found.x(), expected.x(), tolerance);
   EXPECT_NEAR(found.y(), expected.y(), tolerance);
 }
 
 TEST(TouchNearest, Face) {
-  const auto contact = touchNearest<double>({0.02, 0.029}, 0.015, kBar, {0.0, 0.0}, kStraight, 0.0);
+  const auto contact = touchNearest({0.02, 0.029}, 0.015, kBar, {0.0, 0.0}, kStraight, 0.0);
   EXPECT_TRUE(contact.touching);
   EXPECT_NEAR(contact.depth, 0.001, kTiny);
   expectVector(contact.normal, {0.0, -1.0});
@@ -28,33 +28,32 @@ TEST(TouchNearest, Face) {
 
 TEST(TouchNearest, Corner) {
   const double away = 0.01 / std::sqrt(2.0);
-  const auto contact = touchNearest<double>({0.06 + away, 0.015 + away}, 0.015, kBar, {0.0, 0.0}, kStraight, 0.0);
+  const auto contact = touchNearest({0.06 + away, 0.015 + away}, 0.015, kBar, {0.0, 0.0}, kStraight, 0.0);
   EXPECT_NEAR(contact.depth, 0.005, kTiny);
   const double half = 1.0 / std::sqrt(2.0);
   expectVector(contact.normal, {-half, -half}, 1e-14);
   expectVector(contact.point, {0.06 + 0.0025 * half * -1.0, 0.015 - 0.0025 * half}, 1e-14);
 }
 
-TEST(TouchNearest, CentreInside) {
-  const auto contact = touchNearest<double>({0.055, 0.001}, 0.015, kBar, {0.0, 0.0}, kStraight, 0.0);
+TEST(TouchNearest, CenterInside) {
+  const auto contact = touchNearest({0.055, 0.001}, 0.015, kBar, {0.0, 0.0}, kStraight, 0.0);
   EXPECT_NEAR(contact.depth, 0.015 + 0.005, kTiny);
   expectVector(contact.normal, {-1.0, 0.0});
 }
 
 TEST(TouchNearest, Apart) {
-  EXPECT_FALSE(touchNearest<double>({0.0, 0.0301}, 0.015, kBar, {0.0, 0.0}, kStraight, 0.0).touching);
-  EXPECT_TRUE(touchNearest<double>({0.0, 0.0301}, 0.015, kBar, {0.0, 0.0}, kStraight, 0.001).touching)
-      << "within the margin";
+  EXPECT_FALSE(touchNearest({0.0, 0.0301}, 0.015, kBar, {0.0, 0.0}, kStraight, 0.0).touching);
+  EXPECT_TRUE(touchNearest({0.0, 0.0301}, 0.015, kBar, {0.0, 0.0}, kStraight, 0.001).touching) << "within the margin";
 }
 
 TEST(TouchNearest, TurnsWithTheTee) {
   Random random(1);
   for (int i = 0; i < 100; ++i) {
-    const Vector2<double> place(random(-0.09, 0.09), random(-0.05, 0.05));
-    const Vector2<double> moved(random(-0.3, 0.3), random(-0.3, 0.3));
-    const Heading<double> heading = headingOf(random(-kPi, kPi));
-    const auto here = touchNearest<double>(place, 0.015, kBar, {0.0, 0.0}, kStraight, 0.0);
-    const auto there = touchNearest<double>(moved + heading.toTable(place), 0.015, kBar, moved, heading, 0.0);
+    const Eigen::Vector2d place(random(-0.09, 0.09), random(-0.05, 0.05));
+    const Eigen::Vector2d moved(random(-0.3, 0.3), random(-0.3, 0.3));
+    const Heading heading = headingOf(random(-kPi, kPi));
+    const auto here = touchNearest(place, 0.015, kBar, {0.0, 0.0}, kStraight, 0.0);
+    const auto there = touchNearest(moved + heading.toTable(place), 0.015, kBar, moved, heading, 0.0);
     EXPECT_NEAR(here.depth, there.depth, 1e-14);
     expectVector(there.normal, heading.toTable(here.normal), 1e-10);
     expectVector(there.point, moved + heading.toTable(here.point), 1e-11);
@@ -62,18 +61,18 @@ TEST(TouchNearest, TurnsWithTheTee) {
 }
 
 TEST(TouchDiscs, OnTheLineBetweenThem) {
-  const auto contact = touchDiscs<double>({0.03, 0.04}, 0.03, {0.0, 0.0}, 0.025, 0.0);
+  const auto contact = touchDiscs({0.03, 0.04}, 0.03, {0.0, 0.0}, 0.025, 0.0);
   EXPECT_NEAR(contact.depth, 0.005, kTiny);
   expectVector(contact.normal, {0.6, 0.8});
   expectVector(contact.point, {0.0225 * 0.6, 0.0225 * 0.8});
-  EXPECT_FALSE(touchDiscs<double>({0.0, 0.0}, 0.03, {0.0, 0.0}, 0.025, 0.0).touching) << "there is no normal";
+  EXPECT_FALSE(touchDiscs({0.0, 0.0}, 0.03, {0.0, 0.0}, 0.025, 0.0).touching) << "there is no normal";
 }
 
 TEST(TouchWall, IsItsInnerFace) {
   for (const Wall& wall : kWalls) {
-    Vector2<double> place = {0.1, 0.2};
+    Eigen::Vector2d place = {0.1, 0.2};
     place[wall.axis] = wall.side * 0.376;
-    const auto contact = touchWall<double>(place, 0.015, wall, 0.0);
+    const auto contact = touchWall(place, 0.015, wall, 0.0);
     EXPECT_TRUE(contact.touching);
     EXPECT_NEAR(contact.depth, 0.001, kTiny);
     EXPECT_NEAR(contact.point[wall.axis], wall.side * 0.3905, kTiny);
@@ -87,11 +86,11 @@ TEST(TouchPortal, AgreesWithTheNearestPointsOnAFace) {
   Random random(2);
   for (int i = 0; i < 1000; ++i) {
     const double depth = random(1e-5, 1e-3);
-    const Heading<double> heading = headingOf(random(-kPi, kPi));
-    const Vector2<double> centre(random(-0.2, 0.2), random(-0.2, 0.2));
-    const Vector2<double> place = centre + heading.toTable({random(-0.05, 0.05), 0.03 - depth});
-    const auto nearest = touchNearest<double>(place, 0.015, kBar, centre, heading, 0.0);
-    const auto portal = touchPortal(place, kBar, centre, heading);
+    const Heading heading = headingOf(random(-kPi, kPi));
+    const Eigen::Vector2d center(random(-0.2, 0.2), random(-0.2, 0.2));
+    const Eigen::Vector2d place = center + heading.toTable({random(-0.05, 0.05), 0.03 - depth});
+    const auto nearest = touchNearest(place, 0.015, kBar, center, heading, 0.0);
+    const auto portal = touchPortal(place, kBar, center, heading);
     ASSERT_TRUE(portal.touching);
     EXPECT_NEAR(portal.depth, nearest.depth, 2e-6);
     EXPECT_GT(portal.normal.dot(nearest.normal), 0.99);
@@ -106,9 +105,9 @@ TEST(TouchPortal, HasANormalWhereThePointIsOnThePushersAxis) {
 }
 
 TEST(Refine, KeepsTheMarginOfHardContacts) {
-  const Vector2<double> place(0.0, 0.0305);  // half a millimetre from the bar
+  const Eigen::Vector2d place(0.0, 0.0305);  // half a millimetre from the bar
   for (const double margin : {0.0, simple::kMargin}) {
-    auto contact = touchNearest<double>(place, 0.015, kBar, {0.0, 0.0}, kStraight, margin);
+    auto contact = touchNearest(place, 0.015, kBar, {0.0, 0.0}, kStraight, margin);
     refine(place, kBar, {0.0, 0.0}, kStraight, contact);
     EXPECT_EQ(contact.touching, margin > 0.0);
   }

@@ -22,39 +22,39 @@ TEST(Model, HasTheNumbersOfMuJoCosScene) {
   const Model model = modelOf({});
   const std::array<double, 3> inverse = {12.783929, 9.523810, 4930.445};
   for (std::size_t i = 0; i < inverse.size(); ++i) {
-    EXPECT_NEAR(9.0 / model.dry_friction_regularity[i], inverse[i], 1e-6 * inverse[i]);
+    EXPECT_NEAR(9.0 / model.coulomb_regularity[i], inverse[i], 1e-6 * inverse[i]);
   }
   EXPECT_NEAR(model.tee_wall_weight, 6.349206, 1e-6);
   EXPECT_NEAR(model.pusher_wall_weight, 3.333333, 1e-6);
 }
 
 TEST(Model, AFreePusherMovesTheSameWhateverItsInertiaInContact) {
-  Bodies<double> light = {{0.3, 0.3, 0.0, -0.1, -0.1}, {0.0, 0.0, 0.0, 0.2, -0.4}};
-  Bodies<double> heavy = light;
+  Bodies light = {{0.3, 0.3, 0.0, -0.1, -0.1}, {0.0, 0.0, 0.0, 0.2, -0.4}};
+  Bodies heavy = light;
   for (int i = 0; i < 20; ++i) {
-    substep<double>(modelOf({}), {1.0, -0.5}, light);
-    substep<double>(modelOf(without(&RigidBodyParameters::pusher_inertia)), {1.0, -0.5}, heavy);
+    substep(modelOf({}), {1.0, -0.5}, light);
+    substep(modelOf(without(&RigidBodyParameters::pusher_inertia)), {1.0, -0.5}, heavy);
     EXPECT_NEAR(light.velocities[kPusherX], heavy.velocities[kPusherX], 1e-14);
     EXPECT_NEAR(light.velocities[kPusherY], heavy.velocities[kPusherY], 1e-14);
   }
 }
 
 TEST(Substep, TheServoSettlesWhereForceAndDampingAreEven) {
-  Bodies<double> bodies = {{0.3, 0.3, 0.0, -0.2, 0.0}, kStill};
+  Bodies bodies = {{0.3, 0.3, 0.0, -0.2, 0.0}, kStill};
   for (int i = 0; i < 40; ++i) {
-    substep<double>(modelOf({}), {0.5, 0.0}, bodies);
+    substep(modelOf({}), {0.5, 0.0}, bodies);
   }
   EXPECT_NEAR(bodies.velocities[kPusherX], 0.5 * 20.0 / 20.5, 1e-12);
 }
 
-/// Along the line through its centre of mass it does not turn: (m + 0.01 d) dv = -0.01 (d v + f), and then it rests.
+/// Along the line through its center of mass it does not turn: (m + 0.01 d) dv = -0.01 (d v + f), and then it rests.
 TEST(Substep, ASlidingTeeDeceleratesAsTheClosedFormSays) {
-  Bodies<double> bodies = {{0.0, -0.1, 0.0, 0.3, 0.3}, {0.0, 2.0, 0.0, 0.0, 0.0}};
+  Bodies bodies = {{0.0, -0.1, 0.0, 0.3, 0.3}, {0.0, 2.0, 0.0, 0.0, 0.0}};
   const Model model = modelOf({});
   double expected = 2.0;
   int sliding = 0;
   for (int i = 0; i < 100; ++i) {
-    substep<double>(model, {0.0, 0.0}, bodies);
+    substep(model, {0.0, 0.0}, bodies);
     expected += kSubstep * -(4.0 * expected + 1.2) / (0.105 + kSubstep * 4.0);
     // The friction is at its limit where more than that is missing.
     if (expected > 0.05) {
@@ -68,23 +68,23 @@ TEST(Substep, ASlidingTeeDeceleratesAsTheClosedFormSays) {
   EXPECT_NEAR(bodies.velocities[kTeeY], 0.0, 1e-6) << "at rest";
 }
 
-TEST(Substep, WithoutDragAndFrictionTheCentreOfMassKeepsItsVelocity) {
+TEST(Substep, WithoutDragAndFrictionTheCenterOfMassKeepsItsVelocity) {
   RigidBodyParameters free = allSimple();
   Model model = modelOf(free);
   model.drag_rate = 0.0;
-  Bodies<double> bodies = {{0.0, 0.0, 0.4, 0.3, 0.3}, {0.1, -0.2, 3.0, 0.0, 0.0}};
-  const auto centre = [](const Bodies<double>& b) {
-    const Tee<double> tee = teeOf(b.positions);
-    return Vector2<double>(tee.origin + tee.centre_of_mass);
+  Bodies bodies = {{0.0, 0.0, 0.4, 0.3, 0.3}, {0.1, -0.2, 3.0, 0.0, 0.0}};
+  const auto center = [](const Bodies& b) {
+    const Tee tee = teeOf(b.positions);
+    return Eigen::Vector2d(tee.origin + tee.center_of_mass);
   };
-  const Vector2<double> start = centre(bodies);
-  const Tee<double> tee = teeOf(bodies.positions);
-  const Vector2<double> velocity(0.1 - 3.0 * tee.centre_of_mass.y(), -0.2 + 3.0 * tee.centre_of_mass.x());
+  const Eigen::Vector2d start = center(bodies);
+  const Tee tee = teeOf(bodies.positions);
+  const Eigen::Vector2d velocity(0.1 - 3.0 * tee.center_of_mass.y(), -0.2 + 3.0 * tee.center_of_mass.x());
   for (int i = 0; i < 10; ++i) {
-    substep<double>(model, {0.0, 0.0}, bodies);
+    substep(model, {0.0, 0.0}, bodies);
   }
-  // The integrator is of first order: half a turn a second, a centre 26 mm off, substeps of 10 ms.
-  EXPECT_LT((centre(bodies) - start - 0.1 * velocity).norm(), 2e-4);
+  // The integrator is of first order: half a turn a second, a center 26 mm off, substeps of 10 ms.
+  EXPECT_LT((center(bodies) - start - 0.1 * velocity).norm(), 2e-4);
   EXPECT_NEAR(bodies.velocities[kTeeYaw], 3.0, 1e-3);
 }
 
@@ -100,21 +100,21 @@ TEST(Substep, EnergyNeverGrowsWithoutThePushersWork) {
     parameters.drag = true;
     parameters.softness = true;
     const Model model = modelOf(parameters);
-    Bodies<double> bodies = {{random(-0.25, 0.25), random(-0.25, 0.25), random(-kPi, kPi), 0.0, 0.0}, kStill};
+    Bodies bodies = {{random(-0.25, 0.25), random(-0.25, 0.25), random(-kPi, kPi), 0.0, 0.0}, kStill};
     bodies.velocities = {random(-6.0, 6.0), random(-6.0, 6.0), random(-30.0, 30.0), 0.0, 0.0};
     const double way = std::atan2(bodies.velocities[kTeeY], bodies.velocities[kTeeX]);
     bodies.positions[kPusherX] = bodies.positions[kTeeX] + 0.125 * std::cos(way);
     bodies.positions[kPusherY] = bodies.positions[kTeeY] + 0.125 * std::sin(way);
     const auto energy = [&] {
-      const Matrix<double> mass = massMatrix(model, teeOf(bodies.positions));
-      return 0.5 * dot<double>(bodies.velocities, product<double>(mass, bodies.velocities));
+      const Matrix mass = massMatrix(model, teeOf(bodies.positions));
+      return 0.5 * dot(bodies.velocities, product(mass, bodies.velocities));
     };
     double most = energy();
     for (int k = 0; k < 60; ++k) {
       const Parts parts(parameters, bodies);
-      at_pusher += touchTee(parts.scene, kParts[0]).touching || touchTee(parts.scene, kParts[1]).touching ? 1 : 0;
+      at_pusher += parts.touch(kParts[0]).touching || parts.touch(kParts[1]).touching ? 1 : 0;
       at_wall += parameters.walls && wallGapsOf(RigidBodyPhysics::stateOf(bodies)).tee < 0.0 ? 1 : 0;
-      substep<double>(model, {0.0, 0.0}, bodies);
+      substep(model, {0.0, 0.0}, bodies);
       ASSERT_LE(energy(), most * (1.0 + 1e-9)) << "world " << i << " substep " << k;
     }
   }
@@ -130,13 +130,13 @@ TEST(Constraints, ForcesStayInTheConeAndInTheBox) {
     RigidBodyParameters parameters = anySwitches(random);
     parameters.friction = true;
     const Parts parts(parameters, anyBodies(random, 0.6));
-    const auto bar = touchTee(parts.scene, kParts[0]);
-    const auto stem = touchTee(parts.scene, kParts[1]);
-    const Vector<double> force = constraintForce<double>(parts.mass, parts.smooth(), parts.rows());
-    // On the pusher there are contact forces alone, with the tee's dry friction there is more on the tee.
+    const auto bar = parts.touch(kParts[0]);
+    const auto stem = parts.touch(kParts[1]);
+    const Vector force = constraintForce(parts.mass, parts.smooth(), parts.rows());
+    // On the pusher there are contact forces alone, with the tee's Coulomb friction there is more on the tee.
     if (bar.touching != stem.touching) {
-      const Vector2<double>& normal = bar.touching ? bar.normal : stem.normal;
-      const Vector2<double> on_tee = {-force[kPusherX], -force[kPusherY]};
+      const Eigen::Vector2d& normal = bar.touching ? bar.normal : stem.normal;
+      const Eigen::Vector2d on_tee = {-force[kPusherX], -force[kPusherY]};
       const double along = on_tee.dot(normal);
       const double across = std::abs(on_tee.x() * normal.y() - on_tee.y() * normal.x());
       EXPECT_GE(along, 0.0);
@@ -162,14 +162,14 @@ TEST(Substep, MirrorsMirroredWorlds) {
     RigidBodyParameters parameters = anySwitches(random);
     parameters.narrow_phase = false;  // libccd's portals are of one hand
     const Model model = modelOf(parameters);
-    Bodies<double> bodies = anyBodies(random, 0.5);
-    Bodies<double> mirrored = bodies;
+    Bodies bodies = anyBodies(random, 0.5);
+    Bodies mirrored = bodies;
     for (const Coordinate odd : {kTeeX, kTeeYaw, kPusherX}) {
       mirrored.positions[odd] = -bodies.positions[odd];
       mirrored.velocities[odd] = -bodies.velocities[odd];
     }
-    substep<double>(model, {0.3, 0.2}, bodies);
-    substep<double>(model, {-0.3, 0.2}, mirrored);
+    substep(model, {0.3, 0.2}, bodies);
+    substep(model, {-0.3, 0.2}, mirrored);
     for (const Coordinate odd : {kTeeX, kTeeYaw, kPusherX}) {
       expectSame(mirrored.velocities[odd], -bodies.velocities[odd]);
     }
@@ -178,27 +178,27 @@ TEST(Substep, MirrorsMirroredWorlds) {
   }
 }
 
-Vector<double> turned(const Vector<double>& v) { return {-v[kTeeY], v[kTeeX], v[kTeeYaw], -v[kPusherY], v[kPusherX]}; }
+Vector turned(const Vector& v) { return {-v[kTeeY], v[kTeeX], v[kTeeYaw], -v[kPusherY], v[kPusherX]}; }
 
-/// By a quarter; by half if there is dry friction, whose compliance MuJoCo takes at yaw 0, where x is not y.
+/// By a quarter; by half if there is Coulomb friction, whose compliance MuJoCo takes at yaw 0, where x is not y.
 TEST(Substep, TurnsTurnedWorlds) {
   Random random(4);
   for (int i = 0; i < 500; ++i) {
     RigidBodyParameters parameters = anySwitches(random);
     parameters.narrow_phase = false;
     const Model model = modelOf(parameters);
-    Bodies<double> bodies = anyBodies(random, 0.5);
-    Bodies<double> other = bodies;
-    Vector2<double> command = {0.3, 0.2};
+    Bodies bodies = anyBodies(random, 0.5);
+    Bodies other = bodies;
+    Eigen::Vector2d command = {0.3, 0.2};
     const int quarters = parameters.coulomb ? 2 : 1;
     for (int quarter = 0; quarter < quarters; ++quarter) {
       other = {turned(other.positions), turned(other.velocities)};
       other.positions[kTeeYaw] += 0.5 * kPi;
       command = {-command.y(), command.x()};
     }
-    substep<double>(model, {0.3, 0.2}, bodies);
-    substep<double>(model, command, other);
-    Vector<double> expected = bodies.velocities;
+    substep(model, {0.3, 0.2}, bodies);
+    substep(model, command, other);
+    Vector expected = bodies.velocities;
     for (int quarter = 0; quarter < quarters; ++quarter) {
       expected = turned(expected);
     }
@@ -216,19 +216,18 @@ TEST(ImplicitAcceleration, HasTheDerivativeOfTheSmoothForce) {
     parameters.tee_inertia = random.flip();
     parameters.pusher_inertia = random.flip();
     const Parts parts(parameters, anyBodies(random, 0.4));
-    const Vector<double> force = {random(-1.0, 1.0), random(-1.0, 1.0), random(-0.1, 0.1), random(-5.0, 5.0),
-                                  random(-5.0, 5.0)};
-    const Vector<double> found =
-        implicitAcceleration(parts.model, parts.tee, parts.mass, parts.bodies.velocities, force);
-    Vector<double> left = product<double>(parts.mass, found);
+    const Vector force = {random(-1.0, 1.0), random(-1.0, 1.0), random(-0.1, 0.1), random(-5.0, 5.0),
+                          random(-5.0, 5.0)};
+    const Vector found = implicitAcceleration(parts.model, parts.tee, parts.mass, parts.bodies.velocities, force);
+    Vector left = product(parts.mass, found);
     for (std::size_t j = 0; j < kCoordinateCount; ++j) {
       const auto smooth_at = [&](double change) {
-        Vector<double> velocities = parts.bodies.velocities;
+        Vector velocities = parts.bodies.velocities;
         velocities[j] += change;
-        return smoothForce<double>(parts.model, parts.tee, parts.mass, velocities, {0.0, 0.0});
+        return smoothForce(parts.model, parts.tee, parts.mass, velocities, {0.0, 0.0});
       };
-      const Vector<double> above = smooth_at(kStep);
-      const Vector<double> below = smooth_at(-kStep);
+      const Vector above = smooth_at(kStep);
+      const Vector below = smooth_at(-kStep);
       for (std::size_t k = 0; k < kCoordinateCount; ++k) {
         left[k] -= kSubstep * (above[k] - below[k]) / (2.0 * kStep) * found[j];
       }
@@ -246,38 +245,37 @@ TEST(JacobianAlong, IsTheDerivativeOfTheDepth) {
   for (int i = 0; i < 3000; ++i) {
     RigidBodyParameters parameters = without(&RigidBodyParameters::narrow_phase);
     parameters.shape = random.flip();
-    Bodies<double> bodies = anyBodies(random, 0.5);
+    Bodies bodies = anyBodies(random, 0.5);
     const Parts parts(parameters, bodies);
     const Part& part = kParts[random.flip() ? 1 : 0];
-    const auto contact = touchTee(parts.scene, part);
+    const auto contact = parts.touch(part);
     if (!contact.touching || contact.depth > 0.01) {
       continue;
     }
     ++touching;
-    const Vector<double> jacobian =
-        jacobianAlong<double>(contact.normal, contact.point - parts.tee.origin, {true, true, 1.0});
+    const Vector jacobian = jacobianAlong(contact.normal, contact.point - parts.tee.origin, Pair::kTeePusher);
     const auto depth_after = [&](double time) {
-      Bodies<double> moved = bodies;
+      Bodies moved = bodies;
       for (std::size_t j = 0; j < kCoordinateCount; ++j) {
         moved.positions[j] += time * bodies.velocities[j];
       }
       const Parts later(parameters, moved);
-      return touchTee(later.scene, part).depth;
+      return later.touch(part).depth;
     };
     const double rate = (depth_after(kStep) - depth_after(-kStep)) / (2.0 * kStep);
-    EXPECT_NEAR(rate, -dot<double>(jacobian, bodies.velocities), 1e-6) << "world " << i;
+    EXPECT_NEAR(rate, -dot(jacobian, bodies.velocities), 1e-6) << "world " << i;
   }
   EXPECT_GT(touching, 200);
 }
 
-/// The tee's origin, centre of mass and axes turn as the yaw does.
+/// The tee's origin, center of mass and axes turn as the yaw does.
 TEST(TeeOf, HasTheDerivativeOfItsYaw) {
   for (const double yaw : {-3.0, -0.7, 0.0, 0.4, 2.5}) {
-    const auto at = [](double angle) { return teeOf<double>({0.1, 0.2, angle, 0.0, 0.0}); };
-    const Vector2<double> rate = (at(yaw + kStep).centre_of_mass - at(yaw - kStep).centre_of_mass) / (2.0 * kStep);
-    const Vector2<double> centre = at(yaw).centre_of_mass;
-    EXPECT_NEAR(rate.x(), -centre.y(), 1e-9);
-    EXPECT_NEAR(rate.y(), centre.x(), 1e-9);
+    const auto at = [](double angle) { return teeOf({0.1, 0.2, angle, 0.0, 0.0}); };
+    const Eigen::Vector2d rate = (at(yaw + kStep).center_of_mass - at(yaw - kStep).center_of_mass) / (2.0 * kStep);
+    const Eigen::Vector2d center = at(yaw).center_of_mass;
+    EXPECT_NEAR(rate.x(), -center.y(), 1e-9);
+    EXPECT_NEAR(rate.y(), center.x(), 1e-9);
     EXPECT_NEAR(at(yaw).heading.cosine, std::cos(yaw), 1e-15);
     EXPECT_NEAR(at(yaw).heading.sine, std::sin(yaw), 1e-15);
   }
@@ -286,7 +284,7 @@ TEST(TeeOf, HasTheDerivativeOfItsYaw) {
 /// With all switches off it is the two-mass engine but for the link between the masses. There it gives way, and passes
 /// a push on only in the next substep. So a free tee is the same up to the link's small swing, and a pushed one is not.
 TEST(AllSimple, IsTheTwoMassEngineButForItsSoftLink) {
-  const auto distance_after_step = [](const Bodies<double>& bodies, const Vector2<double>& command) {
+  const auto distance_after_step = [](const Bodies& bodies, const Eigen::Vector2d& command) {
     RigidBodyEngine rigid(allSimple());
     TwoMassEngine soft;
     rigid.reset(RigidBodyPhysics::stateOf(bodies));
@@ -301,18 +299,17 @@ TEST(AllSimple, IsTheTwoMassEngineButForItsSoftLink) {
   std::vector<double> pushed;
   double free = 0.0;
   for (int i = 0; i < 2000; ++i) {
-    Bodies<double> bodies = anyBodies(random, 0.0);
-    const Tee<double> tee = teeOf(bodies.positions);
+    Bodies bodies = anyBodies(random, 0.0);
+    const Tee tee = teeOf(bodies.positions);
     const Part& part = kParts[i % 2];
-    const Vector2<double> centre = centreOf(part, tee.origin, tee.heading);
+    const Eigen::Vector2d center = centerOf(part, tee);
     const double way = random(-kPi, kPi);
-    const Vector2<double> out(std::cos(way), std::sin(way));
-    const Vector2<double> pusher = centre + (part.disc_radius + kPusherRadius + 0.0005) * out;
+    const Eigen::Vector2d out(std::cos(way), std::sin(way));
+    const Eigen::Vector2d pusher = center + (part.disc_radius + kPusherRadius + 0.0005) * out;
     bodies.positions[kPusherX] = pusher.x();
     bodies.positions[kPusherY] = pusher.y();
     const Part& other = kParts[1 - i % 2];
-    if (!touchDiscs<double>(centreOf(other, tee.origin, tee.heading), other.disc_radius, pusher, kPusherRadius, 0.0)
-             .touching) {
+    if (!touchDiscs(centerOf(other, tee), other.disc_radius, pusher, kPusherRadius, 0.0).touching) {
       pushed.push_back(distance_after_step(bodies, -0.2 * out)[0]);
     }
 

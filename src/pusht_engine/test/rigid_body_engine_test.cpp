@@ -6,24 +6,20 @@
 
 #include <limits>
 #include <map>
-#include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pusht_engine/rigid_body_kind.hpp"
-#include "pusht_task/testing/bits.hpp"
 #include "pusht_task/testing/kind_suites.hpp"
 #include "pusht_task/testing/refusal.hpp"
-#include "rigid_body_testing.hpp"
 
 namespace pusht {
 
 namespace testing {
 namespace {
 
-/// What each switch stands for: rigid_body::kSwitches, and the numbers of rigid_body::simple.
+/// Physics with these switches: rigid_body::kSwitches, and the numbers of rigid_body::simple.
 PhysicsOfKind physicsOf(const RigidBodyParameters& switches) {
   using namespace rigid_body::simple;
   PhysicsOfKind physics;
@@ -105,26 +101,8 @@ std::vector<Subject> singleSwitches() {
   return subjects;
 }
 
-/// With RigidBodyLanes, which the kind itself does not use: its own lanes are single worlds, one stepped after the
-/// other. One preset, for under sanitizers lanes are slow;
-/// AreWorldsWithAnySwitches has the rest.
-Subject inSimdLanes() {
-  Subject subject = {rigidBodyKind(), {{"preset", "shaped"}}};
-  subject.kind.load = [](const ParameterSet& parameters) {
-    SimulatorModel model = rigidBodyKind().load(parameters);
-    RigidBodyParameters switches;
-    for (const rigid_body::Switch& each : rigid_body::kSwitches) {
-      switches.*each.value = parameters.get<bool>(each.name);
-    }
-    model.make_lanes = [switches](int lanes) { return std::make_unique<RigidBodyLanes>(lanes, switches); };
-    return model;
-  };
-  return subject;
-}
-
 }  // namespace
 
-INSTANTIATE_TEST_SUITE_P(InSimdLanes, BatchSimulatorSuite, ::testing::Values(inSimdLanes()));
 INSTANTIATE_TEST_SUITE_P(SingleSwitches, PhysicsSuite, ::testing::ValuesIn(singleSwitches()));
 
 }  // namespace testing
@@ -137,36 +115,6 @@ namespace pusht {
 namespace {
 
 using testing::refusalOf;
-
-/// Any switches: lanes do what single worlds do, bit for bit. (The suite asks more, but of one setting.)
-TEST(RigidBodyLanes, AreWorldsWithAnySwitches) {
-  constexpr int kSettings = 40;
-  constexpr int kSteps = 12;
-  rigid_body::Random random(1);
-  for (int setting = 0; setting < kSettings; ++setting) {
-    const RigidBodyParameters parameters = rigid_body::anySwitches(random);
-    RigidBodyLanes lanes(simd::kLaneCount, parameters);
-    std::vector<std::unique_ptr<RigidBodyEngine>> worlds;
-    for (int lane = 0; lane < simd::kLaneCount; ++lane) {
-      const WorldState start = RigidBodyPhysics::stateOf(rigid_body::anyBodies(random, 0.3));
-      worlds.push_back(std::make_unique<RigidBodyEngine>(parameters));
-      worlds.back()->reset(start);
-      lanes.reset(lane, start);
-    }
-    for (int step = 0; step < kSteps; ++step) {
-      std::vector<std::optional<Action>> actions;
-      for (const auto& world : worlds) {
-        actions.emplace_back(testing::chase(world->state()));
-        world->step(*actions.back());
-      }
-      lanes.step(actions);
-      for (int lane = 0; lane < simd::kLaneCount; ++lane) {
-        ASSERT_TRUE(testing::sameBits(lanes.state(lane), worlds[lane]->state()))
-            << "setting " << setting << " lane " << lane << " step " << step;
-      }
-    }
-  }
-}
 
 std::string switchesOf(const ParameterSet& parameters) {
   std::string result;

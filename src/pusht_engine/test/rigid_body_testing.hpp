@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the tests of the rigid-body engine share.
+/// Helpers of the rigid-body engine's tests.
 #pragma once
 
 #include <random>
@@ -45,8 +45,8 @@ inline RigidBodyParameters anySwitches(Random& random) {
 }
 
 /// Somewhere on the table, away from the walls, with the pusher so near that it touches in many cases.
-inline Bodies<double> anyBodies(Random& random, double speed) {
-  Bodies<double> bodies;
+inline Bodies anyBodies(Random& random, double speed) {
+  Bodies bodies;
   bodies.positions[kTeeX] = random(-0.1, 0.1);
   bodies.positions[kTeeY] = random(-0.1, 0.1);
   bodies.positions[kTeeYaw] = random(-kPi, kPi);
@@ -61,27 +61,21 @@ inline Bodies<double> anyBodies(Random& random, double speed) {
   return bodies;
 }
 
-/// What a substep makes of a world, for whoever looks at its parts.
+/// Quantities of a substep, one by one.
 struct Parts {
   Model model;
-  Bodies<double> bodies;
-  Tee<double> tee = teeOf(bodies.positions);
-  Scene<double> scene = {{bodies.positions[kPusherX], bodies.positions[kPusherY]},
-                         model,
-                         tee,
-                         model.switches.softness ? 0.0 : simple::kMargin};
-  Matrix<double> mass = massMatrix(model, tee);
+  Bodies bodies;
+  Tee tee = teeOf(bodies.positions);
+  Eigen::Vector2d pusher = {bodies.positions[kPusherX], bodies.positions[kPusherY]};
+  Matrix mass = massMatrix(model, tee);
 
-  Parts(const RigidBodyParameters& parameters, const Bodies<double>& world)
-      : model(modelOf(parameters)), bodies(world) {}
-  Parts(const Parts&) = delete;
-  Parts& operator=(const Parts&) = delete;
-  ~Parts() = default;
+  Parts(const RigidBodyParameters& parameters, const Bodies& world) : model(modelOf(parameters)), bodies(world) {}
 
-  Vector<double> smooth(const Vector2<double>& command = {0.0, 0.0}) const {
+  Vector smooth(const Eigen::Vector2d& command = {0.0, 0.0}) const {
     return smoothForce(model, tee, mass, bodies.velocities, command);
   }
-  Rows<double> rows() const { return constraintsOf(scene, bodies.velocities); }
+  Contact touch(const Part& part) const { return touchTee(model, tee, pusher, part); }
+  Rows rows() const { return constraintsOf(model, tee, findContacts(model, tee, pusher), bodies.velocities); }
 };
 
 }  // namespace pusht::rigid_body

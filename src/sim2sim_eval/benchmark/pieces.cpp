@@ -18,6 +18,7 @@
 #include "bare_mujoco.hpp"
 #include "pusht_engine/rigid_body_engine.hpp"
 #include "pusht_engine/two_mass_engine.hpp"
+#include "pusht_engine/two_mass_lanes.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/network_policy.hpp"
 #include "pusht_task/constants.hpp"
@@ -167,37 +168,6 @@ void faithfulEngine(State& state) {
   state.SetItemsProcessed(state.iterations() * stepsOf(referenceTraces()));
 }
 BENCHMARK(faithfulEngine)->Name("faithful/world");
-
-/// Each lane has all traces, one after the other, and begins with another one.
-void faithfulLanes(State& state) {
-  const std::vector<pusht::Trace>& traces = referenceTraces();
-  const std::int64_t steps = stepsOf(traces);
-  pusht::RigidBodyLanes engine(kLaneCount);
-  std::vector<std::optional<pusht::Action>> actions(kLaneCount);
-  for ([[maybe_unused]] auto _ : state) {
-    std::vector<std::size_t> next(kLaneCount);
-    std::vector<std::size_t> step(kLaneCount, 0);
-    for (int lane = 0; lane < kLaneCount; ++lane) {
-      next[lane] = lane % traces.size();
-    }
-    for (std::int64_t i = 0; i < steps; ++i) {
-      for (int lane = 0; lane < kLaneCount; ++lane) {
-        const pusht::Trace& trace = traces[next[lane]];
-        if (step[lane] == 0) {
-          engine.reset(lane, trace.states.front());
-        }
-        actions[lane] = trace.actions[step[lane]];
-        if (++step[lane] == trace.steps()) {
-          step[lane] = 0;
-          next[lane] = (next[lane] + 1) % traces.size();
-        }
-      }
-      engine.step(actions);
-    }
-  }
-  state.SetItemsProcessed(state.iterations() * steps * kLaneCount);
-}
-BENCHMARK(faithfulLanes)->Name("faithful/lanes");
 
 // ---- Policy
 

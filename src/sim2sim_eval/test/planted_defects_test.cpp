@@ -30,9 +30,9 @@ const std::array<Defect, 5> kDefects = {{
     {"pusher mass", [](Model& model) { model.pusher_mass *= 2.0; }},
     {"servo gain", [](Model& model) { model.servo_gain *= 0.7; }},
     {"tee damping", [](Model& model) { model.tee_damping *= 0.5; }},
-    {"dry friction",
+    {"table friction",
      [](Model& model) {
-       model.dry_friction = {0.0, 0.0, 0.0};
+       model.coulomb_limit = {0.0, 0.0, 0.0};
      }},
 }};
 constexpr int kPlayers = static_cast<int>(kDefects.size());

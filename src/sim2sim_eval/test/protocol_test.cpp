@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "pusht_engine/two_mass_engine.hpp"
+#include "pusht_engine/two_mass_lanes.hpp"
 #include "pusht_policy/network_policy.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the rigid-body engine depends on: ten modelling choices, each the two-mass engine's or MuJoCo's, and the
-/// numbers that follow from them. docs/ladder.md has the table of the switches and the formula behind each.
+/// Parameters of the rigid-body engine: ten modelling choices, each the two-mass engine's or MuJoCo's, and the numbers
+/// that follow from them. docs/ladder.md has the table of the switches and the formula behind each.
 #pragma once
 
 #include <array>
@@ -10,7 +10,8 @@
 
 namespace pusht {
 
-/// Each is faithful (true: as MuJoCo has this scene) or simple (false: as the two-mass engine has it).
+/// Switches, one for each modelling choice: faithful (true: MuJoCo's in this scene) or simple (false: the two-mass
+/// engine's).
 struct RigidBodyParameters {
   bool servo = true;
   bool pusher_inertia = true;
@@ -26,13 +27,14 @@ struct RigidBodyParameters {
 
 namespace rigid_body {
 
-/// A switch, for whoever sets or shows it by name. The order is that of the ladder.
+/// Description of one switch.
 struct Switch {
   const char* name;
   const char* meaning;  ///< faithful; simple
   bool RigidBodyParameters::*value;
 };
 
+/// Descriptions of all switches, in the order of docs/ladder.md.
 inline constexpr std::array kSwitches = {
     Switch{"servo", "force of 20 N s/m up to 30 N, damped, implicit; simple: acceleration of 20 1/s without limit",
            &RigidBodyParameters::servo},
@@ -41,7 +43,7 @@ inline constexpr std::array kSwitches = {
     Switch{"shape", "two boxes; simple: two discs", &RigidBodyParameters::shape},
     Switch{"drag", "4 N s/m at the tee's origin and 0.02 N m s, implicit; simple: 6 1/s on every mass",
            &RigidBodyParameters::drag},
-    Switch{"coulomb", "dry friction with the table, 1.2 N per axis and 0.006 N m; simple: none",
+    Switch{"coulomb", "Coulomb friction with the table, 1.2 N per axis and 0.006 N m; simple: none",
            &RigidBodyParameters::coulomb},
     Switch{"friction", "friction between bodies, coefficient 1; simple: none", &RigidBodyParameters::friction},
     Switch{"softness", "contacts give way as MuJoCo's do; simple: hard, a fifth of the overlap removed in a substep",
@@ -51,17 +53,16 @@ inline constexpr std::array kSwitches = {
            &RigidBodyParameters::narrow_phase},
 };
 
-/// Of the simple choices: those of the two-mass engine (two_mass_dynamics.hpp, TwoMassParameters), of whose course they
-/// are.
+/// Constants of the simple choices. Source: the two-mass engine (two_mass_dynamics.hpp, TwoMassParameters).
 namespace simple {
 constexpr double kServoRate = 20.0;    ///< [1/s]
 constexpr double kPusherMass = 4.0;    ///< [kg]
 constexpr double kBarRadius = 0.032;   ///< [m]
 constexpr double kStemRadius = 0.026;  ///< [m]
 constexpr double kDragRate = 6.0;      ///< [1/s]
-constexpr double kOverlapShare = 0.2;  ///< [-] of the overlap, removed in one substep
-constexpr double kMargin = 1.0e-3;     ///< [m] bodies closer than this touch
-/// [-] What is left of a violated constraint's missing acceleration. Contacts are hard, but a number must say how hard.
+constexpr double kOverlapShare = 0.2;  ///< [-] share of the overlap that is removed in one substep
+constexpr double kMargin = 1.0e-3;     ///< [m] gap below which bodies touch
+/// [-] Share of a violated constraint's missing acceleration that stays. Near 0: contacts are hard.
 constexpr double kCompliance = 1.0e-6;
 }  // namespace simple
 
@@ -75,10 +76,10 @@ constexpr double kDamping = 2.0 / (kImpedance * kTimeConstant);                 
 constexpr double kStiffness = 1.0 / (kImpedance * kImpedance * kTimeConstant * kTimeConstant);  ///< [1/s^2]
 }  // namespace soft
 
-/// Coordinates and velocities, in MuJoCo's order.
+/// Generalized coordinates, in MuJoCo's order.
 enum Coordinate : std::size_t { kTeeX, kTeeY, kTeeYaw, kPusherX, kPusherY, kCoordinateCount };
 
-/// What a substep depends on besides the bodies.
+/// Constants of a substep.
 struct Model {
   RigidBodyParameters switches;
 
@@ -88,19 +89,20 @@ struct Model {
   double servo_gain;        ///< [kg/s] force per missing velocity
   double servo_limit;       ///< [N] per axis
   double pusher_damping;    ///< [kg/s]
-  double drag_rate;         ///< [1/s] of every mass of the tee; explicit
-  double tee_damping;       ///< [kg/s] at its origin; implicit, as are the next and the servo of MuJoCo
-  double tee_yaw_damping;   ///< [N m s]
-  double servo_derivative;  ///< [kg/s] of the pusher's smooth force by its velocity, as far as it is implicit
+  double drag_rate;         ///< [1/s] on every mass of the tee; explicit
+  double tee_damping;       ///< [kg/s] at the tee's origin; implicit
+  double tee_yaw_damping;   ///< [N m s] implicit
+  double servo_derivative;  ///< [kg/s] minus the implicit part of the pusher's force by its velocity
 
-  std::array<double, 3> dry_friction;             ///< [N, N, N m] at most; 0: none
-  std::array<double, 3> dry_friction_regularity;  ///< [kg, kg, kg m^2] force per missing acceleration
+  std::array<double, 3> coulomb_limit;       ///< [N, N, N m] greatest friction with the table
+  std::array<double, 3> coulomb_regularity;  ///< [kg, kg, kg m^2] friction per missing acceleration
 
-  double tee_pusher_weight;  ///< [1/kg] scale of the compliance of contacts between tee and pusher
-  double tee_wall_weight;
-  double pusher_wall_weight;
+  double tee_pusher_weight;   ///< [1/kg] scale of the compliance of contacts between tee and pusher
+  double tee_wall_weight;     ///< [1/kg] between tee and wall
+  double pusher_wall_weight;  ///< [1/kg] between pusher and wall
 };
 
+/// Constants of a substep with these switches.
 Model modelOf(const RigidBodyParameters& parameters);
 
 }  // namespace rigid_body

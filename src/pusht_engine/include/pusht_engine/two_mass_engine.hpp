@@ -60,43 +60,24 @@ double greatestBaumgarte(double block_damp);
 
 }  // namespace two_mass
 
-/// The two-mass physics, as PlanarSimulator wants it.
+/// Physics for PlanarSimulator.
 struct TwoMassPhysics {
   using Parameters = TwoMassParameters;
   using Model = two_mass::Model;
-  template <class Real>
-  using Bodies = two_mass::Bodies<Real>;
+  using Bodies = two_mass::Bodies<double>;
 
   static constexpr double kStartTolerance = 1e-12;
 
   static Model modelOf(const TwoMassParameters& parameters);
-  /// With the link at rest length.
-  static Bodies<double> bodiesOf(const WorldState& state);
-  static WorldState stateOf(const Bodies<double>& bodies);
-
-  template <class Real>
-  static void substep(const Model& model, const simd::Vector2<Real>& command, Bodies<Real>& bodies) {
-    two_mass::substep(model, command, bodies);
-  }
-
-  template <class One, class Many, class Function>
-  static void forEachNumber(One& one, Many& many, Function function) {
-    for (std::size_t body = 0; body < two_mass::kBodyCount; ++body) {
-      for (Eigen::Index axis = 0; axis < 2; ++axis) {
-        function(one.positions[body][axis], many.positions[body][axis]);
-        function(one.velocities[body][axis], many.velocities[body][axis]);
-      }
-    }
-  }
+  /// Bodies with the link at rest length.
+  static Bodies bodiesOf(const WorldState& state);
+  static WorldState stateOf(const Bodies& bodies);
+  static void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies);
 };
 
 extern template class PlanarSimulator<TwoMassPhysics>;
-extern template class PlanarLanes<TwoMassPhysics>;
 
-/// No walls, no friction, no continuous collision: its simplifications are the point.
+/// The baseline. It has no walls, no friction and no continuous collision: its simplifications are the point.
 using TwoMassEngine = PlanarSimulator<TwoMassPhysics>;
-
-/// The same engine for many worlds.
-using TwoMassLanes = PlanarLanes<TwoMassPhysics>;
 
 }  // namespace pusht

@@ -17,8 +17,8 @@ using two_mass::kStem;
 
 namespace {
 
-// Yaw and its rate are read from the masses, with rounding errors of some 1e-15. Read on a grid a little
-// coarser than that, a state that was read and set is read as it was set, bit for bit (within 4 m, 10 m/s).
+// Yaw and its rate are read from the masses, with rounding errors of some 1e-15. They are rounded to a grid a little
+// coarser than that, so a state that was read and set again reads the same, bit for bit (within 4 m, 10 m/s).
 constexpr double kYawGrid = 0x1p-46;                                // [rad]
 constexpr double kYawRateGrid = 0x1p-44;                            // [rad/s]
 const double kGreatestYaw = std::floor(kPi / kYawGrid) * kYawGrid;  // [rad]
@@ -30,7 +30,7 @@ Eigen::Vector2d turnLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
 }  // namespace
 
-ParameterDescriptor two_mass::Knob::descriptor() const {
+ParameterDescriptor two_mass::Parameter::descriptor() const {
   return {name, unit, meaning, TwoMassParameters().*value, least, greatest, reason};
 }
 
@@ -39,8 +39,8 @@ double two_mass::greatestBaumgarte(double block_damp) {
 }
 
 void TwoMassParameters::validate() const {
-  for (const two_mass::Knob& knob : two_mass::kKnobs) {
-    knob.descriptor().require(this->*knob.value);
+  for (const two_mass::Parameter& parameter : two_mass::kParameters) {
+    parameter.descriptor().require(this->*parameter.value);
   }
   const double greatest = two_mass::greatestBaumgarte(block_damp);
   if (!(baumgarte < greatest)) {

@@ -7,34 +7,34 @@
 namespace pusht {
 namespace {
 
-std::vector<ParameterDescriptor> describeKnobs() {
+std::vector<ParameterDescriptor> describeParameters() {
   std::vector<ParameterDescriptor> descriptors;
-  descriptors.reserve(two_mass::kKnobs.size());
-  for (const two_mass::Knob& knob : two_mass::kKnobs) {
-    descriptors.push_back(knob.descriptor());
+  descriptors.reserve(two_mass::kParameters.size());
+  for (const two_mass::Parameter& parameter : two_mass::kParameters) {
+    descriptors.push_back(parameter.descriptor());
   }
   return descriptors;
 }
 
-SimulatorModel loadKnobs(const ParameterSet& parameters) {
-  TwoMassParameters knobs;
-  for (const two_mass::Knob& knob : two_mass::kKnobs) {
-    knobs.*knob.value = parameters.get<double>(knob.name);
+SimulatorModel loadParameters(const ParameterSet& set) {
+  TwoMassParameters parameters;
+  for (const two_mass::Parameter& parameter : two_mass::kParameters) {
+    parameters.*parameter.value = set.get<double>(parameter.name);
   }
-  knobs.validate();
+  parameters.validate();
   SimulatorModel model;
-  model.parameters = parameters;
-  model.make_world = [knobs] { return std::make_unique<TwoMassEngine>(knobs); };
-  model.make_lanes = [knobs](int lanes) { return std::make_unique<TwoMassLanes>(lanes, knobs); };
+  model.parameters = set;
+  model.make_world = [parameters] { return std::make_unique<TwoMassEngine>(parameters); };
+  model.make_lanes = [parameters](int lanes) { return std::make_unique<TwoMassLanes>(lanes, parameters); };
   return model;
 }
 
 }  // namespace
 
 const SimulatorKind& twoMassKind() {
-  static const SimulatorKind kind = {"two_mass",      "two-mass engine",      PUSHT_ENGINE_VERSION,
-                                     describeKnobs(), {"libpusht_engine.so"}, TwoMassPhysics::kStartTolerance,
-                                     loadKnobs};
+  static const SimulatorKind kind = {"two_mass",           "two-mass engine",      PUSHT_ENGINE_VERSION,
+                                     describeParameters(), {"libpusht_engine.so"}, TwoMassPhysics::kStartTolerance,
+                                     loadParameters};
   return kind;
 }
 

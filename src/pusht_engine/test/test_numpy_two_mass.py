@@ -54,7 +54,7 @@ class Golden(unittest.TestCase):
         self.assertGreater(contact_count, 10, "the golden units must exercise contacts")
 
     def test_trajectories(self) -> None:
-        """Every step of every case and knob setting, clipping included."""
+        """Every step of every case and set of parameters, clipping included."""
         for case in GOLDEN["cases"]:
             for expected in case["engine"]:
                 with self.subTest(seed=case["seed"], knobs=expected["knobs"]):
@@ -73,11 +73,11 @@ class Golden(unittest.TestCase):
         self.assertLessEqual(error, TRAJECTORY_TOLERANCE, f"yaw, step {step}")
 
 
-class Knobs(unittest.TestCase):
-    def test_are_the_courses_knobs_of_the_engine(self) -> None:
+class Parameters(unittest.TestCase):
+    def test_are_the_courses_parameters_of_the_engine(self) -> None:
         """Names and defaults as the header has them."""
         header = (PACKAGE / "include" / "pusht_engine" / "two_mass_engine.hpp").read_text()
-        table = header[header.index("kKnobs = {") :]
+        table = header[header.index("kParameters = {") :]
         names = re.findall(r'{"(\w+)", "[^"]+", "', table)
         given = inspect.signature(NumpyTwoMass).parameters
         self.assertEqual(list(given), names[: len(given)])

@@ -43,7 +43,7 @@ PhysicsOfKind physicsOf(const TwoMassParameters& knobs) {
   physics.free_position = 5e-4;  // it turns for long, and the integrator is of first order
   physics.free_yaw = 6e-3;
   physics.free_speed = 5e-3;
-  const double give = 0.58 * 0.6 / knobs.baumgarte;  // [m] of the link, pushed at 0.6 m/s (two_mass::kKnobs)
+  const double give = 0.58 * 0.6 / knobs.baumgarte;  // [m] of the link, pushed at 0.6 m/s (two_mass::kParameters)
   physics.push_position = 1.3 * give;
   physics.push_speed = 1.5 * give;        // [m/s] it comes back slowly
   physics.contact_position = 0.5 * give;  // pushed at 0.2 m/s
@@ -54,7 +54,7 @@ std::vector<Subject> subjects() {
   std::vector<Subject> subjects = {{twoMassKind(), {}, physicsOf({})}};
   for (const auto& [name, value] : {std::pair("block_damp", 1.0), {"pusher_mass", 0.5}, {"baumgarte", 20.0}}) {
     TwoMassParameters knobs;
-    for (const two_mass::Knob& knob : two_mass::kKnobs) {
+    for (const two_mass::Parameter& knob : two_mass::kParameters) {
       if (knob.name == std::string(name)) {
         knobs.*knob.value = value;
       }
@@ -92,7 +92,7 @@ void expectRow(const two_mass::BodyVectors<double>& found, const nlohmann::json&
   }
 }
 
-/// Every step of every case and knob setting, clipping and stepping on after success included.
+/// Every step of every case and set of parameters, clipping and stepping on after success included.
 TEST(TwoMassEngine, MatchesTheGoldenTrajectories) {
   int successes = 0;
   for (const auto& golden : testing::loadGolden("pusht_golden.json", "cases")) {
@@ -197,12 +197,12 @@ INSTANTIATE_TEST_SUITE_P(TwoMassEngine, Symmetry,
                          ::testing::Values(Image{(Eigen::Matrix2d() << -1.0, 0.0, 0.0, 1.0).finished(), 0.0, -1.0},
                                            rotation(kPi / 2.0), rotation(0.4)));
 
-const two_mass::Knob& knobNamed(const std::string& name) {
-  return *std::find_if(two_mass::kKnobs.begin(), two_mass::kKnobs.end(),
-                       [&](const two_mass::Knob& knob) { return knob.name == name; });
+const two_mass::Parameter& parameterNamed(const std::string& name) {
+  return *std::find_if(two_mass::kParameters.begin(), two_mass::kParameters.end(),
+                       [&](const two_mass::Parameter& knob) { return knob.name == name; });
 }
 
-/// The message with which the knobs are refused; empty if they are not.
+/// Message of the refusal of these parameters; empty if they are accepted.
 std::string refusal(const TwoMassParameters& knobs) {
   try {
     TwoMassEngine engine(knobs);
@@ -212,9 +212,9 @@ std::string refusal(const TwoMassParameters& knobs) {
   return "";
 }
 
-TEST(TwoMassParameters, RefusesWhatIsOutsideTheRangeOfAKnobByName) {
+TEST(TwoMassParameters, RefusesWhatIsOutsideTheRangeOfAParameterByName) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  for (const two_mass::Knob& knob : two_mass::kKnobs) {
+  for (const two_mass::Parameter& knob : two_mass::kParameters) {
     TwoMassParameters knobs;
     knobs.block_damp = 0.0;  // leaves the link its whole range
     for (const double inside : {knob.least, knob.greatest}) {
@@ -235,7 +235,7 @@ TEST(TwoMassParameters, RefusesALinkThatIsTooStiffForItsDrag) {
   for (const double damp : {0.0, 6.0, 60.0, 100.0}) {
     TwoMassParameters knobs;
     knobs.block_damp = damp;
-    const double greatest = std::min(two_mass::greatestBaumgarte(damp), knobNamed("baumgarte").greatest);
+    const double greatest = std::min(two_mass::greatestBaumgarte(damp), parameterNamed("baumgarte").greatest);
     knobs.baumgarte = 0.999 * greatest;
     EXPECT_EQ(refusal(knobs), "");
     knobs.baumgarte = 1.001 * greatest;
@@ -245,7 +245,7 @@ TEST(TwoMassParameters, RefusesALinkThatIsTooStiffForItsDrag) {
 
 // The ranges are those in which the integration itself is stable: just inside it is, just outside it is not.
 
-/// Of any knobs, those that are refused too.
+/// Model of any parameters, those that are refused too.
 two_mass::Model modelWith(const TwoMassParameters& knobs) {
   return {{knobs.pusher_mass, kBarMass, kStemMass},
           {1.0 / knobs.pusher_mass, 1.0 / kBarMass, 1.0 / kStemMass},
@@ -271,7 +271,7 @@ TEST(StableRange, DragSlowsTheTeeAndNeverTurnsIt) {
     two_mass::substep<double>(modelWith(knobs), {0.0, 0.0}, bodies);
     return bodies.velocities[kBar].x();
   };
-  const double greatest = knobNamed("block_damp").greatest;
+  const double greatest = parameterNamed("block_damp").greatest;
   EXPECT_GE(speed_after_a_substep(greatest), 0.0);
   EXPECT_LT(speed_after_a_substep(1.01 * greatest), 0.0);
 }
@@ -314,7 +314,7 @@ double fastestTee(const TwoMassParameters& knobs) {
 
 TEST(StableRange, TheTeeIsNeverMuchFasterThanThePusher) {
   constexpr double kBound = 2.0;  // [m/s]; the pusher's 1 m/s and what contacts add to remove an overlap
-  const two_mass::Knob pusher_mass = knobNamed("pusher_mass");
+  const two_mass::Parameter pusher_mass = parameterNamed("pusher_mass");
   for (const double mass : {pusher_mass.least, 0.05, 4.0, pusher_mass.greatest}) {
     for (const double damp : {0.0, 6.0, 100.0}) {
       for (const double stiffness : {40.0, 0.99 * two_mass::greatestBaumgarte(damp)}) {
@@ -327,7 +327,7 @@ TEST(StableRange, TheTeeIsNeverMuchFasterThanThePusher) {
 /// What holds a soft link is too slow for a pusher at full speed: that ends a world, and by name.
 TEST(StableRange, ALinkThatCloses) {
   TwoMassParameters soft;
-  soft.baumgarte = knobNamed("baumgarte").least;
+  soft.baumgarte = parameterNamed("baumgarte").least;
   TwoMassEngine engine(soft);
   WorldState start;
   start.tee_yaw = kPi / 2.0;  // the stem is on +x

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Numbers that stand for several worlds at once, so that one text of the physics serves one world (double) and
-/// many (Lanes): every operation is done in each lane as IEEE 754 has it, hence to the same bits.
+/// Numbers of several worlds at once, so that one text of the physics serves one world (double) and many (Lanes).
+/// Every operation follows IEEE 754 in each lane, so a lane has the bits of a single world.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,11 +19,11 @@ inline Lanes select(const Lanes::mask_type& condition, const Lanes& a, Lanes b) 
   return b;
 }
 
-/// Whether a condition holds in any of the worlds.
+/// Whether a condition holds in any world.
 inline bool any(bool condition) { return condition; }
 inline bool any(const Lanes::mask_type& condition) { return std::experimental::any_of(condition); }
 
-/// What a comparison gives: one truth value for each world.
+/// Result of a comparison: one truth value for each world.
 template <class Real>
 using Condition = decltype(Real() < Real());
 
@@ -39,7 +39,7 @@ template <class Real>
 
 }  // namespace pusht::simd
 
-/// What Eigen must know of a number, by Eigen's names.
+/// Traits that Eigen needs of a number type, by Eigen's names.
 // NOLINTBEGIN(readability-identifier-naming)
 template <>
 struct Eigen::NumTraits<pusht::simd::Lanes> : Eigen::GenericNumTraits<pusht::simd::Lanes> {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The physics of the two-mass engine, one function a law, for one world or many. Units are SI, vectors in table axes.
+/// Physics of the two-mass engine, one function a law. The number type Real is double for one world, simd::Lanes for
+/// several. Units are SI, vectors in the table's frame.
 /// Source: chapters 3.3 to 3.6 of the zero2robot course; the order of operations is theirs.
 #pragma once
 
@@ -20,13 +21,13 @@ using simd::scaled;
 using simd::select;
 using simd::Vector2;
 
-constexpr double kBarRadius = 0.032;       ///< [m] the disc that stands for the bar
-constexpr double kStemRadius = 0.026;      ///< [m] the disc that stands for the stem
+constexpr double kBarRadius = 0.032;       ///< [m] disc that stands for the bar
+constexpr double kStemRadius = 0.026;      ///< [m] disc that stands for the stem
 constexpr double kServoGain = 20.0;        ///< [1/s] of the pusher's velocity servo
 constexpr double kRestitution = 0.0;       ///< [-] of contacts
 constexpr double kContactBaumgarte = 0.2;  ///< [-] share of the overlap removed in one substep
-constexpr double kContactMargin = 1.0e-3;  ///< [m] discs closer than this touch
-constexpr double kCoincident = 1.0e-12;    ///< [m] discs closer than this have no normal
+constexpr double kContactMargin = 1.0e-3;  ///< [m] gap below which discs touch
+constexpr double kCoincident = 1.0e-12;    ///< [m] distance of centers up to which discs have no normal
 constexpr int kContactSweeps = 10;         ///< Gauss-Seidel sweeps
 
 enum Body : std::size_t { kPusher, kBar, kStem, kBodyCount };
@@ -34,21 +35,20 @@ constexpr std::array<Body, 2> kBlocks = {kBar, kStem};  ///< the masses of the t
 
 constexpr std::array<double, kBodyCount> kRadii = {kPusherRadius, kBarRadius, kStemRadius};  // [m]
 
-// Real is double for one world, simd::Lanes for several.
 template <class Real>
 using BodyVectors = std::array<Vector2<Real>, kBodyCount>;
 using BodyScalars = std::array<double, kBodyCount>;
 
-/// The pusher against one mass of the tee.
+/// Contact of the pusher and one mass of the tee.
 template <class Real>
 struct Contact {
   Body block;  ///< kBar or kStem
   Condition<Real> touching;
-  Vector2<Real> normal;  ///< from the mass to the pusher, of length 1
-  Real depth;            ///< [m] overlap; slightly negative inside the margin
+  Vector2<Real> normal;  ///< unit vector from the mass to the pusher
+  Real depth;            ///< [m] overlap; below 0 across a gap
 };
 
-/// With bar, then stem. Where they do not touch, the rest says nothing.
+/// Contacts with bar and stem, in this order. Normal and depth are valid where they touch.
 template <class Real>
 using Contacts = std::array<Contact<Real>, kBlocks.size()>;
 
@@ -58,8 +58,8 @@ inline double yaw(const Eigen::Vector2d& bar, const Eigen::Vector2d& stem) {
   return wrapAngle(std::atan2(line.y(), line.x()) + kPi / 2.0);
 }
 
-/// Force [N] on the bar (the stem gets its opposite) that holds the masses at rest length, as a Lagrange
-/// multiplier with Baumgarte stabilisation of frequency `baumgarte` [rad/s].
+/// [N] Force on the bar (the stem gets its opposite) that holds the masses at rest length: a Lagrange multiplier with
+/// Baumgarte stabilization of frequency `baumgarte` [rad/s].
 template <class Real>
 Vector2<Real> linkForce(const BodyVectors<Real>& positions, const BodyVectors<Real>& velocities,
                         const BodyScalars& masses, double baumgarte) {
@@ -87,13 +87,13 @@ Contacts<Real> findContacts(const BodyVectors<Real>& positions) {
   return contacts;
 }
 
-/// Relative velocity [m/s] of the pusher along the normal; negative while they approach.
+/// [m/s] Relative velocity of the pusher along the normal; negative while they approach.
 template <class Real>
 Real normalVelocity(const Contact<Real>& contact, const BodyVectors<Real>& velocities) {
   return velocities[kPusher].dot(contact.normal) - velocities[contact.block].dot(contact.normal);
 }
 
-/// `velocity` changed by `change` where the contact touches.
+/// [m/s] Velocity with `change` added where the contact touches.
 template <class Real>
 Vector2<Real> changedWhereTouching(const Contact<Real>& contact, const Vector2<Real>& velocity,
                                    const Vector2<Real>& change) {
@@ -101,7 +101,8 @@ Vector2<Real> changedWhereTouching(const Contact<Real>& contact, const Vector2<R
           select(contact.touching, velocity.y() + change.y(), velocity.y())};
 }
 
-/// Projected Gauss-Seidel on the accumulated normal impulses, frictionless; changes `velocities`.
+/// Changes `velocities` by the contacts' impulses, without friction: projected Gauss-Seidel on accumulated normal
+/// impulses.
 template <class Real>
 void solveContacts(const Contacts<Real>& contacts, const BodyScalars& inverse_masses, BodyVectors<Real>& velocities) {
   const Real zero(0.0);
@@ -135,21 +136,21 @@ void solveContacts(const Contacts<Real>& contacts, const BodyScalars& inverse_ma
       velocities[kPusher] = changedWhereTouching(contact, velocities[kPusher], push);
       velocities[block] = changedWhereTouching<Real>(contact, velocities[block], -recoil);
     }
-    // A sweep that changed no impulse would be repeated by all that follow.
+    // After a sweep that changed no impulse the others would change none.
     if (!any(changed)) {
       return;
     }
   }
 }
 
-/// Positions [m] and velocities [m/s].
+/// State of a world: positions [m] and velocities [m/s] of the masses.
 template <class Real>
 struct Bodies {
   BodyVectors<Real> positions;
   BodyVectors<Real> velocities;
 };
 
-/// What the physics depends on, besides the state.
+/// Constants of a substep.
 struct Model {
   BodyScalars masses;          ///< [kg]
   BodyScalars inverse_masses;  ///< [1/kg]

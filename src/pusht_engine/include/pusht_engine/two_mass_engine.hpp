@@ -11,20 +11,20 @@
 
 namespace pusht {
 
-/// The knobs; two_mass::kKnobs says what they mean.
+/// Parameters of the two-mass engine. two_mass::kParameters has their meaning and range.
 struct TwoMassParameters {
   double pusher_mass = 4.0;  ///< [kg]
   double block_damp = 6.0;   ///< [1/s]
   double baumgarte = 40.0;   ///< [rad/s]
 
-  /// Throws InvalidInput with knob, value, rule and reason, if a substep with them is not stable.
+  /// Throws InvalidInput with parameter, value, rule and reason, if a substep with them is not stable.
   void validate() const;
 };
 
 namespace two_mass {
 
-/// A knob, for whoever sets or shows it by name.
-struct Knob {
+/// Description of one parameter.
+struct Parameter {
   const char* name;
   const char* unit;
   const char* meaning;
@@ -36,25 +36,26 @@ struct Knob {
   ParameterDescriptor descriptor() const;
 };
 
-/// All of them; the course's first, in the order in which its configuration hash has them. The ranges (h: kSubstep):
-/// - pusher_mass: any is stable. The servo does not know it, and contact sweeps shrink what is left of the overlap by
-///   (n1.n2)^2 m1 m2 / ((m1 + M)(m2 + M)) < 0.006 each, as both normals are nearly at right angles. Beyond the range
-///   nothing changes any more: the pusher has no inertia, or the tee has none.
+/// Descriptions of all parameters. The course's come first, in the order of its configuration hash. Reasons of the
+/// ranges (h: kSubstep):
+/// - pusher_mass: any value is stable. The servo does not depend on it, and each contact sweep multiplies the error of
+///   the impulses by (n1.n2)^2 m1 m2 / ((m1 + M)(m2 + M)) < 0.006, because both normals are nearly at right angles.
+///   Beyond the range nothing changes any more: the pusher has no inertia, or the tee has none.
 /// - block_damp: a substep multiplies the velocity by 1 - h block_damp, which must not be negative.
 /// - baumgarte: pushed at v = 1 m/s, the link gives way by up to 0.58 v / baumgarte; that is its length at 9.7.
-///   Overlap adds to v: up to about 20, a hard push may still close it. The world then flies apart, which ends the
-///   run. The upper end is greatestBaumgarte(0).
-inline constexpr std::array kKnobs = {
-    Knob{"pusher_mass", "kg", "inertia of the pusher in contact", &TwoMassParameters::pusher_mass, 1e-6, 1e6,
-         "beyond that nothing changes"},
-    Knob{"block_damp", "1/s", "viscous drag rate of the tee, in place of table friction",
-         &TwoMassParameters::block_damp, 0.0, 100.0, "more would turn the velocity round in every substep"},
-    Knob{"baumgarte", "rad/s", "stabilisation frequency of the tee's link", &TwoMassParameters::baumgarte, 10.0, 82.8,
-         "a softer link closes under a push, a stiffer one shakes itself apart"},
+///   Overlap adds to v: up to about 20, a hard push may still close the link. The world then flies apart, which ends
+///   the run. The upper end is greatestBaumgarte(0).
+inline constexpr std::array kParameters = {
+    Parameter{"pusher_mass", "kg", "inertia of the pusher in contact", &TwoMassParameters::pusher_mass, 1e-6, 1e6,
+              "beyond that nothing changes"},
+    Parameter{"block_damp", "1/s", "viscous drag rate of the tee, in place of table friction",
+              &TwoMassParameters::block_damp, 0.0, 100.0, "more would turn the velocity round in every substep"},
+    Parameter{"baumgarte", "rad/s", "stabilisation frequency of the tee's link", &TwoMassParameters::baumgarte, 10.0,
+              82.8, "a softer link closes under a push, a stiffer one shakes itself apart"},
 };
 
-/// [rad/s] The stiffest link that is stable with this drag [1/s]. With x = h baumgarte and c = h block_damp, a small
-/// error e of its length and the rate u go as u' = (1 - 2x - c) u - (x^2 / h) e, e' = e + h u'. The eigenvalues are
+/// [rad/s] Stiffest link that is stable with this drag [1/s]. With x = h baumgarte and c = h block_damp, a small
+/// error e of its length and its rate u go as u' = (1 - 2x - c) u - (x^2 / h) e, e' = e + h u'. The eigenvalues are
 /// inside the unit circle if x^2 + 4x + 2c < 4 (Jury's criterion).
 double greatestBaumgarte(double block_damp);
 

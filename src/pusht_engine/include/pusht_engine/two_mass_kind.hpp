@@ -6,7 +6,7 @@
 
 namespace pusht {
 
-/// "two_mass". Its parameters are the knobs.
+/// Kind "two_mass". Its parameters are two_mass::kParameters.
 const SimulatorKind& twoMassKind();
 
 }  // namespace pusht

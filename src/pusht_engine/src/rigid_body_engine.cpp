@@ -10,7 +10,7 @@ using rigid_body::kTeeX;
 using rigid_body::kTeeY;
 using rigid_body::kTeeYaw;
 
-/// [kg m^2] of a box about its centre, in the plane.
+/// [kg m^2] Moment of inertia of a box about its center, in the plane.
 constexpr double momentOfBox(double mass, double half_x, double half_y) {
   return mass / 3.0 * (half_x * half_x + half_y * half_y);
 }

@@ -106,7 +106,7 @@ TEST(SolveContacts, ConservesLinearAndAngularMomentum) {
     ASSERT_FALSE(contacts.empty());
     solveContacts(findContacts(world.q), inverse(kMasses), world.v);
     EXPECT_LE((momentum(world.v) - momentum(before)).norm(), 1e-12);
-    // Impulses act along the line of centres, so they have no moment.
+    // Impulses act along the line of centers, so they have no moment.
     EXPECT_NEAR(angularMomentum(world.q, world.v), angularMomentum(world.q, before), 1e-12);
   }
 }
@@ -156,10 +156,10 @@ TEST(FindContacts, HasAMarginAndOrder) {
   ASSERT_EQ(contactsOf(q).size(), 2U);
   EXPECT_EQ(contactsOf(q)[0].block, kBar);
   q[kBar] = q[kPusher];
-  ASSERT_EQ(contactsOf(q).size(), 1U) << "coincident centres have no normal";
+  ASSERT_EQ(contactsOf(q).size(), 1U) << "coincident centers have no normal";
 }
 
-/// At rest length and without stabilisation the force is the centripetal one of a spinning dumbbell.
+/// At rest length and without stabilization the force is the centripetal one of a spinning dumbbell.
 TEST(LinkForce, IsCentripetalForASpinningDumbbell) {
   constexpr double kRate = 3.0;  // [rad/s]
   BodyVectors<double> q;

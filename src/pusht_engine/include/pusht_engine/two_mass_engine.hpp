@@ -50,7 +50,7 @@ inline constexpr std::array kParameters = {
               "beyond that nothing changes"},
     Parameter{"block_damp", "1/s", "viscous drag rate of the tee, in place of table friction",
               &TwoMassParameters::block_damp, 0.0, 100.0, "more would turn the velocity round in every substep"},
-    Parameter{"baumgarte", "rad/s", "stabilisation frequency of the tee's link", &TwoMassParameters::baumgarte, 10.0,
+    Parameter{"baumgarte", "rad/s", "stabilization frequency of the tee's link", &TwoMassParameters::baumgarte, 10.0,
               82.8, "a softer link closes under a push, a stiffer one shakes itself apart"},
 };
 

@@ -94,18 +94,17 @@ Contact touchNearest(const Eigen::Vector2d& disc, double radius, const Box& box,
                                 std::clamp(local.y(), -box.half_y, box.half_y));
   const Eigen::Vector2d apart = local - nearest;
   const double squared = apart.dot(apart);
-  Eigen::Vector2d out;  // from the box to the disc, in the box's axes
-  double depth;
-  if (squared > 0.0) {  // outside: from the nearest point of the box to the center
-    const double distance = std::sqrt(squared);
-    out = (1.0 / distance) * apart;
-    depth = radius - distance;
+  Eigen::Vector2d out;              // unit vector from the box to the disc, in the box's axes
+  double gap = std::sqrt(squared);  // [m] from the box to the disc's center
+  if (squared > 0.0) {              // outside: from the nearest point of the box to the center
+    out = (1.0 / gap) * apart;
   } else {  // inside: through the nearest face
     const double room_x = box.half_x - std::abs(local.x());
     const double room_y = box.half_y - std::abs(local.y());
+    gap = -std::min(room_y, room_x);
     out = room_x < room_y ? Eigen::Vector2d(sideOf(local.x()), 0.0) : Eigen::Vector2d(0.0, sideOf(local.y()));
-    depth = radius + std::min(room_y, room_x);
   }
+  const double depth = radius - gap;
   const Eigen::Vector2d normal = -heading.toTable(out);
   return {depth > -margin, disc + (radius - 0.5 * depth) * normal, normal, depth};
 }

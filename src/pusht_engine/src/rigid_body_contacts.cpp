@@ -9,6 +9,11 @@ namespace {
 
 double sideOf(double value) { return value < 0.0 ? -1.0 : 1.0; }
 
+/// [m] Overlap of a disc and a wall; below 0 across a gap.
+double depthAt(const Wall& wall, const Eigen::Vector2d& disc, double radius) {
+  return wall.side * disc[wall.axis] + (radius - kWallInnerFace);
+}
+
 /// Contact of the pusher and a wall, with the model's narrow phase; pushes the pusher.
 Contact touchWallByPusher(const Model& model, const Eigen::Vector2d& pusher, const Wall& wall, double margin) {
   Contact contact = touchWall(pusher, kPusherRadius, wall, margin);
@@ -26,7 +31,7 @@ Contact touchWallByPusher(const Model& model, const Eigen::Vector2d& pusher, con
 void addPartAtWall(const Model& model, const Tee& tee, const Part& part, const Wall& wall, double margin,
                    Contacts& contacts) {
   const Eigen::Vector2d center = centerOf(part, tee);
-  if (!touchWall(center, part.reach(), wall, margin).touching) {
+  if (!(depthAt(wall, center, part.reach()) > -margin)) {
     return;
   }
   if (!model.switches.shape) {
@@ -110,9 +115,12 @@ Contact touchNearest(const Eigen::Vector2d& disc, double radius, const Box& box,
 }
 
 Contact touchWall(const Eigen::Vector2d& disc, double radius, const Wall& wall, double margin) {
-  const double depth = wall.side * disc[wall.axis] + (radius - kWallInnerFace);
+  const double depth = depthAt(wall, disc, radius);
   const Eigen::Vector2d normal = wall.inward();
-  return {depth > -margin, disc - (radius - 0.5 * depth) * normal, normal, depth};
+  if (!(depth > -margin)) {
+    return {false, disc, normal, depth};
+  }
+  return {true, disc - (radius - 0.5 * depth) * normal, normal, depth};
 }
 
 Contact touchTee(const Model& model, const Tee& tee, const Eigen::Vector2d& pusher, const Part& part) {

@@ -14,9 +14,7 @@
 #include "pusht_task/testing/kind_suites.hpp"
 #include "pusht_task/testing/refusal.hpp"
 
-namespace pusht {
-
-namespace testing {
+namespace pusht::testing {
 namespace {
 
 /// Physics with these switches: rigid_body::kSwitches, and the numbers of rigid_body::simple.
@@ -105,8 +103,7 @@ std::vector<Subject> singleSwitches() {
 
 INSTANTIATE_TEST_SUITE_P(SingleSwitches, PhysicsSuite, ::testing::ValuesIn(singleSwitches()));
 
-}  // namespace testing
-}  // namespace pusht
+}  // namespace pusht::testing
 
 PUSHT_TEST_SIMULATOR_KIND(RigidBody, presets());
 

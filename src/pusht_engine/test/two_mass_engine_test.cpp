@@ -16,9 +16,7 @@
 #include "pusht_task/testing/golden.hpp"
 #include "pusht_task/testing/kind_suites.hpp"
 
-namespace pusht {
-
-namespace testing {
+namespace pusht::testing {
 namespace {
 
 /// Two masses, discs, drag: none of the table's friction, no friction in contacts, no walls.
@@ -65,8 +63,7 @@ std::vector<Subject> subjects() {
 }
 
 }  // namespace
-}  // namespace testing
-}  // namespace pusht
+}  // namespace pusht::testing
 
 PUSHT_TEST_SIMULATOR_KIND(TwoMass, subjects());
 

@@ -3,6 +3,7 @@
 
 #include <qcustomplot.h>
 
+#include <QFontMetrics>
 #include <QVBoxLayout>
 #include <algorithm>
 #include <array>
@@ -107,6 +108,11 @@ void Curves::build(Aspect aspect) {
   value->setScaleType(QCPAxis::stLogarithmic);
   const QSharedPointer<QCPAxisTickerLog> decades(new QCPAxisTickerLog);
   decades->setTickCount(4);
+  connect(plot_, &QCustomPlot::beforeReplot, this, [rect = chart.rect, decades, aspect] {
+    // Every second decade where labels of all would touch.
+    const double decade = rect->height() / std::log10(kGreatest.at(aspect) / kLeast.at(aspect));
+    decades->setLogBase(decade < QFontMetrics(small()).height() ? 100.0 : 10.0);
+  });
   decades->setSubTickCount(0);
   value->setTicker(decades);
   value->setNumberFormat("eb");

@@ -3,12 +3,14 @@
 
 #include <QCheckBox>
 #include <QHBoxLayout>
+#include <QLayoutItem>
 #include <QLineEdit>
 #include <QSignalBlocker>
 #include <QStringList>
 #include <QVBoxLayout>
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 
 #include "pusht_rviz/quiet_wheel.hpp"
 #include "pusht_rviz/theme.hpp"
@@ -170,7 +172,7 @@ void SimulatorForm::build(const SimulatorDraft& draft) {
   grid->setVerticalSpacing(3);
   grid->setColumnStretch(0, 3);
   grid->setColumnStretch(1, 2);
-  layout()->replaceWidget(parameters_, fresh);
+  const std::unique_ptr<QLayoutItem> place(layout()->replaceWidget(parameters_, fresh));  // ours from now on
   parameters_->hide();
   parameters_->deleteLater();  // perhaps one of its widgets has just called us
   parameters_ = fresh;

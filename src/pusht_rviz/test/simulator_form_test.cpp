@@ -6,6 +6,8 @@
 #include <QApplication>
 #include <QEvent>
 #include <QLineEdit>
+#include <array>
+#include <string>
 
 namespace pusht_rviz {
 namespace {
@@ -17,13 +19,13 @@ using ::testing::IsEmpty;
 QApplication& application() {
   static const bool headless = qputenv("QT_QPA_PLATFORM", "offscreen");
   static int argc = headless ? 1 : 0;
-  static char name[] = "simulator_form_test";
-  static char* argv[] = {name, nullptr};
-  static QApplication application(argc, argv);
+  static std::string name = "simulator_form_test";
+  static std::array<char*, 2> argv = {name.data(), nullptr};
+  static QApplication application(argc, argv.data());
   return application;
 }
 
-pusht_msgs::Parameter parameter(const std::string& name, const std::string& value) {
+pusht_msgs::Parameter setTo(const std::string& name, const std::string& value) {
   pusht_msgs::Parameter made;
   made.name = name;
   made.value = value;
@@ -35,7 +37,7 @@ pusht_msgs::DescribeResponse nodeWith(const std::string& damp, const std::string
   pusht_msgs::DescribeResponse made;
   made.success = 1;
   made.name = "springy";
-  made.parameters = {parameter("damp", damp), parameter("gain", gain)};
+  made.parameters = {setTo("damp", damp), setTo("gain", gain)};
   pusht_msgs::ParameterDescriptor described;
   described.name = "damp";
   described.type = "real";
@@ -66,14 +68,14 @@ TEST_F(SimulatorFormTest, SendsWhatItShowsWhateverARunMadeOfTheNode) {
   form_.setRequest("", {});
   form_.setNode(nodeWith("6.0", "1"));
   type("engine.damp", "20");
-  const std::vector<pusht_msgs::Parameter> wanted = {parameter("damp", "20"), parameter("gain", "1")};
+  const std::vector<pusht_msgs::Parameter> wanted = {setTo("damp", "20"), setTo("gain", "1")};
   EXPECT_EQ(form_.draft().kind, "springy");
   EXPECT_EQ(form_.draft().named(), wanted);
   form_.setNode(nodeWith("20.0", "1"));  // after the run
   EXPECT_EQ(shown("engine.damp"), "20");
   EXPECT_EQ(form_.draft().named(), wanted) << "a run inherits nothing from the one before";
   type("engine.damp", "6");
-  EXPECT_THAT(form_.draft().named(), ElementsAre(parameter("gain", "1"))) << "the default of the kind that is named";
+  EXPECT_THAT(form_.draft().named(), ElementsAre(setTo("gain", "1"))) << "the default of the kind that is named";
 }
 
 TEST_F(SimulatorFormTest, MarksWhatWasChangedWhateverARunMadeOfTheNode) {
@@ -90,11 +92,11 @@ TEST_F(SimulatorFormTest, MarksWhatWasChangedWhateverARunMadeOfTheNode) {
 }
 
 TEST_F(SimulatorFormTest, BeginsWithWhatTheEvaluatorAsksFor) {
-  form_.setRequest("", {parameter("damp", "8")});
+  form_.setRequest("", {setTo("damp", "8")});
   form_.setNode(nodeWith("20.0", "3"));
-  EXPECT_THAT(form_.draft().named(), ElementsAre(parameter("damp", "8"), parameter("gain", "3")));
+  EXPECT_THAT(form_.draft().named(), ElementsAre(setTo("damp", "8"), setTo("gain", "3")));
   form_.setRequest("", {});
-  EXPECT_THAT(form_.draft().named(), ElementsAre(parameter("damp", "20.0"), parameter("gain", "3")))
+  EXPECT_THAT(form_.draft().named(), ElementsAre(setTo("damp", "20.0"), setTo("gain", "3")))
       << "else with what the node has";
   form_.setRequest("springy", {});
   EXPECT_EQ(shown("engine.damp"), "6.0") << "a kind that is named has its defaults";

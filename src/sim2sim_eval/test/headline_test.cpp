@@ -3,9 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
+#include <regex>
 #include <string>
 
+#include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/results/text.hpp"
 
 namespace sim2sim {
@@ -152,10 +153,11 @@ TEST(Headline, WordsFollowFromThePrintedFigures) {
     for (int reference = both == 0 ? 1 : 0; both + reference <= kEpisodes; ++reference) {
       for (int engine = 0; both + reference + engine <= kEpisodes; ++engine) {
         const Headline found = headline("Chipmunk", {both, reference, engine, kEpisodes - both - reference - engine});
-        double low = 0.0;
-        double high = 0.0;
         const std::string interval = found.answer.substr(found.answer.find('['));
-        ASSERT_EQ(std::sscanf(interval.c_str(), "[%lf, %lf]", &low, &high), 2) << found.answer;
+        std::smatch printed;
+        ASSERT_TRUE(std::regex_search(interval, printed, std::regex(R"(^\[([0-9.]+), ([0-9.]+)\])"))) << found.answer;
+        const double low = pusht::decimal<double>(printed[1]).value();
+        const double high = pusht::decimal<double>(printed[2]).value();
         EXPECT_EQ(nameOf(verdictOf({low / 100.0, high / 100.0})), nameOf(found.verdict)) << found.answer;
         finer += interval.find('.') != std::string::npos && interval.find('.') < interval.find(']') ? 1 : 0;
       }

@@ -310,7 +310,7 @@ class ResultsFolder(CompareCase):
             name: self.write_below("out", name)
             for name in (
                 *("rows/notes.txt", "rows/000/notes.txt", "rows/mine/metrics.json"),
-                *("reference/x", "reference/0123456789abcdef/x", "metrics.json.part"),
+                *("reference/x", "reference/0123456789abcdef/x", "metrics.part", "sweep.json.part"),
                 *("metrics.json.2.part", "notes.part", "episodes.csv.bak"),
             )
         }

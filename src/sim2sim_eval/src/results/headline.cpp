@@ -91,7 +91,7 @@ std::string transferNumber(const RunConfiguration& configuration, double share) 
     return (shown < bound) == (exact < bound) && (shown > bound) == (exact > bound);
   };
   for (int digits = 0; digits < kMostDigits; ++digits) {
-    const std::string text = pusht::fixedText(kHundred * exact, digits);
+    std::string text = pusht::fixedText(kHundred * exact, digits);
     const double deciding = configuration.until_decided.value_or(kNotEnough);
     if (is_on_its_side(text, kNotEnough) && is_on_its_side(text, kWhole) && is_on_its_side(text, kMore) &&
         is_on_its_side(text, deciding)) {

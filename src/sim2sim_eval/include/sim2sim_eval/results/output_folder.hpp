@@ -74,7 +74,8 @@ class OutputFolder {
   /// Throws RuntimeFault if that fails.
   void removeResults() const;
 
-  /// Removes what a killed process has left of files that it was writing: "provenance.json.part".
+  /// Removes what a killed process has left of files that it was writing: "metrics.json.part". A link is not ours, nor
+  /// what belongs to another kind of results.
   void removeLeftovers() const;
 
   /// Removes the report of results that are about to change.

@@ -105,7 +105,7 @@ TEST(TouchPortal, HasANormalWhereThePointIsOnThePushersAxis) {
 }
 
 TEST(Refine, KeepsTheMarginOfHardContacts) {
-  const Eigen::Vector2d place(0.0, 0.0305);  // half a millimetre from the bar
+  const Eigen::Vector2d place(0.0, 0.0305);  // half a millimeter from the bar
   for (const double margin : {0.0, simple::kMargin}) {
     auto contact = touchNearest(place, 0.015, kBar, {0.0, 0.0}, kStraight, margin);
     refine(place, kBar, {0.0, 0.0}, kStraight, contact);

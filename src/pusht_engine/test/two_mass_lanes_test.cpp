@@ -66,7 +66,7 @@ TEST(TwoMassLanes, AWorldThatFliesApartIsASimulationFault) {
   EXPECT_THROW(batch.state(0), SimulationFault) << "still the first error";
 }
 
-/// A kilometre from the table double precision no longer keeps every yaw to the start tolerance.
+/// A kilometer from the table double precision no longer keeps every yaw to the start tolerance.
 TEST(TwoMassLanes, MustStartWhereTheyAreTold) {
   WorldState far;
   far.tee_position = {999.0018, 999.0};

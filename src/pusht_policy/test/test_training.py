@@ -213,6 +213,12 @@ class ReadDemonstrations(TemporaryFolderCase):
             path.write_bytes(content)
             with self.assertRaisesRegex(InputError, "some.bag: "):
                 read_demonstrations([path])
+        path = write_bag(self.folder / "some.bag", messages(demonstration(7)), "bz2")
+        packed = bytearray(path.read_bytes())
+        packed[packed.find(b"BZh") + 20] ^= 255
+        path.write_bytes(packed)
+        with self.assertRaisesRegex(InputError, "some.bag: Invalid data stream; a readable"):
+            read_demonstrations([path])
         with self.assertRaisesRegex(InputError, "absent.bag: no such file"):
             read_demonstrations([self.folder / "absent.bag"])
         with self.assertRaisesRegex(InputError, "is a folder"):

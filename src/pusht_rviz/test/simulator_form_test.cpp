@@ -32,7 +32,7 @@ pusht_msgs::Parameter setTo(const std::string& name, const std::string& value) {
   return made;
 }
 
-/// Of a node that can be one kind, which has a parameter with default 6 and one that has no descriptor.
+/// What a node says that can be one kind, with a parameter of default 6 and one that has no descriptor.
 pusht_msgs::DescribeResponse nodeWith(const std::string& damp, const std::string& gain) {
   pusht_msgs::DescribeResponse made;
   made.success = 1;

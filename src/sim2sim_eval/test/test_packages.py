@@ -31,6 +31,18 @@ class Packages(unittest.TestCase):
     def test_versions_are_equal(self) -> None:
         self.assertEqual(len(set(versions().values())), 1, versions())
 
+    def test_changelogs_are_of_one_release(self) -> None:
+        """All have something to come, or all have the version, with one date."""
+        first = {
+            (ROOT / "src" / name / "CHANGELOG.rst").read_text().splitlines()[4]
+            for name in MANIFESTS
+        }
+        self.assertEqual(len(first), 1, first)
+        date = re.search(r"\d{4}-\d\d-\d\d", first.pop())
+        common = re.search(r"^## .*$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+        assert common
+        self.assertIn(date[0] if date else "[Unreleased]", common[0])
+
     def test_changelogs_begin_with_the_version_or_with_what_is_to_come(self) -> None:
         version = versions()["sim2sim_eval"]
         for name in MANIFESTS:

@@ -384,7 +384,11 @@ class Resuming(SweepCase):
 
     def test_what_is_not_ours_stays(self) -> None:
         mine = ["rows/notes.txt", "rows/000/notes.txt", "rows/007/figure.png", "reference/x"]
-        mine += ["reference/0123456789abcdef/x", "metrics.json.part", "rows/001/metrics.json.2.part"]
+        mine += [
+            "reference/0123456789abcdef/x",
+            "metrics.json.part",
+            "rows/001/metrics.json.2.part",
+        ]
         for name in mine:
             self.write_below("out/" + name)
         expected = self.finished("whole")

@@ -38,7 +38,7 @@ Rows constraintsOf(const Model& model, const Tee& tee, const Contacts& contacts,
 /// [-] Share of a missing acceleration that a soft contact makes up, by its depth [m]. MuJoCo's `solimp`.
 double impedance(double depth);
 
-/// Acceleration of a contact along `direction` (unit vector) per acceleration of each coordinate. `arm` [m] goes from
+/// Acceleration of a contact along `direction` (of any length) per acceleration of each coordinate. `arm` [m] goes from
 /// the tee's origin to the point of contact.
 Vector jacobianAlong(const Eigen::Vector2d& direction, const Eigen::Vector2d& arm, Pair pair);
 

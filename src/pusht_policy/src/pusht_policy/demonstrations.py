@@ -2,6 +2,7 @@
 """Demonstrations as they are recorded in rosbags: reading and checking."""
 
 import contextlib
+import errno
 import hashlib
 import json
 import struct
@@ -14,7 +15,6 @@ import numpy as np
 import rosbag  # type: ignore[import]
 from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[import]
 from pusht_task.command import Refusal
-from pusht_task.files import named
 
 ORIGIN_TOPIC = "/demonstration/origin"
 STEP_TOPIC = "/demonstration/step"
@@ -88,9 +88,17 @@ def read_demonstrations(bags: Sequence[Path]) -> List[Demonstration]:
 
 @contextlib.contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    """A bag to read. rosbag writes modules for its types of messages into the temporary folder."""
-    with named(Path(tempfile.gettempdir())), rosbag.Bag(str(path)) as bag:
-        yield bag
+    """A bag to read. What cannot be written belongs to the temporary folder: rosbag puts modules there."""
+    try:
+        with rosbag.Bag(str(path)) as bag:
+            yield bag
+    except OSError as error:
+        if error.errno is None:  # of a library for compressed data
+            raise InputError(f"{path}: {error}; a readable rosbag is needed") from None
+        if error.filename is None:
+            unwritable = error.errno in (errno.EDQUOT, errno.EFBIG, errno.ENOSPC, errno.EROFS)
+            error.filename = tempfile.gettempdir() if unwritable else str(path)
+        raise
 
 
 def _origin(path: Path, bag: Any) -> Optional[Dict[str, Any]]:

@@ -103,7 +103,7 @@ class Panel : public rviz::Panel {
   std::array<QString, kRoles> titles_;
   std::uint64_t shown_episode_ = 0;
   std::uint32_t shown_step_ = 0;
-  std::optional<std::uint64_t> live_episode_;  // that the run told of last; none: of no one yet
+  std::optional<std::uint64_t> live_episode_;  // the last of which the run has told, if of any
 };
 
 }  // namespace pusht_rviz

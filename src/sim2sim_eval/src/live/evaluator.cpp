@@ -3,6 +3,7 @@
 
 #include <ros/ros.h>
 
+#include <algorithm>
 #include <boost/process/search_path.hpp>
 #include <boost/process/system.hpp>
 #include <functional>
@@ -10,6 +11,7 @@
 #include <limits>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "pusht_task/clipped.hpp"
 #include "pusht_task/error.hpp"
@@ -52,8 +54,9 @@ void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failu
       // The failure itself is reported by whoever gets it.
     }
   };
-  attempt([&] { writeStatusFile(parameters.text("status_file", ""), status); });
-  attempt([&] { RunFolder(parameters.text("out", ""), parameters.flag("overwrite", false)).refuse(status); });
+  attempt([&] { writeStatusFile(EvaluatorParameters::statusFileOf(parameters), status); });
+  attempt(
+      [&] { RunFolder(EvaluatorParameters::outOf(parameters), parameters.flag("overwrite", false)).refuse(status); });
 }
 
 /// How to start the node again that was lost; empty where that is not known. A kind that the goal leaves open is what
@@ -72,6 +75,10 @@ std::string howToBringBack(const pusht::NodeMissing& lost, const LiveRequest& re
   std::string kind = (reference ? request.settings.reference : request.settings.engine).kind;
   for (const std::string& world : {lost.services, reference ? lost.services : worlds[kEngineClosed]}) {
     kind = kind.empty() ? memory.kindOf(world) : kind;
+  }
+  const std::vector<std::string> kinds = kindNames();
+  if (!kind.empty() && std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+    return "; if it is down, start your node for " + lost.services + " again and send the goal again";
   }
   return restart + "sim2sim_eval simulator.launch name:=" + name + " kind:=" + (kind.empty() ? "KIND" : kind);
 }
@@ -139,7 +146,7 @@ std::optional<Evaluator::Job> Evaluator::nextJob() {
 
 RunStatus Evaluator::execute(const Job& job) {
   run_.reset();
-  begun_ = false;
+  summary_is_ours_ = false;
   goal_ = job.goal;
   folder_.clear();
   faults_survived_ = 0;
@@ -214,7 +221,8 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   }
   const LiveOptions options = {request.settings,
                                {milliseconds(parameters_.patience), parameters_.respawn, [this] { return stopped(); },
-                                [this](const std::string& services) { waitFor(services); }}};
+                                [this](const std::string& services) { waitFor(services); }},
+                               milliseconds(parameters_.grace)};
   Cast cast(request.services, milliseconds(parameters_.deadline), worlds_);
   connectFirst(cast, options);
 
@@ -224,12 +232,13 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   folder.refuseInputs(inputsOf(request, cast));
   run_ = std::make_unique<Run>(configuration, folder, provenance);
   folder_ = std::filesystem::absolute(folder.path());
+  begin(request.protocol.episodes);
   cast.stamps().advance();
   const WorldNames names = worldNamesOf(request, cast);
   std::unique_ptr<RunBag> bag =
       request.record ? std::make_unique<RunBag>(folder.bagPath(), provenance, names, cast.stamps().now()) : nullptr;
-  begin(request.protocol.episodes);
   broadcast_.begin(configuration, pictureOf(configuration, cast), std::move(bag), cast.stamps().now());
+  summary_is_ours_ = true;
   broadcast_.tell(configurationMessage(provenance, names, cast.stamps().now()));
   runLive(configuration.protocol, cast, pacer_, *this, options);
   broadcast_.end();
@@ -261,7 +270,7 @@ void Evaluator::answer(Job& job, const RunStatus& status) {
     pusht_msgs::CompareResult result = refusal(status.exit_code, status.reason);
     result.folder = folder_.string();
     result.faults_survived = static_cast<std::uint32_t>(status.faults_survived);
-    if (begun_) {
+    if (summary_is_ours_) {
       result.summary = broadcast_.summary();
     }
     if (status.exit_code == pusht::ExitCode::kOk) {
@@ -393,7 +402,6 @@ bool Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
 }
 
 void Evaluator::begin(int episodes) {
-  begun_ = true;
   line_.emplace(episodes);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -427,9 +435,10 @@ void Evaluator::tellProgress() {
 void Evaluator::onBreak(const Episode& episode) { broadcast_.settle(episode); }
 
 void Evaluator::onFault(int episode, const pusht::PeerFault& fault) {
-  ++faults_survived_;
   ROS_WARN_STREAM("episode " << episode << " is void and begins again: " << fault.what());
 }
+
+void Evaluator::onRecovery() { ++faults_survived_; }
 
 void Evaluator::onLoss(int episode, const pusht::PeerFault& fault) {
   ROS_WARN_STREAM("lost in episode " << episode << ": " << fault.what());

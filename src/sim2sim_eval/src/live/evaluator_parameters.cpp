@@ -23,6 +23,14 @@ std::string optionalText(pusht::ParameterReader& parameters, const std::string& 
 
 }  // namespace
 
+std::string EvaluatorParameters::outOf(pusht::ParameterReader& parameters) {
+  return optionalText(parameters, "out", kAuto);
+}
+
+std::string EvaluatorParameters::statusFileOf(pusht::ParameterReader& parameters) {
+  return optionalText(parameters, "status_file", kNone);
+}
+
 EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters) {
   EvaluatorParameters loaded;
   LiveRequest& request = loaded.request;
@@ -53,14 +61,15 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
                       {optionalText(parameters, "engine", kAuto), settings("engine_parameters")}};
   request.record = parameters.flag("record", request.record);
   request.starts = optionalText(parameters, "starts", kNone);
-  request.out = optionalText(parameters, "out", kAuto);
+  request.out = outOf(parameters);
   request.overwrite = parameters.flag("overwrite", request.overwrite);
   loaded.start = parameters.flag("start", loaded.start);
   loaded.exit = parameters.flag("exit", loaded.exit) && !loaded.headless.empty();
   loaded.respawn = parameters.flag("respawn", loaded.respawn);
   loaded.deadline = parameters.positive("deadline", loaded.deadline);
   loaded.patience = parameters.positive("patience", loaded.patience);
-  loaded.status_file = optionalText(parameters, "status_file", kNone);
+  loaded.grace = parameters.positive("grace", loaded.grace);
+  loaded.status_file = statusFileOf(parameters);
   loaded.report = parameters.flag("report", loaded.report);
   return loaded;
 }

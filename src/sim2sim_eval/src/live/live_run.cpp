@@ -17,19 +17,18 @@ constexpr int kMostFaults = 5;
 /// rollout may have ended long before the episode does, and probes concern one node.
 constexpr std::chrono::milliseconds kCheckPeriod{250};
 
-/// What ends a run may end its nodes too, and a little earlier: for so long a lost node waits for such an explanation.
-constexpr std::chrono::seconds kGrace{2};
-
 pusht::RuntimeFault interruptedIn(int episode) {
   return pusht::RuntimeFault("interrupted in episode " + std::to_string(episode));
 }
 
-/// Whether `stop` holds within kGrace.
-bool stopsSoon(const std::function<bool()>& stop) {
+pusht::RuntimeFault interruptedAtFirst() { return pusht::RuntimeFault("interrupted before the first episode"); }
+
+/// Whether `stop` holds within the grace.
+bool stopsSoon(const LiveOptions& options) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds kStopPeriod{20};
-  const Clock::time_point expiry = Clock::now() + kGrace;
-  while (!stop()) {
+  const Clock::time_point expiry = Clock::now() + options.grace;
+  while (!options.wait.stop()) {
     if (Clock::now() >= expiry) {
       return false;
     }
@@ -110,8 +109,13 @@ void connectFirst(Cast& cast, const LiveOptions& options) {
   try {
     cast.connect(options.settings, options.wait);
   } catch (const pusht::PeerFault&) {
-    if (stopsSoon(options.wait.stop)) {
-      throw pusht::RuntimeFault("interrupted before the first episode");
+    if (stopsSoon(options)) {
+      throw interruptedAtFirst();
+    }
+    throw;
+  } catch (const pusht::NodeMissing&) {
+    if (options.wait.stop()) {
+      throw interruptedAtFirst();
     }
     throw;
   }
@@ -126,6 +130,7 @@ void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& o
       if (lost) {
         cast.connect(options.settings, options.wait);
         lost = false;
+        observer.onRecovery();
       }
       if (!runEpisode(protocol, index, cast, pacer, observer, stop)) {
         return;
@@ -137,7 +142,7 @@ void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& o
         if (!stop()) {
           observer.onLoss(index, fault);
         }
-        if (stopsSoon(stop)) {
+        if (stopsSoon(options)) {
           throw interruptedIn(index);
         }
         throw;

@@ -83,7 +83,7 @@ TransferVerdict verdictOf(const Interval& transfer) {
 }
 
 std::string transferNumber(const RunConfiguration& configuration, double share) {
-  constexpr int kMostDigits = 4;  // those of readable()
+  constexpr int kMostDigits = 4;  // further ones decide nothing
   constexpr double kHundred = 100.0;
   const double exact = readable(share);
   const auto is_on_its_side = [&](const std::string& text, double bound) {

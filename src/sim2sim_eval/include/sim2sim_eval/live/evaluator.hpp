@@ -86,6 +86,7 @@ class Evaluator : private LiveObserver {
   bool onFinish(const Episode& episode, const ros::Time& stamp) override;
   void onBreak(const Episode& episode) override;
   void onFault(int episode, const pusht::PeerFault& fault) override;
+  void onRecovery() override;
   void onLoss(int episode, const pusht::PeerFault& fault) override;
 
   ros::NodeHandle node_;
@@ -116,7 +117,7 @@ class Evaluator : private LiveObserver {
   // Of the run under way; used in the thread of run() alone.
   std::optional<Goal> goal_;
   std::unique_ptr<Run> run_;
-  bool begun_ = false;  // all is ready for the first episode, the bag too: what the broadcast says is of this run
+  bool summary_is_ours_ = false;  // what the broadcast tells is of this run, no longer of the one before
   int faults_survived_ = 0;
   std::filesystem::path folder_;
   std::optional<ProgressLine> line_;

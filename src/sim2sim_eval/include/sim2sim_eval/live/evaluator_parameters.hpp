@@ -16,12 +16,17 @@ struct EvaluatorParameters {
   bool respawn = false;     ///< nodes that die come back: their episode is run again
   double deadline = 5.0;    ///< [s] for the answer to a call
   double patience = 30.0;   ///< [s] for a node to appear, or to come back
+  double grace = 2.0;       ///< [s] for the stop of a run that explains why a node is lost
   std::string status_file;  ///< a copy of status.json, under way first; empty: none
   bool report = false;      ///< write a report of each run that finishes
   std::string headless;     ///< why rviz does not show what runs; empty: it does, and the node stays when it has run
 
   /// Throws InvalidInput with key, value and rule.
   static EvaluatorParameters load(pusht::ParameterReader& parameters);
+
+  /// The places of a run's outcome alone, where load() has thrown; empty: none is named.
+  static std::string outOf(pusht::ParameterReader& parameters);
+  static std::string statusFileOf(pusht::ParameterReader& parameters);
 };
 
 }  // namespace sim2sim

@@ -29,14 +29,17 @@ class LiveObserver {
   virtual void onBreak(const Episode& episode) = 0;
   /// A node was lost in `episode`, which is void; the run waits for the node to come back.
   virtual void onFault(int episode, const pusht::PeerFault& fault) = 0;
-  /// A node was lost in `episode`, which ends the run. The run waits for up to 2 s whether it was to stop anyway, for
-  /// what ends the run may end its nodes first.
+  /// The nodes that were lost are back.
+  virtual void onRecovery() = 0;
+  /// A node was lost in `episode`, which ends the run. The run waits for the options' `grace` whether it was to stop
+  /// anyway, for what ends the run may end its nodes first.
   virtual void onLoss(int episode, const pusht::PeerFault& fault) = 0;
 };
 
 struct LiveOptions {
   Cast::Settings settings;
   pusht::Peer::Wait wait;  ///< for nodes; without `respawn` a fault ends the run, and `stop` ends it in any case
+  std::chrono::milliseconds grace;  ///< what ends the run may end its nodes first: a lost node waits so long for `stop`
 };
 
 /// Connects `cast` for the first time; throws as Cast::connect() does, or RuntimeFault if a node is lost because the

@@ -108,10 +108,14 @@ void Curves::build(Aspect aspect) {
   value->setScaleType(QCPAxis::stLogarithmic);
   const QSharedPointer<QCPAxisTickerLog> decades(new QCPAxisTickerLog);
   decades->setTickCount(4);
-  connect(plot_, &QCustomPlot::beforeReplot, this, [rect = chart.rect, decades, aspect] {
-    // Every second decade where labels of all would touch.
+  connect(plot_, &QCustomPlot::afterReplot, this, [this, rect = chart.rect, decades, aspect] {
+    // Every second decade where labels of all would touch. (Heights are known once the plot is laid out.)
     const double decade = rect->height() / std::log10(kGreatest.at(aspect) / kLeast.at(aspect));
-    decades->setLogBase(decade < QFontMetrics(small()).height() ? 100.0 : 10.0);
+    const double base = decade < QFontMetrics(small()).height() ? 100.0 : 10.0;
+    if (decades->logBase() != base) {
+      decades->setLogBase(base);
+      plot_->replot(QCustomPlot::rpQueuedReplot);
+    }
   });
   decades->setSubTickCount(0);
   value->setTicker(decades);

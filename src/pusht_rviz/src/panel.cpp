@@ -8,6 +8,7 @@
 #include <QAction>
 #include <QHBoxLayout>
 #include <QHeaderView>
+#include <QScrollArea>
 #include <QSignalBlocker>
 #include <QStringList>
 #include <QTimer>
@@ -170,6 +171,10 @@ void Panel::buildTabs() {
   column->setSpacing(2);
   column->addWidget(summary_);
   column->addWidget(curves_, 1);
+  auto* const scroll = new QScrollArea;  // a long failure leaves little room: figures must not be cut
+  scroll->setWidget(run);
+  scroll->setWidgetResizable(true);
+  scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
 
   auto* const list = new QWidget;
   auto* const list_column = new QVBoxLayout(list);
@@ -203,7 +208,7 @@ void Panel::buildTabs() {
   tabs_->setObjectName("tabs");
   tabs_->tabBar()->setObjectName("tab_bar");
   tabs_->setUsesScrollButtons(false);
-  tabs_->addTab(run, "This run");
+  tabs_->addTab(scroll, "This run");
   tabs_->addTab(next_run_, "Next run");
   tabs_->addTab(list, "Episodes");
   static_cast<QVBoxLayout*>(layout())->addWidget(tabs_, 1);

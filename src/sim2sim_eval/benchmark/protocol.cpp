@@ -69,7 +69,7 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
   sim2sim::Players with_libtorch = setup.players(engine);
   with_libtorch.make_policy = [&] { return on_libtorch->clone(); };
   const pusht::testing::TemporaryFolder folder;
-  const sim2sim::ReferenceCache references(folder.path(), setup.referenceKey(protocol.horizon));
+  const sim2sim::ReferenceCache references(folder.path(), setup.referenceKey(protocol));
   const auto run = [&](const sim2sim::Players& players, int threads, const sim2sim::ReferenceCache* cache) {
     sim2sim::runProtocol(
         protocol, players, threads, cache, [](const sim2sim::Episode&) {}, [] { return false; });
@@ -129,7 +129,7 @@ int main(int argc, char** argv) {
       "Times the protocol with the shipped policy beside the bare mj_step calls that it contains; prints JSON.",
       "benchmark_protocol");
   sim2sim::Protocol protocol;
-  protocol.probes.clear();  // as the bare calls have none
+  protocol.floor = false;  // as the bare calls have none
   int repetitions = 7;
   app.add_option("--episodes", protocol.episodes, "number of episodes")
       ->check(sim2sim::decimalInteger())

@@ -28,7 +28,7 @@ RunResults run(const json& engine, int total, int nth, double away) {
   results.folder = "run";
   results.metrics["simulators"] = {{"reference", simulator("mujoco", "MuJoCo", json::object(), json::array())},
                                    {"engine", engine}};
-  results.protocol.probes.clear();
+  results.protocol.floor = false;
   results.protocol.episodes = total;
   for (int i = 0; i < total; ++i) {
     EpisodeResult episode;

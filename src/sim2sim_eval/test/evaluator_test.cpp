@@ -164,17 +164,17 @@ TEST(MergedGoal, CanSayZeroAndFalse) {
 
 TEST(MergedGoal, CanSayThatNoReplayIsReanchored) {
   LiveRequest request = parameters();
-  request.floor = false;
-  request.reanchor = {1, 5};
+  request.protocol.floor = false;
+  request.protocol.reanchor = {1, 5};
   pusht_msgs::CompareGoal goal;
-  EXPECT_EQ(merged(request, goal).protocol.probes.size(), 2U) << "as the parameter says";
+  EXPECT_EQ(merged(request, goal).protocol.probes().size(), 2U) << "as the parameter says";
   goal.reanchor = {0};
-  EXPECT_TRUE(merged(request, goal).reanchor.empty());
-  EXPECT_TRUE(merged(request, goal).protocol.probes.empty());
+  EXPECT_TRUE(merged(request, goal).protocol.reanchor.empty());
+  EXPECT_TRUE(merged(request, goal).protocol.probes().empty());
   goal.reanchor = {0, 5};
   EXPECT_THAT(refusalOf([&] { merged(request, goal); }), ::testing::HasSubstr("reanchor 0: must be from 1 to"));
   LiveRequest none = parameters();
-  EXPECT_TRUE(merged(request, goalOf(none)).reanchor.empty()) << "a goal that says all";
+  EXPECT_TRUE(merged(request, goalOf(none)).protocol.reanchor.empty()) << "a goal that says all";
 }
 
 TEST(MergedGoal, NamesWhatCannotBe) {

@@ -101,7 +101,7 @@ TEST(Headline, SaysThatARunGoesOn) {
 /// the episodes that were not needed.
 TEST(Headline, ARunThatEndsWhenItIsDecidedHasTheIntervalThatHoldsThen) {
   RunConfiguration configuration = configurationOf("two-mass engine", 1000);
-  configuration.until_decided = 0.5;
+  configuration.protocol.until_decided = 0.5;
   expect(headlineOf(configuration, {10, 50, 2, 38}), "does_not_transfer",
          "No: with this policy the two-mass engine keeps 20 % [6, 40] of MuJoCo's success.");
   expect(headlineOf(configuration, {5, 5, 1, 19}), "cannot_say",
@@ -141,7 +141,7 @@ TEST(Headline, FiguresStandOnTheirSideOfEachBound) {
   EXPECT_EQ(transferNumber(configuration, 1.1004), "110.04");
   EXPECT_EQ(transferNumber(configuration, 0.4999999), "50") << "as files have it";
   EXPECT_EQ(transferNumber(configuration, 0.328), "33");
-  configuration.until_decided = 0.33;
+  configuration.protocol.until_decided = 0.33;
   EXPECT_EQ(transferNumber(configuration, 0.328), "32.8");
 }
 

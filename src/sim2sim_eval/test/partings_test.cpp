@@ -72,7 +72,7 @@ TEST(Partings, OfAClosedLoopThatEndsBeforeTheReferenceSayNothingOfLaterSteps) {
 
 TEST(Partings, AreKeptInTheRows) {
   Protocol protocol;
-  protocol.probes.clear();
+  protocol.floor = false;
   std::vector<EpisodeResult> episodes = {episodeOf(4, 2, Cause::kSlidingOnStem, First::kBoth), episodeOf(4, 0)};
   episodes[1].index = 1;
   const std::string csv = episodesCsv(protocol, episodes);
@@ -109,7 +109,7 @@ std::vector<std::string> linesOf(const std::string& text) {
 
 TEST(Bands, AreQuantilesOfTheEpisodesThatGoOn) {
   Protocol protocol;
-  protocol.probes.clear();
+  protocol.floor = false;
   DivergenceBands bands(protocol);
   for (int i = 1; i <= 100; ++i) {
     bands.add(apart(protocol, i, i <= 60 ? std::vector<double>{0.001 * i, 0.5} : std::vector<double>{0.001 * i}));
@@ -132,7 +132,7 @@ TEST(Bands, AreQuantilesOfTheEpisodesThatGoOn) {
 
 TEST(Bands, DoNotDependOnTheOrderOfEpisodes) {
   Protocol protocol;
-  protocol.probes.clear();
+  protocol.floor = false;
   DivergenceBands forward(protocol);
   DivergenceBands backward(protocol);
   for (int i = 0; i < 20; ++i) {

@@ -353,7 +353,8 @@ TEST(Probes, AReanchoredReplayStartsAnewFromTheReference) {
   Protocol protocol;
   protocol.episodes = 3;
   protocol.horizon = 12;
-  protocol.probes = probesOf(false, {1, 5, 12});
+  protocol.floor = false;
+  protocol.reanchor = {1, 5, 12};
   const double a_step = (0.04 - 0.01) * pusht::kControlStep;
   for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.04, 0.01), idlePolicy})) {
     ASSERT_EQ(episode.rollouts.size(), kModeCount + 3U);
@@ -374,7 +375,8 @@ TEST(Probes, TheNullModelRestsWhereItWasPutLast) {
   Protocol protocol;
   protocol.episodes = 3;
   protocol.horizon = 10;
-  protocol.probes = probesOf(false, {5});
+  protocol.floor = false;
+  protocol.reanchor = {5};
   const double a_step = 0.04 * pusht::kControlStep;  // of the reference
   for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.04, 0.01), idlePolicy})) {
     EXPECT_NEAR(episode.rollouts[kEngineReplay].at("null_position_divergence"), 55.0 * a_step / 11.0, 1e-12);
@@ -401,15 +403,16 @@ TEST(Probes, EarlyDivergenceIsOfEpisodesThatLastLongEnough) {
 TEST(Probes, TheFloorIsTheReferenceFromAMovedStart) {
   Protocol protocol;
   protocol.episodes = 5;
-  ASSERT_EQ(protocol.probes, floorProbes());
+  const std::vector<Probe> probes = protocol.probes();
+  ASSERT_EQ(probes, floorProbes());
   const auto deliver = [&](const Episode& episode) {
     const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-    for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
+    for (std::size_t i = 0; i < probes.size(); ++i) {
       const pusht::Trace& floor = episode.probe(i).value();
       EXPECT_EQ(floor.states.size(), reference.states.size());
       EXPECT_EQ(floor.actions, reference.actions);
-      EXPECT_NEAR(floor.states[0].tee_position.x() - reference.states[0].tee_position.x(),
-                  protocol.probes[i].start_offset, 1e-15);
+      EXPECT_NEAR(floor.states[0].tee_position.x() - reference.states[0].tee_position.x(), probes[i].start_offset,
+                  1e-15);
       EXPECT_EQ(floor.states[0].tee_position.y(), reference.states[0].tee_position.y());
     }
     const EpisodeResult result = episode.result();

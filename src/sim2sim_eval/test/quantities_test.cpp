@@ -19,7 +19,7 @@ namespace {
 /// With probes of every sort.
 Protocol withProbes() {
   Protocol protocol;
-  protocol.probes = probesOf(true, {1, 5});
+  protocol.reanchor = {1, 5};
   return protocol;
 }
 

@@ -24,7 +24,7 @@ using ::testing::StartsWith;
 /// The modes alone.
 Protocol bare() {
   Protocol protocol;
-  protocol.probes.clear();
+  protocol.floor = false;
   return protocol;
 }
 

@@ -40,7 +40,7 @@ class Play {
   Play() {
     configuration_.protocol.first_episode = 3;
     configuration_.protocol.episodes = 3;
-    configuration_.protocol.probes = probesOf(true, {5});
+    configuration_.protocol.reanchor = {5};
     configuration_.policy = "expert";
     configuration_.reference = {"two_mass", "two-mass engine", {{"block_damp", 60.0}}, {"block_damp"}};
     configuration_.engine = {"two_mass", "two-mass engine", {{"block_damp", 6.0}}};

@@ -139,7 +139,7 @@ class Probes(GapCase):
             ("--reanchor", "5;6"): "reanchor '5;6': must be numbers of control steps",
             ("--bound-position", "0"): "bound position 0.0: must be finite and above 0",
             ("--bound-angle", "-1"): "bound angle -1.0: must be finite and above 0",
-            ("--until-decided", "1.5"): "share 1.5: must be",
+            ("--until-decided", "1.5"): "until_decided 1.5: must be",
         }
         for arguments, reason in cases.items():
             self.assertIn(reason, self.refused(COMPARE, *arguments, "--out", "out"))

@@ -87,7 +87,7 @@ class Reader {
   }
 
   void take(const pusht_msgs::Trace& message) {
-    const std::vector<Probe>& probes = protocol_.probes;
+    const std::vector<Probe> probes = protocol_.probes();
     const auto probe =
         std::find_if(probes.begin(), probes.end(), [&](const Probe& known) { return known.name == message.mode; });
     if (probe == probes.end()) {
@@ -315,7 +315,8 @@ Episode replay(const Protocol& protocol, int index, const RecordedEpisode& recor
     }
   };
   Recalled recalled;
-  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
+  const std::vector<Probe> probes = protocol.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
     const auto states = i < record.probes.size() ? record.probes[i] : std::vector<pusht::WorldState>();
     recalled.probes.emplace_back(pusht::Trace{states, record.modes[kReferenceClosed].actions});
   }
@@ -323,9 +324,9 @@ Episode replay(const Protocol& protocol, int index, const RecordedEpisode& recor
   for (const Mode mode : kModes) {
     require_steps(modeName(mode), record.modes.at(mode).steps(), episode.rollout(mode).trace().steps());
   }
-  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
+  for (std::size_t i = 0; i < probes.size(); ++i) {
     const std::size_t states = episode.rollout(kReferenceClosed).trace().states.size();
-    require_steps(protocol.probes[i].name, episode.probe(i)->states.size(), states);
+    require_steps(probes[i].name, episode.probe(i)->states.size(), states);
   }
   return episode;
 }

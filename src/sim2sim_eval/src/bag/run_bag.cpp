@@ -66,8 +66,9 @@ std_msgs::String configurationMessage(const nlohmann::ordered_json& provenance, 
 
 std::vector<pusht_msgs::Trace> traceMessages(const Protocol& protocol, const Episode& episode, const ros::Time& stamp) {
   std::vector<pusht_msgs::Trace> messages;
-  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
-    messages.push_back(toMessage(protocol.probes[i].name, episode.index(), *episode.probe(i), stamp));
+  const std::vector<Probe> probes = protocol.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    messages.push_back(toMessage(probes[i].name, episode.index(), *episode.probe(i), stamp));
   }
   return messages;
 }

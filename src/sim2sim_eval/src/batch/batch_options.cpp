@@ -6,7 +6,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <system_error>
+#include <type_traits>
+#include <vector>
 
 #include "pusht_task/files.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
@@ -15,6 +19,36 @@ namespace sim2sim {
 namespace {
 
 constexpr int kMostThreads = 1024;
+
+/// "first-episode"
+std::string optionName(std::string name) {
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+template <class Number>
+void declareOption(CLI::App& app, const std::string& name, Number& value, const std::string& meaning) {
+  app.add_option("--" + name, value, meaning)
+      ->check(std::is_integral_v<Number> ? decimalInteger() : decimalReal())
+      ->capture_default_str();
+}
+
+void declareOption(CLI::App& app, const std::string& name, std::optional<double>& value, const std::string& meaning) {
+  app.add_option("--" + name, value, meaning)->check(decimalReal());
+}
+
+void declareOption(CLI::App& app, const std::string& name, bool& value, const std::string& meaning) {
+  app.add_flag("--" + name + ",!--no-" + name, value, meaning);
+}
+
+void declareOption(CLI::App& app, const std::string& name, std::vector<int>& value, const std::string& meaning) {
+  constexpr const char* kUsual = "1,5,20";
+  app.add_option_function<std::string>(
+         "--" + name, [&value](const std::string& text) { value = reanchorFrom(text.empty() ? kUsual : text); },
+         meaning)
+      ->expected(0, 1)
+      ->default_str(kUsual);
+}
 
 }  // namespace
 
@@ -38,25 +72,9 @@ int defaultEpisodes(int usual, const std::filesystem::path& starts) {
   return static_cast<int>(std::clamp<std::ptrdiff_t>(rows, 1, usual));
 }
 
-void GapOptions::declare(CLI::App& app) {
-  app.add_flag("--floor,!--no-floor", floor,
-               "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to");
-  app.add_option("--reanchor", reanchor,
-                 "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: "
-                 "1,5,20")
-      ->expected(0, 1)
-      ->default_str("1,5,20");
-  app.add_option("--bound-position", bound.position, "[m] beyond it a rollout has parted from the reference")
-      ->check(decimalReal())
-      ->capture_default_str();
-  app.add_option("--bound-angle", bound.angle, "[rad] the same for the yaw")
-      ->check(decimalReal())
-      ->capture_default_str();
-}
-
-void GapOptions::apply(Protocol& protocol) const {
-  protocol.probes = probesOf(floor, reanchorFrom(reanchor));
-  protocol.bound = bound;
+void declare(CLI::App& app, RunOptions& options) {
+  forEachOption(
+      [&](const auto& option) { declareOption(app, optionName(option.name), option.of(options), option.meaning); });
 }
 
 int BatchOptions::threadCount() const {
@@ -64,11 +82,11 @@ int BatchOptions::threadCount() const {
   return threads > 0 ? threads : sched_getaffinity(0, sizeof(cores), &cores) == 0 ? CPU_COUNT(&cores) : 1;
 }
 
-std::optional<ReferenceCache> BatchOptions::references(const Setup& setup, int horizon) const {
+std::optional<ReferenceCache> BatchOptions::references(const Setup& setup, const RunOptions& options) const {
   if (reference_cache.empty()) {
     return std::nullopt;
   }
-  return ReferenceCache(reference_cache, setup.referenceKey(horizon));
+  return ReferenceCache(reference_cache, setup.referenceKey(options));
 }
 
 }  // namespace sim2sim

@@ -133,17 +133,8 @@ void CompareOptions::declare(CLI::App& app) {
   CLI::Option* const allow =
       app.add_flag("--allow-untrained", allow_untrained,
                    "run an untrained policy, with a warning, in place of a named file that is not there");
-  app.add_option("--episodes", protocol.episodes,
-                 "number of episodes; without it as many as --starts has, if these are fewer than the default")
-      ->check(decimalInteger())
-      ->each([this](const std::string& /*text*/) { episodes_given = true; })
-      ->capture_default_str();
-  app.add_option("--first-episode", protocol.first_episode, "index of the first episode")
-      ->check(decimalInteger())
-      ->capture_default_str();
-  app.add_option("--seed", protocol.seed, "episode i starts from spawn seed 10000 + seed + i")
-      ->check(decimalInteger())
-      ->capture_default_str();
+  sim2sim::declare(app, protocol);
+  app.get_option("--episodes")->each([this](const std::string& /*text*/) { episodes_given = true; });
   app.add_option("--starts", starts,
                  "CSV file with the start of each episode, instead of spawn seeds: columns as the fields of "
                  "WorldState.msg; velocities may be left out")
@@ -169,12 +160,6 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
   app.add_flag("--record", record, "write the run into compare.bag");
   app.add_flag("--traces", traces, "write what the worlds did into traces.npy, for `report` and for NumPy");
-  app.add_option(
-         "--until-decided", until_decided,
-         "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 "
-         "to 1; --episodes is then the most that it may take")
-      ->check(decimalReal());
-  gap.declare(app);
   batch.declare(app);
 }
 
@@ -186,11 +171,6 @@ void compare(const CompareOptions& options) {
     configuration.protocol.episodes = defaultEpisodes(configuration.protocol.episodes, options.starts);
   }
   configuration.smoke = options.smoke;
-  configuration.until_decided = options.until_decided;
-  if (options.until_decided) {
-    const TransferBet valid(*options.until_decided);
-  }
-  options.gap.apply(configuration.protocol);
   configuration.protocol.validate();
   configuration.protocol.starts =
       givenStarts(options.starts, configuration.protocol.first_episode, configuration.protocol.episodes);
@@ -218,7 +198,7 @@ void compare(const CompareOptions& options) {
   configuration.reference = setup.reference().record();
   configuration.engine = engine.record();
   configuration.policy = setup.policyName();
-  const auto references = options.batch.references(setup, configuration.protocol.horizon);
+  const auto references = options.batch.references(setup, configuration.protocol);
 
   const nlohmann::ordered_json origin = setup.provenance(configuration, engine);
   nlohmann::json identity = {
@@ -269,7 +249,7 @@ void compare(const CompareOptions& options) {
                        return !decided;
                      });
     const auto deliver = [&](Episode&& episode) {
-      if (options.until_decided) {
+      if (configuration.protocol.until_decided) {
         in_order.add(std::move(episode));
       } else {
         take(episode);

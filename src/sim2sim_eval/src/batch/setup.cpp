@@ -54,8 +54,11 @@ nlohmann::json Setup::identity() const {
   return {{"policy", policy_.identity}, {"reference", toJson(reference_.record())}};
 }
 
-nlohmann::json Setup::referenceKey(int horizon) const {
-  return {{"inputs", identity()}, {"horizon", horizon}, {"code", reference_code_}};
+nlohmann::json Setup::referenceKey(const RunOptions& options) const {
+  nlohmann::json key = referenceOptions(options);
+  key["inputs"] = identity();
+  key["code"] = reference_code_;
+  return key;
 }
 
 }  // namespace sim2sim

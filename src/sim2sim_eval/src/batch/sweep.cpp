@@ -100,12 +100,12 @@ class Sweeper {
 
   /// Throws RuntimeFault if it is interrupted, or at the end if there were rows that failed.
   void run() {
-    const auto cached = options_.batch.references(setup_, protocol_.horizon);
+    const auto cached = options_.batch.references(setup_, protocol_);
     if (!cached) {
       folder_.removeReference();  // of an attempt that was cut short, perhaps in the midst of a file
     }
     const ReferenceCache references =
-        cached ? *cached : ReferenceCache(folder_.referencePath(), setup_.referenceKey(protocol_.horizon));
+        cached ? *cached : ReferenceCache(folder_.referencePath(), setup_.referenceKey(protocol_));
     std::size_t failures = 0;
     std::string first_failure;
     for (std::size_t index = 0; index < plan_.rows.size(); ++index) {

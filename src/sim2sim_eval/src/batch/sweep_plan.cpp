@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <optional>
 #include <set>
-#include <type_traits>
 #include <utility>
 
 #include "pusht_task/error.hpp"
@@ -283,26 +282,52 @@ std::vector<SimulatorChoice> rowsIn(const YAML::Node& root, const std::optional<
   return rows;
 }
 
-std::vector<Probe> probesIn(const YAML::Node& root) {
-  bool floor = true;
-  if (const YAML::Node node = root["floor"]; node.IsDefined()) {
-    const std::string text = textAt(node, "floor");
-    if (text != "true" && text != "false") {
-      refuse(node, "floor", "'" + text + "' must be true or false");
-    }
-    floor = text == "true";
+template <class Integer>
+void take(const YAML::Node& node, const std::string& key, Integer& value) {
+  value = integerAt<Integer>(node, key);
+}
+
+void take(const YAML::Node& node, const std::string& key, double& value) {
+  const std::optional<double> number = pusht::decimal<double>(textAt(node, key));
+  if (!number) {
+    refuse(node, key, "'" + node.Scalar() + "' must be a decimal number");
   }
-  std::vector<int> reanchor;
-  const YAML::Node node = root["reanchor"];
-  if (node.IsDefined() && !node.IsSequence()) {
-    refuse(node, "reanchor", "must be a list of control steps");
+  value = *number;
+}
+
+void take(const YAML::Node& node, const std::string& key, std::optional<double>& value) {
+  take(node, key, value.emplace());
+}
+
+void take(const YAML::Node& node, const std::string& key, bool& value) {
+  const std::string text = textAt(node, key);
+  if (text != "true" && text != "false") {
+    refuse(node, key, "'" + text + "' must be true or false");
+  }
+  value = text == "true";
+}
+
+void take(const YAML::Node& node, const std::string& key, std::vector<int>& value) {
+  if (!node.IsSequence()) {
+    refuse(node, key, "must be a list of control steps");
   }
   for (const YAML::Node& every : node) {
-    reanchor.push_back(integerAt<int>(every, "reanchor"));
+    value.push_back(integerAt<int>(every, key));
   }
-  std::vector<Probe> probes;
-  inLineOf(node.IsDefined() ? node : root, [&] { probes = probesOf(floor, reanchor); });
-  return probes;
+  inLineOf(node, [&] { probesOf(false, value); });
+}
+
+/// The options that the plan names, and a number of episodes that fits the file of initial states.
+Protocol protocolIn(const YAML::Node& root, const std::filesystem::path& starts) {
+  Protocol protocol;
+  protocol.episodes = defaultEpisodes(protocol.episodes, starts);
+  forEachOption([&](const auto& option) {
+    if (const YAML::Node node = root[option.name]; option.in_plan && node.IsDefined()) {
+      take(node, option.name, option.of(protocol));
+    }
+  });
+  protocol.validate();
+  return protocol;
 }
 
 SweepPlan planFrom(const YAML::Node& root) {
@@ -310,12 +335,13 @@ SweepPlan planFrom(const YAML::Node& root) {
     throw pusht::InvalidInput("must map keys to values");
   }
   requireDistinctKeys(root);
-  std::vector<std::string> keys = {"policy",        "reference", "reference_parameters",
-                                   "engine",        "starts",    "seed",
-                                   "first_episode", "episodes",  "horizon",
-                                   "floor",         "reanchor",  "bound_position",
-                                   "bound_angle",   "grid",      "rows",
-                                   "permutations"};
+  std::vector<std::string> keys = {"policy", "reference", "reference_parameters", "engine", "starts"};
+  forEachOption([&](const auto& option) {
+    if (option.in_plan) {
+      keys.emplace_back(option.name);
+    }
+  });
+  keys.insert(keys.end(), {"grid", "rows", "permutations"});
   for (std::string& name : shortForms()) {
     keys.push_back(std::move(name));
   }
@@ -335,29 +361,7 @@ SweepPlan planFrom(const YAML::Node& root) {
   if (const YAML::Node starts = root["starts"]; starts.IsDefined()) {
     plan.starts = textAt(starts, "starts");
   }
-  plan.protocol.probes = probesIn(root);
-  const auto take_real = [&](const char* key, double& field) {
-    if (const YAML::Node node = root[key]; node.IsDefined()) {
-      const std::optional<double> value = pusht::decimal<double>(textAt(node, key));
-      if (!value) {
-        refuse(node, key, "'" + node.Scalar() + "' must be a decimal number");
-      }
-      field = *value;
-    }
-  };
-  take_real("bound_position", plan.protocol.bound.position);
-  take_real("bound_angle", plan.protocol.bound.angle);
-  const auto take = [&](const char* key, auto& field) {
-    if (const YAML::Node node = root[key]; node.IsDefined()) {
-      field = integerAt<std::decay_t<decltype(field)>>(node, key);
-    }
-  };
-  take("seed", plan.protocol.seed);
-  take("first_episode", plan.protocol.first_episode);
-  plan.protocol.episodes = defaultEpisodes(plan.protocol.episodes, plan.starts);
-  take("episodes", plan.protocol.episodes);
-  take("horizon", plan.protocol.horizon);
-  plan.protocol.validate();
+  plan.protocol = protocolIn(root, plan.starts);
   return plan;
 }
 

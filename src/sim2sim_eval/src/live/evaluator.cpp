@@ -3,32 +3,21 @@
 
 #include <ros/ros.h>
 
-#include <algorithm>
-#include <boost/process/search_path.hpp>
-#include <boost/process/system.hpp>
-#include <functional>
 #include <iostream>
-#include <limits>
-#include <system_error>
 #include <utility>
-#include <vector>
 
-#include "pusht_task/clipped.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/files.hpp"
 #include "pusht_task/reason.hpp"
 #include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/control.hpp"
+#include "sim2sim_eval/live/outcome.hpp"
 #include "sim2sim_eval/live/participants.hpp"
 #include "sim2sim_eval/results/run.hpp"
-#include "sim2sim_eval/simulators.hpp"
 
 namespace sim2sim {
 namespace {
 
-constexpr std::uint32_t kProgressQueue = 100;  // a subscriber must not miss that a run has begun or ended
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kEndOfLaunch = " (roslaunch now ends the other nodes, and says so in red)";
 constexpr const char* kHowToResume = "rosservice call /sim2sim/control \"{command: resume}\"";
 
@@ -36,58 +25,10 @@ std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(seconds));
 }
 
-std::string clippedReason(const std::exception& failure) { return pusht::clipped(pusht::reasonOf(failure)); }
-
-void writeStatusFile(const std::string& path, const RunStatus& status) {
-  if (!path.empty()) {
-    pusht::writeFile(path, statusText(status));
+void requireRun(bool there_is, const std::string& command) {
+  if (!there_is) {
+    throw pusht::InvalidInput(command + ": no comparison is under way");
   }
-}
-
-/// Leaves the reason why the node does not start where its results would be.
-void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failure) {
-  const RunStatus status = {pusht::exitCodeOf(failure), clippedReason(failure), 0, 0, 0};
-  const auto attempt = [](const std::function<void()>& tell) {
-    try {
-      tell();
-    } catch (const pusht::Error&) {
-      // The failure itself is reported by whoever gets it.
-    }
-  };
-  attempt([&] { writeStatusFile(EvaluatorParameters::statusFileOf(parameters), status); });
-  attempt(
-      [&] { RunFolder(EvaluatorParameters::outOf(parameters), parameters.flag("overwrite", false)).refuse(status); });
-}
-
-/// How to start the node again that was lost; empty where that is not known. A kind that the goal leaves open is what
-/// the world was before.
-std::string howToBringBack(const pusht::NodeMissing& lost, const LiveRequest& request, const WorldMemory& memory) {
-  const std::string name = lost.services.empty() ? "" : lost.services.substr(1);
-  if (name.empty() || name.find('/') != std::string::npos) {
-    return "";
-  }
-  const std::string restart = "; if it is down, start it again and send the goal again: roslaunch ";
-  if (lost.services == request.services.policy) {
-    return restart + "pusht_policy policy.launch name:=" + name;
-  }
-  const auto& worlds = request.services.worlds;
-  const bool reference = lost.services == worlds[kReferenceClosed];
-  std::string kind = (reference ? request.settings.reference : request.settings.engine).kind;
-  for (const std::string& world : {lost.services, reference ? lost.services : worlds[kEngineClosed]}) {
-    kind = kind.empty() ? memory.kindOf(world) : kind;
-  }
-  const std::vector<std::string> kinds = kindNames();
-  if (!kind.empty() && std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
-    return "; if it is down, start your node for " + lost.services + " again and send the goal again";
-  }
-  return restart + "sim2sim_eval simulator.launch name:=" + name + " kind:=" + (kind.empty() ? "KIND" : kind);
-}
-
-pusht_msgs::CompareResult refusal(pusht::ExitCode exit_code, const std::string& reason) {
-  pusht_msgs::CompareResult result;
-  result.exit_code = static_cast<int>(exit_code);
-  result.reason = reason;
-  return result;
 }
 
 }  // namespace
@@ -96,9 +37,9 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
     : node_(node),
       parameters_(std::move(parameters)),
       broadcast_(node_),
-      progress_(node_.advertise<pusht_msgs::Progress>("progress", kProgressQueue, true)),
+      activity_(node_, pacer_, [this](bool paused) { broadcast_.tellPaused(paused); }),
       request_(node_.advertise<pusht_msgs::CompareGoal>("request", 1, true)),
-      health_("none", "comparison", [this](pusht::DiagnosticStatusWrapper& status) { report(status); }),
+      health_("none", "comparison", [this](pusht::DiagnosticStatusWrapper& status) { activity_.report(status); }),
       control_(node_.advertiseService("control", &Evaluator::onControl, this)),
       server_(
           node_, "compare", [this](const Goal& goal) { onGoal(goal); }, [this](const Goal& goal) { onCancel(goal); },
@@ -108,10 +49,9 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
   }
   if (parameters_.start) {
     next_job_ = Job{parameters_.request, std::nullopt};
-    activity_ = "beginning";
-    busy_ = true;
+    activity_.ask();
   }
-  tellProgress();
+  activity_.tell();
   request_.publish(goalOf(parameters_.request));
   server_.start();
 }
@@ -121,7 +61,7 @@ pusht::ExitCode Evaluator::run() {
   while (std::optional<Job> job = nextJob()) {
     RunStatus status = execute(*job);
     if (parameters_.report && status.exit_code == pusht::ExitCode::kOk) {
-      status = writeReport(status);
+      status = writeReport(status, folder_);
     }
     code = status.exit_code;
     answer(*job, status);
@@ -182,25 +122,6 @@ RunStatus Evaluator::execute(const Job& job) {
   }
 }
 
-RunStatus Evaluator::writeReport(const RunStatus& finished) const {
-  namespace process = boost::process;
-  RunStatus status = finished;
-  try {
-    const int code =
-        process::system(process::search_path("rosrun"), "sim2sim_eval", "report", folder_.string(), "--overwrite");
-    if (code == 0) {
-      return status;
-    }
-    status.reason = "the run finished, but its report was not written: report ended with exit code " +
-                    std::to_string(code) + "; its own line says why";
-  } catch (const process::process_error& error) {
-    status.reason = "the run finished, but its report was not written: rosrun: " + error.code().message();
-  }
-  status.exit_code = pusht::ExitCode::kRuntimeFault;
-  ROS_ERROR_STREAM(status.reason);
-  return status;
-}
-
 void Evaluator::runIn(RunFolder& folder, const LiveRequest& request) {
   try {
     compare(request, folder);
@@ -232,7 +153,8 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   folder.refuseInputs(inputsOf(request, cast));
   run_ = std::make_unique<Run>(configuration, folder, provenance);
   folder_ = std::filesystem::absolute(folder.path());
-  begin(request.protocol.episodes);
+  line_.emplace(request.protocol.episodes);
+  activity_.begin(request.protocol.episodes);
   cast.stamps().advance();
   const WorldNames names = worldNamesOf(request, cast);
   std::unique_ptr<RunBag> bag =
@@ -256,16 +178,7 @@ void Evaluator::answer(Job& job, const RunStatus& status) {
   } catch (const pusht::RuntimeFault& fault) {
     pusht::reportFailure(ros::this_node::getName(), fault);
   }
-  bool cancelled = false;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    cancelled = cancelled_;
-    busy_ = false;  // who has the result may send the next goal
-    failure_ = status.exit_code == pusht::ExitCode::kOk ? "" : status.reason;
-    activity_ = "idle";
-    waiting_for_.clear();
-  }
-  tellProgress();
+  const bool cancelled = activity_.end(status.exit_code == pusht::ExitCode::kOk ? "" : status.reason);
   if (job.goal) {
     pusht_msgs::CompareResult result = refusal(status.exit_code, status.reason);
     result.folder = folder_.string();
@@ -283,20 +196,16 @@ void Evaluator::answer(Job& job, const RunStatus& status) {
   }
 }
 
-bool Evaluator::stopped() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return cancelled_ || !ros::ok() || interrupted();
-}
+bool Evaluator::stopped() const { return activity_.cancelled() || !ros::ok() || interrupted(); }
 
 void Evaluator::onGoal(Goal goal) {
   if (accept(goal)) {
-    tellProgress();
+    activity_.tell();
   }
 }
 
 bool Evaluator::accept(Goal& goal) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (busy_) {
+  if (activity_.busy()) {
     const std::string reason = "a comparison is under way: cancel it, or wait for its end";
     goal.setRejected(refusal(pusht::ExitCode::kRuntimeFault, reason), reason);
     return false;
@@ -312,65 +221,41 @@ bool Evaluator::accept(Goal& goal) {
     return false;
   }
   goal.setAccepted();
-  busy_ = true;
-  cancelled_ = false;
   accepted_ = goal;
-  failure_.clear();
-  activity_ = "beginning";
+  activity_.ask();
+  const std::lock_guard<std::mutex> lock(mutex_);
   next_job_ = Job{std::move(request), goal};
   asked_.notify_one();
   return true;
 }
 
 void Evaluator::onCancel(const Goal& goal) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  cancelled_ = cancelled_ || goal == accepted_;
+  if (goal == accepted_) {
+    activity_.cancel();
+  }
 }
 
 bool Evaluator::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response) {
   response = answerTo([&] {
     if (request.command == pusht_msgs::ControlRequest::CANCEL) {
-      cancel();
+      requireRun(activity_.cancel(), request.command);
     } else {
-      requireRunFor(request.command);
+      requireRun(request.command != pusht_msgs::ControlRequest::STEP || activity_.busy(), request.command);
       obey(pacer_, request);
     }
-    tellProgress();
+    activity_.tell();
   });
-  if (response.success != 0 && request.command == pusht_msgs::ControlRequest::PAUSE && !busy()) {
+  if (response.success != 0 && request.command == pusht_msgs::ControlRequest::PAUSE && !activity_.busy()) {
     response.message = "no comparison is under way: the next one begins paused";
   }
   return true;
 }
 
-bool Evaluator::busy() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return busy_;
-}
-
-void Evaluator::requireRunFor(const std::string& command) const {
-  if (command == pusht_msgs::ControlRequest::STEP && !busy()) {
-    throw pusht::InvalidInput("step: no comparison is under way");
-  }
-}
-
 void Evaluator::waitFor(const std::string& services) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    waiting_for_ = services;
-  }
   if (!services.empty()) {
     broadcast_.tellState(RunState::kWaits, "waits for the node " + services);
   }
-  tellProgress();
-}
-
-void Evaluator::cancel() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!busy_) {
-    throw pusht::InvalidInput("cancel: no comparison is under way");
-  }
-  cancelled_ = true;
+  activity_.waitFor(services);
 }
 
 void Evaluator::onStep(const Episode& episode, const ros::Time& stamp) {
@@ -390,46 +275,8 @@ void Evaluator::onStep(const Episode& episode, const ros::Time& stamp) {
 bool Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
   const EpisodeResult result = run_->add(episode);
   broadcast_.finish(episode, result, run_->summary(), run_->whole(), stamp);
-  const double seconds_left = line_->secondsLeft(static_cast<int>(run_->episodes().size()));
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    activity_ = run_->progress() + " finished";
-    ++episodes_finished_;
-    seconds_left_ = seconds_left;
-  }
-  tellProgress();
+  activity_.finishEpisode(run_->progress(), line_->secondsLeft(static_cast<int>(run_->episodes().size())));
   return !run_->decided();
-}
-
-void Evaluator::begin(int episodes) {
-  line_.emplace(episodes);
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    episodes_ = episodes;
-    episodes_finished_ = 0;
-    seconds_left_.reset();
-    ++runs_;
-  }
-  tellProgress();
-}
-
-void Evaluator::tellProgress() {
-  const std::lock_guard<std::mutex> telling(telling_);
-  pusht_msgs::Progress progress;
-  progress.paused = static_cast<std::uint8_t>(pacer_.paused());
-  progress.rate = pacer_.rate();
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    progress.busy = static_cast<std::uint8_t>(busy_);
-    progress.episodes = static_cast<std::uint32_t>(episodes_);
-    progress.episodes_finished = static_cast<std::uint32_t>(episodes_finished_);
-    progress.seconds_left = busy_ ? seconds_left_.value_or(kNan) : kNan;
-    progress.failure = failure_;
-    progress.run = runs_;
-    progress.waiting_for = waiting_for_;
-  }
-  progress_.publish(progress);
-  broadcast_.tellPaused(progress.paused != 0);
 }
 
 void Evaluator::onBreak(const Episode& episode) { broadcast_.settle(episode); }
@@ -442,18 +289,6 @@ void Evaluator::onRecovery() { ++faults_survived_; }
 
 void Evaluator::onLoss(int episode, const pusht::PeerFault& fault) {
   ROS_WARN_STREAM("lost in episode " << episode << ": " << fault.what());
-}
-
-void Evaluator::report(pusht::DiagnosticStatusWrapper& status) const {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    const bool well = failure_.empty();
-    status.summary(well ? diagnostic_msgs::DiagnosticStatus::OK : diagnostic_msgs::DiagnosticStatus::WARN,
-                   well ? activity_ : activity_ + "; the last run failed: " + failure_);
-  }
-  // Without the lock: the pacer calls stopped() under its own.
-  status.add("paused", pacer_.paused());
-  status.add("rate [control steps/s]", pacer_.rate());
 }
 
 pusht::ExitCode evaluate() {

@@ -21,6 +21,21 @@ std::string optionalText(pusht::ParameterReader& parameters, const std::string& 
   return text == absent ? "" : text;
 }
 
+void take(pusht::ParameterReader& parameters, const char* name, int& value) { value = parameters.integer(name, value); }
+void take(pusht::ParameterReader& parameters, const char* name, std::uint64_t& value) {
+  value = parameters.seed(name, value);
+}
+void take(pusht::ParameterReader& parameters, const char* name, double& value) { value = parameters.real(name, value); }
+void take(pusht::ParameterReader& parameters, const char* name, bool& value) { value = parameters.flag(name, value); }
+void take(pusht::ParameterReader& parameters, const char* name, std::vector<int>& value) {
+  value = reanchorFrom(optionalText(parameters, name, kNone));
+}
+// 0 stands for none.
+void take(pusht::ParameterReader& parameters, const char* name, std::optional<double>& value) {
+  const double given = parameters.real(name, value.value_or(0.0));
+  value = given == 0.0 ? std::nullopt : std::optional(given);
+}
+
 }  // namespace
 
 std::string EvaluatorParameters::outOf(pusht::ParameterReader& parameters) {
@@ -39,30 +54,22 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
                              parameters.services("replay_namespace", "engine_replay")};
   request.services.policy = parameters.services("policy_namespace", "policy");
   request.policy = optionalText(parameters, "policy", kAuto);
-  request.protocol.seed = parameters.seed("seed", request.protocol.seed);
-  request.protocol.first_episode = parameters.integer("first_episode", request.protocol.first_episode);
-  request.protocol.episodes = parameters.integer("episodes", request.protocol.episodes);
-  request.protocol.horizon = parameters.integer("horizon", request.protocol.horizon);
-  request.protocol.bound.position = parameters.real("bound_position", request.protocol.bound.position);
-  request.protocol.bound.angle = parameters.real("bound_angle", request.protocol.bound.angle);
-  request.until_decided = decidedShare(parameters.real("until_decided", 0.0));
-  request.floor = parameters.flag("floor", request.floor);
-  request.reanchor = reanchorFrom(optionalText(parameters, "reanchor", kNone));
-  request.protocol.probes = probesOf(request.floor, request.reanchor);
+  forEachOption([&](const auto& option) { take(parameters, option.name, option.of(request.protocol)); });
   request.smoke = parameters.flag("smoke", request.smoke);
   if (request.smoke) {
     request.protocol = smokeRun(request.protocol);
   }
   request.protocol.validate();
   loaded.headless = parameters.text("headless", "rviz was not asked for");
-  request.rate = parameters.real("rate", loaded.headless.empty() ? kRateForEyes : kFullSpeed);
+  request.rate = loaded.headless.empty() ? kRateForEyes : kFullSpeed;
+  take(parameters, "rate", request.rate);
+  take(parameters, "record", request.record);
+  take(parameters, "overwrite", request.overwrite);
+  request.starts = optionalText(parameters, "starts", kNone);
+  request.out = outOf(parameters);
   const auto settings = [&](const std::string& key) { return settingsFrom(key, optionalText(parameters, key, kNone)); };
   request.settings = {{optionalText(parameters, "reference", kAuto), settings("reference_parameters")},
                       {optionalText(parameters, "engine", kAuto), settings("engine_parameters")}};
-  request.record = parameters.flag("record", request.record);
-  request.starts = optionalText(parameters, "starts", kNone);
-  request.out = outOf(parameters);
-  request.overwrite = parameters.flag("overwrite", request.overwrite);
   loaded.start = parameters.flag("start", loaded.start);
   loaded.exit = parameters.flag("exit", loaded.exit) && !loaded.headless.empty();
   loaded.respawn = parameters.flag("respawn", loaded.respawn);

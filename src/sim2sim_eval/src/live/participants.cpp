@@ -40,7 +40,6 @@ RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast) {
   RunConfiguration configuration;
   configuration.protocol = request.protocol;
   configuration.smoke = request.smoke;
-  configuration.until_decided = request.until_decided;
   configuration.policy = cast.describePolicy().name;
   configuration.reference = recordOf(cast.describe(kReferenceClosed));
   configuration.engine = recordOf(cast.describe(kEngineClosed));

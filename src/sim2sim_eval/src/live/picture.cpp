@@ -263,7 +263,7 @@ MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode,
   MarkerArray update;
   for (const Mode mode : kModes) {
     const pusht::Rollout& rollout = episode.rollout(mode);
-    const std::optional<Parting> parting = partingOf(reference, rollout.trace(), run.protocol.bound);
+    const std::optional<Parting> parting = partingOf(reference, rollout.trace(), run.protocol.bound());
     Sheet sheet(windowFrame(worlds_[mode].frame_prefix));
     window.table(sheet, colors.table, colors.walls);
     drawTarget(sheet, window, markColor(mode, episode));
@@ -300,7 +300,7 @@ MarkerArray Picture::overlay(const RunConfiguration& run, const Episode& episode
   drawEdge(sheet, kOverlayPane, colors.walls, 0.5 * kTableEdge);
   for (const Mode mode : kModes) {
     const pusht::Trace& trace = episode.rollout(mode).trace();
-    const std::optional<Parting> parting = partingOf(reference, trace, run.protocol.bound);
+    const std::optional<Parting> parting = partingOf(reference, trace, run.protocol.bound());
     const float opacity = mode == kReferenceClosed ? 1.0F : kGhostOpacity;
     drawWay(sheet, window, mode, trace, parting);
     window.tee(sheet, colorOf(mode, opacity), colorOf(mode), trace.states.back(),

@@ -16,6 +16,7 @@
 #include "pusht_task/ros/transforms.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/control.hpp"
+#include "sim2sim_eval/live/request.hpp"
 #include "sim2sim_eval/live/up_to.hpp"
 #include "sim2sim_eval/results/run.hpp"
 #include "sim2sim_eval/results/summary.hpp"
@@ -39,18 +40,6 @@ RecordedRun read(const std::string& bag, std::map<int, Episode>& episodes) {
     throw pusht::InvalidInput("bag " + bag + ": must hold a finished episode");
   }
   return run;
-}
-
-/// What is known of what was asked for; no node takes part any more.
-pusht_msgs::CompareGoal requestOf(const Protocol& protocol) {
-  pusht_msgs::CompareGoal request;
-  request.seed = {protocol.seed};
-  request.first_episode = {static_cast<std::uint32_t>(protocol.first_episode)};
-  request.episodes = {static_cast<std::uint32_t>(protocol.episodes)};
-  request.horizon = {static_cast<std::uint32_t>(protocol.horizon)};
-  request.bound_position = {protocol.bound.position};
-  request.bound_angle = {protocol.bound.angle};
-  return request;
 }
 
 int stepsIn(double seconds) { return static_cast<int>(std::lround(seconds / pusht::kControlStep)); }
@@ -89,7 +78,7 @@ Replay::Replay(const ros::NodeHandle& node, const ReplayParameters& parameters)
   sought_ = Place{begin.episode, std::min(stepsIn(parameters.start), episodes_.at(begin.episode).steps())};
   pacer_.setRate(parameters.speed / pusht::kControlStep);
   const RunConfiguration& configuration = run_.configuration;
-  request_.publish(requestOf(configuration.protocol));
+  request_.publish(goalOf(configuration.protocol));
   broadcast_.begin(configuration, Picture::of(configuration, frame_prefixes_), nullptr, stamp_);
   broadcast_.recall(run_.episodes, summarize(configuration.protocol, run_.episodes), lastOf(run_), stamp_);
   control_ = node_.advertiseService("control", &Replay::onControl, this);

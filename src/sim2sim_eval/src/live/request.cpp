@@ -12,14 +12,11 @@
 
 #include "pusht_task/error.hpp"
 #include "sim2sim_eval/results/run_folder.hpp"
-#include "sim2sim_eval/statistics/sequential.hpp"
 
 namespace sim2sim {
 namespace {
 
 constexpr int kMostFolders = 10'000;
-constexpr std::uint32_t kNoReanchor = 0;  // alone, in a goal: none; a list without values leaves it open
-
 /// `value`, of a goal's field, as what it is in a request. Throws InvalidInput if that holds no such number.
 template <class Field, class Value>
 Field fieldOf(const std::string& name, const Value& value) {
@@ -44,15 +41,40 @@ void set(const std::string& name, Field& field, const Values& values) {
   }
 }
 
-}  // namespace
-
-std::optional<double> decidedShare(double share) {
-  if (share == 0.0) {
-    return std::nullopt;
-  }
-  const TransferBet valid(share);
-  return share;
+// A share of 0 stands for none.
+void set(const std::string& name, std::optional<double>& share, const std::vector<double>& values) {
+  double given = share.value_or(0.0);
+  set(name, given, values);
+  share = given == 0.0 ? std::nullopt : std::optional(given);
 }
+
+// A list that is empty says nothing; 0 alone stands for an empty one.
+constexpr std::uint32_t kEmptyList = 0;
+void set(const std::string& name, std::vector<int>& field, const std::vector<std::uint32_t>& values) {
+  if (values.empty()) {
+    return;
+  }
+  field.clear();
+  if (values != std::vector{kEmptyList}) {
+    std::transform(values.begin(), values.end(), std::back_inserter(field),
+                   [&](std::uint32_t value) { return fieldOf<int>(name, value); });
+  }
+}
+
+/// The reverse of set().
+template <class Field, class Value>
+void tell(const Field& field, std::vector<Value>& values) {
+  values = {static_cast<Value>(field)};
+}
+void tell(const std::optional<double>& share, std::vector<double>& values) { values = {share.value_or(0.0)}; }
+void tell(const std::vector<int>& field, std::vector<std::uint32_t>& values) {
+  values.assign(field.begin(), field.end());
+  if (values.empty()) {
+    values = {kEmptyList};
+  }
+}
+
+}  // namespace
 
 pusht::Parameters settingsFrom(const std::string& what, const std::string& text) {
   constexpr std::size_t kLongest = 10'000;  // [bytes] std::regex recurses over each, and its stack is limited
@@ -117,31 +139,9 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   set_world("reference_namespace", kReferenceClosed, goal.reference_namespace);
   set_world("engine_namespace", kEngineClosed, goal.engine_namespace);
   set_world("replay_namespace", kEngineReplay, goal.replay_namespace);
-  set("seed", request.protocol.seed, goal.seed);
-  set("first_episode", request.protocol.first_episode, goal.first_episode);
-  set("episodes", request.protocol.episodes, goal.episodes);
-  set("horizon", request.protocol.horizon, goal.horizon);
-  set("bound_position", request.protocol.bound.position, goal.bound_position);
-  set("bound_angle", request.protocol.bound.angle, goal.bound_angle);
-  if (!goal.until_decided.empty()) {
-    double share = 0.0;
-    set("until_decided", share, goal.until_decided);
-    request.until_decided = decidedShare(share);
-  }
-  set("floor", request.floor, goal.floor);
-  if (goal.reanchor == std::vector<std::uint32_t>{kNoReanchor}) {
-    request.reanchor.clear();
-  } else if (!goal.reanchor.empty()) {
-    request.reanchor.clear();
-    std::transform(goal.reanchor.begin(), goal.reanchor.end(), std::back_inserter(request.reanchor),
-                   [](std::uint32_t every) { return fieldOf<int>("reanchor", every); });
-  }
-  request.protocol.probes = probesOf(request.floor, request.reanchor);
-  set("rate", request.rate, goal.rate);
-  set("record", request.record, goal.record);
-  set("starts", request.starts, goal.starts);
-  set("out", request.out, goal.out);
-  set("overwrite", request.overwrite, goal.overwrite);
+  forEachOption([&](const auto& option) { set(option.name, option.of(request.protocol), option.of(goal)); });
+  request.protocol.probes();  // throws if there are none such
+  forEachLiveField([&](const char* name, const auto& of) { set(name, of(request), of(goal)); });
   const auto set_role = [](const char* name, Cast::Setting& setting, const auto& kinds, const auto& parameters) {
     Cast::Setting asked;
     set(name, asked.kind, kinds);
@@ -156,35 +156,24 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   return request;
 }
 
+pusht_msgs::CompareGoal goalOf(const RunOptions& options) {
+  pusht_msgs::CompareGoal goal;
+  forEachOption([&](const auto& option) { tell(option.of(options), option.of(goal)); });
+  return goal;
+}
+
 pusht_msgs::CompareGoal goalOf(const LiveRequest& request) {
   const auto kind = [](const Cast::Setting& setting) {
     return setting.kind.empty() ? std::vector<std::string>() : std::vector<std::string>{setting.kind};
   };
-  const Protocol& protocol = request.protocol;
-  pusht_msgs::CompareGoal goal;
+  pusht_msgs::CompareGoal goal = goalOf(request.protocol);
+  forEachLiveField([&](const char* /*name*/, const auto& of) { tell(of(request), of(goal)); });
   goal.reference_namespace = {request.services.worlds[kReferenceClosed]};
   goal.engine_namespace = {request.services.worlds[kEngineClosed]};
   goal.replay_namespace = {request.services.worlds[kEngineReplay]};
   goal.policy_namespace = {request.services.policy};
   goal.reference = kind(request.settings.reference);
   goal.engine = kind(request.settings.engine);
-  goal.seed = {protocol.seed};
-  goal.first_episode = {static_cast<std::uint32_t>(protocol.first_episode)};
-  goal.episodes = {static_cast<std::uint32_t>(protocol.episodes)};
-  goal.horizon = {static_cast<std::uint32_t>(protocol.horizon)};
-  goal.rate = {request.rate};
-  goal.record = {static_cast<std::uint8_t>(request.record)};
-  goal.starts = {request.starts};
-  goal.out = {request.out};
-  goal.overwrite = {static_cast<std::uint8_t>(request.overwrite)};
-  goal.until_decided = {request.until_decided.value_or(0.0)};
-  goal.bound_position = {protocol.bound.position};
-  goal.bound_angle = {protocol.bound.angle};
-  goal.floor = {static_cast<std::uint8_t>(request.floor)};
-  goal.reanchor = {kNoReanchor};
-  if (!request.reanchor.empty()) {
-    goal.reanchor.assign(request.reanchor.begin(), request.reanchor.end());
-  }
   goal.reference_parameters = request.settings.reference.parameters;
   goal.engine_parameters = request.settings.engine.parameters;
   return goal;

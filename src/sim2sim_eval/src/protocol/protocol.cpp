@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
 #include "pusht_task/spawn.hpp"
 #include "sim2sim_eval/protocol/reference_cache.hpp"
 #include "sim2sim_eval/protocol/rest_of_run.hpp"
@@ -59,7 +60,7 @@ constexpr const char* kKeptReference = "reference";
 Recalled recall(const Protocol& protocol, int episode, const ReferenceCache& references) {
   const std::string start = protocol.startName(episode);
   Recalled recalled{references.find(start, kKeptReference), {}};
-  for (const Probe& probe : protocol.probes) {
+  for (const Probe& probe : protocol.probes()) {
     recalled.probes.push_back(probe.role == Role::kReference ? references.find(start, probe.name) : std::nullopt);
   }
   return recalled;
@@ -68,9 +69,10 @@ Recalled recall(const Protocol& protocol, int episode, const ReferenceCache& ref
 /// Keeps all of an episode that depends on the reference alone.
 void keep(const Protocol& protocol, const Episode& episode, const ReferenceCache& references) {
   const std::string start = protocol.startName(episode.index());
-  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
-    if (protocol.probes[i].role == Role::kReference) {
-      references.keep(start, protocol.probes[i].name, episode.probe(i).value());
+  const std::vector<Probe> probes = protocol.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    if (probes[i].role == Role::kReference) {
+      references.keep(start, probes[i].name, episode.probe(i).value());
     }
   }
   references.keep(start, kKeptReference, episode.rollout(kReferenceClosed).trace());
@@ -86,7 +88,7 @@ RolloutResult resultOf(const Protocol& protocol, std::size_t rollout, const Roll
     }
   }
   if (rollout != kReferenceClosed) {
-    result.parting = partingOf(view.reference, view.rollout.trace(), protocol.bound);
+    result.parting = partingOf(view.reference, view.rollout.trace(), protocol.bound());
   }
   return result;
 }
@@ -102,7 +104,12 @@ void Protocol::validate() const {
   requireWithin("first_episode", first_episode, 0, kMaxFirstEpisode);
   requireWithin("episodes", episodes, 1, kMaxEpisodes);
   requireWithin("horizon", horizon, 1, pusht::kHorizon);
-  bound.validate();
+  bound().validate();
+  probes();
+  if (until_decided && !(*until_decided > 0.0 && *until_decided <= 1.0)) {
+    throw pusht::InvalidInput("until_decided " + pusht::shortestText(*until_decided) +
+                              ": must be above 0 and at most 1");
+  }
   const auto end = static_cast<std::uint64_t>(first_episode) + static_cast<std::uint64_t>(episodes);
   if (seed > std::numeric_limits<std::uint64_t>::max() - kFirstHeldOutSeed - end) {
     throw pusht::InvalidInput("seed " + std::to_string(seed) +
@@ -121,24 +128,26 @@ pusht::WorldState Protocol::start(int episode) const {
 std::vector<std::string> Protocol::rolloutNames() const {
   std::vector<std::string> names;
   std::transform(kModes.begin(), kModes.end(), std::back_inserter(names), modeName);
-  std::transform(probes.begin(), probes.end(), std::back_inserter(names),
-                 [](const Probe& probe) { return probe.name; });
+  for (const Probe& probe : probes()) {
+    names.push_back(probe.name);
+  }
   return names;
 }
 
 bool Protocol::has(std::size_t rollout, Scope scope) const {
-  const Probe* const probe = rollout < kModeCount ? nullptr : &probes.at(rollout - kModeCount);
+  const std::optional<Probe> probe =
+      rollout < kModeCount ? std::nullopt : std::optional(probes().at(rollout - kModeCount));
   switch (scope) {
     case Scope::kModes:
-      return probe == nullptr;
+      return !probe;
     case Scope::kCompared:
       return rollout != kReferenceClosed;
     case Scope::kClosed:
       return rollout == kEngineClosed;
     case Scope::kAnchored:
-      return probe != nullptr && probe->anchor_every > 0;
+      return probe && probe->anchor_every > 0;
     case Scope::kFloor:
-      return probe != nullptr && *probe == floorProbes().back();
+      return probe && *probe == floorProbes().back();
   }
   return false;
 }
@@ -168,7 +177,7 @@ Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pus
 Episode::Episode(Protocol protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts,
                  std::vector<std::optional<pusht::Trace>> probes)
     : protocol_(std::move(protocol)), index_(index), rollouts_(std::move(rollouts)), probes_(std::move(probes)) {
-  probes_.resize(protocol_.probes.size());
+  probes_.resize(protocol_.probes().size());
 }
 
 int Episode::steps() const {
@@ -197,9 +206,10 @@ EpisodeResult Episode::result() const {
     result.rollouts.push_back(
         resultOf(protocol_, mode, {rollouts_[mode], reference, 0, &rollouts_[kEngineReplay].trace()}));
   }
-  for (std::size_t i = 0; i < protocol_.probes.size(); ++i) {
+  const std::vector<Probe> probes = protocol_.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
     const pusht::Rollout rollout(probes_[i].value());
-    const RolloutView view{rollout, reference, protocol_.probes[i].anchor_every};
+    const RolloutView view{rollout, reference, probes[i].anchor_every};
     result.rollouts.push_back(resultOf(protocol_, kModeCount + i, view));
   }
   return result;
@@ -300,11 +310,12 @@ std::vector<Episode> Flight::land(const std::function<void()>& watch) {
 
 void Flight::probe(Episode& episode, std::size_t lane, const std::function<void()>& watch) const {
   const int index = episode.index();
-  for (std::size_t i = 0; i < protocol_.probes.size(); ++i) {
+  const std::vector<Probe> probes = protocol_.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
     if (episode.probe(i)) {
       continue;
     }
-    const Probe& probe = protocol_.probes[i];
+    const Probe& probe = probes[i];
     pusht::BatchSimulator& world = *worlds_[probe.role == Role::kReference ? kReferenceClosed : kEngineReplay];
     int step = 0;
     const auto before_step = [&](int next) {

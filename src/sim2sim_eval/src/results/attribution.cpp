@@ -156,8 +156,9 @@ std::vector<Measure> measuresOf(const Protocol& protocol) {
     }
   };
   add(kEngineReplay, "open loop");
-  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
-    const Probe& probe = protocol.probes[i];
+  const std::vector<Probe> probes = protocol.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    const Probe& probe = probes[i];
     if (probe.role == Role::kEngine && probe.anchor_every > 0) {
       add(kModeCount + i,
           "re-anchored every " + std::to_string(probe.anchor_every) + (probe.anchor_every == 1 ? " step" : " steps"));
@@ -184,10 +185,10 @@ std::vector<double> gapsOf(const RunResults& run, const Measure& measure) {
 /// The widest floor, as a place among the rollouts; none if there is none.
 std::optional<std::size_t> floorOf(const Protocol& protocol) {
   std::optional<std::size_t> widest;
-  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
-    const Probe& probe = protocol.probes[i];
-    if (probe.role == Role::kReference &&
-        (!widest || probe.start_offset > protocol.probes[*widest - kModeCount].start_offset)) {
+  const std::vector<Probe> probes = protocol.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    const Probe& probe = probes[i];
+    if (probe.role == Role::kReference && (!widest || probe.start_offset > probes[*widest - kModeCount].start_offset)) {
       widest = kModeCount + i;
     }
   }

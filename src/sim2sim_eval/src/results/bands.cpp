@@ -81,7 +81,8 @@ DivergenceBands::DivergenceBands(const Protocol& protocol) : protocol_(protocol)
 EpisodeBins DivergenceBands::binsOf(const Protocol& protocol, const Episode& episode) {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
   EpisodeBins bins;
-  for (std::size_t rollout = kReferenceClosed + 1; rollout < kModeCount + protocol.probes.size(); ++rollout) {
+  const std::size_t rollouts = kModeCount + protocol.probes().size();
+  for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts; ++rollout) {
     const pusht::Trace& trace = rollout < kModeCount ? episode.rollout(static_cast<Mode>(rollout)).trace()
                                                      : episode.probe(rollout - kModeCount).value();
     auto& of_rollout = bins.emplace_back();

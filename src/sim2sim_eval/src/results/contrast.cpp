@@ -24,14 +24,22 @@ using nlohmann::json;
 
 constexpr int kFormat = 2;  // of the JSON of contrasts
 
-/// What two runs must have in common, by its place in metrics.json.
-constexpr std::array kCommon = {"/policy",  "/seed",  "/starts", "/first_episode", "/episodes",
-                                "/horizon", "/smoke", "/probes", "/until_decided", "/simulators/reference"};
+/// What two runs must agree in, by its place in metrics.json.
+std::vector<std::string> commonPlaces() {
+  std::vector<std::string> places = {"/policy"};
+  forEachOption([&](const auto& option) {
+    if (option.written != Written::kElsewhere) {
+      places.push_back(std::string("/") + option.name);
+    }
+  });
+  places.insert(places.end(), {"/starts", "/smoke", "/probes", "/simulators/reference"});
+  return places;
+}
 
 /// The figures that are contrasted: those that depend on the engine.
 bool isContrasted(const Protocol& protocol, std::size_t rollout, const Quantity& quantity) {
-  const bool of_engine =
-      rollout < kModeCount ? rollout != kReferenceClosed : protocol.probes[rollout - kModeCount].role == Role::kEngine;
+  const bool of_engine = rollout < kModeCount ? rollout != kReferenceClosed
+                                              : protocol.probes()[rollout - kModeCount].role == Role::kEngine;
   const bool of_null = std::any_of(kDivergencePairs.begin(), kDivergencePairs.end(), [&](const DivergencePair& pair) {
     return std::string(pair.null_model) == quantity.name;
   });
@@ -208,12 +216,12 @@ void requirePairs(const RunResults& baseline, const RunResults& other) {
   const auto refuse = [&](const std::string& why) {
     throw pusht::InvalidInput(baseline.folder.string() + " and " + other.folder.string() + ": do not pair: " + why);
   };
-  for (const char* key : kCommon) {
+  for (const std::string& key : commonPlaces()) {
     const json::json_pointer place(key);
     const json one = baseline.metrics.value(place, json());
     const json two = other.metrics.value(place, json());
     if (one != two) {
-      refuse(key + 1 + firstDifference(one, two, " and "));
+      refuse(key.substr(1) + firstDifference(one, two, " and "));
     }
   }
   for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {

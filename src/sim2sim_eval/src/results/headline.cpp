@@ -92,7 +92,7 @@ std::string transferNumber(const RunConfiguration& configuration, double share) 
   };
   for (int digits = 0; digits < kMostDigits; ++digits) {
     std::string text = pusht::fixedText(kHundred * exact, digits);
-    const double deciding = configuration.until_decided.value_or(kNotEnough);
+    const double deciding = configuration.protocol.until_decided.value_or(kNotEnough);
     if (is_on_its_side(text, kNotEnough) && is_on_its_side(text, kWhole) && is_on_its_side(text, kMore) &&
         is_on_its_side(text, deciding)) {
       return text;
@@ -109,7 +109,7 @@ Headline headlineOf(const RunConfiguration& configuration, const PairTable& succ
   const bool same_title = configuration.engine.title == configuration.reference.title;
   const std::string engine = same_title ? "the engine" : inSentence(configuration.engine.title);
   const std::string reference = same_title ? "the reference" : inSentence(configuration.reference.title);
-  const bool partial = !configuration.until_decided && episodes < configuration.protocol.episodes;
+  const bool partial = !configuration.protocol.until_decided && episodes < configuration.protocol.episodes;
   const std::string count =
       partial ? " (" + std::to_string(episodes) + " of " + counted(configuration.protocol.episodes) + ")." : ".";
   const int reference_successes = successes.both + successes.first_only;
@@ -120,7 +120,7 @@ Headline headlineOf(const RunConfiguration& configuration, const PairTable& succ
                 (partial ? count : " in " + counted(episodes) + ".")};
   }
   const Interval interval =
-      asPrinted(configuration.until_decided ? transferSequence(successes) : tangInterval(successes).value());
+      asPrinted(configuration.protocol.until_decided ? transferSequence(successes) : tangInterval(successes).value());
   const TransferVerdict verdict = verdictOf(interval);
   const std::string words = wordsOf(verdict, interval);
   const double transfer = (successes.both + successes.second_only) / static_cast<double>(reference_successes);

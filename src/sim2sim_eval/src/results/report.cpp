@@ -217,8 +217,9 @@ std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
   lines +=
       line("  less in closed loop", absorbed("absorbed_position_divergence"), absorbed("absorbed_angle_divergence")) +
       line("  beyond the bound", partedText(summary.partings), causeText(summary.partings));
-  for (std::size_t i = 0; i < protocol.probes.size(); ++i) {
-    if (const int every = protocol.probes[i].anchor_every; every > 0) {
+  const std::vector<Probe> probes = protocol.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    if (const int every = probes[i].anchor_every; every > 0) {
       const auto error = [&](const char* quantity) {
         return cell(summary.mean(kModeCount + i, quantity), kQuantities[quantityIndex(quantity)].unit);
       };
@@ -261,7 +262,8 @@ std::string metricName(const std::string& rollout, const Quantity& quantity) {
 }
 
 std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes) {
-  return configuration.until_decided ? std::optional(transferSequence(outcomes.table)) : outcomes.transfer_interval;
+  return configuration.protocol.until_decided ? std::optional(transferSequence(outcomes.table))
+                                              : outcomes.transfer_interval;
 }
 
 json metrics(const RunConfiguration& configuration, const Summary& summary) {

@@ -21,10 +21,10 @@ bool isWhole(const RunConfiguration& run, const std::vector<EpisodeResult>& epis
   if (static_cast<int>(episodes.size()) == run.protocol.episodes) {
     return true;
   }
-  if (!run.until_decided) {
+  if (!run.protocol.until_decided) {
     return false;
   }
-  TransferBet bet(*run.until_decided);
+  TransferBet bet(*run.protocol.until_decided);
   std::for_each(episodes.begin(), episodes.end(), [&](const EpisodeResult& episode) { add(bet, episode); });
   return bet.verdict() != Verdict::kUndecided;
 }
@@ -32,8 +32,8 @@ bool isWhole(const RunConfiguration& run, const std::vector<EpisodeResult>& epis
 Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance,
          const nlohmann::json& identity)
     : configuration_(std::move(configuration)), folder_(folder), bands_(configuration_.protocol) {
-  if (configuration_.until_decided) {
-    bet_.emplace(*configuration_.until_decided);
+  if (configuration_.protocol.until_decided) {
+    bet_.emplace(*configuration_.protocol.until_decided);
   }
   folder_.begin(provenance, configuration_.protocol, identity);
   if (const Journal* journal = folder_.journal()) {
@@ -92,12 +92,12 @@ nlohmann::json Run::finish(std::ostream& out, int faults_survived) {
   out << "policy " << configuration_.policy << ", "
       << (protocol.starts ? "starts " + protocol.starts->hash() : "seed " + std::to_string(protocol.seed))
       << ", horizon " << configuration_.protocol.horizon << " control steps\n"
-      << table(configuration_, summary) << (bet_ ? decisionText(*bet_, *configuration_.until_decided) : "")
+      << table(configuration_, summary) << (bet_ ? decisionText(*bet_, *configuration_.protocol.until_decided) : "")
       << "results: " << folder_.path().string() << "\n"
       << "config_hash: " << configurationHash(configuration_) << std::endl;
   nlohmann::json metrics = sim2sim::metrics(configuration_, summary);
   if (bet_) {
-    metrics["decision"] = decision(*bet_, *configuration_.until_decided);
+    metrics["decision"] = decision(*bet_, *configuration_.protocol.until_decided);
   }
   folder_.finish(configuration_, metrics, episodes_, bands_, faults_survived);
   return metrics;

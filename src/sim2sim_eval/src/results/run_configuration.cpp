@@ -51,20 +51,59 @@ std::string differencesOf(const std::string& role, const SimulatorRecord& simula
   return differences;
 }
 
-std::vector<std::string> probeNames(const RunConfiguration& configuration) {
+std::vector<std::string> probeNames(const Protocol& protocol) {
   std::vector<std::string> names;
-  for (const Probe& probe : configuration.protocol.probes) {
+  for (const Probe& probe : protocol.probes()) {
     names.push_back(probe.name);
   }
   return names;
 }
 
+/// The options that ask for probes of these names. Throws InvalidInput if none does.
+void setProbes(const std::vector<std::string>& names, Protocol& protocol) {
+  protocol.floor = false;
+  for (const std::string& name : names) {
+    const Probe probe = probeFrom(name);
+    if (probe.anchor_every > 0) {
+      protocol.reanchor.push_back(probe.anchor_every);
+    } else {
+      protocol.floor = true;
+    }
+  }
+  if (probeNames(protocol) != names) {
+    throw pusht::InvalidInput("probes " + pusht::joined(names) + ": must be " + pusht::joined(probeNames(protocol)));
+  }
+}
+
 /// "|bound=0.03,0.2", unless it is the default.
-std::string boundDifference(const Bound& bound) {
-  const Bound usual;
-  return bound.position == usual.position && bound.angle == usual.angle
+std::string boundDifference(const RunOptions& options) {
+  const RunOptions usual;
+  return options.bound_position == usual.bound_position && options.bound_angle == usual.bound_angle
              ? ""
-             : "|bound=" + pusht::shortestText(bound.position) + "," + pusht::shortestText(bound.angle);
+             : "|bound=" + pusht::shortestText(options.bound_position) + "," + pusht::shortestText(options.bound_angle);
+}
+
+template <class Value>
+ordered_json jsonOf(const Value& value) {
+  return value;
+}
+ordered_json jsonOf(const std::optional<double>& value) { return value ? ordered_json(*value) : ordered_json(); }
+
+template <class Value>
+void take(const json& text, Value& value) {
+  text.get_to(value);
+}
+void take(const json& text, std::optional<double>& value) { value = text.get<double>(); }
+
+/// The options that are written only if they are changed, by name, as far as they are.
+ordered_json changedOptions(const RunOptions& options) {
+  ordered_json changed = ordered_json::object();
+  forEachOption([&](const auto& option) {
+    if (option.written == Written::kIfChanged && !option.isDefault(options)) {
+      changed[option.name] = jsonOf(option.of(options));
+    }
+  });
+  return changed;
 }
 
 }  // namespace
@@ -106,9 +145,21 @@ SimulatorRecord simulatorFrom(const ordered_json& description) {
   return simulator;
 }
 
+json referenceOptions(const RunOptions& options) {
+  json decisive = json::object();
+  forEachOption([&](const auto& option) {
+    if (option.decides == Decides::kReference &&
+        !(option.written == Written::kIfChanged && option.isDefault(options))) {
+      decisive[option.name] = jsonOf(option.of(options));
+    }
+  });
+  return decisive;
+}
+
 std::string configurationHash(const RunConfiguration& configuration) {
   constexpr std::size_t kDigits = 12;
-  const Protocol nominal = configuration.smoke ? Protocol() : configuration.protocol;
+  const Protocol& protocol = configuration.protocol;
+  const Protocol nominal = configuration.smoke ? Protocol() : protocol;
   const ordered_json& parameters = configuration.engine.parameters;
   std::string key = std::to_string(nominal.episodes);
   for (const char* knob : kCourseKnobs) {
@@ -116,40 +167,40 @@ std::string configurationHash(const RunConfiguration& configuration) {
       key += "|" + asPythonPrints(parameters.at(knob));
     }
   }
-  key += "|" + std::to_string(configuration.protocol.horizon) +
+  key += "|" + std::to_string(protocol.horizon) +
          differencesOf("reference", configuration.reference, kCourseReference) +
          differencesOf("engine", configuration.engine, kCourseEngine) +
-         (configuration.protocol.starts ? "|starts=" + configuration.protocol.starts->hash() : "") +
-         (configuration.protocol.probes == floorProbes() ? ""
-                                                         : "|probes=" + pusht::joined(probeNames(configuration), ",")) +
-         boundDifference(configuration.protocol.bound) +
-         (configuration.until_decided ? "|until_decided=" + pusht::shortestText(*configuration.until_decided) : "");
+         (protocol.starts ? "|starts=" + protocol.starts->hash() : "") +
+         (protocol.probes() == floorProbes() ? "" : "|probes=" + pusht::joined(probeNames(protocol), ",")) +
+         boundDifference(protocol);
+  const ordered_json changed = changedOptions(protocol);
+  for (const auto& [name, value] : changed.items()) {
+    key += std::string("|").append(name).append("=").append(asPythonPrints(value));
+  }
   return pusht::md5(key).substr(0, kDigits);
 }
 
 ordered_json describe(const RunConfiguration& configuration) {
-  ordered_json description = {
-      {"format", kDescriptionFormat},
-      {"policy", configuration.policy},
-      {"seed", configuration.protocol.seed},
-      {"first_episode", configuration.protocol.first_episode},
-      {"episodes", configuration.protocol.episodes},
-      {"horizon", configuration.protocol.horizon},
-      {"smoke", configuration.smoke},
-      {"probes", probeNames(configuration)},
-      {"bound",
-       {{"position_m", configuration.protocol.bound.position}, {"angle_rad", configuration.protocol.bound.angle}}},
-      {"reference_simulator", configuration.reference.name},
-      {"engine_simulator", configuration.engine.name},
-      {"knobs", configuration.engine.parameters},
-      {"simulators", {{"reference", toJson(configuration.reference)}, {"engine", toJson(configuration.engine)}}},
-      {"config_hash", configurationHash(configuration)}};
-  if (configuration.protocol.starts) {
-    description["starts"] = configuration.protocol.starts->hash();
+  const Protocol& protocol = configuration.protocol;
+  ordered_json description = {{"format", kDescriptionFormat}, {"policy", configuration.policy}};
+  forEachOption([&](const auto& option) {
+    if (option.written == Written::kAlways) {
+      description[option.name] = jsonOf(option.of(protocol));
+    }
+  });
+  description["smoke"] = configuration.smoke;
+  description["probes"] = probeNames(protocol);
+  description["bound"] = {{"position_m", protocol.bound_position}, {"angle_rad", protocol.bound_angle}};
+  description["reference_simulator"] = configuration.reference.name;
+  description["engine_simulator"] = configuration.engine.name;
+  description["knobs"] = configuration.engine.parameters;
+  description["simulators"] = {{"reference", toJson(configuration.reference)},
+                               {"engine", toJson(configuration.engine)}};
+  description["config_hash"] = configurationHash(configuration);
+  if (protocol.starts) {
+    description["starts"] = protocol.starts->hash();
   }
-  if (configuration.until_decided) {
-    description["until_decided"] = *configuration.until_decided;
-  }
+  description.update(changedOptions(protocol));
   return description;
 }
 
@@ -162,14 +213,18 @@ void requireDescriptionFormat(const json& description) {
 
 Protocol protocolFrom(const json& description) {
   requireDescriptionFormat(description);
-  Protocol protocol{description.at("seed"), description.at("first_episode"), description.at("episodes"),
-                    description.at("horizon")};
-  protocol.probes.clear();
-  for (const json& name : description.at("probes")) {
-    protocol.probes.push_back(probeFrom(name.get<std::string>()));
-  }
+  Protocol protocol;
+  forEachOption([&](const auto& option) {
+    if (option.written == Written::kAlways) {
+      take(description.at(option.name), option.of(protocol));
+    } else if (option.written == Written::kIfChanged && description.contains(option.name)) {
+      take(description.at(option.name), option.of(protocol));
+    }
+  });
+  setProbes(description.at("probes"), protocol);
   const json& bound = description.at("bound");
-  protocol.bound = {bound.at("position_m"), bound.at("angle_rad")};
+  protocol.bound_position = bound.at("position_m");
+  protocol.bound_angle = bound.at("angle_rad");
   if (const auto starts = description.find("starts"); starts != description.end()) {
     protocol.starts = std::make_shared<Starts>(Starts::named(starts->get<std::string>()));
   }
@@ -185,9 +240,6 @@ RunConfiguration configurationFrom(const ordered_json& description) {
     description.at("smoke").get_to(configuration.smoke);
     configuration.reference = simulatorFrom(description.at("simulators").at("reference"));
     configuration.engine = simulatorFrom(description.at("simulators").at("engine"));
-    if (const auto share = description.find("until_decided"); share != description.end()) {
-      configuration.until_decided = share->get<double>();
-    }
     if (describe(configuration) != description) {
       throw pusht::InvalidInput("its config_hash or one of its values does not fit the others");
     }

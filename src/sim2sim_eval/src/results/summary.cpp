@@ -13,20 +13,20 @@ constexpr double kNoRatio = std::numeric_limits<double>::quiet_NaN();
 
 /// The place of the floor with the largest shift of the start, if the protocol has one.
 std::optional<std::size_t> widestFloor(const Protocol& protocol) {
-  const auto floor = std::find(protocol.probes.begin(), protocol.probes.end(), floorProbes().back());
-  return floor == protocol.probes.end()
-             ? std::nullopt
-             : std::optional(kModeCount + static_cast<std::size_t>(floor - protocol.probes.begin()));
+  const std::vector<std::string> names = protocol.rolloutNames();
+  const auto floor = std::find(names.begin(), names.end(), floorProbes().back().name);
+  return floor == names.end() ? std::nullopt : std::optional(static_cast<std::size_t>(floor - names.begin()));
 }
 
 /// Episodes in which the reference does exactly the same from a start that is moved least: it cannot tell the two
 /// apart.
 int unmovedFloors(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
-  const auto floor = std::find(protocol.probes.begin(), protocol.probes.end(), floorProbes().front());
-  if (floor == protocol.probes.end()) {
+  const std::vector<std::string> names = protocol.rolloutNames();
+  const auto floor = std::find(names.begin(), names.end(), floorProbes().front().name);
+  if (floor == names.end()) {
     return 0;
   }
-  const std::size_t rollout = kModeCount + static_cast<std::size_t>(floor - protocol.probes.begin());
+  const auto rollout = static_cast<std::size_t>(floor - names.begin());
   return static_cast<int>(std::count_if(episodes.begin(), episodes.end(), [rollout](const EpisodeResult& episode) {
     const RolloutResult& result = episode.rollouts[rollout];
     return result.at("mean_position_divergence") == 0.0 && result.at("mean_angle_divergence") == 0.0;

@@ -27,24 +27,14 @@ struct BatchOptions {
   int threadCount() const;
 
   /// The cache that they ask for. Throws as ReferenceCache does.
-  std::optional<ReferenceCache> references(const Setup& setup, int horizon) const;
+  std::optional<ReferenceCache> references(const Setup& setup, const RunOptions& options) const;
 };
 
 /// The number of episodes of a run that names none: `usual`, or as many as the file has starts, if these are fewer. An
 /// empty path, or a file that cannot be read, means `usual`.
 int defaultEpisodes(int usual, const std::filesystem::path& starts);
 
-/// How divergence is measured, besides its means.
-struct GapOptions {
-  bool floor = true;
-  std::string reanchor{};  ///< as in reanchorFrom()
-  Bound bound{};
-
-  /// Declares the options on a command line.
-  void declare(CLI::App& app);
-
-  /// Throws as probesOf() and reanchorFrom() do.
-  void apply(Protocol& protocol) const;
-};
+/// Declares each option of a run on a command line.
+void declare(CLI::App& app, RunOptions& options);
 
 }  // namespace sim2sim

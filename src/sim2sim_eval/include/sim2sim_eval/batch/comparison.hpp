@@ -27,15 +27,13 @@ struct CompareOptions {
   std::vector<std::string> reference_settings{};  ///< as in chooseSimulator()
   std::string engine = kCourseEngine;             ///< kind
   std::vector<std::string> engine_settings{};
-  std::optional<double> until_decided{};  ///< as in RunConfiguration
-  bool smoke = false;                     ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
-  std::string starts;                     ///< file for readStarts(); empty: spawn seeds
-  std::string write_starts;               ///< file to write them into; empty: none
-  std::string out;                        ///< results folder; empty: the next free results/compare-N
+  bool smoke = false;        ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
+  std::string starts;        ///< file for readStarts(); empty: spawn seeds
+  std::string write_starts;  ///< file to write them into; empty: none
+  std::string out;           ///< results folder; empty: the next free results/compare-N
   bool overwrite = false;
   bool record = false;  ///< write compare.bag
   bool traces = false;  ///< write traces.npy
-  GapOptions gap;
   BatchOptions batch;
 
   /// Whether the run continues after an interruption. A bag, or traces, of a part of a run cannot be added to.

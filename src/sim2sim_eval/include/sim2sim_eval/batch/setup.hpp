@@ -34,9 +34,9 @@ class Setup {
   /// Policy and reference by their content, wherever their files lie.
   nlohmann::json identity() const;
 
-  /// All that a rollout of the reference depends on, besides its spawn seed: policy, reference, horizon, and the
-  /// machine code that computes it.
-  nlohmann::json referenceKey(int horizon) const;
+  /// All that a rollout of the reference depends on, besides its initial state: policy, reference, the options that
+  /// decide it (Decides::kReference), and the machine code that computes it.
+  nlohmann::json referenceKey(const RunOptions& options) const;
 
  private:
   LoadedSimulator reference_;

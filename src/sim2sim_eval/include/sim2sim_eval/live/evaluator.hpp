@@ -5,7 +5,6 @@
 #include <actionlib/server/action_server.h>
 #include <pusht_msgs/CompareAction.h>
 #include <pusht_msgs/Control.h>
-#include <pusht_msgs/Progress.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 
@@ -20,6 +19,7 @@
 
 #include "pusht_task/ros/health.hpp"
 #include "pusht_task/ros/parameters.hpp"
+#include "sim2sim_eval/live/activity.hpp"
 #include "sim2sim_eval/live/broadcast.hpp"
 #include "sim2sim_eval/live/cast.hpp"
 #include "sim2sim_eval/live/evaluator_parameters.hpp"
@@ -58,27 +58,15 @@ class Evaluator : private LiveObserver {
   bool accept(Goal& goal);
   void onCancel(const Goal& goal);
   bool onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response);
-  void cancel();
-  bool busy() const;
-  void requireRunFor(const std::string& command) const;
-  void report(pusht::DiagnosticStatusWrapper& status) const;
-
-  /// Tells on `~progress` how things are now. Not with `mutex_` held: the pacer calls stopped() under its own.
-  void tellProgress();
 
   std::optional<Job> nextJob();
   RunStatus execute(const Job& job);
 
-  /// Writes the report of a finished run and returns the run's status. If the report cannot be written, the status says
-  /// so; the results stand.
-  RunStatus writeReport(const RunStatus& finished) const;
   /// Calls compare(). The error of a missing node says how to bring the node back, if the evaluator stays.
   void runIn(RunFolder& folder, const LiveRequest& request);
   void compare(LiveRequest request, RunFolder& folder);
   /// Tells which node is waited for, by the namespace of its services; empty: the wait is over.
   void waitFor(const std::string& services);
-  /// Announces a new run: all nodes are there, and progress of the run before is replaced.
-  void begin(int episodes);
   void answer(Job& job, const RunStatus& status);
   bool stopped() const;
 
@@ -94,22 +82,13 @@ class Evaluator : private LiveObserver {
   Pacer pacer_;
   Broadcast broadcast_;
 
-  mutable std::mutex mutex_;  // of what follows
+  Activity activity_;
+
+  std::mutex mutex_;  // of the next two
   std::condition_variable asked_;
   std::optional<Job> next_job_;
-  bool busy_ = false;
-  bool cancelled_ = false;
-  Goal accepted_;        // the last one
-  std::string failure_;  // of the last run; empty: none, or one is under way
-  std::string activity_ = "idle";
-  int episodes_ = 0;  // of the run under way, or of the last one
-  int episodes_finished_ = 0;
-  std::uint32_t runs_ = 0;              // that have begun
-  std::string waiting_for_;             // as in Progress
-  std::optional<double> seconds_left_;  // of the run under way
 
-  std::mutex telling_;  // so that the last message is the newest
-  ros::Publisher progress_;
+  Goal accepted_;  // the last one; used in the thread of the callbacks alone
   ros::Publisher request_;
 
   WorldMemory worlds_;  // used in the thread of run() alone

@@ -19,9 +19,6 @@ struct LiveRequest {
   Cast::Services services;
   std::string policy{};  ///< the name that the policy must have; empty: any
   Protocol protocol;
-  std::optional<double> until_decided{};  ///< as in RunConfiguration
-  bool floor = true;                      ///< as in probesOf(); so is the next
-  std::vector<int> reanchor{};
   bool smoke = false;  ///< short; the policy node should be given the untrained policy
   double rate = 0.0;   ///< [control steps/s]; 0: as fast as possible
   Cast::Settings settings;
@@ -42,8 +39,24 @@ std::string freeFolder(const std::string& out);
 /// `goal` on top of `request`. Throws InvalidInput with the field of the goal that cannot be.
 LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal);
 
-/// None for 0. Throws InvalidInput as TransferBet does.
-std::optional<double> decidedShare(double share);
+/// Calls function(name, access) for each field of a request that is neither an option of the run nor about nodes;
+/// access(o) is the field in a request, or in a goal.
+template <class Function>
+void forEachLiveField(const Function& function) {
+  function(
+      "rate", [](auto& o) -> auto& { return o.rate; });
+  function(
+      "record", [](auto& o) -> auto& { return o.record; });
+  function(
+      "starts", [](auto& o) -> auto& { return o.starts; });
+  function(
+      "out", [](auto& o) -> auto& { return o.out; });
+  function(
+      "overwrite", [](auto& o) -> auto& { return o.overwrite; });
+}
+
+/// The options of a run as a goal that names nothing else.
+pusht_msgs::CompareGoal goalOf(const RunOptions& options);
 
 /// All of `request` as a goal.
 pusht_msgs::CompareGoal goalOf(const LiveRequest& request);

@@ -20,6 +20,7 @@
 #include "sim2sim_eval/protocol/parting.hpp"
 #include "sim2sim_eval/protocol/probes.hpp"
 #include "sim2sim_eval/protocol/quantities.hpp"
+#include "sim2sim_eval/protocol/run_options.hpp"
 #include "sim2sim_eval/protocol/starts.hpp"
 
 namespace sim2sim {
@@ -40,16 +41,16 @@ constexpr std::array<Mode, kModeCount> kModes = {kReferenceClosed, kEngineClosed
 const char* modeName(Mode mode);
 
 /// Which episodes are run, and in which rollouts.
-struct Protocol {
-  std::uint64_t seed = 0;  ///< of the run; episode i starts from spawn seed 10000 + seed + i
-  int first_episode = 0;   ///< index; the others follow it
-  int episodes = 50;
-  int horizon = pusht::kHorizon;              ///< [control steps]
-  std::shared_ptr<const Starts> starts{};     ///< of all episodes; none: they come of the spawn seeds
-  std::vector<Probe> probes = floorProbes();  ///< run when the modes of an episode have ended
-  Bound bound{};                              ///< beyond it a rollout has parted from the reference
+struct Protocol : RunOptions {
+  std::shared_ptr<const Starts> starts{};  ///< of all episodes; none: they come of the spawn seeds
 
   int lastEpisode() const { return first_episode + episodes - 1; }
+
+  /// Run when the modes of an episode have ended. Throws as probesOf().
+  std::vector<Probe> probes() const { return probesOf(floor, reanchor); }
+
+  /// Beyond it a rollout has parted from the reference.
+  Bound bound() const { return {bound_position, bound_angle}; }
 
   /// Throws InvalidInput with field, value and rule.
   void validate() const;
@@ -72,7 +73,8 @@ struct Protocol {
 /// Calls function(rollout, index in kQuantities) for every quantity that a rollout of `protocol` has.
 template <class Function>
 void forEachQuantity(const Protocol& protocol, const Function& function) {
-  for (std::size_t rollout = 0; rollout < kModeCount + protocol.probes.size(); ++rollout) {
+  const std::size_t rollouts = kModeCount + protocol.probes().size();
+  for (std::size_t rollout = 0; rollout < rollouts; ++rollout) {
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
       if (protocol.has(rollout, kQuantities[i].scope)) {
         function(rollout, i);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,17 +41,18 @@ struct RunConfiguration {
   std::string policy;  ///< the string given, or "fresh-untrained"
   SimulatorRecord reference;
   SimulatorRecord engine;
-  /// The run ends as soon as it is decided whether the engine keeps this share of the reference's success; the
-  /// protocol's episodes are then the most that it may have. None: it has them all.
-  std::optional<double> until_decided{};
 };
+
+/// The options that decide what the reference does from a given initial state, by name, for the key of kept references.
+/// An option that is written only if it is changed stands there only then.
+nlohmann::json referenceOptions(const RunOptions& options);
 
 /// First 12 hex digits of the md5 of `episodes|KNOB|...|horizon`, as Python prints them, with the values of the
 /// course's three knobs, if the engine has them. Whatever else is not as in the course follows: `|reference=NAME`,
 /// `|engine=NAME`, and `|ROLE.PARAMETER=VALUE` for each parameter that has not its default, and
 /// `|starts=HASH` where the starts were given, `|probes=NAME,...` unless these are the floor,
-/// `|bound=METRES,RADIANS` unless it is the task's tolerance, and `|until_decided=SHARE` where there is one. A smoke
-/// run counts as one of the default length, as in the course.
+/// `|bound=METRES,RADIANS` unless it is the task's tolerance, and `|NAME=VALUE` for each option that is written if it
+/// is changed. A smoke run counts as one of the default length, as in the course.
 std::string configurationHash(const RunConfiguration& configuration);
 
 /// The configuration as JSON; part of metrics.json and of provenance.json.

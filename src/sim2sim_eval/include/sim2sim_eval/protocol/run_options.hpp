@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The options of a run, each in one line of one table. The evaluator's parameters, goals and their reverse, the
+/// command line and its help, plans of sweeps, the description of a run with its hash, the key of kept references, and
+/// what two runs must agree in to be compared: all of them walk through this table.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "pusht_task/constants.hpp"
+
+namespace sim2sim {
+
+/// What a run is asked for besides policy, simulators and a file of initial states. The defaults are the course's.
+struct RunOptions {
+  std::uint64_t seed = 0;
+  int first_episode = 0;
+  int episodes = 50;
+  int horizon = pusht::kHorizon;                      ///< [control steps]
+  double bound_position = pusht::kPositionTolerance;  ///< [m]
+  double bound_angle = pusht::kAngleTolerance;        ///< [rad]
+  bool floor = true;
+  std::vector<int> reanchor{};            ///< [control steps] an entry for each re-anchored replay
+  std::optional<double> until_decided{};  ///< [-] share of the reference's success; none: all episodes are run
+};
+
+/// What an option decides.
+enum class Decides {
+  kReference,  ///< what the reference does from a given initial state: part of the key of kept references
+  kRest,       ///< nothing of that: which episodes are run, when the run ends, what is measured
+};
+
+/// How the description of a run (metrics.json, provenance.json) and its hash have an option.
+enum class Written {
+  kAlways,     ///< under its name; the hash has it where the course has it, if at all
+  kIfChanged,  ///< under its name, and in the hash as "|NAME=VALUE", unless it has its default
+  kElsewhere,  ///< as part of another key: "probes" or "bound"
+};
+
+/// An option, described. `of(o)` is the option in a RunOptions, or in any other class with a member of its name, such
+/// as the goal of a live run.
+template <class Access>
+struct RunOption {
+  const char* name;     ///< of the parameter, the goal's field and the plan's key; with dashes on the command line
+  const char* meaning;  ///< with unit, for --help
+  Decides decides;
+  Written written;
+  bool in_plan;  ///< whether a sweep takes it
+  Access of;
+
+  bool isDefault(const RunOptions& options) const {
+    const RunOptions usual;
+    return of(options) == of(usual);
+  }
+};
+
+/// Calls function(option) for each option, in the order in which people read of them.
+template <class Function>
+void forEachOption(const Function& function) {
+  const auto each = [&](const char* name, const char* meaning, Decides decides, Written written, bool in_plan,
+                        auto access) {
+    function(RunOption<decltype(access)>{name, meaning, decides, written, in_plan, access});
+  };
+  each(
+      "seed", "episode i starts from spawn seed 10000 + seed + i", Decides::kRest, Written::kAlways, true,
+      [](auto& o) -> auto& { return o.seed; });
+  each(
+      "first_episode", "index of the first episode", Decides::kRest, Written::kAlways, true,
+      [](auto& o) -> auto& { return o.first_episode; });
+  each(
+      "episodes", "number of episodes; without it as many as --starts has, if these are fewer than the default",
+      Decides::kRest, Written::kAlways, true, [](auto& o) -> auto& { return o.episodes; });
+  each(
+      "horizon", "[control steps] the longest that an episode lasts", Decides::kReference, Written::kAlways, true,
+      [](auto& o) -> auto& { return o.horizon; });
+  each(
+      "floor", "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to",
+      Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.floor; });
+  each(
+      "reanchor",
+      "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: 1,5,20",
+      Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.reanchor; });
+  each(
+      "bound_position", "[m] beyond it a rollout has parted from the reference", Decides::kRest, Written::kElsewhere,
+      true, [](auto& o) -> auto& { return o.bound_position; });
+  each(
+      "bound_angle", "[rad] the same for the yaw", Decides::kRest, Written::kElsewhere, true,
+      [](auto& o) -> auto& { return o.bound_angle; });
+  each(
+      "until_decided",
+      "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 to 1; "
+      "--episodes is then the most that it may take",
+      Decides::kRest, Written::kIfChanged, false, [](auto& o) -> auto& { return o.until_decided; });
+}
+
+/// Whether all options are equal.
+bool operator==(const RunOptions& a, const RunOptions& b);
+inline bool operator!=(const RunOptions& a, const RunOptions& b) { return !(a == b); }
+
+}  // namespace sim2sim

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Every option of a run takes every way there and back.
+#include "sim2sim_eval/protocol/run_options.hpp"
+
+#include <gtest/gtest.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "pusht_task/testing/refusal.hpp"
+#include "pusht_task/testing/temporary_folder.hpp"
+#include "sim2sim_eval/batch/batch_options.hpp"
+#include "sim2sim_eval/batch/sweep_plan.hpp"
+#include "sim2sim_eval/live/request.hpp"
+#include "sim2sim_eval/results/run_configuration.hpp"
+
+namespace sim2sim {
+namespace {
+
+void change(int& value) { value = value == 0 ? 7 : value - 1; }
+void change(std::uint64_t& value) { value = (std::uint64_t{1} << 63U) + 1U; }  // which no double holds
+void change(double& value) { value *= 3.0; }
+void change(bool& value) { value = !value; }
+void change(std::vector<int>& value) { value = {2, 40}; }
+void change(std::optional<double>& value) { value = 0.75; }
+
+/// As in a plan: "299", "[2,40]", "true".
+template <class Value>
+std::string textOf(const Value& value) {
+  return nlohmann::json(value).dump();
+}
+std::string textOf(const std::optional<double>& value) { return textOf(value.value()); }
+
+template <class Value>
+std::string argument(const std::string& option, const Value& value) {
+  const std::string text = textOf(value);
+  return "--" + option + "=" + (text.front() == '[' ? text.substr(1, text.size() - 2) : text);
+}
+std::string argument(const std::string& option, bool value) { return (value ? "--" : "--no-") + option; }
+
+/// Calls check(option, options) for each option, with options in which it alone is changed.
+template <class Check>
+void forEachChanged(const Check& check) {
+  int checked = 0;
+  forEachOption([&](const auto& option) {
+    SCOPED_TRACE(option.name);
+    RunOptions options;
+    change(option.of(options));
+    ASSERT_NE(options, RunOptions());
+    check(option, options);
+    ++checked;
+  });
+  EXPECT_EQ(checked, 9) << "one option for each member of RunOptions";
+}
+
+RunConfiguration configurationOf(const RunOptions& options) {
+  RunConfiguration configuration;
+  static_cast<RunOptions&>(configuration.protocol) = options;
+  configuration.policy = "expert";
+  configuration.reference = {"mujoco", "MuJoCo"};
+  configuration.engine = {"two_mass", "two-mass engine"};
+  return configuration;
+}
+
+TEST(EveryOption, ComesThroughAGoal) {
+  forEachChanged([](const auto& /*option*/, const RunOptions& options) {
+    LiveRequest request;
+    request.services = {{"/reference", "/engine", "/engine_replay"}, "/policy"};
+    EXPECT_EQ(merged(request, goalOf(options)).protocol, options);
+    static_cast<RunOptions&>(request.protocol) = options;
+    EXPECT_EQ(merged(request, pusht_msgs::CompareGoal()).protocol, options) << "a goal that says nothing";
+    EXPECT_EQ(merged(request, goalOf(RunOptions())).protocol, RunOptions()) << "a goal can say each default";
+  });
+}
+
+TEST(EveryOption, ComesThroughACommandLine) {
+  forEachChanged([](const auto& option, const RunOptions& options) {
+    std::string name = option.name;
+    std::replace(name.begin(), name.end(), '_', '-');
+    RunOptions parsed;
+    CLI::App app;
+    declare(app, parsed);
+    app.parse(argument(name, option.of(options)));
+    EXPECT_EQ(parsed, options);
+    EXPECT_NE(app.help().find("--" + name), std::string::npos);
+    EXPECT_NE(app.help().find(std::string(option.meaning).substr(0, 20)), std::string::npos) << app.help();
+  });
+}
+
+TEST(EveryOption, ComesThroughAPlanOrIsRefusedThere) {
+  const pusht::testing::TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "plan.yaml";
+  forEachChanged([&](const auto& option, const RunOptions& options) {
+    std::ofstream(path) << "grid: {block_damp: [6]}\n" << option.name << ": " << textOf(option.of(options)) << "\n";
+    if (option.in_plan) {
+      EXPECT_EQ(readSweepPlan(path).protocol, options);
+    } else {
+      const std::string refusal = pusht::testing::refusalOf([&] { readSweepPlan(path); });
+      EXPECT_NE(refusal.find(option.name), std::string::npos) << refusal;
+    }
+  });
+}
+
+TEST(EveryOption, ComesThroughADescriptionAndItsHash) {
+  const RunConfiguration usual = configurationOf(RunOptions());
+  forEachChanged([&](const auto& option, const RunOptions& options) {
+    const RunConfiguration changed = configurationOf(options);
+    const RunConfiguration read = configurationFrom(describe(changed));
+    EXPECT_EQ(read.protocol, options);
+    const std::string name = option.name;
+    const bool in_hash = name != "seed" && name != "first_episode";  // the course's hash has neither
+    EXPECT_EQ(configurationHash(changed) != configurationHash(usual), in_hash);
+    EXPECT_NE(describe(changed), describe(usual));
+  });
+}
+
+TEST(EveryOption, IsInTheKeyOfKeptReferencesIfItDecidesWhatTheReferenceDoes) {
+  forEachChanged([&](const auto& option, const RunOptions& options) {
+    EXPECT_EQ(referenceOptions(options) != referenceOptions(RunOptions()), option.decides == Decides::kReference);
+  });
+}
+
+/// How compare.launch has the default of an option.
+template <class Value>
+std::string launchText(const Value& value) {
+  return textOf(value);
+}
+std::string launchText(const std::vector<int>& value) { return value.empty() ? "none" : textOf(value); }
+std::string launchText(const std::optional<double>& value) { return value ? textOf(value) : "0"; }
+
+TEST(EveryOption, IsAnArgumentOfCompareLaunchWithItsDefault) {
+  std::ifstream file(PUSHT_PACKAGES "/sim2sim_eval/launch/compare.launch");
+  const std::string launch{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  forEachOption([&](const auto& option) {
+    const std::string name = option.name;
+    const RunOptions options;
+    const std::string usual = launchText(option.of(options));
+    EXPECT_NE(launch.find("<arg name=\"" + name + "\" default=\"" + usual + "\""), std::string::npos) << name << usual;
+    EXPECT_NE(launch.find("<param name=\"" + name + "\""), std::string::npos) << name;
+  });
+}
+
+}  // namespace
+}  // namespace sim2sim

@@ -215,9 +215,8 @@ Protocol protocolFrom(const json& description) {
   requireDescriptionFormat(description);
   Protocol protocol;
   forEachOption([&](const auto& option) {
-    if (option.written == Written::kAlways) {
-      take(description.at(option.name), option.of(protocol));
-    } else if (option.written == Written::kIfChanged && description.contains(option.name)) {
+    const bool changed = option.written == Written::kIfChanged && description.contains(option.name);
+    if (option.written == Written::kAlways || changed) {
       take(description.at(option.name), option.of(protocol));
     }
   });

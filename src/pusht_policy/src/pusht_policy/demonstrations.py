@@ -88,7 +88,7 @@ def read_demonstrations(bags: Sequence[Path]) -> List[Demonstration]:
 
 @contextlib.contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    """A bag to read. What cannot be written belongs to the temporary folder: rosbag puts modules there."""
+    """A bag to read. What cannot be written is in the temporary folder: modules of rosbag."""
     try:
         with rosbag.Bag(str(path)) as bag:
             yield bag

@@ -7,7 +7,7 @@
 namespace sim2sim {
 namespace {
 
-constexpr std::uint32_t kQueue = 100;  // a subscriber must not miss that a run has begun or ended
+constexpr std::uint32_t kProgressQueue = 100;  // a subscriber must not miss that a run has begun or ended
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
@@ -15,7 +15,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 Activity::Activity(ros::NodeHandle& node, const Pacer& pacer, std::function<void(bool)> tell)
     : pacer_(pacer),
       tell_(std::move(tell)),
-      progress_(node.advertise<pusht_msgs::Progress>("progress", kQueue, true)) {}
+      progress_(node.advertise<pusht_msgs::Progress>("progress", kProgressQueue, true)) {}
 
 void Activity::ask() {
   const std::lock_guard<std::mutex> lock(mutex_);

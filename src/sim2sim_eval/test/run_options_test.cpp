@@ -28,7 +28,7 @@ void change(bool& value) { value = !value; }
 void change(std::vector<int>& value) { value = {2, 40}; }
 void change(std::optional<double>& value) { value = 0.75; }
 
-/// As in a plan: "299", "[2,40]", "true".
+/// Text of a value as a plan has it: "299", "[2,40]", "true".
 template <class Value>
 std::string textOf(const Value& value) {
   return nlohmann::json(value).dump();
@@ -124,7 +124,7 @@ TEST(EveryOption, IsInTheKeyOfKeptReferencesIfItDecidesWhatTheReferenceDoes) {
   });
 }
 
-/// How compare.launch has the default of an option.
+/// Text of a default as compare.launch has it.
 template <class Value>
 std::string launchText(const Value& value) {
   return textOf(value);

@@ -17,8 +17,8 @@
 
 namespace sim2sim {
 
-/// Told on the latched topic `progress` whenever it changes, and in the diagnostics. All functions may be called in any
-/// thread.
+/// State of the evaluator, told on the latched topic `progress` whenever it changes, and in the diagnostics. Any thread
+/// may call any function.
 class Activity {
  public:
   /// Advertises `progress` in the namespace of `node`. `tell(paused)` is called with each message. `pacer` must outlive
@@ -43,7 +43,7 @@ class Activity {
   bool busy() const;
   bool cancelled() const;
 
-  /// Not within a call of the pacer, which holds a lock then.
+  /// Publishes the state. Must not be called by the pacer, which then holds a lock that this needs.
   void tell();
   void report(pusht::DiagnosticStatusWrapper& status) const;
 

@@ -17,7 +17,7 @@
 
 namespace sim2sim {
 
-/// Why something failed, in so few characters that a message takes it.
+/// Reason of a failure, in so few characters that a message takes it.
 std::string clippedReason(const std::exception& failure);
 
 /// Writes a copy of status.json; an empty path: none is wanted. Throws RuntimeFault if it cannot be written.

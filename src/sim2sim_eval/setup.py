@@ -2,10 +2,4 @@
 from catkin_pkg.python_setup import generate_distutils_setup  # type: ignore[import]
 from setuptools import setup  # type: ignore[import]
 
-setup(
-    **generate_distutils_setup(
-        packages=["sim2sim_eval", "sim2sim_eval.report"],
-        package_dir={"": "src"},
-        package_data={"sim2sim_eval.report": ["page.css", "page.html.j2", "page.js"]},
-    )
-)
+setup(**generate_distutils_setup(packages=["sim2sim_eval"], package_dir={"": "src"}))

@@ -11,9 +11,9 @@
 #include "pusht_task/files.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/results/attribution.hpp"
-#include "sim2sim_eval/results/output_folder.hpp"
-#include "sim2sim_eval/results/report.hpp"
+#include "sim2sim_protocol/results/attribution.hpp"
+#include "sim2sim_protocol/results/output_folder.hpp"
+#include "sim2sim_protocol/results/report.hpp"
 
 namespace {
 

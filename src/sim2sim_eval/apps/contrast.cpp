@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Compares runs over the same episodes pair by pair.
-#include "sim2sim_eval/results/contrast.hpp"
+#include "sim2sim_protocol/results/contrast.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -13,7 +13,7 @@
 #include "pusht_task/files.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/results/report.hpp"
+#include "sim2sim_protocol/results/report.hpp"
 
 namespace {
 

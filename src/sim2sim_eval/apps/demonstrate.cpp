@@ -11,7 +11,7 @@
 #include "pusht_policy/scripted_expert.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/results/provenance.hpp"
+#include "sim2sim_protocol/results/provenance.hpp"
 
 namespace {
 

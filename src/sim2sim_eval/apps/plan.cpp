@@ -13,10 +13,10 @@
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/results/contrast.hpp"
-#include "sim2sim_eval/results/summary.hpp"
-#include "sim2sim_eval/results/text.hpp"
-#include "sim2sim_eval/statistics/planning.hpp"
+#include "sim2sim_protocol/results/contrast.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
+#include "sim2sim_protocol/results/text.hpp"
+#include "sim2sim_statistics/planning.hpp"
 
 namespace {
 

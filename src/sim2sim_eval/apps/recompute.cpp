@@ -13,9 +13,9 @@
 #include "sim2sim_eval/bag/recorded_run.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/results/run.hpp"
-#include "sim2sim_eval/results/run_folder.hpp"
-#include "sim2sim_eval/results/traces.hpp"
+#include "sim2sim_protocol/results/run.hpp"
+#include "sim2sim_protocol/results/run_folder.hpp"
+#include "sim2sim_protocol/results/traces.hpp"
 
 namespace {
 

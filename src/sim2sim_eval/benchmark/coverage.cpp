@@ -22,9 +22,9 @@
 #include "known_truths.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
-#include "sim2sim_eval/statistics/intervals.hpp"
-#include "sim2sim_eval/statistics/pairs.hpp"
-#include "sim2sim_eval/statistics/sequential.hpp"
+#include "sim2sim_statistics/intervals.hpp"
+#include "sim2sim_statistics/pairs.hpp"
+#include "sim2sim_statistics/sequential.hpp"
 
 namespace sim2sim {
 namespace {

@@ -24,9 +24,9 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
-#include "sim2sim_eval/statistics/common.hpp"
-#include "sim2sim_eval/statistics/intervals.hpp"
-#include "sim2sim_eval/statistics/pairs.hpp"
+#include "sim2sim_statistics/common.hpp"
+#include "sim2sim_statistics/intervals.hpp"
+#include "sim2sim_statistics/pairs.hpp"
 
 namespace sim2sim {
 

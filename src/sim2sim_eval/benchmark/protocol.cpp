@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Times the whole protocol beside the bare mj_step calls that it contains, in turn, on the same episodes, and what
 // threads, a kept reference and our policy kernel change.
-#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_protocol/protocol.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -22,9 +22,9 @@
 #include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/setup.hpp"
-#include "sim2sim_eval/protocol/reference_cache.hpp"
-#include "sim2sim_eval/results/provenance.hpp"
-#include "sim2sim_eval/results/report.hpp"
+#include "sim2sim_protocol/reference_cache.hpp"
+#include "sim2sim_protocol/results/provenance.hpp"
+#include "sim2sim_protocol/results/report.hpp"
 
 namespace {
 

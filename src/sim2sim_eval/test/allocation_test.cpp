@@ -15,7 +15,7 @@
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/scenarios.hpp"
 #include "sim2sim_eval/batch/setup.hpp"
-#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_protocol/protocol.hpp"
 
 namespace {
 

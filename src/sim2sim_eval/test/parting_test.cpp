@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/protocol/parting.hpp"
+#include "sim2sim_protocol/parting.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_protocol/protocol.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -26,9 +26,9 @@
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/temporary_folder.hpp"
-#include "sim2sim_eval/protocol/divergence.hpp"
-#include "sim2sim_eval/protocol/reference_cache.hpp"
-#include "sim2sim_eval/results/report.hpp"
+#include "sim2sim_protocol/divergence.hpp"
+#include "sim2sim_protocol/reference_cache.hpp"
+#include "sim2sim_protocol/results/report.hpp"
 
 namespace sim2sim {
 namespace {

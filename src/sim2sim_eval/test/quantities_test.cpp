@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/protocol/quantities.hpp"
+#include "sim2sim_protocol/quantities.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "sim2sim_eval/bag/messages.hpp"
-#include "sim2sim_eval/results/headline.hpp"
-#include "sim2sim_eval/results/report.hpp"
+#include "sim2sim_protocol/results/headline.hpp"
+#include "sim2sim_protocol/results/report.hpp"
 
 namespace sim2sim {
 namespace {

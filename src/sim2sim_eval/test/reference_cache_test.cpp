@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/protocol/reference_cache.hpp"
+#include "sim2sim_protocol/reference_cache.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

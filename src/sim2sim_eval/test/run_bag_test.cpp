@@ -25,8 +25,8 @@
 #include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/recorded_run.hpp"
-#include "sim2sim_eval/results/provenance.hpp"
-#include "sim2sim_eval/results/report.hpp"
+#include "sim2sim_protocol/results/provenance.hpp"
+#include "sim2sim_protocol/results/report.hpp"
 
 namespace sim2sim {
 namespace {

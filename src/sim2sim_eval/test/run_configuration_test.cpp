@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// Every option of a run takes every way there and back.
-#include "sim2sim_eval/protocol/run_options.hpp"
+#include "sim2sim_protocol/run_options.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@
 #include "sim2sim_eval/batch/batch_options.hpp"
 #include "sim2sim_eval/batch/sweep_plan.hpp"
 #include "sim2sim_eval/live/request.hpp"
-#include "sim2sim_eval/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 
 namespace sim2sim {
 namespace {

@@ -27,7 +27,7 @@ from pusht_policy.demonstrations import (
     read_origin,
     sha256_of_frames,
 )
-from sim2sim_eval.report.results import METRICS_FORMAT
+from sim2sim_report.results import METRICS_FORMAT
 
 from command_case import (
     DEADLINE,

@@ -23,8 +23,8 @@ from selenium import webdriver  # type: ignore[import]
 from selenium.webdriver.chrome.options import Options  # type: ignore[import]
 from selenium.webdriver.chrome.service import Service  # type: ignore[import]
 from selenium.webdriver.support.wait import WebDriverWait  # type: ignore[import]
-from sim2sim_eval.report.results import METRICS_FORMAT
-from sim2sim_eval.report.words import transfer_percent
+from sim2sim_report.results import METRICS_FORMAT
+from sim2sim_report.words import transfer_percent
 
 from command_case import CommandCase, catches, executable, until
 

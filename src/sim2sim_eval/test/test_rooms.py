@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The rooms that know no ROS need none of its libraries, nor those of a simulator."""
+"""The libraries that know no ROS need none of its libraries, nor those of a simulator."""
 
 from pathlib import Path
 from typing import Set
@@ -18,15 +18,19 @@ class Rooms(CommandCase):
         return {Path(line.split()[0]).name for line in process.stdout.splitlines()}
 
     def foreign(self, room: str) -> Set[str]:
-        """What a room needs besides rooms and what `pusht_task`, which is free of ROS, needs."""
+        """What a library needs besides ours and what `pusht_task`, which is free of ROS, needs."""
         needed = self.needed(f"libsim2sim_{room}.so")
-        self.assertIn("libpusht_task.so", needed)
         own = {name for name in needed if name.startswith("libsim2sim_")}
         return needed - own - {"libpusht_task.so"} - self.needed("libpusht_task.so")
 
     def test_statistics_protocol_and_results_need_no_ros(self) -> None:
         for room in ("statistics", "protocol", "results"):
             self.assertEqual(self.foreign(room), set(), room)
+        self.assertIn("libpusht_task.so", self.needed("libsim2sim_protocol.so"))
+
+    def test_statistics_need_nothing_of_the_suite(self) -> None:
+        ours = {name for name in self.needed("libsim2sim_statistics.so") if "pusht" in name}
+        self.assertEqual(ours, set())
 
     def test_those_that_need_it_show_it(self) -> None:
         """Or the other test could not fail."""

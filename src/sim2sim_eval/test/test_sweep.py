@@ -18,8 +18,10 @@ import rospkg  # type: ignore[import]
 import torch
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import]
 from matplotlib.figure import Figure  # type: ignore[import]
-from sim2sim_eval.report.curves import read_curves
-from sim2sim_eval.report.results import METRICS_FORMAT
+from sim2sim_eval.command import rosrun
+from sim2sim_report.curves import read_curves
+from sim2sim_report.results import METRICS_FORMAT
+from sim2sim_report.suite import Suite
 
 from command_case import CommandCase, catches, executable, until
 
@@ -265,7 +267,7 @@ class Rows(SweepCase):
             figures.append(figure)
 
         with mock.patch.object(Figure, "savefig", save_and_keep):
-            read_curves(self.folder / "out").drawing("curves").file("png", "")
+            read_curves(self.folder / "out", Suite(rosrun)).drawing("curves").file("png", "")
         (figure,) = figures
         FigureCanvasAgg(figure).draw()  # it was saved in another resolution
         legends = [axes.get_legend() for axes in figure.axes if axes.get_legend()]

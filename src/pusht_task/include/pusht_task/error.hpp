@@ -4,6 +4,7 @@
 
 #include <exception>
 #include <new>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -49,10 +50,24 @@ struct InternalError : Error {
   explicit InternalError(const std::string& message) : Error(ExitCode::kInternalError, message) {}
 };
 
-/// What any failure means to a caller; one that is no Error is a defect, but for memory that is used up.
+/// Calls call(); what that refuses as std::domain_error, as libraries do that know no Error, is bad input.
+template <class Call>
+decltype(auto) asInput(const Call& call) {
+  try {
+    return call();
+  } catch (const std::domain_error& refusal) {
+    throw InvalidInput(refusal.what());
+  }
+}
+
+/// What any failure means to a caller; one that is no Error is a defect, but for memory that is used up and for what is
+/// outside the domain of a function.
 inline ExitCode exitCodeOf(const std::exception& failure) {
   if (dynamic_cast<const std::bad_alloc*>(&failure) != nullptr) {
     return ExitCode::kRuntimeFault;
+  }
+  if (dynamic_cast<const std::domain_error*>(&failure) != nullptr) {
+    return ExitCode::kInvalidInput;
   }
   const auto* error = dynamic_cast<const Error*>(&failure);
   return error == nullptr ? ExitCode::kInternalError : error->exitCode();

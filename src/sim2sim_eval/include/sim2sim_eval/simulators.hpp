@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "pusht_task/simulator_kind.hpp"
-#include "sim2sim_eval/results/output_folder.hpp"
-#include "sim2sim_eval/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/output_folder.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 
 namespace sim2sim {
 

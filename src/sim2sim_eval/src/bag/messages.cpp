@@ -11,8 +11,8 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/parameters.hpp"
 #include "pusht_task/ros/conversions.hpp"
-#include "sim2sim_eval/protocol/divergence.hpp"
-#include "sim2sim_eval/results/headline.hpp"
+#include "sim2sim_protocol/divergence.hpp"
+#include "sim2sim_protocol/results/headline.hpp"
 
 namespace sim2sim {
 namespace {

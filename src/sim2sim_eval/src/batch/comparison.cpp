@@ -22,11 +22,11 @@
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/setup.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/protocol/rest_of_run.hpp"
-#include "sim2sim_eval/results/run.hpp"
-#include "sim2sim_eval/results/run_folder.hpp"
-#include "sim2sim_eval/results/traces.hpp"
 #include "sim2sim_eval/simulators.hpp"
+#include "sim2sim_protocol/rest_of_run.hpp"
+#include "sim2sim_protocol/results/run.hpp"
+#include "sim2sim_protocol/results/run_folder.hpp"
+#include "sim2sim_protocol/results/traces.hpp"
 
 namespace sim2sim {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "pusht_task/ros/installed_file.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/results/provenance.hpp"
+#include "sim2sim_protocol/results/provenance.hpp"
 
 namespace sim2sim {
 namespace {

@@ -17,9 +17,9 @@
 #include "sim2sim_eval/batch/sweep_folder.hpp"
 #include "sim2sim_eval/batch/sweep_plan.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/protocol/rest_of_run.hpp"
-#include "sim2sim_eval/results/attribution.hpp"
-#include "sim2sim_eval/results/run_folder.hpp"
+#include "sim2sim_protocol/rest_of_run.hpp"
+#include "sim2sim_protocol/results/attribution.hpp"
+#include "sim2sim_protocol/results/run_folder.hpp"
 
 namespace sim2sim {
 namespace {

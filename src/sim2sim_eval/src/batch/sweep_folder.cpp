@@ -7,7 +7,7 @@
 
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
-#include "sim2sim_eval/results/difference.hpp"
+#include "sim2sim_protocol/results/difference.hpp"
 
 namespace sim2sim {
 namespace {

@@ -50,7 +50,7 @@ Integer integerAt(const YAML::Node& node, const std::string& key) {
 template <class Check>
 void inLineOf(const YAML::Node& node, Check check) {
   try {
-    check();
+    pusht::asInput(check);
   } catch (pusht::InvalidInput& error) {
     error.addContext("line " + std::to_string(node.Mark().line + 1));
     throw;

@@ -6,7 +6,7 @@
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
 #include "sim2sim_eval/live/window.hpp"
-#include "sim2sim_eval/results/text.hpp"
+#include "sim2sim_protocol/results/text.hpp"
 
 namespace sim2sim {
 

@@ -13,7 +13,7 @@
 #include "sim2sim_eval/live/control.hpp"
 #include "sim2sim_eval/live/outcome.hpp"
 #include "sim2sim_eval/live/participants.hpp"
-#include "sim2sim_eval/results/run.hpp"
+#include "sim2sim_protocol/results/run.hpp"
 
 namespace sim2sim {
 namespace {

@@ -18,8 +18,8 @@
 #include "sim2sim_eval/live/control.hpp"
 #include "sim2sim_eval/live/request.hpp"
 #include "sim2sim_eval/live/up_to.hpp"
-#include "sim2sim_eval/results/run.hpp"
-#include "sim2sim_eval/results/summary.hpp"
+#include "sim2sim_protocol/results/run.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 namespace {

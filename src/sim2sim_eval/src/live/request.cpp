@@ -11,7 +11,7 @@
 #include <type_traits>
 
 #include "pusht_task/error.hpp"
-#include "sim2sim_eval/results/run_folder.hpp"
+#include "sim2sim_protocol/results/run_folder.hpp"
 
 namespace sim2sim {
 namespace {

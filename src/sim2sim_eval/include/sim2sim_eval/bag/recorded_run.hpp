@@ -14,9 +14,9 @@
 #include "pusht_task/policy.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/simulator.hpp"
-#include "sim2sim_eval/protocol/protocol.hpp"
-#include "sim2sim_eval/results/bands.hpp"
-#include "sim2sim_eval/results/report.hpp"
+#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/results/bands.hpp"
+#include "sim2sim_protocol/results/report.hpp"
 
 namespace sim2sim {
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "sim2sim_eval/batch/setup.hpp"
-#include "sim2sim_eval/protocol/protocol.hpp"
-#include "sim2sim_eval/protocol/reference_cache.hpp"
+#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/reference_cache.hpp"
 
 namespace CLI {
 class App;

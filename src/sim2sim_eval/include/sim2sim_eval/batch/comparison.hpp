@@ -8,8 +8,8 @@
 
 #include "pusht_policy/policy_choice.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
-#include "sim2sim_eval/protocol/protocol.hpp"
 #include "sim2sim_eval/simulators.hpp"
+#include "sim2sim_protocol/protocol.hpp"
 
 namespace CLI {
 class App;

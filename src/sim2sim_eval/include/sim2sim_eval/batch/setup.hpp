@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "pusht_policy/policy_choice.hpp"
-#include "sim2sim_eval/protocol/protocol.hpp"
-#include "sim2sim_eval/results/run_configuration.hpp"
 #include "sim2sim_eval/simulators.hpp"
+#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 
 namespace sim2sim {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {
 

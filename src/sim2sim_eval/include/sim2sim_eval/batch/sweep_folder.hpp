@@ -13,11 +13,11 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/reason.hpp"
-#include "sim2sim_eval/protocol/protocol.hpp"
-#include "sim2sim_eval/results/journal.hpp"
-#include "sim2sim_eval/results/output_folder.hpp"
-#include "sim2sim_eval/results/report.hpp"
-#include "sim2sim_eval/results/run_folder.hpp"
+#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/results/journal.hpp"
+#include "sim2sim_protocol/results/output_folder.hpp"
+#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/run_folder.hpp"
 
 namespace sim2sim {
 

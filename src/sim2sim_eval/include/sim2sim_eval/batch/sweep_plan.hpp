@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "pusht_policy/policy_choice.hpp"
-#include "sim2sim_eval/protocol/protocol.hpp"
 #include "sim2sim_eval/simulators.hpp"
-#include "sim2sim_eval/statistics/attribution.hpp"
+#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_statistics/attribution.hpp"
 
 namespace sim2sim {
 

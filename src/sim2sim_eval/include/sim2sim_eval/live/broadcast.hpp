@@ -23,7 +23,7 @@
 
 #include "sim2sim_eval/bag/run_bag.hpp"
 #include "sim2sim_eval/live/picture.hpp"
-#include "sim2sim_eval/results/report.hpp"
+#include "sim2sim_protocol/results/report.hpp"
 
 namespace sim2sim {
 

@@ -28,8 +28,8 @@
 #include "sim2sim_eval/live/progress_line.hpp"
 #include "sim2sim_eval/live/request.hpp"
 #include "sim2sim_eval/live/world_memory.hpp"
-#include "sim2sim_eval/results/run.hpp"
-#include "sim2sim_eval/results/run_folder.hpp"
+#include "sim2sim_protocol/results/run.hpp"
+#include "sim2sim_protocol/results/run_folder.hpp"
 
 namespace sim2sim {
 

@@ -9,7 +9,7 @@
 
 #include "sim2sim_eval/live/cast.hpp"
 #include "sim2sim_eval/live/pacer.hpp"
-#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {
 

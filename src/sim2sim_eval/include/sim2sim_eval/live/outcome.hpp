@@ -13,7 +13,7 @@
 #include "pusht_task/ros/peer.hpp"
 #include "sim2sim_eval/live/request.hpp"
 #include "sim2sim_eval/live/world_memory.hpp"
-#include "sim2sim_eval/results/run_folder.hpp"
+#include "sim2sim_protocol/results/run_folder.hpp"
 
 namespace sim2sim {
 

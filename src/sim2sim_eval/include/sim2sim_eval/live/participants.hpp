@@ -10,8 +10,8 @@
 #include "sim2sim_eval/live/cast.hpp"
 #include "sim2sim_eval/live/picture.hpp"
 #include "sim2sim_eval/live/request.hpp"
-#include "sim2sim_eval/results/run_configuration.hpp"
-#include "sim2sim_eval/results/run_folder.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/run_folder.hpp"
 
 namespace sim2sim {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "sim2sim_eval/protocol/protocol.hpp"
-#include "sim2sim_eval/results/report.hpp"
+#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/results/report.hpp"
 
 namespace sim2sim {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "sim2sim_eval/results/summary.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 

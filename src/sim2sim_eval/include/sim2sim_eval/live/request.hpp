@@ -10,7 +10,7 @@
 
 #include "pusht_task/ros/parameters.hpp"
 #include "sim2sim_eval/live/cast.hpp"
-#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {
 

@@ -15,7 +15,7 @@
 #include "pusht_task/constants.hpp"
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/types.hpp"
-#include "sim2sim_eval/protocol/protocol.hpp"
+#include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {
 

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Sentences about several runs over the same episodes: the answer that a reader of a sweep or of two runs looks for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim2sim_protocol/results/contrast.hpp"
+
+namespace sim2sim {
+
+/// Names that tell runs apart: title, changed parameters, and those in which the runs of one kind differ:
+/// "two-mass engine, block_damp 6.0".
+std::vector<std::string> titlesOf(const std::vector<RunResults>& runs);
+
+/// All runs, the baseline first.
+std::vector<RunResults> allOf(const RunResults& baseline, const std::vector<RunResults>& others);
+
+struct Answer {
+  std::string question;
+  std::string answer;
+
+  std::string text() const { return question + " " + answer; }
+};
+
+/// Question and answer about all runs together. `contrasts` are those of `others` against `baseline`; a change counts
+/// if it stays a finding after Holm over all of their figures.
+Answer answerOf(const RunResults& baseline, const std::vector<RunResults>& others,
+                const std::vector<Contrast>& contrasts);
+
+/// Sentence about one run against the baseline: "Against block_damp 6, with block_damp 20 success is not shown to
+/// change (...); the position divergence falls by 0.0069 m [0.0024, 0.0114]; ..."
+std::string sentenceOf(const RunResults& baseline, const RunResults& other, const Contrast& contrast);
+
+}  // namespace sim2sim

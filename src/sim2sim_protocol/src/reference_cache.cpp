@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/reference_cache.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <iterator>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kRolloutFormat = "reference rollout 3";
+
+/// The numbers of a state, in the order in which they are kept.
+using StateNumbers = std::array<double, 10>;
+
+StateNumbers numbersOf(const pusht::WorldState& s) {
+  return {s.pusher_position.x(), s.pusher_position.y(), s.pusher_velocity.x(),
+          s.pusher_velocity.y(), s.tee_position.x(),    s.tee_position.y(),
+          s.tee_velocity.x(),    s.tee_velocity.y(),    s.tee_yaw,
+          s.tee_yaw_rate};
+}
+
+pusht::WorldState stateOf(const StateNumbers& n) {
+  return {{n[0], n[1]}, {n[2], n[3]}, {n[4], n[5]}, {n[6], n[7]}, n[8], n[9]};
+}
+
+std::string bytesOf(const pusht::Trace& trace) {
+  std::vector<StateNumbers> states;
+  std::transform(trace.states.begin(), trace.states.end(), std::back_inserter(states), numbersOf);
+  std::string bytes(reinterpret_cast<const char*>(states.data()), states.size() * sizeof(StateNumbers));
+  bytes.append(reinterpret_cast<const char*>(trace.actions.data()), trace.actions.size() * sizeof(pusht::Action));
+  return bytes;
+}
+
+/// Of as many bytes as a trace of `steps` has.
+pusht::Trace traceOf(const char* bytes, std::size_t steps) {
+  std::vector<StateNumbers> states(steps + 1);
+  std::memcpy(states.data(), bytes, states.size() * sizeof(StateNumbers));
+  pusht::Trace trace;
+  std::transform(states.begin(), states.end(), std::back_inserter(trace.states), stateOf);
+  trace.actions.resize(steps);
+  std::memcpy(trace.actions.data(), bytes + states.size() * sizeof(StateNumbers), steps * sizeof(pusht::Action));
+  return trace;
+}
+
+std::size_t byteCount(std::size_t steps) { return (steps + 1) * sizeof(StateNumbers) + steps * sizeof(pusht::Action); }
+
+}  // namespace
+
+ReferenceCache::ReferenceCache(const fs::path& folder, nlohmann::json key) : key_(std::move(key)) {
+  constexpr std::size_t kDigits = 16;
+  folder_ = folder / pusht::sha256(key_.dump()).substr(0, kDigits);
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) {
+    throw pusht::RuntimeFault("cannot create " + folder_.string() + ": " + error.message());
+  }
+}
+
+fs::path ReferenceCache::fileOf(const std::string& start, const std::string& rollout) const {
+  return folder_ / (start + "." + rollout);
+}
+
+std::optional<pusht::Trace> ReferenceCache::find(const std::string& start, const std::string& rollout) const {
+  const fs::path file = fileOf(start, rollout);
+  std::error_code ignored;
+  if (fs::symlink_status(file, ignored).type() == fs::file_type::not_found) {
+    return std::nullopt;
+  }
+  const auto refuse = [&](const std::string& why) {
+    throw pusht::BadDependency("reference cache " + file.string() + ": " + why +
+                               "; delete it to have the reference rolled out again");
+  };
+  std::string text;
+  try {
+    text = pusht::readFile(file, "file");
+  } catch (const pusht::InvalidInput&) {
+    refuse("must be a readable file");
+  }
+  const std::size_t end_of_head = std::min(text.find('\n'), text.size());
+  const auto head = nlohmann::json::parse(text.substr(0, end_of_head), nullptr, false);
+  const nlohmann::json format = head.is_object() ? head.value("format", nlohmann::json()) : nlohmann::json();
+  if (format.is_string() && format != kRolloutFormat) {
+    refuse("format " + format.dump() + ": must be \"" + kRolloutFormat + "\"; another version of the suite wrote it");
+  }
+  if (format != kRolloutFormat || !head.value("steps", nlohmann::json()).is_number_unsigned() ||
+      end_of_head == text.size()) {
+    refuse("must begin as a \"" + std::string(kRolloutFormat) + "\"");
+  }
+  if (head.value("key", nlohmann::json()) != key_ || head.value("start", nlohmann::json()) != start ||
+      head.value("rollout", nlohmann::json()) != rollout) {
+    refuse("belongs to another run: its key, start or rollout is not that of this folder");
+  }
+  const auto steps = head.at("steps").get<std::size_t>();
+  const std::string bytes = text.substr(end_of_head + 1);
+  if (steps > pusht::kHorizon || bytes.size() != byteCount(steps) ||
+      head.value("sha256", nlohmann::json()) != pusht::sha256(bytes)) {
+    refuse("is damaged: its numbers are not those that were written");
+  }
+  return traceOf(bytes.data(), steps);
+}
+
+void ReferenceCache::keep(const std::string& start, const std::string& rollout, const pusht::Trace& trace) const {
+  const fs::path file = fileOf(start, rollout);
+  std::error_code ignored;
+  if (fs::exists(file, ignored)) {
+    return;
+  }
+  const std::string bytes = bytesOf(trace);
+  const nlohmann::json head = {{"format", kRolloutFormat}, {"key", key_},
+                               {"start", start},           {"rollout", rollout},
+                               {"steps", trace.steps()},   {"sha256", pusht::sha256(bytes)}};
+  pusht::writeCacheFile(file, head.dump() + "\n" + bytes);
+}
+
+}  // namespace sim2sim

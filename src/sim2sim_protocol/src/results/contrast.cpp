@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/results/contrast.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/numbers.hpp"
+#include "sim2sim_protocol/results/answers.hpp"
+#include "sim2sim_protocol/results/difference.hpp"
+#include "sim2sim_protocol/results/output_folder.hpp"
+#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/text.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kFormat = 2;  // of the JSON of contrasts
+
+/// What two runs must agree in, by its place in metrics.json.
+std::vector<std::string> commonPlaces() {
+  std::vector<std::string> places = {"/policy"};
+  forEachOption([&](const auto& option) {
+    if (option.written != Written::kElsewhere) {
+      places.push_back(std::string("/") + option.name);
+    }
+  });
+  places.insert(places.end(), {"/starts", "/smoke", "/probes", "/simulators/reference"});
+  return places;
+}
+
+/// The figures that are contrasted: those that depend on the engine.
+bool isContrasted(const Protocol& protocol, std::size_t rollout, const Quantity& quantity) {
+  const bool of_engine = rollout < kModeCount ? rollout != kReferenceClosed
+                                              : protocol.probes()[rollout - kModeCount].role == Role::kEngine;
+  const bool of_null = std::any_of(kDivergencePairs.begin(), kDivergencePairs.end(), [&](const DivergencePair& pair) {
+    return std::string(pair.null_model) == quantity.name;
+  });
+  return of_engine && !of_null && protocol.has(rollout, quantity.scope);
+}
+
+bool sameReference(const EpisodeResult& a, const EpisodeResult& b) {
+  const RolloutResult& one = a.rollouts[kReferenceClosed];
+  const RolloutResult& other = b.rollouts[kReferenceClosed];
+  return one.steps == other.steps && one.success == other.success &&
+         one.at("final_position_error") == other.at("final_position_error") &&
+         one.at("final_angle_error") == other.at("final_angle_error");
+}
+
+ContrastRow rowOf(const RunResults& baseline, const RunResults& other, std::size_t rollout, std::size_t quantity) {
+  const Place place{rollout, quantity};
+  const std::vector<double> differences = differencesOf(other.episodes, place, baseline.episodes, place);
+  DifferenceSequence watched;
+  for (const double difference : differences) {
+    watched.add(difference);
+  }
+  return {metricName(baseline.protocol.rolloutNames()[rollout], kQuantities[quantity]),
+          kQuantities[quantity].unit,
+          static_cast<int>(differences.size()),
+          meanDifference(differences),
+          {},
+          watched.decidedAfter()};
+}
+
+Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
+  Contrast contrast;
+  AnyDifference watched;
+  for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
+    const bool before = baseline.episodes[i].rollouts[kEngineClosed].success;
+    const bool now = other.episodes[i].rollouts[kEngineClosed].success;
+    watched.add(before, now);
+    if (before != now) {
+      (now ? contrast.gained : contrast.lost).push_back(baseline.episodes[i].index);
+    }
+  }
+  contrast.successes = watched.counts();
+  contrast.interval = tangoInterval(contrast.successes);
+  contrast.p = mcnemarMidP(contrast.successes);
+  contrast.decided_after = watched.decidedAfter();
+  const std::size_t rollouts = baseline.protocol.rolloutNames().size();
+  for (std::size_t rollout = 0; rollout < rollouts; ++rollout) {
+    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+      if (isContrasted(baseline.protocol, rollout, kQuantities[i])) {
+        contrast.rows.push_back(rowOf(baseline, other, rollout, i));
+      }
+    }
+  }
+  return contrast;
+}
+
+/// Sets the adjusted p-values.
+void adjust(std::vector<Contrast>& contrasts) {
+  std::vector<double> family;
+  for (const Contrast& contrast : contrasts) {
+    family.push_back(contrast.p);
+    for (const ContrastRow& row : contrast.rows) {
+      if (row.difference.p) {
+        family.push_back(*row.difference.p);
+      }
+    }
+  }
+  const std::vector<double> adjusted = holm(family);
+  auto next = adjusted.begin();
+  for (Contrast& contrast : contrasts) {
+    contrast.adjusted_p = *next++;
+    for (ContrastRow& row : contrast.rows) {
+      if (row.difference.p) {
+        row.adjusted_p = *next++;
+      }
+    }
+  }
+}
+
+json jsonOf(const std::optional<Interval>& interval) { return interval ? json{interval->low, interval->high} : json(); }
+
+template <class Number>
+json jsonOf(const std::optional<Number>& number) {
+  return number ? json(*number) : json();
+}
+
+std::string countCell(const std::optional<int>& count) { return count ? std::to_string(*count) : "-"; }
+
+/// With a star where that is a finding.
+std::string probabilityCell(const std::optional<double>& p) {
+  return p ? probabilityText(*p) + (*p <= 1.0 - kConfidence ? " *" : "") : "";
+}
+
+std::string line(const std::string& name, const std::string& difference, const std::string& p,
+                 const std::string& adjusted, const std::string& decided) {
+  constexpr std::size_t kName = 44;
+  constexpr std::size_t kDifference = 38;
+  constexpr std::size_t kProbability = 11;
+  return "  " + padded(name, kName) + padded(difference, kDifference) + padded(p, kProbability) +
+         padded(adjusted, kProbability) + decided + "\n";
+}
+
+std::string listed(const std::vector<int>& episodes) {
+  constexpr std::size_t kMost = 12;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMost, episodes.size()); ++i) {
+    text += (i == 0 ? "" : ", ") + std::to_string(episodes[i]);
+  }
+  return episodes.empty() ? "none" : text + (episodes.size() > kMost ? ", ..." : "");
+}
+
+}  // namespace
+
+std::string RunResults::title() const {
+  const SimulatorRecord engine = simulatorFrom(metrics.at("simulators").at("engine"));
+  std::string title = engine.title;
+  for (const std::string& name : engine.changed) {
+    title.append(", ").append(name).append(" ").append(engine.parameters.at(name).dump());
+  }
+  return title;
+}
+
+const json& RunResults::engine() const { return metrics.at("simulators").at("engine"); }
+
+RunResults readResults(const fs::path& folder) {
+  const auto refuse = [&](const char* file, const std::string& why) {
+    throw pusht::InvalidInput("results " + (folder / file).string() + ": " + why);
+  };
+  RunResults results{folder, {}, {}, {}};
+  results.metrics = json::parse(pusht::readFile(folder / kMetricsFile, "results"), nullptr, false);
+  try {
+    results.protocol = protocolFrom(results.metrics);
+    results.title();
+  } catch (const std::exception& error) {
+    refuse(kMetricsFile, std::string("must be that of a whole run: ") + error.what());
+  }
+  try {
+    results.episodes = episodesFromCsv(results.protocol, pusht::readFile(folder / kEpisodesFile, "results"));
+  } catch (const pusht::InvalidInput& error) {
+    refuse(kEpisodesFile, error.what());
+  }
+  if (static_cast<int>(results.episodes.size()) != results.protocol.episodes) {
+    refuse(kEpisodesFile, "has " + std::to_string(results.episodes.size()) + " episodes, must have " +
+                              std::to_string(results.protocol.episodes) + " as metrics.json says");
+  }
+  return results;
+}
+
+std::vector<fs::path> runsIn(const fs::path& folder) {
+  std::error_code ignored;
+  if (fs::exists(folder / kMetricsFile, ignored)) {
+    return {folder};
+  }
+  if (!fs::exists(folder / kSweepFile, ignored)) {
+    throw pusht::InvalidInput("results " + folder.string() + ": must be the folder of a whole run or of a sweep");
+  }
+  const json sweep = json::parse(pusht::readFile(folder / kSweepFile, "results"), nullptr, false);
+  const std::size_t count =
+      sweep.is_object() ? sweep.value(json::json_pointer("/sweep/rows"), json::array()).size() : 0;
+  if (count == 0) {
+    throw pusht::InvalidInput("results " + (folder / kSweepFile).string() + ": must be that of a sweep");
+  }
+  std::vector<fs::path> rows;
+  for (std::size_t row = 0; row < count; ++row) {
+    rows.push_back(rowFolder(folder, row));
+    if (!fs::exists(rows.back() / kMetricsFile, ignored)) {
+      throw pusht::InvalidInput("results " + folder.string() + ": row " + std::to_string(row) + " of " +
+                                std::to_string(count) + " has not finished; run the sweep again to continue it");
+    }
+  }
+  return rows;
+}
+
+void requirePairs(const RunResults& baseline, const RunResults& other) {
+  const auto refuse = [&](const std::string& why) {
+    throw pusht::InvalidInput(baseline.folder.string() + " and " + other.folder.string() + ": do not pair: " + why);
+  };
+  for (const std::string& key : commonPlaces()) {
+    const json::json_pointer place(key);
+    const json one = baseline.metrics.value(place, json());
+    const json two = other.metrics.value(place, json());
+    if (one != two) {
+      refuse(key.substr(1) + firstDifference(one, two, " and "));
+    }
+  }
+  for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
+    if (!sameReference(baseline.episodes[i], other.episodes[i])) {
+      refuse("the reference did not do the same in episode " + std::to_string(baseline.episodes[i].index));
+    }
+  }
+}
+
+std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others) {
+  std::vector<Contrast> contrasts;
+  for (const RunResults& other : others) {
+    requirePairs(baseline, other);
+    contrasts.push_back(contrastOf(baseline, other));
+  }
+  const std::vector<std::string> titles = titlesOf(allOf(baseline, others));
+  for (std::size_t i = 0; i < contrasts.size(); ++i) {
+    contrasts[i].title = titles[i + 1];
+  }
+  adjust(contrasts);
+  return contrasts;
+}
+
+json toJson(const RunResults& baseline, const std::vector<RunResults>& others, const std::vector<Contrast>& contrasts) {
+  const Answer answer = answerOf(baseline, others, contrasts);
+  const std::string title = titlesOf(allOf(baseline, others)).front();
+  json result = {{"format", kFormat},
+                 {"confidence", kConfidence},
+                 {"headline", {{"question", answer.question}, {"answer", answer.answer}}},
+                 {"baseline", {{"title", title}, {"simulator", baseline.metrics["simulators"]["engine"]}}},
+                 {"episodes", baseline.protocol.episodes},
+                 {"contrasts", json::array()}};
+  for (std::size_t i = 0; i < contrasts.size(); ++i) {
+    const Contrast& contrast = contrasts[i];
+    json figures = json::object();
+    figures["engine_success_rate"] = {{"unit", ""},
+                                      {"episodes", contrast.successes.pairs()},
+                                      {"difference", contrast.successes.difference()},
+                                      {"interval", jsonOf(contrast.interval)},
+                                      {"p", contrast.p},
+                                      {"adjusted_p", contrast.adjusted_p},
+                                      {"decided_after", jsonOf(contrast.decided_after)}};
+    for (const ContrastRow& row : contrast.rows) {
+      figures[row.name + "_" + row.unit] = {{"unit", row.unit},
+                                            {"episodes", row.episodes},
+                                            {"difference", row.difference.value},
+                                            {"interval", jsonOf(row.difference.interval)},
+                                            {"p", jsonOf(row.difference.p)},
+                                            {"adjusted_p", jsonOf(row.adjusted_p)},
+                                            {"decided_after", jsonOf(row.decided_after)}};
+    }
+    result["contrasts"].push_back({{"title", contrast.title},
+                                   {"headline", sentenceOf(baseline, others[i], contrast)},
+                                   {"both_succeed", contrast.successes.both},
+                                   {"only_baseline_succeeds", contrast.lost},
+                                   {"only_other_succeeds", contrast.gained},
+                                   {"neither_succeeds", contrast.successes.neither},
+                                   {"figures", figures}});
+  }
+  return result;
+}
+
+std::string table(const RunResults& baseline, const std::vector<RunResults>& others,
+                  const std::vector<Contrast>& contrasts) {
+  constexpr int kRateDigits = 3;
+  constexpr int kDigits = 4;
+  const std::string against = titlesOf(allOf(baseline, others)).front();
+  std::string text = answerOf(baseline, others, contrasts).text() + "\n";
+  for (const Contrast& contrast : contrasts) {
+    text += contrast.title + "\n  against " + against + ", " + std::to_string(contrast.successes.pairs()) +
+            " episodes\n" + line("", "difference", "p", "Holm", "decided after") +
+            line("engine_success_rate", signedText(contrast.successes.difference(), contrast.interval, "", kRateDigits),
+                 probabilityCell(contrast.p), probabilityCell(contrast.adjusted_p), countCell(contrast.decided_after));
+    for (const ContrastRow& row : contrast.rows) {
+      text += line(row.name, signedText(row.difference.value, row.difference.interval, row.unit, kDigits),
+                   probabilityCell(row.difference.p), probabilityCell(row.adjusted_p), countCell(row.decided_after));
+    }
+    text += "  success lost in " + std::to_string(contrast.lost.size()) + " episodes: " + listed(contrast.lost) +
+            "\n  success gained in " + std::to_string(contrast.gained.size()) + ": " + listed(contrast.gained) + "\n";
+  }
+  return text + "(in brackets " + pusht::fixedText(100.0 * kConfidence, 0) +
+         " % intervals of each difference alone; Holm: p corrected for the number of figures above; * at most 0.05; "
+         "decided after: so many\nepisodes, if this figure alone had been watched after each)\n";
+}
+
+}  // namespace sim2sim

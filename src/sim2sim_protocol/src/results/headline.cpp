@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/results/headline.hpp"
+
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "pusht_task/numbers.hpp"
+#include "sim2sim_protocol/results/text.hpp"
+#include "sim2sim_statistics/sequential.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr const char* kQuestion = "Does the skill transfer?";
+constexpr const char* kTooEarly = "Cannot say yet";
+
+/// The answer's first words, those of `verdict` with what more the interval says.
+std::string wordsOf(TransferVerdict verdict, const Interval& transfer) {
+  switch (verdict) {
+    case TransferVerdict::kTransfers:
+      return transfer.low > kMore ? "Yes, and more" : "Yes";
+    case TransferVerdict::kTransfersInPart:
+      return "In part";
+    case TransferVerdict::kAtMostInPart:
+      return "At most in part";
+    case TransferVerdict::kDoesNotTransfer:
+      return "No";
+    default:
+      return transfer.low < kNotEnough ? kTooEarly : std::string(kTooEarly) + ", but at least in part";
+  }
+}
+
+/// "So far no" for "No"
+std::string soFar(std::string words) {
+  words[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(words[0])));
+  return "So far " + words;
+}
+
+/// "31 % [30, 32]", "60 % [3 or more]"
+std::string shareText(const RunConfiguration& configuration, double share, const Interval& interval) {
+  const std::string low = transferNumber(configuration, interval.low);
+  return transferNumber(configuration, share) + " % [" +
+         (std::isinf(interval.high) ? low + " or more" : low + ", " + transferNumber(configuration, interval.high)) +
+         "]";
+}
+
+/// The two ends as they are printed, so that words and figures are of the same numbers.
+Interval asPrinted(const Interval& interval) {
+  return {readable(interval.low), std::isinf(interval.high) ? interval.high : readable(interval.high)};
+}
+
+std::string counted(int episodes) { return std::to_string(episodes) + (episodes == 1 ? " episode" : " episodes"); }
+
+Headline tooFew(int episodes) {
+  const std::string fewest = "; it takes " + std::to_string(kFewestEpisodes) + " or more.";
+  const std::string answer = episodes == 0 ? "no episode has finished" : counted(episodes) + " can say nothing";
+  return {TransferVerdict::kCannotSay, kQuestion, std::string(kTooEarly) + ": " + answer + fewest};
+}
+
+}  // namespace
+
+std::string nameOf(TransferVerdict verdict) {
+  constexpr std::array kNames = {"transfers",         "transfers_in_part", "at_most_in_part",
+                                 "does_not_transfer", "cannot_say",        "nothing_to_transfer"};
+  return kNames.at(static_cast<std::size_t>(verdict));
+}
+
+TransferVerdict verdictOf(const Interval& transfer) {
+  if (transfer.low >= kWhole) {
+    return TransferVerdict::kTransfers;
+  }
+  if (transfer.high <= kNotEnough) {
+    return TransferVerdict::kDoesNotTransfer;
+  }
+  if (transfer.high >= kWhole) {
+    return TransferVerdict::kCannotSay;
+  }
+  return transfer.low >= kNotEnough ? TransferVerdict::kTransfersInPart : TransferVerdict::kAtMostInPart;
+}
+
+std::string transferNumber(const RunConfiguration& configuration, double share) {
+  constexpr int kMostDigits = 4;  // further ones decide nothing
+  constexpr double kHundred = 100.0;
+  const double exact = readable(share);
+  const auto is_on_its_side = [&](const std::string& text, double bound) {
+    const double shown = pusht::decimal<double>(text).value() / kHundred;
+    return (shown < bound) == (exact < bound) && (shown > bound) == (exact > bound);
+  };
+  for (int digits = 0; digits < kMostDigits; ++digits) {
+    std::string text = pusht::fixedText(kHundred * exact, digits);
+    const double deciding = configuration.protocol.until_decided.value_or(kNotEnough);
+    if (is_on_its_side(text, kNotEnough) && is_on_its_side(text, kWhole) && is_on_its_side(text, kMore) &&
+        is_on_its_side(text, deciding)) {
+      return text;
+    }
+  }
+  return pusht::fixedText(kHundred * exact, kMostDigits);
+}
+
+Headline headlineOf(const RunConfiguration& configuration, const PairTable& successes) {
+  const int episodes = successes.pairs();
+  if (episodes < kFewestEpisodes) {
+    return tooFew(episodes);
+  }
+  const bool same_title = configuration.engine.title == configuration.reference.title;
+  const std::string engine = same_title ? "the engine" : inSentence(configuration.engine.title);
+  const std::string reference = same_title ? "the reference" : inSentence(configuration.reference.title);
+  const bool partial = !configuration.protocol.until_decided && episodes < configuration.protocol.episodes;
+  const std::string count =
+      partial ? " (" + std::to_string(episodes) + " of " + counted(configuration.protocol.episodes) + ")." : ".";
+  const int reference_successes = successes.both + successes.first_only;
+  if (reference_successes == 0) {
+    const std::string words = "Nothing to transfer";
+    return {TransferVerdict::kNothingToTransfer, kQuestion,
+            (partial ? soFar(words) : words) + ": with this policy " + reference + " never succeeds" +
+                (partial ? count : " in " + counted(episodes) + ".")};
+  }
+  const Interval interval =
+      asPrinted(configuration.protocol.until_decided ? transferSequence(successes) : tangInterval(successes).value());
+  const TransferVerdict verdict = verdictOf(interval);
+  const std::string words = wordsOf(verdict, interval);
+  const double transfer = (successes.both + successes.second_only) / static_cast<double>(reference_successes);
+  return {verdict, kQuestion,
+          (partial && verdict != TransferVerdict::kCannotSay ? soFar(words) : words) + ": with this policy " + engine +
+              (transfer > 1.0 ? " has " : " keeps ") + shareText(configuration, transfer, interval) + " of " +
+              reference + "'s success" + count};
+}
+
+nlohmann::json toJson(const Headline& headline) {
+  return {{"verdict", nameOf(headline.verdict)}, {"question", headline.question}, {"answer", headline.answer}};
+}
+
+std::string inSentence(const std::string& title) {
+  const std::string kind = "engine";
+  const std::string head = title.substr(0, title.find(','));  // without parameters
+  const bool is_noun = head.size() > kind.size() && head.compare(head.size() - kind.size(), kind.size(), kind) == 0;
+  return is_noun ? "the " + title : title;
+}
+
+}  // namespace sim2sim

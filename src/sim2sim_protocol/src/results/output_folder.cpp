@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/results/output_folder.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
+#include <system_error>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+
+namespace sim2sim {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A file that commands write, by its path in the folder: a regular expression for each part.
+struct ResultFile {
+  std::optional<Results> of;  // either's if empty
+  std::vector<std::regex> parts;
+};
+
+const std::vector<ResultFile>& resultFiles() {
+  static const auto regexes = [](const auto&... parts) { return std::vector<std::regex>{std::regex(parts)...}; };
+  static const std::vector<ResultFile> files = {
+      {Results::kRun, regexes("(metrics|statistics)\\.json")},
+      {Results::kRun, regexes("(episodes|divergence)\\.csv")},
+      {Results::kRun, regexes("episodes\\.journal")},
+      {Results::kRun, regexes("compare\\.bag")},
+      {Results::kRun, regexes("traces\\.npy(\\.part)?")},
+      {Results::kRun, regexes("compare\\.bag\\.part")},  // of a run that was killed
+      {Results::kSweep, regexes("sweep\\.(json|csv)")},
+      {Results::kSweep, regexes("attribution\\.(json|csv)")},
+      {Results::kSweep, regexes("rows", "[0-9]{3,}", "((metrics|statistics)\\.json|episodes\\.csv)(\\.part)?")},
+      {Results::kSweep, regexes("rows", "[0-9]{3,}", "episodes\\.journal")},
+      {Results::kSweep, regexes("reference", "[0-9a-f]{16}", "[0-9a-f]+\\.(reference|floor_1e-[69])(\\.part)?")},
+      {std::nullopt, regexes("report\\.html")},
+      {std::nullopt, regexes("provenance\\.json")},
+      {std::nullopt, regexes("status\\.json")},
+  };
+  return files;
+}
+
+bool isStatus(const ResultFile& file) { return &file == &resultFiles().back(); }
+
+bool isReference(const ResultFile& file) { return std::regex_match("reference", file.parts.front()); }
+
+bool isReport(const ResultFile& file) { return std::regex_match("report.html", file.parts.front()); }
+
+/// All that lies in `folder` under the name of `file`, links in the path to it not followed.
+void find(const fs::path& folder, const ResultFile& file, std::size_t part, std::vector<fs::path>& found) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    if (!std::regex_match(entry.path().filename().string(), file.parts[part])) {
+      continue;
+    }
+    if (part + 1 == file.parts.size()) {
+      found.push_back(entry.path());
+    } else if (entry.symlink_status(ignored).type() == fs::file_type::directory) {
+      find(entry.path(), file, part + 1, found);
+    }
+  }
+}
+
+std::vector<fs::path> find(const fs::path& folder, const ResultFile& file) {
+  std::vector<fs::path> found;
+  if (!folder.empty()) {
+    find(folder, file, 0, found);
+  }
+  return found;
+}
+
+/// The first thing in `folder` that stands where a folder of `file` belongs; empty if there is none. What is written
+/// below a link would land in another place.
+fs::path findInPlaceOfFolder(const fs::path& folder, const ResultFile& file, std::size_t part = 0) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    if (part + 1 == file.parts.size() || !std::regex_match(entry.path().filename().string(), file.parts[part])) {
+      continue;
+    }
+    const bool is_folder = entry.symlink_status(ignored).type() == fs::file_type::directory;
+    fs::path found = is_folder ? findInPlaceOfFolder(entry.path(), file, part + 1) : entry.path();
+    if (!found.empty()) {
+      return found;
+    }
+  }
+  return {};
+}
+
+/// Of a run that was refused, or that was killed before it had begun. What another version of the suite wrote may mean
+/// anything.
+bool tellsOfNoRun(const fs::path& status) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(fs::symlink_status(status, ignored))) {
+    return false;
+  }
+  const auto content = nlohmann::json::parse(pusht::readFile(status, "status"), nullptr, false);
+  return content.is_object() && content.value("format", nlohmann::json()) == kStatusFormat &&
+         content.value("exit_code", nlohmann::json(0)) != 0 &&
+         (content.value("episodes_finished", nlohmann::json()) == 0 ||
+          content.value("rows_finished", nlohmann::json()) == 0);
+}
+
+void remove(const fs::path& root, const ResultFile& file) {
+  for (const fs::path& path : find(root, file)) {
+    std::error_code error;
+    fs::remove(path, error);
+    if (error) {
+      throw pusht::RuntimeFault("cannot replace " + path.string() + ": " + error.message());
+    }
+    fs::path folder = path;
+    for (std::size_t part = 1; part < file.parts.size(); ++part) {
+      folder = folder.parent_path();
+      fs::remove(folder, error);  // fails unless it is empty
+    }
+  }
+}
+
+std::string nameOf(Results results) { return results == Results::kRun ? "a run" : "a sweep"; }
+
+}  // namespace
+
+fs::path rowFolder(const fs::path& sweep, std::size_t row) {
+  constexpr std::size_t kDigits = 3;
+  std::string name = std::to_string(row);
+  name.insert(0, kDigits - std::min(name.size(), kDigits), '0');
+  return sweep / "rows" / name;
+}
+
+OutputFolder::OutputFolder(fs::path path, std::string command, Results results)
+    : path_(std::move(path)), command_(std::move(command)), results_(results) {
+  std::error_code ignored;
+  if (fs::exists(path_, ignored) && !fs::is_directory(path_, ignored)) {
+    throw pusht::InvalidInput("out " + path_.string() + ": must be a folder");
+  }
+}
+
+OutputFolder::~OutputFolder() {
+  if (lock_ >= 0) {
+    ::close(lock_);
+  }
+}
+
+void OutputFolder::open() {
+  create();
+  lock();
+  for (const ResultFile& file : resultFiles()) {
+    const fs::path found = findInPlaceOfFolder(path_, file);
+    if (!found.empty()) {
+      throw pusht::InvalidInput("out " + path_.string() + ": results are written below " + nameIn(found) +
+                                ", which is a link or a file: must be a folder; move it, or name another folder");
+    }
+  }
+}
+
+void OutputFolder::refuseInputs(const std::vector<Input>& inputs) const {
+  if (path_.empty()) {
+    return;  // a folder that is not there yet
+  }
+  const auto canonical = [](const fs::path& path) {
+    std::error_code ignored;
+    return fs::weakly_canonical(fs::absolute(path, ignored), ignored);
+  };
+  for (const Input& input : inputs) {
+    if (input.path.empty()) {
+      continue;  // there is none
+    }
+    const fs::path place = canonical(input.path).lexically_relative(canonical(path_));
+    const std::string name = place.empty() ? "" : place.begin()->string();
+    for (const ResultFile& file : resultFiles()) {
+      if (std::regex_match(name, file.parts.front())) {
+        throw pusht::InvalidInput(input.what + " " + input.path.string() + ": must not be where results are written (" +
+                                  (path_ / name).string() + "); name another folder for the results");
+      }
+    }
+  }
+}
+
+void OutputFolder::refuse(const std::string& why) const {
+  throw pusht::InvalidInput("out " + path_.string() + ": " + why);
+}
+
+void OutputFolder::refuseOtherResults() const {
+  for (const ResultFile& file : resultFiles()) {
+    const std::vector<fs::path> found = find(path_, file);
+    if (file.of && *file.of != results_ && !found.empty()) {
+      refuse("holds " + nameOf(*file.of) + " (" + nameIn(found.front()) + "), which " + nameOf(results_) +
+             " does not replace; name another folder");
+    }
+  }
+}
+
+void OutputFolder::refuseResults(bool overwrite) const {
+  refuseOtherResults();
+  for (const ResultFile& file : resultFiles()) {
+    for (const fs::path& path : find(path_, file)) {
+      std::error_code ignored;
+      if (fs::symlink_status(path, ignored).type() == fs::file_type::directory) {
+        refuse("holds a folder where results are written (" + nameIn(path) + "); move it, or name another folder");
+      }
+      if (!overwrite && !(isStatus(file) && tellsOfNoRun(path))) {
+        refuse("holds results (" + nameIn(path) +
+               "); name another folder, or replace them with --overwrite (overwrite:=true in a launch file)");
+      }
+    }
+  }
+}
+
+bool OutputFolder::holdsResults() const {
+  return std::any_of(resultFiles().begin(), resultFiles().end(),
+                     [this](const ResultFile& file) { return !isStatus(file) && !find(path_, file).empty(); });
+}
+
+void OutputFolder::removeResults() const {
+  for (const ResultFile& file : resultFiles()) {
+    if ((!file.of || *file.of == results_) && !isStatus(file)) {
+      remove(path_, file);
+    }
+  }
+  removeLeftovers();
+}
+
+void OutputFolder::removeLeftovers() const {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path_, ignored)) {
+    const std::string name = entry.path().stem().string();
+    const bool ours = entry.path().extension() == ".part" &&
+                      std::any_of(resultFiles().begin(), resultFiles().end(), [&](const ResultFile& file) {
+                        return (!file.of || *file.of == results_) && file.parts.size() == 1 &&
+                               std::regex_match(name, file.parts.front());
+                      });
+    if (ours && entry.symlink_status(ignored).type() == fs::file_type::regular) {  // a link is not ours
+      fs::remove(entry.path(), ignored);
+    }
+  }
+}
+
+void OutputFolder::removeReport() const {
+  for (const ResultFile& file : resultFiles()) {
+    if (isReport(file)) {
+      remove(path_, file);
+    }
+  }
+}
+
+void OutputFolder::removeReference() const {
+  for (const ResultFile& file : resultFiles()) {
+    if (isReference(file)) {
+      remove(path_, file);
+    }
+  }
+}
+
+std::string OutputFolder::nameIn(const fs::path& path) const { return path.lexically_relative(path_).string(); }
+
+void OutputFolder::create() {
+  std::error_code error;
+  if (!path_.empty()) {
+    fs::create_directories(path_, error);
+  } else {
+    fs::create_directories("results", error);
+    for (int number = 1; !error; ++number) {
+      path_ = fs::path("results") / (command_ + "-" + std::to_string(number));
+      if (fs::create_directory(path_, error)) {  // one of several runs at once gets it
+        break;
+      }
+    }
+  }
+  if (error) {
+    throw pusht::RuntimeFault("cannot create " + path_.string() + ": " + error.message());
+  }
+}
+
+void OutputFolder::lock() {
+  lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ < 0) {
+    throw pusht::RuntimeFault("cannot open " + path_.string() + ": " + std::strerror(errno));
+  }
+  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    throw pusht::InvalidInput("out " + path_.string() + ": is in use by another run");
+  }
+}
+
+}  // namespace sim2sim

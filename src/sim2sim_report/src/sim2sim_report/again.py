@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The command that makes a run again."""
+
+import json
+import shlex
+from typing import Any, List, Union
+
+from sim2sim_report.results import Partial, Run
+
+REANCHORED = "engine_reanchored_"  # before the steps between two anchors, in a probe's name
+AnyRun = Union[Run, Partial]
+
+
+def command_of(run: AnyRun) -> str:
+    """The command that makes the run again; one over nodes is made by its launch file."""
+    c = run.provenance["configuration"]
+    live = "nodes" in run.provenance
+    program = ("roslaunch", "compare.launch") if live else ("rosrun", "compare")
+    words = [program[0], "sim2sim_eval", program[1]]
+
+    def add(name: str, value: Any) -> None:
+        text = value if isinstance(value, str) else json.dumps(value)
+        if live:
+            words.append(f"{name}:={text}")
+        else:
+            words.extend([f"--{name.replace('_', '-')}", text])
+
+    for name in ("policy", "episodes", "first_episode"):
+        add(name, c[name])
+    add(*(("starts", "STARTS.csv") if "starts" in c else ("seed", c["seed"])))
+    for role, option in (("reference", "--set-reference"), ("engine", "--set")):
+        simulator = c["simulators"][role]
+        add(role, simulator["name"])
+        values = {name: _given(run, role, name) for name in simulator["changed"]}
+        settings = [f"{k}={v if isinstance(v, str) else json.dumps(v)}" for k, v in values.items()]
+        if live and settings:
+            add(f"{role}_parameters", " ".join(settings))
+        for setting in [] if live else settings:
+            words.extend([option, setting])
+    anchors = [p[len(REANCHORED) :] for p in c["probes"] if p.startswith(REANCHORED)]
+    if anchors:
+        add("reanchor", ",".join(anchors))
+    if not any(p.startswith("floor_") for p in c["probes"]):
+        words.append("floor:=false" if live else "--no-floor")
+    add("bound_position", c["bound"]["position_m"])
+    add("bound_angle", c["bound"]["angle_rad"])
+    if c.get("until_decided"):
+        add("until_decided", c["until_decided"])
+    if live:
+        add("horizon", c["horizon"])
+    if c["smoke"]:
+        words = words[:3] + ["smoke:=true" if live else "--smoke"]
+    return " ".join(shlex.quote(word) for word in words)
+
+
+def _given(run: AnyRun, role: str, parameter: str) -> Any:
+    """What the parameter was set to: where results have a file's checksum, that is its name."""
+    value = run.provenance["configuration"]["simulators"][role]["parameters"][parameter]
+    if not str(value).startswith("sha256:"):
+        return value
+    return run.provenance[role][parameter].get("file", value)
+
+
+def notes_on_command(run: AnyRun) -> List[str]:
+    """What the command alone does not bring."""
+    c = run.provenance["configuration"]
+    notes = []
+    if "starts" in c:
+        notes.append("STARTS.csv is the text under starts in the provenance.")
+    if "nodes" in run.provenance:
+        notes.append("The provenance names the nodes. Those of others must be started again, too.")
+    for role, simulator in c["simulators"].items():
+        for name in simulator["changed"]:
+            given, value = _given(run, role, name), simulator["parameters"][name]
+            if given != value:
+                notes.append(f"{name} {given} had the checksum {value}.")
+    return notes

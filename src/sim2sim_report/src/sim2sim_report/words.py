@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Numbers as the commands print them, and the words of the glossary."""
+
+import re
+from pathlib import Path
+from typing import Dict, List, Optional, Sequence
+
+import rospkg  # type: ignore[import]
+from pusht_task.command import Refusal
+from pusht_task.exit_codes import ExitCode
+
+from sim2sim_report.results import Json
+
+RATE_DIGITS, DIVERGENCE_DIGITS = 3, 4  # as in the table that the commands print
+NOT_SHOWN, TOO_FEW = "(!)", "(?)"  # marks of a divergence beside that of a tee that never moves
+WORD_BOUNDS = (0.5, 0.9, 1.1)  # of the transfer, where the words of the headline change
+WORDS = (
+    *("Reference", "Closed loop", "Open loop", "Success", "Tolerance", "Transfer", "Divergence"),
+    *("Null model", "Floor", "Parting", "Band", "Holm", "Control step", "Spawn seed", "Tee"),
+)
+
+
+def glossary() -> List[Dict[str, str]]:
+    """The words of docs/glossary.md that a report uses."""
+    try:
+        package = Path(rospkg.RosPack().get_path("sim2sim_report"))
+    except rospkg.ResourceNotFound:
+        raise Refusal(
+            "sim2sim_report: not found; source the workspace's setup.bash", ExitCode.BAD_DEPENDENCY
+        ) from None
+    places = (package / "glossary.md", package.parent.parent / "docs" / "glossary.md")
+    path = next((place for place in places if place.exists()), None)
+    if path is None:
+        raise Refusal(f"{places[0]}: no such file; it comes with the suite")
+    entries = re.findall(
+        r"^\*\*(.+?)\*\*([^:]*): (.+?)(?=\n\n|\Z)", path.read_text("utf-8"), re.M | re.S
+    )
+    meanings = {word: plain(meaning) for word, _, meaning in entries}
+    return [{"word": word, "meaning": meanings[word]} for word in WORDS]
+
+
+def rate(metrics: Json, role: str) -> str:
+    ends = interval(metrics[f"{role}_success_interval"], RATE_DIGITS)
+    return f"{metrics[f'{role}_success_rate']:.{RATE_DIGITS}f}{ends}"
+
+
+def figure(
+    metrics: Json, key: str, unit: str, *, with_sign: bool = False, with_interval: bool = True
+) -> str:
+    value = metrics[f"{key}_{unit}"]
+    if value is None:
+        return "none"  # as the commands say it
+    text = signed(value, DIVERGENCE_DIGITS) if with_sign else f"{value:.{DIVERGENCE_DIGITS}f}"
+    rest = interval(metrics[f"{key}_interval_{unit}"], DIVERGENCE_DIGITS) if with_interval else ""
+    return f"{text} {unit}{rest}"
+
+
+def transfer_percent(share: float) -> str:
+    """With digits enough to stand on its side of each bound of the words: "49.96 %", not 50."""
+    text = ""
+    for digits in range(5):
+        text = f"{100 * share:.{digits}f}"
+        shown = float(text) / 100
+        if all((shown < end, shown > end) == (share < end, share > end) for end in WORD_BOUNDS):
+            break
+    return text + " %"
+
+
+def transfer(metrics: Json) -> str:
+    if metrics["transfer"] is None:
+        return "undefined, since the policy never succeeds in the reference"
+    found = metrics["transfer_interval"]
+    ends = ["any" if end is None else transfer_percent(end) for end in found or []]
+    return transfer_percent(metrics["transfer"]) + (f" [{', '.join(ends)}]" if ends else "")
+
+
+def readable(value: float) -> float:
+    """The number rounded as metrics.json has it; a figure of that file stays as it is."""
+    return round(value, 6) if value == 0 or abs(value) >= 1e-3 else float(f"{value:.6g}")
+
+
+def signed(value: float, digits: int) -> str:
+    return ("+" if value > 0 else "") + f"{readable(value):.{digits}f}"
+
+
+def interval(found: Optional[Sequence[float]], digits: int) -> str:
+    ends = [f"{readable(end):.{digits}f}" for end in found or []]
+    return f" [{', '.join(ends)}]" if ends else ""
+
+
+def in_sentence(title: str) -> str:
+    """A simulator's title with its article: "the two-mass engine", "Chipmunk"."""
+    kind = title.split(",")[0].split(" with ")[0]  # without parameters
+    return f"the {title}" if kind.endswith(" engine") else title
+
+
+def probability(p: Optional[float]) -> str:
+    if p is None:
+        return ""
+    return "p < 0.0001" if p < 1e-4 else f"p {readable(p):.4f}"
+
+
+def plain(markdown: str) -> str:
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", markdown).replace("`", "").replace("**", "")
+    return " ".join(text.split())
+
+
+def mark(beats_null: Optional[bool]) -> str:
+    """Whether a divergence is shown to be less than that of a tee that never moves."""
+    if beats_null is None:
+        return " " + TOO_FEW
+    return "" if beats_null else " " + NOT_SHOWN
+
+
+def times(factor: Optional[float]) -> str:
+    """Two digits: "1.3 times", "110 times"."""
+    if factor is None:
+        return "undefined"
+    text = f"{factor:.2g}"
+    return f"{float(text):.0f} times" if "e+" in text else f"{text} times"

@@ -209,7 +209,7 @@ class Names(CommandCase):
                 self.assertEqual(wanted - set(re.findall("`.*?`", listed)), set())
 
     def test_what_docs_name_of_the_report_is_there(self) -> None:
-        folder = PACKAGES / "sim2sim_eval" / "src" / "sim2sim_eval" / "report"
+        folder = PACKAGES / "sim2sim_report" / "src" / "sim2sim_report"
         page = "".join(file.read_text(encoding="utf-8") for file in folder.glob("page.*"))
         for text in (DOCS / "tutorial.md", DOCS / "exercises" / "README.md"):
             names = re.findall(

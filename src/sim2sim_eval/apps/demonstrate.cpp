@@ -2,29 +2,29 @@
 // Records demonstrations of the scripted expert in the reference simulator.
 #include <CLI/CLI.hpp>
 #include <iostream>
-#include <memory>
 #include <string>
 
-#include "pusht_mujoco/mujoco_kind.hpp"
-#include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/demonstrations.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 
 namespace {
 
 void demonstrate(const pusht::DemonstrationPlan& plan, const std::string& out) {
-  const auto scene = std::make_shared<const pusht::MujocoScene>();
-  pusht::MujocoWorld world(scene);
+  const sim2sim::LoadedSimulator mujoco(sim2sim::chooseSimulator("mujoco", {}));
+  const auto world = mujoco.model.make_world();
   pusht::ScriptedExpert expert;
   sim2sim::ProgressBar bar("demonstrations", plan.episodes);
   nlohmann::json software = sim2sim::buildAndMachine();
-  software["mujoco"] = pusht::mujocoKind().version;
-  const nlohmann::json origin = {
-      {"demonstrator", "scripted expert"}, {"simulator", "mujoco"}, {"scene", scene->sha256()}, {"software", software}};
-  const auto tally = pusht::recordDemonstrations(plan, world, expert, origin, out, [&](const auto& so_far) {
+  software["mujoco"] = mujoco.kind.version;
+  const nlohmann::json origin = {{"demonstrator", "scripted expert"},
+                                 {"simulator", mujoco.kind.name},
+                                 {"scene", mujoco.model.provenance.at("scene").at("sha256")},
+                                 {"software", software}};
+  const auto tally = pusht::recordDemonstrations(plan, *world, expert, origin, out, [&](const auto& so_far) {
     bar.advance(std::to_string(so_far.successes) + " solved");
     return !sim2sim::interrupted();
   });

@@ -29,7 +29,8 @@ struct SimulatorKind {
   std::string title;  ///< for people: "two-mass engine"
   std::string version;
   std::vector<ParameterDescriptor> parameters;
-  /// Shared libraries, as "libpusht_engine.so", whose code decides what the worlds do, besides libm and pusht_task's.
+  /// Shared libraries, as "libchipmunk.so", whose code decides what the worlds do, besides libm, pusht_task's and the
+  /// kind's own, which SimulatorKinds adds.
   std::vector<std::string> libraries;
   /// [m, rad, m/s, rad/s] How near to where it was told to a world starts; its Simulator::startTolerance().
   double start_tolerance = kStartTolerance;
@@ -39,14 +40,6 @@ struct SimulatorKind {
 
   ParameterSet defaults() const { return ParameterSet(parameters); }
 };
-
-/// Kinds that can be chosen from by their names, which differ. They must outlive it.
-using SimulatorKinds = std::vector<std::reference_wrapper<const SimulatorKind>>;
-
-std::vector<std::string> kindNames(const SimulatorKinds& kinds);
-
-/// Throws InvalidInput, with the names that there are, if there is none of that `name`.
-const SimulatorKind& kindNamed(const std::string& name, const SimulatorKinds& kinds);
 
 /// Lanes of single worlds, one stepped after the other.
 std::function<std::unique_ptr<BatchSimulator>(int lanes)> lanesOf(

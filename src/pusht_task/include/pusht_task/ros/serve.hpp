@@ -18,9 +18,10 @@ namespace pusht {
 /// be loaded with them, the node lives on, and only `describe` answers, with the error.
 int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKind& kind);
 
-/// The same of the one of `kinds` that the private parameter `kind` names. `configure` can make it another one; `kind`
-/// and the parameters of the node follow, so that a node that is started again comes back as it was.
-int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKinds& kinds);
+/// The main of a node for every installed kind. The private parameter `kind` names the first one, and `configure` can
+/// make it another one. `kind` and the parameters of the node follow, so that a node that is started again comes back
+/// as it was. The rest is as in serveSimulator().
+int serveAnySimulator(int argc, char** argv, const std::string& node_name);
 
 /// The main of a policy node: services `act` and `describe`; /diagnostics. Failing at start: as above.
 int servePolicy(int argc, char** argv, const std::string& node_name,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim2sim_protocol/results/output_folder.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 
 namespace sim2sim {
@@ -17,6 +18,9 @@ nlohmann::ordered_json provenance(const RunConfiguration& configuration, const n
 
 /// Version of the suite, compiler, libraries, CPU features.
 nlohmann::json buildAndMachine();
+
+/// The files of a simulator's `provenance`: {PARAMETER: {"file": PATH, ...}, ...}.
+std::vector<Input> filesIn(const nlohmann::json& provenance);
 
 /// What decides the bits that code computes: SHA-256 of `libraries` as they are loaded, by name (e.g. "libm.so"), and
 /// whether libm uses FMA; also of each library that is loaded under a name that begins with one of `if_loaded`. Throws

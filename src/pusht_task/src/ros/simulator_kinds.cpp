@@ -138,8 +138,12 @@ void SimulatorKinds::read(const fs::path& description, const std::vector<fs::pat
                        "; must be a plugin description in XML");
   }
   const XMLElement* library = document.RootElement();
-  if (library->Name() == std::string("class_libraries")) {
+  const std::string root = library->Name();
+  if (root == "class_libraries") {
     library = library->FirstChildElement("library");
+  } else if (root != "library") {
+    throw InvalidInput("line " + std::to_string(library->GetLineNum()) + ": <" + root +
+                       ">: must be <library> or <class_libraries>");
   }
   for (; library != nullptr; library = library->NextSiblingElement("library")) {
     const std::string file = attribute(*library, "path") + ".so";

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
+#include <stdexcept>
 #include <system_error>
 
 #include "pusht_task/error.hpp"
@@ -80,7 +81,7 @@ std::vector<fs::path> exportedDescriptions() {
     for (const std::string& line : exports) {
       descriptions.emplace_back(line.substr(line.find(' ') + 1));
     }
-  } catch (const rospack::Exception& error) {
+  } catch (const std::runtime_error& error) {
     throw BadDependency(std::string("ROS_PACKAGE_PATH: ") + error.what());
   }
   if (descriptions.empty()) {

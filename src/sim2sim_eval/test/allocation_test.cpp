@@ -14,7 +14,7 @@
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/scenarios.hpp"
-#include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 
 namespace {
@@ -95,7 +95,7 @@ int allocationsOf(const Function& step) {
 
 Players playersOf(const std::string& policy) {
   const sim2sim::SimulatorChoice engine = sim2sim::chooseSimulator("two_mass", {});
-  return sim2sim::Setup({policy}, sim2sim::chooseSimulator("mujoco", {}), {engine})
+  return sim2sim::LoadedRun({policy}, sim2sim::chooseSimulator("mujoco", {}), {engine})
       .players(sim2sim::LoadedSimulator(engine));
 }
 

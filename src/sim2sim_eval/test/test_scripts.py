@@ -194,13 +194,21 @@ class Docs(ScriptCase):
 
     def test_what_lacks_a_sentence_is_named(self) -> None:
         for name, text, complaint in (
-            ("a class", "struct Toy {};\n", "toy.hpp:5: warning: Compound Toy is not documented"),
+            (
+                "a class",
+                "struct Toy {\n  int wheels;\n};\n",
+                "toy.hpp:5: warning: Compound Toy is not documented",
+            ),
             (
                 "a free function",
                 "/// Toys.\nnamespace toys {\nvoid roll();\n}\n",
                 "toy.hpp:7: warning: Member roll() (function) of namespace toys is not documented",
             ),
-            ("what Doxygen cannot read", "/// \\param x none\nvoid f();\n", "argument 'x'"),
+            (
+                "what is no HTML",
+                "/// The <toy> rolls.\nstruct Toy {};\n",
+                "Unsupported xml/html tag <toy>",
+            ),
         ):
             with self.subTest(name):
                 process = self.docs(text)

@@ -181,6 +181,8 @@ class Docs(ScriptCase):
         return self.run_in_folder("script/docs")
 
     def test_every_class_and_free_function_of_the_project_is_explained(self) -> None:
+        if "VERSION_CODENAME=bookworm" not in Path("/etc/os-release").read_text():
+            self.skipTest("comments are checked with the Doxygen of Debian 12")
         process = self.run_in_folder(str(ROOT / "script" / "docs"))
         self.assertEqual(process.returncode, 0, process.stdout)
 

@@ -87,6 +87,7 @@ void forEachQuantity(const Protocol& protocol, const Function& function) {
 /// names other numbers than the default ones: they would be in the course's configuration hash, and nowhere else.
 Protocol smokeRun(Protocol protocol);
 
+/// Result of a rollout: its length, success and quantities.
 struct RolloutResult {
   int steps = 0;
   bool success = false;  ///< whether success latched at any step
@@ -97,6 +98,7 @@ struct RolloutResult {
   double& at(std::string_view quantity) { return quantities[quantityIndex(quantity)]; }
 };
 
+/// Result of an episode: its rollouts by mode, then by probe.
 struct EpisodeResult {
   int index = 0;
   std::optional<std::uint64_t> seed{};  ///< spawn seed; none where the start was given

@@ -18,6 +18,7 @@ namespace sim2sim {
 /// Throws InvalidInput if the policy of `cast` is not the one that `request` names.
 void requirePolicy(const LiveRequest& request, const Cast& cast);
 
+/// Configuration of a run, as its results describe it.
 RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast);
 
 /// Provenance of the run: that of provenance.json, with the nodes.
@@ -26,6 +27,7 @@ nlohmann::ordered_json originOf(const RunConfiguration& configuration, const Cas
 /// The files that the run has read, and its nodes as far as they say so.
 std::vector<Input> inputsOf(const LiveRequest& request, const Cast& cast);
 
+/// Picture of a run, with titles of its worlds.
 Picture pictureOf(const RunConfiguration& configuration, const Cast& cast);
 
 /// State topics and TF prefixes of the worlds.

@@ -37,6 +37,7 @@ struct AttributedGap {
   Estimate floor{};       ///< of the reference against itself, start moved by 1e-6 m; NaN without a floor
 };
 
+/// Attribution of the gaps between two simulators to the switches of an engine.
 struct Attribution {
   std::string reference;  ///< titles
   std::string engine;
@@ -56,10 +57,12 @@ struct Attribution {
 Attribution attribute(const std::filesystem::path& folder, const std::filesystem::path& baseline,
                       const std::function<void()>& go_on);
 
+/// Content of attribution.json.
 nlohmann::json toJson(const Attribution& attribution);
 
 /// Of a sweep, as its description has it; and back. Throws InvalidInput if it is none.
 nlohmann::json toJson(const OrderSample& sample);
+/// Sample of orders from its description in JSON. Throws InvalidInput if it is none.
 OrderSample orderSampleFrom(const nlohmann::json& json);
 
 /// A row for each gap and switch.

@@ -30,6 +30,7 @@ std::optional<Interval> transferInterval(const RunConfiguration& configuration, 
 /// other figures are those of a run of fixed length: they hold less often where a run was stopped by what it found.
 /// "holds_when_stopped" names those that do hold.
 nlohmann::json decision(const TransferBet& bet, double share);
+/// Decision of a stopped run in words.
 std::string decisionText(const TransferBet& bet, double share);
 
 /// Says that the policy looks untrained or stale, if it does; else empty. The course's guard: for checkpoints, which
@@ -51,6 +52,7 @@ nlohmann::json statistics(const RunConfiguration& configuration, const std::vect
 
 /// "0.0817 m [0.0700, 0.0934]", "11  0.220 [0.128, 0.352]": figures with their intervals, for people.
 std::string cell(const SuccessRate& rate);
+/// Mean with its interval and unit, for people.
 std::string cell(const Estimate& estimate, const std::string& unit);
 
 /// The mean of a quantity in a rollout as metrics.json has it: the course rounds its own to six decimals.

@@ -16,6 +16,7 @@
 
 namespace sim2sim {
 
+/// Successes of a role, their rate and its interval.
 struct SuccessRate {
   int successes;
   double rate;
@@ -69,6 +70,7 @@ struct Yardstick {
   std::optional<bool> beatsNull() const;
 };
 
+/// Figures of a run or of its finished part, with intervals.
 struct Summary {
   using Means = std::array<Estimate, kQuantities.size()>;
   using Yardsticks = std::array<Yardstick, kDivergencePairs.size()>;

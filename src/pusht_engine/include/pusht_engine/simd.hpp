@@ -41,6 +41,7 @@ template <class Real>
 
 }  // namespace pusht::simd
 
+/// \cond Doxygen knows no namespace of another library.
 /// Traits that Eigen needs of a number type, by Eigen's names.
 // NOLINTBEGIN(readability-identifier-naming)
 template <>
@@ -56,3 +57,4 @@ struct Eigen::NumTraits<pusht::simd::Lanes> : Eigen::GenericNumTraits<pusht::sim
   };
 };
 // NOLINTEND(readability-identifier-naming)
+/// \endcond

@@ -370,7 +370,7 @@ class Names(CommandCase):
             for name in re.findall(r"`(.*?)`", tests):
                 with self.subTest(f"F{number}: {name}"):
                     if name.endswith((".py", ".cpp", ".hpp")):
-                        self.assertIn(name, sources)
+                        self.assertTrue(name in sources, "no such file")
                         source = sources.get(name, "")
                     elif not (PACKAGES / name).is_dir():
                         for part in name.split("."):

@@ -148,7 +148,8 @@ class Pasted(LiveCase):
         for file in files:
             self.assertTrue((self.folder / file).exists(), file)
 
-    def test_readme_has_scripts_alone(self) -> None:
+    def test_readme_takes_three_minutes_and_two_commands(self) -> None:
+        self.assertLessEqual(len((ROOT / "README.md").read_text().splitlines()), 110)
         self.check(ROOT / "README.md", 0)
 
     def test_commands(self) -> None:
@@ -351,6 +352,15 @@ class Names(CommandCase):
                         titles = re.findall(r"^#+ (.*)$", text_there, re.M)
                         self.assertIn(anchor, {anchor_of(title) for title in titles})
         self.assertGreater(links, 100)
+
+    def test_pages_use_plain_words_and_the_terms_of_the_field(self) -> None:
+        words = "whoever|nobody|somebody|seams?|yardsticks?|knobs?|dry friction|milliards?"
+        for page in PAGES:
+            if page.name in ("glossary.md", "CHANGELOG.md"):
+                continue  # the one maps words, the other is the history
+            text = re.sub(r"`.*?`|^```.*?^```$", "", page.read_text(), flags=re.M | re.S)
+            with self.subTest(page.name):
+                self.assertEqual(re.findall(rf"(?i)\b(?:{words})\b", text), [])
 
     def test_every_script_that_the_readme_names_is_there(self) -> None:
         text = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -19,7 +19,7 @@ struct Situation {
   std::string refusal;      ///< the first rule that the form of the next run breaks; empty: none
 };
 
-/// State of the panel's large buttons: enabled or not.
+/// Buttons that are enabled.
 struct Buttons {
   bool start = false;
   bool pause = false;    ///< or resume

@@ -38,7 +38,7 @@ class MarkedSlider : public QSlider {
   std::vector<Mark> marks_;
 };
 
-/// Slider and fields of a replay: episode, control step, seed.
+/// Object names: scrubber, position, go_to_seed, go, go.refusal.
 class ReplayControls : public QWidget {
   Q_OBJECT
 

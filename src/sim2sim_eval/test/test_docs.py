@@ -286,13 +286,11 @@ class Nodes(LiveCase):
         self.assertEqual(self.offered("compare/cancel"), offers)
         echo = ("rostopic", "echo", "-n1", "/node/request")
         request = yaml.safe_load(self.succeed(*echo, environment=self.environment).split("---")[0])
-        compared = 0
-        for name, values in request.items():
-            default = yaml.safe_load(defaults.get(f"~{name}", "none"))
-            if values and isinstance(default, (bool, int, float)):
-                self.assertEqual(values, [default], name)
-                compared += 1
-        self.assertEqual(compared, 10)
+        del request["rate"], request["reanchor"]  # of words: "50 with rviz", "none"
+        numbers = {f"~{name}": values[0] for name, values in request.items() if values}
+        numbers = {name: value for name, value in numbers.items() if not isinstance(value, str)}
+        self.assertGreaterEqual(len(numbers), 10)
+        self.assertEqual({name: yaml.safe_load(defaults[name]) for name in numbers}, numbers)
 
     def test_replay(self) -> None:
         bag = ("--policy", "expert", "--episodes", "1", "--record", "--out", "recorded")

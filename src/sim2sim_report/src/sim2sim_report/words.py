@@ -16,7 +16,8 @@ NOT_SHOWN, TOO_FEW = "(!)", "(?)"  # marks of a divergence beside that of a tee 
 WORD_BOUNDS = (0.5, 0.9, 1.1)  # of the transfer, where the words of the headline change
 WORDS = (
     *("Reference", "Closed loop", "Open loop", "Success", "Tolerance", "Transfer", "Divergence"),
-    *("Null model", "Floor", "Parting", "Band", "Holm", "Control step", "Spawn seed", "Tee"),
+    *("Null model", "Floor", "First divergence", "Band", "Holm", "Control step"),
+    *("Spawn seed", "Tee"),
 )
 
 

@@ -41,6 +41,7 @@ struct WorldName {
 
 /// The worlds by mode; the names are those of compare.launch.
 using WorldNames = std::array<WorldName, kModeCount>;
+/// Names of the worlds' topics and frames as compare.launch has them.
 const WorldNames& defaultWorldNames();
 
 /// What kConfigurationTopic holds: `provenance` as in provenance.json, configuration included, the state topics, and a

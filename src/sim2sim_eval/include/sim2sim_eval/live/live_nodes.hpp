@@ -21,6 +21,7 @@ namespace sim2sim {
 /// that comes back after a fault must be the same again.
 class LiveNodes {
  public:
+  /// Service namespaces of the nodes of a run.
   struct Services {
     std::array<std::string, kModeCount> worlds;  ///< service namespaces, by mode
     std::string policy;

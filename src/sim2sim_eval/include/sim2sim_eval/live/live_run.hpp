@@ -37,6 +37,7 @@ class LiveObserver {
   virtual void onLoss(int episode, const pusht::PeerFault& fault) = 0;
 };
 
+/// Parameters of a live run besides its protocol.
 struct LiveOptions {
   LiveNodes::Simulators simulators;
   pusht::Peer::Wait wait;  ///< for nodes; without `respawn` a fault ends the run, and `stop` ends it in any case

@@ -18,6 +18,7 @@ namespace sim2sim {
 /// Throws InvalidInput if the policy of `cast` is not the one that `request` names.
 void requirePolicy(const LiveRequest& request, const LiveNodes& nodes);
 
+/// Configuration of a run, as its results describe it.
 RunConfiguration configurationOf(const LiveRequest& request, const LiveNodes& nodes);
 
 /// Provenance of the run: that of provenance.json, with the nodes.
@@ -26,6 +27,7 @@ nlohmann::ordered_json runProvenance(const RunConfiguration& configuration, cons
 /// The files that the run has read, and its nodes as far as they say so.
 std::vector<Input> inputsOf(const LiveRequest& request, const LiveNodes& nodes);
 
+/// Picture of a run, with titles of its worlds.
 Picture pictureOf(const RunConfiguration& configuration, const LiveNodes& nodes);
 
 /// State topics and TF prefixes of the worlds.

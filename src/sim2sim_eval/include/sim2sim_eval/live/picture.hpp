@@ -27,6 +27,7 @@ enum class RunState { kWaits, kRuns, kPaused, kFinished, kEnded };
 /// placed by TF, and all that moves comes in one message. So nothing in a picture can lag behind something else.
 class Picture {
  public:
+  /// World in the picture: its frames, title and colors.
   struct World {
     std::string frame_prefix;               ///< of its TF frames, and of the frame of its window
     std::string title;                      ///< e.g. "MuJoCo, the reference"

@@ -28,6 +28,7 @@
 
 namespace sim2sim {
 
+/// Private parameters of `replay_node`.
 struct PlaybackParameters {
   std::string bag;
   std::optional<int> episode{};  ///< to begin with; none: the first one of the bag

@@ -712,7 +712,9 @@ class LostMaster(LiveCase):
         uri = f"http://127.0.0.1:{free_port()}"
         for name, subject in (
             (CONTRACT, "simulator"),
+            ("own_simulator_contract", "simulator"),
             ("policy_contract", "policy"),
+            ("own_policy_contract", "policy"),
             ("failed_start_contract", "node"),
         ):
             usage = f"usage: rosrun pusht_task {name} --text _{subject}:=/NAME"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Serves a plain Python object as a simulator node or a policy node.
 
-    class Mine:  # one world; see sessions.Simulator
+    class Mine:  # one world; see world.Simulator
         def __init__(self, friction: float) -> None: ...
         def reset(self, start: WorldState) -> WorldState: ...
         def step(self, action: np.ndarray) -> WorldState: ...
@@ -34,19 +34,13 @@ from pusht_msgs.srv import Act as ActService  # type: ignore[import]
 from pusht_msgs.srv import Configure, ConfigureResponse, Describe, Reset, Step
 from rosgraph_msgs.msg import Clock  # type: ignore[import]
 
-from pusht_task.exit_codes import ExitCode
-from pusht_task.sessions import (
-    FOREIGN,
-    Act,
-    FailedStart,
-    Identity,
-    PolicySession,
-    Simulator,
-    SimulatorSession,
-    Value,
-    merged,
-)
+from pusht_task.error import ExitCode
+from pusht_task.parameters import Value, merged
+from pusht_task.policy_session import Act, PolicySession
+from pusht_task.session import FOREIGN, FailedStart, Identity
+from pusht_task.simulator_session import SimulatorSession
 from pusht_task.task import PUSHER_FRAME_HEIGHT, TEE_FRAME_HEIGHT
+from pusht_task.world import Simulator
 
 QUEUE = 1000  # messages to a slow subscriber
 PERIOD = 1.0  # [s] of the diagnostics, of repeated frames and of the checks of master and launch

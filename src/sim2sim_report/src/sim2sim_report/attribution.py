@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
-from pusht_task.command import Refusal
+from pusht_task.error import Error
+from pusht_task.json_file import Json, read_json, require_format
 
 from sim2sim_report.figures import (
     COLORS,
@@ -20,7 +21,7 @@ from sim2sim_report.figures import (
     panels,
     styled,
 )
-from sim2sim_report.results import ENGINE, REPLAY, Json, read_json, require_format
+from sim2sim_report.results import ENGINE, REPLAY
 
 FORMAT = 1
 FILE = "attribution.json"
@@ -73,7 +74,7 @@ def read_attribution(folder: Path) -> Attribution:
             for gap in attribution.gaps(component):
                 attribution.ranked(gap)
     except (KeyError, TypeError) as error:
-        raise Refusal(f"{folder / FILE}: is not as this version writes it: {error!r}") from None
+        raise Error(f"{folder / FILE}: is not as this version writes it: {error!r}") from None
     return attribution
 
 

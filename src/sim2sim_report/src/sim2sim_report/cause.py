@@ -3,8 +3,9 @@
 
 from typing import List, Optional
 
+from pusht_task.json_file import Json
+
 from sim2sim_report.attribution import Attribution, draw
-from sim2sim_report.results import Json
 from sim2sim_report.words import DIVERGENCE_DIGITS, interval, signed
 
 FEWEST_PAIRS = 20  # episodes, below which shares have no intervals

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
-from pusht_task.command import Refusal
+from pusht_task.error import Error
 
 from sim2sim_report.figures import CARD, DIM, INK, SERIES, STYLE, Drawing, Figure, styled
 from sim2sim_report.results import REPLAY, read_sweep
@@ -94,14 +94,14 @@ def read_rows(folder: Path) -> Tuple[List[Row], int]:
     for number, row in enumerate(rows):
         missing = [key for key in needed if not isinstance(row, dict) or key not in row]
         if missing:
-            raise Refusal(f"{path}: row {number}: no key {missing[0]}; it is needed")
+            raise Error(f"{path}: row {number}: no key {missing[0]}; it is needed")
         first = next(r for r in rows if r["engine_simulator"] == row["engine_simulator"])
         if row["knobs"].keys() != first["knobs"].keys():
-            raise Refusal(f"{path}: row {number}: must have the knobs of the rows of its engine")
+            raise Error(f"{path}: row {number}: must have the knobs of the rows of its engine")
     try:
         return rows, len(content["sweep"]["rows"])
     except (KeyError, TypeError):
-        raise Refusal(f"{path}: no list of rows under sweep; it is needed") from None
+        raise Error(f"{path}: no list of rows under sweep; it is needed") from None
 
 
 def contrasted(folder: Path, rows: Sequence[Row], against: int, suite: Suite) -> List[Row]:
@@ -432,11 +432,9 @@ def read_curves(folder: Path, suite: Suite, against: Optional[int] = None) -> Cu
     if not knobs and len(engines_of(rows)) > 1:
         rows, knobs = with_engine_as_knob(rows), [ENGINE]
     if not knobs and len(rows) < whole:
-        raise Refusal(
-            f"{folder}: is unfinished: {len(rows)} of {whole} rows; finish it with `sweep`"
-        )
+        raise Error(f"{folder}: is unfinished: {len(rows)} of {whole} rows; finish it with `sweep`")
     if not knobs:
-        raise Refusal(f"{folder / 'sweep.json'}: no knob takes more than one value; one must")
+        raise Error(f"{folder / 'sweep.json'}: no knob takes more than one value; one must")
     rows, words = with_places(rows, knobs)
     return Curves(rows, whole, knobs, words)
 

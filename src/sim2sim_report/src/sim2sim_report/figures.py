@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
-from pusht_task.command import Refusal
+from pusht_task.error import Error
+from pusht_task.json_file import Json
 from pusht_task.task import CONTROL_STEP
 
-from sim2sim_report.results import ENGINE, REPLAY, Json, Run
+from sim2sim_report.results import ENGINE, REPLAY, Run
 
 logging.getLogger("matplotlib").setLevel(logging.ERROR)  # before it reports on its cache
 import matplotlib  # type: ignore[import]  # noqa: E402
@@ -115,12 +116,12 @@ def styled(
         return Drawing(name, alt, build(False), build(True), style)
 
 
-def require_format(out: Path) -> None:
+def require_picture_format(out: Path) -> None:
     """Refuses a name that does not end with a format of pictures."""
     kinds = FigureCanvasAgg.get_supported_filetypes()
     if out.suffix[1:] not in kinds:
         names = ", ".join(sorted(kinds))
-        raise Refusal(f"out {out}: must end with the name of a format, one of {names}")
+        raise Error(f"out {out}: must end with the name of a format, one of {names}")
 
 
 def panels(narrow: bool, width: float, height: float, **options: Any) -> Tuple[Any, Any]:

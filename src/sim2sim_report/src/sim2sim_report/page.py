@@ -7,7 +7,8 @@ from typing import Any, List, Optional, Sequence
 
 import jinja2
 from pusht_task import task
-from pusht_task.command import Refusal
+from pusht_task.error import Error
+from pusht_task.json_file import Json, read_json
 
 from sim2sim_report import figures
 from sim2sim_report.again import REANCHORED, command_of, notes_on_command
@@ -24,11 +25,9 @@ from sim2sim_report.results import (
     REFERENCE,
     REPLAY,
     Episode,
-    Json,
     Partial,
     Run,
     Traces,
-    read_json,
     read_sweep,
 )
 from sim2sim_report.suite import Suite
@@ -121,7 +120,7 @@ class Page:
         rows, whole = content["rows"], len(content["sweep"]["rows"])
         if len(rows) < whole:
             unfinished = f"is unfinished: {len(rows)} of {whole} rows; `sweep` goes on with it"
-            raise Refusal(f"{folder}: {unfinished}")
+            raise Error(f"{folder}: {unfinished}")
         curves, pairs = draw_sweep(folder, self.suite)
         compared = self.suite.contrast([folder])
         return self._render(

@@ -5,7 +5,7 @@ import tempfile
 from pathlib import Path
 from typing import Callable, Sequence
 
-from sim2sim_report.results import Json, read_json
+from pusht_task.json_file import Json, read_json
 
 __all__ = ["Suite"]
 

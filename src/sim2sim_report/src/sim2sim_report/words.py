@@ -6,10 +6,8 @@ from pathlib import Path
 from typing import Dict, List, Optional, Sequence
 
 import rospkg  # type: ignore[import]
-from pusht_task.command import Refusal
-from pusht_task.exit_codes import ExitCode
-
-from sim2sim_report.results import Json
+from pusht_task.error import Error, ExitCode
+from pusht_task.json_file import Json
 
 RATE_DIGITS, DIVERGENCE_DIGITS = 3, 4  # as in the table that the commands print
 NOT_SHOWN, TOO_FEW = "(!)", "(?)"  # marks of a divergence beside that of a tee that never moves
@@ -25,13 +23,13 @@ def glossary() -> List[Dict[str, str]]:
     try:
         package = Path(rospkg.RosPack().get_path("sim2sim_report"))
     except rospkg.ResourceNotFound:
-        raise Refusal(
+        raise Error(
             "sim2sim_report: not found; source the workspace's setup.bash", ExitCode.BAD_DEPENDENCY
         ) from None
     places = (package / "glossary.md", package.parent.parent / "docs" / "glossary.md")
     path = next((place for place in places if place.exists()), None)
     if path is None:
-        raise Refusal(f"{places[0]}: no such file; it comes with the suite")
+        raise Error(f"{places[0]}: no such file; it comes with the suite")
     entries = re.findall(
         r"^\*\*(.+?)\*\*([^:]*): (.+?)(?=\n\n|\Z)", path.read_text("utf-8"), re.M | re.S
     )

@@ -12,12 +12,13 @@ import numpy as np
 import torch
 
 from pusht_policy.recipe import Recipe
+from pusht_task.machine import cpu_model
 
 
 def software() -> Dict[str, str]:
     """What computes the weights: versions, and what they choose their code by."""
     return {
-        "cpu": _cpu_model(),
+        "cpu": cpu_model(),
         "vectors": _torch_vectors(),
         "blas_core": ", ".join(_blas_cores()) or "unknown",
         "python": platform.python_version(),
@@ -36,12 +37,6 @@ def set_up_torch(recipe: Recipe) -> None:
         set_threads = getattr(ctypes.CDLL(name), "openblas_set_num_threads", None)
         if set_threads is not None:
             set_threads(ctypes.c_int(recipe.threads))
-
-
-def _cpu_model() -> str:
-    with open("/proc/cpuinfo", encoding="utf-8") as file:
-        models = [line.split(":", 1)[1].strip() for line in file if line.startswith("model name")]
-    return models[0] if models else platform.processor() or "unknown"
 
 
 def _torch_vectors() -> str:

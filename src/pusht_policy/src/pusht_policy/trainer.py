@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The training loop and its state, from which an interrupted training goes on with the same bits."""
+"""The training loop and its state, from which a training resumes with the same bits."""
 
 import io
 import math

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The one error of the suite's Python and its exit codes, as in error.hpp. Imports next to nothing."""
+"""The one error of the suite's Python and its exit codes, as in error.hpp.
+
+Imports next to nothing, so that a command obeys it before it loads the libraries that it needs.
+"""
 
 from enum import IntEnum
 

@@ -5,6 +5,7 @@
 """
 
 import contextlib
+import math
 import subprocess
 from typing import Any
 

@@ -47,7 +47,7 @@ def live() -> Dict[str, Any]:
 
 
 class LiveRun(NamedTuple):
-    """What a live run of untrained, hence whole, episodes takes."""
+    """Times of a live run of untrained, hence whole, episodes."""
 
     seconds: float  # from goal to result
     episode_seconds: float  # from the end of an episode to that of the next

@@ -7,7 +7,7 @@ Interval = Tuple[float, float]
 
 
 class Figure(NamedTuple):
-    """What is to be reached, and what was."""
+    """A figure as measured, and its target."""
 
     name: str
     meaning: str

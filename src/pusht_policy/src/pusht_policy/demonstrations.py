@@ -26,7 +26,7 @@ MESSAGE_TYPES = {STEP_TOPIC: DemonstrationStep, END_TOPIC: DemonstrationEnd}
 
 @dataclass(frozen=True)
 class Demonstration:
-    """One complete demonstration of n control steps."""
+    """A complete demonstration of n control steps."""
 
     seed: int
     success: bool
@@ -44,7 +44,7 @@ class _Recording:
 
 
 def sha256_of_frames(demonstrations: Sequence[Demonstration]) -> str:
-    """What is learned from, whatever container holds it: seed, steps, success and every number."""
+    """Hash of what is learned from: seed, steps, success and every number of each demonstration."""
     digest = hashlib.sha256()
     for demonstration in demonstrations:
         steps = len(demonstration.actions)
@@ -55,13 +55,13 @@ def sha256_of_frames(demonstrations: Sequence[Demonstration]) -> str:
 
 
 def read_origin(path: Path) -> Optional[Dict[str, Any]]:
-    """What made the demonstrations of a readable bag; None if the bag does not say."""
+    """Origin of the demonstrations of a readable bag; None if the bag does not say."""
     with _opened(path) as bag:
         return _origin(path, bag)
 
 
 def read_demonstrations(bags: Sequence[Path]) -> List[Demonstration]:
-    """All demonstrations of the bags, in the order of their seeds."""
+    """Demonstrations of all bags, in the order of their seeds."""
     bag_of_seed: Dict[int, Path] = {}
     demonstrations: List[Demonstration] = []
     for bag in bags:

@@ -44,6 +44,7 @@ class NormalisedFrames:
 
 
 def frames_of(demonstrations: Sequence[Demonstration]) -> Frames:
+    """Frames of all demonstrations, one after the other."""
     return Frames(
         torch.from_numpy(np.concatenate([d.observations for d in demonstrations])),
         torch.from_numpy(np.concatenate([d.actions for d in demonstrations])),

@@ -10,7 +10,7 @@ LINE_INTERVAL = 10  # epochs between two plain lines
 
 
 class Progress:
-    """One updated line on a terminal, else a plain line every few epochs."""
+    """A line that is updated on a terminal; elsewhere a plain line every few epochs."""
 
     def __init__(self, first_epoch: int, epochs: int) -> None:
         self._first_epoch = first_epoch

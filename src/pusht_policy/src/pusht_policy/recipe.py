@@ -10,7 +10,7 @@ from pusht_task.error import Error
 
 @dataclass(frozen=True)
 class Recipe:
-    """What decides the weights, besides the demonstrations and the software."""
+    """Hyperparameters of a training."""
 
     epochs: int = 600
     batch: int = 128  # frames

@@ -16,7 +16,7 @@ from pusht_task.machine import cpu_model
 
 
 def software() -> Dict[str, str]:
-    """What computes the weights: versions, and what they choose their code by."""
+    """Versions of what computes the weights, and what they choose their code by."""
     return {
         "cpu": cpu_model(),
         "vectors": _torch_vectors(),
@@ -29,7 +29,7 @@ def software() -> Dict[str, str]:
 
 
 def set_up_torch(recipe: Recipe) -> None:
-    """One set of bits and no slow denormals. OpenBLAS does not heed torch's thread count."""
+    """Makes torch deterministic and free of slow denormals. OpenBLAS has its own thread count."""
     torch.use_deterministic_algorithms(True)
     torch.set_flush_denormal(True)
     torch.set_num_threads(recipe.threads)

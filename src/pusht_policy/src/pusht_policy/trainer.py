@@ -26,7 +26,7 @@ STATE_FORMAT = 1  # of state.pt
 
 
 class Trainer:
-    """One training run over demonstrations that are already read."""
+    """A training over demonstrations that are already read."""
 
     def __init__(self, demonstrations: Sequence[Demonstration], recipe: Recipe) -> None:
         self.recipe = recipe
@@ -169,7 +169,7 @@ class Trainer:
 
 
 def _identity(recipe: Recipe, demonstrations: Sequence[Demonstration]) -> Dict[str, Any]:
-    """All that must agree for a state to be continued with the same bits."""
+    """Values that must agree for a state to be resumed with the same bits."""
     versions = software()
     return {
         "format": STATE_FORMAT,

@@ -73,7 +73,7 @@ def say(text: str, end: str = "\n") -> None:
 
 
 def complain(name: str, message: str) -> None:
-    """One line on stderr, if there is one."""
+    """Writes one line to stderr, if there is one."""
     line = clipped(" ".join(message.split()))
     with contextlib.suppress(OSError, AttributeError, ValueError):
         sys.stderr.write(f"{name}: {line}\n")
@@ -81,7 +81,7 @@ def complain(name: str, message: str) -> None:
 
 
 def _forget_stdout() -> None:
-    """What is left in the buffer of a stdout that takes nothing would be a second error."""
+    """Drops the buffer of a stdout that takes nothing: flushing it would be a second error."""
     with contextlib.suppress(OSError, AttributeError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 

@@ -10,7 +10,7 @@ LONGEST_MESSAGE = 2000  # characters
 
 
 class ExitCode(IntEnum):
-    """What a failure means to a caller."""
+    """Meaning of a failure for the caller."""
 
     OK = 0
     INVALID_INPUT = 2  # bad input or configuration

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What all served objects share: identity, refused requests, failures of foreign code."""
+"""Shared parts of all served objects: identity, refused requests, failures of foreign code."""
 
 import json
 import logging
@@ -20,7 +20,7 @@ FOREIGN = (Exception, SystemExit)  # what foreign code may end with; sys.exit() 
 
 @dataclass(frozen=True)
 class Identity:
-    """What a node says of itself."""
+    """Identity of a node, as it tells."""
 
     name: str  # of the kind of simulator or policy
     version: str
@@ -67,7 +67,7 @@ def unforeseen(failure: BaseException) -> Error:
 
 
 def reported(failure: BaseException) -> str:
-    """What happened and where, on one line; the whole traceback goes into the node's log."""
+    """A failure and its place on one line; the whole traceback goes into the node's log."""
     trace = traceback.format_exception(type(failure), failure, failure.__traceback__)
     LOG.error("%s", "".join(trace))
     message = " ".join(str(failure).split())

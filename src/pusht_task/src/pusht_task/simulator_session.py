@@ -41,7 +41,7 @@ NEXT = -1  # as the index of a step: the one that comes next
 
 
 class SimulatorSession:
-    """One served world: which requests it accepts, in which order, and what it answers."""
+    """A served world: which requests it accepts, in which order, and what it answers."""
 
     def __init__(
         self,

@@ -26,13 +26,13 @@ VELOCITIES = (*SPEEDS, "tee_yaw_rate")
 
 
 class Simulator(Protocol):
-    """One world. After an exception it is reset before it is stepped again."""
+    """A world. After an exception it is reset before it is stepped again."""
 
     def reset(self, start: WorldState) -> WorldState:
         """Starts from `start`, clears all hidden state; returns the start as it is represented."""
 
     def step(self, action: np.ndarray) -> WorldState:
-        """One control step with the commanded pusher velocity [m/s], float64 [2] in [-1, 1]."""
+        """Takes a control step with the commanded pusher velocity [m/s], float64 [2] in [-1, 1]."""
 
 
 def made(make: Callable[..., Simulator], parameters: Mapping[str, Value]) -> Simulator:

@@ -57,7 +57,7 @@ def command_of(run: AnyRun) -> str:
 
 
 def _given(run: AnyRun, role: str, parameter: str) -> Any:
-    """What the parameter was set to: where results have a file's checksum, that is its name."""
+    """Value that a parameter was set to; the name of a file whose checksum the results have."""
     value = run.provenance["configuration"]["simulators"][role]["parameters"][parameter]
     if not str(value).startswith("sha256:"):
         return value
@@ -65,7 +65,7 @@ def _given(run: AnyRun, role: str, parameter: str) -> Any:
 
 
 def notes_on_command(run: AnyRun) -> List[str]:
-    """What the command alone does not bring."""
+    """Notes on what the command alone does not bring."""
     c = run.provenance["configuration"]
     notes = []
     if "starts" in c:

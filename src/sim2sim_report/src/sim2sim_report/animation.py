@@ -35,7 +35,7 @@ def animated(run: Run, asked: Sequence[int]) -> List[int]:
 
 
 def player(run: Run, traces: Traces, shown: Sequence[int]) -> Json:
-    """What page.js plays."""
+    """The data that page.js plays."""
     return {
         "titles": {"reference": run.title("reference"), "engine": run.name},
         "bound": run.metrics["bound"],

@@ -26,22 +26,22 @@ from sim2sim_report.sweep_rows import (
     read_rows,
     title_of_role,
     unit_of,
-    varied_knobs,
-    with_engine_as_knob,
+    varied_parameters,
+    with_engine_as_parameter,
     with_places,
     without_followers,
 )
 
 MARKERS = ["o", "s", "^", "D", "v", "P"]
 MOST_LINES = len(SERIES)  # more in one panel cannot be told apart
-LOGARITHMIC_FROM = 10.0  # largest over smallest value of a knob
+LOGARITHMIC_FROM = 10.0  # largest over smallest value of a parameter
 CHARACTER = 0.1  # [in] that one takes in a tick's label
 TITLE_CHARACTER = 0.135  # [in] that one takes in the title
 LONGEST_BESIDE = 26  # characters of labels that stand beside each other in a legend
 DODGE = 0.01  # of the axis, between lines at one value: their bars must not hide each other
 DODGE_OF_WORDS = 0.04
 COLUMN_WIDTH, HEIGHT = 7.2, 10.8  # [in]
-WIDE = (15.0, 5.8)  # [in] of a figure with one knob: its panels stand side by side
+WIDE = (15.0, 5.8)  # [in] of a figure with one parameter: its panels stand side by side
 NARROW = (5.2, 4.1)  # [in] of a panel, for a phone: all below each other
 OWN_STYLE: Dict[str, Any] = {
     **STYLE,
@@ -56,8 +56,8 @@ DOTTED = "dotted: a tee that never moves"
 HOLLOW = "; hollow: not shown to be nearer than it"
 
 
-class KnobAxis:
-    """Where the values of a knob lie on the x axis, logarithmic if they span much."""
+class ParameterAxis:
+    """The x axis of a parameter, logarithmic if its values span much."""
 
     def __init__(self, values: Sequence[float]) -> None:
         self.values = sorted(set(values))
@@ -107,11 +107,11 @@ def draw_line(
             axes.plot([at, at], row[panel.interval], color=color, zorder=2)
 
 
-def draw_many(axes: Any, panel: Panel, knob: str, lines: Sequence[Sequence[Row]]) -> None:
+def draw_many(axes: Any, panel: Panel, parameter: str, lines: Sequence[Sequence[Row]]) -> None:
     """Thin lines without intervals, and their mean."""
     values: Dict[float, List[float]] = {}
     for number, rows in enumerate(lines):
-        x = [row["knobs"][knob] for row in rows]
+        x = [row["knobs"][parameter] for row in rows]
         y = [row[panel.value] for row in rows]
         for at, value in zip(x, y):
             values.setdefault(at, []).append(value)
@@ -123,7 +123,7 @@ def draw_many(axes: Any, panel: Panel, knob: str, lines: Sequence[Sequence[Row]]
 
 
 def draw_reference(axes: Any, row: Row) -> None:
-    """The reference does not depend on the engine's knobs: one line and one band."""
+    """The reference does not depend on the engine's parameters: one line and one band."""
     if row["reference_success_interval"] is not None:
         low, high = row["reference_success_interval"]
         axes.axhspan(low, high, color=INK, alpha=0.12, linewidth=0)
@@ -141,16 +141,16 @@ def draw_null_model(axes: Any, panel: Panel, rows: Sequence[Row]) -> None:
 
 def draw_column(
     column: Sequence[Any],
-    knob: str,
-    knobs: Sequence[str],
+    parameter: str,
+    parameters: Sequence[str],
     rows: List[Row],
     words: Words,
     narrow: bool,
 ) -> None:
-    """The panels of one knob, with the rows of the engines that have it."""
-    rows = [row for row in rows if knob in row["knobs"]]
-    knob_axis = KnobAxis([row["knobs"][knob] for row in rows])
-    lines = lines_over(knob, knobs, rows)
+    """The panels of one parameter, with the rows of the engines that have it."""
+    rows = [row for row in rows if parameter in row["knobs"]]
+    axis = ParameterAxis([row["knobs"][parameter] for row in rows])
+    lines = lines_over(parameter, parameters, rows)
     inches = column[0].figure.get_figwidth() / column[0].get_subplotspec().get_gridspec().ncols
     character = CHARACTER / inches
     for axes, panel in zip(column, PANELS):
@@ -161,24 +161,25 @@ def draw_column(
         else:
             draw_null_model(axes, panel, rows)
         if len(lines) > MOST_LINES:
-            draw_many(axes, panel, knob, list(lines.values()))
+            draw_many(axes, panel, parameter, list(lines.values()))
             continue
         for number, (setting, line) in enumerate(lines.items()):
-            shift = (DODGE_OF_WORDS if knob in words else DODGE) * (number - (len(lines) - 1) / 2)
-            x = [knob_axis.shifted(row["knobs"][knob], shift) for row in line]
+            dodge = DODGE_OF_WORDS if parameter in words else DODGE
+            shift = dodge * (number - (len(lines) - 1) / 2)
+            x = [axis.shifted(row["knobs"][parameter], shift) for row in line]
             label = label_of(setting, rows, words) or title_of_role(rows[0], "engine")
-            style = {"label": "engine" if knob == ENGINE else label}
-            if knob in words:  # nothing lies between two words
+            style = {"label": "engine" if parameter == ENGINE else label}
+            if parameter in words:  # nothing lies between two words
                 style["linestyle"] = "none"
             draw_line(axes, panel, x, line, number, **style)
     for axes in column:
-        axes.set_xscale("log" if knob_axis.logarithmic else "linear")
-        axes.set_xticks(knob_axis.values, words.get(knob) or knob_axis.labels(character))
+        axes.set_xscale("log" if axis.logarithmic else "linear")
+        axes.set_xticks(axis.values, words.get(parameter) or axis.labels(character))
         axes.set_xticks([], minor=True)
-        axes.margins(x=0.5 if knob in words else 0.06)
+        axes.margins(x=0.5 if parameter in words else 0.06)
         if axes.get_subplotspec().is_last_row() or narrow:
-            unit = unit_of(knob, rows)
-            axes.set_xlabel(f"{knob} [{unit}]" if unit else knob)
+            unit = unit_of(parameter, rows)
+            axes.set_xlabel(f"{parameter} [{unit}]" if unit else parameter)
     handles = {label: h for axes in column for h, label in zip(*axes.get_legend_handles_labels())}
     beside = 1 if narrow or max(map(len, handles)) > LONGEST_BESIDE else 2
     column[0].legend(
@@ -213,26 +214,26 @@ def what_is_missing(rows: int, whole: int) -> str:
 
 @dataclass(frozen=True)
 class Curves:
-    """What is drawn of a sweep."""
+    """The curves of a sweep, ready to be drawn."""
 
     rows: List[Row]  # with places in place of words
     whole: int  # rows of the whole sweep
-    knobs: List[str]
+    parameters: List[str]
     words: Words
 
     @property
     def missing(self) -> str:
-        """What to say of a sweep that is not whole."""
+        """The warning for a sweep that is not whole; else empty."""
         return what_is_missing(len(self.rows), self.whole) if len(self.rows) < self.whole else ""
 
     def drawing(self, name: str) -> Drawing:
         alt = (
             f"{'Paired differences' if AGAINST in self.rows[0] else 'Success and divergence'} over "
         )
-        return styled(name, alt + ", ".join(self.knobs), self._figure, OWN_STYLE)
+        return styled(name, alt + ", ".join(self.parameters), self._figure, OWN_STYLE)
 
     def _figure(self, narrow: bool) -> Any:
-        count = len(self.knobs)
+        count = len(self.parameters)
         style = {"squeeze": False}
         if narrow:
             size = (NARROW[0], NARROW[1] * count * len(PANELS))
@@ -244,8 +245,8 @@ class Curves:
         else:
             figure = Figure(figsize=(COLUMN_WIDTH * count, HEIGHT), constrained_layout=True)
             axes = figure.subplots(len(PANELS), count, sharex="col", sharey="row", **style)
-        for number, knob in enumerate(self.knobs):
-            draw_column(axes[:, number], knob, self.knobs, self.rows, self.words, narrow)
+        for number, parameter in enumerate(self.parameters):
+            draw_column(axes[:, number], parameter, self.parameters, self.rows, self.words, narrow)
         against = AGAINST in self.rows[0]
         for panel, row in zip(PANELS, axes):
             for number, one in enumerate(row):
@@ -266,20 +267,19 @@ class Curves:
 
 
 def read_curves(folder: Path, suite: Suite, against: Optional[int] = None) -> Curves:
-    """What a sweep has to draw. Refuses one in which nothing varies, and one that is unfinished so
-    far that nothing does."""
+    """The curves of a sweep. Raises Error for one in which nothing varies, or nothing so far."""
     rows, whole = read_rows(folder)
     if against is not None:
         rows = contrasted(folder, rows, against, suite)
-    knobs = without_followers(varied_knobs(rows), rows)
-    if not knobs and len(engines_of(rows)) > 1:
-        rows, knobs = with_engine_as_knob(rows), [ENGINE]
-    if not knobs and len(rows) < whole:
+    parameters = without_followers(varied_parameters(rows), rows)
+    if not parameters and len(engines_of(rows)) > 1:
+        rows, parameters = with_engine_as_parameter(rows), [ENGINE]
+    if not parameters and len(rows) < whole:
         raise Error(f"{folder}: is unfinished: {len(rows)} of {whole} rows; finish it with `sweep`")
-    if not knobs:
+    if not parameters:
         raise Error(f"{folder / 'sweep.json'}: no knob takes more than one value; one must")
-    rows, words = with_places(rows, knobs)
-    return Curves(rows, whole, knobs, words)
+    rows, words = with_places(rows, parameters)
+    return Curves(rows, whole, parameters, words)
 
 
 def draw(folder: Path, suite: Suite) -> List[Drawing]:

@@ -150,10 +150,10 @@ def inline(svg: str, name: str) -> str:
 
 
 def draw(run: Run, prefix: str) -> Dict[str, Drawing]:
-    """All figures of a run; `prefix` tells runs apart."""
+    """The figures of a run by name; `prefix` tells runs apart."""
     drawings = {}
     for name, alt, build in (
-        ("yardsticks", _yardsticks_in_words(run), _yardsticks),
+        ("yardsticks", _baselines_in_words(run), _baselines),
         ("divergence", "Quantiles of the divergence over time, with the bound", _bands),
         ("causes", "First causes: " + ", ".join(_named_causes(run)), _causes),
     ):
@@ -187,8 +187,8 @@ def draw_rates(runs: Sequence[Run]) -> Drawing:
     return styled("success", "Success rates: " + ", ".join(texts), build)
 
 
-def _yardstick_rows(run: Run) -> List[Tuple[str, str, str, str]]:
-    """Mean divergences and what they must be read against: name, mode, quantity, color."""
+def _baseline_rows(run: Run) -> List[Tuple[str, str, str, str]]:
+    """Mean divergences and their baselines: name, mode, quantity, color."""
     rows = [
         ("open loop", REPLAY, "mean_{}_divergence", COLORS[REPLAY]),
         ("its null model", REPLAY, "null_{}_divergence", DIM),
@@ -203,17 +203,17 @@ def _yardstick_rows(run: Run) -> List[Tuple[str, str, str, str]]:
     return rows
 
 
-def _yardsticks_in_words(run: Run) -> str:
+def _baselines_in_words(run: Run) -> str:
     parts = []
-    for name, mode, quantity, _ in _yardstick_rows(run):
+    for name, mode, quantity, _ in _baseline_rows(run):
         mean = run.statistics["rollouts"][mode][f"{quantity.format('position')}_m"]["mean"]
         parts.append(f"{name} {'none' if mean is None else format(mean, '.4f')} m")
     return "Mean divergences with null model and floor: " + ", ".join(parts)
 
 
-def _yardsticks(run: Run, narrow: bool) -> Any:
-    """Mean divergences beside what they must be read against, from zero, with their values."""
-    rows = _yardstick_rows(run)
+def _baselines(run: Run, narrow: bool) -> Any:
+    """Mean divergences beside their baselines, from zero, with their values."""
+    rows = _baseline_rows(run)
     figure, both = panels(narrow, 8.6, 0.8 + 0.32 * len(rows), sharey=True)
     for axes, (component, unit) in zip(both, COMPONENTS):
         end = 0.0
@@ -280,7 +280,7 @@ def _bands(run: Run, narrow: bool) -> Any:
 
 
 def _causes_of(run: Run) -> List[Tuple[str, Json]]:
-    """Causes of partings in open loop, the most frequent first."""
+    """Causes of first divergence in open loop, the most frequent first."""
     causes: Json = run.statistics["rollouts"][REPLAY]["parting"]["causes"]
     return sorted(
         ((name, cause) for name, cause in causes.items() if cause["episodes"]),
@@ -293,7 +293,7 @@ def _named_causes(run: Run) -> List[str]:
 
 
 def _causes(run: Run, narrow: bool) -> Any:
-    """At what episodes part."""
+    """Causes of first divergence, with the share of episodes that each has."""
     shown = _causes_of(run)
     size = (NARROW if narrow else 6.2, 0.9 + 0.36 * max(1, len(shown)))
     figure = Figure(figsize=size, constrained_layout=True)

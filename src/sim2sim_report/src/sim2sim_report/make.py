@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a report is made of: which page and which figures results call for."""
+"""The page and the figures that results call for."""
 
 from pathlib import Path
 from typing import List, Sequence, Tuple

@@ -55,7 +55,7 @@ class Page:
     def of_runs(
         self, runs: Sequence[Run], traces: Sequence[Optional[Traces]], animate: Sequence[int]
     ) -> str:
-        """One run, or several over the same episodes; the first is what the others are held to."""
+        """Page of a run, or of several over the same episodes, which are held against the first."""
         folders = [run.folder for run in runs]
         compared = self.suite.contrast(folders) if len(runs) > 1 else {}
         engines = runs[0].name if len(runs) == 1 else f"{len(runs)} engines, pair by pair"

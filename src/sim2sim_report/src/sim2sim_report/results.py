@@ -60,7 +60,7 @@ class Episode:
 
 @dataclass(frozen=True)
 class Run:
-    """What the folder of a run holds."""
+    """The content of a run's folder."""
 
     folder: Path
     metrics: Json
@@ -71,16 +71,16 @@ class Run:
 
     @property
     def question(self) -> str:
-        """What the headline asks."""
+        """The question of the headline."""
         return str(self.statistics["headline"]["question"])
 
     @property
     def answer(self) -> str:
-        """What the headline answers."""
+        """The answer of the headline."""
         return str(self.statistics["headline"]["answer"])
 
     def title(self, role: str) -> str:
-        """What people call the simulator."""
+        """The title of a simulator."""
         title: str = self.metrics["simulators"][role]["title"]
         return title
 
@@ -104,7 +104,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Partial:
-    """What the folder of a run holds that has not ended well: the episodes that have finished."""
+    """The finished episodes of a run that has not ended well."""
 
     folder: Path
     status: Json
@@ -117,7 +117,7 @@ class Partial:
 
     @property
     def counts(self) -> Dict[str, int]:
-        """How many of the finished episodes are of each kind."""
+        """Number of finished episodes of each kind."""
         return {kind: sum(e.kind == kind for e in self.episodes) for kind in KINDS.values()}
 
 
@@ -175,7 +175,7 @@ def read_run(folder: Path) -> Run:
 
 
 def read_sweep(folder: Path) -> Json:
-    """What sweep.json says. Refuses what has no rows or is of another version."""
+    """The content of sweep.json. Raises Error if it has no rows or is of another version."""
     path = folder / "sweep.json"
     content = read_json(path, "the folder of a sweep is needed")
     sweep, rows = content.get("sweep"), content.get("rows")
@@ -186,7 +186,7 @@ def read_sweep(folder: Path) -> Json:
 
 
 def read_traces(run: Run, suite: "Suite") -> Optional[Traces]:
-    """What the worlds did, from traces.npy, or else from the bag; None where there is neither."""
+    """The traces of a run, from traces.npy, or else from the bag; None where there is neither."""
     path, bag = run.folder / "traces.npy", run.folder / "compare.bag"
     if path.exists():
         return _traces(path, run)
@@ -201,7 +201,7 @@ def read_traces(run: Run, suite: "Suite") -> Optional[Traces]:
 
 
 def _require_one_run(folder: Path, metrics: Json, statistics: Json, provenance: Json) -> None:
-    """Whether the files say the same where they say the same thing."""
+    """Raises Error where two files of a run disagree."""
     for key, value in provenance["configuration"].items():
         if key in metrics and key != "episodes" and metrics[key] != value:
             raise Error(f"{folder}: metrics.json and provenance.json differ in {key}")
@@ -212,7 +212,7 @@ def _require_one_run(folder: Path, metrics: Json, statistics: Json, provenance: 
 
 
 def _still_running(episodes: Sequence[Episode], mode: str) -> List[int]:
-    """How many episodes last at each step, in this mode and in the reference."""
+    """Number of episodes that last at each step, in this mode and in the reference."""
     lasts = [min(episode.steps(mode), episode.steps(REFERENCE)) for episode in episodes]
     return [sum(last >= step for last in lasts) for step in range(max(lasts) + 1)]
 

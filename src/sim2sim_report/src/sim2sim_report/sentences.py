@@ -30,7 +30,7 @@ CAUTION = [
 
 
 def sentences(run: Run) -> List[str]:
-    """What the figures say, and what each does not show."""
+    """Sentences on what the figures say, and on what each does not show."""
     m = run.metrics
     reference, engine = in_sentence(run.title("reference")), in_sentence(run.name)
     difference = interval(m["success_difference_interval"], RATE_DIGITS)
@@ -63,7 +63,7 @@ def _decision(m: Json, engine: str) -> str:
 
 
 def _doubts(m: Json) -> List[str]:
-    """What each divergence does not show."""
+    """Sentences on what each divergence does not show."""
     doubts = []
     for (name, _), (key, unit) in zip(COMPONENTS, MEANS):
         beats = m[f"{key}_beats_null"]
@@ -80,7 +80,7 @@ def _doubts(m: Json) -> List[str]:
 
 
 def cautions(runs: Sequence[Json]) -> List[str]:
-    """What the figures do not say."""
+    """Sentences on what the figures do not say."""
     caution = []
     first = runs[0]
     reference = first["simulators"]["reference"]["title"]

@@ -10,16 +10,16 @@ from pusht_task.error import Error
 from sim2sim_report.results import REPLAY, read_sweep
 from sim2sim_report.suite import Suite
 
-Row = Dict[str, Any]  # the metrics.json of one knob setting
-Setting = Tuple[str, Tuple[Tuple[str, Any], ...]]  # engine; knobs and their values
-Words = Dict[str, List[str]]  # of the knobs that take words, or true and false: these, by place
+Row = Dict[str, Any]  # the metrics.json of one parameter setting
+Setting = Tuple[str, Tuple[Tuple[str, Any], ...]]  # engine; parameters and their values
+Words = Dict[str, List[str]]  # values of parameters that take words, or true and false, by place
 
-AGAINST = "against"  # in a row: the number of the row that it is held against
-ENGINE = "engine"  # in place of a knob, where the kinds of engine alone vary
+AGAINST = "against"  # key in a row: number of the row that it is held against
+ENGINE = "engine"  # stands for a parameter where only the kinds of engine vary
 
 
 class Panel(NamedTuple):
-    """What one row of panels shows."""
+    """A row of panels: its label, and the keys of the metrics that it shows."""
 
     label: str
     value: str  # keys of the metrics
@@ -101,87 +101,91 @@ def engines_of(rows: Sequence[Row]) -> List[str]:
     return list(dict.fromkeys(row["engine_simulator"] for row in rows))
 
 
-def varied_knobs(rows: Sequence[Row]) -> List[str]:
-    """The knobs that take more than one value with one engine, in the order of the file."""
+def varied_parameters(rows: Sequence[Row]) -> List[str]:
+    """The parameters that take more than one value with one engine, in the order of the file."""
     values: Dict[Tuple[str, str], Set[Any]] = {}
     for row in rows:
-        for knob, value in row["knobs"].items():
-            values.setdefault((row["engine_simulator"], knob), set()).add(value)
-    return list(dict.fromkeys(knob for (_, knob), taken in values.items() if len(taken) > 1))
+        for name, value in row["knobs"].items():
+            values.setdefault((row["engine_simulator"], name), set()).add(value)
+    return list(dict.fromkeys(name for (_, name), taken in values.items() if len(taken) > 1))
 
 
-def follows(knob: str, leader: str, rows: Sequence[Row]) -> bool:
-    """Whether `leader` takes words, and each of them sets `knob`, as a preset does."""
+def follows(parameter: str, leader: str, rows: Sequence[Row]) -> bool:
+    """True if `leader` takes words, and each of them sets `parameter`, as a preset does."""
     led = [row["knobs"] for row in rows if leader in row["knobs"]]
-    pairs = {(taken[leader], taken.get(knob)) for taken in led}
+    pairs = {(taken[leader], taken.get(parameter)) for taken in led}
     words = {word for word, _ in pairs}
     return len(words) == len(pairs) and all(isinstance(word, str) for word in words)
 
 
-def without_followers(knobs: Sequence[str], rows: Sequence[Row]) -> List[str]:
-    """The knobs but for those that follow another one."""
+def without_followers(parameters: Sequence[str], rows: Sequence[Row]) -> List[str]:
+    """The parameters but for those that follow another one."""
 
-    def takes_words(knob: str) -> bool:
-        return any(isinstance(row["knobs"].get(knob), str) for row in rows)
+    def takes_words(parameter: str) -> bool:
+        return any(isinstance(row["knobs"].get(parameter), str) for row in rows)
 
     leaders: List[str] = []
-    for knob in sorted(knobs, key=takes_words, reverse=True):
-        if not any(follows(knob, leader, rows) for leader in leaders):
-            leaders.append(knob)
-    return [knob for knob in knobs if knob in leaders]
+    for parameter in sorted(parameters, key=takes_words, reverse=True):
+        if not any(follows(parameter, leader, rows) for leader in leaders):
+            leaders.append(parameter)
+    return [parameter for parameter in parameters if parameter in leaders]
 
 
-def with_engine_as_knob(rows: Sequence[Row]) -> List[Row]:
+def with_engine_as_parameter(rows: Sequence[Row]) -> List[Row]:
     """The engine is what varies."""
     return [{**row, "knobs": {ENGINE: title_of_role(row, "engine")}} for row in rows]
 
 
-def with_places(rows: Sequence[Row], knobs: Sequence[str]) -> Tuple[List[Row], Words]:
+def with_places(rows: Sequence[Row], parameters: Sequence[str]) -> Tuple[List[Row], Words]:
     """The rows with places in place of words, in the order in which the words come."""
     taken = {
-        knob: list(dict.fromkeys(row["knobs"][knob] for row in rows if knob in row["knobs"]))
-        for knob in knobs
+        name: list(dict.fromkeys(row["knobs"][name] for row in rows if name in row["knobs"]))
+        for name in parameters
     }
     words = {
-        knob: [value if isinstance(value, str) else json.dumps(value) for value in values]
-        for knob, values in taken.items()
+        parameter: [value if isinstance(value, str) else json.dumps(value) for value in values]
+        for parameter, values in taken.items()
         if any(isinstance(value, (str, bool)) for value in values)
     }
     placed = []
     for row in rows:
-        knobs_there = words.keys() & row["knobs"]
-        places = {knob: taken[knob].index(row["knobs"][knob]) for knob in knobs_there}
+        there = words.keys() & row["knobs"]
+        places = {parameter: taken[parameter].index(row["knobs"][parameter]) for parameter in there}
         placed.append({**row, "knobs": {**row["knobs"], **places}})
     return placed, words
 
 
-def lines_over(knob: str, knobs: Sequence[str], rows: Sequence[Row]) -> Dict[Setting, List[Row]]:
-    """A line for each engine and setting of the other varied knobs, by growing value of `knob`."""
-    several = len(engines_of(rows)) > 1 and knob != ENGINE
+def lines_over(
+    parameter: str, parameters: Sequence[str], rows: Sequence[Row]
+) -> Dict[Setting, List[Row]]:
+    """Lines by growing value of `parameter`, one for each engine and setting of the others."""
+    several = len(engines_of(rows)) > 1 and parameter != ENGINE
     lines: Dict[Setting, List[Row]] = {}
-    for row in sorted(rows, key=lambda row: row["knobs"][knob]):
+    for row in sorted(rows, key=lambda row: row["knobs"][parameter]):
         taken = row["knobs"]
-        others = tuple((other, taken[other]) for other in knobs if other != knob and other in taken)
+        others = tuple(
+            (name, taken[name]) for name in parameters if name != parameter and name in taken
+        )
         lines.setdefault((title_of_role(row, "engine") if several else "", others), []).append(row)
     return dict(sorted(lines.items()))
 
 
 def title_of_role(row: Row, role: str) -> str:
-    """What people call the simulator."""
+    """The title of a simulator."""
     title: str = row["simulators"][role]["title"]
     return title
 
 
-def unit_of(knob: str, rows: Sequence[Row]) -> str:
-    units = (row["simulators"]["engine"]["units"].get(knob) for row in rows)
+def unit_of(parameter: str, rows: Sequence[Row]) -> str:
+    units = (row["simulators"]["engine"]["units"].get(parameter) for row in rows)
     return next(filter(None, units), "")
 
 
 def label_of(setting: Setting, rows: Sequence[Row], words: Words) -> str:
-    engine, knobs = setting
+    engine, parameters = setting
     values = [
-        f"{knob} {words[knob][value] if knob in words else format(value, 'g')} "
-        f"{unit_of(knob, rows)}".strip()
-        for knob, value in knobs
+        f"{parameter} {words[parameter][value] if parameter in words else format(value, 'g')} "
+        f"{unit_of(parameter, rows)}".strip()
+        for parameter, value in parameters
     ]
     return ", ".join(filter(None, [engine, *values]))

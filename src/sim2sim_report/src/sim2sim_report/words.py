@@ -54,7 +54,7 @@ def figure(
 
 
 def transfer_percent(share: float) -> str:
-    """With digits enough to stand on its side of each bound of the words: "49.96 %", not 50."""
+    """A share in per cent with the digits that keep it on its side of each bound: "49.96 %"."""
     text = ""
     for digits in range(5):
         text = f"{100 * share:.{digits}f}"
@@ -104,7 +104,7 @@ def plain(markdown: str) -> str:
 
 
 def mark(beats_null: Optional[bool]) -> str:
-    """Whether a divergence is shown to be less than that of a tee that never moves."""
+    """Mark of a divergence that is not shown to be less than that of a tee that never moves."""
     if beats_null is None:
         return " " + TOO_FEW
     return "" if beats_null else " " + NOT_SHOWN

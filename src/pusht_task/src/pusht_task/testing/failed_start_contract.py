@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a node of this suite does that fails at start."""
+"""The contract of a node of this suite that fails at start."""
 
 import rosgraph  # type: ignore[import]
 import rospy  # type: ignore[import]

@@ -58,7 +58,7 @@ def mark_skipped(results: str, skipped: Mapping[str, str]) -> None:
 
 
 def until(holds: Callable[[], bool], what: str, deadline: float = DEADLINE) -> None:
-    """Waits for what nothing tells of: asks again and again."""
+    """Waits until `holds`, of which no event tells: asks again and again."""
     expiry = time.monotonic() + deadline
     pause = threading.Event()
     while not holds():
@@ -68,7 +68,7 @@ def until(holds: Callable[[], bool], what: str, deadline: float = DEADLINE) -> N
 
 
 def sends(node: str, topic: str, receiver: str = "") -> bool:
-    """Whether a topic of a node reaches `receiver` (default: this node), as the sender sees it."""
+    """True if a topic of a node reaches `receiver` (default: this node), as the sender sees it."""
     name = rospy.get_name()
     with xmlrpc.client.ServerProxy(rosgraph.Master(name).lookupNode(node)) as proxy:
         answer: Any = proxy.getBusInfo(name)
@@ -79,7 +79,7 @@ def sends(node: str, topic: str, receiver: str = "") -> bool:
 
 
 class Inbox:
-    """What arrives on a topic, in its order."""
+    """Messages that arrive on a topic, in their order."""
 
     def __init__(self, topic: str, message_type: Any) -> None:
         self._messages: "queue.Queue[Any]" = queue.Queue()
@@ -88,7 +88,7 @@ class Inbox:
         )
 
     def until(self, last: Callable[[Any], bool], deadline: float = DEADLINE) -> List[Any]:
-        """All messages up to the one that is `last`. Raises queue.Empty if it does not come."""
+        """Messages up to the one that is `last`. Raises queue.Empty if it does not come."""
         messages = [self._messages.get(timeout=deadline)]
         while not last(messages[-1]):
             messages.append(self._messages.get(timeout=deadline))

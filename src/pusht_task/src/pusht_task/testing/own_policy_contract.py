@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the policy nodes of this suite do besides the contract of every policy."""
+"""The contract of this suite's policy nodes, beyond that of every policy."""
 
 from pusht_task.testing.policy_contract import PolicyContract
 
 
 class OwnPolicyContract(PolicyContract):
-    """What every policy must do, in our words, and what ours do besides."""
+    """The contract of every policy, in the words of this suite, and what its nodes add."""
 
     words_are_ours = True
 

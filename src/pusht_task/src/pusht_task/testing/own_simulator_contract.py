@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the simulator nodes of this suite do besides the contract of every simulator.
+"""The contract of this suite's simulator nodes, beyond that of every simulator.
 
 `serveSimulator` in C++ and `serve_simulator` in Python do it; a node of yours need not.
 """
@@ -24,7 +24,7 @@ from pusht_task.testing.simulator_contract import SimulatorContract
 
 
 class OwnSimulatorContract(SimulatorContract):
-    """What every simulator must do, in our words, and what ours do besides."""
+    """The contract of every simulator, in the words of this suite, and what its nodes add."""
 
     words_are_ours = True
 
@@ -69,7 +69,7 @@ class OwnSimulatorContract(SimulatorContract):
         )
         return yaml.safe_load(process.stdout)
 
-    # What people see late.
+    # Pictures for late subscribers.
 
     def test_frames_come_again(self) -> None:
         state = self.begin(seed=3).state
@@ -93,7 +93,7 @@ class OwnSimulatorContract(SimulatorContract):
         for _ in range(2):  # the first is latched
             self.assertTrue(latest.until(lambda message: True)[0].markers)
 
-    # Kinds: what a node can become.
+    # Kinds that a node can become.
 
     def stay(self) -> Any:
         """The description of the node, which is made what it was when the test has ended."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What every served policy must do, so that a run over nodes may rely on it."""
+"""The contract of every served policy: a run over nodes relies on it."""
 
 import itertools
 import math
@@ -15,7 +15,7 @@ from pusht_task.testing.served import ServedCase, data, observe
 
 
 class PolicyContract(ServedCase):
-    """What every served policy must do. ~memory: it has one, and asks for steps in their order."""
+    """The contract of every served policy. With ~memory true it wants steps in their order."""
 
     subject = "policy"
     has_memory: bool

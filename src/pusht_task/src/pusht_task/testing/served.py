@@ -30,7 +30,7 @@ class ServedCase(unittest.TestCase):
     namespace: str
     instance_id: str
     services: Dict[str, Any]
-    # Whether a refusal must have the words of this suite. One line with a reason is enough else.
+    # True if refusals must have the words of this suite; else one line with a reason is enough.
     words_are_ours = False
 
     def skipTest(self, reason: str) -> NoReturn:

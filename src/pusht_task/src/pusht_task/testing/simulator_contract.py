@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What every served simulator must do, so that a run over nodes may rely on it.
+"""The contract of every served simulator: a run over nodes relies on it.
 
 An answer that refuses has `success` false, a reason of one line and an exit code; the words are
 free.
@@ -27,7 +27,7 @@ from pusht_task.testing.simulator_case import CONTROL_STEP, MOVING, PUSHES, Simu
 
 
 class SimulatorContract(SimulatorCase):
-    """What every served simulator must do. The node must be driven by nothing else."""
+    """The contract of every served simulator. The node must be driven by nothing else."""
 
     # A reset.
 
@@ -232,7 +232,7 @@ class SimulatorContract(SimulatorCase):
         self.refused("held", "step", HELD)
         self.accepted("step", token="mine")
 
-    # What it publishes: ~state, and its frames.
+    # Messages on ~state, and frames.
 
     def test_stamps_grow_over_episodes(self) -> None:
         last = self.begin().stamp
@@ -296,7 +296,7 @@ class SimulatorContract(SimulatorCase):
                 wanted = [0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)]
                 np.testing.assert_allclose([turn.x, turn.y, turn.z, turn.w], wanted, atol=1e-12)
 
-    # What it says of itself, and its parameters.
+    # Description and parameters.
 
     def test_describe(self) -> None:
         description = self.assert_described()

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Python module without a master: the task, and the rules by which an object is served."""
 
+import contextlib
 import io
 import json
 import math
@@ -28,6 +29,7 @@ from pusht_msgs.srv import (  # type: ignore[import]
     DescribeRequest,
     ResetRequest,
     StepRequest,
+    StepResponse,
 )
 
 from pusht_task import files, task
@@ -37,7 +39,7 @@ from pusht_task.policy_session import PolicySession
 from pusht_task.session import FailedStart, Identity
 from pusht_task.simulator_session import SimulatorSession
 from pusht_task.task import WorldState, spawn, wrap_angle
-from pusht_task.testing import simulator_contract
+from pusht_task.testing import own_simulator_contract, simulator_contract
 from pusht_task.testing.nodes import SKIPPED, mark_skipped
 
 HERE = Path(__file__).parent
@@ -734,6 +736,21 @@ class Contracts(unittest.TestCase):
             mark_skipped(results, SKIPPED)
             (skipped,) = ElementTree.parse(results).iter("skipped")
         self.assertEqual(skipped.get("message"), "the world had been reset before")
+
+    def test_words_of_a_refusal_are_free_but_for_our_nodes(self) -> None:
+        every = simulator_contract.SimulatorContract("test_horizon")
+        ours = own_simulator_contract.OwnSimulatorContract("test_horizon")
+        for message, accepted in (
+            ("the horizon is reached", (True, True)),
+            ("no more steps", (True, False)),
+            ("", (False, False)),
+            ("no more\nsteps", (False, False)),
+        ):
+            answer = StepResponse(success=False, message=message, exit_code=2, instance_id="1")
+            for case, holds in zip((every, ours), accepted):
+                case.instance_id = "1"
+                with contextlib.nullcontext() if holds else self.assertRaises(AssertionError):
+                    case.assert_refusal(answer, "horizon")
 
 
 class Policies(unittest.TestCase):

@@ -17,7 +17,7 @@ from programs import pieces
 
 PATIENCE = 60.0  # [s] for nodes to appear, and for a run over them
 NODES = ("sim2sim", "reference", "engine", "engine_replay", "policy")
-RECORDING_PAIRS = 40  # of live runs, one recorded, one not
+RECORDING_PAIRS = 40  # pairs of live runs, one recorded, one not
 LIVE_EPISODES = 5  # in each of them
 
 
@@ -49,10 +49,10 @@ def live() -> Dict[str, Any]:
 class LiveRun(NamedTuple):
     """Times of a live run of untrained, hence whole, episodes."""
 
-    seconds: float  # from goal to result
-    episode_seconds: float  # from the end of an episode to that of the next
-    processor_seconds: float  # of the evaluator
-    all_processor_seconds: float  # of all nodes
+    seconds: float  # time from goal to result
+    episode_seconds: float  # time from the end of an episode to that of the next
+    processor_seconds: float  # processor time of the evaluator
+    all_processor_seconds: float  # processor time of all nodes
 
 
 class LiveRuns:
@@ -64,7 +64,7 @@ class LiveRuns:
         from pusht_msgs.msg import CompareAction, EpisodeResult  # type: ignore[import]
 
         self._folder = folder
-        self._ends: List[float] = []  # of the episodes of the run under way [s]
+        self._ends: List[float] = []  # [s] ends of the episodes of the run under way
         rospy.init_node("bench", disable_signals=True)
         rospy.Subscriber(
             "/sim2sim/episode",

@@ -20,7 +20,7 @@ from pusht_task.json_file import require_format
 ORIGIN_TOPIC = "/demonstration/origin"
 STEP_TOPIC = "/demonstration/step"
 END_TOPIC = "/demonstration/end"
-DEMONSTRATION_FORMAT = 1  # of the bag, as its origin says; without a number it is 1
+DEMONSTRATION_FORMAT = 1  # number in the origin of a bag; a bag without one has format 1
 MESSAGE_TYPES = {STEP_TOPIC: DemonstrationStep, END_TOPIC: DemonstrationEnd}
 
 
@@ -83,7 +83,7 @@ def _opened(path: Path) -> Iterator[Any]:
         with rosbag.Bag(str(path)) as bag:
             yield bag
     except OSError as error:
-        if error.errno is None:  # of a library for compressed data
+        if error.errno is None:  # raised by a library for compressed data
             raise Error(f"{path}: {error}; a readable rosbag is needed") from None
         if error.filename is None:
             unwritable = error.errno in (errno.EDQUOT, errno.EFBIG, errno.ENOSPC, errno.EROFS)

@@ -8,7 +8,7 @@ from typing import Sequence, Tuple
 import torch
 from torch import Tensor, nn
 
-ARCHIVE_TIME = (1980, 1, 1, 0, 0, 0)  # of every file in a TorchScript archive
+ARCHIVE_TIME = (1980, 1, 1, 0, 0, 0)  # date of every file in a TorchScript archive
 SMALLEST_RANGE = 1e-4  # a narrower range counts as 1, in the unit of the value
 
 

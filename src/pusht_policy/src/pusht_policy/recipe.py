@@ -15,10 +15,10 @@ class Recipe:
     epochs: int = 600
     batch: int = 128  # frames
     learning_rate: float = 1e-3  # at the start; cosine to 0, one step an epoch
-    seed: int = 0  # of the split, the initial weights and the shuffles
+    seed: int = 0  # seed of split, initial weights and shuffles
     threads: int = 1
     hidden: Tuple[int, int] = (512, 512)  # units
-    validation_fraction: float = 0.1  # of the demonstrations
+    validation_fraction: float = 0.1  # share of the demonstrations
 
     def check(self) -> None:
         """Raises Error for the first value that breaks its rule."""

@@ -22,7 +22,7 @@ from pusht_task.files import write_file
 
 STATE_INTERVAL = 10  # epochs between two saved states
 HISTORY_INTERVAL = 50  # epochs between two entries of the validation loss history
-STATE_FORMAT = 1  # of state.pt
+STATE_FORMAT = 1  # format of state.pt
 
 
 class Trainer:

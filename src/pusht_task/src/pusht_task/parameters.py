@@ -10,7 +10,7 @@ from pusht_msgs.msg import Parameter, ParameterDescriptor  # type: ignore[import
 
 from pusht_task.error import Error
 
-Value = Union[bool, int, float, str]  # of a parameter
+Value = Union[bool, int, float, str]  # value of a parameter
 KINDS = {bool: "true or false", int: "an integer", float: "a finite number", str: "a text"}
 TYPES = {bool: "boolean", int: "integer", float: "real", str: "text"}  # in ParameterDescriptor
 

@@ -199,7 +199,7 @@ class _WorldPublisher:
         self._tee = _transform(frame_prefix, "tee", TEE_FRAME_HEIGHT)
         self._fixed_broadcaster = tf2_ros.StaticTransformBroadcaster()
         self._fixed_broadcaster.sendTransform(_transform(frame_prefix, "target", 0.0))
-        self._lock = threading.Lock()  # of the frames
+        self._lock = threading.Lock()  # guards the frames
         self._repeating = threading.Event()
         threading.Thread(target=self._repeat, daemon=True).start()
 

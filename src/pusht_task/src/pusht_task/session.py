@@ -14,7 +14,7 @@ from pusht_msgs.srv import DescribeResponse  # type: ignore[import]
 
 from pusht_task.error import Error, ExitCode, clipped
 
-LOG = logging.getLogger("rosout")  # of the node
+LOG = logging.getLogger("rosout")  # log of the node
 FOREIGN = (Exception, SystemExit)  # what foreign code may end with; sys.exit() ends no node
 
 
@@ -22,9 +22,9 @@ FOREIGN = (Exception, SystemExit)  # what foreign code may end with; sys.exit() 
 class Identity:
     """Identity of a node, as it tells."""
 
-    name: str  # of the kind of simulator or policy
+    name: str  # kind of simulator or policy
     version: str
-    title: str = ""  # of a simulator, for people
+    title: str = ""  # title of a simulator, for people
     # [m, rad, m/s, rad/s] maximum deviation of a state after a reset from the requested state;
     # 0: the simulator does not say
     start_tolerance: float = 0.0

@@ -37,7 +37,7 @@ STAMP_STEP = round(CONTROL_STEP * NANOSECONDS)  # [ns]
 # follow name stamps too, and a slip must not spoil the world for them.
 STAMP_LIMIT_BY_HAND = 2**31
 STAMP_LIMIT = 2**32 - 10**6
-NEXT = -1  # as the index of a step: the one that comes next
+NEXT = -1  # index of a step: stands for the next one
 
 
 class SimulatorSession:
@@ -74,7 +74,7 @@ class SimulatorSession:
         self._episode = 0
         self._horizon = 0
         self._steps = 0  # taken in the episode
-        self._token = ""  # of the caller that holds the world; empty: there is none
+        self._token = ""  # token of the caller that holds the world; empty: there is none
         self._silent = False  # whether the episode is published
         self._last_request: Any = None  # the last one that was taken
         self._last: Any = None  # answer to it

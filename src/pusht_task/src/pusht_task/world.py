@@ -65,7 +65,7 @@ def start_of(request: Any) -> WorldState:
 def started(simulator: Simulator, start: WorldState, tolerance: float) -> WorldState:
     """Resets the simulator and checks that it starts at `start`, to `tolerance`."""
     state = simulator.reset(start)
-    if isinstance(state, WorldState):  # else it is refused as every state is
+    if isinstance(state, WorldState):  # any other type is refused where states are
         for name in (*POSITIONS, "tee_yaw"):
             wanted, found = getattr(start, name), getattr(state, name)
             distance = abs(wrap_angle(found - wanted) if name == "tee_yaw" else found - wanted)

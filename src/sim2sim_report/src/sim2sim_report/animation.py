@@ -13,7 +13,7 @@ from pusht_task.json_file import Json
 from sim2sim_report.results import ENGINE, MODES, REFERENCE, REPLAY, Episode, Run, Traces
 
 MOST_ANIMATED = 200  # episodes, unless more are asked for
-ON_TABLE = {REFERENCE: "#5aaaff", ENGINE: "#f0dc46", REPLAY: "#ee6677"}  # as in rviz
+ON_TABLE = {REFERENCE: "#5aaaff", ENGINE: "#f0dc46", REPLAY: "#ee6677"}  # colors of rviz
 GEOMETRY = {
     "barHalfLength": task.BAR_HALF_LENGTH,
     "stemHalfLength": task.STEM_HALF_LENGTH,

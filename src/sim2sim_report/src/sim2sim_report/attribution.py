@@ -25,7 +25,7 @@ from sim2sim_report.results import ENGINE, REPLAY
 
 FORMAT = 1
 FILE = "attribution.json"
-HORIZONS = (  # of replays: open loop, then re-anchored
+HORIZONS = (  # colors and marks of replays: open loop, then re-anchored
     *((COLORS[REPLAY], "o"), (COLORS[ENGINE], "s"), (COLORS["reference"], "^")),
     *((DIM, "D"), (INK, "v"), (COLORS[REPLAY], "X"), (COLORS[ENGINE], "P")),
 )

@@ -38,7 +38,7 @@ LOGARITHMIC_FROM = 10.0  # largest over smallest value of a parameter
 CHARACTER = 0.1  # [in] that one takes in a tick's label
 TITLE_CHARACTER = 0.135  # [in] that one takes in the title
 LONGEST_BESIDE = 26  # characters of labels that stand beside each other in a legend
-DODGE = 0.01  # of the axis, between lines at one value: their bars must not hide each other
+DODGE = 0.01  # share of the axis between lines at one value, whose bars must not hide each other
 DODGE_OF_WORDS = 0.04
 COLUMN_WIDTH, HEIGHT = 7.2, 10.8  # [in]
 WIDE = (15.0, 5.8)  # [in] of a figure with one parameter: its panels stand side by side
@@ -76,7 +76,7 @@ class ParameterAxis:
         `character`: the width of a character, as a share of the axis.
         """
         labels: List[str] = []
-        end = -math.inf  # of the last label that stays
+        end = -math.inf  # end of the last label that stays
         for value in self.values:
             text = f"{value:g}"
             middle = (self._scaled(value) - self._scaled(self.values[0])) / self.span
@@ -103,7 +103,7 @@ def draw_line(
             axes.plot(
                 [at], [row[panel.value]], color=color, marker=MARKERS[number], **hollow, zorder=4
             )
-        if row[panel.interval] is not None:  # of one episode there is none
+        if row[panel.interval] is not None:  # one episode has no interval
             axes.plot([at, at], row[panel.interval], color=color, zorder=2)
 
 
@@ -216,7 +216,7 @@ def what_is_missing(rows: int, whole: int) -> str:
 class Curves:
     """The curves of a sweep, ready to be drawn."""
 
-    rows: List[Row]  # with places in place of words
+    rows: List[Row]  # words are replaced by their places
     whole: int  # rows of the whole sweep
     parameters: List[str]
     words: Words

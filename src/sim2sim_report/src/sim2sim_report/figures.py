@@ -26,7 +26,14 @@ from matplotlib.figure import Figure  # type: ignore[import]  # noqa: E402
 # The hues of rviz, dark enough for white paper. In the page each is a variable that a theme sets.
 INK, DIM, GRID, CARD = "#1d2430", "#5c6676", "#d9dee7", "#ffffff"
 COLORS = {"reference": "#1467b8", ENGINE: "#8a6d00", REPLAY: "#c2334d"}
-SERIES = ["#0072b2", "#c24e00", "#007f5f", "#b0558f", "#8f6400", "#2f7fae"]  # for any eye
+SERIES = [
+    "#0072b2",
+    "#c24e00",
+    "#007f5f",
+    "#b0558f",
+    "#8f6400",
+    "#2f7fae",
+]  # can be told apart by any eye
 VARIABLES = {
     INK: "var(--ink)",
     DIM: "var(--dim)",
@@ -59,7 +66,7 @@ STYLE: Dict[str, Any] = {
 }
 LONGEST_LINE = 26  # characters of a name beside its bar
 COMPONENTS = (("position", "m"), ("angle", "rad"))
-_LEVELS = ("0.05", "0.25", "0.50", "0.75", "0.95")  # of the bands
+_LEVELS = ("0.05", "0.25", "0.50", "0.75", "0.95")  # levels of the bands
 
 
 @dataclass(frozen=True)
@@ -68,8 +75,8 @@ class Drawing:
 
     name: str
     alt: str
-    wide: Any  # for screens and papers
-    narrow: Any  # for phones: its panels stand below each other
+    wide: Any  # figure for screens and papers
+    narrow: Any  # figure for phones: its panels stand below each other
     style: Dict[str, Any]
 
     @property

@@ -21,7 +21,7 @@ METRICS_FORMAT = 4
 STATISTICS_FORMAT = 2
 STATUS_FORMAT = 1
 QUESTION = "Does the skill transfer?"
-KINDS = {  # of an episode: who succeeds in it (reference, engine)
+KINDS = {  # kind of an episode by success (in the reference, in the engine)
     (True, False): "only_reference_succeeds",
     (True, True): "both_succeed",
     (False, False): "neither_succeeds",
@@ -32,7 +32,7 @@ TRACE_FIELDS = (
     *("action_x", "action_y"),
 )
 
-Traces = Dict[Tuple[int, str], Any]  # by episode and mode: an array of records
+Traces = Dict[Tuple[int, str], Any]  # array of records by episode and mode
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Run:
     statistics: Json
     provenance: Json
     episodes: List[Episode]
-    bands: Dict[str, Dict[str, Any]]  # by mode: columns of divergence.csv
+    bands: Dict[str, Dict[str, Any]]  # columns of divergence.csv by mode
 
     @property
     def question(self) -> str:

@@ -9,9 +9,9 @@ import rospkg  # type: ignore[import]
 from pusht_task.error import Error, ExitCode
 from pusht_task.json_file import Json
 
-RATE_DIGITS, DIVERGENCE_DIGITS = 3, 4  # as in the table that the commands print
+RATE_DIGITS, DIVERGENCE_DIGITS = 3, 4  # digits in the table that the commands print
 NOT_SHOWN, TOO_FEW = "(!)", "(?)"  # marks of a divergence beside that of a tee that never moves
-WORD_BOUNDS = (0.5, 0.9, 1.1)  # of the transfer, where the words of the headline change
+WORD_BOUNDS = (0.5, 0.9, 1.1)  # transfers at which the words of the headline change
 WORDS = (
     *("Reference", "Closed loop", "Open loop", "Success", "Tolerance", "Transfer", "Divergence"),
     *("Null model", "Floor", "Parting", "Band", "Holm", "Control step", "Spawn seed", "Tee"),
@@ -47,7 +47,7 @@ def figure(
 ) -> str:
     value = metrics[f"{key}_{unit}"]
     if value is None:
-        return "none"  # as the commands say it
+        return "none"  # the word of the commands
     text = signed(value, DIVERGENCE_DIGITS) if with_sign else f"{value:.{DIVERGENCE_DIGITS}f}"
     rest = interval(metrics[f"{key}_interval_{unit}"], DIVERGENCE_DIGITS) if with_interval else ""
     return f"{text} {unit}{rest}"

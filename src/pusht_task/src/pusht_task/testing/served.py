@@ -20,7 +20,7 @@ from pusht_task.task import WorldState
 from pusht_task.testing.nodes import DEADLINE, SKIPPED, Inbox
 
 BAD_REQUEST = ExitCode.INVALID_INPUT
-HELD = ExitCode.RUNTIME_FAULT  # by another caller
+HELD = ExitCode.RUNTIME_FAULT  # held by another caller
 
 
 class ServedCase(unittest.TestCase):

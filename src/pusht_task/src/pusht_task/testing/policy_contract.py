@@ -1,5 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The contract of every served policy: a run over nodes relies on it."""
+"""The contract of every served policy, in any language: a run over nodes relies on it.
+
+A node serves ~act and ~describe; the fields are explained in pusht_msgs/srv. Each query gets two
+finite numbers. Rows do not depend on each other, nor on how they are batched. The last query of a
+rollout, sent again, gets the same answer. A policy with a memory wants the steps of a rollout in
+their order, from 0, and begins anew at 0.
+"""
 
 import itertools
 import math

@@ -1,8 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The contract of every served simulator: a run over nodes relies on it.
+"""The contract of every served simulator, in any language: a run over nodes relies on it.
 
-An answer that refuses has `success` false, a reason of one line and an exit code; the words are
-free.
+A node serves ~reset, ~step, ~configure and ~describe and publishes ~state; the fields are explained
+in pusht_msgs/srv. The rules, each with its tests below:
+
+- A reset takes a spawn seed or a state, and clears all that was before. A state of its own is taken
+  without a change of bits. Velocities count; yaws are wrapped.
+- A step has an index. The last request, sent again, gets the stored answer; any other index is
+  refused. Actions are clipped; success never stops a world, the horizon does.
+- A request that is refused changes nothing. The answer has `success` false, a reason of one line,
+  whose words are free, and an exit code.
+- A reset with a token holds the world: other callers may reset it, but not step or configure it.
+- Stamps grow by 0.1 s, over episodes too. ~state and the frames show what was answered, at its
+  stamp; of a silent episode they show nothing.
+- Parameters have a hash, which each reset repeats. They change between episodes.
 """
 
 import math

@@ -749,7 +749,9 @@ class Contracts(unittest.TestCase):
             answer = StepResponse(success=False, message=message, exit_code=2, instance_id="1")
             for case, holds in zip((every, ours), accepted):
                 case.instance_id = "1"
-                with contextlib.nullcontext() if holds else self.assertRaises(AssertionError):
+                with self.subTest(message, case=case.id()), contextlib.ExitStack() as expected:
+                    if not holds:
+                        expected.enter_context(self.assertRaises(AssertionError))
                     case.assert_refusal(answer, "horizon")
 
 

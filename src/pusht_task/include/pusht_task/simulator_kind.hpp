@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A kind of simulator, described once: for its node, for runs in process, for whoever lists or shows it.
+/// Kind of simulator, described once for its node, for runs in process, and for lists and results.
 #pragma once
 
 #include <functional>

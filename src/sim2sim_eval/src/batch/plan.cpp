@@ -53,8 +53,8 @@ std::vector<PlannedDifference> plannedDifferences(const PlanQuestions& questions
     success("success, other - pilot", pairsOf(pilot.episodes, kEngineClosed, other->episodes, kEngineClosed));
   }
   for (std::size_t k = 0; k < kDivergencePairs.size(); ++k) {
-    const Place divergence{kEngineReplay, quantityIndex(kDivergencePairs[k].divergence)};
-    const Place null_model{kEngineReplay, quantityIndex(kDivergencePairs[k].null_model)};
+    const FigureIndex divergence{kEngineReplay, quantityIndex(kDivergencePairs[k].divergence)};
+    const FigureIndex null_model{kEngineReplay, quantityIndex(kDivergencePairs[k].null_model)};
     const auto spread = [&](const std::string& text, const std::vector<double>& differences) {
       planned.push_back({names.at(k).first + text, deviationOf(differences), {}, names.at(k).second});
     };

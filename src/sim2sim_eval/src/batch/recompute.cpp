@@ -21,7 +21,8 @@ namespace {
 
 void requireWhole(const Run& run, const std::filesystem::path& bag) {
   if (!run.whole()) {
-    throw pusht::RuntimeFault("bag " + bag.string() + ": episodes " + missingEpisodes(run.configuration().protocol, run.episodes()) + " are missing");
+    throw pusht::RuntimeFault("bag " + bag.string() + ": episodes " +
+                              missingEpisodes(run.configuration().protocol, run.episodes()) + " are missing");
   }
 }
 

@@ -32,7 +32,7 @@ class BagFile {
     attempt([&] { bag_->write(topic, stamp, message); });
   }
 
-  /// As write(), of a topic that is latched when the bag is played.
+  /// Writes a message, as write(), on a topic that is latched when the bag is played.
   template <class Message>
   void writeLatched(const std::string& topic, const ros::Time& stamp, const Message& message) {
     const auto header = boost::make_shared<ros::M_string>();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The rules by which a policy is served, without a node: requests in, replies out.
+/// Rules of a served policy, without a node: functions from request to response.
 #pragma once
 
 #include <pusht_msgs/Act.h>
@@ -16,7 +16,7 @@
 
 namespace pusht {
 
-/// What a policy node serves.
+/// Policy of a policy node, with its description.
 struct PolicyModel {
   std::string name;  ///< as in metrics.json
   std::string version;
@@ -24,7 +24,7 @@ struct PolicyModel {
   nlohmann::json provenance = nlohmann::json::object();  ///< what the numbers depend on
 };
 
-/// A served policy. What the policy remembers of a rollout is kept here, from the rollout's step 0 on.
+/// Served policy. It keeps the policy's memory of each rollout, from step 0 on. Not thread-safe.
 class PolicySession {
  public:
   explicit PolicySession(PolicyModel model);

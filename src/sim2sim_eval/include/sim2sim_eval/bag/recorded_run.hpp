@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A run that is read from its bag instead of simulated.
+/// Recorded run: its episodes, computed again from a bag instead of simulated.
 #pragma once
 
 #include <array>
@@ -14,14 +14,15 @@
 #include "pusht_task/policy.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/simulator.hpp"
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/bands.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 
 namespace sim2sim {
 
-/// A world that does what it did when `trace` was recorded. Throws BadDependency if it is given anything else than
-/// then: another start, another action, or more actions.
+/// World that repeats `trace`, which must outlive it. reset() throws BadDependency for another initial state, step()
+/// for another action or for more actions than were recorded.
 class RecordedWorld : public pusht::Simulator {
  public:
   explicit RecordedWorld(const pusht::Trace& trace) : trace_(trace) {}
@@ -35,26 +36,27 @@ class RecordedWorld : public pusht::Simulator {
   std::size_t step_ = 0;
 };
 
-/// The rollouts of an episode.
+/// Recorded rollouts of an episode.
 struct RecordedEpisode {
   std::array<pusht::Trace, kModeCount> modes;
-  std::vector<std::vector<pusht::WorldState>> probes{};  ///< as those of the protocol
+  std::vector<std::vector<pusht::WorldState>> probes{};  ///< in the order of Protocol::probes()
 };
 
-/// Runs an episode over recorded worlds. Throws BadDependency if the record does not follow the protocol.
+/// Runs the protocol's episode `index` over recorded worlds. Throws BadDependency if the record does not follow the
+/// protocol.
 Episode rebuildEpisode(const Protocol& protocol, int index, const RecordedEpisode& record);
 
-/// What the bag of a run holds.
+/// Content of the bag of a run.
 struct RecordedRun {
   RunConfiguration configuration;
   nlohmann::ordered_json provenance;
-  DivergenceBands bands;                ///< of these episodes
-  std::vector<EpisodeResult> episodes;  ///< the finished ones by index, computed anew from what the worlds did
+  DivergenceBands bands;                ///< over the finished episodes
+  std::vector<EpisodeResult> episodes;  ///< finished episodes by index, computed from the recorded states
 };
 
-/// Throws InvalidInput if `path` is not the bag of a run or was not closed, BadDependency if what it records does not
-/// follow the protocol, RuntimeFault if `stop` holds before the end. `each` gets the finished episodes, in the order in
-/// which the bag has them.
+/// Reads the bag at `path`. `each` gets every finished episode, in the bag's order. Throws InvalidInput if `path` is
+/// not the bag of a run or was not closed, BadDependency if a recorded episode does not follow the protocol,
+/// RuntimeFault if `stop` holds before the end.
 RecordedRun readRun(
     const std::filesystem::path& path, const std::function<bool()>& stop = [] { return false; },
     const std::function<void(Episode&&)>& each = [](Episode&&) {});

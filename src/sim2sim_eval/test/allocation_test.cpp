@@ -95,7 +95,7 @@ int allocationsOf(const Function& step) {
   return allocations;
 }
 
-WorkerFactory workerFactoryOf(const std::string& policy) {
+WorkerFactory workersOf(const std::string& policy) {
   const sim2sim::SimulatorChoice engine = sim2sim::chooseSimulator("two_mass", {});
   return sim2sim::LoadedRun({policy}, sim2sim::chooseSimulator("mujoco", {}), {engine})
       .workerFactory(sim2sim::LoadedSimulator(engine));
@@ -129,9 +129,9 @@ TEST(Allocations, NoneInAStepOfASimulator) {
 TEST(Allocations, NoneInAStepOfTheWholeProtocol) {
   const Protocol protocol;
   for (const char* policy_name : {"bc", "expert"}) {
-    const WorkerFactory players = workerFactoryOf(policy_name);
-    const Worlds worlds = players.make_worlds(kEpisodesInFlight);
-    const auto policy = players.make_policy();
+    const WorkerFactory workers = workersOf(policy_name);
+    const Worlds worlds = workers.make_worlds(kEpisodesInFlight);
+    const auto policy = workers.make_policy();
     Flight flight(protocol, worlds, *policy);
     for (int index = 0; index < kEpisodesInFlight; ++index) {
       flight.begin(index);

@@ -79,7 +79,7 @@ template <class Vector, int kRows>
   }
 }
 
-// As many rows at a time as there are registers for their sums.
+// Products by instruction set. Each takes as many rows at a time as there are registers for sums.
 using Vector4 = float __attribute__((vector_size(16), may_alias));
 void multiplyBaseline(const Product& product) { multiplyRows<Vector4, 3>(product, 0); }
 

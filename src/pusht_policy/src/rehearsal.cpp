@@ -26,8 +26,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::array<int, 3> kEndingSignals{SIGINT, SIGTERM, SIGHUP};
 constexpr std::chrono::milliseconds kStopPeriod{100};
 
-/// Holds these signals back from this thread while it exists, but for who waits with mask(): so none comes in between
-/// unseen.
+/// Blocks the ending signals in this thread while it exists. A wait with mask() unblocks them, so no signal is lost
+/// between two waits.
 class SignalsHeld {
  public:
   SignalsHeld() {

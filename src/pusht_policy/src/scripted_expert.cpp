@@ -84,7 +84,7 @@ struct Push {
   Vector2d direction;
   double speed;
 
-  /// Of the pusher, to the left of the push line.
+  /// Offset of the pusher from the push line, positive to its left [m].
   double sidewaysOffset(const Vector2d& pusher) const { return (pusher - contact).dot(turnLeft(direction)); }
   double distanceBehind(const Vector2d& pusher) const { return (contact - pusher).dot(direction); }
 };

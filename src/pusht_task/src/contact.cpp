@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Of the tee, in its frame [m].
+/// Box of the tee, in the tee's frame [m].
 struct Box {
   double center_y;
   double half_x;
@@ -63,7 +63,7 @@ Nearest nearest(const Box& box, const Vector2d& point) {
 
 Eigen::Rotation2Dd teeToTable(const WorldState& state) { return Eigen::Rotation2Dd(state.tee_yaw); }
 
-/// Of the pusher's centre, in the tee's frame.
+/// Point of a box nearest to the pusher, in the tee's frame.
 Nearest nearestToPusher(const Box& box, const WorldState& state) {
   return nearest(box, teeToTable(state).inverse() * (state.pusher_position - state.tee_position));
 }

@@ -38,7 +38,7 @@ inline double normal(Random& random) { return std::normal_distribution<double>()
 inline double uniform(Random& random) { return std::uniform_real_distribution<double>()(random); }
 inline double normalCdf(double x) { return boost::math::cdf(boost::math::normal(), x); }
 
-/// Of a quantity of each episode.
+/// Population of a quantity, one value for each episode.
 struct Population {
   std::string name;
   double mean;
@@ -47,14 +47,14 @@ struct Population {
   std::function<double(Random&)> draw;
 };
 
-/// Of the paired differences of a quantity.
+/// Population of paired differences of a quantity.
 struct Differences {
   std::string name;
   double mean;
   std::function<double(Random&)> draw;
 };
 
-/// Of the outcomes of two in the same episode.
+/// Population of outcomes of two simulators in one episode.
 struct Rates {
   std::string name;
   double both;

@@ -215,7 +215,7 @@ void bagWrite(State& state) {
 }
 BENCHMARK(bagWrite)->Name("bag/write");
 
-/// Of a node that runs: the smallest service that the engine has.
+/// Round trip of the engine's smallest service; its node must run.
 void serviceRoundTrip(State& state) {
   if (!ros::master::check()) {
     return state.SkipWithError("no master");

@@ -766,7 +766,7 @@ class LostMaster(LiveCase):
         _, uri = self.start_master()
         environment = {"ROS_MASTER_URI": uri}
         self.succeed("rosparam", "set", "/use_sim_time", "true", environment=environment)
-        self.assert_every_node_ends(uri, "/use_sim_time is set, but nobody publishes /clock")
+        self.assert_every_node_ends(uri, "/use_sim_time is set, but no node publishes /clock")
 
     def test_f17_launch_without_a_clock(self) -> None:
         """The outcome of an earlier run does not stand for this one."""
@@ -774,7 +774,7 @@ class LostMaster(LiveCase):
         copy.write_text('{"exit_code": 0, "reason": "finished"}')
         launch = Launch(self, parameters={"/use_sim_time": True}, smoke=True, status_file=copy)
         launch.ended()
-        self.assertIn("sim2sim: /use_sim_time is set, but nobody publishes /clock", launch.output)
+        self.assertIn("sim2sim: /use_sim_time is set, but no node publishes /clock", launch.output)
         self.assertEqual(files(launch.out), {"status.json"})
         self.assertEqual(launch.status()["exit_code"], 4)
         self.assertEqual(status_of_file(copy), launch.status())

@@ -112,7 +112,7 @@ def _serve(
     if not _clock_runs():
         hint = "unset it, or start what publishes the clock"
         print(
-            f"{identity.name}: /use_sim_time is set, but nobody publishes /clock: {hint}",
+            f"{identity.name}: /use_sim_time is set, but no node publishes /clock: {hint}",
             file=sys.stderr,
         )
         return ExitCode.RUNTIME_FAULT

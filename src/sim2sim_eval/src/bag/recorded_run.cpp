@@ -108,7 +108,7 @@ class Reader {
     finished_ = message;
   }
 
-  /// Of the episodes that results() has.
+  /// Bands over the episodes of results().
   const DivergenceBands& bands() const { return bands_; }
 
   /// By index.

@@ -84,7 +84,7 @@ RunBag::~RunBag() {
   try {
     finish();
   } catch (const std::exception&) {
-    // Nothing is left of the bag; who wanted to know has called finish().
+    // The bag is lost; a caller that needs to know calls finish().
   }
 }
 

@@ -59,7 +59,7 @@ bool Activity::end(const std::string& failure) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     cancelled = cancelled_;
-    busy_ = false;  // who has the result may send the next goal
+    busy_ = false;  // before the result, on which the next goal may follow
     failure_ = failure;
     activity_ = "idle";
     waiting_for_.clear();

@@ -147,7 +147,7 @@ TEST_P(BatchSimulatorSuite, ALaneWithoutAnActionStaysAsItIs) {
   EXPECT_TRUE(sameBits(both.lanes->state(2), paused));
   both.lanes->step(std::vector<std::optional<Action>>(5));
   both.stepAll({0.5F, -0.5F});
-  EXPECT_EQ(both.different(), kNone) << "after a step of nobody, and one of all";
+  EXPECT_EQ(both.different(), kNone) << "after a step of no lane, and one of all";
 }
 
 TEST_P(BatchSimulatorSuite, ALaneHasNoStateBeforeItsReset) {

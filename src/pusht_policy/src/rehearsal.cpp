@@ -54,7 +54,7 @@ class SignalsHeld {
 
 bool is_copy = false;  // whether this process is one
 
-/// What the copy has to say: the exit code in the first byte, then the message.
+/// Verdict of the copy: the exit code in the first byte, then the message.
 std::string verdictOf(const std::function<void()>& work) {
   try {
     work();
@@ -121,7 +121,7 @@ class Copy {
     }
   }
 
-  /// All that it says until it ends.
+  /// Output of the copy until it ends.
   std::string verdict(std::chrono::milliseconds deadline, const std::function<bool()>& stop) {
     const Clock::time_point end = Clock::now() + deadline;
     std::string text;

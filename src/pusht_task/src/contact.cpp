@@ -39,7 +39,7 @@ const Box& boxOf(Part part) {
   throw InternalError("slipDistance: the part must be bar or stem");
 }
 
-/// Where the surface of a box is nearest to a point.
+/// Point of a box's surface nearest to a given point, with its gap and normal.
 struct Nearest {
   double distance;  // [m] below 0: the point is inside
   Vector2d point;

@@ -13,7 +13,7 @@
 namespace pusht {
 namespace {
 
-/// By the index of the type in ParameterValue.
+/// Names of types, by index in ParameterValue.
 struct TypeName {
   const char* name;
   const char* rule;

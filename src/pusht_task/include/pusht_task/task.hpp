@@ -11,7 +11,7 @@ namespace pusht {
 /// `action` with each axis clipped to [-1, 1] m/s.
 Action clip(const Action& action);
 
-/// What a policy sees of `state`.
+/// Observation of `state` for a policy.
 Observation observe(const WorldState& state);
 
 /// Distance of the tee from its target pose.

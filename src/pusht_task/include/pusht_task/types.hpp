@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What passes between simulators, policies and the protocol.
+/// Types that pass between simulators, policies and the protocol.
 #pragma once
 
 #include <Eigen/Core>

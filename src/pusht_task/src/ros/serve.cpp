@@ -20,7 +20,7 @@
 namespace pusht {
 namespace {
 
-/// How requests fared.
+/// Counts of answered and refused requests.
 struct Tally {
   std::uint64_t answered = 0;
   std::uint64_t refused = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What every BatchSimulator must do, as a test suite to run over the lanes of your kind; see simulator_suite.hpp. What
+/// Test suite of BatchSimulator, to run over the lanes of your kind; see simulator_suite.hpp. What
 /// a world does is the business of the suite there: here each lane is held against a world, bit for bit.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the suites of simulators are run over.
+/// Subjects of the suites of simulators: a kind, with parameters.
 #pragma once
 
 #include <gtest/gtest.h>

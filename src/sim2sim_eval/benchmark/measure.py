@@ -1,8 +1,7 @@
-#SPDX - License - Identifier : BSD - 3 - Clause
-""
-    "Measures the suite against its targets, in one run on one machine, and says which are met.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measures the suite against its targets, in one run on one machine, and says which are met.
 
-    Ratios count; seconds depend on the machine. Source the workspace first, and let nothing else run.
+Ratios count; seconds depend on the machine. Source the workspace first, and let nothing else run.
 """
 
 import argparse
@@ -90,7 +89,8 @@ def pieces(pattern: str = "") -> Dict[str, float]:
         entry["run_name"].replace("/real_time", ""): entry["items_per_second"]
         for entry in found
         if entry.get("aggregate_name") == "median" and "items_per_second" in entry
-}
+    }
+
 
 def numpy_rate(scenario: str) -> float:
     """Control steps per second of the engine as a user would write it in numpy."""
@@ -270,11 +270,13 @@ def live() -> Dict[str, Any]:
     shares = {
         field: median([getattr(b, field) / getattr(a, field) - 1.0 for a, b in zip(bare, recorded)])
         for field in ("seconds", "processor_seconds", "all_processor_seconds")
-  } return {
+    }
+    return {
         "episode_seconds": median([run.episode_seconds for run in bare]),
         "recording_share": shares,
         "service_round_trip_seconds": 1.0 / call,
-  }
+    }
+
 
 def until(holds: Callable[[], bool], what: str) -> None:
     begin = time.monotonic()
@@ -479,8 +481,7 @@ def main() -> int:
     try:
         result = measure(args.episodes)
         rows = figures(result)
-        result["figures"] = [{
-    **row._asdict(), "verdict" : row.verdict} for row in rows]
+        result["figures"] = [{**row._asdict(), "verdict": row.verdict} for row in rows]
         write(args.out, result)
     except (OSError, RuntimeError, subprocess.CalledProcessError) as error:
         print(f"bench: {error}", file=sys.stderr)

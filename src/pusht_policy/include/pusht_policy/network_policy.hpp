@@ -30,9 +30,9 @@ std::map<std::string, std::string> libtorchChoices();
 
 /// Origin of a network's numbers.
 struct NetworkInfo {
-  std::string sha256;             ///< of the checkpoint; empty if untrained
+  std::string sha256;             ///< digest of the checkpoint; empty if untrained
   std::string operations;         ///< operations of the kernel; empty on libtorch
-  std::string instruction_set;    ///< of the kernel; empty on libtorch
+  std::string instruction_set;    ///< instruction set of the kernel; empty on libtorch
   std::string why_not_on_kernel;  ///< reason to run on libtorch; empty on the kernel
   std::string libtorch_version = libtorchVersion();
   std::string blas = activeBlas();  ///< on libtorch the bits depend on it
@@ -88,7 +88,7 @@ class NetworkPolicy : public Policy {
   NetworkInfo info_;
   std::unique_ptr<NetworkKernel> kernel_;  // null on libtorch
   std::unique_ptr<TorchNetwork> network_;
-  std::vector<float> inputs_;  // of the kernel, row by row
+  std::vector<float> inputs_;  // rows of the kernel
   std::vector<float> outputs_;
 };
 

@@ -33,7 +33,7 @@ Part common(Part a, Part b);
 struct Contact {
   double gap = 0.0;                                  ///< [m] between the surfaces; below 0 they overlap
   Eigen::Vector2d point = Eigen::Vector2d::Zero();   ///< [m] point of the box's surface nearest to the pusher
-  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< of length 1, from the box to the pusher
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< unit vector from the box to the pusher
   /// [m/s] of the pusher's surface along the box's, positive to the left of the normal. The pusher does not turn.
   double slip = 0.0;
 

@@ -15,7 +15,7 @@ namespace pusht {
 /// Trace: states[k] is the world before actions[k]; there is one more state than actions.
 struct Trace {
   std::vector<WorldState> states;
-  std::vector<Action> actions;  ///< as applied, i.e. clipped
+  std::vector<Action> actions;  ///< applied, hence clipped [m/s]
 
   std::size_t steps() const { return actions.size(); }
 };

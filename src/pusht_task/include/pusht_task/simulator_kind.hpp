@@ -17,11 +17,11 @@ namespace pusht {
 /// A kind with values for its parameters, loaded and ready. Worlds of one model may step in different threads; they may
 /// outlive it.
 struct SimulatorModel {
-  ParameterSet parameters;                               ///< as the kind understood them
-  nlohmann::json provenance = nlohmann::json::object();  ///< what the numbers depend on besides, e.g. files
+  ParameterSet parameters;                               ///< parameters as the kind has read them
+  nlohmann::json provenance = nlohmann::json::object();  ///< all else that the numbers depend on, e.g. files
   std::function<std::unique_ptr<Simulator>()> make_world;
   std::function<std::unique_ptr<BatchSimulator>(int lanes)>
-      make_lanes;  ///< as many worlds, each as make_world() has it
+      make_lanes;  ///< makes a batch of so many worlds, each as from make_world()
 };
 
 struct SimulatorKind {

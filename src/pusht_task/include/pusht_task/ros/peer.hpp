@@ -51,8 +51,8 @@ class Watchdog {
   std::mutex mutex_;
   std::condition_variable ending_changed_;
   bool ending_ = false;
-  const std::function<void()>* interrupt_ = nullptr;  // of the call under way
-  std::chrono::steady_clock::time_point expiry_;      // of it
+  const std::function<void()>* interrupt_ = nullptr;  // interrupts the call under way
+  std::chrono::steady_clock::time_point expiry_;      // deadline of that call
   std::thread thread_;
 };
 

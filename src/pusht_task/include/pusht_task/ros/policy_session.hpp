@@ -18,10 +18,10 @@ namespace pusht {
 
 /// Policy of a policy node, with its description.
 struct PolicyModel {
-  std::string name;  ///< as in metrics.json
+  std::string name;  ///< name in metrics.json
   std::string version;
   std::unique_ptr<Policy> policy;
-  nlohmann::json provenance = nlohmann::json::object();  ///< what the numbers depend on
+  nlohmann::json provenance = nlohmann::json::object();  ///< all that the numbers depend on
 };
 
 /// Served policy. It keeps the policy's memory of each rollout, from step 0 on. Not thread-safe.
@@ -37,8 +37,8 @@ class PolicySession {
     std::unique_ptr<Policy::Memory> memory;
     std::int64_t step = -1;  // last one answered
     pusht_msgs::Query::_observation_type observation{};
-    std::uint64_t last_request = 0;  // that asked for it
-    Action action{};                 // the answer
+    std::uint64_t last_request = 0;  // last request that asked for it
+    Action action{};                 // its answer
   };
 
   bool isRepeated(const pusht_msgs::Query& query) const;

@@ -43,7 +43,7 @@ class SimulatorSession {
     bool failed;            // the simulation did, in the last step
     pusht_msgs::ResetRequest begin;
     pusht_msgs::ResetResponse begun;
-    pusht_msgs::StepRequest last;    // of step `steps` - 1
+    pusht_msgs::StepRequest last;    // request of step `steps` - 1
     pusht_msgs::StepResponse taken;  // its answer
   };
 

@@ -108,7 +108,7 @@ class Broadcast {
   std::optional<int> last_;        // index of the run's last episode, once it is known
   std::pair<int, int> published_;  // episode and step that were published last
   std::pair<int, int> drawn_;      // episode and step that were drawn last
-  ros::Time stamp_;                // of the last published step
+  ros::Time stamp_;                // stamp of the last published step
 
   tf2_ros::StaticTransformBroadcaster fixed_frames_;
   std::optional<Picture> picture_;

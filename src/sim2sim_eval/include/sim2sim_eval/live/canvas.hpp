@@ -39,7 +39,7 @@ constexpr std::array<std::uint32_t, kModeCount> kWorldColors = {0x5AAAFF, 0xF0DC
 std_msgs::ColorRGBA colorOf(Mode mode, float opacity = 1.0F);
 
 // Widths of lines and arrows [m].
-constexpr double kMarkWidth = 0.005;  // of thin lines that mark something
+constexpr double kMarkWidth = 0.005;  // thin lines that mark something
 constexpr double kTrailWidth = 0.007;
 constexpr double kCommandWidth = 0.009;
 constexpr double kVelocityWidth = 0.012;

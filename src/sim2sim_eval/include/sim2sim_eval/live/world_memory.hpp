@@ -40,7 +40,7 @@ class WorldMemory {
   };
   struct World {
     WorldRequest original;      // restores the world
-    std::optional<State> left;  // as a run left it; none while one configures it, or if that failed
+    std::optional<State> left;  // state in which a run left it; none while a run configures it, or if that failed
   };
 
   std::map<std::string, World> worlds_;  // by namespace of the services

@@ -17,6 +17,7 @@ constexpr const char* kDemonstrationStepTopic = "/demonstration/step";      ///<
 constexpr const char* kDemonstrationEndTopic = "/demonstration/end";        ///< pusht_msgs/DemonstrationEnd
 constexpr int kDemonstrationFormat = 1;  ///< format of the bag: "format" in its origin; 1 without one
 
+/// Parameters of a recording of demonstrations.
 struct DemonstrationPlan {
   std::uint64_t seed = 0;  ///< demonstration i starts from spawn seed + i
   int episodes = 500;
@@ -25,6 +26,7 @@ struct DemonstrationPlan {
   void validate() const;
 };
 
+/// Counts of recorded demonstrations.
 struct DemonstrationTally {
   int episodes = 0;
   int successes = 0;

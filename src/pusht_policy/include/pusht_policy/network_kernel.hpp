@@ -32,6 +32,7 @@ struct Operation {
 /// Instruction sets that the kernel is compiled for. All give the same bits.
 enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
 
+/// Name of an instruction set, as in the provenance.
 const char* toString(InstructionSet instruction_set);
 
 /// Instruction sets of this machine, the fastest last.

@@ -47,6 +47,7 @@ struct Contacts {
 
   Part part() const;
 };
+/// Contacts of the pusher with both boxes of the tee.
 Contacts contactsOf(const WorldState& state);
 
 /// Distance that the pusher's surface slides along `box`, kBar or kStem, which it touches before and after [m].
@@ -65,6 +66,7 @@ struct WallGaps {
 
   bool touches() const { return pusher <= kContactTolerance || tee <= kContactTolerance; }
 };
+/// Distances of pusher and tee from the nearest wall [m].
 WallGaps wallGapsOf(const WorldState& state);
 
 }  // namespace pusht

@@ -24,6 +24,7 @@ struct SimulatorModel {
       make_lanes;  ///< makes a batch of so many worlds, each as from make_world()
 };
 
+/// Description of a kind of simulator: its name, parameters and libraries, and how to load it.
 struct SimulatorKind {
   std::string name;   ///< key: "two_mass"
   std::string title;  ///< for people: "two-mass engine"
@@ -44,6 +45,7 @@ struct SimulatorKind {
 /// Kinds to choose from by name. Names differ; the kinds must outlive the list.
 using SimulatorKinds = std::vector<std::reference_wrapper<const SimulatorKind>>;
 
+/// Names of the kinds, in their order.
 std::vector<std::string> kindNames(const SimulatorKinds& kinds);
 
 /// Kind with this name. Throws InvalidInput, with the known names, for an unknown one.

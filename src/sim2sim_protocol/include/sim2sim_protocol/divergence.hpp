@@ -9,6 +9,7 @@
 
 namespace sim2sim {
 
+/// Distance of two tees in position and yaw.
 struct Divergence {
   double position = 0.0;  ///< [m] distance of the tee origins
   double angle = 0.0;     ///< [rad] absolute difference of the yaws, wrapped, in [0, pi]
@@ -17,6 +18,7 @@ struct Divergence {
   Divergence operator/(std::size_t count) const;
 };
 
+/// Divergence of the tees of two states.
 Divergence divergence(const pusht::WorldState& a, const pusht::WorldState& b);
 
 /// At every step that both traces have, the start included.

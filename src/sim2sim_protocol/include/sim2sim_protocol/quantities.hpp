@@ -35,19 +35,23 @@ double meanPositionDivergence(const RolloutView& view);
 double meanAngleDivergence(const RolloutView& view);
 /// The same over the first kEarlySteps: none where a rollout is shorter, so that all episodes count alike.
 double earlyPositionDivergence(const RolloutView& view);
+/// Yaw's counterpart of earlyPositionDivergence() [rad].
 double earlyAngleDivergence(const RolloutView& view);
 /// The null model's mean divergence over the steps that both have: that of a tee that stays where it started, or where
 /// it was last put to the reference's state.
 double nullPositionDivergence(const RolloutView& view);
+/// Yaw's counterpart of nullPositionDivergence() [rad].
 double nullAngleDivergence(const RolloutView& view);
 /// Mean of the divergence just before the rollout is put to the reference's state: what `reset_every` control steps
 /// make.
 double anchorPositionError(const RolloutView& view);
+/// Yaw's counterpart of anchorPositionError() [rad].
 double anchorAngleError(const RolloutView& view);
 
 /// How much less the closed loop diverges than the replay, mean over the steps that both and the reference have: what
 /// the policy's feedback removes. Below 0 it adds.
 double absorbedPositionDivergence(const RolloutView& view);
+/// Yaw's counterpart of absorbedPositionDivergence() [rad].
 double absorbedAngleDivergence(const RolloutView& view);
 /// [1/step] How fast the reference amplifies a small difference; growthRate() of a floor, in protocol/parting.hpp.
 double growthRateOf(const RolloutView& view);

@@ -11,7 +11,7 @@
 
 namespace sim2sim {
 
-/// A file for each rollout: FOLDER/<hash of the key>/<name of the start>.<rollout>, a line of JSON and the numbers of
+/// A file for each rollout: FOLDER/HASH_OF_KEY/NAME_OF_START.ROLLOUT, a line of JSON and the numbers of
 /// the trace as they are in memory. Several threads and runs may share a folder.
 class ReferenceCache {
  public:

@@ -23,6 +23,7 @@ constexpr int kFewestPairs = 20;
 /// [m or rad] What is closer than that is the same: where nothing moved, rounding leaves angles of up to 7.5e-15.
 constexpr double kSame = 1e-9;
 
+/// Interval of a figure, in its unit; of 95 % unless said otherwise.
 struct Interval {
   double low;
   double high;

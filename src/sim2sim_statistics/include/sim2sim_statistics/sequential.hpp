@@ -16,6 +16,7 @@ namespace sim2sim {
 
 constexpr double kErrorRate = 0.05;  ///< of every verdict below, over all looks together
 
+/// Verdict on a share of the reference's success.
 enum class Verdict { kUndecided, kKeeps, kDoesNot };
 
 /// Money that is bet on engine - share * reference, or against it, pair by pair, with ten stakes at once.
@@ -91,6 +92,7 @@ class AnyDifference {
   std::optional<int> decided_after_;
 };
 
+/// Sign of a mean difference, as far as it is decided.
 enum class Sign { kUndecided, kNegative, kPositive };
 
 /// Does A diverge less than B? The sign of the mean of their paired differences, A - B, in any unit.

@@ -27,6 +27,7 @@ CLI::Validator notEmpty();
 
 /// Validators that accept decimal numbers alone. CLI11 itself reads 010 as eight, and an empty text as zero.
 CLI::Validator decimalInteger();
+/// Accepts decimal numbers only, whole or not.
 CLI::Validator decimalReal();
 
 /// Progress bar on stderr: finished, total, time left. Silent unless stderr is a terminal.

@@ -17,6 +17,7 @@ class App;
 
 namespace sim2sim {
 
+/// Command line of `compare`.
 struct CompareOptions {
   Protocol protocol;
   bool episodes_given = false;                 ///< else defaultEpisodes()

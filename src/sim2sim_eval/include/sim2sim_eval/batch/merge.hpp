@@ -11,6 +11,7 @@ class App;
 
 namespace sim2sim {
 
+/// Command line of `merge`.
 struct MergeOptions {
   std::vector<std::string> shards;  ///< folders of all shards, in any order
   std::string out;                  ///< results folder; empty: the next free results/merge-N

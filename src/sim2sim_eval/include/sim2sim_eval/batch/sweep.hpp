@@ -12,6 +12,7 @@ class App;
 
 namespace sim2sim {
 
+/// Command line of `sweep`.
 struct SweepOptions {
   std::string plan;   ///< YAML file for readSweepPlan()
   int episodes = 0;   ///< number of episodes instead of the plan's; 0: the plan's

@@ -36,6 +36,7 @@ constexpr double kCharacterWidth = 0.46;  // mean width of a character, in heigh
 // reports.
 constexpr std::array<std::uint32_t, kModeCount> kWorldColors = {0x5AAAFF, 0xF0DC46, 0xEE6677};
 
+/// Color of a mode's world in the picture.
 std_msgs::ColorRGBA colorOf(Mode mode, float opacity = 1.0F);
 
 // Widths of lines and arrows [m].
@@ -62,6 +63,7 @@ constexpr double kTextZ = 9.0 * kLayer;
 
 using Points = std::vector<geometry_msgs::Point>;
 
+/// Point as a message [m].
 geometry_msgs::Point point(double x, double y, double z);
 
 /// List of markers in one frame. A call always adds one marker: an empty text or line becomes a marker that deletes

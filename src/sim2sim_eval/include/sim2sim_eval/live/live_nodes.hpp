@@ -21,6 +21,7 @@ namespace sim2sim {
 /// fixed by the first connection; a node that comes back after a fault must have the same. Not thread-safe.
 class LiveNodes {
  public:
+  /// Service namespaces of the nodes of a run.
   struct Services {
     std::array<std::string, kModeCount> worlds;  ///< service namespaces, by mode
     std::string policy;

@@ -38,7 +38,7 @@ class LiveObserver {
   virtual void onLoss(int episode, const pusht::PeerFault& fault) = 0;
 };
 
-/// Options of a live run that have no influence on its results.
+/// Parameters of a live run besides its protocol.
 struct LiveOptions {
   LiveNodes::Simulators simulators;
   pusht::Peer::Wait wait;  ///< for nodes; without `respawn` a lost node ends the run; `stop` ends it in any case

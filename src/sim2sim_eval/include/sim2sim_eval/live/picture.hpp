@@ -27,6 +27,7 @@ enum class RunState { kWaits, kRuns, kPaused, kFinished, kEnded };
 /// not placed by TF, and everything that moves comes in one message. So no part of a picture lags behind another.
 class Picture {
  public:
+  /// World in the picture: its frames, title and colors.
   struct World {
     std::string frame_prefix;               ///< prefix of its TF frames, the frame of its view included
     std::string title;                      ///< e.g. "MuJoCo, the reference"

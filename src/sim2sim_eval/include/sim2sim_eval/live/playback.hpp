@@ -28,6 +28,7 @@
 
 namespace sim2sim {
 
+/// Private parameters of `replay_node`.
 struct PlaybackParameters {
   std::string bag;               ///< compare.bag of a run
   std::optional<int> episode{};  ///< index of the first episode to show; none: the bag's first

@@ -16,6 +16,7 @@ std::vector<std::string> titlesOf(const std::vector<RunResults>& runs);
 /// All runs, the baseline first.
 std::vector<RunResults> allOf(const RunResults& baseline, const std::vector<RunResults>& others);
 
+/// Question and answer about runs, in words.
 struct Answer {
   std::string question;
   std::string answer;

@@ -37,6 +37,7 @@ struct AttributedGap {
   Estimate floor{};       ///< of the reference against itself, start moved by 1e-6 m; NaN without a floor
 };
 
+/// Attribution of the gaps between two simulators to the switches of an engine.
 struct Attribution {
   std::string reference;  ///< titles
   std::string engine;

@@ -47,6 +47,7 @@ struct ContrastRow {
   std::optional<int> decided_after{};
 };
 
+/// Comparison of a run with the baseline, pair by pair.
 struct Contrast {
   std::string title;                   ///< of the other, by what tells it from the rest
   PairTable successes;                 ///< of the engine; first: the baseline

@@ -30,12 +30,14 @@ enum class TransferVerdict {
 /// "transfers", "transfers_in_part", "at_most_in_part", "does_not_transfer", "cannot_say", "nothing_to_transfer"
 std::string nameOf(TransferVerdict verdict);
 
+/// Verdict that follows from the interval of the transfer.
 TransferVerdict verdictOf(const Interval& transfer);
 
 /// A share of the reference's success in percent: "31". It has as many digits as it takes to be printed on its side of
 /// each bound of the scale, and of the share that decides the end of the run: 0.4996 is "49.96", not "50".
 std::string transferNumber(const RunConfiguration& configuration, double share);
 
+/// Question of a run and its answer in a sentence.
 struct Headline {
   TransferVerdict verdict = TransferVerdict::kCannotSay;
   std::string question;

@@ -30,6 +30,7 @@ struct SimulatorRecord {
            const nlohmann::json& provenance);
 };
 
+/// Description of a simulator in metrics.json and provenance.json.
 nlohmann::ordered_json toJson(const SimulatorRecord& simulator);
 /// Throws json::exception if `description` does not come from toJson().
 SimulatorRecord simulatorFrom(const nlohmann::ordered_json& description);

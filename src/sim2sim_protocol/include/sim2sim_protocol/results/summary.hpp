@@ -17,6 +17,7 @@
 
 namespace sim2sim {
 
+/// Successes of a role, their rate and its interval.
 struct SuccessRate {
   int successes;
   double rate;
@@ -70,6 +71,7 @@ struct BaselineComparison {
   std::optional<bool> beatsNull() const;
 };
 
+/// Figures of a run or of its finished part, with intervals.
 struct Summary {
   using Means = std::array<Estimate, kQuantities.size()>;
   using Baselines = std::array<BaselineComparison, kDivergencePairs.size()>;

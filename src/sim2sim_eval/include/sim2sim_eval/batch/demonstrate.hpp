@@ -12,6 +12,7 @@ class App;
 
 namespace sim2sim {
 
+/// Options of the command `demonstrate`.
 struct DemonstrateOptions {
   pusht::DemonstrationPlan plan;
   std::string out = "demonstrations.bag";  ///< bag to write; must not be there

@@ -41,7 +41,7 @@ std::vector<Observation> probes() {
   return probes;
 }
 
-/// What the network does to the probes. Throws BadDependency if that is not finite.
+/// Outputs of the network for the probes. Throws BadDependency if one is not finite.
 std::vector<Action> tryOut(TorchNetwork& network, const std::string& name) {
   std::vector<Action> actions;
   for (const Observation& probe : probes()) {

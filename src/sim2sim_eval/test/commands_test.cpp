@@ -18,9 +18,12 @@
 #include "sim2sim_eval/batch/demonstrate.hpp"
 #include "sim2sim_eval/batch/plan.hpp"
 #include "sim2sim_eval/batch/recompute.hpp"
+#include "sim2sim_protocol/results/episodes_csv.hpp"
+#include "sim2sim_protocol/results/json.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/output_folder.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 namespace {

@@ -128,7 +128,7 @@ class LiveRespawn(GoalCase):
         self.accepted("resume")
         result = self.result(GoalStatus.ABORTED)
         self.assertEqual((result.exit_code, result.faults_survived), (4, 0))
-        self.assert_not_whole(self.out, "/reference/describe: nobody answers within 10000 ms")
+        self.assert_not_whole(self.out, "/reference/describe: no node answers within 10000 ms")
 
 
 run(LiveRespawn)

@@ -259,7 +259,7 @@ class LiveSession(GoalCase):
         self.send(policy_namespace="nobody")
         result = self.result(GoalStatus.ABORTED)
         self.assertEqual(result.exit_code, 4)
-        self.assertRegex(result.reason, "/nobody/describe: nobody answers within")
+        self.assertRegex(result.reason, "/nobody/describe: no node answers within")
         self.assertRegex(result.reason, "roslaunch pusht_policy policy.launch name:=nobody$")
 
     def test_world_is_no_policy(self) -> None:

@@ -107,7 +107,7 @@ void requireNewStarts(const fs::path& path, const Protocol& protocol, bool goes_
   }
 }
 
-/// Each parameter of a kind of the course, as an option of its own.
+/// Declares each parameter of a kind of the course as an option of its own.
 void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::string>& parameters) {
   for (const pusht::ParameterDescriptor& parameter : simulatorKind(kind).parameters) {
     const std::string unit = parameter.unit.empty() ? "" : " [" + parameter.unit + "]";
@@ -167,7 +167,7 @@ void CompareOptions::declare(CLI::App& app) {
 }
 
 void compare(const CompareOptions& options) {
-  // All that can be refused is refused before anything is written.
+  // Checks of all inputs come before the first file is written.
   RunConfiguration configuration;
   configuration.protocol = options.smoke ? smokeRun(options.protocol) : options.protocol;
   if (!options.smoke && !options.episodes_given) {

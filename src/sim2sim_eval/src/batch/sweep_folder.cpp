@@ -42,7 +42,7 @@ std::string csvCell(const json& value) {
 
 using Columns = std::vector<std::pair<std::string, json>>;
 
-/// What tells the rows apart: the kind of engine, if there are several, and all parameters that a row has.
+/// Names of columns that tell the rows apart: the kind of engine, if there are several, and all parameters of a row.
 std::vector<std::string> parameterNames(const std::vector<json>& rows) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {

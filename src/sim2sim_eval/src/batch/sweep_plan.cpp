@@ -74,7 +74,7 @@ void requireRowLimit(const YAML::Node& node, const std::string& key, std::size_t
   }
 }
 
-/// Each key once; YAML itself would take the last.
+/// Throws InvalidInput for a key that appears twice; YAML itself would take the last.
 void requireDistinctKeys(const YAML::Node& map) {
   std::set<std::string> seen;
   for (const auto& entry : map) {
@@ -235,7 +235,7 @@ SimulatorChoice referenceIn(const YAML::Node& root) {
   return reference;
 }
 
-/// In the order of the plan, each with its defaults.
+/// Engines in the order of the plan, each with its defaults.
 std::vector<SimulatorChoice> enginesIn(const YAML::Node& root) {
   const YAML::Node node = root["engine"];
   if (!node.IsDefined()) {

@@ -32,7 +32,7 @@ void writeRefusal(pusht::ParameterReader& parameters, const std::exception& fail
     try {
       tell();
     } catch (const pusht::Error&) {
-      // The failure itself is reported by whoever gets it.
+      // The caller reports the failure itself.
     }
   };
   attempt([&] { writeStatusFile(EvaluatorParameters::statusFileOf(parameters), status); });

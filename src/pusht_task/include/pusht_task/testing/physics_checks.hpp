@@ -234,7 +234,7 @@ inline Deviations push(Simulator& world, const PhysicsOfKind& physics) {
   return deviations;
 }
 
-/// Where the pusher is as it touches each face of the tee, pushing gently.
+/// Positions of the pusher as it touches each face of the tee, pushing gently.
 inline Deviations sizes(Simulator& world, const PhysicsOfKind& physics) {
   struct Face {
     const char* name;
@@ -275,7 +275,7 @@ inline Deviations sizes(Simulator& world, const PhysicsOfKind& physics) {
   return deviations;
 }
 
-/// Where walls stop the pusher, and the tee that it pushes; if there are none, nothing stops them.
+/// Positions at which walls stop the pusher, and the tee that it pushes; without walls nothing stops them.
 inline Deviations walls(Simulator& world, const PhysicsOfKind& physics) {
   const Physics& p = physics.numbers;
   const double thickness = 0.5 * dynamics::kWallThickness;  // [m] beyond its face; well within a wall

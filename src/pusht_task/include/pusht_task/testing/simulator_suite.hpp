@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What every Simulator must do, as a test suite to run over the worlds of your kind; batch_simulator_suite.hpp has the
+/// Test suite of Simulator, to run over the worlds of your kind; batch_simulator_suite.hpp has the
 /// one for its lanes:
 ///
 ///     std::vector<Subject> subjects() { return {{mineKind()}, {mineKind(), {{"friction", "0.3"}}}}; }

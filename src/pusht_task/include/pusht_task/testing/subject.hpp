@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the suites of simulators are run over.
+/// Subjects of the suites of simulators: a kind, with parameters.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ struct Subject {
   }
 };
 
-/// As gtest shows it.
+/// Name of the subject in gtest's output.
 inline void PrintTo(const Subject& subject, std::ostream* out) {  // NOLINT(readability-identifier-naming)
   *out << subject.kind.name;
   for (const auto& [name, text] : subject.settings) {

@@ -11,7 +11,7 @@ class App;
 
 namespace sim2sim {
 
-/// Command line of `attribute`.
+/// Options of the command `attribute`.
 struct AttributeOptions {
   std::filesystem::path sweep;     ///< folder of the sweep, over combinations of true/false parameters
   std::filesystem::path baseline;  ///< folder of a run over the same episodes, shown beside; empty: none

@@ -14,7 +14,7 @@ class App;
 
 namespace sim2sim {
 
-/// Command line of `contrast`.
+/// Options of the command `contrast`.
 struct ContrastOptions {
   std::vector<std::string> results;  ///< folders of runs or sweeps; each row of a sweep is a run
   int against = 0;                   ///< number of the baseline among these runs, from 0

@@ -12,7 +12,7 @@ class App;
 
 namespace sim2sim {
 
-/// Command line of `demonstrate`.
+/// Options of the command `demonstrate`.
 struct DemonstrateOptions {
   pusht::DemonstrationPlan plan;
   std::string out = "demonstrations.bag";  ///< bag to write; must not be there

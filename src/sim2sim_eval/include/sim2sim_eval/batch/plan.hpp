@@ -23,7 +23,7 @@ struct PlanQuestions {
   std::optional<double> angle{};                ///< difference of mean angle divergences [rad], above 0
 };
 
-/// Command line of `plan`.
+/// Options of the command `plan`.
 struct PlanOptions {
   std::string pilot;  ///< folder of a finished run; its episodes say how much episodes vary
   std::string other;  ///< folder of a second run over the same episodes, to plan a contrast of the two; empty: none

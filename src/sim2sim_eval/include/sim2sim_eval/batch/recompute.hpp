@@ -15,7 +15,7 @@ class App;
 
 namespace sim2sim {
 
-/// Command line of `recompute`.
+/// Options of the command `recompute`.
 struct RecomputeOptions {
   std::filesystem::path bag;  ///< compare.bag of a run
   std::filesystem::path out;  ///< results folder; empty: the next free results/recompute-N

@@ -71,7 +71,8 @@ void recompute(const Options& options) {
   try {
     requireWhole(run, bag);
     if (options.traces) {
-      sim2sim::TraceFile traces(folder.tracesPath(), recorded.configuration.protocol);
+      std::sort(episodes.begin(), episodes.end(), [](const auto& a, const auto& b) { return a.index() < b.index(); });
+      sim2sim::TraceFile traces(folder.tracesPath());
       std::for_each(episodes.begin(), episodes.end(), [&](const sim2sim::Episode& episode) { traces.add(episode); });
       traces.finish();
     }

@@ -15,7 +15,6 @@ namespace pusht {
 constexpr const char* kDemonstrationOriginTopic = "/demonstration/origin";  ///< std_msgs/String: JSON; once
 constexpr const char* kDemonstrationStepTopic = "/demonstration/step";      ///< pusht_msgs/DemonstrationStep
 constexpr const char* kDemonstrationEndTopic = "/demonstration/end";        ///< pusht_msgs/DemonstrationEnd
-constexpr int kDemonstrationFormat = 1;  ///< of the bag: "format" in the JSON of its origin; without one it is 1
 
 struct DemonstrationPlan {
   std::uint64_t seed = 0;  ///< demonstration i starts from spawn seed + i

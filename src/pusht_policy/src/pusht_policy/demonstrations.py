@@ -14,12 +14,12 @@ from typing import Any, Dict, Iterator, List, Optional, Sequence
 import numpy as np
 import rosbag  # type: ignore[import]
 from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[import]
+from pusht_policy.formats import DEMONSTRATION_FORMAT
 from pusht_task.command import Refusal
 
 ORIGIN_TOPIC = "/demonstration/origin"
 STEP_TOPIC = "/demonstration/step"
 END_TOPIC = "/demonstration/end"
-DEMONSTRATION_FORMAT = 1  # of the bag, as its origin says; without a number it is 1
 MESSAGE_TYPES = {STEP_TOPIC: DemonstrationStep, END_TOPIC: DemonstrationEnd}
 
 

@@ -36,6 +36,7 @@ from pusht_policy.demonstrations import (
     require_format,
     sha256_of_frames,
 )
+from pusht_policy.formats import PROVENANCE_FORMAT, STATE_FORMAT
 from pusht_policy.model import Policy, minimum_and_range, normalised
 from pusht_task.command import SIGNALS, Refusal, read_json, require_new_file, say
 from pusht_task.exit_codes import ExitCode
@@ -43,8 +44,6 @@ from pusht_task.files import write_file
 
 STATE_INTERVAL = 10  # epochs between two saved states, and between two plain progress lines
 HISTORY_INTERVAL = 50  # epochs between two entries of the validation loss history
-STATE_FORMAT = 1  # of state.pt
-PROVENANCE_FORMAT = 1  # of CHECKPOINT.provenance.json; kProvenanceFormat in network_policy.cpp
 METRICS_FORMAT = 4  # of the metrics.json that is read; kDescriptionFormat in sim2sim_eval
 # What an evaluation is of, besides episodes and seed.
 EVALUATED: Dict[str, Any] = {

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 from pusht_task.command import Refusal
+from sim2sim_protocol.result_files import format_of, name_of
 
 from sim2sim_report.figures import (
     COLORS,
@@ -22,8 +23,8 @@ from sim2sim_report.figures import (
 )
 from sim2sim_report.results import ENGINE, REPLAY, Json, read_json, require_format
 
-FORMAT = 1
-FILE = "attribution.json"
+FORMAT = format_of("attribution")
+FILE = name_of("attribution")
 HORIZONS = (  # of replays: open loop, then re-anchored
     *((COLORS[REPLAY], "o"), (COLORS[ENGINE], "s"), (COLORS["reference"], "^")),
     *((DIM, "D"), (INK, "v"), (COLORS[REPLAY], "X"), (COLORS[ENGINE], "P")),

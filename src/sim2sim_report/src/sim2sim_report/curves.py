@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from pusht_task.command import Refusal
+from sim2sim_protocol.result_files import name_of
 
 from sim2sim_report.figures import CARD, DIM, INK, SERIES, STYLE, Drawing, Figure, styled
 from sim2sim_report.results import REPLAY, read_sweep
@@ -87,7 +88,7 @@ OTHER_KEYS = [
 
 def read_rows(folder: Path) -> Tuple[List[Row], int]:
     """The rows of a sweep.json, checked, and how many a whole sweep has."""
-    path = folder / "sweep.json"
+    path = folder / name_of("sweep")
     content = read_sweep(folder)
     rows: List[Row] = content["rows"]
     needed = OTHER_KEYS + [key for panel in PANELS for key in panel[1:] if key]
@@ -436,7 +437,7 @@ def read_curves(folder: Path, suite: Suite, against: Optional[int] = None) -> Cu
             f"{folder}: is unfinished: {len(rows)} of {whole} rows; finish it with `sweep`"
         )
     if not knobs:
-        raise Refusal(f"{folder / 'sweep.json'}: no knob takes more than one value; one must")
+        raise Refusal(f"{folder / name_of('sweep')}: no knob takes more than one value; one must")
     rows, words = with_places(rows, knobs)
     return Curves(rows, whole, knobs, words)
 

@@ -8,6 +8,7 @@ from typing import Any, List, Optional, Sequence
 import jinja2
 from pusht_task import task
 from pusht_task.command import Refusal
+from sim2sim_protocol.result_files import name_of, row_folder
 
 from sim2sim_report import figures
 from sim2sim_report.again import REANCHORED, command_of, notes_on_command
@@ -274,7 +275,7 @@ def _sweep_summary(row: Json) -> str:
 def _sweep_row(folder: Path, number: int, row: Json) -> Json:
     engine = row["simulators"]["engine"]
     values = ", ".join(f"{name} {engine['parameters'][name]}" for name in engine["changed"])
-    statistics = read_json(folder / "rows" / f"{number:03d}" / "statistics.json")
+    statistics = read_json(row_folder(folder, number) / name_of("statistics"))
     return {
         "engine": engine["title"],
         "changed": values or "as shipped",

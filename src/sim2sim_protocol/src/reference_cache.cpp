@@ -46,7 +46,7 @@ std::string bytesOf(const pusht::Trace& trace) {
   return bytes;
 }
 
-/// Of as many bytes as a trace of `steps` has.
+/// Trace of `steps` control steps; `bytes` has byteCount(steps) of them.
 pusht::Trace traceOf(const char* bytes, std::size_t steps) {
   std::vector<StateNumbers> states(steps + 1);
   std::memcpy(states.data(), bytes, states.size() * sizeof(StateNumbers));

@@ -85,7 +85,7 @@ class ConstantPolicy : public pusht::Policy {
 std::unique_ptr<pusht::Policy> idlePolicy() { return std::make_unique<ConstantPolicy>(pusht::Action{0.0F, 0.0F}); }
 std::unique_ptr<pusht::Policy> expert() { return std::make_unique<pusht::ScriptedExpert>(); }
 
-/// As many worlds as lanes, each with its tee at this speed.
+/// A world for each lane, with its tee at this speed.
 std::unique_ptr<pusht::BatchSimulator> ledLanes(int lanes, const LedWorld::Speed& speed) {
   std::vector<std::unique_ptr<pusht::Simulator>> worlds(lanes);
   std::generate(worlds.begin(), worlds.end(), [&speed] { return std::make_unique<LedWorld>(speed); });
@@ -108,12 +108,12 @@ std::function<Worlds(int)> ledWorlds(double reference_speed, double engine_speed
 }
 
 pusht::TwoMassParameters draggy() {
-  pusht::TwoMassParameters knobs;
-  knobs.block_damp = 20.0;
-  return knobs;
+  pusht::TwoMassParameters parameters;
+  parameters.block_damp = 20.0;
+  return parameters;
 }
 
-/// The engine against itself with other knobs.
+/// The engine against itself with other parameters.
 Worlds enginePairs(int lanes) {
   return {std::make_unique<pusht::TwoMassLanes>(lanes, draggy()), std::make_unique<pusht::TwoMassLanes>(lanes),
           std::make_unique<pusht::TwoMassLanes>(lanes)};
@@ -243,12 +243,12 @@ TEST(Protocol, ResultsDoNotDependOnTheNumberOfThreads) {
   }
 }
 
-/// Where threads wait for each other.
+/// Barrier at which threads wait for each other.
 class Meeting {
  public:
   explicit Meeting(int expected) : expected_(expected) {}
 
-  /// Whether all came.
+  /// Returns whether all came.
   bool join() {
     std::unique_lock<std::mutex> lock(mutex_);
     ++arrived_;
@@ -330,7 +330,7 @@ TEST(Protocol, FinishedEpisodesThatWaitForDeliveryAreBounded) {
     EXPECT_EQ(episode.steps(), pusht::kHorizon);
     begun_before_the_first = begun;
   };
-  runProtocol(protocol, {ledWorlds(speed, counted), idlePolicy}, 1, nullptr, deliver,
+  runProtocol(protocol, {ledWorlds(counted, speed), idlePolicy}, 1, nullptr, deliver,
               [&] { return begun_before_the_first > 0; });
   EXPECT_EQ(begun_before_the_first, kEpisodesHeld);
 }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Numbers of formats, from the table that the library in C++ has too. A file without a number has format 1."""
+"""Numbers of formats, from the table that C++ has too. A file without a number has format 1."""
 
 import json
 from pathlib import Path

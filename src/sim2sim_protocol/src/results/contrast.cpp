@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// What two runs must agree in, by its place in metrics.json.
+/// Keys of metrics.json in which two runs must agree, as JSON pointers.
 std::vector<std::string> commonPlaces() {
   std::vector<std::string> places = {"/policy"};
   forEachOption([&](const auto& option) {

@@ -75,7 +75,7 @@ const std::vector<Pattern>& resultPatterns() {
   return all;
 }
 
-/// All that lies in `folder` under the name of `file`, links in the path to it not followed.
+/// Adds every path in `folder` that matches `file`. Links in the path are not followed.
 void find(const fs::path& folder, const Pattern& file, std::size_t part, std::vector<fs::path>& found) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
@@ -98,8 +98,8 @@ std::vector<fs::path> find(const fs::path& folder, const Pattern& file) {
   return found;
 }
 
-/// The first thing in `folder` that stands where a folder of `file` belongs; empty if there is none. What is written
-/// below a link would land in another place.
+/// First entry of `folder` that is no folder, but has the name of a folder of `file`; empty if there is none. Files
+/// written below a link would land elsewhere.
 fs::path findInPlaceOfFolder(const fs::path& folder, const Pattern& file, std::size_t part = 0) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
@@ -115,8 +115,8 @@ fs::path findInPlaceOfFolder(const fs::path& folder, const Pattern& file, std::s
   return {};
 }
 
-/// Of a run that was refused, or that was killed before it had begun. What another version of the suite wrote may mean
-/// anything.
+/// Whether a status is that of a run without a finished episode: it was refused, or killed early. A status of another
+/// format may mean anything, so it is not.
 bool tellsOfNoRun(const fs::path& status) {
   std::error_code ignored;
   if (!fs::is_regular_file(fs::symlink_status(status, ignored))) {

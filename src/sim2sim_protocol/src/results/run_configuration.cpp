@@ -34,7 +34,7 @@ std::string asPythonPrints(const ordered_json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-/// What is not as in the course.
+/// Differences from the course, as text of the hash.
 std::string differencesOf(const std::string& role, const SimulatorRecord& simulator, const std::string& in_course) {
   std::string differences;
   if (simulator.name != in_course) {

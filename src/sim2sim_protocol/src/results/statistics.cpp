@@ -22,7 +22,7 @@ using nlohmann::json;
 
 constexpr std::array kShownQuantiles = {0.05, 0.25, 0.75, 0.95};
 
-/// Of the samples of a quantity.
+/// Distribution of the samples of a quantity.
 json distribution(std::vector<double> samples, const Quantity& quantity) {
   json figures = {{"episodes", samples.size()}};
   if (samples.empty()) {

@@ -60,7 +60,7 @@ double ratio(double a, double b) { return b > 0.0 ? a / b : kNoRatio; }
 
 /// `floor` is the place of the floor's rollout, if there is one.
 BaselineComparison comparisonOf(const std::vector<EpisodeResult>& episodes, const Summary& summary, std::size_t rollout,
-                               const DivergencePair& pair, std::optional<std::size_t> floor) {
+                                const DivergencePair& pair, std::optional<std::size_t> floor) {
   const std::size_t divergence = quantityIndex(pair.divergence);
   const std::size_t null_model = quantityIndex(pair.null_model);
   const double mean = summary.means[rollout][divergence].value;

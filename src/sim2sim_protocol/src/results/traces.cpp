@@ -21,7 +21,7 @@ void append(std::string& bytes, Number number) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));  // x86 and ARM are little-endian
 }
 
-/// The same length for any number of records, so that it can be written again when that is known.
+/// Header of the file. Its length does not depend on `records`, so that it can be written again with the final number.
 std::string header(std::size_t records) {
   std::string fields = "('episode', '<i4'), ('mode', 'S" + std::to_string(kModeLength) + "'), ('step', '<i4')";
   for (const char* name : {"pusher_x", "pusher_y", "tee_x", "tee_y", "tee_yaw"}) {

@@ -195,7 +195,8 @@ def read_traces(run: Run, suite: "Suite") -> Optional[Traces]:
     with tempfile.TemporaryDirectory() as scratch:
         again = Path(scratch, "again")
         suite.recompute(bag, again)
-        if (again / name_of("metrics")).read_bytes() != (run.folder / name_of("metrics")).read_bytes():
+        metrics = name_of("metrics")
+        if (again / metrics).read_bytes() != (run.folder / metrics).read_bytes():
             raise Refusal(f"{bag}: must be of the run of the metrics.json beside it")
         return _traces(again / name_of("traces"), run)
 

@@ -16,6 +16,7 @@ constexpr const char* kDemonstrationOriginTopic = "/demonstration/origin";  ///<
 constexpr const char* kDemonstrationStepTopic = "/demonstration/step";      ///< pusht_msgs/DemonstrationStep
 constexpr const char* kDemonstrationEndTopic = "/demonstration/end";        ///< pusht_msgs/DemonstrationEnd
 
+/// Parameters of a recording of demonstrations.
 struct DemonstrationPlan {
   std::uint64_t seed = 0;  ///< demonstration i starts from spawn seed + i
   int episodes = 500;
@@ -24,6 +25,7 @@ struct DemonstrationPlan {
   void validate() const;
 };
 
+/// Counts of recorded demonstrations.
 struct DemonstrationTally {
   int episodes = 0;
   int successes = 0;

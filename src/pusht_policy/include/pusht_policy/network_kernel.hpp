@@ -32,6 +32,7 @@ struct Operation {
 /// What the kernel may be compiled for. All give the same bits.
 enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
 
+/// Name of an instruction set, as in the provenance.
 const char* toString(InstructionSet instruction_set);
 
 /// What this machine can run, the fastest last.

@@ -18,6 +18,7 @@ namespace pusht {
 
 class TorchNetwork;
 
+/// Version of libtorch as loaded.
 std::string libtorchVersion();
 
 /// The file that libtorch's calls of the BLAS end in; empty if that cannot be found out.

@@ -18,6 +18,7 @@ constexpr const char* kShippedPolicy = "bc";
 constexpr const char* kExpertPolicy = "expert";
 constexpr const char* kUntrainedPolicy = "fresh-untrained";
 
+/// Parameters that choose a policy: the file or name, and what may replace a missing file.
 struct PolicyChoice {
   std::string policy = kShippedPolicy;  ///< a TorchScript file, or one of the names above
   bool require_policy = false;          ///< the shipped checkpoint must be there, too
@@ -25,6 +26,7 @@ struct PolicyChoice {
   bool allow_untrained = false;         ///< an untrained policy replaces a named file that is not there
 };
 
+/// Chosen policy: its factory, name, identity and provenance.
 struct ChosenPolicy {
   std::function<std::unique_ptr<Policy>()> make;  ///< the policy, for one thread after the other
   std::string name;                               ///< the string given, or "fresh-untrained"

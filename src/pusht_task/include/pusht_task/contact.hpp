@@ -47,6 +47,7 @@ struct Contacts {
 
   Part part() const;
 };
+/// Contacts of the pusher with both boxes of the tee.
 Contacts contactsOf(const WorldState& state);
 
 /// [m] How far the pusher's surface slides along a box of the tee, kBar or kStem, that it touches before and after.
@@ -65,6 +66,7 @@ struct WallGaps {
 
   bool touches() const { return pusher <= kContactTolerance || tee <= kContactTolerance; }
 };
+/// Distances of pusher and tee from the nearest wall [m].
 WallGaps wallGapsOf(const WorldState& state);
 
 }  // namespace pusht

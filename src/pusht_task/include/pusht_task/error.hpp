@@ -10,6 +10,7 @@
 
 namespace pusht {
 
+/// Exit codes of commands and nodes, also in replies of services.
 enum class ExitCode {
   kOk = 0,
   kInvalidInput = 2,    ///< bad input or configuration
@@ -33,12 +34,15 @@ class Error : public std::exception {
   std::string message_;
 };
 
+/// Bad input or configuration: exit code 2.
 struct InvalidInput : Error {
   explicit InvalidInput(const std::string& message) : Error(ExitCode::kInvalidInput, message) {}
 };
+/// Missing or unexpected dependency of the run: exit code 3.
 struct BadDependency : Error {
   explicit BadDependency(const std::string& message) : Error(ExitCode::kBadDependency, message) {}
 };
+/// Fault while running: exit code 4.
 struct RuntimeFault : Error {
   explicit RuntimeFault(const std::string& message) : Error(ExitCode::kRuntimeFault, message) {}
 };
@@ -46,6 +50,7 @@ struct RuntimeFault : Error {
 struct SimulationFault : RuntimeFault {
   using RuntimeFault::RuntimeFault;
 };
+/// Defect of the suite or of a library: exit code 70.
 struct InternalError : Error {
   explicit InternalError(const std::string& message) : Error(ExitCode::kInternalError, message) {}
 };

@@ -51,6 +51,7 @@ void writeCacheFile(const std::filesystem::path& path, const std::string& conten
 
 /// Digest in lower-case hex.
 std::string sha256(const std::string& bytes);
+/// MD5 digest in lower-case hex.
 std::string md5(const std::string& bytes);
 
 }  // namespace pusht

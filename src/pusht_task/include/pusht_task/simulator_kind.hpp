@@ -24,6 +24,7 @@ struct SimulatorModel {
       make_lanes;  ///< as many worlds, each as make_world() has it
 };
 
+/// Description of a kind of simulator: its name, parameters and libraries, and how to load it.
 struct SimulatorKind {
   std::string name;   ///< a word: "two_mass"
   std::string title;  ///< for people: "two-mass engine"
@@ -43,6 +44,7 @@ struct SimulatorKind {
 /// Kinds that can be chosen from by their names, which differ. They must outlive it.
 using SimulatorKinds = std::vector<std::reference_wrapper<const SimulatorKind>>;
 
+/// Names of the kinds, in their order.
 std::vector<std::string> kindNames(const SimulatorKinds& kinds);
 
 /// Throws InvalidInput, with the names that there are, if there is none of that `name`.

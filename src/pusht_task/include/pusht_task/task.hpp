@@ -21,6 +21,7 @@ struct PoseError {
 
   bool inTolerance() const { return position < kPositionTolerance && angle < kAngleTolerance; }
 };
+/// Distance of the tee from the target in position [m] and yaw [rad].
 PoseError poseError(const WorldState& state);
 
 /// Success: `kSuccessHold` consecutive control steps in tolerance. Once latched it stays.

@@ -31,7 +31,9 @@ using Action = std::array<float, 2>;
 /// Pusher x, y; tee x, y; sin, cos of the tee's yaw; target x, y; sin, cos of its yaw [m, -].
 using Observation = std::array<float, 10>;
 
+/// Whether all components are finite.
 bool isFinite(const WorldState& state);
+/// Whether both components are finite.
 bool isFinite(const Action& action);
 
 /// `angle` [rad] wrapped to [-pi, pi); one that lies there already keeps its bits.

@@ -15,6 +15,7 @@ namespace sim2sim {
 /// The kinds that there are; the first is the course's reference, the second its engine.
 const pusht::SimulatorKinds& simulatorKinds();
 
+/// Names of all kinds, in their order.
 std::vector<std::string> kindNames();
 
 /// Throws as pusht::kindNamed.

@@ -71,6 +71,7 @@ inline constexpr std::array kCauses = {
     CauseName{Cause::kFree, "free", "free"},
 };
 
+/// Names of a cause, for files and people.
 constexpr const CauseName& nameOf(Cause cause) { return kCauses[static_cast<std::size_t>(cause)]; }
 
 /// Classifies a control step by the states before and after it. Contacts within the step are not seen. So the tee moves
@@ -88,6 +89,7 @@ enum class FirstBody : std::size_t {
 /// Names of FirstBody, in its order, for files and people.
 inline constexpr std::array kFirstBodyNames = {"pusher", "tee", "both"};
 
+/// Name of the body that was the first to be elsewhere.
 constexpr const char* nameOf(FirstBody first) { return kFirstBodyNames[static_cast<std::size_t>(first)]; }
 
 /// Step and cause at which a rollout leaves the bound around the reference.

@@ -19,6 +19,7 @@ namespace pusht {
 /// As pusht_msgs/Parameter: knobs and switches of a simulator, by name, with their values as text.
 using Parameters = std::vector<pusht_msgs::Parameter>;
 
+/// Message that names a parameter and its value as text.
 pusht_msgs::Parameter parameter(const std::string& name, const std::string& value);
 
 /// Whether both texts stand for one value: "6" and "6.0" do.

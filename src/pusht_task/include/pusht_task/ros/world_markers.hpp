@@ -24,6 +24,7 @@ constexpr double kWallHeight = 0.03;  ///< [m] as drawn; the task is planar
 /// A colour as on the web, 0xRRGGBB, and its opacity in [0, 1].
 std_msgs::ColorRGBA color(std::uint32_t rgb, float opacity = 1.0F);
 
+/// Colors of the parts of a world in rviz.
 struct WorldColors {
   std_msgs::ColorRGBA table = color(0x2B313D);
   std_msgs::ColorRGBA walls = color(0x525B6E);
@@ -56,6 +57,7 @@ void enumerate(const std::string& ns, std::vector<visualization_msgs::Marker>& m
 
 /// The shape of the tee in the xy plane of its frame [m]: for a closed LINE_STRIP, and for a TRIANGLE_LIST.
 std::vector<geometry_msgs::Point> teeOutline();
+/// Surface of the tee in the xy plane of its frame [m], for a TRIANGLE_LIST.
 std::vector<geometry_msgs::Point> teeSurface();
 /// Corners of stem and bar in that plane [m], counterclockwise.
 std::array<std::array<geometry_msgs::Point, 4>, 2> teeRectangles();
@@ -68,6 +70,7 @@ visualization_msgs::MarkerArray worldMarkers(const std::string& frame_prefix, co
 
 /// What is written above and below the table of a simulator that is alone.
 struct Caption {
+  /// Time and state that the caption shows.
   struct Moment {
     std::uint64_t episode = 0;
     std::uint32_t steps = 0;  ///< control steps since the reset

@@ -27,6 +27,7 @@ namespace pusht::testing {
 /// SIMD lanes come in groups of 4, 8 or 16: less than a group, one or two that are full, some that are not.
 constexpr std::array<int, 4> kLaneCounts = {1, 3, 8, 19};
 
+/// Contract of every BatchSimulator, run over the subjects of a kind.
 class BatchSimulatorSuite : public SubjectSuite {
  protected:
   static constexpr int kNone = -1;  // lane

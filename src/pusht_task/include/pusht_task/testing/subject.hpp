@@ -37,6 +37,7 @@ inline void PrintTo(const Subject& subject, std::ostream* out) {  // NOLINT(read
   }
 }
 
+/// Base of the suites: a kind of simulator with values of its parameters.
 class SubjectSuite : public ::testing::TestWithParam<Subject> {
  protected:
   std::unique_ptr<Simulator> makeWorld() const { return model_.make_world(); }

@@ -22,6 +22,7 @@ namespace sim2sim {
 /// Of the states after `step` control steps. NaN where a rollout has ended before.
 pusht_msgs::Divergence divergenceMessage(const Episode& episode, int step, const ros::Time& stamp);
 
+/// Message with the results of an episode.
 pusht_msgs::EpisodeResult toMessage(const Protocol& protocol, const EpisodeResult& episode, const ros::Time& stamp);
 
 /// What a probe did.

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "pusht_task/ros/bag_file.hpp"
-#include "sim2sim_eval/bag/worker.hpp"
+#include "sim2sim_eval/bag/background_queue.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 
@@ -41,6 +41,7 @@ struct WorldName {
 
 /// The worlds by mode; the names are those of compare.launch.
 using WorldNames = std::array<WorldName, kModeCount>;
+/// Names of the worlds' topics and frames as compare.launch has them.
 const WorldNames& defaultWorldNames();
 
 /// What kConfigurationTopic holds: `provenance` as in provenance.json, configuration included, the state topics, and a
@@ -82,7 +83,7 @@ class RunBag {
  private:
   const WorldNames worlds_;
   pusht::BagFile file_;  // of the worker
-  Worker worker_;
+  BackgroundQueue worker_;
   bool finished_ = false;
 };
 

@@ -27,6 +27,7 @@ CLI::Validator notEmpty();
 
 /// Accept whole decimal numbers only: CLI11 itself takes 010 for eight, and nothing for zero.
 CLI::Validator decimalInteger();
+/// Accepts decimal numbers only, whole or not.
 CLI::Validator decimalReal();
 
 /// A bar on stderr that shows done, total and time left; silent unless stderr is a terminal.

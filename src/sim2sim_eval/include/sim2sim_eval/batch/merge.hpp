@@ -11,6 +11,7 @@ class App;
 
 namespace sim2sim {
 
+/// Command line of `merge`.
 struct MergeOptions {
   std::vector<std::string> shards;  ///< folders
   std::string out;                  ///< folder; empty: the next free results/merge-N

@@ -12,6 +12,7 @@ class App;
 
 namespace sim2sim {
 
+/// Command line of `sweep`.
 struct SweepOptions {
   std::string plan;   ///< YAML file, as readSweepPlan()
   int episodes = 0;   ///< instead of those of the plan; 0: as there

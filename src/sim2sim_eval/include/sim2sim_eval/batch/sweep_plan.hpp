@@ -14,6 +14,7 @@
 
 namespace sim2sim {
 
+/// Plan of a sweep: protocol, policy, reference, and the rows.
 struct SweepPlan {
   Protocol protocol;
   std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice; a file must be there

@@ -9,6 +9,7 @@
 
 namespace sim2sim {
 
+/// Private parameters of the evaluator; forEachOption() has those of RunOptions.
 struct EvaluatorParameters {
   LiveRequest request;      ///< what a goal leaves open
   bool start = false;       ///< run `request` at once

@@ -27,11 +27,12 @@ enum class RunState { kWaits, kRuns, kPaused, kFinished, kEnded };
 /// placed by TF, and all that moves comes in one message. So nothing in a picture can lag behind something else.
 class Picture {
  public:
+  /// World in the picture: its frames, title and colors.
   struct World {
-    std::string frame_prefix;             ///< of its TF frames, and of the frame of its window
-    std::string title;                    ///< e.g. "MuJoCo, the reference"
-    std::string subtitle{};               ///< e.g. "same policy"
-    std::vector<std::string> settings{};  ///< lines: "block_damp 20.0"; none: as shipped
+    std::string frame_prefix;               ///< of its TF frames, and of the frame of its window
+    std::string title;                      ///< e.g. "MuJoCo, the reference"
+    std::string subtitle{};                 ///< e.g. "same policy"
+    std::vector<std::string> parameters{};  ///< lines: "block_damp 20.0"; none: as shipped
   };
 
   /// The worlds by mode, which is their order on the screen; their prefixes differ.

@@ -15,7 +15,6 @@ namespace pusht {
 constexpr const char* kDemonstrationOriginTopic = "/demonstration/origin";  ///< std_msgs/String: JSON; once
 constexpr const char* kDemonstrationStepTopic = "/demonstration/step";      ///< pusht_msgs/DemonstrationStep
 constexpr const char* kDemonstrationEndTopic = "/demonstration/end";        ///< pusht_msgs/DemonstrationEnd
-constexpr int kDemonstrationFormat = 1;  ///< format of the bag: "format" in its origin; 1 without one
 
 /// Parameters of a recording of demonstrations.
 struct DemonstrationPlan {

@@ -4,10 +4,10 @@
 import hashlib
 from pathlib import Path
 
+from pusht_policy.formats import PROVENANCE_FORMAT
 from pusht_task.error import Error
 from pusht_task.json_file import Json, read_json, require_format
 
-PROVENANCE_FORMAT = 1  # CHECKPOINT.provenance.json; kProvenanceFormat in network_policy.cpp
 ARCHIVE_MARK = b"PK\x03\x04"  # at the beginning of a TorchScript archive
 
 

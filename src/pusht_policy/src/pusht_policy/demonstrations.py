@@ -14,13 +14,13 @@ from typing import Any, Dict, Iterator, List, Optional, Sequence
 import numpy as np
 import rosbag  # type: ignore[import]
 from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[import]
+from pusht_policy.formats import DEMONSTRATION_FORMAT
 from pusht_task.error import Error
 from pusht_task.json_file import require_format
 
 ORIGIN_TOPIC = "/demonstration/origin"
 STEP_TOPIC = "/demonstration/step"
 END_TOPIC = "/demonstration/end"
-DEMONSTRATION_FORMAT = 1  # number in the origin of a bag; a bag without one has format 1
 MESSAGE_TYPES = {STEP_TOPIC: DemonstrationStep, END_TOPIC: DemonstrationEnd}
 
 

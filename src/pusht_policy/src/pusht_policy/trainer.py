@@ -11,6 +11,7 @@ import torch
 from torch import nn
 
 from pusht_policy.demonstrations import Demonstration, sha256_of_frames
+from pusht_policy.formats import STATE_FORMAT
 from pusht_policy.frames import NormalisedFrames, frames_of, normalised_frames, split
 from pusht_policy.model import Policy, minimum_and_range
 from pusht_policy.progress import Progress
@@ -22,7 +23,6 @@ from pusht_task.files import write_file
 
 STATE_INTERVAL = 10  # epochs between two saved states
 HISTORY_INTERVAL = 50  # epochs between two entries of the validation loss history
-STATE_FORMAT = 1  # format of state.pt
 
 
 class Trainer:

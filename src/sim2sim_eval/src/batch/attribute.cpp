@@ -13,7 +13,7 @@
 #include "sim2sim_protocol/results/attribution.hpp"
 #include "sim2sim_protocol/results/attribution_files.hpp"
 #include "sim2sim_protocol/results/json.hpp"
-#include "sim2sim_protocol/results/output_folder.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 
 namespace sim2sim {
 namespace {

@@ -5,9 +5,7 @@
 #include <atomic>
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <iostream>
-#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -65,27 +63,6 @@ class Recorder {
 
   pusht::StampSource stamps_;
   RunBag bag_;
-};
-
-/// Reorder buffer: takes episodes in any order and hands them on by index, until no further one is needed.
-class InOrder {
- public:
-  /// `take` gets the episodes from index `first` on, and returns whether it needs further ones.
-  InOrder(int first, std::function<bool(const Episode&)> take) : next_(first), take_(std::move(take)) {}
-
-  void add(Episode&& episode) {
-    waiting_.emplace(episode.index(), std::move(episode));
-    for (auto first = waiting_.begin(); goes_on_ && first != waiting_.end() && first->first == next_; ++next_) {
-      goes_on_ = take_(first->second);
-      first = waiting_.erase(first);
-    }
-  }
-
- private:
-  int next_;
-  std::function<bool(const Episode&)> take_;
-  bool goes_on_ = true;
-  std::map<int, Episode> waiting_;  // for those before them
 };
 
 /// The starts of a run, as a file for readInitialStates().
@@ -218,7 +195,7 @@ void compare(const CompareOptions& options) {
     }
     std::optional<TraceFile> traces;
     if (options.traces) {
-      traces.emplace(folder.tracesPath(), configuration.protocol);
+      traces.emplace(folder.tracesPath());
     }
     ProgressBar bar("episodes", configuration.protocol.episodes);
     int reference_successes = 0;
@@ -233,6 +210,7 @@ void compare(const CompareOptions& options) {
       finished.insert(result.index);
     }
     bar.skip(static_cast<std::int64_t>(finished.size()));
+    std::atomic<bool> decided = run.decided();
     const auto take = [&](const Episode& episode) {
       const EpisodeResult result = run.add(episode);
       if (recorder) {
@@ -243,25 +221,12 @@ void compare(const CompareOptions& options) {
       }
       count(result);
       bar.advance("success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
-    };
-    std::atomic<bool> decided = run.decided();
-    InOrder in_order(configuration.protocol.first_episode + static_cast<int>(finished.size()),
-                     [&](const Episode& episode) {
-                       take(episode);
-                       decided = run.decided();
-                       return !decided;
-                     });
-    const auto deliver = [&](Episode&& episode) {
-      if (configuration.protocol.until_decided) {
-        in_order.add(std::move(episode));
-      } else {
-        take(episode);
-      }
+      decided = run.decided();
     };
     try {
       runProtocol(
           configuration.protocol, loaded.workerFactory(engine), options.batch.threadCount(),
-          references ? &*references : nullptr, deliver, [&] { return decided || interrupted(); }, finished);
+          references ? &*references : nullptr, take, [&] { return decided || interrupted(); }, finished);
     } catch (const pusht::Error&) {
       if (!decided) {  // else it is of an episode that is not needed
         throw;

@@ -69,7 +69,8 @@ void recompute(const RecomputeOptions& options) {
   try {
     requireWhole(run, options.bag);
     if (options.traces) {
-      TraceFile traces(folder.tracesPath(), recorded.configuration.protocol);
+      std::sort(episodes.begin(), episodes.end(), [](const auto& a, const auto& b) { return a.index() < b.index(); });
+      TraceFile traces(folder.tracesPath());
       std::for_each(episodes.begin(), episodes.end(), [&](const Episode& episode) { traces.add(episode); });
       traces.finish();
     }

@@ -19,9 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kSweepCsv = "sweep.csv";
-constexpr const char* kRows = "rows";
-
 constexpr std::size_t kTablesWritten = 100;  // in the course of a sweep, about
 
 json parsedFile(const fs::path& path, const std::string& what) {
@@ -142,11 +139,7 @@ SweepOnDisk readSweep(const fs::path& folder) {
 }
 
 std::vector<Input> inputsOf(const fs::path& shard) {
-  std::vector<Input> inputs;
-  for (const char* name : {kSweepFile, kProvenanceFile, kRows}) {
-    inputs.push_back({"shard", shard / name});
-  }
-  return inputs;
+  return {{"shard", shard / kSweepFile}, {"shard", shard / kProvenanceFile}, {"shard", rowsFolder(shard)}};
 }
 
 std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted) {
@@ -278,7 +271,7 @@ void SweepFolder::writeStatus(pusht::ExitCode code, const std::string& reason) c
 }
 
 void SweepFolder::writeTables() const {
-  pusht::writeFile(path() / kSweepCsv, sweepCsv(rows_));
+  pusht::writeFile(path() / kSweepTable, sweepCsv(rows_));
   pusht::writeFile(path() / kSweepFile, jsonText({{"sweep", description_}, {"rows", rows_}}));
 }
 

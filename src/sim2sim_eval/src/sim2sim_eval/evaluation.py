@@ -7,7 +7,7 @@ from typing import Any, Dict
 from pusht_policy.checkpoint import provenance_path, read_provenance, sha256_of
 from pusht_task.error import Error
 from pusht_task.json_file import Json, read_json, require_format, write_json
-from sim2sim_report.results import METRICS_FORMAT
+from sim2sim_protocol.result_files import format_of, name_of
 
 # Configuration of a comparison that is an evaluation, besides episodes and seed.
 EVALUATED: Dict[str, Any] = {
@@ -28,10 +28,10 @@ def record_evaluation(checkpoint: Path, results: Path) -> None:
     provenance = read_provenance(checkpoint)
     found = sha256_of(checkpoint)
     _require(provenance_path(checkpoint), provenance, "checkpoint.sha256", found)
-    configuration = _evaluated_configuration(results / "provenance.json", found)
-    path = results / "metrics.json"
+    configuration = _evaluated_configuration(results / name_of("provenance"), found)
+    path = results / name_of("metrics")
     metrics = read_json(path)
-    require_format(path, metrics, METRICS_FORMAT)
+    require_format(path, metrics, format_of("metrics"))
     for name, value in configuration.items():
         _require(path, metrics, name, value)
     episodes = _value(path, metrics, "episodes")
@@ -42,8 +42,8 @@ def record_evaluation(checkpoint: Path, results: Path) -> None:
             f"{path}: mj_success_rate is {rate}; it must be mj_successes ({successes}) over "
             f"episodes ({episodes})"
         )
-    origin = read_json(results / "provenance.json")
-    version = _value(results / "provenance.json", origin, "reference.version")
+    origin = read_json(results / name_of("provenance"))
+    version = _value(results / name_of("provenance"), origin, "reference.version")
     provenance["evaluation"] = {
         "simulator": f"MuJoCo {version}",
         "episodes": episodes,

@@ -9,6 +9,7 @@ from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 from pusht_task.error import Error
 from pusht_task.json_file import Json, read_json, require_format
+from sim2sim_protocol.result_files import format_of, name_of
 
 from sim2sim_report.figures import (
     COLORS,
@@ -23,8 +24,8 @@ from sim2sim_report.figures import (
 )
 from sim2sim_report.results import ENGINE, REPLAY
 
-FORMAT = 1
-FILE = "attribution.json"
+FORMAT = format_of("attribution")
+FILE = name_of("attribution")
 HORIZONS = (  # colors and marks of replays: open loop, then re-anchored
     *((COLORS[REPLAY], "o"), (COLORS[ENGINE], "s"), (COLORS["reference"], "^")),
     *((DIM, "D"), (INK, "v"), (COLORS[REPLAY], "X"), (COLORS[ENGINE], "P")),

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence
 
 from pusht_task.error import Error
+from sim2sim_protocol.result_files import name_of
 
 from sim2sim_report.figures import CARD, DIM, INK, SERIES, STYLE, Drawing, Figure, styled
 from sim2sim_report.suite import Suite
@@ -277,7 +278,7 @@ def read_curves(folder: Path, suite: Suite, against: Optional[int] = None) -> Cu
     if not parameters and len(rows) < whole:
         raise Error(f"{folder}: is unfinished: {len(rows)} of {whole} rows; finish it with `sweep`")
     if not parameters:
-        raise Error(f"{folder / 'sweep.json'}: no knob takes more than one value; one must")
+        raise Error(f"{folder / name_of('sweep')}: no knob takes more than one value; one must")
     rows, words = with_places(rows, parameters)
     return Curves(rows, whole, parameters, words)
 

@@ -12,14 +12,13 @@ import numpy as np
 
 from pusht_task.error import Error
 from pusht_task.json_file import Json, read_json, require_format
+from sim2sim_protocol.result_files import format_of, name_of
 
 if TYPE_CHECKING:
     from sim2sim_report.suite import Suite
 
 REFERENCE, ENGINE, REPLAY = MODES = ("reference_closed", "engine_closed", "engine_replay")
-METRICS_FORMAT = 4
-STATISTICS_FORMAT = 2
-STATUS_FORMAT = 1
+METRICS_FORMAT = format_of("metrics")
 QUESTION = "Does the skill transfer?"
 KINDS = {  # kind of an episode by success (in the reference, in the engine)
     (True, False): "only_reference_succeeds",
@@ -122,37 +121,37 @@ class Partial:
 
 
 def is_partial(folder: Path) -> bool:
-    return (folder / "status.json").exists() and not (folder / "metrics.json").exists()
+    return (folder / name_of("status")).exists() and not (folder / name_of("metrics")).exists()
 
 
 def read_partial(folder: Path) -> Partial:
     """Refuses a folder in which no episode has finished."""
-    status = read_json(folder / "status.json")
-    require_format(folder / "status.json", status, STATUS_FORMAT)
+    status = read_json(folder / name_of("status"))
+    require_format(folder / name_of("status"), status, format_of("status"))
     if status.get("beside_earlier_results"):
         raise Error(f"{folder}: holds files of an earlier run; the folder of one run is needed")
     finished = status.get("episodes_finished", 0)
-    if not finished or not (folder / "episodes.csv").exists():
-        if (folder / "episodes.journal").exists():  # killed: its command has not written them out
+    if not finished or not (folder / name_of("episodes")).exists():
+        if (folder / name_of("journal")).exists():  # killed: its command has not written them out
             raise Error(f"{folder}: was killed; run the same command again, it goes on")
         raise Error(f"{folder}: no episode has finished ({status.get('reason')}); one must have")
-    provenance = read_json(folder / "provenance.json")
-    return Partial(folder, status, provenance, _episodes(folder / "episodes.csv", finished))
+    provenance = read_json(folder / name_of("provenance"))
+    return Partial(folder, status, provenance, _episodes(folder / name_of("episodes"), finished))
 
 
 def is_sweep(folder: Path) -> bool:
-    return (folder / "sweep.json").exists()
+    return (folder / name_of("sweep")).exists()
 
 
 def read_run(folder: Path) -> Run:
     """Refuses what is no whole run of this version."""
     if is_sweep(folder):
         raise Error(f"{folder}: is a sweep; it must stand alone")
-    metrics = read_json(folder / "metrics.json", "the folder of a whole run is needed")
-    require_format(folder / "metrics.json", metrics, METRICS_FORMAT)
-    statistics = read_json(folder / "statistics.json")
-    require_format(folder / "statistics.json", statistics, STATISTICS_FORMAT)
-    provenance = read_json(folder / "provenance.json")
+    metrics = read_json(folder / name_of("metrics"), "the folder of a whole run is needed")
+    require_format(folder / name_of("metrics"), metrics, METRICS_FORMAT)
+    statistics = read_json(folder / name_of("statistics"))
+    require_format(folder / name_of("statistics"), statistics, format_of("statistics"))
+    provenance = read_json(folder / name_of("provenance"))
     try:
         _require_one_run(folder, metrics, statistics, provenance)
         run = Run(
@@ -160,8 +159,8 @@ def read_run(folder: Path) -> Run:
             metrics=metrics,
             statistics=statistics,
             provenance=provenance,
-            episodes=_episodes(folder / "episodes.csv", metrics["episodes"]),
-            bands=_bands(folder / "divergence.csv"),
+            episodes=_episodes(folder / name_of("episodes"), metrics["episodes"]),
+            bands=_bands(folder / name_of("bands")),
         )
         counts = {kind: metrics[kind] for kind in KINDS.values()}
     except (KeyError, TypeError) as error:
@@ -176,7 +175,7 @@ def read_run(folder: Path) -> Run:
 
 def read_sweep(folder: Path) -> Json:
     """The content of sweep.json. Raises Error if it has no rows or is of another version."""
-    path = folder / "sweep.json"
+    path = folder / name_of("sweep")
     content = read_json(path, "the folder of a sweep is needed")
     sweep, rows = content.get("sweep"), content.get("rows")
     require_format(path, sweep if isinstance(sweep, dict) else {}, METRICS_FORMAT)
@@ -187,7 +186,7 @@ def read_sweep(folder: Path) -> Json:
 
 def read_traces(run: Run, suite: "Suite") -> Optional[Traces]:
     """The traces of a run, from traces.npy, or else from the bag; None where there is neither."""
-    path, bag = run.folder / "traces.npy", run.folder / "compare.bag"
+    path, bag = run.folder / name_of("traces"), run.folder / name_of("bag")
     if path.exists():
         return _traces(path, run)
     if not bag.exists():
@@ -195,9 +194,10 @@ def read_traces(run: Run, suite: "Suite") -> Optional[Traces]:
     with tempfile.TemporaryDirectory() as scratch:
         again = Path(scratch, "again")
         suite.recompute(bag, again)
-        if (again / "metrics.json").read_bytes() != (run.folder / "metrics.json").read_bytes():
+        metrics = name_of("metrics")
+        if (again / metrics).read_bytes() != (run.folder / metrics).read_bytes():
             raise Error(f"{bag}: must be of the run of the metrics.json beside it")
-        return _traces(again / "traces.npy", run)
+        return _traces(again / name_of("traces"), run)
 
 
 def _require_one_run(folder: Path, metrics: Json, statistics: Json, provenance: Json) -> None:

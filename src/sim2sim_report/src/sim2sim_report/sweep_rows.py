@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Sequence, Set, Tuple
 
 from pusht_task.error import Error
+from sim2sim_protocol.result_files import name_of
 
 from sim2sim_report.results import REPLAY, read_sweep
 from sim2sim_report.suite import Suite
@@ -61,7 +62,7 @@ OTHER_KEYS = [
 
 def read_rows(folder: Path) -> Tuple[List[Row], int]:
     """The rows of a sweep.json, checked, and how many a whole sweep has."""
-    path = folder / "sweep.json"
+    path = folder / name_of("sweep")
     content = read_sweep(folder)
     rows: List[Row] = content["rows"]
     needed = OTHER_KEYS + [key for panel in PANELS for key in panel[1:] if key]

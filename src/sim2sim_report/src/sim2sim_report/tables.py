@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, List, Optional, Sequence
 
 from pusht_task.json_file import Json, read_json
+from sim2sim_protocol.result_files import name_of, row_folder
 
 from sim2sim_report.again import REANCHORED
 from sim2sim_report.figures import COMPONENTS
@@ -99,7 +100,7 @@ def parameters(run: Run) -> List[Json]:
 def sweep_row(folder: Path, number: int, row: Json) -> Json:
     engine = row["simulators"]["engine"]
     values = ", ".join(f"{name} {engine['parameters'][name]}" for name in engine["changed"])
-    statistics = read_json(folder / "rows" / f"{number:03d}" / "statistics.json")
+    statistics = read_json(row_folder(folder, number) / name_of("statistics"))
     return {
         "engine": engine["title"],
         "changed": values or "as shipped",

@@ -16,6 +16,7 @@
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/results/journal.hpp"
 #include "sim2sim_protocol/results/output_folder.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
@@ -88,7 +89,7 @@ class SweepFolder {
   const std::vector<nlohmann::json>& rows() const { return rows_; }
 
   /// Folder of the reference's rollouts while the sweep is under way, for a sweep without another cache.
-  std::filesystem::path referencePath() const { return path() / "reference"; }
+  std::filesystem::path referencePath() const { return referenceFolder(path()); }
   void removeReference() const { folder_.removeReference(); }
 
   const std::filesystem::path& path() const { return folder_.path(); }

@@ -292,7 +292,7 @@ class KindsOfSessions : public SimulatorSessions {
  protected:
   KindsOfSessions()
       : session_of_kinds_(brittle_, brittle_.defaults(), "any", [this](const auto& update) { seen_.push_back(update); },
-                          {brittle_, tough_}) {
+                          &kinds_) {
     served_ = &session_of_kinds_;
   }
 
@@ -317,6 +317,7 @@ class KindsOfSessions : public SimulatorSessions {
 
   const SimulatorKind brittle_ = kind();
   const SimulatorKind tough_ = tough();
+  const SimulatorKinds kinds_{std::vector{brittle_, tough_}};
   SimulatorSession session_of_kinds_;
 };
 

@@ -5,7 +5,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
-#include "sim2sim_eval/simulators.hpp"
+#include "sim2sim_eval/batch/simulators.hpp"
 
 namespace sim2sim {
 namespace {

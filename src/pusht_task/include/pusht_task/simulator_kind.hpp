@@ -30,7 +30,8 @@ struct SimulatorKind {
   std::string title;  ///< for people: "two-mass engine"
   std::string version;
   std::vector<ParameterDescriptor> parameters;
-  /// Shared libraries, as "libpusht_engine.so", whose code decides what the worlds do, besides libm and pusht_task's.
+  /// Shared libraries, as "libchipmunk.so", whose code decides what the worlds do, besides libm, pusht_task's and the
+  /// kind's own, which SimulatorKinds adds.
   std::vector<std::string> libraries;
   /// Maximum deviation of the state after a reset from the requested state [m, rad, m/s, rad/s]; its worlds'
   /// Simulator::startTolerance().
@@ -41,15 +42,6 @@ struct SimulatorKind {
 
   ParameterSet defaults() const { return ParameterSet(parameters); }
 };
-
-/// Kinds to choose from by name. Names differ; the kinds must outlive the list.
-using SimulatorKinds = std::vector<std::reference_wrapper<const SimulatorKind>>;
-
-/// Names of the kinds, in their order.
-std::vector<std::string> kindNames(const SimulatorKinds& kinds);
-
-/// Kind with this name. Throws InvalidInput, with the known names, for an unknown one.
-const SimulatorKind& kindNamed(const std::string& name, const SimulatorKinds& kinds);
 
 /// Maker of lanes from single worlds, which step one after the other.
 std::function<std::unique_ptr<BatchSimulator>(int lanes)> lanesOf(

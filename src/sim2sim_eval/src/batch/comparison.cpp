@@ -15,12 +15,13 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/ros/served_simulator.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/loaded_run.hpp"
+#include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/simulators.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
@@ -84,9 +85,13 @@ void requireNewStarts(const fs::path& path, const Protocol& protocol, bool goes_
   }
 }
 
-/// Declares each parameter of a kind of the course as an option of its own.
+/// Declares each parameter of a kind of the course as an option of its own; none if the kind cannot be loaded.
 void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::string>& parameters) {
-  for (const pusht::ParameterDescriptor& parameter : simulatorKind(kind).parameters) {
+  const pusht::SimulatorKind* const known = pusht::SimulatorKinds::installed().find(kind);
+  if (known == nullptr) {
+    return;  // why, is said when it is chosen
+  }
+  for (const pusht::ParameterDescriptor& parameter : known->parameters) {
     const std::string unit = parameter.unit.empty() ? "" : " [" + parameter.unit + "]";
     const bool is_real = std::holds_alternative<double>(parameter.default_value);
     app.add_option_function<std::string>(
@@ -94,7 +99,7 @@ void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::
            [&parameters, name = parameter.name](const std::string& value) {
              parameters.push_back(std::string(name).append("=").append(value));
            },
-           simulatorKind(kind).title + ": " + parameter.meaning + unit)
+           known->title + ": " + parameter.meaning + unit)
         ->check(is_real ? decimalReal() : CLI::Validator(""))
         ->default_str(pusht::textOf(parameter.default_value));
   }
@@ -121,7 +126,9 @@ void CompareOptions::declare(CLI::App& app) {
       ->check(notEmpty());
   app.add_option("--write-starts", write_starts, "write the starts of the run into a new CSV file, for --starts")
       ->check(notEmpty());
-  app.add_option("--reference", reference, "kind of simulator: " + pusht::joined(kindNames()))->capture_default_str();
+  app.add_option("--reference", reference,
+                 "kind of simulator: " + pusht::joined(pusht::SimulatorKinds::installed().names()))
+      ->capture_default_str();
   app.add_option("--engine", engine, "kind of simulator that is compared with the reference")->capture_default_str();
   app.add_option("--set", engine_parameters, "NAME=VALUE: a parameter of the engine; may be repeated")
       ->allow_extra_args(false);

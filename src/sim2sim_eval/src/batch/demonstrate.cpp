@@ -6,10 +6,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "pusht_mujoco/mujoco_kind.hpp"
-#include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 
@@ -22,16 +21,18 @@ void DemonstrateOptions::declare(CLI::App& app) {
 }
 
 void demonstrate(const DemonstrateOptions& options) {
-  const auto scene = std::make_shared<const pusht::MujocoScene>();
-  pusht::MujocoWorld world(scene);
+  const LoadedSimulator mujoco(chooseSimulator("mujoco", {}));
+  const auto world = mujoco.model.make_world();
   pusht::ScriptedExpert expert;
   ProgressBar bar("demonstrations", options.plan.episodes);
   nlohmann::json software = buildAndMachine();
-  software["mujoco"] = pusht::mujocoKind().version;
-  const nlohmann::json origin = {
-      {"demonstrator", "scripted expert"}, {"simulator", "mujoco"}, {"scene", scene->sha256()}, {"software", software}};
+  software["mujoco"] = mujoco.kind.version;
+  const nlohmann::json origin = {{"demonstrator", "scripted expert"},
+                                 {"simulator", mujoco.kind.name},
+                                 {"scene", mujoco.model.provenance.at("scene").at("sha256")},
+                                 {"software", software}};
   const pusht::DemonstrationTally tally =
-      pusht::recordDemonstrations(options.plan, world, expert, origin, options.out, [&](const auto& so_far) {
+      pusht::recordDemonstrations(options.plan, *world, expert, origin, options.out, [&](const auto& so_far) {
         bar.advance(std::to_string(so_far.successes) + " solved");
         return !interrupted();
       });

@@ -13,6 +13,7 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
 
 namespace sim2sim {
@@ -204,8 +205,10 @@ SimulatorChoice simulatorAt(const YAML::Node& node, const std::string& key) {
 /// The parameters of the reference that are keys of a plan too: those of the course's.
 std::vector<std::string> shortForms() {
   std::vector<std::string> names;
-  for (const pusht::ParameterDescriptor& parameter : simulatorKind(kCourseReference).parameters) {
-    names.push_back(parameter.name);
+  if (const auto* const reference = pusht::SimulatorKinds::installed().find(kCourseReference); reference != nullptr) {
+    for (const pusht::ParameterDescriptor& parameter : reference->parameters) {
+      names.push_back(parameter.name);
+    }
   }
   return names;
 }

@@ -82,6 +82,16 @@ nlohmann::json buildAndMachine() {
           {"cpu_features", cpuFeatures()}};
 }
 
+std::vector<Input> filesIn(const nlohmann::json& provenance) {
+  std::vector<Input> files;
+  for (const auto& [name, entry] : provenance.items()) {
+    if (entry.is_object() && entry.contains("file") && entry.at("file").is_string()) {
+      files.push_back({name, entry.at("file").get<std::string>()});
+    }
+  }
+  return files;
+}
+
 nlohmann::json codeFingerprint(const std::vector<std::string>& libraries, const std::vector<std::string>& if_loaded) {
   nlohmann::json fingerprint = {{"libm_uses_fma", libmUsesFma()}};
   forEachLibrary([&](const std::filesystem::path& path) {

@@ -18,10 +18,10 @@ namespace pusht {
 /// be loaded with them, the node lives on, and only `describe` answers, with the error.
 int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKind& kind);
 
-/// Main of a simulator node of the kind that the private parameter `kind` names, one of `kinds`. The service
+/// Main of a simulator node for every installed kind. The private parameter `kind` names the first one. The service
 /// `configure` can change it to another. `kind` and the node's parameters follow, so a restarted node comes back as it
-/// was.
-int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKinds& kinds);
+/// was. It fails as serveSimulator() does.
+int serveAnySimulator(int argc, char** argv, const std::string& node_name);
 
 /// Main of a policy node: services `act` and `describe`; /diagnostics. If `load` fails, the node lives on, and only
 /// `describe` answers, with the error.

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "pusht_task/ros/parameters.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "pusht_task/simulator_kind.hpp"
 
 namespace pusht {
@@ -25,9 +26,10 @@ class SimulatorSession {
   using Observer = std::function<void(const pusht_msgs::WorldStateStamped&)>;
 
   /// `observer` gets the world after every reset and step that was taken (not for an answer given again). The world can
-  /// become one of any of `kinds`; without any it stays of its own. Throws as the kind does that refuses `parameters`.
+  /// become one of any of `kinds`, which must outlive it; without any it stays of its own. Throws as the kind does that
+  /// refuses `parameters`.
   SimulatorSession(SimulatorKind kind, const ParameterSet& parameters, std::string frame_prefix, Observer observer,
-                   SimulatorKinds kinds = {});
+                   const SimulatorKinds* kinds = nullptr);
 
   pusht_msgs::ResetResponse reset(const pusht_msgs::ResetRequest& request);
   pusht_msgs::StepResponse step(const pusht_msgs::StepRequest& request);
@@ -63,7 +65,7 @@ class SimulatorSession {
   bool inEpisode() const;
   const SimulatorKind& kindFor(const std::string& name) const;
 
-  SimulatorKinds kinds_;
+  const SimulatorKinds* kinds_;  // null: it stays of its own
   SimulatorKind kind_;
   SimulatorModel model_;
   std::unique_ptr<Simulator> world_;

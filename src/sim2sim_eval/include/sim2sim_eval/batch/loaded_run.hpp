@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pusht_policy/policy_choice.hpp"
-#include "sim2sim_eval/simulators.hpp"
+#include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/runner.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pusht_policy/policy_choice.hpp"
-#include "sim2sim_eval/simulators.hpp"
+#include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_statistics/shapley.hpp"
 

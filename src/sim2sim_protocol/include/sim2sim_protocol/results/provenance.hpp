@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim2sim_protocol/results/output_folder.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 
 namespace sim2sim {
@@ -17,6 +18,9 @@ nlohmann::ordered_json provenance(const RunConfiguration& configuration, const n
 
 /// Version of the suite, compiler, libraries and CPU features.
 nlohmann::json buildAndMachine();
+
+/// Files in a simulator's `provenance`: {PARAMETER: {"file": PATH, ...}, ...}.
+std::vector<Input> filesIn(const nlohmann::json& provenance);
 
 /// Fingerprint of the code that computes bits: SHA-256 of `libraries` as they are loaded, by name ("libm.so"), and of
 /// every loaded library whose name begins with one of `if_loaded`; and whether libm uses FMA. Throws InternalError if

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The simulators that run in process, by name.
+/// Simulators that run in process.
 #pragma once
 
 #include <functional>
@@ -12,23 +12,14 @@
 
 namespace sim2sim {
 
-/// The kinds that there are; the first is the course's reference, the second its engine.
-const pusht::SimulatorKinds& simulatorKinds();
-
-/// Names of all kinds, in their order.
-std::vector<std::string> kindNames();
-
-/// Throws as pusht::kindNamed.
-const pusht::SimulatorKind& simulatorKind(const std::string& name);
-
 /// A simulator that is asked for: a kind, and values for its parameters.
 struct SimulatorChoice {
   std::reference_wrapper<const pusht::SimulatorKind> kind;
   pusht::ParameterSet parameters;
 };
 
-/// `settings` are "NAME=VALUE"; parameters that are not named have their defaults. Throws InvalidInput for an unknown
-/// kind, a setting that is none or is given twice, and as ParameterSet::set.
+/// `settings` are "NAME=VALUE"; parameters that are not named have their defaults. Throws as SimulatorKinds::named and
+/// ParameterSet::set; InvalidInput for a setting that is none or is given twice.
 SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::string>& settings);
 
 /// A simulator that is ready to run.
@@ -47,8 +38,5 @@ struct LoadedSimulator {
   const pusht::SimulatorKind& kind;
   pusht::SimulatorModel model;
 };
-
-/// The files of a simulator's `provenance`: {PARAMETER: {"file": PATH, ...}, ...}.
-std::vector<Input> filesIn(const nlohmann::json& provenance);
 
 }  // namespace sim2sim

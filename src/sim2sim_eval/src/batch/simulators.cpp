@@ -1,29 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/simulators.hpp"
+#include "sim2sim_eval/batch/simulators.hpp"
 
-#include <algorithm>
 #include <set>
 
-#include "pusht_chipmunk/chipmunk_kind.hpp"
-#include "pusht_engine/rigid_body_kind.hpp"
-#include "pusht_engine/two_mass_kind.hpp"
-#include "pusht_mujoco/mujoco_kind.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
+#include "sim2sim_protocol/results/provenance.hpp"
 
 namespace sim2sim {
 
-const pusht::SimulatorKinds& simulatorKinds() {
-  static const pusht::SimulatorKinds kinds = {pusht::mujocoKind(), pusht::twoMassKind(), pusht::rigidBodyKind(),
-                                              pusht::chipmunkKind()};
-  return kinds;
-}
-
-std::vector<std::string> kindNames() { return pusht::kindNames(simulatorKinds()); }
-
-const pusht::SimulatorKind& simulatorKind(const std::string& name) { return pusht::kindNamed(name, simulatorKinds()); }
-
 SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::string>& settings) {
-  SimulatorChoice choice{simulatorKind(kind), simulatorKind(kind).defaults()};
+  const pusht::SimulatorKind& chosen = pusht::SimulatorKinds::installed().named(kind);
+  SimulatorChoice choice{chosen, chosen.defaults()};
   std::set<std::string> seen;
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
@@ -55,15 +43,5 @@ nlohmann::json LoadedSimulator::provenance() const {
 }
 
 std::vector<Input> LoadedSimulator::inputs() const { return filesIn(model.provenance); }
-
-std::vector<Input> filesIn(const nlohmann::json& provenance) {
-  std::vector<Input> files;
-  for (const auto& [name, entry] : provenance.items()) {
-    if (entry.is_object() && entry.contains("file") && entry.at("file").is_string()) {
-      files.push_back({name, entry.at("file").get<std::string>()});
-    }
-  }
-  return files;
-}
 
 }  // namespace sim2sim

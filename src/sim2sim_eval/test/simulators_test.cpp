@@ -263,7 +263,7 @@ void expectDescribed(const pusht::ParameterDescriptor& parameter, const std::str
   EXPECT_EQ(row->at(3), parameter.meaning);
 }
 
-/// Whoever adds a parameter is told here what it must do and where it must appear.
+/// Rules for a new parameter: what it must do and where it must appear.
 TEST(EveryParameter, ChangesATrajectoryAndIsInRecordHashAndReadme) {
   for (const pusht::SimulatorKind& kind : simulatorKinds()) {
     const std::string& library = kind.libraries.front();

@@ -20,7 +20,7 @@
 namespace pusht {
 namespace {
 
-/// How requests fared.
+/// Counts of answered and refused requests.
 struct Tally {
   std::uint64_t answered = 0;
   std::uint64_t refused = 0;
@@ -127,7 +127,8 @@ class SimulatorNode {
     shown_ = ros::SteadyTime::now();
   }
 
-  /// For whoever came after the last step, or has forgotten (rviz's Reset). tf2 warns of what has the same stamp twice.
+  /// Sends the last step again for late subscribers and after rviz's Reset. tf2 warns of a repeated stamp, so stamps
+  /// grow.
   void repeat() {
     for (geometry_msgs::TransformStamped& frame : moving_) {
       frame.header.stamp += ros::Duration(0, 1);

@@ -25,7 +25,8 @@ const ros::Duration kStampStep(kControlStep);
 constexpr std::uint32_t kStampLimitByHand = 1U << 31U;
 constexpr std::uint32_t kStampLimit = 0U - 1'000'000U;
 
-/// Without the kind's name, for runs have recorded such hashes: two kinds may share one, and callers look at `name`.
+/// Hash of the parameters without the kind's name, because runs have recorded such hashes: two kinds may share one, and
+/// callers look at `name`.
 std::string hashOf(const Parameters& parameters) {
   if (parameters.empty()) {
     return "";

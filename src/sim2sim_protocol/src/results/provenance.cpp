@@ -21,7 +21,7 @@ std::string eigenVersion() {
          std::to_string(EIGEN_MINOR_VERSION);
 }
 
-/// Those that libm, BLAS and our kernel choose their code by.
+/// CPU features by which libm, BLAS and our kernel choose their code.
 nlohmann::json cpuFeatures() {
   nlohmann::json features = nlohmann::json::array();
 #if defined(__x86_64__)

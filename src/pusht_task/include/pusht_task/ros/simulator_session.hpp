@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The rules by which a simulator is served, without a node: requests in, replies out.
+/// Rules of a served simulator, without a node: functions from request to response.
 #pragma once
 
 #include <pusht_msgs/Configure.h>
@@ -19,8 +19,8 @@
 
 namespace pusht {
 
-/// One served world: which requests it accepts, in which order, and what it answers. A refused request changes
-/// nothing. The rules are those that pusht_msgs' services state.
+/// Served world: accepts or refuses requests by the rules that the services of pusht_msgs state, and answers them. A
+/// refused request changes nothing. Not thread-safe.
 class SimulatorSession {
  public:
   using Observer = std::function<void(const pusht_msgs::WorldStateStamped&)>;
@@ -45,11 +45,11 @@ class SimulatorSession {
     bool failed;            // the simulation did, in the last step
     pusht_msgs::ResetRequest begin;
     pusht_msgs::ResetResponse begun;
-    pusht_msgs::StepRequest last;    // of step `steps` - 1
+    pusht_msgs::StepRequest last;    // request of step `steps` - 1
     pusht_msgs::StepResponse taken;  // its answer
   };
 
-  /// The change of kind or parameters that was the last that happened to the world.
+  /// Last change of kind or parameters, if no reset has followed.
   struct Configuration {
     pusht_msgs::ConfigureRequest request;
     pusht_msgs::ConfigureResponse answer;
@@ -77,7 +77,7 @@ class SimulatorSession {
   std::optional<Configuration> configuration_;  // empty once the world was reset
 };
 
-/// The answer of a node that failed at start.
+/// Description of a node that failed at its start.
 pusht_msgs::DescribeResponse describeFailure(const std::exception& failure);
 
 }  // namespace pusht

@@ -52,12 +52,8 @@ SimulatorModel loadSwitches(const ParameterSet& parameters) {
 }  // namespace
 
 const SimulatorKind& rigidBodyKind() {
-  static const SimulatorKind kind = {"rigid_body",
-                                     "rigid-body engine",
-                                     PUSHT_ENGINE_VERSION,
-                                     describeSwitches(),
-                                     {"libccd.so"},
-                                     RigidBodyPhysics::kStartTolerance,
+  static const SimulatorKind kind = {"rigid_body",       "rigid-body engine", PUSHT_ENGINE_VERSION,
+                                     describeSwitches(), {"libccd.so"},       RigidBodyPhysics::kStartTolerance,
                                      loadSwitches};
   return kind;
 }

@@ -33,9 +33,9 @@ SimulatorModel loadParameters(const ParameterSet& set) {
 }  // namespace
 
 const SimulatorKind& twoMassKind() {
-  static const SimulatorKind kind = {"two_mass",           "two-mass engine",      PUSHT_ENGINE_VERSION,
-                                     describeParameters(), {}, TwoMassPhysics::kStartTolerance,
-                                     loadParameters};
+  static const SimulatorKind kind = {
+      "two_mass",    "two-mass engine", PUSHT_ENGINE_VERSION, describeParameters(), {}, TwoMassPhysics::kStartTolerance,
+      loadParameters};
   return kind;
 }
 

@@ -17,10 +17,10 @@ namespace pusht {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::refusalOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using testing::refusalOf;
 using ::testing::StartsWith;
 
 /// The element of a plugin description that declares a kind.
@@ -102,8 +102,8 @@ TEST_F(PluginDescriptions, TwoOfThemMustNotHaveOneName) {
   const fs::path c = write("c.xml", libraryWith("libno_such_plugin", classOf("lost")));
   const SimulatorKinds kinds({a, b, c}, {PUSHT_PLUGINS});
   EXPECT_THAT(kinds.names(), ElementsAre("lost", "toy"));
-  EXPECT_EQ(refusalIn<BadDependency>(kinds, "toy"), "simulator 'toy': is in " + a.string() + " and in " + b.string() +
-                                                        "; a name must be that of one kind");
+  EXPECT_EQ(refusalIn<BadDependency>(kinds, "toy"),
+            "simulator 'toy': is in " + a.string() + " and in " + b.string() + "; a name must be that of one kind");
   EXPECT_THAT(refusalIn<BadDependency>(kinds, "lost"), HasSubstr("libunresolved_plugin.so"))
       << "that of a library which is not built does not count";
 }
@@ -148,15 +148,14 @@ TEST_F(PluginDescriptions, RefuseALibraryWithoutTheKind) {
                 ": has no symbol pusht_simulator_absent; must export the kind (PUSHT_EXPORT_SIMULATOR_KIND), as "
                 "plugin_description.xml says");
   EXPECT_EQ(refusalIn<BadDependency>(kinds, "other_name"),
-            "library " + kToyPlugin +
-                ": its kind 'toy' must be named 'other_name', as plugin_description.xml says");
+            "library " + kToyPlugin + ": its kind 'toy' must be named 'other_name', as plugin_description.xml says");
 }
 
 TEST_F(PluginDescriptions, RefuseALibraryThatMissesASymbol) {
   const SimulatorKinds kinds = kindsIn(libraryWith("libunresolved_plugin", classOf("lost")));
   const std::string message = refusalIn<BadDependency>(kinds, "lost");
-  EXPECT_THAT(message, StartsWith("library " + std::string(PUSHT_PLUGINS) +
-                                  "/libunresolved_plugin.so: cannot be loaded: "));
+  EXPECT_THAT(message,
+              StartsWith("library " + std::string(PUSHT_PLUGINS) + "/libunresolved_plugin.so: cannot be loaded: "));
   EXPECT_THAT(message, HasSubstr("undefined symbol: pusht_nowhere"));
 }
 

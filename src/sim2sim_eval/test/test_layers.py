@@ -33,6 +33,16 @@ class Layers(CommandCase):
         self.assertEqual(ours, set())
 
     def test_those_that_need_it_show_it(self) -> None:
-        """Or the other test could not fail."""
-        for layer, library in (("bag", "librosbag_storage.so"), ("eval", "libmujoco.so")):
-            self.assertTrue(any(name.startswith(library) for name in self.foreign(layer)), layer)
+        """Or the other tests could not fail."""
+        bag = self.foreign("bag")
+        self.assertTrue(any(name.startswith("librosbag_storage.so") for name in bag), bag)
+        self.assertTrue(self.engines("libpusht_mujoco.so"))
+
+    def engines(self, program: str) -> Set[str]:
+        """What a library or program needs of simulators."""
+        words = ("mujoco", "chipmunk", "ccd", "pusht_engine")
+        return {name for name in self.needed(program) if any(word in name for word in words)}
+
+    def test_programs_know_no_simulator(self) -> None:
+        for program in ("compare", "evaluator_node", "simulator_node", "sweep"):
+            self.assertEqual(self.engines(f"sim2sim_eval/{program}"), set(), program)

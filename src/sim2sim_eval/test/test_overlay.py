@@ -46,7 +46,13 @@ class Overlay(CommandCase):
         )
         python = "-DPYTHON_EXECUTABLE=/usr/bin/python3"
         build = subprocess.run(
-            ["catkin_make", "--directory", str(cls.workspace), python, "-DCATKIN_ENABLE_TESTING=OFF"],
+            [
+                "catkin_make",
+                "--directory",
+                str(cls.workspace),
+                python,
+                "-DCATKIN_ENABLE_TESTING=OFF",
+            ],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
@@ -89,7 +95,9 @@ class Overlay(CommandCase):
     def test_it_is_listed_where_its_workspace_is(self) -> None:
         process = self.compare("--engine", "toi")
         self.assert_one_line(process, 2, "compare")
-        self.assertTrue(process.stderr.endswith(f"'toi': unknown; known: {KNOWN}\n"), process.stderr)
+        self.assertTrue(
+            process.stderr.endswith(f"'toi': unknown; known: {KNOWN}\n"), process.stderr
+        )
         outside = ("rosrun", "sim2sim_eval", "compare", "--engine", "toy")
         process = self.run_command(*outside)
         self.assert_one_line(process, 2, "compare")
@@ -103,7 +111,15 @@ class Overlay(CommandCase):
 
     def test_a_library_of_other_bytes_asks_for_other_references(self) -> None:
         def kept() -> int:
-            run = ("--reference", "toy", "--reference-cache", "cache", "--overwrite", "--out", "out")
+            run = (
+                "--reference",
+                "toy",
+                "--reference-cache",
+                "cache",
+                "--overwrite",
+                "--out",
+                "out",
+            )
             self.succeed(*run)
             return sum(path.is_file() for path in (self.folder / "cache").rglob("*"))
 

@@ -35,8 +35,8 @@ pusht::SimulatorModel load(const pusht::ParameterSet& parameters) {
 }
 
 const pusht::SimulatorKind& toyKind() {
-  static const pusht::SimulatorKind kind = {
-      "toy", "toy", "1", {{"reach", "m", "from pusher to tee", 0.08, 0.0, 0.2}}, {}, 1e-12, load};
+  static const pusht::SimulatorKind kind = {"toy", "toy", "1", {{"reach", "m", "from pusher to tee", 0.08, 0.0, 0.2}},
+                                            {},    1e-12, load};
   return kind;
 }
 

@@ -41,8 +41,8 @@ endfunction()
 
 # The rest of a package pusht_NAME for kinds of simulators, after find_package and catkin_package: the library SOURCES,
 # which other packages see together with the libraries PUBLIC; the node NAME_node, which serves KIND (NAME, if not
-# given); the rostest test/NAME.test; and their installation, with that of plugin_description.xml and of DIRECTORIES.
-# (Headers the package installs itself, where catkin_lint looks for it.)
+# given); the rostest test/NAME.test; and their installation, with that of DIRECTORIES. (Headers and
+# plugin_description.xml the package installs itself, where catkin_lint looks for it.)
 function(pusht_simulator_package)
   cmake_parse_arguments(_kind "" "KIND" "SOURCES;PUBLIC;PRIVATE;DIRECTORIES" ${ARGN})
   string(REGEX REPLACE "^pusht_" "" name ${PROJECT_NAME})
@@ -77,7 +77,6 @@ int main(int argc, char** argv) {
     ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
     LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
   install(TARGETS ${name}_node RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
-  install(FILES plugin_description.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
   install(DIRECTORY ${_kind_DIRECTORIES} DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 
   if(CATKIN_ENABLE_TESTING)

@@ -28,7 +28,7 @@ class Overlay(CommandCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Builds the workspace; beside the kind it has a package that exports one without building it."""
+        """Builds the workspace. Beside the kind, it has a package that exports one unbuilt."""
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.workspace = Path(folder.name)

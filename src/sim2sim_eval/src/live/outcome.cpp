@@ -3,7 +3,6 @@
 
 #include <ros/console.h>
 
-#include <algorithm>
 #include <boost/process/search_path.hpp>
 #include <boost/process/system.hpp>
 #include <functional>
@@ -13,8 +12,8 @@
 #include "pusht_task/clipped.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/reason.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/live/evaluator_parameters.hpp"
-#include "sim2sim_eval/simulators.hpp"
 
 namespace sim2sim {
 
@@ -26,13 +25,13 @@ void writeStatusFile(const std::string& path, const RunStatus& status) {
   }
 }
 
-void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failure) {
+void writeRefusal(pusht::ParameterReader& parameters, const std::exception& failure) {
   const RunStatus status = {pusht::exitCodeOf(failure), clippedReason(failure), 0, 0, 0};
   const auto attempt = [](const std::function<void()>& tell) {
     try {
       tell();
     } catch (const pusht::Error&) {
-      // The failure itself is reported by whoever gets it.
+      // The caller reports the failure itself.
     }
   };
   attempt([&] { writeStatusFile(EvaluatorParameters::statusFileOf(parameters), status); });
@@ -47,7 +46,7 @@ pusht_msgs::CompareResult refusal(pusht::ExitCode exit_code, const std::string& 
   return result;
 }
 
-std::string howToBringBack(const pusht::NodeMissing& lost, const LiveRequest& request, const WorldMemory& memory) {
+std::string restartHint(const pusht::NodeMissing& lost, const LiveRequest& request, const WorldMemory& memory) {
   const std::string name = lost.services.empty() ? "" : lost.services.substr(1);
   if (name.empty() || name.find('/') != std::string::npos) {
     return "";
@@ -58,12 +57,11 @@ std::string howToBringBack(const pusht::NodeMissing& lost, const LiveRequest& re
   }
   const auto& worlds = request.services.worlds;
   const bool reference = lost.services == worlds[kReferenceClosed];
-  std::string kind = (reference ? request.settings.reference : request.settings.engine).kind;
+  std::string kind = (reference ? request.simulators.reference : request.simulators.engine).kind;
   for (const std::string& world : {lost.services, reference ? lost.services : worlds[kEngineClosed]}) {
     kind = kind.empty() ? memory.kindOf(world) : kind;
   }
-  const std::vector<std::string> kinds = kindNames();
-  if (!kind.empty() && std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+  if (!kind.empty() && !pusht::SimulatorKinds::installed().has(kind)) {
     return "; if it is down, start your node for " + lost.services + " again and send the goal again";
   }
   return restart + "sim2sim_eval simulator.launch name:=" + name + " kind:=" + (kind.empty() ? "KIND" : kind);

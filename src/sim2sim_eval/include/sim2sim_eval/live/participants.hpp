@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the results of a live run say of the nodes that took part.
+/// Nodes of a live run as its results name them: configuration, provenance, inputs, picture.
 #pragma once
 
 #include <memory>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim2sim_eval/bag/run_bag.hpp"
-#include "sim2sim_eval/live/cast.hpp"
+#include "sim2sim_eval/live/live_nodes.hpp"
 #include "sim2sim_eval/live/picture.hpp"
 #include "sim2sim_eval/live/request.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
@@ -15,20 +15,22 @@
 
 namespace sim2sim {
 
-/// Throws InvalidInput if the policy of `cast` is not the one that `request` names.
-void requirePolicy(const LiveRequest& request, const Cast& cast);
+/// Throws InvalidInput if `request` names a policy and the policy's node serves another.
+void requirePolicy(const LiveRequest& request, const LiveNodes& nodes);
 
-RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast);
+/// Configuration of the run: the request, with policy and simulators as the nodes describe them.
+RunConfiguration configurationOf(const LiveRequest& request, const LiveNodes& nodes);
 
-/// Provenance of the run: that of provenance.json, with the nodes.
-nlohmann::ordered_json originOf(const RunConfiguration& configuration, const Cast& cast);
+/// Content of provenance.json, with all nodes.
+nlohmann::ordered_json runProvenance(const RunConfiguration& configuration, const LiveNodes& nodes);
 
-/// The files that the run has read, and its nodes as far as they say so.
-std::vector<Input> inputsOf(const LiveRequest& request, const Cast& cast);
+/// Files that the run and its nodes have read, as far as the nodes report them.
+std::vector<Input> inputsOf(const LiveRequest& request, const LiveNodes& nodes);
 
-Picture pictureOf(const RunConfiguration& configuration, const Cast& cast);
+/// Picture of the run, in the frames of the nodes.
+Picture pictureOf(const RunConfiguration& configuration, const LiveNodes& nodes);
 
 /// State topics and TF prefixes of the worlds.
-WorldNames worldNamesOf(const LiveRequest& request, const Cast& cast);
+WorldNames worldNamesOf(const LiveRequest& request, const LiveNodes& nodes);
 
 }  // namespace sim2sim

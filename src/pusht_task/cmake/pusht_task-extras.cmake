@@ -12,11 +12,18 @@ function(pusht_compile_options target)
   endif()
 endfunction()
 
+# Tests of a release are compiled at -O1, in 70 % of the time of -O3, and run as fast; at -O0, in 60 %, those of the
+# engines would run for 35 s instead of 2. The libraries that they test stay at -O3.
+function(pusht_test_options target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # A gtest with gmock's main, JSON and the golden vectors at hand; for packages of this source tree.
 set(PUSHT_GOLDEN_DIR ${CMAKE_CURRENT_LIST_DIR}/../test/data)
 function(pusht_add_gtest target)
   catkin_add_gmock(${target} ${ARGN})
   pusht_compile_options(${target})
+  pusht_test_options(${target})
   target_compile_definitions(${target} PRIVATE PUSHT_GOLDEN_DIR="${PUSHT_GOLDEN_DIR}")
   target_link_libraries(${target} gmock_main gmock nlohmann_json::nlohmann_json)
 endfunction()

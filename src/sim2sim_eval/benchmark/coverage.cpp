@@ -9,12 +9,9 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
-#include <future>
 #include <iostream>
-#include <iterator>
 #include <map>
 #include <optional>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,177 +22,43 @@
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 #include "sim2sim_statistics/sequential.hpp"
+#include "simulation.hpp"
+#include "tail_coverage.hpp"
 
 namespace sim2sim {
 namespace {
 
-constexpr int kLooks = 2000;  ///< after each of so many episodes
 const std::vector<int> kSizes = {10, 20, 50, 500};
-
-// ---- Simulation
-
-/// How many of the repetitions that have an answer say yes.
-struct Share {
-  std::int64_t yes = 0;
-  std::int64_t all = 0;
-
-  double value() const { return static_cast<double>(yes) / static_cast<double>(all); }
-  double error(double p) const { return std::sqrt(p * (1.0 - p) / static_cast<double>(all)); }
-};
-
-/// What one repetition says to each of N questions; none where there is nothing to say.
-template <std::size_t N>
-using Answers = std::array<std::optional<bool>, N>;
-
-/// Repeats experiments. Each has random numbers of its own, in blocks, so that threads change nothing.
-class Simulation {
- public:
-  Simulation(int repetitions, std::uint64_t seed) : repetitions_(repetitions), seed_(seed) {}
-
-  template <std::size_t N>
-  std::array<Share, N> ask(const std::function<Answers<N>(Random&)>& repetition) {
-    constexpr int kBlocks = 16;
-    ++experiment_;
-    std::vector<std::future<std::array<Share, N>>> blocks;
-    blocks.reserve(kBlocks);
-    for (int block = 0; block < kBlocks; ++block) {
-      blocks.push_back(std::async(std::launch::async, [this, block, &repetition] {
-        std::seed_seq seeds = {seed_ & 0xffffffffU, seed_ >> 32U, experiment_, static_cast<std::uint64_t>(block)};
-        Random random(seeds);
-        std::array<Share, N> shares;
-        const int repetitions = repetitions_ * (block + 1) / kBlocks - repetitions_ * block / kBlocks;
-        for (int i = 0; i < repetitions; ++i) {
-          const Answers<N> answers = repetition(random);
-          for (std::size_t question = 0; question < N; ++question) {
-            shares[question].yes += answers[question].value_or(false) ? 1 : 0;
-            shares[question].all += answers[question] ? 1 : 0;
-          }
-        }
-        return shares;
-      }));
-    }
-    std::array<Share, N> total;
-    for (auto& block : blocks) {
-      const std::array<Share, N> shares = block.get();
-      for (std::size_t question = 0; question < N; ++question) {
-        total[question].yes += shares[question].yes;
-        total[question].all += shares[question].all;
-      }
-    }
-    return total;
-  }
-
-  Share ask(const std::function<std::optional<bool>(Random&)>& repetition) {
-    return ask<1>([&](Random& random) { return Answers<1>{repetition(random)}; })[0];
-  }
-
- private:
-  int repetitions_;
-  std::uint64_t seed_;
-  std::uint64_t experiment_ = 0;
-};
-
-std::vector<double> drawn(const std::function<double(Random&)>& draw, int n, Random& random) {
-  std::vector<double> samples(n);
-  std::generate(samples.begin(), samples.end(), [&] { return draw(random); });
-  return samples;
-}
-
-// ---- What is printed
-
-/// Which side of the nominal share is to be marked: `kWorse` is all for a test that promises no more than a bound.
-enum class Marks { kBoth, kWorse };
-
-/// In percent, with its standard error. Bold if it is worse than nominal by more than two standard errors, in brackets
-/// if it is better.
-std::string cell(const Share& share, double nominal, bool more_is_worse, Marks marks) {
-  if (share.all == 0) {
-    return "none";
-  }
-  const std::string text =
-      pusht::fixedText(100.0 * share.value(), 1) + " ± " + pusht::fixedText(100.0 * share.error(share.value()), 1);
-  const double deviation = (share.value() - nominal) / share.error(nominal) * (more_is_worse ? 1.0 : -1.0);
-  if (deviation > 2.0) {
-    return "**" + text + "**";
-  }
-  return deviation < -2.0 && marks == Marks::kBoth ? "(" + text + ")" : text;
-}
-
-std::string coverageCell(const Share& share) { return cell(share, kConfidence, false, Marks::kBoth); }
-std::string errorCell(const Share& share) { return cell(share, kErrorRate, true, Marks::kBoth); }
-std::string boundCell(const Share& share) { return cell(share, kErrorRate, true, Marks::kWorse); }
-
-void printRow(const std::vector<std::string>& cells) {
-  std::cout << "|";
-  for (const std::string& text : cells) {
-    std::cout << " " << text << " |";
-  }
-  std::cout << "\n" << std::flush;
-}
-
-void printHead(const std::string& title, std::vector<std::string> columns) {
-  std::cout << "\n" << title << "\n\n";
-  printRow(columns);
-  std::fill(columns.begin(), columns.end(), "---");
-  printRow(columns);
-}
-
-std::vector<std::string> withSizes(std::vector<std::string> columns) {
-  for (const int n : kSizes) {
-    columns.push_back("n = " + std::to_string(n));
-  }
-  return columns;
-}
-
-/// A row with a cell for each number of episodes.
-void printSizes(const std::string& what, const std::string& of, const std::function<std::string(int)>& cell_of) {
-  std::vector<std::string> cells = {what, of};
-  std::transform(kSizes.begin(), kSizes.end(), std::back_inserter(cells), cell_of);
-  printRow(cells);
-}
-
-std::optional<bool> holds(const std::optional<Interval>& interval, double truth) {
-  return interval ? std::optional(interval->low <= truth && truth <= interval->high) : std::nullopt;
-}
-
-/// The interval of so many episodes.
-using MakeInterval = std::function<std::optional<Interval>(int, Random&)>;
-
-void printCoverage(Simulation& simulation, const std::string& what, const std::string& of, double truth,
-                   const MakeInterval& make) {
-  printSizes(what, of, [&](int n) {
-    return coverageCell(simulation.ask([&](Random& random) { return holds(make(n, random), truth); }));
-  });
-}
+constexpr int kLooks = 2000;  ///< after each of so many episodes
 
 void intervals(Simulation& simulation, const World& world) {
   printHead("Share of repetitions in which the interval holds the truth [%], nominal 95",
-            withSizes({"interval", "population"}));
+            withSizes(kSizes, {"interval", "population"}));
   for (const Rates& rates : world.rates) {
-    printCoverage(simulation, "Wilson", rates.name, rates.second(), [&](int n, Random& random) {
+    printCoverage(simulation, kSizes, "Wilson", rates.name, rates.second(), [&](int n, Random& random) {
       const PairTable table = rates.draw(n, random);
       return wilsonInterval(table.both + table.second_only, n);
     });
   }
   for (const Population& population : world.populations) {
-    printCoverage(simulation, "mean, log-t", population.name, population.mean, [&](int n, Random& random) {
+    printCoverage(simulation, kSizes, "mean, log-t", population.name, population.mean, [&](int n, Random& random) {
       return meanOf(drawn(population.draw, n, random), population.limit).interval;
     });
   }
   for (const Population& population : world.populations) {
-    printCoverage(simulation, "median, order statistics", population.name, population.median,
+    printCoverage(simulation, kSizes, "median, order statistics", population.name, population.median,
                   [&](int n, Random& random) { return medianOf(drawn(population.draw, n, random)).interval; });
   }
   for (const Rates& rates : world.rates) {
-    printCoverage(simulation, "difference of rates, Tango", rates.name, rates.second() - rates.first(),
+    printCoverage(simulation, kSizes, "difference of rates, Tango", rates.name, rates.second() - rates.first(),
                   [&](int n, Random& random) { return tangoInterval(rates.draw(n, random)); });
   }
   for (const Rates& rates : world.rates) {
-    printCoverage(simulation, "transfer, Tang", rates.name, rates.second() / rates.first(),
+    printCoverage(simulation, kSizes, "transfer, Tang", rates.name, rates.second() / rates.first(),
                   [&](int n, Random& random) { return tangInterval(rates.draw(n, random)); });
   }
   for (const Differences& differences : world.differences) {
-    printCoverage(simulation, "paired difference, t", differences.name, differences.mean,
+    printCoverage(simulation, kSizes, "paired difference, t", differences.name, differences.mean,
                   [&](int n, Random& random) { return meanDifference(drawn(differences.draw, n, random)).interval; });
   }
 }
@@ -237,18 +100,18 @@ Rates equallyGood(double discordant) {
 
 void tests(Simulation& simulation, const World& world) {
   printHead("Share of repetitions in which a test finds a difference that is not there [%], nominal 5",
-            withSizes({"test", "population"}));
+            withSizes(kSizes, {"test", "population"}));
   for (const auto& [name, test] :
        {std::pair("McNemar mid-p", &mcnemarMidP), std::pair("McNemar exact", &mcnemarExact)}) {
     for (const double discordant : {0.27, 0.55, 1.0}) {
       const Rates rates = equallyGood(discordant);
-      printSizes(name, rates.name, [&, test = test](int n) {
+      printSizes(kSizes, name, rates.name, [&, test = test](int n) {
         return errorCell(simulation.ask([&](Random& random) { return finds(test(rates.draw(n, random))); }));
       });
     }
   }
   for (const Differences& differences : world.differences) {
-    printSizes("paired difference, t", differences.name + ", mean moved to 0", [&](int n) {
+    printSizes(kSizes, "paired difference, t", differences.name + ", mean moved to 0", [&](int n) {
       return errorCell(simulation.ask([&](Random& random) {
         std::vector<double> samples = drawn(differences.draw, n, random);
         for (double& sample : samples) {
@@ -264,7 +127,8 @@ void tests(Simulation& simulation, const World& world) {
   }
   const std::array names = {"t, not corrected", "t, Holm", "t, Bonferroni's intervals"};
   for (std::size_t i = 0; i < names.size(); ++i) {
-    printSizes(names.at(i), "20 rows as good as the baseline", [&](int n) { return errorCell(families[n].at(i)); });
+    printSizes(kSizes, names.at(i), "20 rows as good as the baseline",
+               [&](int n) { return errorCell(families[n].at(i)); });
   }
 }
 
@@ -371,6 +235,7 @@ void study(int repetitions, std::uint64_t seed, const std::string& episodes) {
   intervals(simulation, world);
   tests(simulation, world);
   watching(simulation, world);
+  tails(simulation);
 }
 
 }  // namespace

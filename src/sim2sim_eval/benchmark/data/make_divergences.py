@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes divergences.inc: the mean divergences of the same episodes in several runs, for `coverage`.
+"""Writes divergences.inc: mean divergences of the same episodes in several runs, for `coverage`.
 
     compare --episodes 2000 --engine rigid_body --out faithful
     compare --episodes 2000 --no-floor --engine mujoco --set cone=elliptic --out variant

@@ -25,8 +25,12 @@
 #include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/recorded_run.hpp"
+#include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/flight.hpp"
+#include "sim2sim_protocol/results/episodes_csv.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 namespace {
@@ -247,7 +251,7 @@ TEST_F(RunBagTest, WhatDoesNotFollowTheProtocolIsRefusedByName) {
   const auto replayed = [&](const std::function<void(RecordedEpisode&)>& change) {
     RecordedEpisode record = recordOf(episode);
     change(record);
-    return refusal([&] { replay(play_.configuration().protocol, 5, record); }, pusht::ExitCode::kBadDependency);
+    return refusal([&] { rebuildEpisode(play_.configuration().protocol, 5, record); }, pusht::ExitCode::kBadDependency);
   };
   EXPECT_EQ(replayed([](RecordedEpisode&) {}), "");
   EXPECT_THAT(replayed([](RecordedEpisode& e) { e.modes[kEngineClosed].states[0].tee_position.x() += 1e-5; }),

@@ -22,6 +22,7 @@
 #include "pusht_task/ros/conversions.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
+#include "sim2sim_protocol/flight.hpp"
 
 namespace sim2sim {
 namespace {
@@ -137,7 +138,7 @@ class Reader {
     }
     const pusht_msgs::EpisodeResult recorded = *std::exchange(finished_, std::nullopt);
     const int index = indexOf(recorded.episode);
-    Episode episode = replay(protocol_, index, under_way_[index]);
+    Episode episode = rebuildEpisode(protocol_, index, under_way_[index]);
     const EpisodeResult result = episode.result();
     under_way_.erase(index);
     pusht_msgs::EpisodeResult computed = toMessage(protocol_, result, recorded.header.stamp);
@@ -189,14 +190,14 @@ class QuietLibraries {
 /// A message of a run.
 struct Recorded {
   ros::Time stamp;
-  int place;  ///< among those with this stamp: worlds, traces, the episode's result
+  int rank;  ///< among those with this stamp: worlds, traces, the episode's result
   std::function<void(Reader&)> take;
 };
 
-/// A recorder that subscribes has its own times and, over topics, its own order; stamps and places tell the true one.
+/// A recorder that subscribes has its own times and, over topics, its own order; stamps and ranks tell the true one.
 Recorded recordedIn(const rosbag::MessageInstance& instance, const std::map<std::string, Mode>& modes) {
-  const auto recorded = [](int place, auto message, const auto& take) {
-    return Recorded{message.header.stamp, place,
+  const auto recorded = [](int rank, auto message, const auto& take) {
+    return Recorded{message.header.stamp, rank,
                     [message = std::move(message), take](Reader& reader) { take(reader, message); }};
   };
   const auto plainly = [](Reader& reader, const auto& message) { reader.take(message); };
@@ -223,14 +224,14 @@ nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
 
 /// The starts that the bag holds, if they were given; `protocol` knows their hash.
 void takeStarts(Protocol& protocol, const nlohmann::ordered_json& provenance) {
-  if (!protocol.starts) {
+  if (!protocol.initial_states) {
     return;
   }
-  const std::string hash = protocol.starts->hash();
-  protocol.starts = std::make_shared<Starts>(
-      startsFrom(provenance.at("starts").get<std::string>(), protocol.first_episode, protocol.episodes));
-  if (protocol.starts->hash() != hash) {
-    throw pusht::BadDependency("its starts are " + protocol.starts->hash() + ", must be " + hash);
+  const std::string hash = protocol.initial_states->hash();
+  protocol.initial_states = std::make_shared<InitialStates>(
+      initialStatesFrom(provenance.at("starts").get<std::string>(), protocol.first_episode, protocol.episodes));
+  if (protocol.initial_states->hash() != hash) {
+    throw pusht::BadDependency("its starts are " + protocol.initial_states->hash() + ", must be " + hash);
   }
 }
 
@@ -273,7 +274,7 @@ RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop,
     }
   }
   std::stable_sort(plain.begin(), plain.end(), [](const Recorded& a, const Recorded& b) {
-    return std::pair(a.stamp, a.place) < std::pair(b.stamp, b.place);
+    return std::pair(a.stamp, a.rank) < std::pair(b.stamp, b.rank);
   });
   std::for_each(plain.begin(), plain.end(), read);
   std::vector<EpisodeResult> episodes = reader.results();
@@ -303,7 +304,7 @@ void RecordedWorld::doStep(const pusht::Action& action) {
   ++step_;
 }
 
-Episode replay(const Protocol& protocol, int index, const RecordedEpisode& record) {
+Episode rebuildEpisode(const Protocol& protocol, int index, const RecordedEpisode& record) {
   const Worlds worlds = worldsOf(std::make_unique<RecordedWorld>(record.modes[kReferenceClosed]),
                                  std::make_unique<RecordedWorld>(record.modes[kEngineClosed]),
                                  std::make_unique<RecordedWorld>(record.modes[kEngineReplay]));
@@ -314,13 +315,13 @@ Episode replay(const Protocol& protocol, int index, const RecordedEpisode& recor
                                  " steps are recorded, must be " + std::to_string(wanted));
     }
   };
-  Recalled recalled;
+  CachedTraces cached;
   const std::vector<Probe> probes = protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const auto states = i < record.probes.size() ? record.probes[i] : std::vector<pusht::WorldState>();
-    recalled.probes.emplace_back(pusht::Trace{states, record.modes[kReferenceClosed].actions});
+    cached.probes.emplace_back(pusht::Trace{states, record.modes[kReferenceClosed].actions});
   }
-  Episode episode = runEpisode(protocol, index, worlds, policy, std::move(recalled));
+  Episode episode = runEpisode(protocol, index, worlds, policy, std::move(cached));
   for (const Mode mode : kModes) {
     require_steps(modeName(mode), record.modes.at(mode).steps(), episode.rollout(mode).trace().steps());
   }

@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 
@@ -29,13 +31,13 @@ std::string titleOf(Mode mode, const RunConfiguration& run);
 
 /// Parameters that a simulator has not by default, in at most `lines` lines of at most `length` bytes. Those that do
 /// not fit are counted: "and 3 more".
-std::vector<std::string> settingsOf(const SimulatorRecord& simulator, std::size_t lines, std::size_t length);
+std::vector<std::string> changedParameters(const SimulatorRecord& simulator, std::size_t lines, std::size_t length);
 
 /// Distance of a world's tee from the target [m, rad], whether that is a success, and whether it has left the table.
 std::string statusOf(Mode mode, const Episode& episode);
 
 /// "parts at 0.2 s: ..."; empty as long as a rollout is within the bound.
-std::string partingText(const std::optional<Parting>& parting);
+std::string firstDivergenceText(const std::optional<FirstDivergence>& first_divergence);
 
 /// "3.9 s"
 std::string secondsText(int steps);

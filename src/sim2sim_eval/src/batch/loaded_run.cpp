@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/loaded_run.hpp"
+
+#include "pusht_task/ros/installed_file.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_protocol/flight.hpp"
+#include "sim2sim_protocol/results/provenance.hpp"
+
+namespace sim2sim {
+namespace {
+
+/// Those that compute a rollout, besides those of the simulators and of the policy.
+const std::vector<std::string> kLibraries = {"libm.so", "libpusht_task.so", "libpusht_policy.so",
+                                             "libsim2sim_protocol.so"};
+
+nlohmann::json codeOf(const std::vector<const pusht::SimulatorKind*>& kinds, const pusht::ChosenPolicy& policy) {
+  std::vector<std::string> libraries = kLibraries;
+  for (const pusht::SimulatorKind* kind : kinds) {
+    libraries.insert(libraries.end(), kind->libraries.begin(), kind->libraries.end());
+  }
+  return codeFingerprint(libraries, policy.libraries);
+}
+
+}  // namespace
+
+LoadedRun::LoadedRun(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
+                     const std::vector<SimulatorChoice>& engines)
+    : reference_(reference),
+      policy_(pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"))) {
+  std::vector<const pusht::SimulatorKind*> kinds = {&reference_.kind};
+  reference_code_ = codeOf(kinds, policy_);
+  for (const SimulatorChoice& engine : engines) {
+    kinds.push_back(&engine.kind.get());
+  }
+  code_ = codeOf(kinds, policy_);
+  warn(policy_.warning);
+}
+
+WorkerFactory LoadedRun::workerFactory(const LoadedSimulator& engine) const {
+  const auto make_worlds = [make_reference = reference_.model.make_lanes,
+                            make_engine = engine.model.make_lanes](int lanes) {
+    return Worlds{make_reference(lanes), make_engine(lanes), make_engine(lanes)};
+  };
+  return {make_worlds, policy_.make};
+}
+
+nlohmann::ordered_json LoadedRun::provenance(const RunConfiguration& configuration,
+                                             const LoadedSimulator& engine) const {
+  nlohmann::ordered_json result =
+      sim2sim::provenance(configuration, policy_.provenance, reference_.provenance(), engine.provenance());
+  result["code"] = code_;
+  return result;
+}
+
+nlohmann::json LoadedRun::identity() const {
+  return {{"policy", policy_.identity}, {"reference", toJson(reference_.record())}};
+}
+
+nlohmann::json LoadedRun::referenceKey(const RunOptions& options) const {
+  nlohmann::json key = referenceOptions(options);
+  key["inputs"] = identity();
+  key["code"] = reference_code_;
+  return key;
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,38 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The libraries that know no ROS need none of its libraries, nor those of a simulator."""
+
+from pathlib import Path
+from typing import Set
+
+from command_case import CommandCase, executable
+
+LIBRARIES = Path(executable("sim2sim_eval", "compare")).parents[1]
+
+
+class Layers(CommandCase):
+    def needed(self, library: str) -> Set[str]:
+        """The libraries that come with one, also through others."""
+        process = self.run_command("ldd", str(LIBRARIES / library))
+        self.assertEqual(process.returncode, 0, process.stderr)
+        return {Path(line.split()[0]).name for line in process.stdout.splitlines()}
+
+    def foreign(self, layer: str) -> Set[str]:
+        """What a library needs besides ours and what `pusht_task`, which is free of ROS, needs."""
+        needed = self.needed(f"libsim2sim_{layer}.so")
+        own = {name for name in needed if name.startswith("libsim2sim_")}
+        return needed - own - {"libpusht_task.so"} - self.needed("libpusht_task.so")
+
+    def test_statistics_protocol_and_results_need_no_ros(self) -> None:
+        for layer in ("statistics", "protocol", "results"):
+            self.assertEqual(self.foreign(layer), set(), layer)
+        self.assertIn("libpusht_task.so", self.needed("libsim2sim_protocol.so"))
+
+    def test_statistics_need_nothing_of_the_suite(self) -> None:
+        ours = {name for name in self.needed("libsim2sim_statistics.so") if "pusht" in name}
+        self.assertEqual(ours, set())
+
+    def test_those_that_need_it_show_it(self) -> None:
+        """Or the other test could not fail."""
+        for layer, library in (("bag", "librosbag_storage.so"), ("eval", "libmujoco.so")):
+            self.assertTrue(any(name.startswith(library) for name in self.foreign(layer)), layer)

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/initial_states.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/joined.hpp"
+#include "pusht_task/numbers.hpp"
+#include "pusht_task/simulator.hpp"
+#include "pusht_task/split.hpp"
+
+namespace sim2sim {
+namespace {
+
+using pusht::WorldState;
+
+/// A number of a world state, by the name of its field in WorldState.msg.
+struct Column {
+  const char* name;
+  bool required;
+  double& (*in)(WorldState&);
+};
+
+constexpr std::array<Column, 10> kColumns = {{
+    {"pusher_x", true, [](WorldState& s) -> double& { return s.pusher_position.x(); }},
+    {"pusher_y", true, [](WorldState& s) -> double& { return s.pusher_position.y(); }},
+    {"pusher_vx", false, [](WorldState& s) -> double& { return s.pusher_velocity.x(); }},
+    {"pusher_vy", false, [](WorldState& s) -> double& { return s.pusher_velocity.y(); }},
+    {"tee_x", true, [](WorldState& s) -> double& { return s.tee_position.x(); }},
+    {"tee_y", true, [](WorldState& s) -> double& { return s.tee_position.y(); }},
+    {"tee_yaw", true, [](WorldState& s) -> double& { return s.tee_yaw; }},
+    {"tee_vx", false, [](WorldState& s) -> double& { return s.tee_velocity.x(); }},
+    {"tee_vy", false, [](WorldState& s) -> double& { return s.tee_velocity.y(); }},
+    {"tee_yaw_rate", false, [](WorldState& s) -> double& { return s.tee_yaw_rate; }},
+}};
+
+std::vector<std::string> columnNames() {
+  std::vector<std::string> names;
+  std::transform(kColumns.begin(), kColumns.end(), std::back_inserter(names), [](const auto& c) { return c.name; });
+  return names;
+}
+
+std::string csvRow(WorldState state) {
+  std::string row;
+  for (const Column& column : kColumns) {
+    row.append(row.empty() ? "" : ",").append(pusht::shortestText(column.in(state)));
+  }
+  return row + "\n";
+}
+
+/// The cells of a line, spaces around them left out.
+std::vector<std::string> cellsOf(const std::string& line) {
+  constexpr const char* kBlank = " \t\r";
+  std::vector<std::string> cells = pusht::split(line, ',');
+  for (std::string& cell : cells) {
+    const std::size_t begin = std::min(cell.find_first_not_of(kBlank), cell.size());
+    cell = cell.substr(begin, cell.find_last_not_of(kBlank) + 1 - begin);
+  }
+  return cells;
+}
+
+const Column& columnOf(const std::string& name) {
+  const auto* const column =
+      std::find_if(kColumns.begin(), kColumns.end(), [&](const Column& known) { return known.name == name; });
+  if (column == kColumns.end()) {
+    throw pusht::InvalidInput("column '" + name + "': must be one of: " + pusht::joined(columnNames()));
+  }
+  return *column;
+}
+
+/// The columns that the first line names.
+std::vector<Column> columnsIn(const std::string& line) {
+  const std::vector<std::string> names = cellsOf(line);
+  std::vector<Column> columns;
+  for (const std::string& name : names) {
+    columns.push_back(columnOf(name));
+    if (std::count(names.begin(), names.end(), name) > 1) {
+      throw pusht::InvalidInput("column '" + name + "': must appear only once");
+    }
+  }
+  for (const Column& column : kColumns) {
+    if (column.required && std::find(names.begin(), names.end(), column.name) == names.end()) {
+      throw pusht::InvalidInput(std::string("column '") + column.name + "': is missing");
+    }
+  }
+  return columns;
+}
+
+WorldState stateIn(const std::string& line, const std::vector<Column>& columns) {
+  const std::vector<std::string> cells = cellsOf(line);
+  if (cells.size() != columns.size()) {
+    throw pusht::InvalidInput(std::to_string(cells.size()) + " values: must be " + std::to_string(columns.size()) +
+                              ", one for each column");
+  }
+  WorldState state;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::optional<double> number = pusht::decimal<double>(cells[i]);
+    if (!number) {
+      throw pusht::InvalidInput(std::string(columns[i].name) + " '" + cells[i] + "': must be a decimal number");
+    }
+    columns[i].in(state) = *number;
+  }
+  return pusht::checkedStart(state);
+}
+
+}  // namespace
+
+InitialStates::InitialStates(std::vector<WorldState> states, int first)
+    : states_(std::move(states)), first_(first), hash_("sha256:" + pusht::sha256(csv())) {}
+
+InitialStates InitialStates::named(std::string sha256) {
+  InitialStates starts({}, 0);
+  starts.hash_ = std::move(sha256);
+  return starts;
+}
+
+const WorldState& InitialStates::at(int episode) const {
+  return states_.at(static_cast<std::size_t>(episode - first_));
+}
+
+std::string InitialStates::keyOf(int episode) const {
+  constexpr std::size_t kDigits = 16;
+  return pusht::sha256(csvRow(at(episode))).substr(0, kDigits);
+}
+
+std::string InitialStates::csv() const { return initialStatesCsv(states_); }
+
+InitialStates readInitialStates(const std::filesystem::path& path, int first, int count) {
+  const std::string csv = pusht::readFile(path, "starts");
+  try {
+    return initialStatesFrom(csv, first, count);
+  } catch (pusht::Error& error) {
+    error.addContext("starts " + path.string());
+    throw;
+  }
+}
+
+InitialStates initialStatesFrom(const std::string& csv, int first, int count) {
+  std::istringstream text(csv);
+  std::vector<WorldState> states;
+  std::vector<Column> columns;
+  int number = 0;
+  try {
+    for (std::string line; static_cast<int>(states.size()) < count && std::getline(text, line);) {
+      if (++number == 1) {
+        columns = columnsIn(line);
+      } else {
+        states.push_back(stateIn(line, columns));
+      }
+    }
+  } catch (pusht::Error& error) {
+    error.addContext("line " + std::to_string(number));
+    throw;
+  }
+  if (static_cast<int>(states.size()) < count) {
+    throw pusht::InvalidInput("has " + std::to_string(states.size()) + " rows: must have at least " +
+                              std::to_string(count) + ", one for each episode");
+  }
+  return {std::move(states), first};
+}
+
+std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::path& path, int first, int count) {
+  return path.empty() ? nullptr : std::make_shared<InitialStates>(readInitialStates(path, first, count));
+}
+
+std::string initialStatesCsv(const std::vector<WorldState>& states) {
+  std::string csv;
+  for (const Column& column : kColumns) {
+    csv.append(csv.empty() ? "" : ",").append(column.name);
+  }
+  csv += "\n";
+  for (const WorldState& state : states) {
+    csv += csvRow(state);
+  }
+  return csv;
+}
+
+}  // namespace sim2sim

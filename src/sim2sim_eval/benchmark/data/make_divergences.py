@@ -3,10 +3,10 @@
 """Writes divergences.inc: mean divergences of the same episodes in several runs, for `coverage`.
 
     compare --episodes 2000 --engine rigid_body --out faithful
-    compare --episodes 2000 --no-floor --engine mujoco --set cone=elliptic --out variant
+    compare --episodes 2000 --no-floor --engine rigid_body --set narrow_phase=false --out nearest
     compare --episodes 2000 --no-floor --engine chipmunk --out chipmunk
     compare --episodes 2000 --no-floor --out two_mass
-    make_divergences.py faithful variant chipmunk two_mass > divergences.inc
+    make_divergences.py faithful nearest chipmunk two_mass > divergences.inc
 """
 
 import csv

@@ -32,7 +32,7 @@ constexpr double kMicro = 1e-6;
 using Episode = std::array<double, 2 * kSources>;
 
 /// [um, urad] Mean divergences of the shipped policy's first episodes; data/make_divergences.py makes them.
-constexpr std::array kEpisodes = {
+const std::vector<Episode> kEpisodes = {
 #include "data/divergences.inc"
 };
 

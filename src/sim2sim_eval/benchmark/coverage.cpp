@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How often the statistics are right: intervals and tests on simulated episodes whose truth is known.
-// docs/statistics.md has what it prints.
+// Coverage of intervals and error rates of tests, on simulated episodes whose truth is known. docs/statistics.md has
+// its output.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "coverage_tables.hpp"
 #include "known_truths.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
@@ -28,8 +29,8 @@
 namespace sim2sim {
 namespace {
 
-const std::vector<int> kSizes = {10, 20, 50, 500};
 constexpr int kLooks = 2000;  ///< after each of so many episodes
+const std::vector<int> kSizes = {10, 20, 50, 500};
 
 void intervals(Simulation& simulation, const World& world) {
   printHead("Share of repetitions in which the interval holds the truth [%], nominal 95",
@@ -121,7 +122,7 @@ void tests(Simulation& simulation, const World& world) {
       }));
     });
   }
-  std::map<int, std::array<Share, 3>> families;
+  std::map<int, std::array<Proportion, 3>> families;
   for (const int n : kSizes) {
     families[n] = simulation.ask<3>([n](Random& random) { return family(n, random); });
   }
@@ -174,7 +175,7 @@ bool watchDifference(const Differences& differences, Random& random) {
   return sequence.sign() != Sign::kUndecided;
 }
 
-/// What not to do: a test that is made for one look.
+/// Test for one look, used after each episode: what not to do.
 bool watchMidP(const Rates& rates, Random& random) {
   PairTable table;
   while (table.pairs() < kLooks) {

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "coverage_tables.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/tails.hpp"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <type_traits>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
@@ -13,16 +14,14 @@ namespace sim2sim {
 namespace {
 
 constexpr std::uint64_t kFirstHeldOutSeed = 10'000;
-constexpr int kMaxEpisodes = 1'000'000;
-constexpr int kMaxFirstEpisode = 1'000'000'000;
 
 constexpr int kSmokeEpisodes = 2;
 constexpr int kSmokeHorizon = 40;  // [control steps]
 
-void requireWithin(const char* field, int value, int low, int high) {
-  if (value < low || value > high) {
-    throw pusht::InvalidInput(std::string(field) + " " + std::to_string(value) + ": must be from " +
-                              std::to_string(low) + " to " + std::to_string(high));
+void requireWithin(const char* option, int value, const IntegerRange& range) {
+  if (value < range.low || value > range.high) {
+    throw pusht::InvalidInput(std::string(option) + " " + std::to_string(value) + ": must be from " +
+                              std::to_string(range.low) + " to " + std::to_string(range.high));
   }
 }
 
@@ -34,9 +33,11 @@ const char* modeName(Mode mode) {
 }
 
 void Protocol::validate() const {
-  requireWithin("first_episode", first_episode, 0, kMaxFirstEpisode);
-  requireWithin("episodes", episodes, 1, kMaxEpisodes);
-  requireWithin("horizon", horizon, 1, pusht::kHorizon);
+  forEachOption([this](const auto& option) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(option.of(*this))>, int>) {
+      requireWithin(option.name, option.of(*this), option.range);
+    }
+  });
   bound().validate();
   probes();
   if (until_decided && !(*until_decided > 0.0 && *until_decided <= 1.0)) {

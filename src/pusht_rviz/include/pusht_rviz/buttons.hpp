@@ -19,6 +19,7 @@ struct Situation {
   std::string refusal;      ///< the first rule that the form of the next run breaks; empty: none
 };
 
+/// Buttons that are enabled.
 struct Buttons {
   bool start = false;
   bool pause = false;    ///< or resume
@@ -29,6 +30,7 @@ struct Buttons {
   std::string why_not;  ///< why there is no start, in words; empty: there is
 };
 
+/// State of the buttons in a situation of the run.
 Buttons buttonsFor(const Situation& situation);
 
 }  // namespace pusht_rviz

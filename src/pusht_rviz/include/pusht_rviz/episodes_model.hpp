@@ -29,6 +29,7 @@ struct EpisodeRow {
   QString parting_first;
 };
 
+/// Row of the table for a finished episode.
 EpisodeRow rowFrom(const pusht_msgs::EpisodeResult& result);
 
 /// In the order in which they were heard of. Ten thousand of them cost memory, and no time.

@@ -38,6 +38,7 @@ struct ActionNews {
   bool served = false;
 };
 
+/// Change of a node's presence.
 struct PresenceNews {
   Role role = kEvaluator;
   Presence presence = Presence::kWaiting;

@@ -47,6 +47,7 @@ class Line {
   /// Called in the line's thread, or in that of attend(), whenever the presence has changed.
   using Tell = std::function<void(Presence)>;
 
+  /// Periods and deadlines of the connection.
   struct Times {
     std::chrono::milliseconds tick{100};        ///< how often the connection is looked at
     std::chrono::milliseconds heartbeat{1000};  ///< from one heartbeat to the next

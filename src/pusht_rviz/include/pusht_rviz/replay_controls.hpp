@@ -21,6 +21,7 @@ class MarkedSlider : public QSlider {
   Q_OBJECT
 
  public:
+  /// Tick of the slider: its value and color.
   struct Mark {
     int value = 0;
     QColor color;
@@ -37,6 +38,7 @@ class MarkedSlider : public QSlider {
   std::vector<Mark> marks_;
 };
 
+/// Object names: scrubber, position, go_to_seed, go, go.refusal.
 class ReplayControls : public QWidget {
   Q_OBJECT
 

@@ -32,6 +32,7 @@ void mark(QWidget* field, bool wrong);
 
 /// What the large buttons show.
 enum class Shape { kStart, kPlay, kPause, kStep, kStop };  ///< kStart: a play sign on the colour of `Start`
+/// Icon of a large button.
 QIcon icon(Shape shape);
 
 }  // namespace pusht_rviz::theme

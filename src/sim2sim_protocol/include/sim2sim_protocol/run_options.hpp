@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The options of a run, each in one line of one table. The evaluator's parameters, goals and their reverse, the
-/// command line and its help, plans of sweeps, the description of a run with its hash, the key of kept references, and
-/// what two runs must agree in to be compared: all of them walk through this table.
+/// Options of a run, one line of a table for each. All that handles options walks through this table: the evaluator's
+/// parameters, goals and their reverse, the command line and its help, plans of sweeps, the description of a run with
+/// its hash, the key of kept references, and what two runs must agree in to be compared.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -12,7 +13,8 @@
 
 namespace sim2sim {
 
-/// What a run is asked for besides policy, simulators and a file of initial states. The defaults are the course's.
+/// Values of the options, which are what a run is asked for besides policy, simulators and a file of initial states.
+/// The defaults are the course's.
 struct RunOptions {
   std::uint64_t seed = 0;
   int first_episode = 0;
@@ -21,33 +23,40 @@ struct RunOptions {
   double bound_position = pusht::kPositionTolerance;  ///< [m]
   double bound_angle = pusht::kAngleTolerance;        ///< [rad]
   bool floor = true;
-  std::vector<int> reanchor{};            ///< [control steps] an entry for each re-anchored replay
+  std::vector<int> reanchor{};            ///< [control steps] between resets; an entry for each state-reset replay
   std::optional<double> until_decided{};  ///< [-] share of the reference's success; none: all episodes are run
 };
 
-/// What an option decides.
+/// Whether an option decides what the reference does from a given initial state.
 enum class Decides {
-  kReference,  ///< what the reference does from a given initial state: part of the key of kept references
-  kRest,       ///< nothing of that: which episodes are run, when the run ends, what is measured
+  kReference,  ///< it does: it is part of the key of kept references
+  kRest,       ///< it does not: it decides which episodes are run, when the run ends, or what is measured
 };
 
-/// How the description of a run (metrics.json, provenance.json) and its hash have an option.
+/// Form in which the description of a run (metrics.json, provenance.json) and its hash have an option.
 enum class Written {
-  kAlways,     ///< under its name; the hash has it where the course has it, if at all
+  kAlways,     ///< under its name; in the hash only if the course's hash has it
   kIfChanged,  ///< under its name, and in the hash as "|NAME=VALUE", unless it has its default
-  kElsewhere,  ///< as part of another key: "probes" or "bound"
+  kElsewhere,  ///< within another key: "probes" or "bound"
 };
 
-/// An option, described. `of(o)` is the option in a RunOptions, or in any other class with a member of its name, such
-/// as the goal of a live run.
+/// Range of an integer option, both ends included.
+struct IntegerRange {
+  int low = std::numeric_limits<int>::min();
+  int high = std::numeric_limits<int>::max();
+};
+
+/// Description of an option. `of(o)` is its value in a RunOptions, or in any other class with a member of its name,
+/// such as the goal of a live run.
 template <class Access>
 struct RunOption {
-  const char* name;     ///< of the parameter, the goal's field and the plan's key; with dashes on the command line
+  const char* name;     ///< parameter, field of the goal and key of the plan; with dashes on the command line
   const char* meaning;  ///< with unit, for --help
   Decides decides;
   Written written;
   bool in_plan;  ///< whether a sweep takes it
   Access of;
+  IntegerRange range;  ///< allowed values of an integer, for Protocol::validate()
 
   bool isDefault(const RunOptions& options) const {
     const RunOptions usual;
@@ -55,25 +64,24 @@ struct RunOption {
   }
 };
 
-/// Calls function(option) for each option, in the order in which people read of them.
+/// Calls function(option) for each option, in the order of --help.
 template <class Function>
 void forEachOption(const Function& function) {
   const auto each = [&](const char* name, const char* meaning, Decides decides, Written written, bool in_plan,
-                        auto access) {
-    function(RunOption<decltype(access)>{name, meaning, decides, written, in_plan, access});
+                        auto access, IntegerRange range = {}) {
+    function(RunOption<decltype(access)>{name, meaning, decides, written, in_plan, access, range});
   };
+  constexpr int kMaxFirstEpisode = 1'000'000'000;
+  constexpr int kMaxEpisodes = 1'000'000;
   each(
       "seed", "episode i starts from spawn seed 10000 + seed + i", Decides::kRest, Written::kAlways, true,
       [](auto& o) -> auto& { return o.seed; });
-  each(
-      "first_episode", "index of the first episode", Decides::kRest, Written::kAlways, true,
-      [](auto& o) -> auto& { return o.first_episode; });
-  each(
-      "episodes", "number of episodes; without it as many as --starts has, if these are fewer than the default",
-      Decides::kRest, Written::kAlways, true, [](auto& o) -> auto& { return o.episodes; });
-  each(
-      "horizon", "[control steps] the longest that an episode lasts", Decides::kReference, Written::kAlways, true,
-      [](auto& o) -> auto& { return o.horizon; });
+  each("first_episode", "index of the first episode", Decides::kRest, Written::kAlways, true,
+       [](auto& o) -> auto& { return o.first_episode; }, {0, kMaxFirstEpisode});
+  each("episodes", "number of episodes; without it as many as --starts has, if these are fewer than the default",
+       Decides::kRest, Written::kAlways, true, [](auto& o) -> auto& { return o.episodes; }, {1, kMaxEpisodes});
+  each("horizon", "[control steps] the longest that an episode lasts", Decides::kReference, Written::kAlways, true,
+       [](auto& o) -> auto& { return o.horizon; }, {1, pusht::kHorizon});
   each(
       "floor", "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to",
       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.floor; });
@@ -94,7 +102,6 @@ void forEachOption(const Function& function) {
       Decides::kRest, Written::kIfChanged, false, [](auto& o) -> auto& { return o.until_decided; });
 }
 
-/// Whether all options are equal.
 bool operator==(const RunOptions& a, const RunOptions& b);
 inline bool operator!=(const RunOptions& a, const RunOptions& b) { return !(a == b); }
 

@@ -30,7 +30,7 @@ constexpr int kFewestOfTail = 20;
 /// the sum is 0. Samples must be finite and at least 0.
 double shareOfLargest(std::vector<double> samples);
 
-/// Whether few samples carry the mean: the largest 5 % make more than 30 % of the sum, or the sum is below eight times
+/// True where few samples carry the mean: the largest 5 % make more than 30 % of the sum, or the sum is below eight times
 /// `extreme`, so that one unseen sample could change it much. Samples may have any sign; their sizes count.
 bool isCarriedByFew(std::vector<double> samples, double extreme);
 

@@ -10,13 +10,13 @@
 #include <exception>
 #include <functional>
 #include <iostream>
-#include <iterator>
 #include <map>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "coverage_tables.hpp"
 #include "known_truths.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
@@ -24,6 +24,7 @@
 #include "sim2sim_statistics/pairs.hpp"
 #include "sim2sim_statistics/sequential.hpp"
 #include "simulation.hpp"
+#include "tail_coverage.hpp"
 
 namespace sim2sim {
 namespace {
@@ -31,101 +32,34 @@ namespace {
 constexpr int kLooks = 2000;  ///< after each of so many episodes
 const std::vector<int> kSizes = {10, 20, 50, 500};
 
-// ---- What is printed
-
-/// Which side of the nominal share is to be marked: `kWorse` is all for a test that promises no more than a bound.
-enum class Marks { kBoth, kWorse };
-
-/// Share in percent, with its standard error. Bold if it is worse than nominal by more than two standard errors, in
-/// brackets if it is better.
-std::string cell(const Proportion& share, double nominal, bool more_is_worse, Marks marks) {
-  if (share.all == 0) {
-    return "none";
-  }
-  const std::string text =
-      pusht::fixedText(100.0 * share.value(), 1) + " ± " + pusht::fixedText(100.0 * share.error(share.value()), 1);
-  const double deviation = (share.value() - nominal) / share.error(nominal) * (more_is_worse ? 1.0 : -1.0);
-  if (deviation > 2.0) {
-    return "**" + text + "**";
-  }
-  return deviation < -2.0 && marks == Marks::kBoth ? "(" + text + ")" : text;
-}
-
-std::string coverageCell(const Proportion& share) { return cell(share, kConfidence, false, Marks::kBoth); }
-std::string errorCell(const Proportion& share) { return cell(share, kErrorRate, true, Marks::kBoth); }
-std::string boundCell(const Proportion& share) { return cell(share, kErrorRate, true, Marks::kWorse); }
-
-void printRow(const std::vector<std::string>& cells) {
-  std::cout << "|";
-  for (const std::string& text : cells) {
-    std::cout << " " << text << " |";
-  }
-  std::cout << "\n" << std::flush;
-}
-
-void printHead(const std::string& title, std::vector<std::string> columns) {
-  std::cout << "\n" << title << "\n\n";
-  printRow(columns);
-  std::fill(columns.begin(), columns.end(), "---");
-  printRow(columns);
-}
-
-std::vector<std::string> withSizes(std::vector<std::string> columns) {
-  for (const int n : kSizes) {
-    columns.push_back("n = " + std::to_string(n));
-  }
-  return columns;
-}
-
-/// A row with a cell for each number of episodes.
-void printSizes(const std::string& what, const std::string& of, const std::function<std::string(int)>& cell_of) {
-  std::vector<std::string> cells = {what, of};
-  std::transform(kSizes.begin(), kSizes.end(), std::back_inserter(cells), cell_of);
-  printRow(cells);
-}
-
-std::optional<bool> holds(const std::optional<Interval>& interval, double truth) {
-  return interval ? std::optional(interval->low <= truth && truth <= interval->high) : std::nullopt;
-}
-
-/// The interval of so many episodes.
-using MakeInterval = std::function<std::optional<Interval>(int, Random&)>;
-
-void printCoverage(Simulation& simulation, const std::string& what, const std::string& of, double truth,
-                   const MakeInterval& make) {
-  printSizes(what, of, [&](int n) {
-    return coverageCell(simulation.ask([&](Random& random) { return holds(make(n, random), truth); }));
-  });
-}
-
 void intervals(Simulation& simulation, const World& world) {
   printHead("Share of repetitions in which the interval holds the truth [%], nominal 95",
-            withSizes({"interval", "population"}));
+            withSizes(kSizes, {"interval", "population"}));
   for (const Rates& rates : world.rates) {
-    printCoverage(simulation, "Wilson", rates.name, rates.second(), [&](int n, Random& random) {
+    printCoverage(simulation, kSizes, "Wilson", rates.name, rates.second(), [&](int n, Random& random) {
       const PairTable table = rates.draw(n, random);
       return wilsonInterval(table.both + table.second_only, n);
     });
   }
   for (const Population& population : world.populations) {
-    printCoverage(simulation, "mean, log-t", population.name, population.mean, [&](int n, Random& random) {
+    printCoverage(simulation, kSizes, "mean, log-t", population.name, population.mean, [&](int n, Random& random) {
       return meanOf(drawn(population.draw, n, random), population.limit).interval;
     });
   }
   for (const Population& population : world.populations) {
-    printCoverage(simulation, "median, order statistics", population.name, population.median,
+    printCoverage(simulation, kSizes, "median, order statistics", population.name, population.median,
                   [&](int n, Random& random) { return medianOf(drawn(population.draw, n, random)).interval; });
   }
   for (const Rates& rates : world.rates) {
-    printCoverage(simulation, "difference of rates, Tango", rates.name, rates.second() - rates.first(),
+    printCoverage(simulation, kSizes, "difference of rates, Tango", rates.name, rates.second() - rates.first(),
                   [&](int n, Random& random) { return tangoInterval(rates.draw(n, random)); });
   }
   for (const Rates& rates : world.rates) {
-    printCoverage(simulation, "transfer, Tang", rates.name, rates.second() / rates.first(),
+    printCoverage(simulation, kSizes, "transfer, Tang", rates.name, rates.second() / rates.first(),
                   [&](int n, Random& random) { return tangInterval(rates.draw(n, random)); });
   }
   for (const Differences& differences : world.differences) {
-    printCoverage(simulation, "paired difference, t", differences.name, differences.mean,
+    printCoverage(simulation, kSizes, "paired difference, t", differences.name, differences.mean,
                   [&](int n, Random& random) { return meanDifference(drawn(differences.draw, n, random)).interval; });
   }
 }
@@ -167,18 +101,18 @@ Rates equallyGood(double discordant) {
 
 void tests(Simulation& simulation, const World& world) {
   printHead("Share of repetitions in which a test finds a difference that is not there [%], nominal 5",
-            withSizes({"test", "population"}));
+            withSizes(kSizes, {"test", "population"}));
   for (const auto& [name, test] :
        {std::pair("McNemar mid-p", &mcnemarMidP), std::pair("McNemar exact", &mcnemarExact)}) {
     for (const double discordant : {0.27, 0.55, 1.0}) {
       const Rates rates = equallyGood(discordant);
-      printSizes(name, rates.name, [&, test = test](int n) {
+      printSizes(kSizes, name, rates.name, [&, test = test](int n) {
         return errorCell(simulation.ask([&](Random& random) { return finds(test(rates.draw(n, random))); }));
       });
     }
   }
   for (const Differences& differences : world.differences) {
-    printSizes("paired difference, t", differences.name + ", mean moved to 0", [&](int n) {
+    printSizes(kSizes, "paired difference, t", differences.name + ", mean moved to 0", [&](int n) {
       return errorCell(simulation.ask([&](Random& random) {
         std::vector<double> samples = drawn(differences.draw, n, random);
         for (double& sample : samples) {
@@ -194,7 +128,8 @@ void tests(Simulation& simulation, const World& world) {
   }
   const std::array names = {"t, not corrected", "t, Holm", "t, Bonferroni's intervals"};
   for (std::size_t i = 0; i < names.size(); ++i) {
-    printSizes(names.at(i), "20 rows as good as the baseline", [&](int n) { return errorCell(families[n].at(i)); });
+    printSizes(kSizes, names.at(i), "20 rows as good as the baseline",
+               [&](int n) { return errorCell(families[n].at(i)); });
   }
 }
 
@@ -301,6 +236,7 @@ void study(int repetitions, std::uint64_t seed, const std::string& episodes) {
   intervals(simulation, world);
   tests(simulation, world);
   watching(simulation, world);
+  tails(simulation);
 }
 
 }  // namespace

@@ -134,7 +134,7 @@ TEST_F(SimulatorSessions, ToldOfByTheStartTolerance) {
 
 TEST_F(SimulatorSessions, RefusesWhatTheKindDoesNotTake) {
   for (const auto& [value, reason] : {std::pair("2.5", "steps '2.5': must be a decimal integer"),
-                                      std::pair("11", "steps 11: must be from 0.0 to 10.0: nobody is that patient")}) {
+                                      std::pair("11", "steps 11: must be from 0 to 10: nobody is that patient")}) {
     pusht_msgs::ConfigureRequest request;
     request.parameters = {parameter("steps", value)};
     EXPECT_EQ(session_.configure(request).message, reason);
@@ -378,7 +378,7 @@ TEST_F(KindsOfSessions, ChangeNothingWhenTheyRefuse) {
         std::tuple("brittle", Parameters{parameter("label", "plain")},
                    std::string("parameter 'label': unknown; known: steps")),
         std::tuple("tough", Parameters{parameter("steps", "11")},
-                   std::string("steps 11: must be from 0.0 to 10.0: nobody is that patient")),
+                   std::string("steps 11: must be from 0 to 10: nobody is that patient")),
         std::tuple("tough", Parameters{parameter("label", "broken")}, std::string("no such engine"))}) {
     EXPECT_EQ(configure(kind, changes).message, reason);
     EXPECT_EQ(served_->describe(), before);

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <string>
 #include <system_error>
+#include <type_traits>
 #include <utility>
 
 #include "pusht_task/error.hpp"
@@ -20,17 +21,16 @@
 namespace sim2sim {
 namespace {
 
-constexpr std::uint64_t kFirstHeldOutSeed = 10'000;
-constexpr int kMaxEpisodes = 1'000'000;
-constexpr int kMaxFirstEpisode = 1'000'000'000;
-
 constexpr int kSmokeEpisodes = 2;
 constexpr int kSmokeHorizon = 40;  // [control steps]
 
-void requireWithin(const char* field, int value, int low, int high) {
-  if (value < low || value > high) {
-    throw pusht::InvalidInput(std::string(field) + " " + std::to_string(value) + ": must be from " +
-                              std::to_string(low) + " to " + std::to_string(high));
+/// Refuses an integer that is out of the range of its option.
+template <class Option>
+void requireWithin(const Option& option, int value) {
+  if (value < option.range.least || value > option.range.greatest) {
+    throw pusht::InvalidInput(std::string(option.name) + " " + std::to_string(value) + ": must be from " +
+                              std::to_string(static_cast<int>(option.range.least)) + " to " +
+                              std::to_string(static_cast<int>(option.range.greatest)));
   }
 }
 
@@ -101,9 +101,11 @@ const char* modeName(Mode mode) {
 }
 
 void Protocol::validate() const {
-  requireWithin("first_episode", first_episode, 0, kMaxFirstEpisode);
-  requireWithin("episodes", episodes, 1, kMaxEpisodes);
-  requireWithin("horizon", horizon, 1, pusht::kHorizon);
+  forEachOption([&](const auto& option) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(option.of(*this))>, int>) {
+      requireWithin(option, option.of(*this));
+    }
+  });
   bound().validate();
   probes();
   if (until_decided && !(*until_decided > 0.0 && *until_decided <= 1.0)) {
@@ -111,14 +113,14 @@ void Protocol::validate() const {
                               ": must be above 0 and at most 1");
   }
   const auto end = static_cast<std::uint64_t>(first_episode) + static_cast<std::uint64_t>(episodes);
-  if (seed > std::numeric_limits<std::uint64_t>::max() - kFirstHeldOutSeed - end) {
+  if (seed > std::numeric_limits<std::uint64_t>::max() - pusht::kFirstSpawnSeed - end) {
     throw pusht::InvalidInput("seed " + std::to_string(seed) +
                               ": 10000 + seed + first_episode + episodes must be below 2^64");
   }
 }
 
 std::optional<std::uint64_t> Protocol::spawnSeed(int episode) const {
-  return starts ? std::nullopt : std::optional(kFirstHeldOutSeed + seed + static_cast<std::uint64_t>(episode));
+  return starts ? std::nullopt : std::optional(pusht::kFirstSpawnSeed + seed + static_cast<std::uint64_t>(episode));
 }
 
 pusht::WorldState Protocol::start(int episode) const {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The options of a run, each in one line of one table. The evaluator's parameters, goals and their reverse, the
-/// command line and its help, plans of sweeps, the description of a run with its hash, the key of kept references, and
+/// description from which the panel builds its form, the command line and its help, plans of sweeps, the description of a run with its hash, the key of kept references, and
 /// what two runs must agree in to be compared: all of them walk through this table.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "pusht_task/constants.hpp"
@@ -38,16 +40,27 @@ enum class Written {
   kElsewhere,  ///< as part of another key: "probes" or "bound"
 };
 
+/// Values that an option takes, both ends included, as far as one option shows it by itself.
+struct OptionRange {
+  double least = 0.0;
+  double greatest = std::numeric_limits<double>::infinity();
+};
+
 /// An option, described. `of(o)` is the option in a RunOptions, or in any other class with a member of its name, such
 /// as the goal of a live run.
 template <class Access>
 struct RunOption {
   const char* name;     ///< of the parameter, the goal's field and the plan's key; with dashes on the command line
-  const char* meaning;  ///< with unit, for --help
+  const char* unit;     ///< empty: none
+  const char* meaning;  ///< a phrase for people
+  OptionRange range;    ///< of a number
   Decides decides;
   Written written;
   bool in_plan;  ///< whether a sweep takes it
   Access of;
+
+  /// "[m] meaning", for --help.
+  std::string help() const { return (*unit == '\0' ? "" : "[" + std::string(unit) + "] ") + meaning; }
 
   bool isDefault(const RunOptions& options) const {
     const RunOptions usual;
@@ -58,40 +71,44 @@ struct RunOption {
 /// Calls function(option) for each option, in the order in which people read of them.
 template <class Function>
 void forEachOption(const Function& function) {
-  const auto each = [&](const char* name, const char* meaning, Decides decides, Written written, bool in_plan,
-                        auto access) {
-    function(RunOption<decltype(access)>{name, meaning, decides, written, in_plan, access});
+  constexpr double kMostEpisodes = 1e6;
+  constexpr double kLastFirstEpisode = 1e9;
+  const OptionRange any;  // from 0 on
+  const auto each = [&](const char* name, const char* unit, const char* meaning, const OptionRange& range,
+                        Decides decides, Written written, bool in_plan, auto access) {
+    function(RunOption<decltype(access)>{name, unit, meaning, range, decides, written, in_plan, access});
   };
   each(
-      "seed", "episode i starts from spawn seed 10000 + seed + i", Decides::kRest, Written::kAlways, true,
+      "seed", "", "episode i starts from spawn seed 10000 + seed + i", any, Decides::kRest, Written::kAlways, true,
       [](auto& o) -> auto& { return o.seed; });
   each(
-      "first_episode", "index of the first episode", Decides::kRest, Written::kAlways, true,
+      "first_episode", "", "index of the first episode", {0.0, kLastFirstEpisode}, Decides::kRest, Written::kAlways, true,
       [](auto& o) -> auto& { return o.first_episode; });
   each(
-      "episodes", "number of episodes; without it as many as --starts has, if these are fewer than the default",
-      Decides::kRest, Written::kAlways, true, [](auto& o) -> auto& { return o.episodes; });
+      "episodes", "", "number of episodes; without it as many as --starts has, if these are fewer than the default",
+      {1.0, kMostEpisodes}, Decides::kRest, Written::kAlways, true, [](auto& o) -> auto& { return o.episodes; });
   each(
-      "horizon", "[control steps] the longest that an episode lasts", Decides::kReference, Written::kAlways, true,
+      "horizon", "control steps", "the longest that an episode lasts", {1.0, pusht::kHorizon}, Decides::kReference, Written::kAlways, true,
       [](auto& o) -> auto& { return o.horizon; });
   each(
-      "floor", "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to",
+      "floor", "",
+      "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to", any,
       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.floor; });
   each(
-      "reanchor",
-      "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: 1,5,20",
+      "reanchor", "",
+      "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: 1,5,20", any,
       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.reanchor; });
   each(
-      "bound_position", "[m] beyond it a rollout has parted from the reference", Decides::kRest, Written::kElsewhere,
+      "bound_position", "m", "beyond it a rollout has parted from the reference", any, Decides::kRest, Written::kElsewhere,
       true, [](auto& o) -> auto& { return o.bound_position; });
   each(
-      "bound_angle", "[rad] the same for the yaw", Decides::kRest, Written::kElsewhere, true,
+      "bound_angle", "rad", "the same for the yaw", any, Decides::kRest, Written::kElsewhere, true,
       [](auto& o) -> auto& { return o.bound_angle; });
   each(
-      "until_decided",
+      "until_decided", "",
       "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 to 1; "
       "--episodes is then the most that it may take",
-      Decides::kRest, Written::kIfChanged, false, [](auto& o) -> auto& { return o.until_decided; });
+      {0.0, 1.0}, Decides::kRest, Written::kIfChanged, false, [](auto& o) -> auto& { return o.until_decided; });
 }
 
 /// Whether all options are equal.

@@ -130,17 +130,6 @@ std::string line(const std::string& head, const std::string& left, const std::st
   return padded(head, kHead) + padded(left, kColumn) + right + "\n";
 }
 
-std::string transferText(const RunConfiguration& configuration, const Outcomes& outcomes) {
-  if (!outcomes.transfer) {
-    return "undefined: the reference never succeeds";
-  }
-  const auto text = [&](double share) {
-    return std::isinf(share) ? "any" : transferNumber(configuration, share) + " %";
-  };
-  const std::optional<Interval> interval = transferInterval(configuration, outcomes);
-  return text(*outcomes.transfer) + (interval ? " [" + text(interval->low) + ", " + text(interval->high) + "]" : "");
-}
-
 /// "1.3 times", "110 times"; "undefined" for NaN
 std::string timesText(double multiple) {
   if (std::isnan(multiple)) {
@@ -382,8 +371,10 @@ std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::
 }
 
 std::string cell(const SuccessRate& rate) {
-  return std::to_string(rate.successes) + "  " + fixedText(readable(rate.rate), 3) + " " + bracketed(rate.interval, 3);
+  return std::to_string(rate.successes) + "  " + shareText(rate);
 }
+
+std::string shareText(const SuccessRate& rate) { return figureText(rate.rate, rate.interval, 3); }
 
 std::string cell(const Estimate& estimate, const std::string& unit) {
   constexpr int kDigits = 4;
@@ -397,6 +388,17 @@ Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t qu
     mean.value = roundToMicro(mean.value);
   }
   return mean;
+}
+
+std::string transferText(const RunConfiguration& configuration, const Outcomes& outcomes) {
+  if (!outcomes.transfer) {
+    return "undefined: the reference never succeeds";
+  }
+  const auto text = [&](double share) {
+    return std::isinf(share) ? "any" : transferNumber(configuration, share) + " %";
+  };
+  const std::optional<Interval> interval = transferInterval(configuration, outcomes);
+  return text(*outcomes.transfer) + (interval ? " [" + text(interval->low) + ", " + text(interval->high) + "]" : "");
 }
 
 std::string doubtMark(const Summary& summary, std::string_view divergence) {

@@ -9,10 +9,8 @@ from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 from pusht_task.command import Refusal
 
+from sim2sim_report.colors import COLORS, DIM, INK
 from sim2sim_report.figures import (
-    COLORS,
-    DIM,
-    INK,
     NARROW,
     Drawing,
     Figure,

@@ -10,7 +10,8 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from pusht_task.command import Refusal
 
-from sim2sim_report.figures import CARD, DIM, INK, SERIES, STYLE, Drawing, Figure, styled
+from sim2sim_report.colors import CARD, DIM, INK, SERIES
+from sim2sim_report.figures import STYLE, Drawing, Figure, styled
 from sim2sim_report.results import REPLAY, read_sweep
 from sim2sim_report.suite import Suite
 

@@ -9,7 +9,7 @@ import jinja2
 from pusht_task import task
 from pusht_task.command import Refusal
 
-from sim2sim_report import figures
+from sim2sim_report import colors, figures
 from sim2sim_report.again import REANCHORED, command_of, notes_on_command
 from sim2sim_report.animation import GEOMETRY, animated, player, poster
 from sim2sim_report.attribution import read_attribution
@@ -85,7 +85,9 @@ class Page:
         )
         self.environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "sort_keys": True}
         self.shared = {
-            "css": jinja2.utils.markupsafe.Markup((here / "page.css").read_text("utf-8")),
+            "css": jinja2.utils.markupsafe.Markup(
+                colors.css() + (here / "page.css").read_text("utf-8")
+            ),
             "script": jinja2.utils.markupsafe.Markup((here / "page.js").read_text("utf-8")),
             "words": glossary(),
             "geometry": GEOMETRY,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pusht_msgs/Parameter.h>
+#include <pusht_msgs/ParameterDescriptor.h>
 #include <ros/node_handle.h>
 
 #include <cstdint>
@@ -26,6 +27,7 @@ bool sameValue(const std::string& a, const std::string& b);
 
 /// As messages.
 Parameters toMessages(const ParameterSet& parameters);
+pusht_msgs::ParameterDescriptor toMessage(const ParameterDescriptor& descriptor);
 
 /// Throws InvalidInput with name, values and rule if one of `parameters` is named twice: one of its values would count
 /// without a word.

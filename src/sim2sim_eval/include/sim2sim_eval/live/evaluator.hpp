@@ -34,7 +34,7 @@
 namespace sim2sim {
 
 /// Offers, in its private namespace, the action `compare`, the service `control`, the latched topics `request` (what a
-/// goal leaves open) and `progress`, and what Broadcast has.
+/// goal leaves open), `options` (those of a run, described) and `progress`, and what Broadcast has.
 class Evaluator : private LiveObserver {
  public:
   Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters);
@@ -90,6 +90,7 @@ class Evaluator : private LiveObserver {
 
   Goal accepted_;  // the last one; used in the thread of the callbacks alone
   ros::Publisher request_;
+  ros::Publisher options_;
 
   WorldMemory worlds_;  // used in the thread of run() alone
 

@@ -158,9 +158,10 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
   message.transfer_text = finished ? transferText(configuration, outcomes) : "";
   const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();
   forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
-    message.means.push_back(toMessage(metricName(rollouts[rollout], kQuantities[i]), kQuantities[i].unit,
-                                      finished ? printedMean(summary, rollout, i) : summary.means[rollout][i],
-                                      finished && rollout == kEngineReplay ? markOf(summary, kQuantities[i].name) : ""));
+    message.means.push_back(
+        toMessage(metricName(rollouts[rollout], kQuantities[i]), kQuantities[i].unit,
+                  finished ? printedMean(summary, rollout, i) : summary.means[rollout][i],
+                  finished && rollout == kEngineReplay ? markOf(summary, kQuantities[i].name) : ""));
   });
   message.policy = configuration.policy;
   const Headline headline = headlineOf(configuration, summary.outcomes.table);

@@ -29,7 +29,8 @@ pusht::ParameterValue parameterValue(double value) { return value; }
 pusht::ParameterValue parameterValue(std::optional<double> share) { return share.value_or(0.0); }
 pusht::ParameterValue parameterValue(const std::vector<int>& list) {
   std::vector<std::string> numbers;
-  std::transform(list.begin(), list.end(), std::back_inserter(numbers), [](int value) { return std::to_string(value); });
+  std::transform(list.begin(), list.end(), std::back_inserter(numbers),
+                 [](int value) { return std::to_string(value); });
   return pusht::joined(numbers, ",");
 }
 
@@ -45,8 +46,8 @@ pusht::ParameterDescriptor descriptorOf(const Option& option) {
   const auto& value = option.of(usual);
   constexpr bool is_int = std::is_same_v<std::decay_t<decltype(value)>, int>;
   const double most = is_int ? std::numeric_limits<int>::max() : std::numeric_limits<double>::infinity();
-  return {option.name,        option.unit, option.meaning, parameterValue(value), option.range.least,
-          std::min(most, option.range.greatest)};
+  return {option.name,           option.unit,        option.meaning,
+          parameterValue(value), option.range.least, std::min(most, option.range.greatest)};
 }
 
 /// Sets `value` to what `text` stands for. Throws InvalidInput with the option's name, the text and the rule.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The options of a run, each in one line of one table. The evaluator's parameters, goals and their reverse, the
-/// description from which the panel builds its form, the command line and its help, plans of sweeps, the description of a run with its hash, the key of kept references, and
-/// what two runs must agree in to be compared: all of them walk through this table.
+/// description from which the panel builds its form, the command line and its help, plans of sweeps, the description of
+/// a run with its hash, the key of kept references, and what two runs must agree in to be compared: all of them walk
+/// through this table.
 #pragma once
 
 #include <cstdint>
@@ -82,14 +83,14 @@ void forEachOption(const Function& function) {
       "seed", "", "episode i starts from spawn seed 10000 + seed + i", any, Decides::kRest, Written::kAlways, true,
       [](auto& o) -> auto& { return o.seed; });
   each(
-      "first_episode", "", "index of the first episode", {0.0, kLastFirstEpisode}, Decides::kRest, Written::kAlways, true,
-      [](auto& o) -> auto& { return o.first_episode; });
+      "first_episode", "", "index of the first episode", {0.0, kLastFirstEpisode}, Decides::kRest, Written::kAlways,
+      true, [](auto& o) -> auto& { return o.first_episode; });
   each(
       "episodes", "", "number of episodes; without it as many as --starts has, if these are fewer than the default",
       {1.0, kMostEpisodes}, Decides::kRest, Written::kAlways, true, [](auto& o) -> auto& { return o.episodes; });
   each(
-      "horizon", "control steps", "the longest that an episode lasts", {1.0, pusht::kHorizon}, Decides::kReference, Written::kAlways, true,
-      [](auto& o) -> auto& { return o.horizon; });
+      "horizon", "control steps", "the longest that an episode lasts", {1.0, pusht::kHorizon}, Decides::kReference,
+      Written::kAlways, true, [](auto& o) -> auto& { return o.horizon; });
   each(
       "floor", "",
       "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to", any,
@@ -99,8 +100,8 @@ void forEachOption(const Function& function) {
       "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: 1,5,20", any,
       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.reanchor; });
   each(
-      "bound_position", "m", "beyond it a rollout has parted from the reference", any, Decides::kRest, Written::kElsewhere,
-      true, [](auto& o) -> auto& { return o.bound_position; });
+      "bound_position", "m", "beyond it a rollout has parted from the reference", any, Decides::kRest,
+      Written::kElsewhere, true, [](auto& o) -> auto& { return o.bound_position; });
   each(
       "bound_angle", "rad", "the same for the yaw", any, Decides::kRest, Written::kElsewhere, true,
       [](auto& o) -> auto& { return o.bound_angle; });

@@ -370,9 +370,7 @@ std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::
   return episodes;
 }
 
-std::string cell(const SuccessRate& rate) {
-  return std::to_string(rate.successes) + "  " + shareText(rate);
-}
+std::string cell(const SuccessRate& rate) { return std::to_string(rate.successes) + "  " + shareText(rate); }
 
 std::string shareText(const SuccessRate& rate) { return figureText(rate.rate, rate.interval, 3); }
 

@@ -56,8 +56,8 @@ std::string cell(const Estimate& estimate, const std::string& unit);
 /// "0.220 [0.128, 0.352]": a rate without its count.
 std::string shareText(const SuccessRate& rate);
 
-/// "37 % [21 %, 61 %]": the transfer with the interval that holds, in the digits of transferNumber(). In words where the
-/// reference never succeeds.
+/// "37 % [21 %, 61 %]": the transfer with the interval that holds, in the digits of transferNumber(). In words where
+/// the reference never succeeds.
 std::string transferText(const RunConfiguration& configuration, const Outcomes& outcomes);
 
 /// The mean of a quantity in a rollout as metrics.json has it: the course rounds its own to six decimals.

@@ -266,7 +266,7 @@ TEST_F(PanelTest, ShowsWhyTheEvaluatorRefusesARun) {
 TEST_F(PanelTest, ShowsANodeThatDiesAndGoesOn) {
   const int victim = qEnvironmentVariableIntValue("PANEL_TEST_VICTIM");
   if (victim == 0) {
-    GTEST_SKIP() << "nobody to kill";
+    GTEST_SKIP() << "no process to kill";
   }
   const auto* const engine = find<QLabel>("node.engine");
   chooseRate(10.0);

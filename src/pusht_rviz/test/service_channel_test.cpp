@@ -150,7 +150,7 @@ TEST(ServiceChannel, ACallThatHangsIsBrokenOffAndTheNodeStaysSilent) {
   EXPECT_TRUE(node->waitFor(*channel, Presence::kLost));
 }
 
-TEST(ServiceChannel, ToNobodyFailsAtOnce) {
+TEST(ServiceChannel, WithoutANodeFailsAtOnce) {
   const auto node = std::make_shared<FakeNode>();
   node->become(FakeNode::Mood::kGone);
   const auto channel = channelTo(node);
@@ -212,7 +212,7 @@ TEST(ServiceChannel, LeavesBehindWhatCannotBeBrokenOff) {
   gate->open = true;
   gate->changed.notify_all();
   EXPECT_TRUE(gate->changed.wait_for(lock, kDeadline, [&] { return gate->left; }));
-  EXPECT_THAT(node->told(), testing::IsEmpty()) << "and nobody is told any more";
+  EXPECT_THAT(node->told(), testing::IsEmpty()) << "and the owner is told no more";
 }
 
 }  // namespace

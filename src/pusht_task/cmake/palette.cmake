@@ -1,4 +1,4 @@
-# Writes `header` with the dark colors of `palette`, a JSON file.
+# Writes `header` with the dark colors of `palette`, a JSON file of this package.
 function(pusht_generate_palette palette header)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${palette})
   file(READ ${palette} json)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The colors of everything that is drawn, from palette.json. C++ has those of DARK in pusht_task/palette.hpp."""
+"""The colors of everything that is drawn, from palette.json. C++ has DARK as palette.hpp."""
 
 import json
 from pathlib import Path

@@ -7,7 +7,7 @@ from pusht_task.palette import DARK, LIGHT, PRINT
 
 from sim2sim_report.results import ENGINE, REFERENCE, REPLAY
 
-# Figures are drawn in the light colors; inline() replaces each by its variable, since no two are equal.
+# Figures are drawn in the light colors; inline() makes each the variable of its name.
 INK, DIM, GRID, CARD = (LIGHT[name] for name in ("ink", "dim", "grid", "card"))
 COLORS = {"reference": LIGHT["reference"], ENGINE: LIGHT["engine"], REPLAY: LIGHT["replay"]}
 SERIES = [color for name, color in LIGHT.items() if name.startswith("series")]  # for any eye

@@ -12,8 +12,9 @@
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/attribution.hpp"
+#include "sim2sim_protocol/results/attribution_files.hpp"
+#include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/output_folder.hpp"
-#include "sim2sim_protocol/results/report.hpp"
 
 namespace {
 

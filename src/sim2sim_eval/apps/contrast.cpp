@@ -13,7 +13,7 @@
 #include "pusht_task/files.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/json.hpp"
 
 namespace {
 

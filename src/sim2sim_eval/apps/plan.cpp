@@ -71,8 +71,10 @@ std::vector<Question> questionsOf(const Options& options, const RunResults& pilo
     success("success, other - pilot", sim2sim::pairsOf(pilot.episodes, kEngineClosed, other->episodes, kEngineClosed));
   }
   for (std::size_t k = 0; k < sim2sim::kDivergencePairs.size(); ++k) {
-    const sim2sim::Place divergence{kEngineReplay, sim2sim::quantityIndex(sim2sim::kDivergencePairs[k].divergence)};
-    const sim2sim::Place null_model{kEngineReplay, sim2sim::quantityIndex(sim2sim::kDivergencePairs[k].null_model)};
+    const sim2sim::FigureIndex divergence{kEngineReplay,
+                                          sim2sim::quantityIndex(sim2sim::kDivergencePairs[k].divergence)};
+    const sim2sim::FigureIndex null_model{kEngineReplay,
+                                          sim2sim::quantityIndex(sim2sim::kDivergencePairs[k].null_model)};
     const auto spread = [&](const std::string& text, const std::vector<double>& differences) {
       questions.push_back({names.at(k).first + text, deviationOf(differences), {}, names.at(k).second});
     };

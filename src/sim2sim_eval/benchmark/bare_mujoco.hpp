@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The yardstick of the reference: nothing but MuJoCo's own calls.
+/// The baseline of the reference: nothing but MuJoCo's own calls.
 #pragma once
 
 #include <mujoco/mujoco.h>

@@ -28,7 +28,7 @@
 #include "pusht_task/ros/installed_file.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/temporary_folder.hpp"
-#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/runner.hpp"
 
 namespace {
 

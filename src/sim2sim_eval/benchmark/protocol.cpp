@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Times the whole protocol beside the bare mj_step calls that it contains, in turn, on the same episodes, and what
 // threads, a kept reference and our policy kernel change.
-#include "sim2sim_protocol/protocol.hpp"
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -23,8 +21,9 @@
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/setup.hpp"
 #include "sim2sim_protocol/reference_cache.hpp"
+#include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/runner.hpp"
 
 namespace {
 
@@ -48,7 +47,7 @@ std::vector<pusht::Trace> referenceTraces(const sim2sim::Protocol& protocol, con
   pusht::MujocoWorld world(scene);
   std::vector<pusht::Trace> traces(protocol.episodes);
   for (int episode = 0; episode < protocol.episodes; ++episode) {
-    traces[episode] = pusht::runClosedLoop(world, protocol.start(episode), policy, protocol.horizon).trace();
+    traces[episode] = pusht::runClosedLoop(world, protocol.initialState(episode), policy, protocol.horizon).trace();
   }
   return traces;
 }
@@ -66,15 +65,15 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
   const sim2sim::Setup setup({}, sim2sim::chooseSimulator("mujoco", {}), {chosen});
   const sim2sim::LoadedSimulator engine(chosen);
   const sim2sim::LoadedSimulator with_other_knob(sim2sim::chooseSimulator("two_mass", {"block_damp=20"}));
-  sim2sim::Players with_libtorch = setup.players(engine);
+  sim2sim::WorkerFactory with_libtorch = setup.workerFactory(engine);
   with_libtorch.make_policy = [&] { return on_libtorch->clone(); };
   const pusht::testing::TemporaryFolder folder;
   const sim2sim::ReferenceCache references(folder.path(), setup.referenceKey(protocol));
-  const auto run = [&](const sim2sim::Players& players, int threads, const sim2sim::ReferenceCache* cache) {
+  const auto run = [&](const sim2sim::WorkerFactory& factory, int threads, const sim2sim::ReferenceCache* cache) {
     sim2sim::runProtocol(
-        protocol, players, threads, cache, [](const sim2sim::Episode&) {}, [] { return false; });
+        protocol, factory, threads, cache, [](const sim2sim::Episode&) {}, [] { return false; });
   };
-  run(setup.players(engine), 1, &references);  // from here on the reference is kept
+  run(setup.workerFactory(engine), 1, &references);  // from here on the reference is kept
 
   const std::map<std::string, std::function<void()>> works = {
       {"bare_mj_step",
@@ -83,9 +82,9 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
            sim2sim::stepBareMujoco(scene->model(), *data, trace);
          }
        }},
-      {"one_thread", [&] { run(setup.players(engine), 1, nullptr); }},
-      {"two_threads", [&] { run(setup.players(engine), 2, nullptr); }},
-      {"further_knob_value", [&] { run(setup.players(with_other_knob), 1, &references); }},
+      {"one_thread", [&] { run(setup.workerFactory(engine), 1, nullptr); }},
+      {"two_threads", [&] { run(setup.workerFactory(engine), 2, nullptr); }},
+      {"further_knob_value", [&] { run(setup.workerFactory(with_other_knob), 1, &references); }},
       {"libtorch", [&] { run(with_libtorch, 1, nullptr); }},
   };
   std::map<std::string, std::vector<double>> seconds;

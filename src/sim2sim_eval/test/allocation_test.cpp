@@ -15,7 +15,9 @@
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/scenarios.hpp"
 #include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_protocol/flight.hpp"
 #include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/runner.hpp"
 
 namespace {
 
@@ -93,7 +95,7 @@ int allocationsOf(const Function& step) {
   return allocations;
 }
 
-Players playersOf(const std::string& policy) {
+WorkerFactory playersOf(const std::string& policy) {
   const sim2sim::SimulatorChoice engine = sim2sim::chooseSimulator("two_mass", {});
   return sim2sim::Setup({policy}, sim2sim::chooseSimulator("mujoco", {}), {engine})
       .players(sim2sim::LoadedSimulator(engine));
@@ -127,7 +129,7 @@ TEST(Allocations, NoneInAStepOfASimulator) {
 TEST(Allocations, NoneInAStepOfTheWholeProtocol) {
   const Protocol protocol;
   for (const char* policy_name : {"bc", "expert"}) {
-    const Players players = playersOf(policy_name);
+    const WorkerFactory players = playersOf(policy_name);
     const Worlds worlds = players.make_worlds(kEpisodesInFlight);
     const auto policy = players.make_policy();
     Flight flight(protocol, worlds, *policy);

@@ -19,6 +19,7 @@
 #include "pusht_task/ros/world_markers.hpp"
 #include "sim2sim_eval/live/captions.hpp"
 #include "sim2sim_eval/live/window.hpp"
+#include "sim2sim_protocol/flight.hpp"
 
 namespace sim2sim {
 namespace {
@@ -121,9 +122,9 @@ Summary someSummary() {
   summary.reference = {12, 0.6, wilsonInterval(12, 20)};
   summary.engine = {4, 0.2, wilsonInterval(4, 20)};
   summary.means.resize(kModeCount);
-  summary.yardsticks.resize(kModeCount);
-  for (Yardstick& yardstick : summary.yardsticks[kEngineReplay]) {
-    yardstick.minus_null = {-0.024, Interval{-0.03, -0.02}, 0.001};
+  summary.baselines.resize(kModeCount);
+  for (BaselineComparison& baseline : summary.baselines[kEngineReplay]) {
+    baseline.minus_null = {-0.024, Interval{-0.03, -0.02}, 0.001};
   }
   auto& replay = summary.means[kEngineReplay];
   replay[quantityIndex("mean_position_divergence")] = {0.0821, Interval{0.0682, 0.0953}};
@@ -384,7 +385,7 @@ TEST(Picture, SaysWhatTheFinishedEpisodesSay) {
 
 TEST(Picture, MarksADivergenceThatDoesNotBeatTheNullModel) {
   Summary summary = someSummary();
-  summary.yardsticks[kEngineReplay][1].minus_null = {0.01, Interval{-0.1, 0.12}, 0.8};
+  summary.baselines[kEngineReplay][1].minus_null = {0.01, Interval{-0.1, 0.12}, 0.8};
   EXPECT_THAT(texts(DriftingEpisode(kAway, 0.02, 0.1).update(summary), "engine_replay"),
               Contains("divergence 0.082 m, 0.95 rad (!)"));
 }

@@ -13,7 +13,7 @@
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/task.hpp"
 #include "pusht_task/testing/golden.hpp"
-#include "sim2sim_statistics/attribution.hpp"
+#include "sim2sim_statistics/shapley.hpp"
 
 namespace sim2sim {
 namespace {

@@ -10,8 +10,14 @@
 #include <vector>
 
 #include "sim2sim_eval/bag/messages.hpp"
+#include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/results/episodes_csv.hpp"
 #include "sim2sim_protocol/results/headline.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/statistics.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
+#include "sim2sim_protocol/results/table.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 
 namespace sim2sim {

@@ -25,8 +25,12 @@
 #include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/recorded_run.hpp"
+#include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/flight.hpp"
+#include "sim2sim_protocol/results/episodes_csv.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 namespace {

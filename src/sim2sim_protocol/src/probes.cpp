@@ -18,23 +18,23 @@ constexpr const char* kReanchored = "engine_reanchored_";
 }  // namespace
 
 const std::vector<Probe>& floorProbes() {
-  static const std::vector<Probe> probes = {{"floor_1e-9", Role::kReference, 1e-9, 0},
-                                            {"floor_1e-6", Role::kReference, 1e-6, 0}};
+  static const std::vector<Probe> probes = {{"floor_1e-9", ProbedWorld::kReference, 1e-9, 0},
+                                            {"floor_1e-6", ProbedWorld::kReference, 1e-6, 0}};
   return probes;
 }
 
-Probe reanchored(int every) {
+Probe stateResetReplay(int every) {
   if (every < 1 || every > pusht::kHorizon) {
     throw pusht::InvalidInput("reanchor " + std::to_string(every) + ": must be from 1 to " +
                               std::to_string(pusht::kHorizon) + " control steps");
   }
-  return {kReanchored + std::to_string(every), Role::kEngine, 0.0, every};
+  return {kReanchored + std::to_string(every), ProbedWorld::kEngine, 0.0, every};
 }
 
 std::vector<Probe> probesOf(bool floor, const std::vector<int>& reanchor) {
   std::vector<Probe> probes = floor ? floorProbes() : std::vector<Probe>();
   for (const int every : reanchor) {
-    Probe probe = reanchored(every);
+    Probe probe = stateResetReplay(every);
     if (std::find(probes.begin(), probes.end(), probe) != probes.end()) {
       throw pusht::InvalidInput("reanchor " + std::to_string(every) + ": is named twice");
     }
@@ -67,14 +67,14 @@ Probe probeFrom(const std::string& name) {
   if (!every) {
     throw pusht::InvalidInput("probe '" + name + "': must be floor_1e-9, floor_1e-6 or " + kReanchored + "K");
   }
-  return reanchored(*every);
+  return stateResetReplay(*every);
 }
 
 pusht::Trace runProbe(const Probe& probe, const pusht::WorldState& start, const pusht::Trace& reference,
                       pusht::BatchSimulator& world, std::size_t lane, const std::function<void(int)>& before_step) {
   const int in_lane = static_cast<int>(lane);
   pusht::WorldState moved = start;
-  moved.tee_position.x() += probe.start_offset;
+  moved.tee_position.x() += probe.tee_offset;
   world.reset(in_lane, moved);
   pusht::Trace trace;
   trace.states.push_back(world.state(in_lane));
@@ -83,7 +83,7 @@ pusht::Trace runProbe(const Probe& probe, const pusht::WorldState& start, const 
   for (int step = 0; step < static_cast<int>(reference.steps()); ++step) {
     before_step(step);
     const auto k = static_cast<std::size_t>(step);
-    if (probe.anchor_every > 0 && step > 0 && step % probe.anchor_every == 0) {
+    if (probe.reset_every > 0 && step > 0 && step % probe.reset_every == 0) {
       world.reset(in_lane, reference.states[k]);
     }
     actions[lane] = reference.actions[k];

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sim2sim_protocol/divergence.hpp"
-#include "sim2sim_protocol/parting.hpp"
+#include "sim2sim_protocol/first_divergence.hpp"
 
 namespace sim2sim {
 namespace {
@@ -38,7 +38,7 @@ Divergence nullDivergence(const RolloutView& view) {
   std::size_t rest = 0;  // where the tee that does not move is
   for (std::size_t k = 0; k < commonSteps(view); ++k) {
     sum += divergence(view.reference.states[k], view.reference.states[rest]);
-    if (view.anchor_every > 0 && k % static_cast<std::size_t>(view.anchor_every) == 0) {
+    if (view.reset_every > 0 && k % static_cast<std::size_t>(view.reset_every) == 0) {
       rest = k;
     }
   }
@@ -58,7 +58,7 @@ Divergence absorbed(const RolloutView& view) {
 }
 
 Divergence anchorError(const RolloutView& view) {
-  const auto every = static_cast<std::size_t>(view.anchor_every);
+  const auto every = static_cast<std::size_t>(view.reset_every);
   Divergence sum;
   std::size_t count = 0;
   for (std::size_t k = every; k < commonSteps(view); k += every) {

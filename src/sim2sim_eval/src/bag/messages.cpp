@@ -14,6 +14,8 @@
 #include "pusht_task/ros/conversions.hpp"
 #include "sim2sim_protocol/divergence.hpp"
 #include "sim2sim_protocol/results/headline.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
+#include "sim2sim_protocol/results/table.hpp"
 
 namespace sim2sim {
 namespace {
@@ -109,10 +111,10 @@ pusht_msgs::EpisodeResult toMessage(const Protocol& protocol, const EpisodeResul
     rollout.mode = modes[mode];
     rollout.steps = static_cast<std::uint32_t>(result.steps);
     rollout.success = result.success ? 1 : 0;
-    if (result.parting) {
-      rollout.parting_step = static_cast<std::uint32_t>(result.parting->step);
-      rollout.parting_cause = nameOf(result.parting->cause).name;
-      rollout.parting_first = nameOf(result.parting->first);
+    if (result.first_divergence) {
+      rollout.parting_step = static_cast<std::uint32_t>(result.first_divergence->step);
+      rollout.parting_cause = nameOf(result.first_divergence->cause).name;
+      rollout.parting_first = nameOf(result.first_divergence->first);
     }
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
       pusht_msgs::Quantity quantity;

@@ -22,6 +22,7 @@
 #include "pusht_task/ros/conversions.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
+#include "sim2sim_protocol/flight.hpp"
 
 namespace sim2sim {
 namespace {
@@ -223,14 +224,14 @@ nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
 
 /// The starts that the bag holds, if they were given; `protocol` knows their hash.
 void takeStarts(Protocol& protocol, const nlohmann::ordered_json& provenance) {
-  if (!protocol.starts) {
+  if (!protocol.initial_states) {
     return;
   }
-  const std::string hash = protocol.starts->hash();
-  protocol.starts = std::make_shared<Starts>(
-      startsFrom(provenance.at("starts").get<std::string>(), protocol.first_episode, protocol.episodes));
-  if (protocol.starts->hash() != hash) {
-    throw pusht::BadDependency("its starts are " + protocol.starts->hash() + ", must be " + hash);
+  const std::string hash = protocol.initial_states->hash();
+  protocol.initial_states = std::make_shared<InitialStates>(
+      initialStatesFrom(provenance.at("starts").get<std::string>(), protocol.first_episode, protocol.episodes));
+  if (protocol.initial_states->hash() != hash) {
+    throw pusht::BadDependency("its starts are " + protocol.initial_states->hash() + ", must be " + hash);
   }
 }
 
@@ -314,13 +315,13 @@ Episode replay(const Protocol& protocol, int index, const RecordedEpisode& recor
                                  " steps are recorded, must be " + std::to_string(wanted));
     }
   };
-  Recalled recalled;
+  CachedTraces cached;
   const std::vector<Probe> probes = protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const auto states = i < record.probes.size() ? record.probes[i] : std::vector<pusht::WorldState>();
-    recalled.probes.emplace_back(pusht::Trace{states, record.modes[kReferenceClosed].actions});
+    cached.probes.emplace_back(pusht::Trace{states, record.modes[kReferenceClosed].actions});
   }
-  Episode episode = runEpisode(protocol, index, worlds, policy, std::move(recalled));
+  Episode episode = runEpisode(protocol, index, worlds, policy, std::move(cached));
   for (const Mode mode : kModes) {
     require_steps(modeName(mode), record.modes.at(mode).steps(), episode.rollout(mode).trace().steps());
   }

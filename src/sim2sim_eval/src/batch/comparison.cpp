@@ -23,10 +23,13 @@
 #include "sim2sim_eval/batch/setup.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/simulators.hpp"
-#include "sim2sim_protocol/rest_of_run.hpp"
+#include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/run.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
 #include "sim2sim_protocol/results/traces.hpp"
+#include "sim2sim_protocol/runner.hpp"
 
 namespace sim2sim {
 namespace {
@@ -85,13 +88,13 @@ class InOrder {
   std::map<int, Episode> waiting_;  // for those before them
 };
 
-/// The starts of a run, as a file for readStarts().
+/// The starts of a run, as a file for readInitialStates().
 std::string startsOf(const Protocol& protocol) {
   std::vector<pusht::WorldState> states;
   for (int episode = protocol.first_episode; episode <= protocol.lastEpisode(); ++episode) {
-    states.push_back(protocol.start(episode));
+    states.push_back(protocol.initialState(episode));
   }
-  return startsCsv(states);
+  return initialStatesCsv(states);
 }
 
 /// Throws InvalidInput if there is something at `path` already. A run that goes on may have written it before.
@@ -172,8 +175,8 @@ void compare(const CompareOptions& options) {
   }
   configuration.smoke = options.smoke;
   configuration.protocol.validate();
-  configuration.protocol.starts =
-      givenStarts(options.starts, configuration.protocol.first_episode, configuration.protocol.episodes);
+  configuration.protocol.initial_states =
+      givenInitialStates(options.starts, configuration.protocol.first_episode, configuration.protocol.episodes);
   const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_settings);
   const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_settings);
   std::error_code ignored;
@@ -256,8 +259,9 @@ void compare(const CompareOptions& options) {
       }
     };
     try {
-      runRest(configuration.protocol, finished, setup.players(engine), options.batch.threadCount(),
-              references ? &*references : nullptr, deliver, [&] { return decided || interrupted(); });
+      runProtocol(
+          configuration.protocol, setup.workerFactory(engine), options.batch.threadCount(),
+          references ? &*references : nullptr, deliver, [&] { return decided || interrupted(); }, finished);
     } catch (const pusht::Error&) {
       if (!decided) {  // else it is of an episode that is not needed
         throw;

@@ -12,6 +12,7 @@
 #include "sim2sim_eval/batch/shard.hpp"
 #include "sim2sim_eval/batch/sweep_folder.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
 
 namespace sim2sim {

@@ -3,6 +3,7 @@
 
 #include "pusht_task/ros/installed_file.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_protocol/flight.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 
 namespace sim2sim {
@@ -35,7 +36,7 @@ Setup::Setup(const pusht::PolicyChoice& policy, const SimulatorChoice& reference
   warn(policy_.warning);
 }
 
-Players Setup::players(const LoadedSimulator& engine) const {
+WorkerFactory Setup::workerFactory(const LoadedSimulator& engine) const {
   const auto make_worlds = [make_reference = reference_.model.make_lanes,
                             make_engine = engine.model.make_lanes](int lanes) {
     return Worlds{make_reference(lanes), make_engine(lanes), make_engine(lanes)};

@@ -17,9 +17,14 @@
 #include "sim2sim_eval/batch/sweep_folder.hpp"
 #include "sim2sim_eval/batch/sweep_plan.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_protocol/rest_of_run.hpp"
+#include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/attribution.hpp"
+#include "sim2sim_protocol/results/attribution_files.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
+#include "sim2sim_protocol/results/table.hpp"
+#include "sim2sim_protocol/runner.hpp"
 
 namespace sim2sim {
 namespace {
@@ -159,8 +164,8 @@ class Sweeper {
       bar_.advance(rowText(index, plan_.rows.size()));
     };
     try {
-      runRest(protocol_, journal.keptIndices(), setup_.players(engine), options_.batch.threadCount(), &references,
-              deliver, interrupted);
+      runProtocol(protocol_, setup_.workerFactory(engine), options_.batch.threadCount(), &references, deliver,
+                  interrupted, journal.keptIndices());
     } catch (pusht::Error& error) {
       if (dynamic_cast<const pusht::SimulationFault*>(&error) != nullptr) {
         journal.remove();  // the row cannot be finished
@@ -223,7 +228,7 @@ void sweep(const SweepOptions& options) {
     plan.protocol.episodes = options.episodes;
     plan.protocol.validate();
   }
-  plan.protocol.starts = givenStarts(plan.starts, plan.protocol.first_episode, plan.protocol.episodes);
+  plan.protocol.initial_states = givenInitialStates(plan.starts, plan.protocol.first_episode, plan.protocol.episodes);
   const Shard shard = options.shard.empty() ? Shard() : Shard::from(options.shard);
   const Protocol protocol = shard.share(plan.protocol);
   SweepFolder folder(options.out, options.overwrite, "sweep");

@@ -8,6 +8,10 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/difference.hpp"
+#include "sim2sim_protocol/results/episodes_csv.hpp"
+#include "sim2sim_protocol/results/json.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
+#include "sim2sim_protocol/results/statistics.hpp"
 
 namespace sim2sim {
 namespace {
@@ -184,9 +188,10 @@ std::optional<SweepRow> readRow(const fs::path& folder, std::size_t index, const
     as_asked = episodes[i].index == episode && episodes[i].seed == protocol.spawnSeed(episode);
   }
   if (!as_asked) {
-    refuse(kEpisodesFile, "must hold episodes " + std::to_string(protocol.first_episode) + " to " +
-                              std::to_string(protocol.lastEpisode()) +
-                              (protocol.starts ? " of the given starts" : " of seed " + std::to_string(protocol.seed)));
+    refuse(kEpisodesFile,
+           "must hold episodes " + std::to_string(protocol.first_episode) + " to " +
+               std::to_string(protocol.lastEpisode()) +
+               (protocol.initial_states ? " of the given starts" : " of seed " + std::to_string(protocol.seed)));
   }
   SweepRow row(configuration, std::move(episodes));
   if (pusht::readFile(path / kMetricsFile, "row") != jsonText(row.metrics)) {

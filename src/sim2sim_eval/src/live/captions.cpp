@@ -6,6 +6,7 @@
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
 #include "sim2sim_eval/live/window.hpp"
+#include "sim2sim_protocol/results/table.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 
 namespace sim2sim {
@@ -97,12 +98,12 @@ std::string statusOf(Mode mode, const Episode& episode) {
 
 std::string secondsText(int steps) { return fixedText(steps * pusht::kControlStep, 1) + " s"; }
 
-std::string partingText(const std::optional<Parting>& parting) {
-  if (!parting) {
+std::string firstDivergenceText(const std::optional<FirstDivergence>& first_divergence) {
+  if (!first_divergence) {
     return "";
   }
-  return "parts at " + secondsText(parting->step) + ": " + nameOf(parting->cause).label + ", " +
-         nameOf(parting->first) + " first";
+  return "parts at " + secondsText(first_divergence->step) + ": " + nameOf(first_divergence->cause).label + ", " +
+         nameOf(first_divergence->first) + " first";
 }
 
 }  // namespace sim2sim

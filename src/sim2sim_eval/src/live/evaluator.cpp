@@ -14,6 +14,7 @@
 #include "sim2sim_eval/live/named_options.hpp"
 #include "sim2sim_eval/live/outcome.hpp"
 #include "sim2sim_eval/live/participants.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/run.hpp"
 
 namespace sim2sim {
@@ -138,7 +139,8 @@ void Evaluator::runIn(RunFolder& folder, const LiveRequest& request) {
 
 void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   request.protocol.validate();
-  request.protocol.starts = givenStarts(request.starts, request.protocol.first_episode, request.protocol.episodes);
+  request.protocol.initial_states =
+      givenInitialStates(request.starts, request.protocol.first_episode, request.protocol.episodes);
   pacer_.setRate(request.rate);
   if (pacer_.paused()) {
     ROS_WARN_STREAM("the run waits, since the evaluator is paused; to go on: " << kHowToResume);

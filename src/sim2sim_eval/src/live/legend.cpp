@@ -40,7 +40,7 @@ void drawTolerance(Sheet& sheet, const Vector2d& center) {
   }
 }
 
-void drawParting(Sheet& sheet, const Vector2d& center) {
+void drawFirstDivergence(Sheet& sheet, const Vector2d& center) {
   const Window window = icon(center, 0.24);
   window.way(sheet, colorOf(kEngineReplay), kTrailWidth, {{-0.11, -0.07}, {0.0, -0.04}, {0.11, -0.06}}, {0.0, 0.5, 1.0},
              kTrailZ);
@@ -66,7 +66,7 @@ struct Entry {
 
 constexpr std::array<Entry, 6> kEntries = {{
     {drawGhost, "the reference's tee, now"},
-    {drawParting, "way of the tee; here they part"},
+    {drawFirstDivergence, "way of the tee; here they part"},
     {drawCommand, "what the pusher is told"},
     {drawTarget, "the target"},
     {drawTolerance, "near enough for success"},

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
+#include "sim2sim_protocol/flight.hpp"
 
 namespace sim2sim {
 namespace {

@@ -42,7 +42,7 @@ constexpr double kSubtitleY = 0.636;
 constexpr double kResultY = 0.574;
 constexpr double kCertaintyY = 0.519;
 constexpr double kStatusY = -0.607;
-constexpr double kPartingY = -0.665;
+constexpr double kFirstDivergenceY = -0.665;
 constexpr double kSettingsY = -0.727;
 constexpr double kSettingsPitch = 0.052;
 constexpr std::size_t kSettingsLines = 2;
@@ -61,9 +61,9 @@ constexpr double kCardPitch = 0.058;
 constexpr double kCardLegendY = -0.45;
 
 constexpr double kTableEdge = 0.012;
-constexpr double kArrowTime = 0.25;       // [s] an arrow ends where the pusher would be then
-constexpr double kPartingRadius = 0.018;  // [m] of the ring around a tee that leaves the bound
-constexpr double kAxisBegin = 0.05;       // [m] from the target, of the lines that show its tolerance
+constexpr double kArrowTime = 0.25;               // [s] an arrow ends where the pusher would be then
+constexpr double kFirstDivergenceRadius = 0.018;  // [m] of the ring around a tee that leaves the bound
+constexpr double kAxisBegin = 0.05;               // [m] from the target, of the lines that show its tolerance
 constexpr double kAxisEnd = pusht::kStemOffset + pusht::kStemHalfLength + 0.02;
 constexpr double kTeeMark = 0.045;  // [m] of the mark of a tee that is beyond the edge of a window
 constexpr double kPusherMark = 0.022;
@@ -138,12 +138,13 @@ void drawPusher(Sheet& sheet, const Window& window, Mode mode, const Episode& ep
 
 /// The way of the tee, where it left the bound around the reference, and where it is if that is out of sight.
 void drawWay(Sheet& sheet, const Window& window, Mode mode, const pusht::Trace& trace,
-             const std::optional<Parting>& parting) {
+             const std::optional<FirstDivergence>& first_divergence) {
   const Way way = wayOf(trace);
   window.way(sheet, colorOf(mode), kTrailWidth, way.points, way.shares, kTrailZ);
   std::vector<Vector2d> ring;
-  if (parting) {
-    ring = circleOf(trace.states[static_cast<std::size_t>(parting->step)].tee_position, kPartingRadius);
+  if (first_divergence) {
+    ring =
+        circleOf(trace.states[static_cast<std::size_t>(first_divergence->step)].tee_position, kFirstDivergenceRadius);
   }
   window.line(sheet, colorOf(mode), kMarkWidth, ring, kMarkZ);
   window.edgeMark(sheet, colorOf(mode), kTeeMark, trace.states.back().tee_position);
@@ -263,11 +264,12 @@ MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode,
   MarkerArray update;
   for (const Mode mode : kModes) {
     const pusht::Rollout& rollout = episode.rollout(mode);
-    const std::optional<Parting> parting = partingOf(reference, rollout.trace(), run.protocol.bound());
+    const std::optional<FirstDivergence> first_divergence =
+        firstDivergenceOf(reference, rollout.trace(), run.protocol.bound());
     Sheet sheet(windowFrame(worlds_[mode].frame_prefix));
     window.table(sheet, colors.table, colors.walls);
     drawTarget(sheet, window, markColor(mode, episode));
-    drawWay(sheet, window, mode, rollout.trace(), parting);
+    drawWay(sheet, window, mode, rollout.trace(), first_divergence);
     window.tee(sheet, colorOf(mode), colorOf(mode), stateOf(episode, mode), kTeeZ);
     if (mode == kEngineReplay) {
       window.tee(sheet, colorOf(kReferenceClosed, kGhostOpacity), colorOf(kReferenceClosed), reference.states.back(),
@@ -281,7 +283,7 @@ MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode,
     sheet.text(result.figure, 0.0, kResultY, kResultSize, color(kBright));
     sheet.text(result.certainty, 0.0, kCertaintyY, kSmallSize, color(kDim));
     sheet.text(statusOf(mode, episode), 0.0, kStatusY, kSmallSize, rollout.success() ? colorOf(mode) : color(kDim));
-    sheet.text(partingText(parting), 0.0, kPartingY, kSmallSize, colorOf(mode));
+    sheet.text(firstDivergenceText(first_divergence), 0.0, kFirstDivergenceY, kSmallSize, colorOf(mode));
     if (mode == kMiddle) {
       drawHeadline(sheet, headline);
     }
@@ -300,16 +302,16 @@ MarkerArray Picture::overlay(const RunConfiguration& run, const Episode& episode
   drawEdge(sheet, kOverlayPane, colors.walls, 0.5 * kTableEdge);
   for (const Mode mode : kModes) {
     const pusht::Trace& trace = episode.rollout(mode).trace();
-    const std::optional<Parting> parting = partingOf(reference, trace, run.protocol.bound());
+    const std::optional<FirstDivergence> first_divergence = firstDivergenceOf(reference, trace, run.protocol.bound());
     const float opacity = mode == kReferenceClosed ? 1.0F : kGhostOpacity;
-    drawWay(sheet, window, mode, trace, parting);
+    drawWay(sheet, window, mode, trace, first_divergence);
     window.tee(sheet, colorOf(mode, opacity), colorOf(mode), trace.states.back(),
                kTeeZ + 0.5 * kLayer * static_cast<double>(mode));
     drawAxis(sheet, window, trace.states.back(), mode == kReferenceClosed ? color(kBright) : colorOf(mode));
     drawPusher(sheet, window, mode, episode, colorOf(mode, opacity));
     double y = kCardTop - kCardBlock * static_cast<double>(mode);
-    for (const std::string& line :
-         {worlds_[mode].title, worlds_[mode].subtitle, statusOf(mode, episode), partingText(parting)}) {
+    for (const std::string& line : {worlds_[mode].title, worlds_[mode].subtitle, statusOf(mode, episode),
+                                    firstDivergenceText(first_divergence)}) {
       const bool first = y == kCardTop - kCardBlock * static_cast<double>(mode);
       sheet.text(line, kCardX, y, first ? kResultSize : kSmallSize, first ? colorOf(mode) : color(kDim));
       y -= kCardPitch;

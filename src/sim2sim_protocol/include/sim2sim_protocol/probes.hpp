@@ -13,14 +13,14 @@
 namespace sim2sim {
 
 /// Whose physics a probe asks.
-enum class Role { kReference, kEngine };
+enum class ProbedWorld { kReference, kEngine };
 
 /// A rollout in open loop that tells how to read the divergence of the others.
 struct Probe {
-  std::string name;           ///< its mode in episodes.csv: "floor_1e-6"
-  Role role;                  ///< the reference's physics or the engine's
-  double start_offset = 0.0;  ///< [m] by which the tee's start is moved along x
-  int anchor_every = 0;       ///< control steps after which the world is put to the reference's state; 0: never
+  std::string name;         ///< its mode in episodes.csv: "floor_1e-6"
+  ProbedWorld world;        ///< the reference's physics or the engine's
+  double tee_offset = 0.0;  ///< [m] by which the tee's start is moved along x
+  int reset_every = 0;      ///< control steps after which the world is put to the reference's state; 0: never
 
   bool operator==(const Probe& other) const { return name == other.name; }
 };
@@ -31,10 +31,10 @@ const std::vector<Probe>& floorProbes();
 
 /// "engine_reanchored_5": the engine is put to the reference's full state after steps 5, 10, ...; errors are taken
 /// before. Throws InvalidInput unless `every` is from 1 to the task's horizon.
-Probe reanchored(int every);
+Probe stateResetReplay(int every);
 
-/// Those that are asked for: the floor, and a re-anchored replay for each of `reanchor`. Throws as reanchored(), and
-/// InvalidInput if one is named twice.
+/// Those that are asked for: the floor, and a re-anchored replay for each of `reanchor`. Throws as stateResetReplay(),
+/// and InvalidInput if one is named twice.
 std::vector<Probe> probesOf(bool floor, const std::vector<int>& reanchor);
 
 /// "1,5,20": control steps for probesOf(). Throws InvalidInput if `text` is no list of integers.

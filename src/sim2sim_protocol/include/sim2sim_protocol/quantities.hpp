@@ -19,7 +19,7 @@ namespace sim2sim {
 struct RolloutView {
   const pusht::Rollout& rollout;
   const pusht::Trace& reference;
-  int anchor_every = 0;                  ///< control steps after which it was put to the reference's state; 0: never
+  int reset_every = 0;                   ///< control steps after which it was put to the reference's state; 0: never
   const pusht::Trace* replay = nullptr;  ///< of the engine, for its closed loop
 };
 
@@ -40,7 +40,7 @@ double earlyAngleDivergence(const RolloutView& view);
 /// it was last put to the reference's state.
 double nullPositionDivergence(const RolloutView& view);
 double nullAngleDivergence(const RolloutView& view);
-/// Mean of the divergence just before the rollout is put to the reference's state: what `anchor_every` control steps
+/// Mean of the divergence just before the rollout is put to the reference's state: what `reset_every` control steps
 /// make.
 double anchorPositionError(const RolloutView& view);
 double anchorAngleError(const RolloutView& view);
@@ -57,11 +57,11 @@ constexpr int kEarlySteps = 20;
 
 /// Which rollouts have a quantity.
 enum class Scope {
-  kModes,     ///< the modes: what became of the task
-  kCompared,  ///< all but the reference itself
-  kClosed,    ///< the engine in closed loop
-  kAnchored,  ///< those that are put to the reference's state
-  kFloor,     ///< the reference from a start that is moved by 1e-6 m
+  kModes,       ///< the modes: what became of the task
+  kCompared,    ///< all but the reference itself
+  kClosed,      ///< the engine in closed loop
+  kStateReset,  ///< those that are put to the reference's state
+  kFloor,       ///< the reference from a start that is moved by 1e-6 m
 };
 
 /// What is measured of every rollout.
@@ -96,8 +96,8 @@ inline constexpr std::array kQuantities = {
              absorbedPositionDivergence, nullptr},
     Quantity{"absorbed_angle_divergence", "rad", Scope::kClosed, -pusht::kPi, pusht::kPi, nullptr,
              absorbedAngleDivergence, nullptr},
-    Quantity{"anchor_position_error", "m", Scope::kAnchored, 0.0, kUnlimited, nullptr, anchorPositionError, nullptr},
-    Quantity{"anchor_angle_error", "rad", Scope::kAnchored, 0.0, pusht::kPi, nullptr, anchorAngleError, nullptr},
+    Quantity{"anchor_position_error", "m", Scope::kStateReset, 0.0, kUnlimited, nullptr, anchorPositionError, nullptr},
+    Quantity{"anchor_angle_error", "rad", Scope::kStateReset, 0.0, pusht::kPi, nullptr, anchorAngleError, nullptr},
     Quantity{"growth_rate", "per_step", Scope::kFloor, -kUnlimited, kUnlimited, nullptr, growthRateOf, nullptr},
 };
 

@@ -9,15 +9,15 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
-#include <sstream>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
+#include "sim2sim_protocol/results/attribution_files.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/output_folder.hpp"
-#include "sim2sim_protocol/results/report.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
@@ -27,8 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-constexpr int kAttributionFormat = 1;  // of the JSON
 
 /// The true/false parameters in which rows differ.
 std::vector<std::string> switchesIn(const std::vector<RunResults>& runs) {
@@ -159,9 +157,9 @@ std::vector<Measure> measuresOf(const Protocol& protocol) {
   const std::vector<Probe> probes = protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Probe& probe = probes[i];
-    if (probe.role == Role::kEngine && probe.anchor_every > 0) {
+    if (probe.world == ProbedWorld::kEngine && probe.reset_every > 0) {
       add(kModeCount + i,
-          "re-anchored every " + std::to_string(probe.anchor_every) + (probe.anchor_every == 1 ? " step" : " steps"));
+          "re-anchored every " + std::to_string(probe.reset_every) + (probe.reset_every == 1 ? " step" : " steps"));
     }
   }
   measures.push_back({"lost_success", "success, closed loop", "", kEngineClosed, nullptr, nullptr});
@@ -188,7 +186,8 @@ std::optional<std::size_t> floorOf(const Protocol& protocol) {
   const std::vector<Probe> probes = protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Probe& probe = probes[i];
-    if (probe.role == Role::kReference && (!widest || probe.start_offset > probes[*widest - kModeCount].start_offset)) {
+    if (probe.world == ProbedWorld::kReference &&
+        (!widest || probe.tee_offset > probes[*widest - kModeCount].tee_offset)) {
       widest = kModeCount + i;
     }
   }
@@ -245,87 +244,7 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
   return result;
 }
 
-json readableJson(const std::optional<Interval>& interval) {
-  return interval ? json{readable(interval->low), readable(interval->high)} : json();
-}
-
-json readableJson(double value) { return std::isfinite(value) ? json(readable(value)) : json(); }
-
-json readableJson(const Difference& difference) {
-  return {{"value", readableJson(difference.value)}, {"interval", readableJson(difference.interval)}};
-}
-
-json readableJson(const Estimate& estimate) {
-  return {{"value", readableJson(estimate.value)}, {"interval", readableJson(estimate.interval)}};
-}
-
-json readableAll(const std::vector<double>& values) {
-  json result = json::array();
-  std::transform(values.begin(), values.end(), std::back_inserter(result), readable);
-  return result;
-}
-
-json readableJson(const AttributedGap& gap, const std::vector<std::string>& switches) {
-  json by_switch = json::object();
-  for (std::size_t i = 0; i < switches.size(); ++i) {
-    const Share& share = gap.shares[i];
-    by_switch[switches[i]] = {{"share", readableJson(share.value)},
-                              {"share_interval", readableJson(share.interval)},
-                              {"part", readableJson(share.part)},
-                              {"part_interval", readableJson(share.part_interval)}};
-    if (!gap.gaps.empty()) {
-      by_switch[switches[i]]["alone"] = readableJson(gap.alone[i]);
-      by_switch[switches[i]]["leave_one_out"] = readableJson(gap.leave_one_out[i]);
-    }
-  }
-  json pairs = json::array();
-  for (const Interaction& interaction : gap.interactions) {
-    json pair = readableJson(interaction.value);
-    pair["switches"] = {switches[static_cast<std::size_t>(interaction.first)],
-                        switches[static_cast<std::size_t>(interaction.second)]};
-    pairs.push_back(pair);
-  }
-  json order = json::array();
-  for (const int player : gap.best_order) {
-    order.push_back(switches[static_cast<std::size_t>(player)]);
-  }
-  return {{"title", gap.title},
-          {"unit", gap.unit},
-          {"all_off", readable(gap.all_off)},
-          {"all_on", readable(gap.all_on)},
-          {"gaps", readableAll(gap.gaps)},
-          {"switches", by_switch},
-          {"interactions", pairs},
-          {"best_order", order},
-          {"staircase", readableAll(gap.staircase)},
-          {"null_model", readableJson(gap.null_model)},
-          {"baseline", readableJson(gap.baseline)},
-          {"floor", readableJson(gap.floor)}};
-}
-
-constexpr std::size_t kNameWidth = 18;
-constexpr std::size_t kCellWidth = 42;
-
-/// "+0.0198 m [0.0149, 0.0247]  25 %"
-std::string shareCell(const Share& share, int digits) {
-  const std::string part = std::isfinite(share.part) ? "  " + percent(share.part) : "";
-  return signedText(share.value, share.interval, "", digits) + part;
-}
-
 }  // namespace
-
-json toJson(const OrderSample& sample) {
-  return {{"switches", sample.players}, {"orders", sample.orders}, {"seed", sample.seed}};
-}
-
-OrderSample orderSampleFrom(const json& json) {
-  try {
-    return {json.at("switches").get<std::vector<std::string>>(), json.at("orders").get<int>(),
-            json.at("seed").get<std::uint32_t>()};
-  } catch (const nlohmann::json::exception& error) {
-    throw pusht::InvalidInput(std::string("permutations: must have switches, orders and seed: ") + error.what());
-  }
-}
 
 Attribution attribute(const fs::path& folder, const fs::path& baseline, const std::function<void()>& go_on) {
   std::vector<RunResults> rows = read(folder, go_on);
@@ -372,92 +291,6 @@ Attribution attribute(const fs::path& folder, const fs::path& baseline, const st
     }
   }
   return result;
-}
-
-json toJson(const Attribution& attribution) {
-  json gaps = json::object();
-  for (const AttributedGap& gap : attribution.gaps) {
-    gaps[gap.name] = readableJson(gap, attribution.switches);
-  }
-  json names = json::array();
-  for (const AttributedGap& gap : attribution.gaps) {
-    names.push_back(gap.name);
-  }
-  return {{"format", kAttributionFormat},
-          {"confidence", kConfidence},
-          {"reference", attribution.reference},
-          {"engine", attribution.engine},
-          {"policy", attribution.policy},
-          {"episodes", attribution.episodes},
-          {"combinations", attribution.combinations},
-          {"orders", attribution.orders},
-          {"baseline", attribution.baseline},
-          {"switches", attribution.switches},
-          {"order", names},
-          {"gaps", gaps}};
-}
-
-std::string toCsv(const Attribution& attribution) {
-  std::ostringstream csv;
-  csv << "gap,unit,switch,share,share_low,share_high,part,part_low,part_high,alone,leave_one_out\n";
-  const auto number = [](double value) { return std::isfinite(value) ? pusht::shortestText(readable(value)) : ""; };
-  const auto ends = [&](const std::optional<Interval>& interval) {
-    return interval ? number(interval->low) + "," + number(interval->high) : std::string(",");
-  };
-  for (const AttributedGap& gap : attribution.gaps) {
-    for (std::size_t i = 0; i < attribution.switches.size(); ++i) {
-      const Share& share = gap.shares[i];
-      csv << gap.name << ',' << gap.unit << ',' << attribution.switches[i] << ',' << number(share.value) << ','
-          << ends(share.interval) << ',' << number(share.part) << ',' << ends(share.part_interval) << ','
-          << (gap.gaps.empty() ? "," : number(gap.alone[i].value) + "," + number(gap.leave_one_out[i].value)) << '\n';
-    }
-  }
-  return csv.str();
-}
-
-std::string table(const Attribution& attribution) {
-  constexpr int kDigits = 4;
-  std::string text = attribution.engine + " against " + attribution.reference + ", policy " + attribution.policy +
-                     ", " + std::to_string(attribution.episodes) + " episodes, " +
-                     std::to_string(attribution.combinations) + " combinations" +
-                     (attribution.orders > 0 ? " along " + std::to_string(attribution.orders) + " random orders" : "") +
-                     "\n";
-  // Position and angle of the same rollouts stand side by side.
-  for (std::size_t first = 0; first < attribution.gaps.size(); first += 2) {
-    const auto begin = attribution.gaps.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto end =
-        attribution.gaps.begin() + static_cast<std::ptrdiff_t>(std::min(first + 2, attribution.gaps.size()));
-    const auto line = [&](const std::string& name, const auto& cell) {
-      text += "  " + padded(name, kNameWidth);
-      for (auto gap = begin; gap != end; ++gap) {
-        text += padded(cell(*gap), kCellWidth);
-      }
-      text.erase(text.find_last_not_of(' ') + 1);
-      text += '\n';
-    };
-    const auto plain = [](double value) { return pusht::fixedText(readable(value), kDigits); };
-    line("", [](const AttributedGap& gap) { return gap.title + (gap.unit.empty() ? "" : " [" + gap.unit + "]"); });
-    if (std::isfinite(begin->null_model.value)) {
-      line("tee never moves", [&](const AttributedGap& gap) { return plain(gap.null_model.value); });
-    }
-    if (!attribution.baseline.empty()) {
-      line("baseline", [&](const AttributedGap& gap) { return plain(gap.baseline.value); });
-    }
-    line("all off", [&](const AttributedGap& gap) { return plain(gap.all_off); });
-    for (std::size_t i = 0; i < attribution.switches.size(); ++i) {
-      line(attribution.switches[i], [&](const AttributedGap& gap) { return shareCell(gap.shares[i], kDigits); });
-    }
-    line("all on", [&](const AttributedGap& gap) { return plain(gap.all_on); });
-  }
-  if (!attribution.baseline.empty()) {
-    text += "(baseline: " + attribution.baseline + ")\n";
-  }
-  return text + "(each line: how much of the gap the switch closes, averaged over all orders of switching on, with " +
-         pusht::fixedText(100.0 * kConfidence, 0) +
-         " % interval and share of the whole;\nsuccess: reference rate minus engine rate." +
-         (attribution.episodes < kFewestPairs ? " Below " + std::to_string(kFewestPairs) + " episodes no intervals"
-                                              : "") +
-         ")\n";
 }
 
 }  // namespace sim2sim

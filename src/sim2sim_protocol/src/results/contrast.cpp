@@ -9,11 +9,14 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/results/answers.hpp"
 #include "sim2sim_protocol/results/difference.hpp"
+#include "sim2sim_protocol/results/episodes_csv.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/output_folder.hpp"
-#include "sim2sim_protocol/results/report.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 
 namespace sim2sim {
@@ -39,7 +42,7 @@ std::vector<std::string> commonPlaces() {
 /// The figures that are contrasted: those that depend on the engine.
 bool isContrasted(const Protocol& protocol, std::size_t rollout, const Quantity& quantity) {
   const bool of_engine = rollout < kModeCount ? rollout != kReferenceClosed
-                                              : protocol.probes()[rollout - kModeCount].role == Role::kEngine;
+                                              : protocol.probes()[rollout - kModeCount].world == ProbedWorld::kEngine;
   const bool of_null = std::any_of(kDivergencePairs.begin(), kDivergencePairs.end(), [&](const DivergencePair& pair) {
     return std::string(pair.null_model) == quantity.name;
   });
@@ -55,7 +58,7 @@ bool sameReference(const EpisodeResult& a, const EpisodeResult& b) {
 }
 
 ContrastRow rowOf(const RunResults& baseline, const RunResults& other, std::size_t rollout, std::size_t quantity) {
-  const Place place{rollout, quantity};
+  const FigureIndex place{rollout, quantity};
   const std::vector<double> differences = differencesOf(other.episodes, place, baseline.episodes, place);
   DifferenceSequence watched;
   for (const double difference : differences) {

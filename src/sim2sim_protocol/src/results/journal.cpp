@@ -14,8 +14,9 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/results/difference.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/episodes_csv.hpp"
 
 namespace sim2sim {
 namespace {

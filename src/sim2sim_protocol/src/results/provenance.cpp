@@ -67,8 +67,8 @@ nlohmann::ordered_json provenance(const RunConfiguration& configuration, const n
                                        {"reference", reference},
                                        {"engine", engine},
                                        {"software", buildAndMachine()}};
-  if (configuration.protocol.starts) {
-    provenance["starts"] = configuration.protocol.starts->csv();
+  if (configuration.protocol.initial_states) {
+    provenance["starts"] = configuration.protocol.initial_states->csv();
   }
   return provenance;
 }

@@ -7,6 +7,8 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/reason.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
+#include "sim2sim_protocol/results/table.hpp"
 
 namespace sim2sim {
 namespace {
@@ -90,7 +92,8 @@ nlohmann::json Run::finish(std::ostream& out, int faults_survived) {
   const Summary& summary = this->summary();
   const Protocol& protocol = configuration_.protocol;
   out << "policy " << configuration_.policy << ", "
-      << (protocol.starts ? "starts " + protocol.starts->hash() : "seed " + std::to_string(protocol.seed))
+      << (protocol.initial_states ? "starts " + protocol.initial_states->hash()
+                                  : "seed " + std::to_string(protocol.seed))
       << ", horizon " << configuration_.protocol.horizon << " control steps\n"
       << table(configuration_, summary) << (bet_ ? decisionText(*bet_, *configuration_.protocol.until_decided) : "")
       << "results: " << folder_.path().string() << "\n"

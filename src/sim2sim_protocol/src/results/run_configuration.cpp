@@ -64,8 +64,8 @@ void setProbes(const std::vector<std::string>& names, Protocol& protocol) {
   protocol.floor = false;
   for (const std::string& name : names) {
     const Probe probe = probeFrom(name);
-    if (probe.anchor_every > 0) {
-      protocol.reanchor.push_back(probe.anchor_every);
+    if (probe.reset_every > 0) {
+      protocol.reanchor.push_back(probe.reset_every);
     } else {
       protocol.floor = true;
     }
@@ -170,7 +170,7 @@ std::string configurationHash(const RunConfiguration& configuration) {
   key += "|" + std::to_string(protocol.horizon) +
          differencesOf("reference", configuration.reference, kCourseReference) +
          differencesOf("engine", configuration.engine, kCourseEngine) +
-         (protocol.starts ? "|starts=" + protocol.starts->hash() : "") +
+         (protocol.initial_states ? "|starts=" + protocol.initial_states->hash() : "") +
          (protocol.probes() == floorProbes() ? "" : "|probes=" + pusht::joined(probeNames(protocol), ",")) +
          boundDifference(protocol);
   const ordered_json changed = changedOptions(protocol);
@@ -197,8 +197,8 @@ ordered_json describe(const RunConfiguration& configuration) {
   description["simulators"] = {{"reference", toJson(configuration.reference)},
                                {"engine", toJson(configuration.engine)}};
   description["config_hash"] = configurationHash(configuration);
-  if (protocol.starts) {
-    description["starts"] = protocol.starts->hash();
+  if (protocol.initial_states) {
+    description["starts"] = protocol.initial_states->hash();
   }
   description.update(changedOptions(protocol));
   return description;
@@ -225,7 +225,7 @@ Protocol protocolFrom(const json& description) {
   protocol.bound_position = bound.at("position_m");
   protocol.bound_angle = bound.at("angle_rad");
   if (const auto starts = description.find("starts"); starts != description.end()) {
-    protocol.starts = std::make_shared<Starts>(Starts::named(starts->get<std::string>()));
+    protocol.initial_states = std::make_shared<InitialStates>(InitialStates::named(starts->get<std::string>()));
   }
   protocol.validate();
   return protocol;

@@ -5,6 +5,9 @@
 #include <utility>
 
 #include "pusht_task/files.hpp"
+#include "sim2sim_protocol/results/episodes_csv.hpp"
+#include "sim2sim_protocol/results/json.hpp"
+#include "sim2sim_protocol/results/statistics.hpp"
 
 namespace sim2sim {
 namespace {

@@ -59,8 +59,8 @@ Outcomes outcomesOf(const std::vector<EpisodeResult>& episodes) {
 double ratio(double a, double b) { return b > 0.0 ? a / b : kNoRatio; }
 
 /// `floor` is the place of the floor's rollout, if there is one.
-Yardstick yardstickOf(const std::vector<EpisodeResult>& episodes, const Summary& summary, std::size_t rollout,
-                      const DivergencePair& pair, std::optional<std::size_t> floor) {
+BaselineComparison yardstickOf(const std::vector<EpisodeResult>& episodes, const Summary& summary, std::size_t rollout,
+                               const DivergencePair& pair, std::optional<std::size_t> floor) {
   const std::size_t divergence = quantityIndex(pair.divergence);
   const std::size_t null_model = quantityIndex(pair.null_model);
   const double mean = summary.means[rollout][divergence].value;
@@ -72,13 +72,13 @@ Yardstick yardstickOf(const std::vector<EpisodeResult>& episodes, const Summary&
 
 }  // namespace
 
-std::vector<double> differencesOf(const std::vector<EpisodeResult>& more, const Place& place_in_more,
-                                  const std::vector<EpisodeResult>& less, const Place& place_in_less) {
+std::vector<double> differencesOf(const std::vector<EpisodeResult>& more, const FigureIndex& of_more,
+                                  const std::vector<EpisodeResult>& less, const FigureIndex& of_less) {
   std::vector<double> differences;
   differences.reserve(more.size());
   for (std::size_t i = 0; i < more.size(); ++i) {
-    const double difference = more[i].rollouts[place_in_more.rollout].quantities[place_in_more.quantity] -
-                              less[i].rollouts[place_in_less.rollout].quantities[place_in_less.quantity];
+    const double difference = more[i].rollouts[of_more.rollout].quantities[of_more.quantity] -
+                              less[i].rollouts[of_less.rollout].quantities[of_less.quantity];
     if (!std::isnan(difference)) {
       differences.push_back(difference);
     }
@@ -95,7 +95,7 @@ PairTable pairsOf(const std::vector<EpisodeResult>& first, std::size_t rollout_i
   return table;
 }
 
-std::optional<bool> Yardstick::beatsNull() const {
+std::optional<bool> BaselineComparison::beatsNull() const {
   return minus_null.interval ? std::optional(minus_null.interval->high < 0.0) : std::nullopt;
 }
 
@@ -138,16 +138,16 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
       summary.means[rollout][i] = meanOf(samples, kQuantities[i]);
     }
   }
-  summary.yardsticks.resize(summary.means.size());
+  summary.baselines.resize(summary.means.size());
   const std::optional<std::size_t> floor = widestFloor(protocol);
   for (std::size_t rollout = kReferenceClosed + 1; rollout < summary.means.size(); ++rollout) {
     for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
-      summary.yardsticks[rollout][i] = yardstickOf(episodes, summary, rollout, kDivergencePairs[i], floor);
+      summary.baselines[rollout][i] = yardstickOf(episodes, summary, rollout, kDivergencePairs[i], floor);
     }
   }
-  summary.partings = partingsOf(episodes, kEngineReplay);
+  summary.first_divergences = firstDivergencesOf(episodes, kEngineReplay);
   if (floor) {
-    summary.floor = partingsOf(episodes, *floor);
+    summary.floor = firstDivergencesOf(episodes, *floor);
     summary.unmoved_floors = unmovedFloors(protocol, episodes);
   }
   return summary;

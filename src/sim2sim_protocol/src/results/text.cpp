@@ -26,10 +26,6 @@ std::string bracketed(const Interval& interval, int digits) {
   return "[" + fixedText(readable(interval.low), digits) + ", " + fixedText(readable(interval.high), digits) + "]";
 }
 
-std::string figureText(double value, const Interval& interval, int digits) {
-  return fixedText(readable(value), digits) + " " + bracketed(interval, digits);
-}
-
 std::string padded(const std::string& text, std::size_t width) {
   return text + std::string(width > text.size() ? width - text.size() : 1, ' ');
 }

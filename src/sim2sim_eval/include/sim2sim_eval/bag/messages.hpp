@@ -12,8 +12,10 @@
 #include <optional>
 #include <string>
 
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 

@@ -14,9 +14,10 @@
 #include "pusht_task/policy.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/simulator.hpp"
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/bands.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 
 namespace sim2sim {
 

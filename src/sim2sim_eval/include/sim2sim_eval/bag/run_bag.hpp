@@ -19,6 +19,7 @@
 
 #include "pusht_task/ros/bag_file.hpp"
 #include "sim2sim_eval/bag/worker.hpp"
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {

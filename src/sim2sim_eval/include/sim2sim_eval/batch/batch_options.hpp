@@ -7,7 +7,6 @@
 #include <string>
 
 #include "sim2sim_eval/batch/setup.hpp"
-#include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/reference_cache.hpp"
 
 namespace CLI {

@@ -28,7 +28,7 @@ struct CompareOptions {
   std::string engine = kCourseEngine;             ///< kind
   std::vector<std::string> engine_settings{};
   bool smoke = false;        ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
-  std::string starts;        ///< file for readStarts(); empty: spawn seeds
+  std::string starts;        ///< file for readInitialStates(); empty: spawn seeds
   std::string write_starts;  ///< file to write them into; empty: none
   std::string out;           ///< results folder; empty: the next free results/compare-N
   bool overwrite = false;

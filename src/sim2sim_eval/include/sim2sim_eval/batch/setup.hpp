@@ -8,8 +8,8 @@
 
 #include "pusht_policy/policy_choice.hpp"
 #include "sim2sim_eval/simulators.hpp"
-#include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/runner.hpp"
 
 namespace sim2sim {
 
@@ -26,7 +26,7 @@ class Setup {
 
   const LoadedSimulator& reference() const { return reference_; }
 
-  Players players(const LoadedSimulator& engine) const;
+  WorkerFactory workerFactory(const LoadedSimulator& engine) const;
 
   /// provenance.json of a run; its "code" says which machine code decides the results.
   nlohmann::ordered_json provenance(const RunConfiguration& configuration, const LoadedSimulator& engine) const;

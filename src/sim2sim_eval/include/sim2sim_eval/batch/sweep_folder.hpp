@@ -13,11 +13,12 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/reason.hpp"
-#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/results/journal.hpp"
 #include "sim2sim_protocol/results/output_folder.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 

@@ -10,14 +10,14 @@
 #include "pusht_policy/policy_choice.hpp"
 #include "sim2sim_eval/simulators.hpp"
 #include "sim2sim_protocol/protocol.hpp"
-#include "sim2sim_statistics/attribution.hpp"
+#include "sim2sim_statistics/shapley.hpp"
 
 namespace sim2sim {
 
 struct SweepPlan {
   Protocol protocol;
   std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice; a file must be there
-  std::filesystem::path starts;                ///< file for readStarts(); empty: spawn seeds
+  std::filesystem::path starts;                ///< file for readInitialStates(); empty: spawn seeds
   SimulatorChoice reference;
   std::vector<SimulatorChoice> rows;    ///< of the engine; each once
   std::optional<OrderSample> sample{};  ///< of which the rows are the combinations; none: the plan names the rows

@@ -23,7 +23,9 @@
 
 #include "sim2sim_eval/bag/run_bag.hpp"
 #include "sim2sim_eval/live/picture.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 

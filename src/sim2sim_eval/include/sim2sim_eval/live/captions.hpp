@@ -7,8 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 
@@ -35,7 +37,7 @@ std::vector<std::string> settingsOf(const SimulatorRecord& simulator, std::size_
 std::string statusOf(Mode mode, const Episode& episode);
 
 /// "parts at 0.2 s: ..."; empty as long as a rollout is within the bound.
-std::string partingText(const std::optional<Parting>& parting);
+std::string firstDivergenceText(const std::optional<FirstDivergence>& first_divergence);
 
 /// "3.9 s"
 std::string secondsText(int steps);

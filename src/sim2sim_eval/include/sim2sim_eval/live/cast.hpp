@@ -12,6 +12,7 @@
 #include "pusht_task/ros/served_policy.hpp"
 #include "pusht_task/ros/served_simulator.hpp"
 #include "sim2sim_eval/live/world_memory.hpp"
+#include "sim2sim_protocol/flight.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {

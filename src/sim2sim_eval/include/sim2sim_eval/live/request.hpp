@@ -23,7 +23,7 @@ struct LiveRequest {
   double rate = 0.0;   ///< [control steps/s]; 0: as fast as possible
   Cast::Settings settings;
   bool record = true;      ///< write compare.bag
-  std::string starts;      ///< file for readStarts(); empty: spawn seeds
+  std::string starts;      ///< file for readInitialStates(); empty: spawn seeds
   std::string out;         ///< folder for the results; empty: the next free results/compare-N
   bool overwrite = false;  ///< replace results that are in the folder
 };

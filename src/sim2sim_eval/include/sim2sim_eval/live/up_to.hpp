@@ -2,6 +2,7 @@
 /// The begin of an episode.
 #pragma once
 
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {

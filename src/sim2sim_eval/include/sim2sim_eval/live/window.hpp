@@ -8,7 +8,7 @@
 
 #include "pusht_task/types.hpp"
 #include "sim2sim_eval/live/sheet.hpp"
-#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/episode.hpp"
 
 namespace sim2sim {
 

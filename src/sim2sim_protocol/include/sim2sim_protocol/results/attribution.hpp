@@ -7,12 +7,12 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
-#include "sim2sim_statistics/attribution.hpp"
+#include "sim2sim_statistics/cooperative_game.hpp"
 #include "sim2sim_statistics/intervals.hpp"
+#include "sim2sim_statistics/shapley.hpp"
 
 namespace sim2sim {
 
@@ -55,17 +55,5 @@ struct Attribution {
 /// that it attributes: what that throws ends it.
 Attribution attribute(const std::filesystem::path& folder, const std::filesystem::path& baseline,
                       const std::function<void()>& go_on);
-
-nlohmann::json toJson(const Attribution& attribution);
-
-/// Of a sweep, as its description has it; and back. Throws InvalidInput if it is none.
-nlohmann::json toJson(const OrderSample& sample);
-OrderSample orderSampleFrom(const nlohmann::json& json);
-
-/// A row for each gap and switch.
-std::string toCsv(const Attribution& attribution);
-
-/// For people.
-std::string table(const Attribution& attribution);
 
 }  // namespace sim2sim

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {

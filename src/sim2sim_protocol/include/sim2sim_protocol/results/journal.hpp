@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/bands.hpp"
 

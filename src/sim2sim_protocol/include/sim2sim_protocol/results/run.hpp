@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "sim2sim_protocol/protocol.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_statistics/sequential.hpp"
 
 namespace sim2sim {

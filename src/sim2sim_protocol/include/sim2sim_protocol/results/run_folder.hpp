@@ -9,11 +9,12 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/bands.hpp"
 #include "sim2sim_protocol/results/journal.hpp"
 #include "sim2sim_protocol/results/output_folder.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 
 namespace sim2sim {
 

@@ -9,8 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
-#include "sim2sim_protocol/results/partings.hpp"
+#include "sim2sim_protocol/results/first_divergences.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 
@@ -23,15 +24,15 @@ struct SuccessRate {
 };
 
 /// Where a figure stands in the results of an episode.
-struct Place {
+struct FigureIndex {
   std::size_t rollout;
   std::size_t quantity;
 };
 
 /// What one figure is more than the other, episode by episode, of those that have both. The two may be of one run, or
 /// of two runs over the same episodes.
-std::vector<double> differencesOf(const std::vector<EpisodeResult>& more, const Place& place_in_more,
-                                  const std::vector<EpisodeResult>& less, const Place& place_in_less);
+std::vector<double> differencesOf(const std::vector<EpisodeResult>& more, const FigureIndex& of_more,
+                                  const std::vector<EpisodeResult>& less, const FigureIndex& of_less);
 
 /// Who succeeds in which episodes, likewise.
 PairTable pairsOf(const std::vector<EpisodeResult>& first, std::size_t rollout_in_first,
@@ -59,7 +60,7 @@ inline constexpr std::array kDivergencePairs = {
 };
 
 /// What a mean divergence must be read against. NaN where there is none.
-struct Yardstick {
+struct BaselineComparison {
   Estimate median{};
   Difference minus_null{};                                          ///< divergence - null model, episode by episode
   double share_of_null = std::numeric_limits<double>::quiet_NaN();  ///< of the means
@@ -71,17 +72,17 @@ struct Yardstick {
 
 struct Summary {
   using Means = std::array<Estimate, kQuantities.size()>;
-  using Yardsticks = std::array<Yardstick, kDivergencePairs.size()>;
+  using Baselines = std::array<BaselineComparison, kDivergencePairs.size()>;
 
   int episodes = 0;
   SuccessRate reference{};
   SuccessRate engine{};
   Outcomes outcomes{};
-  std::vector<Means> means;            ///< over the episodes that have the quantity, by rollout; NaN where none has
-  std::vector<Yardsticks> yardsticks;  ///< by rollout; none for the reference
-  Partings partings{};                 ///< of the replay
-  std::optional<Partings> floor{};     ///< of the widest floor, if there is one: when the reference leaves itself
-  int unmoved_floors = 0;              ///< episodes whose narrowest floor is exactly the reference
+  std::vector<Means> means;              ///< over the episodes that have the quantity, by rollout; NaN where none has
+  std::vector<Baselines> baselines;      ///< by rollout; none for the reference
+  FirstDivergences first_divergences{};  ///< of the replay
+  std::optional<FirstDivergences> floor{};  ///< of the widest floor, if there is one: when the reference leaves itself
+  int unmoved_floors = 0;                   ///< episodes whose narrowest floor is exactly the reference
 
   const Estimate& mean(std::size_t rollout, std::string_view quantity) const {
     return means.at(rollout)[quantityIndex(quantity)];

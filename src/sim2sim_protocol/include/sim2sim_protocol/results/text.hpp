@@ -17,9 +17,6 @@ double readable(double value);
 /// "[0.0700, 0.0934]"
 std::string bracketed(const Interval& interval, int digits);
 
-/// "0.600 [0.462, 0.724]"
-std::string figureText(double value, const Interval& interval, int digits);
-
 /// `text` filled up with blanks to `width`; one blank at least.
 std::string padded(const std::string& text, std::size_t width);
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "pusht_task/files.hpp"
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {

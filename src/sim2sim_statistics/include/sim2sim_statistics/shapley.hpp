@@ -1,28 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Which switches of a simulator close a gap, and how much of it is each one's own: a cooperative game whose players
-/// are the switches. A coalition is the set of those that are on, that is faithful. All coalitions play the same
-/// episodes. What there is to share is gap(none on) - gap(all on); gaps are in any unit, and so are all figures here
-/// that do not say otherwise. A positive figure is gap that is removed.
-/// All functions throw std::domain_error for input that breaks the rules given.
+/// Shares of a gap: how much of it each player of a cooperative game removes.
+/// What there is to share is gap(none on) - gap(all on). A positive figure is gap that is removed, in the unit of the
+/// gaps. All functions throw std::domain_error, with value and rule, for input that breaks the rules given.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <optional>
-#include <string>
 #include <vector>
 
+#include "sim2sim_statistics/cooperative_game.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 
 namespace sim2sim {
-
-using Coalition = std::uint32_t;  ///< bit i is 1 if player i is on
-using Order = std::vector<int>;   ///< every player once, in the order in which they are switched on
-
-constexpr int kMostPlayers = 16;  ///< of a game with all its coalitions; their number doubles with each player
-constexpr int kMostSampledPlayers = std::numeric_limits<Coalition>::digits;  ///< of a game with some of them
 
 /// Below it no interval of a sampled share is given. With 20 orders those given here covered the truth of nine
 /// simulated games of ten players in 92 to 99 % of runs, of parts in 91 to 99 % (nominal: 95). With 10 it was 88 % of
@@ -31,26 +21,6 @@ constexpr int kFewestOrders = 20;
 
 constexpr int kResamples = 4000;  ///< of a bootstrap: its ends then err by about 1 % of the interval's width
 constexpr std::uint32_t kResampleSeed = 1953;  ///< any will do, but it must stay the same
-
-/// The gap of every coalition in every episode.
-class Game {
- public:
-  /// From 1 to kMostPlayers players; `gaps` by coalition, 2^players of them, and episode, at least one; all finite.
-  Game(int players, const std::vector<std::vector<double>>& gaps);
-
-  int players() const { return players_; }
-  int episodes() const { return episodes_; }
-  Coalition all() const { return (Coalition{1} << players_) - 1; }
-  double gap(Coalition on, int episode) const { return gaps_[(static_cast<std::size_t>(episode) << players_) | on]; }
-  /// Of the episodes, summed in order.
-  double meanGap(Coalition on) const { return mean_gaps_[on]; }
-
- private:
-  int players_;
-  int episodes_ = 0;
-  std::vector<double> gaps_;  ///< by episode and coalition
-  std::vector<double> mean_gaps_;
-};
 
 /// What one player removes, averaged over all orders of switching on. The shares add up to the gap that there is to
 /// share.
@@ -87,30 +57,6 @@ std::vector<Difference> alone(const Game& game);
 
 /// What each player removes as the last one to be switched on: the gap that comes back without it.
 std::vector<Difference> leaveOneOut(const Game& game);
-
-/// The mean gaps along an order, from none on to all on.
-std::vector<double> staircase(const Game& game, const Order& order);
-
-/// The order whose staircase has the least area, over all orders; where steps to within kSame lead to the same, the
-/// player of the lower index goes first. It is the best in these episodes, so its staircase flatters it in others.
-Order bestOrder(const Game& game);
-
-/// `count` >= 1 random orders of 1 to kMostSampledPlayers players, each independent of the others and as probable as
-/// any. They are the same everywhere, and those of a smaller count begin those of a larger one.
-/// Source: R. A. Fisher and F. Yates, "Statistical Tables" (1938); R. Durstenfeld, "Algorithm 235" (1964).
-std::vector<Order> drawOrders(int players, int count, std::uint32_t seed);
-
-/// What to draw: where there are too many switches for all their combinations.
-struct OrderSample {
-  std::vector<std::string> players;
-  int orders = 0;
-  std::uint32_t seed = 0;
-
-  std::vector<Order> draw() const { return drawOrders(static_cast<int>(players.size()), orders, seed); }
-};
-
-/// Rising, each once: the coalitions along these orders and along their reverses.
-std::vector<Coalition> coalitionsAlong(const std::vector<Order>& orders);
 
 /// The shares of a game of which only the coalitions along some orders were played: the mean of what a player removes
 /// along each order and along its reverse, which mostly errs to the other side. `gaps` by coalition, at least those of

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_protocol/parting.hpp"
+#include "sim2sim_protocol/first_divergence.hpp"
 
 #include <gtest/gtest.h>
 
@@ -90,7 +90,7 @@ TEST(Bound, RefusesWhatIsNoBound) {
   for (const double bad : {0.0, -0.03, kNaN, kInfinity, -kInfinity}) {
     for (const Bound& bound : {Bound{bad, 0.2}, Bound{0.03, bad}}) {
       EXPECT_THROW(bound.validate(), pusht::InvalidInput) << bad;
-      EXPECT_THROW(partingOf(trace, trace, bound), pusht::InvalidInput) << bad;
+      EXPECT_THROW(firstDivergenceOf(trace, trace, bound), pusht::InvalidInput) << bad;
       EXPECT_THROW(growthRate(trace, trace, bound), pusht::InvalidInput) << bad;
     }
   }
@@ -116,9 +116,9 @@ TEST(Cause, HasItsNamesInOneTable) {
   EXPECT_EQ(static_cast<std::size_t>(Cause::kFree) + 1, kCauses.size());
   EXPECT_STREQ(nameOf(Cause::kSlidingOnStem).name, "sliding_on_stem");
   EXPECT_STREQ(nameOf(Cause::kSlidingOnStem).label, "sliding on stem");
-  EXPECT_STREQ(nameOf(First::kPusher), "pusher");
-  EXPECT_STREQ(nameOf(First::kTee), "tee");
-  EXPECT_STREQ(nameOf(First::kBoth), "both");
+  EXPECT_STREQ(nameOf(FirstBody::kPusher), "pusher");
+  EXPECT_STREQ(nameOf(FirstBody::kTee), "tee");
+  EXPECT_STREQ(nameOf(FirstBody::kBoth), "both");
 }
 
 /// The pusher has a radius of 0.015 m. It touches the bar's top at y 0.03, its underside at y -0.03, and the stem's
@@ -222,62 +222,62 @@ TEST(CauseIn, IsTheWallWheneverOneIsTouched) {
   }
 }
 
-TEST(PartingOf, IsTheFirstStepBeyondTheBound) {
+TEST(FirstDivergenceOf, IsTheFirstStepBeyondTheBound) {
   const Trace other = teeAt({0.0, 0.01, 0.029, 0.031, 0.02, 0.2});
-  const auto parting = partingOf(resting(other), other);
-  ASSERT_TRUE(parting);
-  EXPECT_EQ(parting->step, 3);
+  const auto first_divergence = firstDivergenceOf(resting(other), other);
+  ASSERT_TRUE(first_divergence);
+  EXPECT_EQ(first_divergence->step, 3);
 }
 
-TEST(PartingOf, HoldsTheBoundItself) {
+TEST(FirstDivergenceOf, HoldsTheBoundItself) {
   const Trace at = teeAt({0.0, 0.25});
   const Trace beyond = teeAt({0.0, std::nextafter(0.25, 1.0)});
-  EXPECT_FALSE(partingOf(resting(at), at, {0.25, 1.0}));
-  EXPECT_TRUE(partingOf(resting(beyond), beyond, {0.25, 1.0}));
+  EXPECT_FALSE(firstDivergenceOf(resting(at), at, {0.25, 1.0}));
+  EXPECT_TRUE(firstDivergenceOf(resting(beyond), beyond, {0.25, 1.0}));
   const Trace turned = teeTurnedBy({0.0, 0.5});
   const Trace turned_beyond = teeTurnedBy({0.0, std::nextafter(0.5, 1.0)});
-  EXPECT_FALSE(partingOf(resting(turned), turned, {1.0, 0.5}));
-  EXPECT_TRUE(partingOf(resting(turned_beyond), turned_beyond, {1.0, 0.5}));
+  EXPECT_FALSE(firstDivergenceOf(resting(turned), turned, {1.0, 0.5}));
+  EXPECT_TRUE(firstDivergenceOf(resting(turned_beyond), turned_beyond, {1.0, 0.5}));
 }
 
-TEST(PartingOf, SeesTheAngleAlone) {
+TEST(FirstDivergenceOf, SeesTheAngleAlone) {
   const Trace other = teeTurnedBy({0.0, 0.1, -0.21});
-  EXPECT_EQ(partingOf(resting(other), other)->step, 2);
+  EXPECT_EQ(firstDivergenceOf(resting(other), other)->step, 2);
 }
 
-TEST(PartingOf, TakesAnglesTheShortWay) {
+TEST(FirstDivergenceOf, TakesAnglesTheShortWay) {
   const Trace other = teeTurnedBy({0.0, 0.15, 0.19}, kPi - 0.1);
-  EXPECT_FALSE(partingOf(resting(other, kPi - 0.1), other));
+  EXPECT_FALSE(firstDivergenceOf(resting(other, kPi - 0.1), other));
 }
 
-TEST(PartingOf, LooksAtTheStepsThatBothHave) {
+TEST(FirstDivergenceOf, LooksAtTheStepsThatBothHave) {
   const Trace other = teeAt({0.0, 0.01, 0.02, 0.5});
   for (const std::size_t states : {0U, 1U, 3U}) {
     Trace shorter = resting(other);
     shorter.states.resize(states);
-    EXPECT_FALSE(partingOf(shorter, other)) << states;
-    EXPECT_FALSE(partingOf(other, shorter)) << states;
+    EXPECT_FALSE(firstDivergenceOf(shorter, other)) << states;
+    EXPECT_FALSE(firstDivergenceOf(other, shorter)) << states;
   }
-  EXPECT_TRUE(partingOf(resting(other), other));
+  EXPECT_TRUE(firstDivergenceOf(resting(other), other));
 }
 
-TEST(PartingOf, DoesNotLookAtTheStart) {
+TEST(FirstDivergenceOf, DoesNotLookAtTheStart) {
   const Trace other = teeAt({0.5, 0.0, 0.0, 0.04});
-  EXPECT_EQ(partingOf(resting(other), other)->step, 3);
+  EXPECT_EQ(firstDivergenceOf(resting(other), other)->step, 3);
 }
 
 /// The reference pushes the bar in the last step; the other one pushes nothing.
-TEST(PartingOf, HasItsCauseFromTheReference) {
+TEST(FirstDivergenceOf, HasItsCauseFromTheReference) {
   const Trace reference =
       traceOf({world({0.02, 0.2}), world({0.02, 0.1}), world({0.02, 0.03}), world({0.02, -0.01}, {0.0, -0.04})});
   const Trace other = traceOf({world({0.02, 0.2}), world({0.02, 0.1}), world({0.1, 0.1}), world({0.1, 0.1})});
-  EXPECT_EQ(partingOf(reference, other)->cause, Cause::kStickingOnBar);
-  EXPECT_EQ(partingOf(other, reference)->cause, Cause::kFree);
-  EXPECT_EQ(partingOf(reference, other)->step, 3);
+  EXPECT_EQ(firstDivergenceOf(reference, other)->cause, Cause::kStickingOnBar);
+  EXPECT_EQ(firstDivergenceOf(other, reference)->cause, Cause::kFree);
+  EXPECT_EQ(firstDivergenceOf(reference, other)->step, 3);
 }
 
 /// The cause is of the step that passes the bound, not of one before or after it.
-TEST(PartingOf, HasTheCauseOfItsStep) {
+TEST(FirstDivergenceOf, HasTheCauseOfItsStep) {
   const WorldState away = world({0.0, 0.2});
   const WorldState on_bar = world({0.0, 0.03});
   const Trace reference = traceOf({away, away, on_bar, on_bar, away, away});
@@ -288,10 +288,10 @@ TEST(PartingOf, HasTheCauseOfItsStep) {
     for (std::size_t later = step; later < other.states.size(); ++later) {
       other.states[later].tee_position.x() += 0.1;
     }
-    const auto parting = partingOf(reference, other);
-    ASSERT_TRUE(parting) << step;
-    EXPECT_EQ(parting->step, static_cast<int>(step));
-    EXPECT_EQ(nameOf(parting->cause).label, nameOf(causes[step - 1]).label) << step;
+    const auto first_divergence = firstDivergenceOf(reference, other);
+    ASSERT_TRUE(first_divergence) << step;
+    EXPECT_EQ(first_divergence->step, static_cast<int>(step));
+    EXPECT_EQ(nameOf(first_divergence->cause).label, nameOf(causes[step - 1]).label) << step;
   }
 }
 
@@ -301,43 +301,43 @@ struct Lead {
   std::vector<double> pusher;  // [m]
   std::vector<double> tee;     // [m]
   std::vector<double> angle;   // [rad]
-  First first;
+  FirstBody first;
 };
 
-TEST(PartingOf, SaysWhoWasTheFirst) {
+TEST(FirstDivergenceOf, SaysWhoWasTheFirst) {
   for (const Lead& lead : std::vector<Lead>{
-           {"pusher", {0, 0.002, 0.002, 0}, {0, 0, 0.002, 0.1}, {0, 0, 0, 0}, First::kPusher},
-           {"tee", {0, 0, 0, 0.1}, {0, 0, 0.002, 0.1}, {0, 0, 0, 0}, First::kTee},
-           {"tee, by its yaw", {0, 0, 0.1, 0.1}, {0, 0, 0, 0.1}, {0, 0.01, 0, 0}, First::kTee},
-           {"yaw and pusher", {0, 0, 0.002, 0.1}, {0, 0, 0, 0.1}, {0, 0, 0.01, 0}, First::kBoth},
-           {"all at once", {0, 0, 0, 0.1}, {0, 0, 0, 0.1}, {0, 0, 0, 0}, First::kBoth},
-           {"below 1 mm", {0, 0.0009, 0.0009, 0}, {0, 0, 0.002, 0.1}, {0, 0.009, 0, 0}, First::kTee},
-           {"never elsewhere again", {0, 0.002, 0, 0}, {0, 0, 0, 0.1}, {0, 0, 0, 0}, First::kPusher},
-           {"the start", {0.01, 0, 0, 0}, {0, 0, 0, 0.1}, {0, 0, 0, 0}, First::kTee},
+           {"pusher", {0, 0.002, 0.002, 0}, {0, 0, 0.002, 0.1}, {0, 0, 0, 0}, FirstBody::kPusher},
+           {"tee", {0, 0, 0, 0.1}, {0, 0, 0.002, 0.1}, {0, 0, 0, 0}, FirstBody::kTee},
+           {"tee, by its yaw", {0, 0, 0.1, 0.1}, {0, 0, 0, 0.1}, {0, 0.01, 0, 0}, FirstBody::kTee},
+           {"yaw and pusher", {0, 0, 0.002, 0.1}, {0, 0, 0, 0.1}, {0, 0, 0.01, 0}, FirstBody::kBoth},
+           {"all at once", {0, 0, 0, 0.1}, {0, 0, 0, 0.1}, {0, 0, 0, 0}, FirstBody::kBoth},
+           {"below 1 mm", {0, 0.0009, 0.0009, 0}, {0, 0, 0.002, 0.1}, {0, 0.009, 0, 0}, FirstBody::kTee},
+           {"never elsewhere again", {0, 0.002, 0, 0}, {0, 0, 0, 0.1}, {0, 0, 0, 0}, FirstBody::kPusher},
+           {"the start", {0.01, 0, 0, 0}, {0, 0, 0, 0.1}, {0, 0, 0, 0}, FirstBody::kTee},
        }) {
     Trace other;
     for (std::size_t k = 0; k < lead.pusher.size(); ++k) {
       other.states.push_back(world({0.0, 0.3 - lead.pusher[k]}, {-lead.tee[k], 0.0}, lead.angle[k]));
     }
-    const auto parting = partingOf(resting(other), other);
-    ASSERT_TRUE(parting) << lead.name;
-    EXPECT_EQ(parting->step, 3) << lead.name;
-    EXPECT_STREQ(nameOf(parting->first), nameOf(lead.first)) << lead.name;
+    const auto first_divergence = firstDivergenceOf(resting(other), other);
+    ASSERT_TRUE(first_divergence) << lead.name;
+    EXPECT_EQ(first_divergence->step, 3) << lead.name;
+    EXPECT_STREQ(nameOf(first_divergence->first), nameOf(lead.first)) << lead.name;
   }
 }
 
-TEST(PartingOf, SaysWhoWasTheFirstInABoundBelowOneMillimetre) {
+TEST(FirstDivergenceOf, SaysWhoWasTheFirstInABoundBelowOneMillimetre) {
   Trace other = teeAt({0.0, 0.0002});
-  EXPECT_EQ(partingOf(resting(other), other, {0.0001, 0.1})->first, First::kTee);
+  EXPECT_EQ(firstDivergenceOf(resting(other), other, {0.0001, 0.1})->first, FirstBody::kTee);
   other.states[1].pusher_position.x() += 0.0002;
-  EXPECT_EQ(partingOf(resting(other), other, {0.0001, 0.1})->first, First::kBoth);
+  EXPECT_EQ(firstDivergenceOf(resting(other), other, {0.0001, 0.1})->first, FirstBody::kBoth);
   const Trace turned = teeTurnedBy({0.0, 0.002});
-  EXPECT_EQ(partingOf(resting(turned), turned, {0.1, 0.001})->first, First::kTee);
+  EXPECT_EQ(firstDivergenceOf(resting(turned), turned, {0.1, 0.001})->first, FirstBody::kTee);
 }
 
-TEST(PartingOf, SaysNothingOfTheSame) {
+TEST(FirstDivergenceOf, SaysNothingOfTheSame) {
   const Trace trace = teeAt({0.0, 0.1, 0.2});
-  EXPECT_FALSE(partingOf(trace, trace, {1e-300, 1e-300}));
+  EXPECT_FALSE(firstDivergenceOf(trace, trace, {1e-300, 1e-300}));
 }
 
 /// Offsets of `start` times exp(rate k).
@@ -435,9 +435,9 @@ class RealEpisodes : public ::testing::Test {
 TEST_F(RealEpisodes, InTheTwoMassEngineThePusherIsTheFirst) {
   pusht::TwoMassEngine engine{pusht::TwoMassParameters()};
   forEach([&](pusht::MujocoWorld&, const Trace& reference) {
-    const auto parting = partingOf(reference, replay(engine, reference, 0.0));
-    ASSERT_TRUE(parting);
-    EXPECT_EQ(parting->first, First::kPusher);
+    const auto first_divergence = firstDivergenceOf(reference, replay(engine, reference, 0.0));
+    ASSERT_TRUE(first_divergence);
+    EXPECT_EQ(first_divergence->first, FirstBody::kPusher);
   });
 }
 
@@ -445,13 +445,13 @@ TEST_F(RealEpisodes, InTheTwoMassEngineThePusherIsTheFirst) {
 TEST_F(RealEpisodes, AFloorPartsLateIfAtAllAndGrowsModestly) {
   forEach([&](pusht::MujocoWorld& mujoco, const Trace& reference) {
     const Trace floor = replay(mujoco, reference, 1e-6);
-    const auto noticed = partingOf(reference, floor, kNoticeable);
-    EXPECT_TRUE(!noticed || noticed->first != First::kPusher);
+    const auto noticed = firstDivergenceOf(reference, floor, kNoticeable);
+    EXPECT_TRUE(!noticed || noticed->first != FirstBody::kPusher);
     EXPECT_TRUE(!noticed || noticed->step > 10);
     const double rate = growthRate(reference, floor);
     EXPECT_GT(rate, -0.1);
     EXPECT_LT(rate, 0.5);
-    EXPECT_FALSE(partingOf(reference, replay(mujoco, reference, 0.0), {1e-15, 1e-15}));
+    EXPECT_FALSE(firstDivergenceOf(reference, replay(mujoco, reference, 0.0), {1e-15, 1e-15}));
   });
 }
 

@@ -79,22 +79,22 @@ constexpr const CauseName& nameOf(Cause cause) { return kCauses[static_cast<std:
 Cause causeIn(const pusht::WorldState& before, const pusht::WorldState& after);
 
 /// Which body was the first to be noticeably elsewhere.
-enum class First : std::size_t {
+enum class FirstBody : std::size_t {
   kPusher,
   kTee,
   kBoth,  ///< in the same control step
 };
 
-/// Names of First, in its order, for files and people.
-inline constexpr std::array kFirstNames = {"pusher", "tee", "both"};
+/// Names of FirstBody, in its order, for files and people.
+inline constexpr std::array kFirstBodyNames = {"pusher", "tee", "both"};
 
-constexpr const char* nameOf(First first) { return kFirstNames[static_cast<std::size_t>(first)]; }
+constexpr const char* nameOf(FirstBody first) { return kFirstBodyNames[static_cast<std::size_t>(first)]; }
 
 /// How two rollouts part.
-struct Parting {
-  int step;     ///< control steps taken when the divergence first is beyond the bound, from 1: an index of states
-  Cause cause;  ///< what the reference did in the last of them
-  First first;  ///< whose difference was the first to be noticeable (kNoticeable, or the bound where that is less)
+struct FirstDivergence {
+  int step;         ///< control steps taken when the divergence first is beyond the bound, from 1: an index of states
+  Cause cause;      ///< what the reference did in the last of them
+  FirstBody first;  ///< whose difference was the first to be noticeable (kNoticeable, or the bound where that is less)
 };
 
 /// When `other`, a rollout of the same episode, leaves the bound around `reference`; none if it stays within over the
@@ -102,7 +102,8 @@ struct Parting {
 /// Bound::validate().
 /// With the default bound this tells when it begins to matter, which is long after the first difference; with
 /// kNoticeable, when and how that comes about.
-std::optional<Parting> partingOf(const pusht::Trace& reference, const pusht::Trace& other, const Bound& bound = {});
+std::optional<FirstDivergence> firstDivergenceOf(const pusht::Trace& reference, const pusht::Trace& other,
+                                                 const Bound& bound = {});
 
 /// [1/step] How fast a small difference grows: `other` is `reference` replayed in the same simulator from a start that
 /// is moved a little, a floor. Above 0: it grows, by a factor of exp(rate) in a control step on average.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_statistics/attribution.hpp"
+#include "sim2sim_statistics/shapley.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_protocol/starts.hpp"
+#include "sim2sim_protocol/initial_states.hpp"
 
 #include <algorithm>
 #include <array>
@@ -110,35 +110,37 @@ WorldState stateIn(const std::string& line, const std::vector<Column>& columns) 
 
 }  // namespace
 
-Starts::Starts(std::vector<WorldState> states, int first)
+InitialStates::InitialStates(std::vector<WorldState> states, int first)
     : states_(std::move(states)), first_(first), hash_("sha256:" + pusht::sha256(csv())) {}
 
-Starts Starts::named(std::string sha256) {
-  Starts starts({}, 0);
+InitialStates InitialStates::named(std::string sha256) {
+  InitialStates starts({}, 0);
   starts.hash_ = std::move(sha256);
   return starts;
 }
 
-const WorldState& Starts::at(int episode) const { return states_.at(static_cast<std::size_t>(episode - first_)); }
+const WorldState& InitialStates::at(int episode) const {
+  return states_.at(static_cast<std::size_t>(episode - first_));
+}
 
-std::string Starts::nameOf(int episode) const {
+std::string InitialStates::keyOf(int episode) const {
   constexpr std::size_t kDigits = 16;
   return pusht::sha256(csvRow(at(episode))).substr(0, kDigits);
 }
 
-std::string Starts::csv() const { return startsCsv(states_); }
+std::string InitialStates::csv() const { return initialStatesCsv(states_); }
 
-Starts readStarts(const std::filesystem::path& path, int first, int count) {
+InitialStates readInitialStates(const std::filesystem::path& path, int first, int count) {
   const std::string csv = pusht::readFile(path, "starts");
   try {
-    return startsFrom(csv, first, count);
+    return initialStatesFrom(csv, first, count);
   } catch (pusht::Error& error) {
     error.addContext("starts " + path.string());
     throw;
   }
 }
 
-Starts startsFrom(const std::string& csv, int first, int count) {
+InitialStates initialStatesFrom(const std::string& csv, int first, int count) {
   std::istringstream text(csv);
   std::vector<WorldState> states;
   std::vector<Column> columns;
@@ -162,11 +164,11 @@ Starts startsFrom(const std::string& csv, int first, int count) {
   return {std::move(states), first};
 }
 
-std::shared_ptr<const Starts> givenStarts(const std::filesystem::path& path, int first, int count) {
-  return path.empty() ? nullptr : std::make_shared<Starts>(readStarts(path, first, count));
+std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::path& path, int first, int count) {
+  return path.empty() ? nullptr : std::make_shared<InitialStates>(readInitialStates(path, first, count));
 }
 
-std::string startsCsv(const std::vector<WorldState>& states) {
+std::string initialStatesCsv(const std::vector<WorldState>& states) {
   std::string csv;
   for (const Column& column : kColumns) {
     csv.append(csv.empty() ? "" : ",").append(column.name);

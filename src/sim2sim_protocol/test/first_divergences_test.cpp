@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_protocol/results/partings.hpp"
+#include "sim2sim_protocol/results/first_divergences.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "pusht_task/spawn.hpp"
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/results/bands.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/episodes_csv.hpp"
 
 namespace sim2sim {
 namespace {
@@ -22,32 +23,33 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 /// An episode of `steps` control steps whose replay parts after `parting` of them, or never if that is 0.
-EpisodeResult episodeOf(int steps, int parting, Cause cause = Cause::kFree, First first = First::kPusher) {
+EpisodeResult episodeOf(int steps, int first_divergence, Cause cause = Cause::kFree,
+                        FirstBody first = FirstBody::kPusher) {
   EpisodeResult episode;
   for (RolloutResult& rollout : episode.rollouts) {
     rollout.steps = steps;
   }
-  if (parting > 0) {
-    episode.rollouts[kEngineReplay].parting = Parting{parting, cause, first};
+  if (first_divergence > 0) {
+    episode.rollouts[kEngineReplay].first_divergence = FirstDivergence{first_divergence, cause, first};
   }
   return episode;
 }
 
 /// By hand: of 5, one parts after step 1 (4/5 stay), one ends after step 1 within the bound, one of the 3 that are left
 /// parts after step 2 (2/3 of 4/5), the others after step 3 and never.
-TEST(Partings, ShareWithinTheBoundIsKaplanAndMeiers) {
-  const Partings partings =
-      partingsOf({episodeOf(4, 1, Cause::kContactBegins), episodeOf(1, 0), episodeOf(4, 2, Cause::kWall, First::kTee),
-                  episodeOf(4, 3, Cause::kContactBegins), episodeOf(4, 0)},
-                 kEngineReplay);
-  EXPECT_EQ(partings.episodes, 5);
-  EXPECT_EQ(partings.parted, 3);
-  EXPECT_THAT(partings.within, ElementsAre(1.0, DoubleNear(0.8, 1e-12), DoubleNear(8.0 / 15.0, 1e-12),
-                                           DoubleNear(4.0 / 15.0, 1e-12), DoubleNear(4.0 / 15.0, 1e-12)));
-  EXPECT_EQ(partings.median_step, 3);
-  EXPECT_EQ(std::string(mostFrequentCause(partings).name), "contact_begins");
+TEST(FirstDivergences, ShareWithinTheBoundIsKaplanAndMeiers) {
+  const FirstDivergences first_divergences = firstDivergencesOf(
+      {episodeOf(4, 1, Cause::kContactBegins), episodeOf(1, 0), episodeOf(4, 2, Cause::kWall, FirstBody::kTee),
+       episodeOf(4, 3, Cause::kContactBegins), episodeOf(4, 0)},
+      kEngineReplay);
+  EXPECT_EQ(first_divergences.episodes, 5);
+  EXPECT_EQ(first_divergences.parted, 3);
+  EXPECT_THAT(first_divergences.within, ElementsAre(1.0, DoubleNear(0.8, 1e-12), DoubleNear(8.0 / 15.0, 1e-12),
+                                                    DoubleNear(4.0 / 15.0, 1e-12), DoubleNear(4.0 / 15.0, 1e-12)));
+  EXPECT_EQ(first_divergences.median_step, 3);
+  EXPECT_EQ(std::string(mostFrequentCause(first_divergences).name), "contact_begins");
 
-  const nlohmann::json json = toJson(partings);
+  const nlohmann::json json = toJson(first_divergences);
   EXPECT_EQ(json.at("causes").at("contact_begins").at("episodes"), 2);
   EXPECT_EQ(json.at("causes").at("contact_begins").at("share"), 0.666667);
   EXPECT_EQ(json.at("causes").at("free").at("episodes"), 0);
@@ -55,25 +57,25 @@ TEST(Partings, ShareWithinTheBoundIsKaplanAndMeiers) {
   EXPECT_EQ(json.at("parted").at("share"), 0.6);
 }
 
-TEST(Partings, WithoutOneThereIsNoMedianAndNoShareOfCauses) {
-  const Partings partings = partingsOf({episodeOf(2, 0), episodeOf(3, 0)}, kEngineReplay);
-  EXPECT_EQ(partings.parted, 0);
-  EXPECT_THAT(partings.within, ElementsAre(1.0, 1.0, 1.0, 1.0));
-  EXPECT_FALSE(partings.median_step);
-  EXPECT_TRUE(toJson(partings).at("median_step").is_null());
-  EXPECT_FALSE(toJson(partings).at("causes").at("wall").contains("share"));
+TEST(FirstDivergences, WithoutOneThereIsNoMedianAndNoShareOfCauses) {
+  const FirstDivergences first_divergences = firstDivergencesOf({episodeOf(2, 0), episodeOf(3, 0)}, kEngineReplay);
+  EXPECT_EQ(first_divergences.parted, 0);
+  EXPECT_THAT(first_divergences.within, ElementsAre(1.0, 1.0, 1.0, 1.0));
+  EXPECT_FALSE(first_divergences.median_step);
+  EXPECT_TRUE(toJson(first_divergences).at("median_step").is_null());
+  EXPECT_FALSE(toJson(first_divergences).at("causes").at("wall").contains("share"));
 }
 
-TEST(Partings, OfAClosedLoopThatEndsBeforeTheReferenceSayNothingOfLaterSteps) {
+TEST(FirstDivergences, OfAClosedLoopThatEndsBeforeTheReferenceSayNothingOfLaterSteps) {
   EpisodeResult episode = episodeOf(10, 0);
   episode.rollouts[kEngineClosed].steps = 4;
-  EXPECT_EQ(partingsOf({episode}, kEngineClosed).within.size(), 5U);
+  EXPECT_EQ(firstDivergencesOf({episode}, kEngineClosed).within.size(), 5U);
 }
 
-TEST(Partings, AreKeptInTheRows) {
+TEST(FirstDivergences, AreKeptInTheRows) {
   Protocol protocol;
   protocol.floor = false;
-  std::vector<EpisodeResult> episodes = {episodeOf(4, 2, Cause::kSlidingOnStem, First::kBoth), episodeOf(4, 0)};
+  std::vector<EpisodeResult> episodes = {episodeOf(4, 2, Cause::kSlidingOnStem, FirstBody::kBoth), episodeOf(4, 0)};
   episodes[1].index = 1;
   const std::string csv = episodesCsv(protocol, episodes);
   EXPECT_THAT(csv, HasSubstr(",2,sliding_on_stem,both\n"));

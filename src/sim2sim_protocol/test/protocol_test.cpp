@@ -27,8 +27,11 @@
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_protocol/divergence.hpp"
+#include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/flight.hpp"
 #include "sim2sim_protocol/reference_cache.hpp"
-#include "sim2sim_protocol/results/report.hpp"
+#include "sim2sim_protocol/results/episodes_csv.hpp"
+#include "sim2sim_protocol/runner.hpp"
 
 namespace sim2sim {
 namespace {
@@ -112,7 +115,7 @@ Worlds sameEngines(int lanes) {
 
 const std::function<bool()> kNeverStop = [] { return false; };
 
-std::vector<EpisodeResult> run(const Protocol& protocol, const Players& players, int threads = 1,
+std::vector<EpisodeResult> run(const Protocol& protocol, const WorkerFactory& players, int threads = 1,
                                const ReferenceCache* references = nullptr) {
   std::vector<EpisodeResult> episodes(static_cast<std::size_t>(protocol.episodes));
   int delivered = 0;
@@ -137,7 +140,7 @@ TEST(Protocol, EndsAtSuccessOrAtTheHorizon) {
   Protocol protocol;
   protocol.episodes = 20;
   for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.05, 0.001), idlePolicy})) {
-    const double distance = protocol.start(episode.index).tee_position.norm();
+    const double distance = protocol.initialState(episode.index).tee_position.norm();
     const RolloutResult& reference = episode.rollouts[kReferenceClosed];
     EXPECT_TRUE(reference.success);
     EXPECT_EQ(reference.steps, stepsToSuccess(distance, 0.05));
@@ -203,7 +206,7 @@ TEST(Protocol, EpisodesInFlightDoNotDisturbEachOther) {
   Protocol protocol;
   protocol.episodes = 2 * kEpisodesInFlight + 3;
   for (const EpisodeResult& episode : run(protocol, {enginePairs, expert})) {
-    const pusht::WorldState start = protocol.start(episode.index);
+    const pusht::WorldState start = protocol.initialState(episode.index);
     pusht::TwoMassEngine reference(draggy());
     pusht::TwoMassEngine engine;
     const pusht::Rollout expected = pusht::runClosedLoop(reference, start, *expert(), protocol.horizon);
@@ -411,8 +414,7 @@ TEST(Probes, TheFloorIsTheReferenceFromAMovedStart) {
       const pusht::Trace& floor = episode.probe(i).value();
       EXPECT_EQ(floor.states.size(), reference.states.size());
       EXPECT_EQ(floor.actions, reference.actions);
-      EXPECT_NEAR(floor.states[0].tee_position.x() - reference.states[0].tee_position.x(), probes[i].start_offset,
-                  1e-15);
+      EXPECT_NEAR(floor.states[0].tee_position.x() - reference.states[0].tee_position.x(), probes[i].tee_offset, 1e-15);
       EXPECT_EQ(floor.states[0].tee_position.y(), reference.states[0].tee_position.y());
     }
     const EpisodeResult result = episode.result();
@@ -427,8 +429,8 @@ TEST(Probes, AreKnownByName) {
   for (const Probe& probe : probesOf(true, {1, 20, 300})) {
     const Probe found = probeFrom(probe.name);
     EXPECT_EQ(found, probe);
-    EXPECT_EQ(found.anchor_every, probe.anchor_every);
-    EXPECT_EQ(found.start_offset, probe.start_offset);
+    EXPECT_EQ(found.reset_every, probe.reset_every);
+    EXPECT_EQ(found.tee_offset, probe.tee_offset);
   }
   EXPECT_EQ(reanchorFrom("1,5,20"), (std::vector<int>{1, 5, 20}));
   EXPECT_TRUE(reanchorFrom("").empty());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_protocol/parting.hpp"
+#include "sim2sim_protocol/first_divergence.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -35,13 +35,13 @@ Cause causeOnBox(Part box, const WorldState& before, const WorldState& after) {
 }
 
 /// Which body is noticeably elsewhere; none: neither.
-std::optional<First> apart(const WorldState& a, const WorldState& b, const Bound& noticeable) {
+std::optional<FirstBody> apart(const WorldState& a, const WorldState& b, const Bound& noticeable) {
   const bool pusher = (a.pusher_position - b.pusher_position).norm() > noticeable.position;
   const bool tee = passes(divergence(a, b), noticeable);
   if (!pusher && !tee) {
     return std::nullopt;
   }
-  return pusher && tee ? First::kBoth : pusher ? First::kPusher : First::kTee;
+  return pusher && tee ? FirstBody::kBoth : pusher ? FirstBody::kPusher : FirstBody::kTee;
 }
 
 }  // namespace
@@ -77,17 +77,18 @@ Cause causeIn(const WorldState& before, const WorldState& after) {
   }
 }
 
-std::optional<Parting> partingOf(const pusht::Trace& reference, const pusht::Trace& other, const Bound& bound) {
+std::optional<FirstDivergence> firstDivergenceOf(const pusht::Trace& reference, const pusht::Trace& other,
+                                                 const Bound& bound) {
   bound.validate();
   const Bound noticeable{std::min(kNoticeable.position, bound.position), std::min(kNoticeable.angle, bound.angle)};
   const std::size_t states = std::min(reference.states.size(), other.states.size());
-  std::optional<First> first;
+  std::optional<FirstBody> first;
   for (std::size_t step = 1; step < states; ++step) {
     const WorldState& ours = reference.states[step];
     const WorldState& theirs = other.states[step];
     first = first ? first : apart(ours, theirs, noticeable);
     if (first && passes(divergence(ours, theirs), bound)) {
-      return Parting{static_cast<int>(step), causeIn(reference.states[step - 1], ours), *first};
+      return FirstDivergence{static_cast<int>(step), causeIn(reference.states[step - 1], ours), *first};
     }
   }
   return std::nullopt;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_protocol/starts.hpp"
+#include "sim2sim_protocol/initial_states.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,9 +21,9 @@ using ::testing::HasSubstr;
 
 class StartsTest : public ::testing::Test {
  protected:
-  Starts read(const std::string& csv, int first, int count) const {
+  InitialStates read(const std::string& csv, int first, int count) const {
     pusht::writeFile(path_, csv);
-    return readStarts(path_, first, count);
+    return readInitialStates(path_, first, count);
   }
   std::string refusal(const std::string& csv) const {
     return pusht::testing::refusalOf([&] { read(csv, 0, 1); });
@@ -39,17 +39,17 @@ TEST_F(StartsTest, ComeBackBitForBit) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     states.push_back(seed % 2 == 0 ? pusht::spawn(seed) : pusht::testing::movingState(seed));
   }
-  const Starts starts = read(startsCsv(states), 30, 200);
+  const InitialStates starts = read(initialStatesCsv(states), 30, 200);
   for (int i = 0; i < 200; ++i) {
     EXPECT_EQ(starts.at(30 + i), states[static_cast<std::size_t>(i)]) << i;
   }
-  EXPECT_EQ(starts.hash(), Starts(states, 0).hash());
+  EXPECT_EQ(starts.hash(), InitialStates(states, 0).hash());
   EXPECT_THROW(starts.at(29), std::out_of_range);
   EXPECT_THROW(starts.at(230), std::out_of_range);
 }
 
 TEST_F(StartsTest, ColumnsComeInAnyOrderAndVelocitiesMayBeLeftOut) {
-  const Starts starts =
+  const InitialStates starts =
       read("tee_yaw, tee_y,tee_x,pusher_y,pusher_x\r\n0.5,0.1,-0.2,1e-1,-.25\r\n,,,,not read any more", 0, 1);
   pusht::WorldState wanted;
   wanted.pusher_position = {-0.25, 0.1};
@@ -60,11 +60,11 @@ TEST_F(StartsTest, ColumnsComeInAnyOrderAndVelocitiesMayBeLeftOut) {
 
 TEST_F(StartsTest, HashAndNameTellStartsApart) {
   const std::vector<pusht::WorldState> states = {pusht::spawn(1), pusht::spawn(2), pusht::spawn(1)};
-  const Starts starts(states, 7);
-  EXPECT_EQ(starts.nameOf(7), starts.nameOf(9));
-  EXPECT_NE(starts.nameOf(7), starts.nameOf(8));
-  EXPECT_NE(starts.hash(), Starts({states[0], states[1]}, 7).hash());
-  EXPECT_EQ(starts.hash(), Starts::named(starts.hash()).hash());
+  const InitialStates starts(states, 7);
+  EXPECT_EQ(starts.keyOf(7), starts.keyOf(9));
+  EXPECT_NE(starts.keyOf(7), starts.keyOf(8));
+  EXPECT_NE(starts.hash(), InitialStates({states[0], states[1]}, 7).hash());
+  EXPECT_EQ(starts.hash(), InitialStates::named(starts.hash()).hash());
 }
 
 TEST_F(StartsTest, WhatIsNoStartIsRefusedByLineValueAndRule) {

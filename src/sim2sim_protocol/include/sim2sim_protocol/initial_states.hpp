@@ -12,21 +12,21 @@
 namespace sim2sim {
 
 /// The world state in which each episode of a run starts.
-class Starts {
+class InitialStates {
  public:
   /// Of the episodes `first`, `first` + 1, ...
-  Starts(std::vector<pusht::WorldState> states, int first);
+  InitialStates(std::vector<pusht::WorldState> states, int first);
 
   /// Starts that are known by their hash alone, as a description of a run names them.
-  static Starts named(std::string sha256);
+  static InitialStates named(std::string sha256);
 
   /// Throws std::out_of_range if the start of that episode is not known.
   const pusht::WorldState& at(int episode) const;
 
   /// The first 16 hex digits of the SHA-256 of that start: what a rollout from it depends on.
-  std::string nameOf(int episode) const;
+  std::string keyOf(int episode) const;
 
-  /// All of them, as startsCsv() writes them.
+  /// All of them, as initialStatesCsv() writes them.
   std::string csv() const;
 
   /// "sha256:..." of csv().
@@ -41,15 +41,15 @@ class Starts {
 /// The starts of `count` episodes from `first` on: the first rows of a CSV file. Its first line names the columns, in
 /// any order, as the fields of WorldState.msg; velocities that are left out are zero. Throws InvalidInput with file,
 /// line, value and rule, also for fewer rows and for what is no plausible start.
-Starts readStarts(const std::filesystem::path& path, int first, int count);
+InitialStates readInitialStates(const std::filesystem::path& path, int first, int count);
 
 /// The same of the text of such a file; the errors do not name a file.
-Starts startsFrom(const std::string& csv, int first, int count);
+InitialStates initialStatesFrom(const std::string& csv, int first, int count);
 
 /// The same, for all who share them; none if `path` is empty.
-std::shared_ptr<const Starts> givenStarts(const std::filesystem::path& path, int first, int count);
+std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::path& path, int first, int count);
 
-/// A file for readStarts(): all columns, every number in full precision.
-std::string startsCsv(const std::vector<pusht::WorldState>& states);
+/// A file for readInitialStates(): all columns, every number in full precision.
+std::string initialStatesCsv(const std::vector<pusht::WorldState>& states);
 
 }  // namespace sim2sim

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Stepping of episodes: asks the policy, steps the worlds and runs the probes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pusht_task/batch_simulator.hpp"
+#include "pusht_task/policy.hpp"
+#include "pusht_task/rollout.hpp"
+#include "pusht_task/simulator.hpp"
+#include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/protocol.hpp"
+
+namespace sim2sim {
+
+/// Simulators in which episodes run: one for each mode, with a lane for each episode in flight.
+using Worlds = std::array<std::unique_ptr<pusht::BatchSimulator>, kModeCount>;
+
+/// Worlds of one lane, from three single simulators.
+Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pusht::Simulator> engine,
+                std::unique_ptr<pusht::Simulator> replay);
+
+/// Cached traces of an episode; an empty entry is simulated.
+struct CachedTraces {
+  std::optional<pusht::Trace> reference{};
+  std::vector<std::optional<pusht::Trace>> probes{};  ///< in the protocol's order; missing entries are empty
+};
+
+/// Episodes in flight. They advance together, so that the policy gets batches and worlds step in lanes. The result of
+/// an episode does not depend on the others.
+class Flight {
+ public:
+  /// `worlds` and `policy` must outlive the flight, which alone drives them.
+  Flight(Protocol protocol, const Worlds& worlds, pusht::Policy& policy);
+
+  bool full() const;
+  bool empty() const;
+
+  /// Begins an episode: resets its worlds to the initial state. The flight must not be full. The reference returned is
+  /// valid until the episode lands. Throws the error of a world, with episode, mode and step before its message.
+  const Episode& begin(int index, CachedTraces cached = {});
+
+  /// Advances every unfinished rollout by one control step. Throws as begin(), and BadDependency for an action that is
+  /// not finite.
+  void advance();
+
+  /// Takes out the finished episodes, after running their probes in the worlds that they leave. Calls `watch` before
+  /// every step of a probe; it may throw. Throws as begin().
+  std::vector<Episode> land(const std::function<void()>& watch = [] {});
+
+ private:
+  void askPolicy();
+  pusht::Rollout start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory);
+  bool goesOn(Mode mode, std::size_t lane) const { return episodes_[lane] && episodes_[lane]->goesOn(mode); }
+  void advance(Mode mode, std::size_t& next_answer);
+  void probe(Episode& episode, std::size_t lane, const std::function<void()>& watch) const;
+
+  Protocol protocol_;
+  const Worlds& worlds_;
+  pusht::Policy& policy_;
+  std::vector<std::optional<Episode>> episodes_;  // by lane
+  std::vector<pusht::Policy::Query> queries_;     // of the closed loops, by mode and lane
+  std::vector<pusht::Action> answers_;
+  std::vector<std::optional<pusht::Action>> actions_;  // of one mode, by lane
+};
+
+/// Runs one episode to its end, in the first lane of `worlds`. Throws as Flight.
+Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy,
+                   CachedTraces cached = {});
+
+}  // namespace sim2sim

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// metrics.json: the figures of a whole run, under the course's keys and ours.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
+#include "sim2sim_statistics/intervals.hpp"
+#include "sim2sim_statistics/sequential.hpp"
+
+namespace sim2sim {
+
+/// Name of a quantity's mean in a rollout: "mean_pos_divergence" as in the course, or
+/// "engine_closed_final_angle_error". The mean's key is NAME_UNIT, that of its interval NAME_interval_UNIT.
+std::string metricName(const std::string& rollout, const Quantity& quantity);
+
+/// Content of metrics.json. Figures are rounded as readable() says. Keys `mj_...` appear only if MuJoCo is the
+/// reference.
+nlohmann::json metrics(const RunConfiguration& configuration, const Summary& summary);
+
+/// Mean of a quantity in a rollout as metrics.json has it: the course rounds its own to six decimals.
+Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t quantity);
+
+/// Interval of the transfer that leads: Tang's, or transferSequence() if the run ends when it is decided. Empty if
+/// there is none.
+std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes);
+
+/// "decision" in metrics.json, for a run that ends when it is decided whether the engine keeps `share` of the
+/// reference's success. "holds_when_stopped" names the intervals that hold whenever the run stops; the others are those
+/// of a run of fixed length and hold less often here.
+nlohmann::json decision(const TransferBet& bet, double share);
+
+/// Warning that the policy looks untrained or stale, which is the course's guard; empty if it does not. Only
+/// checkpoints are judged, which have a SHA-256 in `provenance` (the content of provenance.json).
+std::string doubtAboutPolicy(const nlohmann::json& metrics, const nlohmann::json& provenance);
+
+}  // namespace sim2sim

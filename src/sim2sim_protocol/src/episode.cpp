@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/episode.hpp"
+
+#include <algorithm>
+
+namespace sim2sim {
+namespace {
+
+RolloutResult resultOf(const Protocol& protocol, std::size_t rollout, const RolloutView& view) {
+  RolloutResult result;
+  result.steps = view.rollout.steps();
+  result.success = view.rollout.success();
+  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+    if (protocol.has(rollout, kQuantities[i].scope)) {
+      result.quantities[i] = kQuantities[i].compute(view);
+    }
+  }
+  if (rollout != kReferenceClosed) {
+    result.first_divergence = firstDivergenceOf(view.reference, view.rollout.trace(), protocol.bound());
+  }
+  return result;
+}
+
+}  // namespace
+
+Episode::Episode(Protocol protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts,
+                 std::vector<std::optional<pusht::Trace>> probes)
+    : protocol_(std::move(protocol)), index_(index), rollouts_(std::move(rollouts)), probes_(std::move(probes)) {
+  probes_.resize(protocol_.probes().size());
+}
+
+int Episode::steps() const {
+  return std::max_element(rollouts_.begin(), rollouts_.end(),
+                          [](const auto& a, const auto& b) { return a.steps() < b.steps(); })
+      ->steps();
+}
+
+bool Episode::goesOn(Mode mode) const {
+  return mode == kEngineReplay ? rollouts_[kEngineReplay].steps() < rollouts_[kReferenceClosed].steps()
+                               : !rollouts_[mode].finished(protocol_.horizon);
+}
+
+bool Episode::finished() const {
+  return std::none_of(kModes.begin(), kModes.end(), [this](Mode mode) { return goesOn(mode); });
+}
+
+const pusht::Action& Episode::nextReplayed() const {
+  return rollouts_[kReferenceClosed].trace().actions.at(rollouts_[kEngineReplay].trace().steps());
+}
+
+EpisodeResult Episode::result() const {
+  EpisodeResult result{index_, protocol_.spawnSeed(index_), {}};
+  const pusht::Trace& reference = rollouts_[kReferenceClosed].trace();
+  for (const Mode mode : kModes) {
+    result.rollouts.push_back(
+        resultOf(protocol_, mode, {rollouts_[mode], reference, 0, &rollouts_[kEngineReplay].trace()}));
+  }
+  const std::vector<Probe> probes = protocol_.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    const pusht::Rollout rollout(probes_[i].value());
+    const RolloutView view{rollout, reference, probes[i].reset_every};
+    result.rollouts.push_back(resultOf(protocol_, kModeCount + i, view));
+  }
+  return result;
+}
+
+}  // namespace sim2sim

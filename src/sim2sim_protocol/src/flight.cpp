@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/flight.hpp"
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+
+namespace sim2sim {
+namespace {
+
+void requireFinite(const pusht::Action& action) {
+  if (!pusht::isFinite(action)) {
+    throw pusht::BadDependency("the policy's action (" + std::to_string(action[0]) + ", " + std::to_string(action[1]) +
+                               ") must be finite");
+  }
+}
+
+/// Runs `action`; an error of it then says where in the episode it came up.
+template <class Function>
+auto located(const Protocol& protocol, int episode, std::string_view mode, const int& step, const Function& action) {
+  try {
+    return action();
+  } catch (pusht::Error& error) {
+    error.addContext("episode " + std::to_string(episode) + " (" +
+                     (protocol.initial_states ? "start " : "spawn seed ") + protocol.initialStateKey(episode) + "), " +
+                     std::string(mode) + ", step " + std::to_string(step));
+    throw;
+  }
+}
+
+}  // namespace
+
+Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pusht::Simulator> engine,
+                std::unique_ptr<pusht::Simulator> replay) {
+  return {std::make_unique<pusht::SimulatorLanes>(std::move(reference)),
+          std::make_unique<pusht::SimulatorLanes>(std::move(engine)),
+          std::make_unique<pusht::SimulatorLanes>(std::move(replay))};
+}
+
+Flight::Flight(Protocol protocol, const Worlds& worlds, pusht::Policy& policy)
+    : protocol_(std::move(protocol)), worlds_(worlds), policy_(policy), episodes_(worlds[kEngineClosed]->lanes()) {}
+
+bool Flight::full() const {
+  return std::all_of(episodes_.begin(), episodes_.end(), [](const auto& episode) { return episode.has_value(); });
+}
+
+bool Flight::empty() const {
+  return std::none_of(episodes_.begin(), episodes_.end(), [](const auto& episode) { return episode.has_value(); });
+}
+
+const Episode& Flight::begin(int index, CachedTraces cached) {
+  const auto free = std::find(episodes_.begin(), episodes_.end(), std::nullopt);
+  const auto lane = static_cast<std::size_t>(free - episodes_.begin());
+  pusht::Rollout reference =
+      cached.reference ? pusht::Rollout(*cached.reference) : start(kReferenceClosed, lane, index, policy_.begin());
+  pusht::Rollout engine = start(kEngineClosed, lane, index, policy_.begin());
+  pusht::Rollout replay = start(kEngineReplay, lane, index, nullptr);
+  return episodes_.at(lane).emplace(
+      protocol_, index,
+      std::array<pusht::Rollout, kModeCount>{std::move(reference), std::move(engine), std::move(replay)},
+      std::move(cached.probes));
+}
+
+pusht::Rollout Flight::start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory) {
+  return located(protocol_, index, modeName(mode), 0, [&] {
+    pusht::BatchSimulator& world = *worlds_[mode];
+    world.reset(static_cast<int>(lane), protocol_.initialState(index));
+    return pusht::Rollout(world.state(static_cast<int>(lane)), std::move(memory));
+  });
+}
+
+void Flight::advance() {
+  askPolicy();
+  std::size_t next_answer = 0;
+  for (const Mode mode : kModes) {  // the replay follows the reference
+    advance(mode, next_answer);
+  }
+}
+
+void Flight::askPolicy() {
+  queries_.clear();
+  for (const Mode mode : {kReferenceClosed, kEngineClosed}) {
+    for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
+      if (goesOn(mode, lane)) {
+        queries_.push_back(episodes_[lane]->rollout(mode).query());
+      }
+    }
+  }
+  answers_.resize(queries_.size());
+  if (!queries_.empty()) {
+    policy_.act(queries_, answers_);
+  }
+}
+
+void Flight::advance(Mode mode, std::size_t& next_answer) {
+  actions_.assign(episodes_.size(), std::nullopt);
+  bool any = false;
+  for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
+    if (!goesOn(mode, lane)) {
+      continue;
+    }
+    const Episode& episode = *episodes_[lane];
+    const pusht::Action& action = mode == kEngineReplay ? episode.nextReplayed() : answers_.at(next_answer++);
+    located(protocol_, episode.index(), modeName(mode), episode.rollout(mode).steps(), [&] { requireFinite(action); });
+    actions_[lane] = action;
+    any = true;
+  }
+  if (!any) {
+    return;
+  }
+  worlds_[mode]->step(actions_);
+  for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
+    if (actions_[lane]) {
+      Episode& episode = *episodes_[lane];
+      located(protocol_, episode.index(), modeName(mode), episode.rollout(mode).steps(),
+              [&] { episode.record(mode, *actions_[lane], worlds_[mode]->state(static_cast<int>(lane))); });
+    }
+  }
+}
+
+std::vector<Episode> Flight::land(const std::function<void()>& watch) {
+  std::vector<Episode> landed;
+  for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
+    if (episodes_[lane] && episodes_[lane]->finished()) {
+      probe(*episodes_[lane], lane, watch);
+      landed.push_back(std::move(*episodes_[lane]));
+      episodes_[lane].reset();
+    }
+  }
+  return landed;
+}
+
+void Flight::probe(Episode& episode, std::size_t lane, const std::function<void()>& watch) const {
+  const int index = episode.index();
+  const std::vector<Probe> probes = protocol_.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    if (episode.probe(i)) {
+      continue;
+    }
+    const Probe& probe = probes[i];
+    pusht::BatchSimulator& world = *worlds_[probe.world == ProbedWorld::kReference ? kReferenceClosed : kEngineReplay];
+    int step = 0;
+    const auto before_step = [&](int next) {
+      step = next;
+      watch();
+    };
+    located(protocol_, index, probe.name, step, [&] {
+      const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
+      episode.recordProbe(i, runProbe(probe, protocol_.initialState(index), reference, world, lane, before_step));
+    });
+  }
+}
+
+Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy,
+                   CachedTraces cached) {
+  Flight flight(protocol, worlds, policy);
+  flight.begin(index, std::move(cached));
+  std::vector<Episode> landed = flight.land();
+  while (landed.empty()) {
+    flight.advance();
+    landed = flight.land();
+  }
+  return std::move(landed.front());
+}
+
+}  // namespace sim2sim

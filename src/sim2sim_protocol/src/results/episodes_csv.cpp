@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/results/episodes_csv.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
+#include "pusht_task/split.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kFixedColumns = 5;            // before the quantities
+constexpr std::size_t kFirstDivergenceColumns = 3;  // behind the quantities
+
+template <class Number>
+Number numberFrom(const std::string& text) {
+  Number number{};
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;  // what is not all of a number does not give the same text again
+}
+
+std::string csvHead() {
+  std::string head = "episode,seed,mode,steps,success";
+  for (const Quantity& quantity : kQuantities) {
+    head.append(",").append(quantity.name).append("_").append(quantity.unit);
+  }
+  return head + ",parting_step,parting_cause,parting_first\n";
+}
+
+std::string csvRow(const EpisodeResult& episode, const std::string& mode, const RolloutResult& result) {
+  const std::string success = result.success ? "true" : "false";
+  std::string row = std::to_string(episode.index) + "," + (episode.seed ? std::to_string(*episode.seed) : "") + "," +
+                    mode + "," + std::to_string(result.steps) + "," + success;
+  for (const double value : result.quantities) {
+    row.append(",").append(std::isnan(value) ? "" : pusht::shortestText(value));
+  }
+  if (!result.first_divergence) {
+    return row + ",,,\n";
+  }
+  return row + "," + std::to_string(result.first_divergence->step) + "," + nameOf(result.first_divergence->cause).name +
+         "," + nameOf(result.first_divergence->first) + "\n";
+}
+
+/// Of a text that ends with one, or in the midst of one.
+std::vector<std::string> linesOf(const std::string& text) {
+  std::vector<std::string> lines = pusht::split(text, '\n');
+  if (lines.back().empty()) {
+    lines.pop_back();
+  }
+  return lines;
+}
+
+/// None where the cells name none.
+std::optional<FirstDivergence> firstDivergenceFrom(const std::string& step, const std::string& cause,
+                                                   const std::string& first) {
+  const auto known = std::find_if(kCauses.begin(), kCauses.end(), [&](const auto& name) { return cause == name.name; });
+  const auto who = std::find(kFirstBodyNames.begin(), kFirstBodyNames.end(), first);
+  if (known == kCauses.end() || who == kFirstBodyNames.end()) {
+    return std::nullopt;
+  }
+  return FirstDivergence{numberFrom<int>(step), known->cause, static_cast<FirstBody>(who - kFirstBodyNames.begin())};
+}
+
+/// The row that csvRow() wrote, as far as it can be read.
+void readCsvRow(const std::string& row, EpisodeResult& episode, RolloutResult& result) {
+  std::vector<std::string> cells = pusht::split(row, ',');
+  cells.resize(kFixedColumns + kQuantities.size() + kFirstDivergenceColumns);
+  episode.index = numberFrom<int>(cells[0]);
+  episode.seed = cells[1].empty() ? std::nullopt : std::optional(numberFrom<std::uint64_t>(cells[1]));
+  result.steps = numberFrom<int>(cells[3]);
+  result.success = cells[4] == "true";
+  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+    const std::string& cell = cells[kFixedColumns + i];
+    result.quantities[i] = cell.empty() ? kNone : numberFrom<double>(cell);
+  }
+  const std::size_t behind = kFixedColumns + kQuantities.size();
+  result.first_divergence = firstDivergenceFrom(cells[behind], cells[behind + 1], cells[behind + 2]);
+}
+
+}  // namespace
+
+std::string episodesCsv(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
+  const std::vector<std::string> modes = protocol.rolloutNames();
+  std::string csv = csvHead();
+  for (const EpisodeResult& episode : episodes) {
+    for (std::size_t i = 0; i < modes.size(); ++i) {
+      csv += csvRow(episode, modes[i], episode.rollouts.at(i));
+    }
+  }
+  return csv;
+}
+
+std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::string& text) {
+  const std::vector<std::string> lines = linesOf(text);
+  const std::size_t rollouts = protocol.rolloutNames().size();
+  const std::size_t count = lines.empty() ? 0 : (lines.size() - 1) / rollouts;
+  std::vector<EpisodeResult> episodes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    episodes[i].rollouts.resize(rollouts);
+    for (std::size_t rollout = 0; rollout < rollouts; ++rollout) {
+      readCsvRow(lines[1 + i * rollouts + rollout], episodes[i], episodes[i].rollouts[rollout]);
+    }
+  }
+  const std::vector<std::string> expected = linesOf(episodesCsv(protocol, episodes));
+  const auto [found, wanted] = std::mismatch(lines.begin(), lines.end(), expected.begin(), expected.end());
+  if (found != lines.end() || wanted != expected.end()) {
+    throw pusht::InvalidInput("line " + std::to_string(found - lines.begin() + 1) +
+                              ": must be a line of episodes.csv as it was written");
+  }
+  return episodes;
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/results/json.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "sim2sim_protocol/results/text.hpp"
+
+namespace sim2sim {
+
+std::string jsonText(const nlohmann::json& json) {
+  constexpr int kIndent = 2;
+  return json.dump(kIndent, ' ', true, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+nlohmann::json readableJson(double value) {
+  return std::isfinite(value) ? nlohmann::json(readable(value)) : nlohmann::json();
+}
+
+nlohmann::json readableJson(const std::optional<Interval>& interval) {
+  return interval ? nlohmann::json{readableJson(interval->low), readableJson(interval->high)} : nlohmann::json();
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/results/metrics.hpp"
+
+#include <array>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "pusht_task/numbers.hpp"
+#include "sim2sim_protocol/results/json.hpp"
+
+namespace sim2sim {
+
+using nlohmann::json;
+using pusht::roundToMicro;
+
+namespace {
+
+bool isOfCourse(std::size_t rollout, std::size_t quantity) {
+  return rollout == kEngineReplay && kQuantities[quantity].course_key != nullptr;
+}
+
+json outcomes(const Outcomes& outcomes) {
+  return {{"both_succeed", outcomes.table.both},
+          {"only_reference_succeeds", outcomes.table.first_only},
+          {"only_engine_succeeds", outcomes.table.second_only},
+          {"neither_succeeds", outcomes.table.neither},
+          {"success_difference", readableJson(outcomes.table.difference())},
+          {"success_difference_interval", readableJson(outcomes.difference_interval)},
+          {"success_difference_p", outcomes.p},
+          {"success_difference_exact_p", outcomes.p_exact}};
+}
+
+/// The keys of metrics.json that say how to read a mean divergence.
+json baseline(const std::string& name, const std::string& unit, const BaselineComparison& baseline) {
+  const std::optional<bool> beats_null = baseline.beatsNull();
+  return {{name + "_median_" + unit, readableJson(baseline.median.value)},
+          {name + "_median_interval_" + unit, readableJson(baseline.median.interval)},
+          {name + "_minus_null_" + unit, readableJson(baseline.minus_null.value)},
+          {name + "_minus_null_interval_" + unit, readableJson(baseline.minus_null.interval)},
+          {name + "_share_of_null", readableJson(baseline.share_of_null)},
+          {name + "_over_floor", readableJson(baseline.over_floor)},
+          {name + "_beats_null", beats_null ? json(*beats_null) : json()}};
+}
+
+}  // namespace
+
+std::string metricName(const std::string& rollout, const Quantity& quantity) {
+  return rollout == modeName(kEngineReplay) && quantity.course_key != nullptr ? quantity.course_key
+                                                                              : rollout + "_" + quantity.name;
+}
+
+std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes) {
+  return configuration.protocol.until_decided ? std::optional(transferSequence(outcomes.table))
+                                              : outcomes.transfer_interval;
+}
+
+json metrics(const RunConfiguration& configuration, const Summary& summary) {
+  json metrics = describe(configuration);
+  metrics["episodes"] = summary.episodes;  // fewer than asked for, where it was decided before
+  metrics.update({
+      {"engine_success_rate", roundToMicro(summary.engine.rate)},
+      {"confidence", kConfidence},
+      {"engine_successes", summary.engine.successes},
+      {"engine_success_interval", readableJson(summary.engine.interval)},
+      {"reference_success_rate", roundToMicro(summary.reference.rate)},
+      {"reference_successes", summary.reference.successes},
+      {"reference_success_interval", readableJson(summary.reference.interval)},
+      {"transfer", summary.outcomes.transfer ? readableJson(*summary.outcomes.transfer) : json()},
+      {"transfer_interval", readableJson(summary.outcomes.transfer_interval)},
+  });
+  metrics.update(outcomes(summary.outcomes));
+  const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();
+  forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
+    const std::string name = metricName(rollouts[rollout], kQuantities[i]);
+    const std::string unit = kQuantities[i].unit;
+    metrics[name + "_" + unit] = isOfCourse(rollout, i) ? json(printedMean(summary, rollout, i).value)
+                                                        : readableJson(summary.means[rollout][i].value);
+    metrics[name + "_interval_" + unit] = readableJson(summary.means[rollout][i].interval);
+  });
+  for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
+    for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
+      const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
+      metrics.update(baseline(metricName(rollouts[rollout], quantity), quantity.unit, summary.baselines[rollout][i]));
+    }
+  }
+  const FirstDivergences& first_divergences = summary.first_divergences;
+  metrics["parted"] = first_divergences.parted;
+  metrics["median_parting_step"] = first_divergences.median_step ? json(*first_divergences.median_step) : json();
+  metrics["floor_parted"] = summary.floor ? json(summary.floor->parted) : json();
+  const bool predictable = !summary.floor || !summary.floor->median_step;
+  metrics["predictability_horizon_step"] = predictable ? json() : json(*summary.floor->median_step);
+  if (configuration.reference.name == kCourseReference) {  // as the course calls them
+    for (const char* key : {"success_rate", "successes", "success_interval"}) {
+      metrics[std::string("mj_") + key] = metrics[std::string("reference_") + key];
+    }
+  }
+  return metrics;
+}
+
+json decision(const TransferBet& bet, double share) {
+  constexpr std::array kVerdicts = {"undecided", "keeps", "does not keep"};
+  const std::optional<int> after = bet.decidedAfter();
+  return {{"share", share},
+          {"verdict", kVerdicts.at(static_cast<std::size_t>(bet.verdict()))},
+          {"episodes", after ? json(*after) : json()},
+          {"holds_when_stopped", {"transfer_sequence"}},
+          {"transfer_sequence", readableJson(transferSequence(bet.counts()))}};
+}
+
+Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t quantity) {
+  Estimate mean = summary.means[rollout][quantity];
+  if (isOfCourse(rollout, quantity)) {
+    mean.value = roundToMicro(mean.value);
+  }
+  return mean;
+}
+
+std::string doubtAboutPolicy(const json& metrics, const json& provenance) {
+  const json hash = provenance.value(json::json_pointer("/policy/sha256"), json());
+  const bool is_checkpoint = hash.is_string() && !hash.get_ref<const std::string&>().empty();
+  if (!is_checkpoint || metrics.at("reference_successes").get<int>() > 0) {
+    return "";
+  }
+  const bool at_home = metrics.at("reference_simulator") == kCourseReference;
+  return "policy " + metrics.at("policy").get<std::string>() + " never succeeds in the reference" +
+         (at_home ? ", the simulator it was trained in" : "") +
+         ". It looks untrained or stale: the figures measure the policy, not the gap between the simulators.";
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/results/statistics.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "pusht_task/numbers.hpp"
+#include "sim2sim_protocol/results/first_divergences.hpp"
+#include "sim2sim_protocol/results/headline.hpp"
+#include "sim2sim_protocol/results/json.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
+
+namespace sim2sim {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kStatisticsFormat = 2;  // of statistics.json
+constexpr std::array kShownQuantiles = {0.05, 0.25, 0.75, 0.95};
+
+/// Of the samples of a quantity.
+json distribution(std::vector<double> samples, const Quantity& quantity) {
+  json figures = {{"episodes", samples.size()}};
+  if (samples.empty()) {
+    return figures;
+  }
+  const Estimate mean = meanOf(samples, quantity);
+  std::sort(samples.begin(), samples.end());
+  const Estimate median = medianOf(samples);
+  figures["mean"] = readableJson(mean.value);
+  figures["mean_interval"] = readableJson(mean.interval);
+  figures["standard_deviation"] = samples.size() < 2 ? json() : readableJson(standardDeviation(samples));
+  figures["median"] = readableJson(median.value);
+  figures["median_interval"] = readableJson(median.interval);
+  for (const double probability : kShownQuantiles) {
+    figures["quantiles"][pusht::shortestText(probability)] = readableJson(quantileOf(samples, probability));
+  }
+  return figures;
+}
+
+}  // namespace
+
+nlohmann::json statistics(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes) {
+  const Protocol& protocol = configuration.protocol;
+  const PairTable successes = pairsOf(episodes, kReferenceClosed, episodes, kEngineClosed);
+  json statistics = {{"format", kStatisticsFormat},
+                     {"confidence", kConfidence},
+                     {"episodes", episodes.size()},
+                     {"headline", toJson(headlineOf(configuration, successes))}};
+  const std::vector<std::string> rollouts = protocol.rolloutNames();
+  forEachQuantity(protocol, [&](std::size_t rollout, std::size_t i) {
+    const std::string name = std::string(kQuantities[i].name) + "_" + kQuantities[i].unit;
+    statistics["rollouts"][rollouts[rollout]][name] = distribution(samplesOf(episodes, rollout, i), kQuantities[i]);
+  });
+  for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
+    statistics["rollouts"][rollouts[rollout]]["parting"] = toJson(firstDivergencesOf(episodes, rollout));
+  }
+  return statistics;
+}
+
+}  // namespace sim2sim

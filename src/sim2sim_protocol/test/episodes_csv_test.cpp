@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/results/episodes_csv.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/testing/decimal_comma.hpp"
+#include "run_episodes.hpp"
+#include "sim2sim_protocol/results/json.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
+#include "sim2sim_protocol/results/statistics.hpp"
+#include "sim2sim_protocol/results/table.hpp"
+
+namespace sim2sim {
+namespace {
+
+using ::testing::StartsWith;
+
+TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
+  std::istringstream csv(episodesCsv(bare(), episodesWith(2, 1, 0)));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(csv, line);) {
+    lines.push_back(line);
+  }
+  ASSERT_EQ(lines.size(), 1U + 2U * kModeCount);
+  // Further quantities come behind these.
+  EXPECT_THAT(lines[0], StartsWith("episode,seed,mode,steps,success,final_position_error_m,final_angle_error_rad,"
+                                   "mean_position_divergence_m,mean_angle_divergence_rad"));
+  EXPECT_THAT(lines[1], StartsWith("0,10000,reference_closed,0,true,0.0,0.0,,"));
+  EXPECT_THAT(lines[5], StartsWith("1,10001,engine_closed,0,false,0.0,0.0,0.5,0.5"));
+  EXPECT_THAT(lines[6], StartsWith("1,10001,engine_replay,0,true,0.0,0.0,0.01,0.05"));
+}
+
+TEST(Files, F24AreTheSameWhereTheUserWritesAComma) {
+  std::vector<EpisodeResult> episodes = episodesWith(50, 31, 10);
+  episodes[0].seed = 1'234'567;
+  const RunConfiguration configuration = bareConfiguration();
+  const auto texts = [&] {
+    const Summary summary = summarize(bare(), episodes);
+    return std::vector<std::string>{jsonText(metrics(configuration, summary)), episodesCsv(bare(), episodes),
+                                    jsonText(statistics(configuration, episodes)), table(configuration, summary)};
+  };
+  const std::vector<std::string> with_point = texts();
+  const pusht::testing::DecimalComma locale;
+  EXPECT_EQ(texts(), with_point);
+  EXPECT_EQ(episodesCsv(bare(), episodesFromCsv(bare(), with_point[1])), with_point[1]);
+}
+
+}  // namespace
+}  // namespace sim2sim

@@ -17,11 +17,11 @@ namespace {
 
 constexpr int kRedrawPeriod = 70;      // [ms]
 constexpr double kShortestAxis = 5.0;  // [s]
-constexpr int kFaded = 56;             // of 255
+constexpr int kFaded = 56;             // opacity of earlier episodes, of 255
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 
 constexpr std::array<double, kAspects> kLeast = {1e-5, 1e-4};    // of the axes, [m] and [rad]
-constexpr std::array<double, kAspects> kGreatest = {1.0, 3.15};  // beyond, a curve runs along the top
+constexpr std::array<double, kAspects> kGreatest = {1.0, 3.15};  // a greater value is drawn at the top
 
 constexpr std::array<const char*, kAspects> kTitles = {"position apart [m]", "angle apart [rad]"};
 constexpr std::array<const char*, kCurveKinds> kNames = {"same actions", "same policy", "tee that never moves"};
@@ -53,7 +53,7 @@ Curves::Curves(QWidget* parent) : QWidget(parent), plot_(new QCustomPlot(this)) 
   plot_->setNoAntialiasingOnDrag(true);
   plot_->plotLayout()->clear();
   plot_->plotLayout()->setRowSpacing(2);
-  // A layer with a buffer of its own: to redraw it leaves axes and earlier episodes as they are.
+  // The layer has a buffer of its own, so redrawing it leaves axes and earlier episodes as they are.
   plot_->addLayer("live", plot_->layer("main"), QCustomPlot::limAbove);
   live_ = plot_->layer("live");
   live_->setMode(QCPLayer::lmBuffered);
@@ -109,7 +109,8 @@ void Curves::build(Aspect aspect) {
   const QSharedPointer<QCPAxisTickerLog> decades(new QCPAxisTickerLog);
   decades->setTickCount(4);
   connect(plot_, &QCustomPlot::afterReplot, this, [this, rect = chart.rect, decades, aspect] {
-    // Every second decade where labels of all would touch. (Heights are known once the plot is laid out.)
+    // Labels of all decades would touch on a low plot: then every second one has a label. Heights are known once the
+    // plot is laid out.
     const double decade = rect->height() / std::log10(kGreatest.at(aspect) / kLeast.at(aspect));
     const double base = decade < QFontMetrics(small()).height() ? 100.0 : 10.0;
     if (decades->logBase() != base) {
@@ -274,7 +275,7 @@ void Curves::drawEarlier() {
       double order = 0.0;
       for (const EpisodeCurves& curves : store_.earlier()) {
         if (chosen_) {
-          break;  // it is looked at alone
+          break;  // a chosen episode is drawn alone
         }
         for (const CurvePoint& point : curves.points) {
           data.append({order++, point.time, shown(point.values.at(kind).at(aspect), aspect)});

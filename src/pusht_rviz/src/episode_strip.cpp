@@ -13,10 +13,10 @@
 namespace pusht_rviz {
 namespace {
 
-constexpr int kLeast = 6;  // [px] from one square to the next, where there are many
-constexpr int kGreatest = 16;
-constexpr int kMostRows = 3;  // of the largest squares: what the strip is high at most
-constexpr int kGap = 2;
+constexpr int kLeast = 6;      // [px] pitch of the squares of a long run
+constexpr int kGreatest = 16;  // [px] pitch of the squares of a short run
+constexpr int kMostRows = 3;   // of squares of the greatest pitch: the greatest height of the strip
+constexpr int kGap = 2;        // [px] between squares
 
 }  // namespace
 

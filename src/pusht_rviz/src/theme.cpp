@@ -14,7 +14,7 @@
 namespace pusht_rviz::theme {
 namespace {
 
-constexpr int kIconSize = 32;  // [px] of a drawing of 16 x 16 units, for sharp edges at any scale
+constexpr int kIconSize = 32;  // [px] of a drawing of 16 x 16 units
 
 QPixmap drawn(Shape shape, const QColor& color) {
   QPixmap pixmap(kIconSize, kIconSize);
@@ -47,7 +47,7 @@ QPixmap drawn(Shape shape, const QColor& color) {
 }  // namespace
 
 int px(int length) {
-  constexpr double kWidth = 1366.0;  // [px]
+  constexpr double kWidth = 1366.0;  // [px] of the screen that lengths are given for
   const QScreen* const screen = QGuiApplication::primaryScreen();
   const double scale = screen == nullptr ? 1.0 : std::clamp(screen->size().width() / kWidth, 1.0, 1.25);
   return static_cast<int>(std::lround(scale * length));
@@ -66,6 +66,7 @@ QString styleSheet() {
     QToolTip { background: @card; color: @ink; border: 1px solid @axis; font-size: 13px; }
 
     QPushButton, QToolButton { background: @card; border: 1px solid @grid; border-radius: 4px; padding: 4px 6px; }
+    QToolButton { padding: 0 6px; }
     QPushButton:hover:enabled, QToolButton:hover:enabled { border-color: @dim; }
     QPushButton:pressed, QToolButton:pressed, QPushButton:checked { background: @grid; }
     QPushButton:disabled, QToolButton:disabled { color: @axis; background: @paper; }
@@ -128,7 +129,7 @@ QString styleSheet() {
 
 void mark(QWidget* field, bool wrong) {
   field->setProperty("wrong", wrong);
-  field->style()->unpolish(field);  // so that the style sheet looks at the property
+  field->style()->unpolish(field);  // the style sheet looks at properties only then
   field->style()->polish(field);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the seam refuses of a simulator, ours or foreign.
+// What the interface refuses of a simulator, ours or foreign.
 #include "pusht_task/simulator.hpp"
 
 #include <gmock/gmock.h>

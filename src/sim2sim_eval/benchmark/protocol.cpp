@@ -19,7 +19,7 @@
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
-#include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_protocol/reference_cache.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
@@ -62,18 +62,18 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
   const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(&scene->model()), mj_deleteData);
 
   const sim2sim::SimulatorChoice chosen = sim2sim::chooseSimulator("two_mass", {});
-  const sim2sim::Setup setup({}, sim2sim::chooseSimulator("mujoco", {}), {chosen});
+  const sim2sim::LoadedRun loaded({}, sim2sim::chooseSimulator("mujoco", {}), {chosen});
   const sim2sim::LoadedSimulator engine(chosen);
-  const sim2sim::LoadedSimulator with_other_knob(sim2sim::chooseSimulator("two_mass", {"block_damp=20"}));
-  sim2sim::WorkerFactory with_libtorch = setup.workerFactory(engine);
+  const sim2sim::LoadedSimulator with_other_parameter(sim2sim::chooseSimulator("two_mass", {"block_damp=20"}));
+  sim2sim::WorkerFactory with_libtorch = loaded.workerFactory(engine);
   with_libtorch.make_policy = [&] { return on_libtorch->clone(); };
   const pusht::testing::TemporaryFolder folder;
-  const sim2sim::ReferenceCache references(folder.path(), setup.referenceKey(protocol));
+  const sim2sim::ReferenceCache references(folder.path(), loaded.referenceKey(protocol));
   const auto run = [&](const sim2sim::WorkerFactory& factory, int threads, const sim2sim::ReferenceCache* cache) {
     sim2sim::runProtocol(
         protocol, factory, threads, cache, [](const sim2sim::Episode&) {}, [] { return false; });
   };
-  run(setup.workerFactory(engine), 1, &references);  // from here on the reference is kept
+  run(loaded.workerFactory(engine), 1, &references);  // from here on the reference is kept
 
   const std::map<std::string, std::function<void()>> works = {
       {"bare_mj_step",
@@ -82,9 +82,9 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
            sim2sim::stepBareMujoco(scene->model(), *data, trace);
          }
        }},
-      {"one_thread", [&] { run(setup.workerFactory(engine), 1, nullptr); }},
-      {"two_threads", [&] { run(setup.workerFactory(engine), 2, nullptr); }},
-      {"further_knob_value", [&] { run(setup.workerFactory(with_other_knob), 1, &references); }},
+      {"one_thread", [&] { run(loaded.workerFactory(engine), 1, nullptr); }},
+      {"two_threads", [&] { run(loaded.workerFactory(engine), 2, nullptr); }},
+      {"further_knob_value", [&] { run(loaded.workerFactory(with_other_parameter), 1, &references); }},
       {"libtorch", [&] { run(with_libtorch, 1, nullptr); }},
   };
   std::map<std::string, std::vector<double>> seconds;

@@ -4,10 +4,10 @@
 
 #include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/live/replay.hpp"
+#include "sim2sim_eval/live/playback.hpp"
 
 int main(int argc, char** argv) {
   sim2sim::catchInterruptsAside("sim2sim");
-  return pusht::runNode(argc, argv, "sim2sim", pusht::NoMaster::kFail, sim2sim::serveReplay,
+  return pusht::runNode(argc, argv, "sim2sim", pusht::NoMaster::kFail, sim2sim::servePlayback,
                         ros::init_options::NoSigintHandler);
 }

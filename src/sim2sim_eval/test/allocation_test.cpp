@@ -14,7 +14,7 @@
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/scenarios.hpp"
-#include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_protocol/flight.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/runner.hpp"
@@ -95,10 +95,10 @@ int allocationsOf(const Function& step) {
   return allocations;
 }
 
-WorkerFactory playersOf(const std::string& policy) {
+WorkerFactory workersOf(const std::string& policy) {
   const sim2sim::SimulatorChoice engine = sim2sim::chooseSimulator("two_mass", {});
-  return sim2sim::Setup({policy}, sim2sim::chooseSimulator("mujoco", {}), {engine})
-      .players(sim2sim::LoadedSimulator(engine));
+  return sim2sim::LoadedRun({policy}, sim2sim::chooseSimulator("mujoco", {}), {engine})
+      .workerFactory(sim2sim::LoadedSimulator(engine));
 }
 
 TEST(Allocations, AreCounted) {
@@ -129,9 +129,9 @@ TEST(Allocations, NoneInAStepOfASimulator) {
 TEST(Allocations, NoneInAStepOfTheWholeProtocol) {
   const Protocol protocol;
   for (const char* policy_name : {"bc", "expert"}) {
-    const WorkerFactory players = playersOf(policy_name);
-    const Worlds worlds = players.make_worlds(kEpisodesInFlight);
-    const auto policy = players.make_policy();
+    const WorkerFactory workers = workersOf(policy_name);
+    const Worlds worlds = workers.make_worlds(kEpisodesInFlight);
+    const auto policy = workers.make_policy();
     Flight flight(protocol, worlds, *policy);
     for (int index = 0; index < kEpisodesInFlight; ++index) {
       flight.begin(index);

@@ -28,7 +28,7 @@ LiveRequest parameters() {
   LiveRequest request;
   request.services.policy = "/policy";
   request.services.worlds = {"/reference", "/engine", "/engine_replay"};
-  request.settings.engine = {"two_mass", {pusht::parameter("block_damp", "8")}};
+  request.simulators.engine = {"two_mass", {pusht::parameter("block_damp", "8")}};
   request.protocol.seed = 7;
   request.protocol.first_episode = 3;
   request.protocol.episodes = 9;
@@ -42,20 +42,20 @@ LiveRequest parameters() {
 
 TEST(SettingsFrom, TakesNamesWithValues) {
   using pusht::parameter;
-  EXPECT_TRUE(settingsFrom("engine_parameters", " \n").empty());
-  EXPECT_EQ(settingsFrom("engine_parameters", "  block_damp=20  scene=/my scenes/a=b.xml empty= "),
+  EXPECT_TRUE(parametersFrom("engine_parameters", " \n").empty());
+  EXPECT_EQ(parametersFrom("engine_parameters", "  block_damp=20  scene=/my scenes/a=b.xml empty= "),
             (pusht::Parameters{parameter("block_damp", "20"), parameter("scene", "/my scenes/a=b.xml"),
                                parameter("empty", "")}));
 }
 
 TEST(SettingsFrom, RefusesWhatIsNone) {
   for (const std::string text : {"20", "20 block_damp=3", "=20", "-a=3"}) {
-    EXPECT_EQ(refusalOf([&] { settingsFrom("engine_parameters", text); }),
+    EXPECT_EQ(refusalOf([&] { parametersFrom("engine_parameters", text); }),
               "engine_parameters '" + text + "': must be NAME=VALUE NAME=VALUE");
   }
-  EXPECT_EQ(refusalOf([] { settingsFrom("engine_parameters", "block_damp=10 pusher_mass=2 block_damp=20"); }),
+  EXPECT_EQ(refusalOf([] { parametersFrom("engine_parameters", "block_damp=10 pusher_mass=2 block_damp=20"); }),
             "engine_parameters 'block_damp=10 pusher_mass=2 block_damp=20': block_damp must be set once");
-  EXPECT_EQ(refusalOf([] { settingsFrom("engine_parameters", std::string(1'000'000, 'a') + "=1"); }),
+  EXPECT_EQ(refusalOf([] { parametersFrom("engine_parameters", std::string(1'000'000, 'a') + "=1"); }),
             "engine_parameters of 1000002 bytes: must have at most 10000");
 }
 
@@ -63,8 +63,8 @@ TEST(MergedGoal, LeavesOpenWhatItDoesNotSay) {
   const LiveRequest request = merged(parameters(), pusht_msgs::CompareGoal());
   EXPECT_EQ(request.services.policy, "/policy");
   EXPECT_EQ(request.services.worlds[kEngineReplay], "/engine_replay");
-  EXPECT_EQ(request.settings.engine.kind, "two_mass");
-  EXPECT_EQ(request.settings.engine.parameters, pusht::Parameters{pusht::parameter("block_damp", "8")});
+  EXPECT_EQ(request.simulators.engine.kind, "two_mass");
+  EXPECT_EQ(request.simulators.engine.parameters, pusht::Parameters{pusht::parameter("block_damp", "8")});
   EXPECT_EQ(request.protocol.seed, 7U);
   EXPECT_EQ(request.protocol.first_episode, 3);
   EXPECT_EQ(request.protocol.episodes, 9);
@@ -78,10 +78,10 @@ TEST(MergedGoal, LeavesOpenWhatItDoesNotSay) {
 TEST(MergedGoal, AKindHasItsOwnParameters) {
   pusht_msgs::CompareGoal goal;
   goal.engine_parameters = {pusht::parameter("pusher_mass", "2")};
-  EXPECT_EQ(merged(parameters(), goal).settings.engine.parameters,
+  EXPECT_EQ(merged(parameters(), goal).simulators.engine.parameters,
             (pusht::Parameters{pusht::parameter("block_damp", "8"), pusht::parameter("pusher_mass", "2")}));
   goal.engine = {"chipmunk"};
-  const Cast::Setting engine = merged(parameters(), goal).settings.engine;
+  const WorldRequest engine = merged(parameters(), goal).simulators.engine;
   EXPECT_EQ(engine.kind, "chipmunk");
   EXPECT_EQ(engine.parameters, pusht::Parameters{pusht::parameter("pusher_mass", "2")});
 }
@@ -89,7 +89,7 @@ TEST(MergedGoal, AKindHasItsOwnParameters) {
 TEST(MergedGoal, SetsAParameterOnce) {
   pusht_msgs::CompareGoal goal;
   goal.engine_parameters = {pusht::parameter("block_damp", "20")};
-  EXPECT_EQ(merged(parameters(), goal).settings.engine.parameters,
+  EXPECT_EQ(merged(parameters(), goal).simulators.engine.parameters,
             pusht::Parameters{pusht::parameter("block_damp", "20")})
       << "in place of the evaluator's";
   goal.engine_parameters.push_back(pusht::parameter("block_damp", "6"));

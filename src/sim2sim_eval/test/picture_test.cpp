@@ -18,7 +18,7 @@
 #include "pusht_task/constants.hpp"
 #include "pusht_task/ros/world_markers.hpp"
 #include "sim2sim_eval/live/captions.hpp"
-#include "sim2sim_eval/live/window.hpp"
+#include "sim2sim_eval/live/table_view.hpp"
 #include "sim2sim_protocol/flight.hpp"
 
 namespace sim2sim {
@@ -165,7 +165,7 @@ std::set<std::pair<std::string, int>> names(const std::vector<Marker>& markers) 
   return names;
 }
 
-/// The window of a world, in the frame of its sheet, as its edge is drawn.
+/// The window of a world, in the frame of its canvas, as its edge is drawn.
 struct Edges {
   double left, right, bottom, top;
 };
@@ -305,16 +305,16 @@ TEST(Picture, NothingIsDrawnBeyondTheEdgesOfAWindow) {
 TEST(Picture, MagnifiesWhereThingsHappenAndNeverShrinksItsRegion) {
   DriftingEpisode episode({0.12, 0.05}, 0.05, 0.0);
   const Pane pane{{0.0, 0.0}, {0.92, 1.1}};
-  EXPECT_GE(Window(pane, regionOf(episode.episode(), pane)).zoom(), 1.9) << "the tees are near the target";
+  EXPECT_GE(TableView(pane, regionOf(episode.episode(), pane)).zoom(), 1.9) << "the tees are near the target";
   double zoom = 10.0;
   for (int step = 0; step < 100; ++step) {
     const Region region = regionOf(episode.episode(), pane);
-    const Window window(pane, region);
-    EXPECT_LE(window.zoom(), zoom + kTolerance);
-    zoom = window.zoom();
+    const TableView view(pane, region);
+    EXPECT_LE(view.zoom(), zoom + kTolerance);
+    zoom = view.zoom();
     for (const Mode mode : {kReferenceClosed, kEngineClosed, kEngineReplay}) {
       for (const pusht::WorldState& state : episode.episode().rollout(mode).trace().states) {
-        EXPECT_TRUE(window.shows(state.tee_position) || isOffTable(state)) << "step " << step;
+        EXPECT_TRUE(view.shows(state.tee_position) || isOffTable(state)) << "step " << step;
       }
     }
     episode.advance(1);
@@ -355,7 +355,8 @@ TEST(Picture, AsksAndAnswers) {
   for (const int length : {20, 90, 130, 200}) {
     const MarkerArray update = episode.update(std::nullopt, "Does it? " + std::string(length, 'n'));
     for (const Marker& text : drawn(update, "engine", Marker::TEXT_VIEW_FACING)) {
-      EXPECT_LT(kLetterWidth * text.scale.z * static_cast<double>(text.text.size()), 2.88) << "it fits on the screen";
+      EXPECT_LT(kCharacterWidth * text.scale.z * static_cast<double>(text.text.size()), 2.88)
+          << "it fits on the screen";
     }
   }
 }
@@ -458,10 +459,10 @@ TEST(Picture, SettingsThatDoNotFitAreCounted) {
     simulator.parameters[name] = false;
     simulator.changed.emplace_back(name);
   }
-  EXPECT_THAT(settingsOf(simulator, 2, 52),
+  EXPECT_THAT(changedParameters(simulator, 2, 52),
               ElementsAre("servo false, pusher_inertia false", "tee_inertia false, shape false, and 4 more"));
-  EXPECT_THAT(settingsOf(simulator, 9, 52), SizeIs(4));
-  EXPECT_THAT(settingsOf({}, 2, 52), IsEmpty());
+  EXPECT_THAT(changedParameters(simulator, 9, 52), SizeIs(4));
+  EXPECT_THAT(changedParameters({}, 2, 52), IsEmpty());
 }
 
 TEST(Picture, TheTablesStandSideBySideAndTheirTargetsDoNotMove) {

@@ -251,7 +251,7 @@ TEST_F(RunBagTest, WhatDoesNotFollowTheProtocolIsRefusedByName) {
   const auto replayed = [&](const std::function<void(RecordedEpisode&)>& change) {
     RecordedEpisode record = recordOf(episode);
     change(record);
-    return refusal([&] { replay(play_.configuration().protocol, 5, record); }, pusht::ExitCode::kBadDependency);
+    return refusal([&] { rebuildEpisode(play_.configuration().protocol, 5, record); }, pusht::ExitCode::kBadDependency);
   };
   EXPECT_EQ(replayed([](RecordedEpisode&) {}), "");
   EXPECT_THAT(replayed([](RecordedEpisode& e) { e.modes[kEngineClosed].states[0].tee_position.x() += 1e-5; }),

@@ -39,33 +39,33 @@ pusht_msgs::DescribeResponse rigidBody(const std::string& preset, const std::str
 }
 
 /// What a run does that asks for `asked` of the world `now`, and that has made it `then`.
-WorldSetting run(WorldMemory& memory, const pusht_msgs::DescribeResponse& now, const WorldSetting& asked,
+WorldRequest run(WorldMemory& memory, const pusht_msgs::DescribeResponse& now, const WorldRequest& asked,
                  const pusht_msgs::DescribeResponse& then) {
-  WorldSetting setting = memory.resolve("/engine", now, asked);
+  WorldRequest request = memory.resolve("/engine", now, asked);
   memory.configured("/engine", then);
-  return setting;
+  return request;
 }
 
 TEST(WorldMemories, LeaveAWorldAsItIsUntilARunHasChangedIt) {
   WorldMemory memory;
-  const WorldSetting open = run(memory, twoMass("20.0"), {}, twoMass("20.0"));
+  const WorldRequest open = run(memory, twoMass("20.0"), {}, twoMass("20.0"));
   EXPECT_EQ(open.kind, "");
   EXPECT_EQ(open.parameters, Parameters());
-  const WorldSetting heavy = run(memory, twoMass("20.0"), {"", {parameter("mass", "2")}}, twoMass("20.0"));
+  const WorldRequest heavy = run(memory, twoMass("20.0"), {"", {parameter("mass", "2")}}, twoMass("20.0"));
   EXPECT_EQ(heavy.parameters, Parameters{parameter("mass", "2")});
 }
 
 TEST(WorldMemories, DoNotLetARunInheritTheKindAndParametersOfTheOneBefore) {
   WorldMemory memory;
-  const WorldSetting asked = {"rigid_body", {parameter("drag", "false")}};
+  const WorldRequest asked = {"rigid_body", {parameter("drag", "false")}};
   EXPECT_EQ(run(memory, twoMass("20.0"), asked, rigidBody("faithful", "false", "true")).kind, "rigid_body");
 
-  const WorldSetting next = run(memory, rigidBody("faithful", "false", "true"), {}, twoMass("20.0"));
+  const WorldRequest next = run(memory, rigidBody("faithful", "false", "true"), {}, twoMass("20.0"));
   EXPECT_EQ(next.kind, "two_mass");
   EXPECT_EQ(next.parameters, Parameters{parameter("drag", "20.0")}) << "as it was launched";
 
   run(memory, twoMass("20.0"), {"", {parameter("drag", "60")}}, twoMass("60.0"));
-  const WorldSetting after = run(memory, twoMass("60.0"), {"", {parameter("mass", "2")}}, twoMass("20.0"));
+  const WorldRequest after = run(memory, twoMass("60.0"), {"", {parameter("mass", "2")}}, twoMass("20.0"));
   EXPECT_EQ(after.kind, "two_mass");
   EXPECT_EQ(after.parameters, (Parameters{parameter("drag", "20.0"), parameter("mass", "2")}));
 }
@@ -73,8 +73,8 @@ TEST(WorldMemories, DoNotLetARunInheritTheKindAndParametersOfTheOneBefore) {
 TEST(WorldMemories, HoldWhatWasAskedForByNameOnTopOfTheFormer) {
   WorldMemory memory;
   run(memory, twoMass("20.0"), {"", {parameter("drag", "60")}}, twoMass("60.0"));
-  const WorldSetting setting = memory.resolve("/engine", twoMass("60.0"), {"", {parameter("drag", "2")}});
-  EXPECT_EQ(setting.parameters, Parameters{parameter("drag", "2")}) << "once";
+  const WorldRequest request = memory.resolve("/engine", twoMass("60.0"), {"", {parameter("drag", "2")}});
+  EXPECT_EQ(request.parameters, Parameters{parameter("drag", "2")}) << "once";
 }
 
 TEST(WorldMemories, TakeWhatAnotherCallerHasConfigured) {
@@ -87,9 +87,9 @@ TEST(WorldMemories, TakeWhatAnotherCallerHasConfigured) {
 TEST(WorldMemories, UndoAConfigurationOfWhichNothingWasHeard) {
   WorldMemory memory;
   memory.resolve("/engine", twoMass("20.0"), {"rigid_body", {}});  // the node dies meanwhile, and comes back
-  const WorldSetting setting = memory.resolve("/engine", rigidBody("faithful", "true", "true"), {});
-  EXPECT_EQ(setting.kind, "two_mass");
-  EXPECT_EQ(setting.parameters, Parameters{parameter("drag", "20.0")});
+  const WorldRequest request = memory.resolve("/engine", rigidBody("faithful", "true", "true"), {});
+  EXPECT_EQ(request.kind, "two_mass");
+  EXPECT_EQ(request.parameters, Parameters{parameter("drag", "20.0")});
 }
 
 TEST(WorldMemories, KeepWorldsApart) {
@@ -106,14 +106,14 @@ TEST(WorldMemories, KnowWhatAWorldWas) {
 }
 
 TEST(SettingOf, IsTheShortestThatMakesTheWorld) {
-  EXPECT_EQ(settingOf(twoMass("6")).parameters, Parameters()) << "6 is the default, 6.0";
-  EXPECT_EQ(settingOf(twoMass("20.0")).parameters, Parameters{parameter("drag", "20.0")});
-  EXPECT_EQ(settingOf(rigidBody("simple", "false", "true")).parameters, Parameters{parameter("preset", "simple")});
-  EXPECT_EQ(settingOf(rigidBody("simple", "true", "false")).parameters,
+  EXPECT_EQ(requestFor(twoMass("6")).parameters, Parameters()) << "6 is the default, 6.0";
+  EXPECT_EQ(requestFor(twoMass("20.0")).parameters, Parameters{parameter("drag", "20.0")});
+  EXPECT_EQ(requestFor(rigidBody("simple", "false", "true")).parameters, Parameters{parameter("preset", "simple")});
+  EXPECT_EQ(requestFor(rigidBody("simple", "true", "false")).parameters,
             (Parameters{parameter("preset", "simple"), parameter("drag", "true"), parameter("walls", "false")}));
   pusht_msgs::DescribeResponse undescribed = twoMass("6.0");
   undescribed.parameter_descriptors.clear();
-  EXPECT_EQ(settingOf(undescribed).parameters, undescribed.parameters);
+  EXPECT_EQ(requestFor(undescribed).parameters, undescribed.parameters);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The seam behind which many worlds step together.
+/// Interface of many worlds that step together.
 #pragma once
 
 #include <cstddef>

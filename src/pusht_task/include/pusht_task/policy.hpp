@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The seam behind which a policy lives.
+/// Interface of a policy.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The seam behind which a simulator lives.
+/// Interface of a simulator.
 #pragma once
 
 #include <string>

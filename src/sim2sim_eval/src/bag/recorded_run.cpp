@@ -138,7 +138,7 @@ class Reader {
     }
     const pusht_msgs::EpisodeResult recorded = *std::exchange(finished_, std::nullopt);
     const int index = indexOf(recorded.episode);
-    Episode episode = replay(protocol_, index, under_way_[index]);
+    Episode episode = rebuildEpisode(protocol_, index, under_way_[index]);
     const EpisodeResult result = episode.result();
     under_way_.erase(index);
     pusht_msgs::EpisodeResult computed = toMessage(protocol_, result, recorded.header.stamp);
@@ -190,14 +190,14 @@ class QuietLibraries {
 /// A message of a run.
 struct Recorded {
   ros::Time stamp;
-  int place;  ///< among those with this stamp: worlds, traces, the episode's result
+  int rank;  ///< among those with this stamp: worlds, traces, the episode's result
   std::function<void(Reader&)> take;
 };
 
-/// A recorder that subscribes has its own times and, over topics, its own order; stamps and places tell the true one.
+/// A recorder that subscribes has its own times and, over topics, its own order; stamps and ranks tell the true one.
 Recorded recordedIn(const rosbag::MessageInstance& instance, const std::map<std::string, Mode>& modes) {
-  const auto recorded = [](int place, auto message, const auto& take) {
-    return Recorded{message.header.stamp, place,
+  const auto recorded = [](int rank, auto message, const auto& take) {
+    return Recorded{message.header.stamp, rank,
                     [message = std::move(message), take](Reader& reader) { take(reader, message); }};
   };
   const auto plainly = [](Reader& reader, const auto& message) { reader.take(message); };
@@ -274,7 +274,7 @@ RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop,
     }
   }
   std::stable_sort(plain.begin(), plain.end(), [](const Recorded& a, const Recorded& b) {
-    return std::pair(a.stamp, a.place) < std::pair(b.stamp, b.place);
+    return std::pair(a.stamp, a.rank) < std::pair(b.stamp, b.rank);
   });
   std::for_each(plain.begin(), plain.end(), read);
   std::vector<EpisodeResult> episodes = reader.results();
@@ -304,7 +304,7 @@ void RecordedWorld::doStep(const pusht::Action& action) {
   ++step_;
 }
 
-Episode replay(const Protocol& protocol, int index, const RecordedEpisode& record) {
+Episode rebuildEpisode(const Protocol& protocol, int index, const RecordedEpisode& record) {
   const Worlds worlds = worldsOf(std::make_unique<RecordedWorld>(record.modes[kReferenceClosed]),
                                  std::make_unique<RecordedWorld>(record.modes[kEngineClosed]),
                                  std::make_unique<RecordedWorld>(record.modes[kEngineReplay]));

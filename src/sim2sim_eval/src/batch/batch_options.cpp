@@ -82,11 +82,11 @@ int BatchOptions::threadCount() const {
   return threads > 0 ? threads : sched_getaffinity(0, sizeof(cores), &cores) == 0 ? CPU_COUNT(&cores) : 1;
 }
 
-std::optional<ReferenceCache> BatchOptions::references(const Setup& setup, const RunOptions& options) const {
+std::optional<ReferenceCache> BatchOptions::references(const LoadedRun& loaded, const RunOptions& options) const {
   if (reference_cache.empty()) {
     return std::nullopt;
   }
-  return ReferenceCache(reference_cache, setup.referenceKey(options));
+  return ReferenceCache(reference_cache, loaded.referenceKey(options));
 }
 
 }  // namespace sim2sim

@@ -20,7 +20,7 @@
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
-#include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/simulators.hpp"
 #include "sim2sim_protocol/episode.hpp"
@@ -108,14 +108,14 @@ void requireNewStarts(const fs::path& path, const Protocol& protocol, bool goes_
 }
 
 /// Each parameter of a kind of the course, as an option of its own.
-void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::string>& settings) {
+void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::string>& parameters) {
   for (const pusht::ParameterDescriptor& parameter : simulatorKind(kind).parameters) {
     const std::string unit = parameter.unit.empty() ? "" : " [" + parameter.unit + "]";
     const bool is_real = std::holds_alternative<double>(parameter.default_value);
     app.add_option_function<std::string>(
            "--" + parameter.name,
-           [&settings, name = parameter.name](const std::string& value) {
-             settings.push_back(std::string(name).append("=").append(value));
+           [&parameters, name = parameter.name](const std::string& value) {
+             parameters.push_back(std::string(name).append("=").append(value));
            },
            simulatorKind(kind).title + ": " + parameter.meaning + unit)
         ->check(is_real ? decimalReal() : CLI::Validator(""))
@@ -146,12 +146,12 @@ void CompareOptions::declare(CLI::App& app) {
       ->check(notEmpty());
   app.add_option("--reference", reference, "kind of simulator: " + pusht::joined(kindNames()))->capture_default_str();
   app.add_option("--engine", engine, "kind of simulator that is compared with the reference")->capture_default_str();
-  app.add_option("--set", engine_settings, "NAME=VALUE: a parameter of the engine; may be repeated")
+  app.add_option("--set", engine_parameters, "NAME=VALUE: a parameter of the engine; may be repeated")
       ->allow_extra_args(false);
-  app.add_option("--set-reference", reference_settings, "NAME=VALUE: a parameter of the reference; may be repeated")
+  app.add_option("--set-reference", reference_parameters, "NAME=VALUE: a parameter of the reference; may be repeated")
       ->allow_extra_args(false);
-  declareShortForms(app, kCourseEngine, engine_settings);
-  declareShortForms(app, kCourseReference, reference_settings);
+  declareShortForms(app, kCourseEngine, engine_parameters);
+  declareShortForms(app, kCourseReference, reference_parameters);
   app.add_flag("--smoke", smoke, "short fixed run of an untrained policy, whatever --policy says: 2 episodes, 40 steps")
       ->excludes(require)
       ->excludes(allow);
@@ -177,8 +177,8 @@ void compare(const CompareOptions& options) {
   configuration.protocol.validate();
   configuration.protocol.initial_states =
       givenInitialStates(options.starts, configuration.protocol.first_episode, configuration.protocol.episodes);
-  const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_settings);
-  const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_settings);
+  const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_parameters);
+  const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_parameters);
   std::error_code ignored;
   if (!options.write_starts.empty() &&
       fs::weakly_canonical(options.write_starts, ignored) == fs::weakly_canonical(options.out, ignored)) {
@@ -191,21 +191,21 @@ void compare(const CompareOptions& options) {
                        {"starts", options.starts},
                        {"write_starts", options.write_starts}});
   const LoadedSimulator engine(chosen_engine);
-  const Setup setup = loadFor(folder, [&] {
+  const LoadedRun loaded = loadFor(folder, [&] {
     const std::string policy = options.smoke ? pusht::kUntrainedPolicy : options.policy;
-    return Setup({policy, options.require_policy, configuration.protocol.seed, options.allow_untrained}, reference,
-                 {chosen_engine});
+    return LoadedRun({policy, options.require_policy, configuration.protocol.seed, options.allow_untrained}, reference,
+                     {chosen_engine});
   });
-  folder.refuseInputs(setup.reference().inputs());
+  folder.refuseInputs(loaded.reference().inputs());
   folder.refuseInputs(engine.inputs());
-  configuration.reference = setup.reference().record();
+  configuration.reference = loaded.reference().record();
   configuration.engine = engine.record();
-  configuration.policy = setup.policyName();
-  const auto references = options.batch.references(setup, configuration.protocol);
+  configuration.policy = loaded.policyName();
+  const auto references = options.batch.references(loaded, configuration.protocol);
 
-  const nlohmann::ordered_json origin = setup.provenance(configuration, engine);
+  const nlohmann::ordered_json origin = loaded.provenance(configuration, engine);
   nlohmann::json identity = {
-      {"configuration", describe(configuration)}, {"inputs", setup.identity()}, {"machine_code", origin.at("code")}};
+      {"configuration", describe(configuration)}, {"inputs", loaded.identity()}, {"machine_code", origin.at("code")}};
   identity["configuration"].erase("config_hash");  // it follows from the rest
   Run run(configuration, folder, origin, identity);
   try {
@@ -260,7 +260,7 @@ void compare(const CompareOptions& options) {
     };
     try {
       runProtocol(
-          configuration.protocol, setup.workerFactory(engine), options.batch.threadCount(),
+          configuration.protocol, loaded.workerFactory(engine), options.batch.threadCount(),
           references ? &*references : nullptr, deliver, [&] { return decided || interrupted(); }, finished);
     } catch (const pusht::Error&) {
       if (!decided) {  // else it is of an episode that is not needed

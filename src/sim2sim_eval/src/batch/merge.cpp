@@ -82,9 +82,9 @@ Shards requireShards(const std::vector<std::string>& folders) {
       throw pusht::BadDependency(
           std::string("shard ").append(folder).append(": is of another sweep than the first one: ").append(difference));
     }
-    const auto [place, is_new] = shards.folders.emplace(shard.number, folder);
+    const auto [known, is_new] = shards.folders.emplace(shard.number, folder);
     if (!is_new) {
-      throw pusht::BadDependency("shards " + place->second.string() + " and " + folder + ": are both " + shard.text());
+      throw pusht::BadDependency("shards " + known->second.string() + " and " + folder + ": are both " + shard.text());
     }
   }
   std::string missing;

@@ -33,28 +33,28 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 /// All rows as they run, whatever their engine.
-RunConfiguration sweepConfiguration(const Protocol& protocol, const Setup& setup) {
+RunConfiguration sweepConfiguration(const Protocol& protocol, const LoadedRun& loaded) {
   RunConfiguration configuration;
   configuration.protocol = protocol;
-  configuration.policy = setup.policyName();
-  configuration.reference = setup.reference().record();
+  configuration.policy = loaded.policyName();
+  configuration.reference = loaded.reference().record();
   return configuration;
 }
 
 /// The run that a row is.
-RunConfiguration rowConfiguration(const Protocol& protocol, const Setup& setup, const LoadedSimulator& engine) {
-  RunConfiguration configuration = sweepConfiguration(protocol, setup);
+RunConfiguration rowConfiguration(const Protocol& protocol, const LoadedRun& loaded, const LoadedSimulator& engine) {
+  RunConfiguration configuration = sweepConfiguration(protocol, loaded);
   configuration.engine = engine.record();
   return configuration;
 }
 
 /// What decides a sweep, as in sweep.json; the same for all its shards. `engines` are those of the rows.
-json descriptionOf(const SweepPlan& plan, const Setup& setup, const json& engines) {
-  json description = describe(sweepConfiguration(plan.protocol, setup));
+json descriptionOf(const SweepPlan& plan, const LoadedRun& loaded, const json& engines) {
+  json description = describe(sweepConfiguration(plan.protocol, loaded));
   for (const char* of_a_row : {"engine_simulator", "knobs", "simulators", "config_hash"}) {
     description.erase(of_a_row);
   }
-  description["inputs"] = setup.identity();
+  description["inputs"] = loaded.identity();
   description["rows"] = engines;
   if (plan.sample) {
     description["permutations"] = toJson(*plan.sample);
@@ -84,8 +84,8 @@ bool hasSeveralKinds(const std::vector<SimulatorChoice>& rows) {
                      [&](const SimulatorChoice& row) { return &row.kind.get() != &rows.front().kind.get(); });
 }
 
-void printRow(const RunConfiguration& configuration, const std::string& setting, const Summary& summary) {
-  std::cout << setting << ": " << configuration.engine.title << " " << cell(summary.engine) << ", "
+void printRow(const RunConfiguration& configuration, const std::string& parameters, const Summary& summary) {
+  std::cout << parameters << ": " << configuration.engine.title << " " << cell(summary.engine) << ", "
             << configuration.reference.title << " " << cell(summary.reference) << ", divergence "
             << divergences(summary, ", ") << std::endl;
 }
@@ -93,24 +93,24 @@ void printRow(const RunConfiguration& configuration, const std::string& setting,
 /// Runs one row after the other.
 class Sweeper {
  public:
-  Sweeper(const SweepOptions& options, const SweepPlan& plan, const Protocol& protocol, const Setup& setup,
+  Sweeper(const SweepOptions& options, const SweepPlan& plan, const Protocol& protocol, const LoadedRun& loaded,
           SweepFolder& folder)
       : options_(options),
         plan_(plan),
         protocol_(protocol),
-        setup_(setup),
+        loaded_(loaded),
         folder_(folder),
         varying_(varyingParameters(plan.rows)),
         bar_("episodes", static_cast<std::int64_t>(plan.rows.size()) * protocol.episodes) {}
 
   /// Throws RuntimeFault if it is interrupted, or at the end if there were rows that failed.
   void run() {
-    const auto cached = options_.batch.references(setup_, protocol_);
+    const auto cached = options_.batch.references(loaded_, protocol_);
     if (!cached) {
       folder_.removeReference();  // of an attempt that was cut short, perhaps in the midst of a file
     }
     const ReferenceCache references =
-        cached ? *cached : ReferenceCache(folder_.referencePath(), setup_.referenceKey(protocol_));
+        cached ? *cached : ReferenceCache(folder_.referencePath(), loaded_.referenceKey(protocol_));
     std::size_t failures = 0;
     std::string first_failure;
     for (std::size_t index = 0; index < plan_.rows.size(); ++index) {
@@ -132,7 +132,7 @@ class Sweeper {
  private:
   void finishRow(std::size_t index, const ReferenceCache& references) {
     const LoadedSimulator engine(plan_.rows[index]);
-    const RunConfiguration configuration = rowConfiguration(protocol_, setup_, engine);
+    const RunConfiguration configuration = rowConfiguration(protocol_, loaded_, engine);
     std::optional<SweepRow> row = readRow(folder_.path(), index, configuration);
     if (row) {
       bar_.skip(protocol_.episodes);
@@ -141,7 +141,7 @@ class Sweeper {
       row.emplace(configuration, runRow(index, engine, configuration, references));
       folder_.keep(index, configuration, *row);
     }
-    printRow(configuration, settingText(index), row->summary);
+    printRow(configuration, parametersText(index), row->summary);
   }
 
   std::vector<EpisodeResult> runRow(std::size_t index, const LoadedSimulator& engine,
@@ -164,7 +164,7 @@ class Sweeper {
       bar_.advance(rowText(index, plan_.rows.size()));
     };
     try {
-      runProtocol(protocol_, setup_.workerFactory(engine), options_.batch.threadCount(), &references, deliver,
+      runProtocol(protocol_, loaded_.workerFactory(engine), options_.batch.threadCount(), &references, deliver,
                   interrupted, journal.keptIndices());
     } catch (pusht::Error& error) {
       if (dynamic_cast<const pusht::SimulationFault*>(&error) != nullptr) {
@@ -172,7 +172,7 @@ class Sweeper {
         std::error_code not_empty;
         fs::remove(rowFolder(folder_.path(), index), not_empty);
       }
-      error.addContext("row " + std::to_string(index) + " (" + settingText(index) + ")");
+      error.addContext("row " + std::to_string(index) + " (" + parametersText(index) + ")");
       throw;
     }
     if (finished < protocol_.episodes) {
@@ -185,7 +185,7 @@ class Sweeper {
   }
 
   /// "block_damp 2.0"; with the kind in front if there are several
-  std::string settingText(std::size_t index) const {
+  std::string parametersText(std::size_t index) const {
     const SimulatorChoice& row = plan_.rows[index];
     std::string text = hasSeveralKinds(plan_.rows) ? row.kind.get().name : "";
     for (const pusht::Parameter& parameter : row.parameters) {
@@ -199,7 +199,7 @@ class Sweeper {
   const SweepOptions& options_;
   const SweepPlan& plan_;
   const Protocol& protocol_;
-  const Setup& setup_;
+  const LoadedRun& loaded_;
   SweepFolder& folder_;
   std::vector<std::string> varying_;
   ProgressBar bar_;
@@ -236,10 +236,10 @@ void sweep(const SweepOptions& options) {
                        {"policy", plan.policy},
                        {"starts", plan.starts},
                        {"reference cache", options.batch.reference_cache}});
-  const Setup setup = loadFor(folder, [&] {
-    return Setup({plan.policy, true, plan.protocol.seed}, plan.reference, plan.rows);
+  const LoadedRun loaded = loadFor(folder, [&] {
+    return LoadedRun({plan.policy, true, plan.protocol.seed}, plan.reference, plan.rows);
   });
-  folder.refuseInputs(setup.reference().inputs());
+  folder.refuseInputs(loaded.reference().inputs());
   json engines = json::array();
   for (const SimulatorChoice& row : plan.rows) {
     const LoadedSimulator engine(row);
@@ -248,17 +248,17 @@ void sweep(const SweepOptions& options) {
   }
   const LoadedSimulator first(plan.rows.front());
 
-  json description = descriptionOf(plan, setup, engines);
+  json description = descriptionOf(plan, loaded, engines);
   if (!options.shard.empty()) {
     description["shard"] = shard.text();
   }
-  json origin = setup.provenance(rowConfiguration(protocol, setup, first), first);
+  json origin = loaded.provenance(rowConfiguration(protocol, loaded, first), first);
   origin["format"] = description.at("format");
   for (const char* of_a_row : {"configuration", "engine"}) {
     origin.erase(of_a_row);
   }
   folder.begin(description, origin);
-  withStatus(folder, [&] { Sweeper(options, plan, protocol, setup, folder).run(); });
+  withStatus(folder, [&] { Sweeper(options, plan, protocol, loaded, folder).run(); });
   if (options.shard.empty()) {  // the other shards may have the successes
     warn(doubtAboutPolicy(folder.rows().front(), origin));
   }

@@ -43,7 +43,7 @@ std::string csvCell(const json& value) {
 using Columns = std::vector<std::pair<std::string, json>>;
 
 /// What tells the rows apart: the kind of engine, if there are several, and all parameters that a row has.
-std::vector<std::string> settingNames(const std::vector<json>& rows) {
+std::vector<std::string> parameterNames(const std::vector<json>& rows) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
     if (std::find(names.begin(), names.end(), name) == names.end()) {
@@ -65,9 +65,9 @@ std::vector<std::string> settingNames(const std::vector<json>& rows) {
 }
 
 /// The columns of sweep.csv after the row's number: each a name and a value of the row's metrics.
-Columns columns(const json& metrics, const std::vector<std::string>& settings) {
+Columns columns(const json& metrics, const std::vector<std::string>& parameters) {
   Columns columns;
-  for (const std::string& name : settings) {
+  for (const std::string& name : parameters) {
     columns.emplace_back(name, metrics.contains(name) ? metrics.at(name) : metrics.at("knobs").value(name, json()));
   }
   columns.emplace_back("episodes", metrics.at("episodes"));
@@ -116,12 +116,12 @@ Columns columns(const json& metrics, const std::vector<std::string>& settings) {
 }
 
 std::string sweepCsv(const std::vector<json>& rows) {
-  const std::vector<std::string> settings = settingNames(rows);
+  const std::vector<std::string> parameters = parameterNames(rows);
   std::string csv;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::string head = "row";
     std::string line = rows[i].at("row").dump();
-    for (const auto& [name, value] : columns(rows[i], settings)) {
+    for (const auto& [name, value] : columns(rows[i], parameters)) {
       head.append(",").append(name);
       line.append(",").append(csvCell(value));
     }

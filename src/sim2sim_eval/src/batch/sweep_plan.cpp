@@ -21,12 +21,12 @@ namespace {
 constexpr std::size_t kMostRows = 100'000;
 
 /// "line 3, block_damp"
-std::string placeOf(const YAML::Node& node, const std::string& key) {
+std::string locationOf(const YAML::Node& node, const std::string& key) {
   return "line " + std::to_string(node.Mark().line + 1) + ", " + key;
 }
 
 [[noreturn]] void refuse(const YAML::Node& node, const std::string& key, const std::string& rule) {
-  throw pusht::InvalidInput(placeOf(node, key) + ": " + rule);
+  throw pusht::InvalidInput(locationOf(node, key) + ": " + rule);
 }
 
 std::string textAt(const YAML::Node& node, const std::string& key) {
@@ -68,7 +68,7 @@ void requireLoads(const YAML::Node& node, const SimulatorChoice& row) {
   inLineOf(node, [&] { row.kind.get().load(row.parameters); });
 }
 
-void requireRoom(const YAML::Node& node, const std::string& key, std::size_t rows) {
+void requireRowLimit(const YAML::Node& node, const std::string& key, std::size_t rows) {
   if (rows > kMostRows) {
     refuse(node, key, "must give at most " + std::to_string(kMostRows) + " rows");
   }
@@ -95,7 +95,7 @@ std::vector<SimulatorChoice> rowsOfGrid(const SimulatorChoice& engine, const YAM
     if (!entry.second.IsSequence() || entry.second.size() == 0) {
       refuse(entry.second, textAt(entry.first, "parameter"), "must be a list of values");
     }
-    requireRoom(grid, "grid", rows.size() * entry.second.size());
+    requireRowLimit(grid, "grid", rows.size() * entry.second.size());
     std::vector<SimulatorChoice> combined;
     for (const SimulatorChoice& row : rows) {
       for (const YAML::Node& value : entry.second) {
@@ -115,18 +115,18 @@ std::vector<SimulatorChoice> rowsOfList(const SimulatorChoice& engine, const YAM
   if (!list.IsSequence() || list.size() == 0) {
     refuse(list, "rows", "must be a list of settings");
   }
-  requireRoom(list, "rows", list.size());
+  requireRowLimit(list, "rows", list.size());
   std::vector<SimulatorChoice> rows;
-  for (const YAML::Node& setting : list) {
-    if (!setting.IsMap()) {
-      refuse(setting, "rows", "each must map parameters to values");
+  for (const YAML::Node& parameters : list) {
+    if (!parameters.IsMap()) {
+      refuse(parameters, "rows", "each must map parameters to values");
     }
-    requireDistinctKeys(setting);
+    requireDistinctKeys(parameters);
     rows.push_back(engine);
-    for (const auto& entry : setting) {
+    for (const auto& entry : parameters) {
       setParameter(rows.back(), entry.first, entry.second);
     }
-    requireLoads(setting, rows.back());
+    requireLoads(parameters, rows.back());
   }
   return rows;
 }
@@ -166,7 +166,7 @@ std::vector<SimulatorChoice> rowsOfSample(const SimulatorChoice& engine, const Y
                                           const OrderSample& sample) {
   std::vector<Coalition> combinations;
   inLineOf(node, [&] { combinations = coalitionsAlong(sample.draw()); });
-  requireRoom(node, "permutations", combinations.size());
+  requireRowLimit(node, "permutations", combinations.size());
   std::vector<SimulatorChoice> rows;
   for (const Coalition on : combinations) {
     rows.push_back(engine);
@@ -178,19 +178,19 @@ std::vector<SimulatorChoice> rowsOfSample(const SimulatorChoice& engine, const Y
   return rows;
 }
 
-std::string settingOf(const SimulatorChoice& row) {
-  std::string setting = row.kind.get().name;
+std::string textOf(const SimulatorChoice& row) {
+  std::string text = row.kind.get().name;
   for (const pusht::Parameter& parameter : row.parameters) {
-    setting += ", " + parameter.name() + " " + pusht::textOf(parameter.value);
+    text += ", " + parameter.name() + " " + pusht::textOf(parameter.value);
   }
-  return setting;
+  return text;
 }
 
 void requireEachOnce(const std::vector<SimulatorChoice>& rows) {
   std::set<std::string> seen;
   for (const SimulatorChoice& row : rows) {
-    if (!seen.insert(settingOf(row)).second) {
-      throw pusht::InvalidInput("rows: " + settingOf(row) + " must appear only once");
+    if (!seen.insert(textOf(row)).second) {
+      throw pusht::InvalidInput("rows: " + textOf(row) + " must appear only once");
     }
   }
 }
@@ -271,13 +271,13 @@ std::vector<SimulatorChoice> rowsIn(const YAML::Node& root, const std::optional<
   }
   std::vector<SimulatorChoice> rows;
   for (const SimulatorChoice& engine : engines) {
-    const std::vector<SimulatorChoice> settings = sample             ? rowsOfSample(engine, permutations, *sample)
-                                                  : grid.IsDefined() ? rowsOfGrid(engine, grid)
-                                                  : list.IsDefined() ? rowsOfList(engine, list)
-                                                                     : std::vector<SimulatorChoice>{engine};
-    rows.insert(rows.end(), settings.begin(), settings.end());
+    const std::vector<SimulatorChoice> of_engine = sample             ? rowsOfSample(engine, permutations, *sample)
+                                                   : grid.IsDefined() ? rowsOfGrid(engine, grid)
+                                                   : list.IsDefined() ? rowsOfList(engine, list)
+                                                                      : std::vector<SimulatorChoice>{engine};
+    rows.insert(rows.end(), of_engine.begin(), of_engine.end());
   }
-  requireRoom(root, "rows", rows.size());
+  requireRowLimit(root, "rows", rows.size());
   requireEachOnce(rows);
   return rows;
 }

@@ -12,12 +12,12 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-Activity::Activity(ros::NodeHandle& node, const Pacer& pacer, std::function<void(bool)> tell)
+Activity::Activity(ros::NodeHandle& node, const Pacer& pacer, std::function<void(bool)> on_publish)
     : pacer_(pacer),
-      tell_(std::move(tell)),
+      on_publish_(std::move(on_publish)),
       progress_(node.advertise<pusht_msgs::Progress>("progress", kProgressQueue, true)) {}
 
-void Activity::ask() {
+void Activity::markRequested() {
   const std::lock_guard<std::mutex> lock(mutex_);
   busy_ = true;
   cancelled_ = false;
@@ -30,7 +30,7 @@ void Activity::waitFor(const std::string& services) {
     const std::lock_guard<std::mutex> lock(mutex_);
     waiting_for_ = services;
   }
-  tell();
+  publish();
 }
 
 void Activity::begin(int episodes) {
@@ -41,7 +41,7 @@ void Activity::begin(int episodes) {
     seconds_left_.reset();
     ++runs_;
   }
-  tell();
+  publish();
 }
 
 void Activity::finishEpisode(const std::string& progress, double seconds_left) {
@@ -51,7 +51,7 @@ void Activity::finishEpisode(const std::string& progress, double seconds_left) {
     ++episodes_finished_;
     seconds_left_ = seconds_left;
   }
-  tell();
+  publish();
 }
 
 bool Activity::end(const std::string& failure) {
@@ -64,7 +64,7 @@ bool Activity::end(const std::string& failure) {
     activity_ = "idle";
     waiting_for_.clear();
   }
-  tell();
+  publish();
   return cancelled;
 }
 
@@ -84,8 +84,8 @@ bool Activity::cancelled() const {
   return cancelled_;
 }
 
-void Activity::tell() {
-  const std::lock_guard<std::mutex> telling(telling_);
+void Activity::publish() {
+  const std::lock_guard<std::mutex> publishing(publishing_);
   pusht_msgs::Progress progress;
   progress.paused = static_cast<std::uint8_t>(pacer_.paused());
   progress.rate = pacer_.rate();
@@ -100,7 +100,7 @@ void Activity::tell() {
     progress.waiting_for = waiting_for_;
   }
   progress_.publish(progress);
-  tell_(progress.paused != 0);
+  on_publish_(progress.paused != 0);
 }
 
 void Activity::report(pusht::DiagnosticStatusWrapper& status) const {

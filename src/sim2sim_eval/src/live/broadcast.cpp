@@ -7,7 +7,7 @@
 
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/live/captions.hpp"
-#include "sim2sim_eval/live/up_to.hpp"
+#include "sim2sim_eval/live/truncated_episode.hpp"
 
 namespace sim2sim {
 
@@ -21,7 +21,7 @@ constexpr std::uint32_t kQueue = 1000;
 constexpr int kStepsPerPicture = 10;
 
 /// Where a run is: "policy bc, episode 7, 3.9 s".
-std::string placeOf(const RunConfiguration& run, const Episode& episode) {
+std::string progressCaption(const RunConfiguration& run, const Episode& episode) {
   return "policy " + run.policy + ", episode " + std::to_string(episode.index()) + ", " + secondsText(episode.steps());
 }
 
@@ -35,9 +35,10 @@ Broadcast::Broadcast(const ros::NodeHandle& node)
       episode_(node_.advertise<pusht_msgs::EpisodeResult>("episode", kQueue)),
       summary_topic_(node_.advertise<pusht_msgs::Summary>("summary", 1, true)),
       markers_(node_.advertise<visualization_msgs::MarkerArray>("markers", kQueue)),
-      tell_episodes_(node_.advertiseService("episodes", &Broadcast::onEpisodes, this)),
-      repeating_(node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { repeat(); })) {
-  tellState(RunState::kWaits, "no run yet");
+      episodes_service_(node_.advertiseService("episodes", &Broadcast::onEpisodes, this)),
+      repeating_(
+          node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { republish(); })) {
+  showState(RunState::kWaits, "no run yet");
 }
 
 void Broadcast::begin(const RunConfiguration& configuration, Picture picture, std::unique_ptr<RunBag> bag,
@@ -61,19 +62,19 @@ void Broadcast::begin(const RunConfiguration& configuration, Picture picture, st
   episodes_.clear();
   curve_.clear();
   state_ = RunState::kRuns;
-  place_ = "policy " + configuration_.policy + ", no step yet";
+  caption_ = "policy " + configuration_.policy + ", no step yet";
   markers_.publish(scene_);
   drawState();
 }
 
-void Broadcast::tellState(RunState state, const std::string& words) {
+void Broadcast::showState(RunState state, const std::string& words) {
   const std::lock_guard<std::mutex> lock(mutex_);
   state_ = state;
   words_ = words;
   drawState();
 }
 
-void Broadcast::tellPaused(bool paused) {
+void Broadcast::showPaused(bool paused) {
   const std::lock_guard<std::mutex> lock(mutex_);
   paused_ = paused;
   drawState();
@@ -84,15 +85,15 @@ void Broadcast::drawState() {
   if (state_ != RunState::kRuns) {
     state_markers_ = stateMarkers(state_, words_);
   } else if (paused_) {
-    state_markers_ = stateMarkers(RunState::kPaused, "paused: " + place_);
+    state_markers_ = stateMarkers(RunState::kPaused, "paused: " + caption_);
   } else {
-    state_markers_ = stateMarkers(RunState::kRuns, place_);
+    state_markers_ = stateMarkers(RunState::kRuns, caption_);
   }
   markers_.publish(state_markers_);
 }
 
-void Broadcast::recall(const std::vector<EpisodeResult>& results, const Summary& finished, std::optional<int> last,
-                       const ros::Time& stamp) {
+void Broadcast::restore(const std::vector<EpisodeResult>& results, const Summary& finished, std::optional<int> last,
+                        const ros::Time& stamp) {
   finished_ = finished;
   last_ = last;
   summary_ = summaryMessage(configuration_, finished_, stamp);
@@ -104,17 +105,17 @@ void Broadcast::recall(const std::vector<EpisodeResult>& results, const Summary&
 }
 
 pusht_msgs::Divergence Broadcast::step(const Episode& episode, const ros::Time& stamp, bool paced) {
-  const std::pair<int, int> last = std::exchange(told_, {episode.index(), episode.steps()});
+  const std::pair<int, int> last = std::exchange(published_, {episode.index(), episode.steps()});
   stamp_ = stamp;
-  if (!foretold_ && last != std::pair(episode.index(), episode.steps() - 1)) {
+  if (!curve_is_whole_ && last != std::pair(episode.index(), episode.steps() - 1)) {
     for (int before = 0; before < episode.steps(); ++before) {
       const pusht_msgs::Divergence missed = divergenceMessage(episode, before, stamp);
-      remember(missed);
+      appendToCurve(missed);
       divergence_.publish(missed);
     }
   }
   pusht_msgs::Divergence divergence = divergenceMessage(episode, episode.steps(), stamp);
-  remember(divergence);
+  appendToCurve(divergence);
   divergence_.publish(divergence);
   if (bag_) {
     bag_->writeWorlds(episode, episode.steps(), stamp);
@@ -127,9 +128,9 @@ pusht_msgs::Divergence Broadcast::step(const Episode& episode, const ros::Time& 
   return divergence;
 }
 
-void Broadcast::remember(const pusht_msgs::Divergence& divergence) {
+void Broadcast::appendToCurve(const pusht_msgs::Divergence& divergence) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (foretold_) {
+  if (curve_is_whole_) {
     return;
   }
   if (divergence.step == 0) {
@@ -138,20 +139,20 @@ void Broadcast::remember(const pusht_msgs::Divergence& divergence) {
   curve_.push_back(divergence);
 }
 
-void Broadcast::foretell(const Episode& whole, const ros::Time& stamp) {
+void Broadcast::publishWholeCurve(const Episode& whole, const ros::Time& stamp) {
   std::vector<pusht_msgs::Divergence> curve;
   for (int step = 0; step <= whole.steps(); ++step) {
     curve.push_back(divergenceMessage(whole, step, stamp));
     divergence_.publish(curve.back());
   }
   const std::lock_guard<std::mutex> lock(mutex_);
-  foretold_ = true;
+  curve_is_whole_ = true;
   curve_ = std::move(curve);
 }
 
-void Broadcast::settle(const Episode& episode) {
-  if (drawn_ != told_ && episode.index() == told_.first) {
-    draw(upTo(configuration_.protocol, episode, told_.second), stamp_, false);
+void Broadcast::redrawLastStep(const Episode& episode) {
+  if (drawn_ != published_ && episode.index() == published_.first) {
+    draw(truncatedEpisode(configuration_.protocol, episode, published_.second), stamp_, false);
   }
 }
 
@@ -170,7 +171,7 @@ void Broadcast::draw(const Episode& episode, const ros::Time& stamp, bool record
   markers_.publish(update_);
   const bool at_end = finished_ && last_ == episode.index() && episode.finished();  // a replay may be elsewhere
   state_ = at_end ? RunState::kFinished : RunState::kRuns;
-  place_ = placeOf(configuration_, episode);
+  caption_ = progressCaption(configuration_, episode);
   words_ = at_end
                ? "finished: policy " + configuration_.policy + ", " + std::to_string(finished_->episodes) + " episodes"
                : "";
@@ -184,7 +185,7 @@ bool Broadcast::onEpisodes(pusht_msgs::EpisodesRequest& /*request*/, pusht_msgs:
   return true;
 }
 
-void Broadcast::repeat() const {
+void Broadcast::republish() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   markers_.publish(scene_);
   markers_.publish(update_);

@@ -5,7 +5,7 @@
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
-#include "sim2sim_eval/live/window.hpp"
+#include "sim2sim_eval/live/table_view.hpp"
 #include "sim2sim_protocol/results/table.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 
@@ -62,19 +62,19 @@ std::string subtitleOf(Mode mode, const RunConfiguration& run) {
   }
 }
 
-std::vector<std::string> settingsOf(const SimulatorRecord& simulator, std::size_t lines, std::size_t length) {
+std::vector<std::string> changedParameters(const SimulatorRecord& simulator, std::size_t lines, std::size_t length) {
   constexpr std::size_t kRest = 14;  // bytes of ", and 100 more"
   std::vector<std::string> text;
   for (std::size_t i = 0; i < simulator.changed.size(); ++i) {
     const std::string& name = simulator.changed[i];
     const nlohmann::ordered_json& value = simulator.parameters.at(name);
-    const std::string setting =
+    const std::string parameter =
         pusht::fitted(name + " " + (value.is_string() ? value.get<std::string>() : value.dump()), length - kRest);
-    const bool fits = !text.empty() && text.back().size() + 2 + setting.size() + kRest <= length;
+    const bool fits = !text.empty() && text.back().size() + 2 + parameter.size() + kRest <= length;
     if (fits) {
-      text.back() += ", " + setting;
+      text.back() += ", " + parameter;
     } else if (text.size() < lines) {
-      text.push_back(setting);
+      text.push_back(parameter);
     } else {
       text.back() += ", and " + std::to_string(simulator.changed.size() - i) + " more";
       break;

@@ -6,7 +6,7 @@
 
 namespace sim2sim {
 
-void obey(Pacer& pacer, const pusht_msgs::ControlRequest& request) {
+void applyControl(Pacer& pacer, const pusht_msgs::ControlRequest& request) {
   if (request.command == pusht_msgs::ControlRequest::PAUSE) {
     pacer.pause();
   } else if (request.command == pusht_msgs::ControlRequest::RESUME) {
@@ -29,7 +29,7 @@ void obey(Pacer& pacer, const pusht_msgs::ControlRequest& request) {
   }
 }
 
-pusht_msgs::ControlResponse answerTo(const std::function<void()>& serve) {
+pusht_msgs::ControlResponse controlResponse(const std::function<void()>& serve) {
   pusht_msgs::ControlResponse response;
   try {
     serve();

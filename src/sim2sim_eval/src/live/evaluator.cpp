@@ -39,7 +39,7 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
     : node_(node),
       parameters_(std::move(parameters)),
       broadcast_(node_),
-      activity_(node_, pacer_, [this](bool paused) { broadcast_.tellPaused(paused); }),
+      activity_(node_, pacer_, [this](bool paused) { broadcast_.showPaused(paused); }),
       request_(node_.advertise<pusht_msgs::CompareGoal>("request", 1, true)),
       options_(node_.advertise<pusht_msgs::RunOptions>("options", 1, true)),
       health_("none", "comparison", [this](pusht::DiagnosticStatusWrapper& status) { activity_.report(status); }),
@@ -52,9 +52,9 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
   }
   if (parameters_.start) {
     next_job_ = Job{parameters_.request, std::nullopt};
-    activity_.ask();
+    activity_.markRequested();
   }
-  activity_.tell();
+  activity_.publish();
   request_.publish(goalOf(parameters_.request));
   options_.publish(describe(parameters_.request.protocol));
   server_.start();
@@ -94,7 +94,7 @@ RunStatus Evaluator::execute(const Job& job) {
   goal_ = job.goal;
   folder_.clear();
   faults_survived_ = 0;
-  broadcast_.tellState(RunState::kWaits, "a run begins");
+  broadcast_.showState(RunState::kWaits, "a run begins");
   std::optional<RunFolder> folder;
   try {
     writeStatusFile(parameters_.status_file, underWay(job.request.protocol.episodes));
@@ -112,7 +112,7 @@ RunStatus Evaluator::execute(const Job& job) {
     } catch (const std::exception&) {
       // The bag cannot be written; perhaps that is the failure.
     }
-    broadcast_.tellState(RunState::kEnded, "ended early: " + status.reason);
+    broadcast_.showState(RunState::kEnded, "ended early: " + status.reason);
     try {
       if (run_) {
         run_->abandon(std::cout, failure, faults_survived_);
@@ -133,7 +133,7 @@ void Evaluator::runIn(RunFolder& folder, const LiveRequest& request) {
     if (parameters_.exit || stopped()) {
       throw;
     }
-    throw pusht::RuntimeFault(lost.what() + howToBringBack(lost, request, worlds_));
+    throw pusht::RuntimeFault(lost.what() + restartHint(lost, request, worlds_));
   }
 }
 
@@ -145,29 +145,29 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   if (pacer_.paused()) {
     ROS_WARN_STREAM("the run waits, since the evaluator is paused; to go on: " << kHowToResume);
   }
-  const LiveOptions options = {request.settings,
+  const LiveOptions options = {request.simulators,
                                {milliseconds(parameters_.patience), parameters_.respawn, [this] { return stopped(); },
                                 [this](const std::string& services) { waitFor(services); }},
                                milliseconds(parameters_.grace)};
-  Cast cast(request.services, milliseconds(parameters_.deadline), worlds_);
-  connectFirst(cast, options);
+  LiveNodes nodes(request.services, milliseconds(parameters_.deadline), worlds_);
+  connectFirst(nodes, options);
 
-  requirePolicy(request, cast);
-  const RunConfiguration configuration = configurationOf(request, cast);
-  const nlohmann::ordered_json provenance = originOf(configuration, cast);
-  folder.refuseInputs(inputsOf(request, cast));
+  requirePolicy(request, nodes);
+  const RunConfiguration configuration = configurationOf(request, nodes);
+  const nlohmann::ordered_json provenance = runProvenance(configuration, nodes);
+  folder.refuseInputs(inputsOf(request, nodes));
   run_ = std::make_unique<Run>(configuration, folder, provenance);
   folder_ = std::filesystem::absolute(folder.path());
   line_.emplace(request.protocol.episodes);
   activity_.begin(request.protocol.episodes);
-  cast.stamps().advance();
-  const WorldNames names = worldNamesOf(request, cast);
+  nodes.stamps().advance();
+  const WorldNames names = worldNamesOf(request, nodes);
   std::unique_ptr<RunBag> bag =
-      request.record ? std::make_unique<RunBag>(folder.bagPath(), provenance, names, cast.stamps().now()) : nullptr;
-  broadcast_.begin(configuration, pictureOf(configuration, cast), std::move(bag), cast.stamps().now());
+      request.record ? std::make_unique<RunBag>(folder.bagPath(), provenance, names, nodes.stamps().now()) : nullptr;
+  broadcast_.begin(configuration, pictureOf(configuration, nodes), std::move(bag), nodes.stamps().now());
   summary_is_ours_ = true;
-  broadcast_.tell(configurationMessage(provenance, names, cast.stamps().now()));
-  runLive(configuration.protocol, cast, pacer_, *this, options);
+  broadcast_.publishConfiguration(configurationMessage(provenance, names, nodes.stamps().now()));
+  runLive(configuration.protocol, nodes, pacer_, *this, options);
   broadcast_.end();
   const nlohmann::json metrics = run_->finish(std::cout, faults_survived_);
   ROS_INFO_STREAM("finished, all is well: results in " << folder_.string() << (parameters_.exit ? kEndOfLaunch : ""));
@@ -205,7 +205,7 @@ bool Evaluator::stopped() const { return activity_.cancelled() || !ros::ok() || 
 
 void Evaluator::onGoal(Goal goal) {
   if (accept(goal)) {
-    activity_.tell();
+    activity_.publish();
   }
 }
 
@@ -227,7 +227,7 @@ bool Evaluator::accept(Goal& goal) {
   }
   goal.setAccepted();
   accepted_ = goal;
-  activity_.ask();
+  activity_.markRequested();
   const std::lock_guard<std::mutex> lock(mutex_);
   next_job_ = Job{std::move(request), goal};
   asked_.notify_one();
@@ -241,14 +241,14 @@ void Evaluator::onCancel(const Goal& goal) {
 }
 
 bool Evaluator::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response) {
-  response = answerTo([&] {
+  response = controlResponse([&] {
     if (request.command == pusht_msgs::ControlRequest::CANCEL) {
       requireRun(activity_.cancel(), request.command);
     } else {
       requireRun(request.command != pusht_msgs::ControlRequest::STEP || activity_.busy(), request.command);
-      obey(pacer_, request);
+      applyControl(pacer_, request);
     }
-    activity_.tell();
+    activity_.publish();
   });
   if (response.success != 0 && request.command == pusht_msgs::ControlRequest::PAUSE && !activity_.busy()) {
     response.message = "no comparison is under way: the next one begins paused";
@@ -258,7 +258,7 @@ bool Evaluator::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::Contr
 
 void Evaluator::waitFor(const std::string& services) {
   if (!services.empty()) {
-    broadcast_.tellState(RunState::kWaits, "waits for the node " + services);
+    broadcast_.showState(RunState::kWaits, "waits for the node " + services);
   }
   activity_.waitFor(services);
 }
@@ -284,7 +284,7 @@ bool Evaluator::onFinish(const Episode& episode, const ros::Time& stamp) {
   return !run_->decided();
 }
 
-void Evaluator::onBreak(const Episode& episode) { broadcast_.settle(episode); }
+void Evaluator::onBreak(const Episode& episode) { broadcast_.redrawLastStep(episode); }
 
 void Evaluator::onFault(int episode, const pusht::PeerFault& fault) {
   ROS_WARN_STREAM("episode " << episode << " is void and begins again: " << fault.what());
@@ -312,7 +312,7 @@ pusht::ExitCode evaluate() {
     callbacks.start();
     return evaluator.run();
   } catch (const std::exception& failure) {
-    tellRefusal(parameters, failure);
+    writeRefusal(parameters, failure);
     throw;
   }
 }

@@ -67,9 +67,9 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   take(parameters, "overwrite", request.overwrite);
   request.starts = optionalText(parameters, "starts", kNone);
   request.out = outOf(parameters);
-  const auto settings = [&](const std::string& key) { return settingsFrom(key, optionalText(parameters, key, kNone)); };
-  request.settings = {{optionalText(parameters, "reference", kAuto), settings("reference_parameters")},
-                      {optionalText(parameters, "engine", kAuto), settings("engine_parameters")}};
+  const auto values = [&](const std::string& key) { return parametersFrom(key, optionalText(parameters, key, kNone)); };
+  request.simulators = {{optionalText(parameters, "reference", kAuto), values("reference_parameters")},
+                        {optionalText(parameters, "engine", kAuto), values("engine_parameters")}};
   loaded.start = parameters.flag("start", loaded.start);
   loaded.exit = parameters.flag("exit", loaded.exit) && !loaded.headless.empty();
   loaded.respawn = parameters.flag("respawn", loaded.respawn);

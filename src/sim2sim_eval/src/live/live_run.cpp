@@ -38,9 +38,9 @@ bool stopsSoon(const LiveOptions& options) {
   return true;
 }
 
-void requireUndisturbedEnd(Cast& cast, int index) {
+void requireUndisturbedEnd(LiveNodes& nodes, int index) {
   try {
-    cast.requireUndisturbed();
+    nodes.requireUndisturbed();
   } catch (pusht::Error& error) {
     error.addContext("end of episode " + std::to_string(index));
     throw;
@@ -48,13 +48,13 @@ void requireUndisturbedEnd(Cast& cast, int index) {
 }
 
 /// Takes `flight`, of one episode, which has begun, to its end.
-Episode fly(Flight& flight, const Episode& under_way, Cast& cast, Pacer& pacer, LiveObserver& observer,
+Episode fly(Flight& flight, const Episode& under_way, LiveNodes& nodes, Pacer& pacer, LiveObserver& observer,
             const std::function<bool()>& stop) {
   using Clock = std::chrono::steady_clock;
   Clock::time_point next_check = Clock::now() + kCheckPeriod;
   const auto check = [&] {
     if (Clock::now() >= next_check) {
-      cast.requireUndisturbed();
+      nodes.requireUndisturbed();
       next_check = Clock::now() + kCheckPeriod;
     }
   };
@@ -64,12 +64,12 @@ Episode fly(Flight& flight, const Episode& under_way, Cast& cast, Pacer& pacer, 
       throw interruptedIn(index);
     }
     check();
-    cast.stamps().advance();
+    nodes.stamps().advance();
     flight.advance();
-    observer.onStep(under_way, cast.stamps().now());
+    observer.onStep(under_way, nodes.stamps().now());
   }
-  cast.silence();
-  requireUndisturbedEnd(cast, index);
+  nodes.silence();
+  requireUndisturbedEnd(nodes, index);
   const auto watch = [&] {
     if (stop()) {
       throw interruptedIn(index);
@@ -80,35 +80,35 @@ Episode fly(Flight& flight, const Episode& under_way, Cast& cast, Pacer& pacer, 
 }
 
 /// Whether the run needs further episodes.
-bool runEpisode(const Protocol& protocol, int index, Cast& cast, Pacer& pacer, LiveObserver& observer,
+bool runEpisode(const Protocol& protocol, int index, LiveNodes& nodes, Pacer& pacer, LiveObserver& observer,
                 const std::function<bool()>& stop) {
-  cast.announce(index, protocol.horizon);
-  cast.stamps().advance();
-  Flight flight(protocol, cast.worlds(), cast.policy());
+  nodes.announce(index, protocol.horizon);
+  nodes.stamps().advance();
+  Flight flight(protocol, nodes.worlds(), nodes.policy());
   const Episode& under_way = flight.begin(index);
-  observer.onStep(under_way, cast.stamps().now());
+  observer.onStep(under_way, nodes.stamps().now());
   const Episode episode = [&] {
     try {
-      return fly(flight, under_way, cast, pacer, observer, stop);
+      return fly(flight, under_way, nodes, pacer, observer, stop);
     } catch (const pusht::Error&) {
       observer.onBreak(under_way);
       throw;
     }
   }();
   try {
-    requireUndisturbedEnd(cast, index);
+    requireUndisturbedEnd(nodes, index);
   } catch (const pusht::Error&) {
     observer.onBreak(episode);
     throw;
   }
-  return observer.onFinish(episode, cast.stamps().now());
+  return observer.onFinish(episode, nodes.stamps().now());
 }
 
 }  // namespace
 
-void connectFirst(Cast& cast, const LiveOptions& options) {
+void connectFirst(LiveNodes& nodes, const LiveOptions& options) {
   try {
-    cast.connect(options.settings, options.wait);
+    nodes.connect(options.simulators, options.wait);
   } catch (const pusht::PeerFault&) {
     if (stopsSoon(options)) {
       throw interruptedAtFirst();
@@ -122,18 +122,19 @@ void connectFirst(Cast& cast, const LiveOptions& options) {
   }
 }
 
-void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& observer, const LiveOptions& options) {
+void runLive(const Protocol& protocol, LiveNodes& nodes, Pacer& pacer, LiveObserver& observer,
+             const LiveOptions& options) {
   const std::function<bool()>& stop = options.wait.stop;
   bool lost = false;  // a node
   int faults = 0;     // in this episode
   for (int index = protocol.first_episode; index <= protocol.lastEpisode();) {
     try {
       if (lost) {
-        cast.connect(options.settings, options.wait);
+        nodes.connect(options.simulators, options.wait);
         lost = false;
         observer.onRecovery();
       }
-      if (!runEpisode(protocol, index, cast, pacer, observer, stop)) {
+      if (!runEpisode(protocol, index, nodes, pacer, observer, stop)) {
         return;
       }
       ++index;

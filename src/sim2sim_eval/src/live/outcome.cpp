@@ -26,7 +26,7 @@ void writeStatusFile(const std::string& path, const RunStatus& status) {
   }
 }
 
-void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failure) {
+void writeRefusal(pusht::ParameterReader& parameters, const std::exception& failure) {
   const RunStatus status = {pusht::exitCodeOf(failure), clippedReason(failure), 0, 0, 0};
   const auto attempt = [](const std::function<void()>& tell) {
     try {
@@ -47,7 +47,7 @@ pusht_msgs::CompareResult refusal(pusht::ExitCode exit_code, const std::string& 
   return result;
 }
 
-std::string howToBringBack(const pusht::NodeMissing& lost, const LiveRequest& request, const WorldMemory& memory) {
+std::string restartHint(const pusht::NodeMissing& lost, const LiveRequest& request, const WorldMemory& memory) {
   const std::string name = lost.services.empty() ? "" : lost.services.substr(1);
   if (name.empty() || name.find('/') != std::string::npos) {
     return "";
@@ -58,7 +58,7 @@ std::string howToBringBack(const pusht::NodeMissing& lost, const LiveRequest& re
   }
   const auto& worlds = request.services.worlds;
   const bool reference = lost.services == worlds[kReferenceClosed];
-  std::string kind = (reference ? request.settings.reference : request.settings.engine).kind;
+  std::string kind = (reference ? request.simulators.reference : request.simulators.engine).kind;
   for (const std::string& world : {lost.services, reference ? lost.services : worlds[kEngineClosed]}) {
     kind = kind.empty() ? memory.kindOf(world) : kind;
   }

@@ -28,56 +28,56 @@ nlohmann::ordered_json participant(const pusht_msgs::DescribeResponse& node) {
 
 }  // namespace
 
-void requirePolicy(const LiveRequest& request, const Cast& cast) {
-  const std::string& name = cast.describePolicy().name;
+void requirePolicy(const LiveRequest& request, const LiveNodes& nodes) {
+  const std::string& name = nodes.describePolicy().name;
   if (!request.policy.empty() && request.policy != name) {
     throw pusht::InvalidInput("policy " + request.policy + ": " + request.services.policy + " serves " + name +
                               "; name no policy if its node is started elsewhere, or this one");
   }
 }
 
-RunConfiguration configurationOf(const LiveRequest& request, const Cast& cast) {
+RunConfiguration configurationOf(const LiveRequest& request, const LiveNodes& nodes) {
   RunConfiguration configuration;
   configuration.protocol = request.protocol;
   configuration.smoke = request.smoke;
-  configuration.policy = cast.describePolicy().name;
-  configuration.reference = recordOf(cast.describe(kReferenceClosed));
-  configuration.engine = recordOf(cast.describe(kEngineClosed));
+  configuration.policy = nodes.describePolicy().name;
+  configuration.reference = recordOf(nodes.describe(kReferenceClosed));
+  configuration.engine = recordOf(nodes.describe(kEngineClosed));
   return configuration;
 }
 
-nlohmann::ordered_json originOf(const RunConfiguration& configuration, const Cast& cast) {
+nlohmann::ordered_json runProvenance(const RunConfiguration& configuration, const LiveNodes& nodes) {
   nlohmann::ordered_json result =
-      provenance(configuration, provenanceOf(cast.describePolicy()), provenanceOf(cast.describe(kReferenceClosed)),
-                 provenanceOf(cast.describe(kEngineClosed)));
-  result["nodes"]["policy"] = participant(cast.describePolicy());
+      provenance(configuration, provenanceOf(nodes.describePolicy()), provenanceOf(nodes.describe(kReferenceClosed)),
+                 provenanceOf(nodes.describe(kEngineClosed)));
+  result["nodes"]["policy"] = participant(nodes.describePolicy());
   for (const Mode mode : kModes) {
-    result["nodes"][modeName(mode)] = participant(cast.describe(mode));
+    result["nodes"][modeName(mode)] = participant(nodes.describe(mode));
   }
   return result;
 }
 
-std::vector<Input> inputsOf(const LiveRequest& request, const Cast& cast) {
-  std::vector<Input> inputs = {{"policy", cast.describePolicy().name}, {"starts", request.starts}};
+std::vector<Input> inputsOf(const LiveRequest& request, const LiveNodes& nodes) {
+  std::vector<Input> inputs = {{"policy", nodes.describePolicy().name}, {"starts", request.starts}};
   for (const Mode mode : kModes) {
-    const std::vector<Input> files = filesIn(provenanceOf(cast.describe(mode)));
+    const std::vector<Input> files = filesIn(provenanceOf(nodes.describe(mode)));
     inputs.insert(inputs.end(), files.begin(), files.end());
   }
   return inputs;
 }
 
-Picture pictureOf(const RunConfiguration& configuration, const Cast& cast) {
+Picture pictureOf(const RunConfiguration& configuration, const LiveNodes& nodes) {
   std::array<std::string, kModeCount> prefixes;
   for (const Mode mode : kModes) {
-    prefixes[mode] = cast.describe(mode).frame_prefix;
+    prefixes[mode] = nodes.describe(mode).frame_prefix;
   }
   return Picture::of(configuration, prefixes);
 }
 
-WorldNames worldNamesOf(const LiveRequest& request, const Cast& cast) {
+WorldNames worldNamesOf(const LiveRequest& request, const LiveNodes& nodes) {
   WorldNames worlds;
   for (const Mode mode : kModes) {
-    worlds[mode] = {request.services.worlds[mode] + "/state", cast.describe(mode).frame_prefix};
+    worlds[mode] = {request.services.worlds[mode] + "/state", nodes.describe(mode).frame_prefix};
   }
   return worlds;
 }

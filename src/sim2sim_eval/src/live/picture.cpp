@@ -12,10 +12,10 @@
 #include "pusht_task/ros/transforms.hpp"
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
+#include "sim2sim_eval/live/canvas.hpp"
 #include "sim2sim_eval/live/captions.hpp"
 #include "sim2sim_eval/live/legend.hpp"
-#include "sim2sim_eval/live/sheet.hpp"
-#include "sim2sim_eval/live/window.hpp"
+#include "sim2sim_eval/live/table_view.hpp"
 
 namespace sim2sim {
 
@@ -43,9 +43,9 @@ constexpr double kResultY = 0.574;
 constexpr double kCertaintyY = 0.519;
 constexpr double kStatusY = -0.607;
 constexpr double kFirstDivergenceY = -0.665;
-constexpr double kSettingsY = -0.727;
-constexpr double kSettingsPitch = 0.052;
-constexpr std::size_t kSettingsLines = 2;
+constexpr double kParametersY = -0.727;
+constexpr double kParametersPitch = 0.052;
+constexpr std::size_t kParametersLines = 2;
 constexpr std::size_t kLineLength = 48;  // bytes of small text in the width of a window
 constexpr double kLegendY = -0.870;
 const Pane kPane = {{0.0, -0.036}, {0.92, 1.04}};
@@ -71,7 +71,7 @@ constexpr double kPusherMark = 0.022;
 constexpr std::size_t kMaxTrailPoints = 75;  // about: bounds the size of an update
 constexpr double kTrailSpacing = 0.002;      // [m] up to which a tee rests
 
-std::string windowFrame(const std::string& prefix) { return prefix + "/window"; }
+std::string viewFrame(const std::string& prefix) { return prefix + "/window"; }
 
 /// A way, and how much of it lies behind each point, in [0, 1].
 struct Way {
@@ -103,24 +103,24 @@ Way wayOf(const pusht::Trace& trace) {
 }
 
 /// How near to the target the tee must be: its origin in the ring, its stem between the two lines.
-void drawTarget(Sheet& sheet, const Window& window, const std_msgs::ColorRGBA& mark) {
-  window.tee(sheet, color(kBright, kTargetOpacity), color(kBright), {}, kTargetZ);
-  window.line(sheet, mark, kMarkWidth, circleOf({0.0, 0.0}, pusht::kPositionTolerance), kMarkZ);
+void drawTarget(Canvas& canvas, const TableView& view, const std_msgs::ColorRGBA& mark) {
+  view.tee(canvas, color(kBright, kTargetOpacity), color(kBright), {}, kTargetZ);
+  view.line(canvas, mark, kMarkWidth, circleOf({0.0, 0.0}, pusht::kPositionTolerance), kMarkZ);
   for (const double angle : {-pusht::kAngleTolerance, pusht::kAngleTolerance}) {
     const Vector2d along(std::sin(angle), -std::cos(angle));
-    window.line(sheet, mark, kMarkWidth, {kAxisBegin * along, kAxisEnd * along}, kMarkZ);
+    view.line(canvas, mark, kMarkWidth, {kAxisBegin * along, kAxisEnd * along}, kMarkZ);
   }
 }
 
 /// The tee's origin and stem, to be seen against the tolerance.
-void drawAxis(Sheet& sheet, const Window& window, const pusht::WorldState& state, const std_msgs::ColorRGBA& color) {
+void drawAxis(Canvas& canvas, const TableView& view, const pusht::WorldState& state, const std_msgs::ColorRGBA& color) {
   const Vector2d stem(std::sin(state.tee_yaw), -std::cos(state.tee_yaw));
-  window.line(sheet, color, kMarkWidth,
-              {state.tee_position, state.tee_position + (pusht::kStemOffset + pusht::kStemHalfLength) * stem}, kMarkZ);
+  view.line(canvas, color, kMarkWidth,
+            {state.tee_position, state.tee_position + (pusht::kStemOffset + pusht::kStemHalfLength) * stem}, kMarkZ);
 }
 
 /// The pusher; what it was told in the last control step, in white, and how fast it is, unless the world rests.
-void drawPusher(Sheet& sheet, const Window& window, Mode mode, const Episode& episode,
+void drawPusher(Canvas& canvas, const TableView& view, Mode mode, const Episode& episode,
                 const std_msgs::ColorRGBA& body) {
   const pusht::Trace& trace = episode.rollout(mode).trace();
   const pusht::WorldState& state = trace.states.back();
@@ -130,45 +130,45 @@ void drawPusher(Sheet& sheet, const Window& window, Mode mode, const Episode& ep
     commanded = kArrowTime * Vector2d(trace.actions.back()[0], trace.actions.back()[1]);
     actual = kArrowTime * state.pusher_velocity;
   }
-  window.area(sheet, body, circleOf(state.pusher_position, pusht::kPusherRadius), kPusherZ);
-  window.arrow(sheet, color(kBright), kCommandWidth, state.pusher_position, commanded, kArrowZ);
-  window.arrow(sheet, colorOf(mode), kVelocityWidth, state.pusher_position, actual, kArrowZ + 0.5 * kLayer);
-  window.edgeMark(sheet, body, kPusherMark, state.pusher_position);
+  view.area(canvas, body, circleOf(state.pusher_position, pusht::kPusherRadius), kPusherZ);
+  view.arrow(canvas, color(kBright), kCommandWidth, state.pusher_position, commanded, kArrowZ);
+  view.arrow(canvas, colorOf(mode), kVelocityWidth, state.pusher_position, actual, kArrowZ + 0.5 * kLayer);
+  view.edgeMark(canvas, body, kPusherMark, state.pusher_position);
 }
 
 /// The way of the tee, where it left the bound around the reference, and where it is if that is out of sight.
-void drawWay(Sheet& sheet, const Window& window, Mode mode, const pusht::Trace& trace,
+void drawWay(Canvas& canvas, const TableView& view, Mode mode, const pusht::Trace& trace,
              const std::optional<FirstDivergence>& first_divergence) {
   const Way way = wayOf(trace);
-  window.way(sheet, colorOf(mode), kTrailWidth, way.points, way.shares, kTrailZ);
+  view.way(canvas, colorOf(mode), kTrailWidth, way.points, way.shares, kTrailZ);
   std::vector<Vector2d> ring;
   if (first_divergence) {
     ring =
         circleOf(trace.states[static_cast<std::size_t>(first_divergence->step)].tee_position, kFirstDivergenceRadius);
   }
-  window.line(sheet, colorOf(mode), kMarkWidth, ring, kMarkZ);
-  window.edgeMark(sheet, colorOf(mode), kTeeMark, trace.states.back().tee_position);
+  view.line(canvas, colorOf(mode), kMarkWidth, ring, kMarkZ);
+  view.edgeMark(canvas, colorOf(mode), kTeeMark, trace.states.back().tee_position);
 }
 
 /// The edge of a window: bright when the policy has succeeded in it.
-void drawEdge(Sheet& sheet, const Pane& pane, const std_msgs::ColorRGBA& color, double width) {
+void drawEdge(Canvas& canvas, const Pane& pane, const std_msgs::ColorRGBA& color, double width) {
   const Vector2d half = 0.5 * pane.size;
   Points points;
   for (const auto& [x, y] : {std::pair(-1.0, -1.0), std::pair(1.0, -1.0), std::pair(1.0, 1.0), std::pair(-1.0, 1.0),
                              std::pair(-1.0, -1.0)}) {
     points.push_back(point(pane.center.x() + x * half.x(), pane.center.y() + y * half.y(), kEdgeZ));
   }
-  sheet.line(Marker::LINE_STRIP, color, width, std::move(points));
+  canvas.line(Marker::LINE_STRIP, color, width, std::move(points));
 }
 
 /// The question above, the answer below it; without a question the answer alone.
-void drawHeadline(Sheet& sheet, const std::string& headline) {
+void drawHeadline(Canvas& canvas, const std::string& headline) {
   const std::size_t question = headline.find("? ");
   const std::size_t answer = question == std::string::npos ? 0 : question + 2;
-  sheet.text(headline.substr(0, answer), 0.0, kQuestionY, kSubheadSize, color(kDim));
+  canvas.text(headline.substr(0, answer), 0.0, kQuestionY, kSubheadSize, color(kDim));
   const std::string text = pusht::fitted(headline.substr(answer), kHeadlineLength);
-  const double size = kWholeWidth / (kLetterWidth * static_cast<double>(std::max<std::size_t>(1, text.size())));
-  sheet.text(text, 0.0, kAnswerY, std::min(kHeadlineSize, size), color(kBright));
+  const double size = kWholeWidth / (kCharacterWidth * static_cast<double>(std::max<std::size_t>(1, text.size())));
+  canvas.text(text, 0.0, kAnswerY, std::min(kHeadlineSize, size), color(kBright));
 }
 
 const pusht::WorldState& stateOf(const Episode& episode, Mode mode) {
@@ -216,7 +216,7 @@ Picture Picture::of(const RunConfiguration& run, const std::array<std::string, k
     const SimulatorRecord& simulator = mode == kReferenceClosed ? run.reference : run.engine;
     worlds[mode] = {frame_prefixes[mode], pusht::fitted(titleOf(mode, run), kLineLength),
                     pusht::fitted(subtitleOf(mode, run), kLineLength),
-                    settingsOf(simulator, kSettingsLines, kLineLength)};
+                    changedParameters(simulator, kParametersLines, kLineLength)};
   }
   return Picture(std::move(worlds));
 }
@@ -228,9 +228,9 @@ std::vector<geometry_msgs::TransformStamped> Picture::frames() const {
     const double x = kSpacing * (static_cast<double>(mode) - static_cast<double>(kMiddle));
     frames.push_back(standing(prefix + "/table", x, 0.0));
     frames.push_back(pusht::targetFrame(prefix));
-    frames.push_back(standing(windowFrame(prefix), x, 0.0));
+    frames.push_back(standing(viewFrame(prefix), x, 0.0));
   }
-  frames.push_back(standing(windowFrame(kOverlay), 0.0, kOverlayY));
+  frames.push_back(standing(viewFrame(kOverlay), 0.0, kOverlayY));
   return frames;
 }
 
@@ -238,19 +238,19 @@ MarkerArray Picture::scene() const {
   MarkerArray scene;
   for (const Mode mode : kModes) {
     const World& world = worlds_[mode];
-    Sheet sheet(windowFrame(world.frame_prefix));
-    sheet.text(world.title, 0.0, kTitleY, kTitleSize, colorOf(mode));
-    sheet.text(world.subtitle, 0.0, kSubtitleY, kResultSize, color(kBright));
-    for (std::size_t line = 0; line < kSettingsLines; ++line) {
-      sheet.text(line < world.settings.size() ? world.settings[line] : "", 0.0,
-                 kSettingsY - kSettingsPitch * static_cast<double>(line), kSmallSize, color(kDim));
+    Canvas canvas(viewFrame(world.frame_prefix));
+    canvas.text(world.title, 0.0, kTitleY, kTitleSize, colorOf(mode));
+    canvas.text(world.subtitle, 0.0, kSubtitleY, kResultSize, color(kBright));
+    for (std::size_t line = 0; line < kParametersLines; ++line) {
+      canvas.text(line < world.parameters.size() ? world.parameters[line] : "", 0.0,
+                  kParametersY - kParametersPitch * static_cast<double>(line), kSmallSize, color(kDim));
     }
     if (mode == kMiddle) {
-      drawLegend(sheet, {-0.5 * kWholeWidth, kLegendY}, 3);
+      drawLegend(canvas, {-0.5 * kWholeWidth, kLegendY}, 3);
     }
-    sheet.appendTo(scene, world.frame_prefix + "/captions");
+    canvas.appendTo(scene, world.frame_prefix + "/captions");
   }
-  Sheet card(windowFrame(kOverlay));
+  Canvas card(viewFrame(kOverlay));
   drawLegend(card, {kCardX - 0.41, kCardLegendY}, 1);
   card.appendTo(scene, std::string(kOverlay) + "/captions");
   return scene;
@@ -259,82 +259,82 @@ MarkerArray Picture::scene() const {
 MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode, const std::optional<Summary>& summary,
                             const std::string& headline) const {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-  const Window window(kPane, regionOf(episode, kPane));
+  const TableView view(kPane, regionOf(episode, kPane));
   const pusht::WorldColors colors;
   MarkerArray update;
   for (const Mode mode : kModes) {
     const pusht::Rollout& rollout = episode.rollout(mode);
     const std::optional<FirstDivergence> first_divergence =
         firstDivergenceOf(reference, rollout.trace(), run.protocol.bound());
-    Sheet sheet(windowFrame(worlds_[mode].frame_prefix));
-    window.table(sheet, colors.table, colors.walls);
-    drawTarget(sheet, window, markColor(mode, episode));
-    drawWay(sheet, window, mode, rollout.trace(), first_divergence);
-    window.tee(sheet, colorOf(mode), colorOf(mode), stateOf(episode, mode), kTeeZ);
+    Canvas canvas(viewFrame(worlds_[mode].frame_prefix));
+    view.table(canvas, colors.table, colors.walls);
+    drawTarget(canvas, view, markColor(mode, episode));
+    drawWay(canvas, view, mode, rollout.trace(), first_divergence);
+    view.tee(canvas, colorOf(mode), colorOf(mode), stateOf(episode, mode), kTeeZ);
     if (mode == kEngineReplay) {
-      window.tee(sheet, colorOf(kReferenceClosed, kGhostOpacity), colorOf(kReferenceClosed), reference.states.back(),
-                 kGhostZ);
+      view.tee(canvas, colorOf(kReferenceClosed, kGhostOpacity), colorOf(kReferenceClosed), reference.states.back(),
+               kGhostZ);
     }
-    drawAxis(sheet, window, stateOf(episode, mode), color(kBright));
-    drawPusher(sheet, window, mode, episode, color(kBright));
-    drawEdge(sheet, kPane, rollout.success() ? colorOf(mode) : colors.walls,
+    drawAxis(canvas, view, stateOf(episode, mode), color(kBright));
+    drawPusher(canvas, view, mode, episode, color(kBright));
+    drawEdge(canvas, kPane, rollout.success() ? colorOf(mode) : colors.walls,
              rollout.success() ? kTableEdge : 0.5 * kTableEdge);
     const Result result = summary ? resultOf(mode, *summary) : Result{};
-    sheet.text(result.figure, 0.0, kResultY, kResultSize, color(kBright));
-    sheet.text(result.certainty, 0.0, kCertaintyY, kSmallSize, color(kDim));
-    sheet.text(statusOf(mode, episode), 0.0, kStatusY, kSmallSize, rollout.success() ? colorOf(mode) : color(kDim));
-    sheet.text(firstDivergenceText(first_divergence), 0.0, kFirstDivergenceY, kSmallSize, colorOf(mode));
+    canvas.text(result.figure, 0.0, kResultY, kResultSize, color(kBright));
+    canvas.text(result.certainty, 0.0, kCertaintyY, kSmallSize, color(kDim));
+    canvas.text(statusOf(mode, episode), 0.0, kStatusY, kSmallSize, rollout.success() ? colorOf(mode) : color(kDim));
+    canvas.text(firstDivergenceText(first_divergence), 0.0, kFirstDivergenceY, kSmallSize, colorOf(mode));
     if (mode == kMiddle) {
-      drawHeadline(sheet, headline);
+      drawHeadline(canvas, headline);
     }
-    sheet.appendTo(update, worlds_[mode].frame_prefix + "/episode");
+    canvas.appendTo(update, worlds_[mode].frame_prefix + "/episode");
   }
   return update;
 }
 
 MarkerArray Picture::overlay(const RunConfiguration& run, const Episode& episode, const std::string& headline) const {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-  const Window window(kOverlayPane, regionOf(episode, kOverlayPane));
+  const TableView view(kOverlayPane, regionOf(episode, kOverlayPane));
   const pusht::WorldColors colors;
-  Sheet sheet(windowFrame(kOverlay));
-  window.table(sheet, colors.table, colors.walls);
-  drawTarget(sheet, window, markColor(kReferenceClosed, episode));
-  drawEdge(sheet, kOverlayPane, colors.walls, 0.5 * kTableEdge);
+  Canvas canvas(viewFrame(kOverlay));
+  view.table(canvas, colors.table, colors.walls);
+  drawTarget(canvas, view, markColor(kReferenceClosed, episode));
+  drawEdge(canvas, kOverlayPane, colors.walls, 0.5 * kTableEdge);
   for (const Mode mode : kModes) {
     const pusht::Trace& trace = episode.rollout(mode).trace();
     const std::optional<FirstDivergence> first_divergence = firstDivergenceOf(reference, trace, run.protocol.bound());
     const float opacity = mode == kReferenceClosed ? 1.0F : kGhostOpacity;
-    drawWay(sheet, window, mode, trace, first_divergence);
-    window.tee(sheet, colorOf(mode, opacity), colorOf(mode), trace.states.back(),
-               kTeeZ + 0.5 * kLayer * static_cast<double>(mode));
-    drawAxis(sheet, window, trace.states.back(), mode == kReferenceClosed ? color(kBright) : colorOf(mode));
-    drawPusher(sheet, window, mode, episode, colorOf(mode, opacity));
+    drawWay(canvas, view, mode, trace, first_divergence);
+    view.tee(canvas, colorOf(mode, opacity), colorOf(mode), trace.states.back(),
+             kTeeZ + 0.5 * kLayer * static_cast<double>(mode));
+    drawAxis(canvas, view, trace.states.back(), mode == kReferenceClosed ? color(kBright) : colorOf(mode));
+    drawPusher(canvas, view, mode, episode, colorOf(mode, opacity));
     double y = kCardTop - kCardBlock * static_cast<double>(mode);
     for (const std::string& line : {worlds_[mode].title, worlds_[mode].subtitle, statusOf(mode, episode),
                                     firstDivergenceText(first_divergence)}) {
       const bool first = y == kCardTop - kCardBlock * static_cast<double>(mode);
-      sheet.text(line, kCardX, y, first ? kResultSize : kSmallSize, first ? colorOf(mode) : color(kDim));
+      canvas.text(line, kCardX, y, first ? kResultSize : kSmallSize, first ? colorOf(mode) : color(kDim));
       y -= kCardPitch;
     }
   }
-  drawHeadline(sheet, headline);
+  drawHeadline(canvas, headline);
   MarkerArray overlay;
-  sheet.appendTo(overlay, std::string(kOverlay) + "/episode");
+  canvas.appendTo(overlay, std::string(kOverlay) + "/episode");
   return overlay;
 }
 
 MarkerArray stateMarkers(RunState state, const std::string& text) {
   constexpr std::size_t kLength = 120;  // bytes that fit
   constexpr double kHalfHeight = 0.036;
-  Sheet sheet("world");
+  Canvas canvas("world");
   for (const double middle : {0.0, kOverlayY}) {
     const double y = middle + kStateY;
-    sheet.rectangle(color(bandColor(state)), -0.5 * kWholeWidth, y - kHalfHeight, 0.5 * kWholeWidth, y + kHalfHeight,
-                    kBandZ);
-    sheet.text(pusht::fitted(text, kLength), 0.0, y, kResultSize, color(kBright));
+    canvas.rectangle(color(bandColor(state)), -0.5 * kWholeWidth, y - kHalfHeight, 0.5 * kWholeWidth, y + kHalfHeight,
+                     kBandZ);
+    canvas.text(pusht::fitted(text, kLength), 0.0, y, kResultSize, color(kBright));
   }
   MarkerArray markers;
-  sheet.appendTo(markers, "state");
+  canvas.appendTo(markers, "state");
   return markers;
 }
 

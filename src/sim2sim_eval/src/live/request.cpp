@@ -64,11 +64,11 @@ void set(const std::string& name, std::vector<int>& field, const std::vector<std
 
 /// The reverse of set().
 template <class Field, class Value>
-void tell(const Field& field, std::vector<Value>& values) {
+void write(const Field& field, std::vector<Value>& values) {
   values = {static_cast<Value>(field)};
 }
-void tell(const std::optional<double>& share, std::vector<double>& values) { values = {share.value_or(0.0)}; }
-void tell(const std::vector<int>& field, std::vector<std::uint32_t>& values) {
+void write(const std::optional<double>& share, std::vector<double>& values) { values = {share.value_or(0.0)}; }
+void write(const std::vector<int>& field, std::vector<std::uint32_t>& values) {
   values.assign(field.begin(), field.end());
   if (values.empty()) {
     values = {kEmptyList};
@@ -77,33 +77,33 @@ void tell(const std::vector<int>& field, std::vector<std::uint32_t>& values) {
 
 }  // namespace
 
-pusht::Parameters settingsFrom(const std::string& what, const std::string& text) {
+pusht::Parameters parametersFrom(const std::string& what, const std::string& text) {
   constexpr std::size_t kLongest = 10'000;  // [bytes] std::regex recurses over each, and its stack is limited
   if (text.size() > kLongest) {
     throw pusht::InvalidInput(what + " of " + std::to_string(text.size()) + " bytes: must have at most " +
                               std::to_string(kLongest));
   }
-  static const std::regex setting_name("(^|\\s)\\s*([A-Za-z_][A-Za-z0-9_]*)=");
+  static const std::regex parameter_name("(^|\\s)\\s*([A-Za-z_][A-Za-z0-9_]*)=");
   const std::sregex_iterator end;
-  std::sregex_iterator name(text.begin(), text.end(), setting_name);
+  std::sregex_iterator name(text.begin(), text.end(), parameter_name);
   const std::string before =
       text.substr(0, name == end ? std::string::npos : static_cast<std::size_t>(name->position()));
   if (before.find_first_not_of(" \t\n") != std::string::npos) {
     throw pusht::InvalidInput(what + " '" + text + "': must be NAME=VALUE NAME=VALUE");
   }
-  pusht::Parameters settings;
+  pusht::Parameters parsed;
   while (name != end) {
     const std::sregex_iterator next = std::next(name);
     const auto value = static_cast<std::size_t>(name->position() + name->length());
     const auto value_end =
         next == end ? text.find_last_not_of(" \t\n") + 1 : static_cast<std::size_t>(next->position());
-    if (std::any_of(settings.begin(), settings.end(), [&](const auto& other) { return other.name == name->str(2); })) {
+    if (std::any_of(parsed.begin(), parsed.end(), [&](const auto& other) { return other.name == name->str(2); })) {
       throw pusht::InvalidInput(what + " '" + text + "': " + name->str(2) + " must be set once");
     }
-    settings.push_back(pusht::parameter(name->str(2), text.substr(value, std::max(value, value_end) - value)));
+    parsed.push_back(pusht::parameter(name->str(2), text.substr(value, std::max(value, value_end) - value)));
     name = next;
   }
-  return settings;
+  return parsed;
 }
 
 std::string freeFolder(const std::string& out) {
@@ -144,40 +144,40 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   setNamed(request.protocol, goal);
   request.protocol.probes();  // throws if there are none such
   forEachLiveField([&](const char* name, const auto& of) { set(name, of(request), of(goal)); });
-  const auto set_role = [](const char* name, Cast::Setting& setting, const auto& kinds, const auto& parameters) {
-    Cast::Setting asked;
+  const auto set_simulator = [](const char* name, WorldRequest& simulator, const auto& kinds, const auto& parameters) {
+    WorldRequest asked;
     set(name, asked.kind, kinds);
     if (asked.kind.empty()) {
-      asked = setting;
+      asked = simulator;
     }
     asked.parameters = pusht::changed(asked.parameters, parameters);
-    setting = asked;
+    simulator = asked;
   };
-  set_role("reference", request.settings.reference, goal.reference, goal.reference_parameters);
-  set_role("engine", request.settings.engine, goal.engine, goal.engine_parameters);
+  set_simulator("reference", request.simulators.reference, goal.reference, goal.reference_parameters);
+  set_simulator("engine", request.simulators.engine, goal.engine, goal.engine_parameters);
   return request;
 }
 
 pusht_msgs::CompareGoal goalOf(const RunOptions& options) {
   pusht_msgs::CompareGoal goal;
-  forEachOption([&](const auto& option) { tell(option.of(options), option.of(goal)); });
+  forEachOption([&](const auto& option) { write(option.of(options), option.of(goal)); });
   return goal;
 }
 
 pusht_msgs::CompareGoal goalOf(const LiveRequest& request) {
-  const auto kind = [](const Cast::Setting& setting) {
-    return setting.kind.empty() ? std::vector<std::string>() : std::vector<std::string>{setting.kind};
+  const auto kind = [](const WorldRequest& simulator) {
+    return simulator.kind.empty() ? std::vector<std::string>() : std::vector<std::string>{simulator.kind};
   };
   pusht_msgs::CompareGoal goal = goalOf(request.protocol);
-  forEachLiveField([&](const char* /*name*/, const auto& of) { tell(of(request), of(goal)); });
+  forEachLiveField([&](const char* /*name*/, const auto& of) { write(of(request), of(goal)); });
   goal.reference_namespace = {request.services.worlds[kReferenceClosed]};
   goal.engine_namespace = {request.services.worlds[kEngineClosed]};
   goal.replay_namespace = {request.services.worlds[kEngineReplay]};
   goal.policy_namespace = {request.services.policy};
-  goal.reference = kind(request.settings.reference);
-  goal.engine = kind(request.settings.engine);
-  goal.reference_parameters = request.settings.reference.parameters;
-  goal.engine_parameters = request.settings.engine.parameters;
+  goal.reference = kind(request.simulators.reference);
+  goal.engine = kind(request.simulators.engine);
+  goal.reference_parameters = request.simulators.reference.parameters;
+  goal.engine_parameters = request.simulators.engine.parameters;
   return goal;
 }
 

@@ -29,28 +29,28 @@ std::map<std::string, std::string> impliedBy(const pusht_msgs::DescribeResponse&
 
 }  // namespace
 
-WorldSetting settingOf(const pusht_msgs::DescribeResponse& now) {
+WorldRequest requestFor(const pusht_msgs::DescribeResponse& now) {
   const std::map<std::string, std::string> implied = impliedBy(now);
-  WorldSetting setting{now.name, {}};
+  WorldRequest request{now.name, {}};
   for (const pusht_msgs::Parameter& parameter : now.parameters) {
     const auto known = implied.find(parameter.name);
     if (known == implied.end() || !pusht::sameValue(known->second, parameter.value)) {
-      setting.parameters.push_back(parameter);
+      request.parameters.push_back(parameter);
     }
   }
-  return setting;
+  return request;
 }
 
-WorldSetting WorldMemory::resolve(const std::string& services, const pusht_msgs::DescribeResponse& now,
-                                  const WorldSetting& asked) {
+WorldRequest WorldMemory::resolve(const std::string& services, const pusht_msgs::DescribeResponse& now,
+                                  const WorldRequest& asked) {
   const auto [known, is_new] = worlds_.try_emplace(services);
   World& world = known->second;
   const bool others = world.left && (world.left->name != now.name || world.left->parameters != now.parameters);
   if (is_new || others) {
-    world.original = settingOf(now);
+    world.original = requestFor(now);
   }
   world.left.reset();
-  const WorldSetting current = settingOf(now);
+  const WorldRequest current = requestFor(now);
   const bool unchanged = current.kind == world.original.kind && current.parameters == world.original.parameters;
   if (!asked.kind.empty() || unchanged) {
     return asked;

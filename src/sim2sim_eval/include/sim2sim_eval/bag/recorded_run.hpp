@@ -43,7 +43,7 @@ struct RecordedEpisode {
 };
 
 /// Runs an episode over recorded worlds. Throws BadDependency if the record does not follow the protocol.
-Episode replay(const Protocol& protocol, int index, const RecordedEpisode& record);
+Episode rebuildEpisode(const Protocol& protocol, int index, const RecordedEpisode& record);
 
 /// What the bag of a run holds.
 struct RecordedRun {

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "pusht_task/ros/bag_file.hpp"
-#include "sim2sim_eval/bag/worker.hpp"
+#include "sim2sim_eval/bag/background_queue.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 
@@ -82,7 +82,7 @@ class RunBag {
  private:
   const WorldNames worlds_;
   pusht::BagFile file_;  // of the worker
-  Worker worker_;
+  BackgroundQueue worker_;
   bool finished_ = false;
 };
 

@@ -6,7 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/batch/loaded_run.hpp"
+#include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/reference_cache.hpp"
 
 namespace CLI {
@@ -26,7 +27,7 @@ struct BatchOptions {
   int threadCount() const;
 
   /// The cache that they ask for. Throws as ReferenceCache does.
-  std::optional<ReferenceCache> references(const Setup& setup, const RunOptions& options) const;
+  std::optional<ReferenceCache> references(const LoadedRun& loaded, const RunOptions& options) const;
 };
 
 /// The number of episodes of a run that names none: `usual`, or as many as the file has starts, if these are fewer. An

@@ -23,10 +23,10 @@ struct CompareOptions {
   std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice
   bool require_policy = false;
   bool allow_untrained = false;
-  std::string reference = kCourseReference;       ///< kind
-  std::vector<std::string> reference_settings{};  ///< as in chooseSimulator()
-  std::string engine = kCourseEngine;             ///< kind
-  std::vector<std::string> engine_settings{};
+  std::string reference = kCourseReference;         ///< kind
+  std::vector<std::string> reference_parameters{};  ///< as in chooseSimulator()
+  std::string engine = kCourseEngine;               ///< kind
+  std::vector<std::string> engine_parameters{};
   bool smoke = false;        ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
   std::string starts;        ///< file for readInitialStates(); empty: spawn seeds
   std::string write_starts;  ///< file to write them into; empty: none

@@ -23,10 +23,10 @@ class Activity {
  public:
   /// Advertises `progress` in the namespace of `node`. `tell(paused)` is called with each message. `pacer` must outlive
   /// this.
-  Activity(ros::NodeHandle& node, const Pacer& pacer, std::function<void(bool)> tell);
+  Activity(ros::NodeHandle& node, const Pacer& pacer, std::function<void(bool)> on_publish);
 
   /// A run is asked for: the evaluator is busy until end(). Tells nothing yet.
-  void ask();
+  void markRequested();
   /// The nodes of a run are waited for; `services` is the namespace of the one that is missing, empty: the wait is
   /// over.
   void waitFor(const std::string& services);
@@ -44,13 +44,13 @@ class Activity {
   bool cancelled() const;
 
   /// Publishes the state. Must not be called by the pacer, which then holds a lock that this needs.
-  void tell();
+  void publish();
   void report(pusht::DiagnosticStatusWrapper& status) const;
 
  private:
   const Pacer& pacer_;
-  const std::function<void(bool)> tell_;
-  std::mutex telling_;  // so that the last message is the newest
+  const std::function<void(bool)> on_publish_;
+  std::mutex publishing_;  // so that the last message is the newest
   ros::Publisher progress_;
 
   mutable std::mutex mutex_;  // of what follows

@@ -41,19 +41,21 @@ class Broadcast {
              const ros::Time& stamp);
 
   /// What a recorder of all topics needs to make the bag of this run; see configurationMessage().
-  void tell(const std_msgs::String& configuration) const { configuration_topic_.publish(configuration); }
+  void publishConfiguration(const std_msgs::String& configuration) const {
+    configuration_topic_.publish(configuration);
+  }
 
   /// Episodes that have finished before, as those of a replay; `finished` is of them, and `last` the one that ended the
   /// run, if one did.
-  void recall(const std::vector<EpisodeResult>& results, const Summary& finished, std::optional<int> last,
-              const ros::Time& stamp);
+  void restore(const std::vector<EpisodeResult>& results, const Summary& finished, std::optional<int> last,
+               const ros::Time& stamp);
 
   /// Shows in the picture what the run does: that it waits, and for what, or why it has ended. From any thread. While
   /// the run goes on, the picture shows its episode and time instead of `words`.
-  void tellState(RunState state, const std::string& words);
+  void showState(RunState state, const std::string& words);
 
   /// Whether a run that goes on is paused. From any thread.
-  void tellPaused(bool paused);
+  void showPaused(bool paused);
 
   /// Whether markers or divergence have a subscriber.
   bool watched() const { return markers_.getNumSubscribers() + divergence_.getNumSubscribers() > 0; }
@@ -63,14 +65,14 @@ class Broadcast {
   pusht_msgs::Divergence step(const Episode& episode, const ros::Time& stamp, bool paced);
 
   /// The divergence of a whole episode of a replay, before its first step is shown.
-  void foretell(const Episode& whole, const ros::Time& stamp);
+  void publishWholeCurve(const Episode& whole, const ros::Time& stamp);
 
   /// An episode has finished; `finished` are all that have, by index. `last`: the run needs no more.
   void finish(const Episode& episode, const EpisodeResult& result, const Summary& finished, bool last,
               const ros::Time& stamp);
 
   /// The episode was left before its end: the picture becomes that of the control step that was told last.
-  void settle(const Episode& episode);
+  void redrawLastStep(const Episode& episode);
 
   /// The run has ended, well or not: the bag is put in its place. Throws RuntimeFault if that fails.
   void end();
@@ -80,10 +82,10 @@ class Broadcast {
 
  private:
   bool onEpisodes(pusht_msgs::EpisodesRequest& request, pusht_msgs::EpisodesResponse& response);
-  void remember(const pusht_msgs::Divergence& divergence);
+  void appendToCurve(const pusht_msgs::Divergence& divergence);
   void draw(const Episode& episode, const ros::Time& stamp, bool recorded);
   void drawState();
-  void repeat() const;
+  void republish() const;
 
   ros::NodeHandle node_;
   ros::Publisher configuration_topic_;
@@ -96,10 +98,10 @@ class Broadcast {
   std::unique_ptr<RunBag> bag_;
   pusht_msgs::Summary summary_;
   std::optional<Summary> finished_;
-  std::optional<int> last_;    // episode, once it is known
-  std::pair<int, int> told_;   // episode and step
-  std::pair<int, int> drawn_;  // the same
-  ros::Time stamp_;            // of what was told last
+  std::optional<int> last_;        // episode, once it is known
+  std::pair<int, int> published_;  // episode and step
+  std::pair<int, int> drawn_;      // the same
+  ros::Time stamp_;                // of what was told last
 
   tf2_ros::StaticTransformBroadcaster fixed_frames_;
   std::optional<Picture> picture_;
@@ -112,13 +114,13 @@ class Broadcast {
   RunState state_ = RunState::kWaits;
   bool paused_ = false;
   std::string words_;                                // of the state
-  std::string place_;                                // in the run, in words
+  std::string caption_;                              // in the run, in words
   std::vector<pusht_msgs::EpisodeResult> episodes_;  // as they finished
   std::vector<pusht_msgs::Divergence> curve_;        // of the episode that is shown
-  bool foretold_ = false;                            // the curve is that of the whole episode
+  bool curve_is_whole_ = false;                      // the curve is that of the whole episode
 
   // Last: they use what stands above.
-  ros::ServiceServer tell_episodes_;
+  ros::ServiceServer episodes_service_;
   ros::SteadyTimer repeating_;
 };
 

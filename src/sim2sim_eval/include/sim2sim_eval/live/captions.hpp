@@ -31,7 +31,7 @@ std::string titleOf(Mode mode, const RunConfiguration& run);
 
 /// Parameters that a simulator has not by default, in at most `lines` lines of at most `length` bytes. Those that do
 /// not fit are counted: "and 3 more".
-std::vector<std::string> settingsOf(const SimulatorRecord& simulator, std::size_t lines, std::size_t length);
+std::vector<std::string> changedParameters(const SimulatorRecord& simulator, std::size_t lines, std::size_t length);
 
 /// Distance of a world's tee from the target [m, rad], whether that is a success, and whether it has left the table.
 std::string statusOf(Mode mode, const Episode& episode);

@@ -11,9 +11,9 @@
 namespace sim2sim {
 
 /// Pauses, resumes, steps or paces. Throws InvalidInput with command, value and rule for anything else.
-void obey(Pacer& pacer, const pusht_msgs::ControlRequest& request);
+void applyControl(Pacer& pacer, const pusht_msgs::ControlRequest& request);
 
 /// The answer to a command that `serve` carries out, or that it refuses by InvalidInput.
-pusht_msgs::ControlResponse answerTo(const std::function<void()>& serve);
+pusht_msgs::ControlResponse controlResponse(const std::function<void()>& serve);
 
 }  // namespace sim2sim

@@ -4,11 +4,11 @@
 
 #include <Eigen/Core>
 
-#include "sim2sim_eval/live/sheet.hpp"
+#include "sim2sim_eval/live/canvas.hpp"
 
 namespace sim2sim {
 
 /// Each shape with its words beside it, in `columns` columns from the upper left corner on [m].
-void drawLegend(Sheet& sheet, const Eigen::Vector2d& corner, int columns);
+void drawLegend(Canvas& canvas, const Eigen::Vector2d& corner, int columns);
 
 }  // namespace sim2sim

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <functional>
 
-#include "sim2sim_eval/live/cast.hpp"
+#include "sim2sim_eval/live/live_nodes.hpp"
 #include "sim2sim_eval/live/pacer.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
@@ -38,17 +38,18 @@ class LiveObserver {
 };
 
 struct LiveOptions {
-  Cast::Settings settings;
+  LiveNodes::Simulators simulators;
   pusht::Peer::Wait wait;  ///< for nodes; without `respawn` a fault ends the run, and `stop` ends it in any case
   std::chrono::milliseconds grace;  ///< what ends the run may end its nodes first: a lost node waits so long for `stop`
 };
 
-/// Connects `cast` for the first time; throws as Cast::connect() does, or RuntimeFault if a node is lost because the
-/// run is to stop.
-void connectFirst(Cast& cast, const LiveOptions& options);
+/// Connects `cast` for the first time; throws as LiveNodes::connect() does, or RuntimeFault if a node is lost because
+/// the run is to stop.
+void connectFirst(LiveNodes& nodes, const LiveOptions& options);
 
 /// Runs the episodes of `protocol` over a cast that is connected. Throws PeerFault for a node that is lost for good,
 /// RuntimeFault when the options' `stop` holds; as Episode does otherwise.
-void runLive(const Protocol& protocol, Cast& cast, Pacer& pacer, LiveObserver& observer, const LiveOptions& options);
+void runLive(const Protocol& protocol, LiveNodes& nodes, Pacer& pacer, LiveObserver& observer,
+             const LiveOptions& options);
 
 }  // namespace sim2sim

@@ -24,14 +24,14 @@ std::string clippedReason(const std::exception& failure);
 void writeStatusFile(const std::string& path, const RunStatus& status);
 
 /// Leaves the reason why the node does not start where its results would be.
-void tellRefusal(pusht::ParameterReader& parameters, const std::exception& failure);
+void writeRefusal(pusht::ParameterReader& parameters, const std::exception& failure);
 
 /// The result of a goal whose run has no folder.
 pusht_msgs::CompareResult refusal(pusht::ExitCode exit_code, const std::string& reason);
 
 /// How to start the node again that was lost, to be put behind the reason; empty where that is not known. A kind that
 /// the request leaves open is what the world was before.
-std::string howToBringBack(const pusht::NodeMissing& lost, const LiveRequest& request, const WorldMemory& memory);
+std::string restartHint(const pusht::NodeMissing& lost, const LiveRequest& request, const WorldMemory& memory);
 
 /// Writes the report of the finished run in `folder` and returns the run's status. If the report cannot be written, the
 /// status says so; the results stand.

@@ -28,10 +28,10 @@ enum class RunState { kWaits, kRuns, kPaused, kFinished, kEnded };
 class Picture {
  public:
   struct World {
-    std::string frame_prefix;             ///< of its TF frames, and of the frame of its window
-    std::string title;                    ///< e.g. "MuJoCo, the reference"
-    std::string subtitle{};               ///< e.g. "same policy"
-    std::vector<std::string> settings{};  ///< lines: "block_damp 20.0"; none: as shipped
+    std::string frame_prefix;               ///< of its TF frames, and of the frame of its window
+    std::string title;                      ///< e.g. "MuJoCo, the reference"
+    std::string subtitle{};                 ///< e.g. "same policy"
+    std::vector<std::string> parameters{};  ///< lines: "block_damp 20.0"; none: as shipped
   };
 
   /// The worlds by mode, which is their order on the screen; their prefixes differ.

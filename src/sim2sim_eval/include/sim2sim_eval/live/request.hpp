@@ -9,19 +9,19 @@
 #include <vector>
 
 #include "pusht_task/ros/parameters.hpp"
-#include "sim2sim_eval/live/cast.hpp"
+#include "sim2sim_eval/live/live_nodes.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {
 
 /// One comparison that is asked for.
 struct LiveRequest {
-  Cast::Services services;
+  LiveNodes::Services services;
   std::string policy{};  ///< the name that the policy must have; empty: any
   Protocol protocol;
   bool smoke = false;  ///< short; the policy node should be given the untrained policy
   double rate = 0.0;   ///< [control steps/s]; 0: as fast as possible
-  Cast::Settings settings;
+  LiveNodes::Simulators simulators;
   bool record = true;      ///< write compare.bag
   std::string starts;      ///< file for readInitialStates(); empty: spawn seeds
   std::string out;         ///< folder for the results; empty: the next free results/compare-N
@@ -30,7 +30,7 @@ struct LiveRequest {
 
 /// "NAME=VALUE NAME=VALUE"; a value may hold spaces. Throws InvalidInput with `what` if the text is none, sets a name
 /// twice, or has more than 10 000 bytes.
-pusht::Parameters settingsFrom(const std::string& what, const std::string& text);
+pusht::Parameters parametersFrom(const std::string& what, const std::string& text);
 
 /// `out` if a run without overwrite may write its results there; else the first of out-2, out-3 and so on that it may.
 /// Empty stays empty: then the run finds its place.

@@ -13,7 +13,7 @@
 namespace sim2sim {
 
 /// Kind and parameters of a world that a run asks for.
-struct WorldSetting {
+struct WorldRequest {
   std::string kind{};              ///< of simulator; empty: it stays what it is
   pusht::Parameters parameters{};  ///< the others keep their values; of a kind that is named, they have its defaults
 };
@@ -24,7 +24,7 @@ struct WorldSetting {
 class WorldMemory {
  public:
   /// Makes `asked` definite for the world behind `services`, which is `now`. The world is about to be configured.
-  WorldSetting resolve(const std::string& services, const pusht_msgs::DescribeResponse& now, const WorldSetting& asked);
+  WorldRequest resolve(const std::string& services, const pusht_msgs::DescribeResponse& now, const WorldRequest& asked);
 
   /// The run has made the world what it is `now`.
   void configured(const std::string& services, const pusht_msgs::DescribeResponse& now);
@@ -38,7 +38,7 @@ class WorldMemory {
     pusht::Parameters parameters;
   };
   struct World {
-    WorldSetting original;      // makes it what it was
+    WorldRequest original;      // makes it what it was
     std::optional<State> left;  // by a run; none while one configures it, or if that failed
   };
 
@@ -47,6 +47,6 @@ class WorldMemory {
 
 /// The shortest setting that makes a world what `now` describes: the parameters that are neither defaults nor set by
 /// a preset. So a preset that is set on top of it sets what it would set in `now`.
-WorldSetting settingOf(const pusht_msgs::DescribeResponse& now);
+WorldRequest requestFor(const pusht_msgs::DescribeResponse& now);
 
 }  // namespace sim2sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/setup.hpp"
+#include "sim2sim_eval/batch/loaded_run.hpp"
 
 #include "pusht_task/ros/installed_file.hpp"
 #include "sim2sim_eval/interruption.hpp"
@@ -23,8 +23,8 @@ nlohmann::json codeOf(const std::vector<const pusht::SimulatorKind*>& kinds, con
 
 }  // namespace
 
-Setup::Setup(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
-             const std::vector<SimulatorChoice>& engines)
+LoadedRun::LoadedRun(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
+                     const std::vector<SimulatorChoice>& engines)
     : reference_(reference),
       policy_(pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"))) {
   std::vector<const pusht::SimulatorKind*> kinds = {&reference_.kind};
@@ -36,7 +36,7 @@ Setup::Setup(const pusht::PolicyChoice& policy, const SimulatorChoice& reference
   warn(policy_.warning);
 }
 
-WorkerFactory Setup::workerFactory(const LoadedSimulator& engine) const {
+WorkerFactory LoadedRun::workerFactory(const LoadedSimulator& engine) const {
   const auto make_worlds = [make_reference = reference_.model.make_lanes,
                             make_engine = engine.model.make_lanes](int lanes) {
     return Worlds{make_reference(lanes), make_engine(lanes), make_engine(lanes)};
@@ -44,18 +44,19 @@ WorkerFactory Setup::workerFactory(const LoadedSimulator& engine) const {
   return {make_worlds, policy_.make};
 }
 
-nlohmann::ordered_json Setup::provenance(const RunConfiguration& configuration, const LoadedSimulator& engine) const {
+nlohmann::ordered_json LoadedRun::provenance(const RunConfiguration& configuration,
+                                             const LoadedSimulator& engine) const {
   nlohmann::ordered_json result =
       sim2sim::provenance(configuration, policy_.provenance, reference_.provenance(), engine.provenance());
   result["code"] = code_;
   return result;
 }
 
-nlohmann::json Setup::identity() const {
+nlohmann::json LoadedRun::identity() const {
   return {{"policy", policy_.identity}, {"reference", toJson(reference_.record())}};
 }
 
-nlohmann::json Setup::referenceKey(const RunOptions& options) const {
+nlohmann::json LoadedRun::referenceKey(const RunOptions& options) const {
   nlohmann::json key = referenceOptions(options);
   key["inputs"] = identity();
   key["code"] = reference_code_;

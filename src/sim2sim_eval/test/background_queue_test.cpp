@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/bag/worker.hpp"
+#include "sim2sim_eval/bag/background_queue.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kMany = 25'000;  // more than are queued at once
 
-TEST(Worker, RunsTasksInTheirOrder) {
+TEST(BackgroundQueue, RunsTasksInTheirOrder) {
   std::vector<int> done;
-  Worker worker;
+  BackgroundQueue worker;
   for (int i = 0; i < kMany; ++i) {
     worker.post([&done, i] { done.push_back(i); });
   }
@@ -24,10 +24,10 @@ TEST(Worker, RunsTasksInTheirOrder) {
   EXPECT_EQ(done, expected);
 }
 
-TEST(Worker, RunsWhatIsLeftAtItsEnd) {
+TEST(BackgroundQueue, RunsWhatIsLeftAtItsEnd) {
   int done = 0;
   {
-    Worker worker;
+    BackgroundQueue worker;
     for (int i = 0; i < 100; ++i) {
       worker.post([&done] { ++done; });
     }
@@ -35,9 +35,9 @@ TEST(Worker, RunsWhatIsLeftAtItsEnd) {
   EXPECT_EQ(done, 100);
 }
 
-TEST(Worker, TellsOfAFailureAndDropsTheRest) {
+TEST(BackgroundQueue, TellsOfAFailureAndDropsTheRest) {
   int done = 0;
-  Worker worker;
+  BackgroundQueue worker;
   worker.post([] { throw std::runtime_error("no"); });
   worker.post([&done] { ++done; });
   EXPECT_THROW(worker.wait(), std::runtime_error);

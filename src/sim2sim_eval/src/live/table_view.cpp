@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/window.hpp"
+#include "sim2sim_eval/live/table_view.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -82,18 +82,20 @@ Region regionOf(const Episode& episode, const Pane& pane) {
   return {middle.cwiseMax(-reach).cwiseMin(reach), width};
 }
 
-Window::Window(const Pane& pane, const Region& region)
+TableView::TableView(const Pane& pane, const Region& region)
     : pane_(pane), region_(region), zoom_(pane.size.x() / region.width) {}
 
-Vector2d Window::toSheet(const Vector2d& on_table) const { return pane_.center + zoom_ * (on_table - region_.center); }
+Vector2d TableView::toCanvas(const Vector2d& on_table) const {
+  return pane_.center + zoom_ * (on_table - region_.center);
+}
 
-bool Window::shows(const Vector2d& on_table) const {
-  const Vector2d away = (toSheet(on_table) - pane_.center).cwiseAbs();
+bool TableView::shows(const Vector2d& on_table) const {
+  const Vector2d away = (toCanvas(on_table) - pane_.center).cwiseAbs();
   return away.x() <= 0.5 * pane_.size.x() && away.y() <= 0.5 * pane_.size.y();
 }
 
 /// Liang and Barsky, "A New Concept and Method for Line Clipping" (1984).
-bool Window::clip(const Segment& segment, double& begin, double& end) const {
+bool TableView::clip(const Segment& segment, double& begin, double& end) const {
   begin = 0.0;
   end = 1.0;
   const Vector2d along = segment[1] - segment[0];
@@ -116,10 +118,10 @@ bool Window::clip(const Segment& segment, double& begin, double& end) const {
 }
 
 /// Sutherland and Hodgman, "Reentrant Polygon Clipping" (1974), then a fan of triangles.
-void Window::addArea(Points& triangles, const std::vector<Vector2d>& corners, double z) const {
+void TableView::addArea(Points& triangles, const std::vector<Vector2d>& corners, double z) const {
   std::vector<Vector2d> kept;
   std::transform(corners.begin(), corners.end(), std::back_inserter(kept),
-                 [this](const Vector2d& corner) { return toSheet(corner); });
+                 [this](const Vector2d& corner) { return toCanvas(corner); });
   for (int axis = 0; axis < 2; ++axis) {
     for (const double side : {-1.0, 1.0}) {
       const auto room = [&](const Vector2d& at) {
@@ -145,16 +147,16 @@ void Window::addArea(Points& triangles, const std::vector<Vector2d>& corners, do
   }
 }
 
-void Window::area(Sheet& sheet, const ColorRGBA& color, const std::vector<Vector2d>& corners, double z) const {
+void TableView::area(Canvas& canvas, const ColorRGBA& color, const std::vector<Vector2d>& corners, double z) const {
   Points triangles;
   addArea(triangles, corners, z);
-  sheet.triangles(color, std::move(triangles));
+  canvas.triangles(color, std::move(triangles));
 }
 
-void Window::table(Sheet& sheet, const ColorRGBA& floor, const ColorRGBA& walls) const {
+void TableView::table(Canvas& canvas, const ColorRGBA& floor, const ColorRGBA& walls) const {
   constexpr double kInner = pusht::kWallInnerFace;
   constexpr double kOuter = kInner + pusht::dynamics::kWallThickness;
-  area(sheet, floor, rectangle({-kInner, -kInner}, {kInner, kInner}), kFloorZ);
+  area(canvas, floor, rectangle({-kInner, -kInner}, {kInner, kInner}), kFloorZ);
   Points triangles;
   for (const double side : {-1.0, 1.0}) {
     const double near = std::min(side * kInner, side * kOuter);
@@ -162,21 +164,21 @@ void Window::table(Sheet& sheet, const ColorRGBA& floor, const ColorRGBA& walls)
     addArea(triangles, rectangle({-kOuter, near}, {kOuter, far}), kFloorZ);
     addArea(triangles, rectangle({near, -kInner}, {far, kInner}), kFloorZ);
   }
-  sheet.triangles(walls, std::move(triangles));
+  canvas.triangles(walls, std::move(triangles));
 }
 
-void Window::line(Sheet& sheet, const ColorRGBA& color, double width, const std::vector<Vector2d>& points,
-                  double z) const {
-  way(sheet, color, width, points, std::vector<double>(points.size(), 1.0), z);
-  sheet.last().colors.clear();
+void TableView::line(Canvas& canvas, const ColorRGBA& color, double width, const std::vector<Vector2d>& points,
+                     double z) const {
+  way(canvas, color, width, points, std::vector<double>(points.size(), 1.0), z);
+  canvas.last().colors.clear();
 }
 
-void Window::way(Sheet& sheet, const ColorRGBA& color, double width, const std::vector<Vector2d>& points,
-                 const std::vector<double>& shares, double z) const {
+void TableView::way(Canvas& canvas, const ColorRGBA& color, double width, const std::vector<Vector2d>& points,
+                    const std::vector<double>& shares, double z) const {
   Points ends;
   std::vector<ColorRGBA> shades;
   for (std::size_t i = 1; i < points.size(); ++i) {
-    const Segment segment = {toSheet(points[i - 1]), toSheet(points[i])};
+    const Segment segment = {toCanvas(points[i - 1]), toCanvas(points[i])};
     double begin = 0.0;
     double end = 0.0;
     if (!clip(segment, begin, end)) {
@@ -194,38 +196,38 @@ void Window::way(Sheet& sheet, const ColorRGBA& color, double width, const std::
       shades.push_back(shade);
     }
   }
-  sheet.line(Marker::LINE_LIST, color, width, std::move(ends));
-  sheet.last().colors = std::move(shades);
+  canvas.line(Marker::LINE_LIST, color, width, std::move(ends));
+  canvas.last().colors = std::move(shades);
 }
 
-void Window::arrow(Sheet& sheet, const ColorRGBA& color, double width, const Vector2d& from, const Vector2d& along,
-                   double z) const {
-  const Segment segment = {toSheet(from), toSheet(from + along)};
+void TableView::arrow(Canvas& canvas, const ColorRGBA& color, double width, const Vector2d& from, const Vector2d& along,
+                      double z) const {
+  const Segment segment = {toCanvas(from), toCanvas(from + along)};
   double begin = 0.0;
   double end = 0.0;
   const bool seen = shows(from) && clip(segment, begin, end);
   const Vector2d length = seen ? Vector2d(end * (segment[1] - segment[0])) : Vector2d::Zero();
-  sheet.arrow(color, width, point(segment[0].x(), segment[0].y(), z), length);
+  canvas.arrow(color, width, point(segment[0].x(), segment[0].y(), z), length);
 }
 
-void Window::tee(Sheet& sheet, const ColorRGBA& surface, const ColorRGBA& outline, const pusht::WorldState& state,
-                 double z) const {
+void TableView::tee(Canvas& canvas, const ColorRGBA& surface, const ColorRGBA& outline, const pusht::WorldState& state,
+                    double z) const {
   Points triangles;
   for (const std::vector<Vector2d>& part : teeCorners(state)) {
     addArea(triangles, part, z);
   }
-  sheet.triangles(surface, std::move(triangles));
+  canvas.triangles(surface, std::move(triangles));
   std::vector<Vector2d> edge;
   for (const geometry_msgs::Point& corner : pusht::teeOutline()) {
     edge.push_back(onTable(state, corner));
   }
-  line(sheet, outline, kOutlineWidth, edge, z);
+  line(canvas, outline, kOutlineWidth, edge, z);
 }
 
-void Window::edgeMark(Sheet& sheet, const ColorRGBA& color, double size, const Vector2d& on_table) const {
+void TableView::edgeMark(Canvas& canvas, const ColorRGBA& color, double size, const Vector2d& on_table) const {
   Points triangle;
   if (!shows(on_table)) {
-    const Vector2d away = toSheet(on_table) - pane_.center;
+    const Vector2d away = toCanvas(on_table) - pane_.center;
     const Vector2d room = 0.5 * pane_.size - Vector2d::Constant(size);
     const Vector2d at = pane_.center + away * std::min({room.x() / std::max(std::abs(away.x()), 1e-9),
                                                         room.y() / std::max(std::abs(away.y()), 1e-9)});
@@ -235,7 +237,7 @@ void Window::edgeMark(Sheet& sheet, const ColorRGBA& color, double size, const V
       triangle.push_back(point(corner.x(), corner.y(), kEdgeZ));
     }
   }
-  sheet.triangles(color, std::move(triangle));
+  canvas.triangles(color, std::move(triangle));
 }
 
 std::array<std::vector<Vector2d>, 2> teeCorners(const pusht::WorldState& state) {

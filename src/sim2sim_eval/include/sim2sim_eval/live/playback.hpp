@@ -28,44 +28,44 @@
 
 namespace sim2sim {
 
-struct ReplayParameters {
+struct PlaybackParameters {
   std::string bag;
   std::optional<int> episode{};  ///< to begin with; none: the first one of the bag
   double start = 0.0;            ///< [s] into that episode
   double speed = 1.0;            ///< times real time; 0: as fast as possible
 
   /// Throws InvalidInput with key, value and rule.
-  static ReplayParameters load(pusht::ParameterReader& parameters);
+  static PlaybackParameters load(pusht::ParameterReader& parameters);
 };
 
 /// Plays the finished episodes of a bag one after the other, without any simulator. Offers what Evaluator does, in the
 /// same namespace, but for the action; and the command `seek`. The frames of the worlds are `reference`, `engine` and
 /// `engine_replay`. It begins when somebody looks, and pauses at the end; resumed there, it begins again.
-class Replay {
+class Playback {
  public:
   /// Throws as readRun(); InvalidInput if the bag has no finished episode, or not that one.
-  Replay(const ros::NodeHandle& node, const ReplayParameters& parameters);
+  Playback(const ros::NodeHandle& node, const PlaybackParameters& parameters);
 
   /// Plays until the node ends. Callbacks must be served in another thread.
   void run();
 
  private:
-  struct Place {
+  struct PlaybackPosition {
     int episode;
     int step;
   };
 
   bool onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response);
-  Place placeOf(const pusht_msgs::ControlRequest& request) const;
-  void seek(const Place& place);
-  void tellProgress();
+  PlaybackPosition positionOf(const pusht_msgs::ControlRequest& request) const;
+  void seek(const PlaybackPosition& position);
+  void publishProgress();
   bool ended() const;
   bool sought() const;
-  std::optional<Place> takeSought();
+  std::optional<PlaybackPosition> takeSought();
   void waitForAudience() const;
   void advance();
-  void show(const Place& place);
-  void repeat();
+  void show(const PlaybackPosition& position);
+  void republish();
 
   // Set once.
   ros::NodeHandle node_;
@@ -83,10 +83,10 @@ class Replay {
   tf2_ros::TransformBroadcaster frames_;
 
   mutable std::mutex mutex_;  // of what follows
-  std::optional<Place> sought_;
+  std::optional<PlaybackPosition> sought_;
   std::vector<geometry_msgs::TransformStamped> moving_;  // as sent last
 
-  std::mutex telling_;  // so that the last message is the newest
+  std::mutex publishing_;  // so that the last message is the newest
   ros::Publisher progress_;
   ros::Publisher request_;
   ros::ServiceServer control_;
@@ -94,6 +94,6 @@ class Replay {
 };
 
 /// The body of the replay's node, after catchInterrupts().
-pusht::ExitCode serveReplay();
+pusht::ExitCode servePlayback();
 
 }  // namespace sim2sim

@@ -15,13 +15,13 @@ namespace sim2sim {
 /// Runs tasks one after the other in a thread of its own, in the time that all others leave. It looks for them every
 /// 20 ms: to be woken for each would cost the caller more than many a task. Who waits for it works himself, so that it
 /// does not starve on a busy machine. After a task that throws, the others are dropped.
-class Worker {
+class BackgroundQueue {
  public:
-  Worker();
-  Worker(const Worker&) = delete;
-  Worker& operator=(const Worker&) = delete;
+  BackgroundQueue();
+  BackgroundQueue(const BackgroundQueue&) = delete;
+  BackgroundQueue& operator=(const BackgroundQueue&) = delete;
   /// Runs what is left.
-  ~Worker();
+  ~BackgroundQueue();
 
   /// Queues `task`; runs what is queued if that is much. Throws what a task has thrown.
   void post(std::function<void()> task);

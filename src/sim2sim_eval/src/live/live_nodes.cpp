@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/cast.hpp"
+#include "sim2sim_eval/live/live_nodes.hpp"
 
 #include <utility>
 
@@ -45,16 +45,16 @@ void requireIsPolicy(const pusht::Peer& peer) {
 
 }  // namespace
 
-Cast::Cast(const Services& services, std::chrono::milliseconds deadline, WorldMemory& memory)
+LiveNodes::LiveNodes(const Services& services, std::chrono::milliseconds deadline, WorldMemory& memory)
     : memory_(memory),
       watchdog_(deadline),
-      parts_{Part{{services.worlds[kReferenceClosed], watchdog_}, {}, nullptr},
-             Part{{services.worlds[kEngineClosed], watchdog_}, {}, nullptr},
-             Part{{services.worlds[kEngineReplay], watchdog_}, {}, nullptr}},
+      world_nodes_{WorldNode{{services.worlds[kReferenceClosed], watchdog_}, {}, nullptr},
+                   WorldNode{{services.worlds[kEngineClosed], watchdog_}, {}, nullptr},
+                   WorldNode{{services.worlds[kEngineReplay], watchdog_}, {}, nullptr}},
       policy_peer_(services.policy, watchdog_) {}
 
-void Cast::connect(const Settings& settings, const pusht::Peer::Wait& wait) {
-  connectWorlds(settings, wait);
+void LiveNodes::connect(const Simulators& simulators, const pusht::Peer::Wait& wait) {
+  connectWorlds(simulators, wait);
   policy_peer_.connect(wait);
   requireIsPolicy(policy_peer_);
   policy_ = std::make_unique<pusht::ServedPolicy>(policy_peer_);
@@ -62,8 +62,8 @@ void Cast::connect(const Settings& settings, const pusht::Peer::Wait& wait) {
   requireOneEngine();
 
   std::string identity = identityOf(policy_peer_.description());
-  for (const Part& part : parts_) {
-    identity += "; " + identityOf(part.description);
+  for (const WorldNode& node : world_nodes_) {
+    identity += "; " + identityOf(node.description);
   }
   if (identity_ && *identity_ != identity) {
     throw pusht::BadDependency("the nodes have come back as " + identity + "; must be " + *identity_);
@@ -71,75 +71,75 @@ void Cast::connect(const Settings& settings, const pusht::Peer::Wait& wait) {
   identity_ = std::move(identity);
 }
 
-void Cast::connectWorlds(const Settings& settings, const pusht::Peer::Wait& wait) {
+void LiveNodes::connectWorlds(const Simulators& simulators, const pusht::Peer::Wait& wait) {
   worlds_ = {};  // leaves those that have not been lost
   std::array<std::unique_ptr<pusht::Simulator>, kModeCount> worlds;
   for (std::size_t mode = 0; mode < kModeCount; ++mode) {
-    Part& part = parts_.at(mode);
-    part.peer.connect(wait);
-    const std::string& services = part.peer.services();
-    const pusht_msgs::DescribeResponse& now = part.peer.description();
-    const Setting& asked = mode == kReferenceClosed ? settings.reference : settings.engine;
-    Setting setting = settingOf(part.description);  // as before
+    WorldNode& node = world_nodes_.at(mode);
+    node.peer.connect(wait);
+    const std::string& services = node.peer.services();
+    const pusht_msgs::DescribeResponse& now = node.peer.description();
+    const WorldRequest& asked = mode == kReferenceClosed ? simulators.reference : simulators.engine;
+    WorldRequest wanted = requestFor(node.description);  // as before
     if (!identity_) {
       requireParametersInForce(services, now);
-      setting = memory_.resolve(services, now, asked);
+      wanted = memory_.resolve(services, now, asked);
     }
     std::unique_ptr<pusht::ServedSimulator> world;
     try {
-      world = std::make_unique<pusht::ServedSimulator>(part.peer, stamps_, setting.kind, setting.parameters);
+      world = std::make_unique<pusht::ServedSimulator>(node.peer, stamps_, wanted.kind, wanted.parameters);
     } catch (const pusht::Error& error) {
       if (error.exitCode() == pusht::ExitCode::kInvalidInput) {  // a refused configuration changes nothing
         memory_.configured(services, now);
       }
       throw;
     }
-    part.description = world->describe();  // not before: a node that dies meanwhile gets what was asked for next time
-    memory_.configured(services, part.description);
-    part.world = world.get();
+    node.description = world->describe();  // not before: a node that dies meanwhile gets what was asked for next time
+    memory_.configured(services, node.description);
+    node.world = world.get();
     worlds.at(mode) = std::move(world);
   }
   worlds_ =
       worldsOf(std::move(worlds[kReferenceClosed]), std::move(worlds[kEngineClosed]), std::move(worlds[kEngineReplay]));
 }
 
-void Cast::requireThreeWorlds() const {
+void LiveNodes::requireThreeWorlds() const {
   for (std::size_t a = 0; a < kModeCount; ++a) {
     for (std::size_t b = a + 1; b < kModeCount; ++b) {
-      if (parts_.at(a).description.instance_id == parts_.at(b).description.instance_id) {
-        throw pusht::InvalidInput(parts_.at(a).peer.services() + " and " + parts_.at(b).peer.services() +
+      if (world_nodes_.at(a).description.instance_id == world_nodes_.at(b).description.instance_id) {
+        throw pusht::InvalidInput(world_nodes_.at(a).peer.services() + " and " + world_nodes_.at(b).peer.services() +
                                   " are one node: each rollout needs a world of its own");
       }
     }
   }
 }
 
-void Cast::requireOneEngine() const {
-  const std::string closed = identityOf(parts_[kEngineClosed].description);
-  const std::string replay = identityOf(parts_[kEngineReplay].description);
+void LiveNodes::requireOneEngine() const {
+  const std::string closed = identityOf(world_nodes_[kEngineClosed].description);
+  const std::string replay = identityOf(world_nodes_[kEngineReplay].description);
   if (closed != replay) {
-    throw pusht::InvalidInput(parts_[kEngineReplay].peer.services() + " is " + replay + ": must be as " +
-                              parts_[kEngineClosed].peer.services() + ", " + closed);
+    throw pusht::InvalidInput(world_nodes_[kEngineReplay].peer.services() + " is " + replay + ": must be as " +
+                              world_nodes_[kEngineClosed].peer.services() + ", " + closed);
   }
 }
 
-void Cast::announce(int episode, int horizon) {
+void LiveNodes::announce(int episode, int horizon) {
   policy_peer_.requireSameOwner();
-  for (Part& part : parts_) {
-    part.peer.requireSameOwner();
-    part.world->announce(static_cast<std::uint64_t>(episode), horizon);
+  for (WorldNode& node : world_nodes_) {
+    node.peer.requireSameOwner();
+    node.world->announce(static_cast<std::uint64_t>(episode), horizon);
   }
 }
 
-void Cast::silence() {
-  for (Part& part : parts_) {
-    part.world->silence();
+void LiveNodes::silence() {
+  for (WorldNode& node : world_nodes_) {
+    node.world->silence();
   }
 }
 
-void Cast::requireUndisturbed() {
-  for (Part& part : parts_) {
-    part.world->describe();
+void LiveNodes::requireUndisturbed() {
+  for (WorldNode& node : world_nodes_) {
+    node.world->describe();
   }
 }
 

@@ -8,6 +8,6 @@
 namespace sim2sim {
 
 /// `whole` as it was after `steps` control steps, or after its last one.
-Episode upTo(const Protocol& protocol, const Episode& whole, int steps);
+Episode truncatedEpisode(const Protocol& protocol, const Episode& whole, int steps);
 
 }  // namespace sim2sim

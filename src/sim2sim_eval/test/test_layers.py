@@ -10,22 +10,22 @@ from command_case import CommandCase, executable
 LIBRARIES = Path(executable("sim2sim_eval", "compare")).parents[1]
 
 
-class Rooms(CommandCase):
+class Layers(CommandCase):
     def needed(self, library: str) -> Set[str]:
         """The libraries that come with one, also through others."""
         process = self.run_command("ldd", str(LIBRARIES / library))
         self.assertEqual(process.returncode, 0, process.stderr)
         return {Path(line.split()[0]).name for line in process.stdout.splitlines()}
 
-    def foreign(self, room: str) -> Set[str]:
+    def foreign(self, layer: str) -> Set[str]:
         """What a library needs besides ours and what `pusht_task`, which is free of ROS, needs."""
-        needed = self.needed(f"libsim2sim_{room}.so")
+        needed = self.needed(f"libsim2sim_{layer}.so")
         own = {name for name in needed if name.startswith("libsim2sim_")}
         return needed - own - {"libpusht_task.so"} - self.needed("libpusht_task.so")
 
     def test_statistics_protocol_and_results_need_no_ros(self) -> None:
-        for room in ("statistics", "protocol", "results"):
-            self.assertEqual(self.foreign(room), set(), room)
+        for layer in ("statistics", "protocol", "results"):
+            self.assertEqual(self.foreign(layer), set(), layer)
         self.assertIn("libpusht_task.so", self.needed("libsim2sim_protocol.so"))
 
     def test_statistics_need_nothing_of_the_suite(self) -> None:
@@ -34,5 +34,5 @@ class Rooms(CommandCase):
 
     def test_those_that_need_it_show_it(self) -> None:
         """Or the other test could not fail."""
-        for room, library in (("bag", "librosbag_storage.so"), ("eval", "libmujoco.so")):
-            self.assertTrue(any(name.startswith(library) for name in self.foreign(room)), room)
+        for layer, library in (("bag", "librosbag_storage.so"), ("eval", "libmujoco.so")):
+            self.assertTrue(any(name.startswith(library) for name in self.foreign(layer)), layer)

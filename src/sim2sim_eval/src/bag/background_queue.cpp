@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/bag/worker.hpp"
+#include "sim2sim_eval/bag/background_queue.hpp"
 
 #include <sched.h>
 
@@ -15,9 +15,9 @@ constexpr std::size_t kMuch = 2'000;  // tasks
 
 }  // namespace
 
-Worker::Worker() : thread_([this] { work(); }) {}
+BackgroundQueue::BackgroundQueue() : thread_([this] { work(); }) {}
 
-Worker::~Worker() {
+BackgroundQueue::~BackgroundQueue() {
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
     ending_ = true;
@@ -28,7 +28,7 @@ Worker::~Worker() {
   thread_.join();
 }
 
-void Worker::post(std::function<void()> task) {
+void BackgroundQueue::post(std::function<void()> task) {
   std::size_t queued = 0;
   {
     const std::lock_guard<std::mutex> lock(queue_mutex_);
@@ -40,7 +40,7 @@ void Worker::post(std::function<void()> task) {
   }
 }
 
-void Worker::wait() {
+void BackgroundQueue::wait() {
   while (runNext()) {
   }
   const std::lock_guard<std::mutex> lock(running_);
@@ -49,7 +49,7 @@ void Worker::wait() {
   }
 }
 
-void Worker::work() {
+void BackgroundQueue::work() {
   const sched_param none{};
   sched_setscheduler(0, SCHED_IDLE, &none);  // of this thread
   std::unique_lock<std::mutex> lock(queue_mutex_);
@@ -63,7 +63,7 @@ void Worker::work() {
 }
 
 /// False if there is no task.
-bool Worker::runNext() {
+bool BackgroundQueue::runNext() {
   const std::lock_guard<std::mutex> run(running_);
   std::function<void()> task;
   {

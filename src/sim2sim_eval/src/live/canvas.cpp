@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/sheet.hpp"
+#include "sim2sim_eval/live/canvas.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,26 +29,26 @@ geometry_msgs::Point point(double x, double y, double z) {
   return point;
 }
 
-Marker& Sheet::add(int type, const ColorRGBA& color) {
+Marker& Canvas::add(int type, const ColorRGBA& color) {
   return markers_.emplace_back(frameLockedMarker(frame_, type, color));
 }
 
-void Sheet::line(int type, const ColorRGBA& color, double width, Points points) {
+void Canvas::line(int type, const ColorRGBA& color, double width, Points points) {
   Marker& line = add(type, color);
   line.scale.x = width;
   line.action = points.size() < 2 ? Marker::DELETE : Marker::ADD;
   line.points = std::move(points);
 }
 
-void Sheet::triangles(const ColorRGBA& color, Points corners) {
+void Canvas::triangles(const ColorRGBA& color, Points corners) {
   Marker& surface = add(Marker::TRIANGLE_LIST, color);
   surface.scale.x = surface.scale.y = surface.scale.z = 1.0;
   surface.action = corners.empty() ? Marker::DELETE : Marker::ADD;
   surface.points = std::move(corners);
 }
 
-void Sheet::arrow(const ColorRGBA& color, double width, const geometry_msgs::Point& from,
-                  const Eigen::Vector2d& along) {
+void Canvas::arrow(const ColorRGBA& color, double width, const geometry_msgs::Point& from,
+                   const Eigen::Vector2d& along) {
   Marker& arrow = add(Marker::ARROW, color);
   arrow.scale.x = width;
   arrow.scale.y = kHeadWidths * width;
@@ -57,7 +57,7 @@ void Sheet::arrow(const ColorRGBA& color, double width, const geometry_msgs::Poi
   arrow.points = {from, point(from.x + along.x(), from.y + along.y(), from.z)};
 }
 
-void Sheet::text(const std::string& text, double x, double y, double size, const ColorRGBA& color) {
+void Canvas::text(const std::string& text, double x, double y, double size, const ColorRGBA& color) {
   Marker& marker = add(Marker::TEXT_VIEW_FACING, color);
   marker.pose.position = point(x, y, kTextZ);
   marker.scale.z = size;
@@ -65,7 +65,7 @@ void Sheet::text(const std::string& text, double x, double y, double size, const
   marker.text = text;
 }
 
-void Sheet::rectangle(const ColorRGBA& color, double left, double bottom, double right, double top, double z) {
+void Canvas::rectangle(const ColorRGBA& color, double left, double bottom, double right, double top, double z) {
   Marker& cube = add(Marker::CUBE, color);
   cube.pose.position = point(0.5 * (left + right), 0.5 * (bottom + top), z);
   cube.scale.x = right - left;
@@ -73,7 +73,7 @@ void Sheet::rectangle(const ColorRGBA& color, double left, double bottom, double
   cube.scale.z = 0.001;
 }
 
-void Sheet::appendTo(visualization_msgs::MarkerArray& array, const std::string& ns) {
+void Canvas::appendTo(visualization_msgs::MarkerArray& array, const std::string& ns) {
   pusht::enumerate(ns, markers_);
   array.markers.insert(array.markers.end(), markers_.begin(), markers_.end());
 }

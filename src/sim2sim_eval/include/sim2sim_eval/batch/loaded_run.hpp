@@ -14,12 +14,12 @@
 namespace sim2sim {
 
 /// Reference and policy, loaded once for all runs of a process.
-class Setup {
+class LoadedRun {
  public:
   /// `engines` are the kinds that the reference is compared with. Warns on stderr if another policy runs than was asked
   /// for. Throws as SimulatorKind::load and choosePolicy do.
-  Setup(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
-        const std::vector<SimulatorChoice>& engines);
+  LoadedRun(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
+            const std::vector<SimulatorChoice>& engines);
 
   /// The string given, or "fresh-untrained".
   const std::string& policyName() const { return policy_.name; }

@@ -31,7 +31,7 @@ constexpr double kTitleSize = 0.062;
 constexpr double kResultSize = 0.051;
 constexpr double kSmallSize = 0.044;
 
-constexpr double kLetterWidth = 0.46;  // mean width of a letter, in heights of the text
+constexpr double kCharacterWidth = 0.46;  // mean width of a letter, in heights of the text
 
 constexpr std::array<std::uint32_t, kModeCount> kWorldColors = {pusht::palette::kReference, pusht::palette::kEngine,
                                                                 pusht::palette::kReplay};
@@ -66,10 +66,10 @@ geometry_msgs::Point point(double x, double y, double z);
 
 /// What is drawn in one frame. A thing that is not there, as a text without letters, is deleted where it was drawn
 /// before: so each drawing of the same kind of picture has the same markers.
-class Sheet {
+class Canvas {
  public:
   /// `frame`: of all positions [m].
-  explicit Sheet(std::string frame) : frame_(std::move(frame)) {}
+  explicit Canvas(std::string frame) : frame_(std::move(frame)) {}
 
   visualization_msgs::Marker& add(int type, const std_msgs::ColorRGBA& color);
 

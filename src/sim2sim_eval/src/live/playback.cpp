@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/replay.hpp"
+#include "sim2sim_eval/live/playback.hpp"
 
 #include <ros/ros.h>
 
@@ -17,7 +17,7 @@
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/control.hpp"
 #include "sim2sim_eval/live/request.hpp"
-#include "sim2sim_eval/live/up_to.hpp"
+#include "sim2sim_eval/live/truncated_episode.hpp"
 #include "sim2sim_protocol/results/run.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 
@@ -46,8 +46,8 @@ int stepsIn(double seconds) { return static_cast<int>(std::lround(seconds / push
 
 }  // namespace
 
-ReplayParameters ReplayParameters::load(pusht::ParameterReader& parameters) {
-  ReplayParameters loaded;
+PlaybackParameters PlaybackParameters::load(pusht::ParameterReader& parameters) {
+  PlaybackParameters loaded;
   loaded.bag = parameters.text("bag", "");
   const int episode = parameters.integer("episode", -1);
   if (episode >= 0) {
@@ -65,7 +65,7 @@ ReplayParameters ReplayParameters::load(pusht::ParameterReader& parameters) {
   return loaded;
 }
 
-Replay::Replay(const ros::NodeHandle& node, const ReplayParameters& parameters)
+Playback::Playback(const ros::NodeHandle& node, const PlaybackParameters& parameters)
     : node_(node),
       run_(read(parameters.bag, episodes_)),
       frame_prefixes_{"reference", "engine", "engine_replay"},
@@ -74,37 +74,37 @@ Replay::Replay(const ros::NodeHandle& node, const ReplayParameters& parameters)
       request_(node_.advertise<pusht_msgs::CompareGoal>("request", 1, true)) {
   pusht_msgs::ControlRequest start;
   start.episode = static_cast<std::uint64_t>(parameters.episode.value_or(episodes_.begin()->first));
-  const Place begin = placeOf(start);
-  sought_ = Place{begin.episode, std::min(stepsIn(parameters.start), episodes_.at(begin.episode).steps())};
+  const PlaybackPosition begin = positionOf(start);
+  sought_ = PlaybackPosition{begin.episode, std::min(stepsIn(parameters.start), episodes_.at(begin.episode).steps())};
   pacer_.setRate(parameters.speed / pusht::kControlStep);
   const RunConfiguration& configuration = run_.configuration;
   request_.publish(goalOf(configuration.protocol));
   broadcast_.begin(configuration, Picture::of(configuration, frame_prefixes_), nullptr, stamp_);
-  broadcast_.recall(run_.episodes, summarize(configuration.protocol, run_.episodes), lastOf(run_), stamp_);
-  control_ = node_.advertiseService("control", &Replay::onControl, this);
-  repeating_ = node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { repeat(); });
-  tellProgress();
+  broadcast_.restore(run_.episodes, summarize(configuration.protocol, run_.episodes), lastOf(run_), stamp_);
+  control_ = node_.advertiseService("control", &Playback::onControl, this);
+  repeating_ = node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { republish(); });
+  publishProgress();
 }
 
-void Replay::run() {
+void Playback::run() {
   waitForAudience();
   while (!ended()) {
-    if (const std::optional<Place> place = takeSought()) {
-      show(*place);
+    if (const std::optional<PlaybackPosition> position = takeSought()) {
+      show(*position);
     } else if (pacer_.wait([this] { return ended() || sought(); })) {
       advance();
     }
   }
 }
 
-void Replay::waitForAudience() const {
+void Playback::waitForAudience() const {
   constexpr double kLookPeriod = 0.05;  // [s]
   while (!ended() && !broadcast_.watched()) {
     ros::WallDuration(kLookPeriod).sleep();
   }
 }
 
-void Replay::advance() {
+void Playback::advance() {
   const auto whole = episodes_.find(shown_->index());
   if (shown_->steps() < whole->second.steps()) {
     show({shown_->index(), shown_->steps() + 1});
@@ -113,16 +113,16 @@ void Replay::advance() {
   } else {
     at_end_ = true;
     pacer_.pause();
-    tellProgress();
+    publishProgress();
   }
 }
 
-void Replay::show(const Place& place) {
-  const bool another = !shown_ || shown_->index() != place.episode;
-  shown_ = upTo(run_.configuration.protocol, episodes_.at(place.episode), place.step);
+void Playback::show(const PlaybackPosition& position) {
+  const bool another = !shown_ || shown_->index() != position.episode;
+  shown_ = truncatedEpisode(run_.configuration.protocol, episodes_.at(position.episode), position.step);
   stamp_ += ros::Duration(pusht::kControlStep);
   if (another) {
-    broadcast_.foretell(episodes_.at(place.episode), stamp_);
+    broadcast_.publishWholeCurve(episodes_.at(position.episode), stamp_);
   }
   std::vector<geometry_msgs::TransformStamped> frames;
   for (const Mode mode : kModes) {
@@ -141,7 +141,7 @@ void Replay::show(const Place& place) {
 
 /// Sends the last frames again, for late subscribers and after rviz's Reset. Stamps grow, because tf2 warns of one that
 /// comes twice.
-void Replay::repeat() {
+void Playback::republish() {
   const std::lock_guard<std::mutex> lock(mutex_);
   for (geometry_msgs::TransformStamped& frame : moving_) {
     frame.header.stamp += ros::Duration(0, 1);
@@ -149,19 +149,19 @@ void Replay::repeat() {
   frames_.sendTransform(moving_);
 }
 
-bool Replay::ended() const { return !ros::ok() || interrupted(); }
+bool Playback::ended() const { return !ros::ok() || interrupted(); }
 
-std::optional<Replay::Place> Replay::takeSought() {
+std::optional<Playback::PlaybackPosition> Playback::takeSought() {
   const std::lock_guard<std::mutex> lock(mutex_);
   return std::exchange(sought_, std::nullopt);
 }
 
-bool Replay::sought() const {
+bool Playback::sought() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return sought_.has_value();
 }
 
-Replay::Place Replay::placeOf(const pusht_msgs::ControlRequest& request) const {
+Playback::PlaybackPosition Playback::positionOf(const pusht_msgs::ControlRequest& request) const {
   const auto held = std::find_if(episodes_.begin(), episodes_.end(), [&](const auto& episode) {
     return static_cast<std::uint64_t>(episode.first) == request.episode;
   });
@@ -178,29 +178,29 @@ Replay::Place Replay::placeOf(const pusht_msgs::ControlRequest& request) const {
   return {held->first, static_cast<int>(request.step)};
 }
 
-bool Replay::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response) {
-  response = answerTo([&] {
+bool Playback::onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response) {
+  response = controlResponse([&] {
     if (request.command == pusht_msgs::ControlRequest::SEEK) {
-      seek(placeOf(request));
+      seek(positionOf(request));
     } else {
       if (request.command == pusht_msgs::ControlRequest::RESUME && at_end_) {
         seek({episodes_.begin()->first, 0});  // once more
       }
-      obey(pacer_, request);
+      applyControl(pacer_, request);
     }
-    tellProgress();
+    publishProgress();
   });
   return true;
 }
 
-void Replay::seek(const Place& place) {
+void Playback::seek(const PlaybackPosition& position) {
   at_end_ = false;
   const std::lock_guard<std::mutex> lock(mutex_);
-  sought_ = place;
+  sought_ = position;
 }
 
-void Replay::tellProgress() {
-  const std::lock_guard<std::mutex> telling(telling_);
+void Playback::publishProgress() {
+  const std::lock_guard<std::mutex> publishing(publishing_);
   pusht_msgs::Progress progress;
   progress.replay = 1;
   progress.paused = static_cast<std::uint8_t>(pacer_.paused());
@@ -209,20 +209,20 @@ void Replay::tellProgress() {
   progress.episodes_finished = static_cast<std::uint32_t>(episodes_.size());
   progress.seconds_left = std::numeric_limits<double>::quiet_NaN();
   progress_.publish(progress);
-  broadcast_.tellPaused(pacer_.paused());
+  broadcast_.showPaused(pacer_.paused());
 }
 
-pusht::ExitCode serveReplay() {
+pusht::ExitCode servePlayback() {
   pusht::requireClock();
   const ros::NodeHandle node("~");
   pusht::ParameterReader parameters(node);
   parameters.enterWorkingDirectory();
-  const ReplayParameters loaded = ReplayParameters::load(parameters);
+  const PlaybackParameters loaded = PlaybackParameters::load(parameters);
   parameters.refuseUnknown();
-  Replay replay(node, loaded);
+  Playback playback(node, loaded);
   ros::AsyncSpinner callbacks(1);
   callbacks.start();
-  replay.run();
+  playback.run();
   return pusht::ExitCode::kOk;
 }
 

@@ -19,7 +19,7 @@ namespace sim2sim {
 
 /// Three served worlds and a served policy. What they are is fixed when they are first connected to: a node
 /// that comes back after a fault must be the same again.
-class Cast {
+class LiveNodes {
  public:
   struct Services {
     std::array<std::string, kModeCount> worlds;  ///< service namespaces, by mode
@@ -27,14 +27,12 @@ class Cast {
   };
 
   /// A call that is not answered within `deadline` is a PeerFault. `memory` must outlive the cast.
-  Cast(const Services& services, std::chrono::milliseconds deadline, WorldMemory& memory);
-
-  using Setting = WorldSetting;
+  LiveNodes(const Services& services, std::chrono::milliseconds deadline, WorldMemory& memory);
 
   /// In each role.
-  struct Settings {
-    Setting reference;
-    Setting engine;
+  struct Simulators {
+    WorldRequest reference;
+    WorldRequest engine;
   };
 
   /// Connects to all, the first time or after a fault, takes the worlds over, and sets their parameters: of a world
@@ -43,7 +41,7 @@ class Cast {
   /// that failed at start; InvalidInput if the two worlds of the engine differ, two worlds are one, a world's parameter
   /// on the parameter server is not the one that it works with, or the policy is none; BadDependency if one has come
   /// back as another.
-  void connect(const Settings& settings, const pusht::Peer::Wait& wait);
+  void connect(const Simulators& simulators, const pusht::Peer::Wait& wait);
 
   /// Makes ready for an episode. Throws PeerFault if a node has been replaced.
   void announce(int episode, int horizon);
@@ -55,7 +53,7 @@ class Cast {
   /// another caller has configured one.
   void requireUndisturbed();
 
-  const pusht_msgs::DescribeResponse& describe(Mode mode) const { return parts_.at(mode).description; }
+  const pusht_msgs::DescribeResponse& describe(Mode mode) const { return world_nodes_.at(mode).description; }
   const pusht_msgs::DescribeResponse& describePolicy() const { return policy_peer_.description(); }
 
   const Worlds& worlds() const { return worlds_; }
@@ -64,20 +62,20 @@ class Cast {
 
  private:
   /// One world.
-  struct Part {
+  struct WorldNode {
     pusht::Peer peer;
     pusht_msgs::DescribeResponse description;  // with the parameters as set
     pusht::ServedSimulator* world = nullptr;
   };
 
-  void connectWorlds(const Settings& settings, const pusht::Peer::Wait& wait);
+  void connectWorlds(const Simulators& simulators, const pusht::Peer::Wait& wait);
   void requireThreeWorlds() const;
   void requireOneEngine() const;
 
   WorldMemory& memory_;
   pusht::Watchdog watchdog_;
   pusht::StampSource stamps_;
-  std::array<Part, kModeCount> parts_;
+  std::array<WorldNode, kModeCount> world_nodes_;
   pusht::Peer policy_peer_;
   Worlds worlds_;
   std::unique_ptr<pusht::ServedPolicy> policy_;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/up_to.hpp"
+#include "sim2sim_eval/live/truncated_episode.hpp"
 
 #include <algorithm>
 #include <cstddef>
 
 namespace sim2sim {
 
-Episode upTo(const Protocol& protocol, const Episode& whole, int steps) {
+Episode truncatedEpisode(const Protocol& protocol, const Episode& whole, int steps) {
   const auto begin = [&](Mode mode) { return pusht::Rollout(whole.rollout(mode).trace().states.front()); };
   Episode episode(protocol, whole.index(), {begin(kReferenceClosed), begin(kEngineClosed), begin(kEngineReplay)});
   for (const Mode mode : kModes) {

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "pusht_task/constants.hpp"
+
 namespace pusht_rviz {
 
 CurvePoint pointFrom(const pusht_msgs::Divergence& divergence) {
   CurvePoint point;
-  point.time = kControlStep * divergence.step;
+  point.time = pusht::kControlStep * divergence.step;
   point.values[kReplayCurve] = {divergence.replay_position, divergence.replay_angle};
   point.values[kClosedCurve] = {divergence.closed_position, divergence.closed_angle};
   point.values[kNullCurve] = {divergence.null_position, divergence.null_angle};
@@ -60,7 +62,7 @@ void CurveStore::recall(const std::vector<pusht_msgs::Divergence>& curve) {
   for (const pusht_msgs::Divergence& divergence : curve) {
     if (current_.points.empty()) {
       current_.episode = divergence.episode;
-      cursor_ = kControlStep * curve.back().step;
+      cursor_ = pusht::kControlStep * curve.back().step;
     }
     if (divergence.episode == current_.episode) {
       insert(pointFrom(divergence));

@@ -17,16 +17,16 @@ namespace {
 
 constexpr int kRedrawPeriod = 70;      // [ms]
 constexpr double kShortestAxis = 5.0;  // [s]
-constexpr int kFaded = 56;             // of 255
+constexpr int kFaded = 56;             // opacity of earlier episodes, of 255
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
 
 constexpr std::array<double, kAspects> kLeast = {1e-5, 1e-4};    // of the axes, [m] and [rad]
-constexpr std::array<double, kAspects> kGreatest = {1.0, 3.15};  // beyond, a curve runs along the top
+constexpr std::array<double, kAspects> kGreatest = {1.0, 3.15};  // a greater value is drawn at the top
 
 constexpr std::array<const char*, kAspects> kTitles = {"position apart [m]", "angle apart [rad]"};
 constexpr std::array<const char*, kCurveKinds> kNames = {"same actions", "same policy", "tee that never moves"};
 
-QColor colourOf(std::size_t kind) {
+QColor colorOf(std::size_t kind) {
   return kind == kReplayCurve ? theme::kReplay : kind == kClosedCurve ? theme::kEngine : theme::kDim;
 }
 
@@ -49,11 +49,11 @@ Curves::Curves(QWidget* parent) : QWidget(parent), plot_(new QCustomPlot(this)) 
   all->addWidget(plot_);
   plot_->setObjectName("curves");
   plot_->setMinimumHeight(theme::px(180));
-  plot_->setBackground(QBrush(theme::kBackground));
+  plot_->setBackground(QBrush(theme::kPaper));
   plot_->setNoAntialiasingOnDrag(true);
   plot_->plotLayout()->clear();
   plot_->plotLayout()->setRowSpacing(2);
-  // A layer with a buffer of its own: to redraw it leaves axes and earlier episodes as they are.
+  // The layer has a buffer of its own, so redrawing it leaves axes and earlier episodes as they are.
   plot_->addLayer("live", plot_->layer("main"), QCustomPlot::limAbove);
   live_ = plot_->layer("live");
   live_->setMode(QCPLayer::lmBuffered);
@@ -88,7 +88,7 @@ void Curves::build(Aspect aspect) {
   plot_->plotLayout()->addElement(static_cast<int>(aspect), 0, chart.rect);
   chart.rect->setLayer("background");
   chart.rect->addAxes(QCPAxis::atLeft | QCPAxis::atBottom);
-  chart.rect->setBackground(QBrush(theme::kPaper));
+  chart.rect->setBackground(QBrush(theme::kCard));
   chart.rect->setMinimumMargins(QMargins(4, 6, 8, 2));
   for (QCPAxis* const axis : chart.rect->axes()) {
     axis->setBasePen(QPen(theme::kGrid));
@@ -109,7 +109,8 @@ void Curves::build(Aspect aspect) {
   const QSharedPointer<QCPAxisTickerLog> decades(new QCPAxisTickerLog);
   decades->setTickCount(4);
   connect(plot_, &QCustomPlot::afterReplot, this, [this, rect = chart.rect, decades, aspect] {
-    // Every second decade where labels of all would touch. (Heights are known once the plot is laid out.)
+    // Labels of all decades would touch on a low plot: then every second one has a label. Heights are known once the
+    // plot is laid out.
     const double decade = rect->height() / std::log10(kGreatest.at(aspect) / kLeast.at(aspect));
     const double base = decade < QFontMetrics(small()).height() ? 100.0 : 10.0;
     if (decades->logBase() != base) {
@@ -135,14 +136,14 @@ void Curves::build(Aspect aspect) {
   chart.rect->setMarginGroup(QCP::msLeft, margins);
 
   chart.bound = plot_->addGraph(time, value);
-  chart.bound->setPen(QPen(theme::kBright, 1.0, Qt::DotLine));
+  chart.bound->setPen(QPen(theme::kInk, 1.0, Qt::DotLine));
   chart.bound->setAntialiased(false);
   chart.floor = plot_->addGraph(time, value);
   chart.floor->setName("reference from itself (floor)");
   chart.floor->setPen(QPen(theme::kReference, 1.0, Qt::DashDotLine));
   chart.floor->setAntialiased(false);
   chart.cursor = new QCPItemStraightLine(plot_);
-  chart.cursor->setPen(QPen(theme::kBright, 1.0));
+  chart.cursor->setPen(QPen(theme::kInk, 1.0));
   chart.cursor->setAntialiased(false);
   chart.cursor->setClipAxisRect(chart.rect);
   for (QCPItemPosition* const end : {chart.cursor->point1, chart.cursor->point2}) {
@@ -152,7 +153,7 @@ void Curves::build(Aspect aspect) {
   chart.cursor->setLayer(live_);
   chart.cursor->setVisible(false);
   for (const std::size_t kind : {kClosedCurve, kReplayCurve}) {
-    QColor faded = colourOf(kind);
+    QColor faded = colorOf(kind);
     faded.setAlpha(kFaded);
     chart.earlier[kind] = new QCPCurve(time, value);
     chart.earlier[kind]->setPen(QPen(faded, 1.0));
@@ -161,13 +162,13 @@ void Curves::build(Aspect aspect) {
   for (std::size_t kind = 0; kind < kCurveKinds; ++kind) {
     chart.now[kind] = plot_->addGraph(time, value);
     chart.now[kind]->setName(kNames.at(kind));
-    chart.now[kind]->setPen(kind == kNullCurve ? QPen(theme::kDim, 1.0, Qt::DashLine) : QPen(colourOf(kind), 2.0));
+    chart.now[kind]->setPen(kind == kNullCurve ? QPen(theme::kDim, 1.0, Qt::DashLine) : QPen(colorOf(kind), 2.0));
     chart.now[kind]->setLayer(live_);
   }
   chart.title = new QCPItemText(plot_);
   chart.title->setFont(small());
-  chart.title->setColor(theme::kBright);
-  chart.title->setBrush(QBrush(theme::kPaper));  // curves run below it
+  chart.title->setColor(theme::kInk);
+  chart.title->setBrush(QBrush(theme::kCard));  // curves run below it
   chart.title->setText(kTitles.at(aspect));
   chart.title->setPositionAlignment(Qt::AlignRight | Qt::AlignBottom);
   chart.title->position->setType(QCPItemPosition::ptAxisRectRatio);
@@ -274,7 +275,7 @@ void Curves::drawEarlier() {
       double order = 0.0;
       for (const EpisodeCurves& curves : store_.earlier()) {
         if (chosen_) {
-          break;  // it is looked at alone
+          break;  // a chosen episode is drawn alone
         }
         for (const CurvePoint& point : curves.points) {
           data.append({order++, point.time, shown(point.values.at(kind).at(aspect), aspect)});

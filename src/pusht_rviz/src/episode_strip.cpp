@@ -13,10 +13,10 @@
 namespace pusht_rviz {
 namespace {
 
-constexpr int kLeast = 6;  // [px] from one square to the next, where there are many
-constexpr int kGreatest = 16;
-constexpr int kMostRows = 3;  // of the largest squares: what the strip is high at most
-constexpr int kGap = 2;
+constexpr int kLeast = 6;      // [px] pitch of the squares of a long run
+constexpr int kGreatest = 16;  // [px] pitch of the squares of a short run
+constexpr int kMostRows = 3;   // of squares of the greatest pitch: the greatest height of the strip
+constexpr int kGap = 2;        // [px] between squares
 
 }  // namespace
 
@@ -71,25 +71,25 @@ QSize EpisodeStrip::minimumSizeHint() const { return {theme::px(100), sizeHint()
 
 std::optional<QPoint> EpisodeStrip::centerOf(std::uint64_t episode) const {
   const StripLayout layout = this->layout(width());
-  const std::uint64_t place = episode - first_;
-  if (episode < first_ || place < layout.begin || place >= layout.end) {
+  const std::uint64_t index = episode - first_;
+  if (episode < first_ || index < layout.begin || index >= layout.end) {
     return std::nullopt;
   }
-  return QPoint(layout.left(place) + layout.pitch / 2, layout.top(place) + layout.pitch / 2);
+  return QPoint(layout.left(index) + layout.pitch / 2, layout.top(index) + layout.pitch / 2);
 }
 
 std::optional<std::uint64_t> EpisodeStrip::episodeAt(const QPoint& at) const {
-  const std::optional<std::uint64_t> place = layout(width()).placeAt(at.x(), at.y());
-  return place ? std::optional(first_ + *place) : std::nullopt;
+  const std::optional<std::uint64_t> index = layout(width()).indexAt(at.x(), at.y());
+  return index ? std::optional(first_ + *index) : std::nullopt;
 }
 
 void EpisodeStrip::paintEvent(QPaintEvent* /*event*/) {
   QPainter painter(this);
   const StripLayout layout = this->layout(width());
   const int side = layout.pitch - kGap;
-  for (std::uint64_t place = layout.begin; place < layout.end; ++place) {
-    const std::uint64_t episode = first_ + place;
-    const QRect square(layout.left(place) + kGap / 2, layout.top(place) + kGap / 2, side, side);
+  for (std::uint64_t index = layout.begin; index < layout.end; ++index) {
+    const std::uint64_t episode = first_ + index;
+    const QRect square(layout.left(index) + kGap / 2, layout.top(index) + kGap / 2, side, side);
     if (const std::optional<int> row = episodes_->rowOfEpisode(episode)) {
       const EpisodeRow& outcome = episodes_->row(*row);
       painter.fillRect(square, theme::kGrid);
@@ -106,7 +106,7 @@ void EpisodeStrip::paintEvent(QPaintEvent* /*event*/) {
       painter.drawRect(square.adjusted(0, 0, -1, -1));
     }
     if (episode == shown_) {
-      painter.setPen(QPen(theme::kBright, 2));
+      painter.setPen(QPen(theme::kInk, 2));
       painter.drawRect(square);
     }
   }

@@ -7,16 +7,16 @@
 #include <cstddef>
 #include <string>
 
-#include "pusht_rviz/curve_store.hpp"
-#include "pusht_rviz/numbers.hpp"
+#include "pusht_rviz/texts.hpp"
 #include "pusht_rviz/theme.hpp"
+#include "pusht_task/constants.hpp"
 
 namespace pusht_rviz {
 namespace {
 
 QString inWords(const std::string& name) { return QString::fromStdString(name).replace('_', ' '); }
 
-QString seconds(std::uint32_t steps) { return QString::number(kControlStep * steps, 'f', 1) + " s"; }
+QString seconds(std::uint32_t steps) { return QString::number(pusht::kControlStep * steps, 'f', 1) + " s"; }
 
 QString outcome(bool success) { return success ? QString::fromUtf8("✓ solved") : QString::fromUtf8("✗ failed"); }
 
@@ -56,7 +56,7 @@ QString toolTip(const EpisodeRow& row, int column) {
   }
 }
 
-QVariant colour(const EpisodeRow& row, int column) {
+QVariant color(const EpisodeRow& row, int column) {
   if (column == EpisodesModel::kReference || column == EpisodesModel::kEngine) {
     const bool success = column == EpisodesModel::kReference ? row.reference_success : row.engine_success;
     return QBrush(success ? theme::kGood : theme::kBad);
@@ -164,7 +164,7 @@ QVariant EpisodesModel::data(const QModelIndex& index, int role) const {
     case Qt::ToolTipRole:
       return toolTip(shown, index.column());
     case Qt::ForegroundRole:
-      return colour(shown, index.column());
+      return color(shown, index.column());
     case Qt::TextAlignmentRole:
       return alignment(index.column());
     default:

@@ -2,6 +2,7 @@
 #include "pusht_rviz/next_run.hpp"
 
 #include <QGridLayout>
+#include <QGroupBox>
 #include <QScrollArea>
 #include <QSignalBlocker>
 #include <QVBoxLayout>
@@ -14,70 +15,51 @@
 namespace pusht_rviz {
 namespace {
 
-template <class Values>
-QString firstOf(const Values& values, const char* otherwise) {
-  return values.empty() ? QString(otherwise) : QString::number(values.front());
-}
-
 std::string textOf(const QLineEdit* edit) { return edit->text().trimmed().toStdString(); }
 
+/// Sets a text without a signal.
 void quietly(QLineEdit* edit, const QString& text) {
   const QSignalBlocker quiet(edit);
   edit->setText(text);
 }
 
+QLineEdit* makeField(QWidget* parent, const char* name, const char* tip) {
+  auto* const field = new QLineEdit(parent);
+  field->setObjectName(name);
+  field->setToolTip(tip);
+  return field;
+}
+
+/// Text of an option in the form; empty if there is none of that name.
+std::string optionIn(const ParameterDraft& options, const char* name) {
+  const std::optional<std::size_t> index = options.find(name);
+  return index ? options[*index].text : "";
+}
+
+std::string firstOf(const std::vector<std::string>& values) { return values.empty() ? "" : values.front(); }
+
 }  // namespace
 
 NextRun::NextRun(QWidget* parent)
     : QWidget(parent),
-      episodes_(makeField("episodes", "how many episodes the run has")),
-      run_seed_(makeField("run_seed", "episode i begins from spawn seed 10000 + run seed + i")),
-      first_episode_(makeField("first_episode", "index of the first episode")),
-      spawn_seed_(makeField("seed", "spawn seed of the first episode: 10000 + run seed + first episode")),
-      out_(makeField("out", "folder of the results, from where the evaluator stands; empty: the next free one")),
+      options_(new ParameterForm("", this)),
+      spawn_seed_(makeField(this, "spawn_seed", "spawn seed of the first episode: 10000 + seed + first_episode")),
+      spawn_seed_refusal_(new QLabel(this)),
+      out_(makeField(this, "out", "folder of the results, from the evaluator's working directory")),
       policy_(new QComboBox(this)),
-      evaluator_(new QLineEdit(this)),
+      evaluator_(makeField(this, "namespace", "namespace of the evaluator; saved with the configuration")),
       reference_(new SimulatorForm("reference", this)),
       engine_(new SimulatorForm("engine", this)) {
   auto* const inside = new QWidget;
   auto* const all = new QVBoxLayout(inside);
   all->setContentsMargins(2, 6, 6, 6);
   all->setSpacing(8);
-
-  auto* const grid = new QGridLayout;
-  grid->setHorizontalSpacing(6);
-  grid->setVerticalSpacing(3);
-  grid->setColumnStretch(1, 1);
-  grid->setColumnStretch(3, 1);
-  int line = 0;
-  const auto pair = [&](const char* left, const Field& left_field, const char* right, const Field& right_field) {
-    grid->addWidget(new QLabel(left), line, 0);
-    grid->addWidget(left_field.edit, line, 1);
-    grid->addWidget(new QLabel(right), line, 2);
-    grid->addWidget(right_field.edit, line++, 3);
-    grid->addWidget(left_field.refusal, line++, 0, 1, 4);
-    grid->addWidget(right_field.refusal, line++, 0, 1, 4);
-  };
-  pair("episodes", episodes_, "run seed", run_seed_);
-  pair("from episode", first_episode_, "= seed", spawn_seed_);
-  policy_->setObjectName("policy");
-  policy_->setToolTip("every policy on this master");
-  policy_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
-  quietWheel(policy_);
-  grid->addWidget(new QLabel("policy"), line, 0);
-  grid->addWidget(policy_, line++, 1, 1, 3);
-  out_.edit->setPlaceholderText("the next free results/compare-N");
-  grid->addWidget(new QLabel("results"), line, 0);
-  grid->addWidget(out_.edit, line++, 1, 1, 3);
-  all->addLayout(grid);
+  all->addWidget(runGroup());
   all->addWidget(reference_);
   all->addWidget(engine_);
-
   auto* const bottom = new QGridLayout;
   auto* const head = new QLabel("evaluator");
   head->setProperty("dim", true);
-  evaluator_->setObjectName("namespace");
-  evaluator_->setToolTip("namespace of the evaluator that this panel drives; saved with the configuration");
   bottom->addWidget(head, 0, 0);
   bottom->addWidget(evaluator_, 0, 1);
   all->addLayout(bottom);
@@ -90,60 +72,74 @@ NextRun::NextRun(QWidget* parent)
   auto* const outside = new QVBoxLayout(this);
   outside->setContentsMargins(0, 0, 0, 0);
   outside->addWidget(scroll);
+  connectControls();
+}
 
-  connect(episodes_.edit, &QLineEdit::textChanged, this, &NextRun::refresh);
-  connect(run_seed_.edit, &QLineEdit::textChanged, this, &NextRun::coupleFromEpisode);
-  connect(first_episode_.edit, &QLineEdit::textChanged, this, &NextRun::coupleFromEpisode);
-  connect(spawn_seed_.edit, &QLineEdit::textChanged, this, &NextRun::coupleFromSeed);
-  connect(out_.edit, &QLineEdit::textChanged, this, &NextRun::refresh);
+QWidget* NextRun::runGroup() {
+  spawn_seed_refusal_->setObjectName("spawn_seed.refusal");
+  spawn_seed_refusal_->setProperty("refusal", true);
+  spawn_seed_refusal_->setWordWrap(true);
+  spawn_seed_refusal_->hide();
+  out_->setPlaceholderText("the next free results/compare-N");
+  policy_->setObjectName("policy");
+  policy_->setToolTip("policies on this master");
+  policy_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+  quietWheel(policy_);
+
+  auto* const group = new QGroupBox("run");
+  auto* const column = new QVBoxLayout(group);
+  column->setContentsMargins(8, 6, 8, 6);
+  column->setSpacing(6);
+  column->addWidget(options_);
+  auto* const grid = new QGridLayout;
+  grid->setHorizontalSpacing(6);
+  grid->setVerticalSpacing(3);
+  grid->setColumnStretch(1, 1);
+  grid->addWidget(new QLabel("spawn seed"), 0, 0);
+  grid->addWidget(spawn_seed_, 0, 1);
+  grid->addWidget(spawn_seed_refusal_, 1, 0, 1, 2);
+  grid->addWidget(new QLabel("policy"), 2, 0);
+  grid->addWidget(policy_, 2, 1);
+  grid->addWidget(new QLabel("results"), 3, 0);
+  grid->addWidget(out_, 3, 1);
+  column->addLayout(grid);
+  return group;
+}
+
+void NextRun::connectControls() {
+  connect(options_, &ParameterForm::changed, this, &NextRun::showSpawnSeed);
+  connect(spawn_seed_, &QLineEdit::textChanged, this, &NextRun::takeSpawnSeed);
+  connect(out_, &QLineEdit::textChanged, this, &NextRun::refresh);
   connect(policy_, QOverload<int>::of(&QComboBox::activated), this, &NextRun::refresh);
   connect(evaluator_, &QLineEdit::editingFinished, this, [this] { Q_EMIT evaluatorChosen(evaluator_->text()); });
   for (SimulatorForm* const form : {reference_, engine_}) {
-    const Role role = form == reference_ ? kReference : kEngine;
+    const Node node = form == reference_ ? kReference : kEngine;
     connect(form, &SimulatorForm::changed, this, &NextRun::refresh);
     connect(form, &SimulatorForm::kindNeeded, this,
-            [this, role](const QString& kind) { Q_EMIT kindNeeded(role, kind); });
+            [this, node](const QString& kind) { Q_EMIT kindNeeded(node, kind); });
   }
-  quietly(episodes_.edit, "50");
-  quietly(run_seed_.edit, "0");
-  quietly(first_episode_.edit, "0");
-  coupleFromEpisode();
-}
-
-NextRun::Field NextRun::makeField(const char* name, const char* tip) {
-  const Field field = {new QLineEdit(this), new QLabel(this)};
-  field.edit->setObjectName(name);
-  field.edit->setToolTip(tip);
-  field.refusal->setObjectName(QString(name) + ".refusal");
-  field.refusal->setProperty("refusal", true);
-  field.refusal->setWordWrap(true);
-  field.refusal->hide();
-  return field;
 }
 
 void NextRun::setRequest(const pusht_msgs::CompareGoal& request, const QString& policy) {
-  known_ = true;
-  quietly(episodes_.edit, firstOf(request.episodes, "50"));
-  requested_episodes_ =
-      request.episodes.empty() ? std::nullopt : std::optional<std::uint32_t>(request.episodes.front());
-  quietly(out_.edit, request.out.empty() ? "" : QString::fromStdString(request.out.front()));
+  requested_ = true;
+  quietly(out_, QString::fromStdString(firstOf(request.out)));
   overwrite_ = !request.overwrite.empty() && request.overwrite.front() != 0;
   moveOn();
-  quietly(run_seed_.edit, firstOf(request.seed, "0"));
-  quietly(first_episode_.edit, firstOf(request.first_episode, "0"));
-  spawned_ = request.starts.empty() || request.starts.front().empty();
-  spawn_seed_.edit->setEnabled(spawned_);
-  spawn_seed_.edit->setPlaceholderText(spawned_ ? "" : "starts are given");
+  spawned_ = firstOf(request.starts).empty();
+  spawn_seed_->setEnabled(spawned_);
+  spawn_seed_->setPlaceholderText(spawned_ ? "" : "starts are given");
   default_policy_ = policy;
   {
     const QSignalBlocker quiet(policy_);
     policy_->clear();
   }
   showPolicies();
-  reference_->setRequest(request.reference.empty() ? "" : request.reference.front(), request.reference_parameters);
-  engine_->setRequest(request.engine.empty() ? "" : request.engine.front(), request.engine_parameters);
-  coupleFromEpisode();
+  reference_->setRequest(firstOf(request.reference), request.reference_parameters);
+  engine_->setRequest(firstOf(request.engine), request.engine_parameters);
+  showSpawnSeed();
 }
+
+void NextRun::setOptions(const pusht_msgs::RunOptions& options) { options_->build(ParameterDraft(options)); }
 
 void NextRun::setPolicies(const QStringList& namespaces) {
   if (namespaces != policies_) {
@@ -168,11 +164,11 @@ void NextRun::showPolicies() {
   policy_->setCurrentIndex(policy_->findData(chosen));
 }
 
-void NextRun::setDescription(Role role, const QString& kind, const pusht_msgs::DescribeResponse& description) {
-  if (role != kReference && role != kEngine) {
+void NextRun::setDescription(Node node, const QString& kind, const pusht_msgs::DescribeResponse& description) {
+  if (node != kReference && node != kEngine) {
     return;
   }
-  SimulatorForm* const form = role == kReference ? reference_ : engine_;
+  SimulatorForm* const form = node == kReference ? reference_ : engine_;
   if (kind.isEmpty()) {
     form->setNode(description);
   } else {
@@ -189,80 +185,70 @@ void NextRun::runBegan() {
 
 void NextRun::moveOn() {
   if (began_ && !overwrite_) {
-    quietly(out_.edit, QString::fromStdString(nextFolder(textOf(out_.edit))));
+    quietly(out_, QString::fromStdString(nextFolder(textOf(out_))));
   }
 }
 
 QString NextRun::waitsFor() const {
-  if (!known_) {
-    return "waiting for the evaluator to say what it would run";
+  if (!requested_ || options_->draft().size() == 0) {
+    return "waiting for the evaluator to describe its runs";
   }
   return reference_->waitsFor().isEmpty() ? engine_->waitsFor() : reference_->waitsFor();
 }
 
 void NextRun::forget() {
-  known_ = began_ = false;
+  requested_ = began_ = false;
+  options_->build({});
   reference_->forget();
   engine_->forget();
   policies_.clear();
   default_policy_.clear();
-  {
-    const QSignalBlocker quiet(policy_);
-    policy_->clear();
-  }
+  const QSignalBlocker quiet(policy_);
+  policy_->clear();
 }
 
 RunDraft NextRun::draft() const {
   RunDraft run;
-  run.episodes = textOf(episodes_.edit);
-  run.run_seed = textOf(run_seed_.edit);
-  run.first_episode = textOf(first_episode_.edit);
-  run.spawn_seed = textOf(spawn_seed_.edit);
+  run.options = options_->draft();
+  run.spawn_seed = textOf(spawn_seed_);
   run.spawned = spawned_;
-  run.out = textOf(out_.edit);
-  run.requested_episodes = requested_episodes_;
+  run.out = textOf(out_);
   run.policy = policy_->currentData().toString().toStdString();
   run.reference = reference_->draft();
   run.engine = engine_->draft();
   return run;
 }
 
-void NextRun::coupleFromEpisode() {
-  const Reading<std::uint64_t> run_seed = readRunSeed(textOf(run_seed_.edit));
-  const Reading<std::uint32_t> episode = readFirstEpisode(textOf(first_episode_.edit));
+/// Makes the spawn seed follow the options.
+void NextRun::showSpawnSeed() {
+  const ParameterDraft& options = options_->draft();
+  const std::optional<std::uint64_t> seed =
+      spawnSeedOf(optionIn(options, kSeedOption), optionIn(options, kFirstEpisodeOption));
   if (!spawned_) {
-    quietly(spawn_seed_.edit, "");
-  } else if (run_seed.refusal.empty() && episode.refusal.empty()) {
-    quietly(spawn_seed_.edit, QString::number(kFirstSpawnSeed + run_seed.value + episode.value));
+    quietly(spawn_seed_, "");
+  } else if (seed) {
+    quietly(spawn_seed_, QString::number(*seed));
   }
   refresh();
 }
 
-void NextRun::coupleFromSeed() {
-  const Reading<std::uint64_t> run_seed = readRunSeed(textOf(run_seed_.edit));
-  if (run_seed.refusal.empty()) {
-    const Reading<std::uint32_t> episode = episodeOfSeed(textOf(spawn_seed_.edit), run_seed.value);
-    if (episode.refusal.empty()) {
-      quietly(first_episode_.edit, QString::number(episode.value));
-    }
+/// Makes the first episode follow the spawn seed.
+void NextRun::takeSpawnSeed() {
+  const Reading episode = firstEpisodeOf(textOf(spawn_seed_), optionIn(options_->draft(), kSeedOption));
+  if (episode.refusal.empty()) {
+    options_->setText(kFirstEpisodeOption, QString::number(episode.value));
   }
   refresh();
 }
 
 void NextRun::refresh() {
   const std::vector<Refusal> refusals = goalFrom(draft()).refusals;
-  const auto mark = [&](const char* name, const Field& field) {
-    const auto refusal = std::find_if(refusals.begin(), refusals.end(),
-                                      [&](const Refusal& candidate) { return candidate.field == name; });
-    const bool wrong = refusal != refusals.end();
-    field.refusal->setText(wrong ? QString::fromStdString(refusal->rule) : "");
-    field.refusal->setVisible(wrong);
-    theme::mark(field.edit, wrong);
-  };
-  mark("episodes", episodes_);
-  mark("run_seed", run_seed_);
-  mark("first_episode", first_episode_);
-  mark("spawn_seed", spawn_seed_);
+  const auto refusal =
+      std::find_if(refusals.begin(), refusals.end(), [](const Refusal& one) { return one.field == "spawn_seed"; });
+  const bool wrong = refusal != refusals.end();
+  spawn_seed_refusal_->setText(wrong ? QString::fromStdString(refusal->rule) : "");
+  spawn_seed_refusal_->setVisible(wrong);
+  theme::mark(spawn_seed_, wrong);
   Q_EMIT changed();
 }
 

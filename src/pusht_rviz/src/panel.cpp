@@ -1,25 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_rviz/panel.hpp"
 
-#include <ros/names.h>
 #include <rviz/config.h>
 #include <rviz/visualization_manager.h>
 
-#include <QAction>
-#include <QHBoxLayout>
-#include <QHeaderView>
 #include <QScrollArea>
-#include <QSignalBlocker>
 #include <QStringList>
+#include <QTabBar>
 #include <QTimer>
 #include <QVBoxLayout>
 #include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 
-#include "pusht_rviz/buttons.hpp"
-#include "pusht_rviz/numbers.hpp"
+#include "pusht_rviz/texts.hpp"
 #include "pusht_rviz/theme.hpp"
+#include "pusht_task/numbers.hpp"
 
 namespace pusht_rviz {
 namespace {
@@ -27,229 +23,109 @@ namespace {
 constexpr const char* kNamespaceKey = "Namespace";
 constexpr const char* kDefaultNamespace = "/sim2sim";
 constexpr const char* kWidthKey = "Width";
-constexpr std::array kRates = {2.0, 10.0, 25.0, 50.0, 100.0, 0.0};  // [control steps/s]; the last: full speed
-constexpr double kRealTime = 1.0 / kControlStep;
+constexpr const char* kNextRunTab = "Next run";
 
-QString paceLabel(double rate) {
-  const QString text = QString::fromStdString(paceText(rate));
-  return rate == kRealTime ? text + ", real time" : text;
-}
-
-/// How a node is shown: never by colour alone.
-struct Look {
-  const char* symbol;
-  const char* word;
-  QColor colour;
-};
-
-Look lookOf(Presence presence, bool busy) {
-  switch (presence) {
-    case Presence::kAlive:
-      return busy ? Look{"▶", "busy", theme::kReference} : Look{"●", "alive", theme::kGood};
-    case Presence::kSilent:
-      return {"…", "gives no answer", theme::kEngine};
-    case Presence::kLost:
-      return {"✕", "lost", theme::kBad};
-    case Presence::kWaiting:
-      break;
-  }
-  return {"○", "not there yet", theme::kAxis};
-}
-
-QPushButton* largeButton(QWidget* parent, const char* name, const QString& text, theme::Shape shape, const char* tip) {
-  auto* const button = new QPushButton(theme::icon(shape), text, parent);
-  button->setObjectName(name);
-  button->setToolTip(tip);
-  button->setProperty("large", true);
-  button->setMinimumWidth(10);
-  button->setSizePolicy(QSizePolicy::Expanding, QSizePolicy::Fixed);
-  return button;
+QScrollArea* scrolled(QWidget* inside) {
+  auto* const scroll = new QScrollArea;
+  scroll->setWidget(inside);
+  scroll->setWidgetResizable(true);
+  scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+  return scroll;
 }
 
 }  // namespace
 
 Panel::Panel(QWidget* parent)
     : rviz::Panel(parent),
-      start_(largeButton(this, "start", "Start", theme::Shape::kStart, "begins the run that `Next run` describes")),
-      pause_(largeButton(this, "pause", "Pause", theme::Shape::kPause, "")),
-      step_(largeButton(this, "step", "Step", theme::Shape::kStep, "one control step of 0.1 s, while paused")),
-      cancel_(largeButton(this, "cancel", "Cancel", theme::Shape::kStop, "ends the run; finished episodes are kept")),
-      rate_(new QComboBox(this)),
-      progress_(new QProgressBar(this)),
+      run_controls_(new RunControls(this)),
+      node_row_(new NodeRow(this)),
       status_(new QLabel(this)),
-      views_(new ViewButtons(this)),
       replay_controls_(new ReplayControls(this)),
+      views_(new ViewButtons(this)),
       tabs_(new QTabWidget(this)),
       episodes_(new EpisodesModel(this)),
       strip_(new EpisodeStrip(episodes_, this)),
       summary_(new SummaryView(strip_, this)),
       curves_(new Curves(this)),
       next_run_(new NextRun(this)),
-      episode_list_(new QTableView(this)),
-      go_to_episode_(new QPushButton(this)),
-      play_icon_(theme::icon(theme::Shape::kPlay)),
-      pause_icon_(theme::icon(theme::Shape::kPause)) {
+      episode_list_(new EpisodeList(episodes_, this)) {
   setAttribute(Qt::WA_StyledBackground);
   setStyleSheet(theme::styleSheet());
-  auto* const all = new QVBoxLayout(this);
-  all->setContentsMargins(6, 6, 6, 4);
-  all->setSpacing(6);
-  buildControls();
-  buildTabs();
+  buildLayout();
+  connectControls();
   connectLink();
+  connectCurves();
+  connectGoals();
   setReplay(false);
   showState();
 }
 
 QSize Panel::sizeHint() const { return {width_, 640}; }
 
-void Panel::buildControls() {
-  auto* const all = static_cast<QVBoxLayout*>(layout());
-  auto* const row = new QHBoxLayout;
-  row->setSpacing(4);
-  for (QPushButton* const button : {start_, pause_, step_, cancel_}) {
-    row->addWidget(button, 1);
-  }
-  all->addLayout(row);
-
-  rate_->setObjectName("rate");
-  rate_->setToolTip("control steps per second; a control step is 0.1 s");
-  progress_->setObjectName("progress");
-  progress_->setMinimumWidth(100);
-  auto* const pace = new QHBoxLayout;
-  pace->setSpacing(4);
-  pace->addWidget(rate_);
-  pace->addWidget(progress_, 1);
-  all->addLayout(pace);
-
-  auto* const line = new QHBoxLayout;
-  line->setSpacing(4);
-  for (std::size_t role = 0; role < kRoles; ++role) {
-    nodes_.at(role) = new QLabel(this);
-    nodes_.at(role)->setObjectName(QString("node.") + kRoleNames.at(role));
-    nodes_.at(role)->setStyleSheet("font-size: " + QString::number(theme::px(12)) + "px");
-    line->addWidget(nodes_.at(role));
-    if (role + 1 < kRoles) {
-      line->addStretch(1);
-    }
-  }
-  all->addLayout(line);
-
+void Panel::buildLayout() {
   status_->setObjectName("status");
   status_->setWordWrap(true);
   status_->setTextFormat(Qt::PlainText);
   status_->setTextInteractionFlags(Qt::TextSelectableByMouse);
-  all->addWidget(status_);
-  all->addWidget(replay_controls_);
-  all->addWidget(views_);
   views_->setObjectName("views");
 
-  connect(start_, &QPushButton::clicked, this, &Panel::start);
-  connect(pause_, &QPushButton::clicked, this, &Panel::pauseOrResume);
-  connect(step_, &QPushButton::clicked, this, [this] {
-    said_.clear();
-    link_.command(pusht_msgs::ControlRequest::STEP);
-  });
-  connect(cancel_, &QPushButton::clicked, this, [this] {
-    said_.clear();
-    cancelling_ = true;
-    link_.command(pusht_msgs::ControlRequest::CANCEL);
-    showState();
-  });
-  connect(rate_, QOverload<int>::of(&QComboBox::activated), this, &Panel::chooseRate);
-  connect(replay_controls_, &ReplayControls::stepChosen, this, [this](std::uint32_t step) {
-    shown_step_ = step;
-    link_.seek(shown_episode_, shown_step_);
-  });
-  connect(replay_controls_, &ReplayControls::seedChosen, this, &Panel::goToSeed);
-}
-
-void Panel::buildTabs() {
   auto* const run = new QWidget;
   auto* const column = new QVBoxLayout(run);
   column->setContentsMargins(0, 2, 0, 0);
   column->setSpacing(2);
   column->addWidget(summary_);
   column->addWidget(curves_, 1);
-  auto* const scroll = new QScrollArea;  // a long failure leaves little room: figures must not be cut
-  scroll->setWidget(run);
-  scroll->setWidgetResizable(true);
-  scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-
-  auto* const list = new QWidget;
-  auto* const list_column = new QVBoxLayout(list);
-  list_column->setContentsMargins(0, 6, 0, 0);
-  list_column->setSpacing(4);
-  list_column->addWidget(episode_list_, 1);
-  list_column->addWidget(go_to_episode_);
-  go_to_episode_->setObjectName("go_to_episode");
-  episode_list_->setObjectName("episode_list");
-  episode_list_->setModel(episodes_);
-  episode_list_->setSelectionBehavior(QAbstractItemView::SelectRows);
-  episode_list_->setSelectionMode(QAbstractItemView::SingleSelection);
-  episode_list_->setAlternatingRowColors(true);
-  episode_list_->setShowGrid(false);
-  episode_list_->setWordWrap(false);
-  episode_list_->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);  // what is cut is in the tool tip
-  // Fixed heights and widths: nothing has to look at ten thousand rows.
-  episode_list_->verticalHeader()->hide();
-  episode_list_->verticalHeader()->setSectionResizeMode(QHeaderView::Fixed);
-  episode_list_->verticalHeader()->setDefaultSectionSize(theme::px(22));
-  episode_list_->horizontalHeader()->setMinimumSectionSize(24);
-  episode_list_->horizontalHeader()->setSectionResizeMode(EpisodesModel::kCause, QHeaderView::Stretch);
-  constexpr std::array kWidths = {34, 50, 72, 64, 44};
-  for (std::size_t i = 0; i < kWidths.size(); ++i) {
-    episode_list_->setColumnWidth(static_cast<int>(i), theme::px(kWidths.at(i)));
-  }
-  connect(episode_list_, &QTableView::doubleClicked, this, [this](const QModelIndex& index) { goToRow(index.row()); });
-  connect(go_to_episode_, &QPushButton::clicked, this, [this] { goToRow(episode_list_->currentIndex().row()); });
-  connect(strip_, &EpisodeStrip::clicked, this, &Panel::goTo);
 
   tabs_->setObjectName("tabs");
   tabs_->tabBar()->setObjectName("tab_bar");
   tabs_->setUsesScrollButtons(false);
-  tabs_->addTab(scroll, "This run");
-  tabs_->addTab(next_run_, "Next run");
-  tabs_->addTab(list, "Episodes");
-  static_cast<QVBoxLayout*>(layout())->addWidget(tabs_, 1);
+  tabs_->addTab(scrolled(run), "This run");  // below a long failure there is little height, and figures must not be cut
+  tabs_->addTab(next_run_, kNextRunTab);
+  tabs_->addTab(episode_list_, "Episodes");
 
+  auto* const all = new QVBoxLayout(this);
+  all->setContentsMargins(6, 6, 6, 4);
+  all->setSpacing(6);
+  for (QWidget* const widget :
+       std::initializer_list<QWidget*>{run_controls_, node_row_, status_, replay_controls_, views_}) {
+    all->addWidget(widget);
+  }
+  all->addWidget(tabs_, 1);
+}
+
+void Panel::connectControls() {
+  connect(run_controls_, &RunControls::startPressed, this, &Panel::start);
+  connect(run_controls_, &RunControls::pausePressed, this, [this] {
+    const bool paused = link_.progress().paused != 0;
+    command(paused ? pusht_msgs::ControlRequest::RESUME : pusht_msgs::ControlRequest::PAUSE);
+  });
+  connect(run_controls_, &RunControls::stepPressed, this, [this] { command(pusht_msgs::ControlRequest::STEP); });
+  connect(run_controls_, &RunControls::cancelPressed, this, [this] {
+    cancelling_ = true;
+    command(pusht_msgs::ControlRequest::CANCEL);
+  });
+  connect(run_controls_, &RunControls::rateChosen, this, [this](double rate) {
+    chosen_rate_ = rate;
+    said_.clear();
+    link_.setRate(rate);
+  });
+  connect(replay_controls_, &ReplayControls::stepChosen, this, [this](std::uint32_t step) {
+    shown_step_ = step;
+    link_.seek(shown_episode_, shown_step_);
+  });
+  connect(replay_controls_, &ReplayControls::seedChosen, this, &Panel::goToSeed);
+  connect(episode_list_, &EpisodeList::chosen, this, &Panel::goTo);
+  connect(strip_, &EpisodeStrip::clicked, this, &Panel::goTo);
   connect(tabs_, &QTabWidget::currentChanged, this, &Panel::showStatus);
   connect(next_run_, &NextRun::changed, this, &Panel::showState);
   connect(next_run_, &NextRun::kindNeeded, this,
-          [this](int role, const QString& kind) { link_.describe(static_cast<Role>(role), kind); });
-  connect(next_run_, &NextRun::evaluatorChosen, this, [this](const QString& name) {
-    said_.clear();
-    link_.setNamespace(name);
-    next_run_->setEvaluator(link_.evaluator());
-    showState();
-    Q_EMIT configChanged();
-  });
+          [this](int node, const QString& kind) { link_.describe(static_cast<Node>(node), kind); });
+  connect(next_run_, &NextRun::evaluatorChosen, this, &Panel::chooseEvaluator);
 }
 
 void Panel::connectLink() {
-  connect(&link_, &EvaluatorLink::forgotten, this, [this] {
-    summary_->clear();
-    next_run_->forget();
-    asked_ = cancelling_ = false;
-    last_run_ = 0;
-    live_episode_.reset();
-    request_rate_.reset();
-    faults_ = {};
-    titles_ = {};
-  });
-  connect(&link_, &EvaluatorLink::forgotten, episodes_, &EpisodesModel::clear);
-  connect(&link_, &EvaluatorLink::forgotten, curves_, &Curves::clear);
-  connect(&link_, &EvaluatorLink::runBegan, this, [this] {
-    episodes_->clear();
-    curves_->clear();
-    asked_ = cancelling_ = false;
-    live_episode_.reset();
-    const std::uint32_t run = link_.progress().run;
-    if (run != 0 && run != last_run_) {  // a goal that failed before its run began has left its folder free
-      next_run_->runBegan();
-    }
-    last_run_ = run;
-  });
+  connect(&link_, &EvaluatorLink::forgotten, this, &Panel::forget);
+  connect(&link_, &EvaluatorLink::runBegan, this, &Panel::beginRun);
   connect(&link_, &EvaluatorLink::progressed, this, &Panel::showState);
   connect(&link_, &EvaluatorLink::requestCame, this, [this](const pusht_msgs::CompareGoal& request) {
     if (!request.bound_position.empty() && !request.bound_angle.empty()) {
@@ -259,22 +135,42 @@ void Panel::connectLink() {
     next_run_->setRequest(request, link_.policy());
     showState();
   });
+  connect(&link_, &EvaluatorLink::optionsCame, next_run_, &NextRun::setOptions);
+  connect(&link_, &EvaluatorLink::policiesFound, next_run_, &NextRun::setPolicies);
+  connect(&link_, &EvaluatorLink::presenceChanged, this, [this](int node) {
+    node_row_->setPresence(static_cast<Node>(node), link_.presence(static_cast<Node>(node)));
+    showState();
+  });
+  connect(&link_, &EvaluatorLink::described, this,
+          [this](int node, const QString& kind, const pusht_msgs::DescribeResponse& description) {
+            if (kind.isEmpty()) {
+              node_row_->setDescription(static_cast<Node>(node), description);
+            }
+            next_run_->setDescription(static_cast<Node>(node), kind, description);
+            showState();
+          });
+}
+
+void Panel::connectCurves() {
   connect(&link_, &EvaluatorLink::diverged, this, [this](const pusht_msgs::Divergence& divergence) {
     curves_->add(divergence);
     shown_episode_ = divergence.episode;
     shown_step_ = divergence.step;
     live_episode_ = divergence.episode;
   });
+  connect(&link_, &EvaluatorLink::recalled, curves_, &Curves::recall);
+  connect(&link_, &EvaluatorLink::episodesFinished, episodes_, &EpisodesModel::add);
+  connect(&link_, &EvaluatorLink::summarized, this, [this](const pusht_msgs::Summary& summary) {
+    summary_->show(summary);
+    curves_->setFloor(floorOf(summary));
+  });
   connect(&link_, &EvaluatorLink::settled, this, [this] {
     showStrip();
-    if (replay_) {
-      showScrubber();
-    }
+    showReplay();
   });
-  connect(&link_, &EvaluatorLink::episodesFinished, episodes_, &EpisodesModel::add);
-  connect(&link_, &EvaluatorLink::summarised, summary_, &SummaryView::show);
-  connect(&link_, &EvaluatorLink::summarised, this,
-          [this](const pusht_msgs::Summary& summary) { curves_->setFloor(floorOf(summary)); });
+}
+
+void Panel::connectGoals() {
   connect(&link_, &EvaluatorLink::goalAccepted, this, [this] {
     tabs_->setCurrentIndex(0);
     asked_ = false;
@@ -296,24 +192,35 @@ void Panel::connectLink() {
     said_.clear();
     showStatus();
   });
-  connect(&link_, &EvaluatorLink::recalled, curves_, &Curves::recall);
-  connect(&link_, &EvaluatorLink::presenceChanged, this, &Panel::showState);
-  connect(&link_, &EvaluatorLink::policiesFound, next_run_, &NextRun::setPolicies);
-  connect(&link_, &EvaluatorLink::described, this,
-          [this](int role, const QString& kind, const pusht_msgs::DescribeResponse& description) {
-            if (kind.isEmpty()) {
-              const std::string& title = description.title.empty() ? description.name : description.title;
-              titles_.at(static_cast<std::size_t>(role)) = QString::fromStdString(title);
-              faults_.at(static_cast<std::size_t>(role)) = description.success != 0 ? "" : description.message;
-            }
-            next_run_->setDescription(static_cast<Role>(role), kind, description);
-            showState();
-          });
+}
+
+void Panel::forget() {
+  summary_->clear();
+  next_run_->forget();
+  node_row_->forget();
+  episodes_->clear();
+  curves_->clear();
+  asked_ = cancelling_ = false;
+  last_run_ = 0;
+  live_episode_.reset();
+  request_rate_.reset();
+}
+
+void Panel::beginRun() {
+  episodes_->clear();
+  curves_->clear();
+  asked_ = cancelling_ = false;
+  live_episode_.reset();
+  const std::uint32_t run = link_.progress().run;
+  if (run != 0 && run != last_run_) {  // a goal that failed before its run began has left its folder free
+    next_run_->runBegan();
+  }
+  last_run_ = run;
 }
 
 void Panel::onInitialize() {
   views_->setViews(vis_manager_->getViewManager());
-  // A configuration, if there is one, names another evaluator before this comes to pass.
+  // The timer fires after load(), which may name another evaluator.
   auto* const soon = new QTimer(this);
   soon->setSingleShot(true);
   connect(soon, &QTimer::timeout, this, [this] {
@@ -347,7 +254,7 @@ void Panel::start() {
   run.rate = chosen_rate_;
   const Draft draft = goalFrom(run);
   if (!draft.refusals.empty()) {
-    return;  // which is why the button could not be pressed
+    return;  // the button is disabled then
   }
   said_.clear();
   asked_ = true;
@@ -355,20 +262,18 @@ void Panel::start() {
   showState();
 }
 
-void Panel::pauseOrResume() {
+void Panel::command(const std::string& word) {
   said_.clear();
-  if (link_.progress().paused != 0) {
-    link_.command(pusht_msgs::ControlRequest::RESUME);
-  } else {
-    link_.command(pusht_msgs::ControlRequest::PAUSE);
-  }
+  link_.command(word);
   showState();
 }
 
-void Panel::chooseRate() {
-  chosen_rate_ = rate_->currentData().toDouble();
+void Panel::chooseEvaluator(const QString& name) {
   said_.clear();
-  link_.setRate(*chosen_rate_);
+  link_.setNamespace(name);
+  next_run_->setEvaluator(link_.evaluator());
+  showState();
+  Q_EMIT configChanged();
 }
 
 void Panel::goTo(std::uint64_t episode) {
@@ -376,7 +281,7 @@ void Panel::goTo(std::uint64_t episode) {
   replay_controls_->refuse("");
   const std::optional<int> row = episodes_->rowOfEpisode(episode);
   if (row) {
-    episode_list_->selectRow(*row);
+    episode_list_->select(*row);
   }
   if (replay_) {
     link_.seek(episode, 0);
@@ -389,18 +294,11 @@ void Panel::goTo(std::uint64_t episode) {
   showStrip();
 }
 
-void Panel::goToRow(int row) {
-  if (row >= 0 && row < episodes_->rowCount()) {
-    goTo(episodes_->row(row).episode);
-  }
-}
-
 void Panel::goToSeed() {
   const std::string text = replay_controls_->seed().toStdString();
-  const std::optional<std::uint64_t> seed = decimal<std::uint64_t>(text);
-  const std::optional<int> row = seed ? episodes_->rowOfSeed(*seed) : std::nullopt;
-  if (row) {
-    goToRow(*row);
+  const std::optional<std::uint64_t> seed = pusht::decimal<std::uint64_t>(text);
+  if (const std::optional<int> row = seed ? episodes_->rowOfSeed(*seed) : std::nullopt) {
+    goTo(episodes_->row(*row).episode);
     return;
   }
   const QString seeds = episodes_->seedsText();
@@ -408,9 +306,9 @@ void Panel::goToSeed() {
                            ": must be one of this run's, " + (seeds.isEmpty() ? "which has none" : seeds));
 }
 
-void Panel::showState() {
+Situation Panel::situation() const {
   const pusht_msgs::Progress& progress = link_.progress();
-  const Draft draft = goalFrom(next_run_->draft());
+  const std::vector<Refusal> refusals = goalFrom(next_run_->draft()).refusals;
   Situation situation;
   situation.reachable = link_.presence(kEvaluator) == Presence::kAlive;
   situation.compares = link_.served();
@@ -420,89 +318,20 @@ void Panel::showState() {
   situation.replay = progress.replay != 0;
   situation.cancelling = cancelling_;
   situation.waits_for = next_run_->waitsFor().toStdString();
-  situation.refusal = draft.refusals.empty() ? "" : "next run: " + draft.refusals.front().rule;
-  refusal_ = QString::fromStdString(situation.refusal);
-  if (!situation.busy) {
-    cancelling_ = false;
-  }
-  const Buttons buttons = buttonsFor(situation);
-  setReplay(situation.replay);
-  start_->setEnabled(buttons.start);
-  start_->setToolTip(buttons.start ? "begins the run that `Next run` describes"
-                                   : QString::fromStdString(buttons.why_not));
-  pause_->setEnabled(buttons.pause);
-  pause_->setText(buttons.resumes ? (replay_ ? "Play" : "Resume") : "Pause");
-  pause_->setIcon(buttons.resumes ? play_icon_ : pause_icon_);
-  pause_->setToolTip(buttons.resumes ? "goes on" : "takes no further control step");
-  step_->setEnabled(buttons.step);
-  cancel_->setEnabled(buttons.cancel);
-  rate_->setEnabled(buttons.rate);
-  showRate();
-  showProgress();
-  for (std::size_t role = 0; role < kRoles; ++role) {
-    showNode(role);
-  }
+  situation.refusal = refusals.empty() ? "" : "next run: " + refusals.front().rule;
+  return situation;
+}
+
+void Panel::showState() {
+  const pusht_msgs::Progress& progress = link_.progress();
+  cancelling_ = cancelling_ && progress.busy != 0;
+  const Situation now = situation();
+  setReplay(now.replay);
+  run_controls_->show(now, progress);
+  run_controls_->showRate(now.busy || now.replay ? progress.rate
+                                                 : chosen_rate_.value_or(request_rate_.value_or(progress.rate)));
+  node_row_->show(now.busy, now.replay);
   showStatus();
-}
-
-void Panel::showRate() {
-  const pusht_msgs::Progress& progress = link_.progress();
-  const bool runs = progress.busy != 0 || progress.replay != 0;
-  const double rate = runs ? progress.rate : chosen_rate_.value_or(request_rate_.value_or(progress.rate));
-  const QSignalBlocker quiet(rate_);
-  if (rate_->count() == 0) {
-    for (const double each : kRates) {
-      rate_->addItem(paceLabel(each), each);
-    }
-  }
-  if (rate_->findData(rate) < 0) {
-    rate_->insertItem(0, paceLabel(rate), rate);
-  }
-  if (rate_->currentIndex() != rate_->findData(rate) && !rate_->view()->isVisible()) {
-    rate_->setCurrentIndex(rate_->findData(rate));
-  }
-}
-
-void Panel::showProgress() {
-  const pusht_msgs::Progress& progress = link_.progress();
-  const int episodes = static_cast<int>(progress.episodes);
-  const int finished = static_cast<int>(progress.episodes_finished);
-  progress_->setRange(0, std::max(1, episodes));
-  progress_->setValue(finished);
-  QStringList words;
-  if (episodes > 0) {
-    words << QString::number(finished) + " / " + QString::number(episodes);
-  }
-  if (cancelling_) {
-    words << "ending";
-  } else if (progress.paused != 0) {
-    words << "paused";
-  } else if (!progress.waiting_for.empty()) {
-    words << "waits for " + QString::fromStdString(progress.waiting_for);
-  } else if (progress.busy != 0 && progress.replay == 0) {
-    const QString left = QString::fromStdString(timeLeftText(progress.seconds_left));
-    words << (left.isEmpty() ? "runs" : left);
-  } else if (asked_) {
-    words << "begins";
-  }
-  progress_->setFormat(words.isEmpty() ? "no run yet" : words.join(QString::fromUtf8(" · ")));
-}
-
-void Panel::showNode(std::size_t role) {
-  const Presence presence = link_.presence(static_cast<Role>(role));
-  Look look = lookOf(presence, link_.progress().busy != 0);
-  const std::string& fault = faults_.at(role);
-  const bool failed = presence == Presence::kAlive && !fault.empty();
-  if (failed) {
-    look = {"!", "failed at its start", theme::kBad};
-  }
-  const QString name = role == kEvaluator && replay_ ? "player" : kRoleNames.at(role);
-  QLabel* const label = nodes_.at(role);
-  label->setText("<span style='color:" + look.colour.name() + "'>" + QString::fromUtf8(look.symbol) + "</span>&nbsp;" +
-                 name);
-  label->setToolTip(name + ": " + look.word + (failed ? ": " + QString::fromStdString(fault) : "") +
-                    (titles_.at(role).isEmpty() ? "" : " (" + titles_.at(role) + ")"));
-  label->setVisible(!replay_ || role == kEvaluator);
 }
 
 void Panel::showStatus() {
@@ -510,18 +339,12 @@ void Panel::showStatus() {
   if (!said_.isEmpty()) {
     lines << said_;
   }
-  for (std::size_t role = 0; role < kRoles; ++role) {
-    const Presence presence = link_.presence(static_cast<Role>(role));
-    if (presence == Presence::kLost || presence == Presence::kSilent) {
-      lines << QString(kRoleNames.at(role)) + ": " + lookOf(presence, false).word;
-    } else if (!faults_.at(role).empty()) {
-      lines << QString(kRoleNames.at(role)) + ": " + QString::fromStdString(faults_.at(role));
-    }
-  }
+  lines << node_row_->complaints();
   const pusht_msgs::Progress& progress = link_.progress();
-  // Beside the field, too; but perhaps that is not in sight.
-  if (!refusal_.isEmpty() && progress.busy == 0 && tabs_->currentWidget() != next_run_) {
-    lines << refusal_;
+  // The form shows the rule beside its field, but only while its tab is open.
+  const std::string refusal = situation().refusal;
+  if (!refusal.empty() && progress.busy == 0 && tabs_->currentWidget() != next_run_) {
+    lines << QString::fromStdString(refusal);
   }
   if (!progress.waiting_for.empty()) {
     lines << "the run waits for the node " + QString::fromStdString(progress.waiting_for);
@@ -533,13 +356,15 @@ void Panel::showStatus() {
   status_->setVisible(!lines.isEmpty());
 }
 
-void Panel::showScrubber() {
-  const std::optional<int> row = episodes_->rowOfEpisode(shown_episode_);
-  replay_controls_->show(shown_episode_, shown_step_, row ? &episodes_->row(*row) : nullptr);
+void Panel::showReplay() {
+  if (replay_) {
+    const std::optional<int> row = episodes_->rowOfEpisode(shown_episode_);
+    replay_controls_->show(shown_episode_, shown_step_, row ? &episodes_->row(*row) : nullptr);
+  }
 }
 
 void Panel::showStrip() {
-  // The first episode to finish is the first of the run, unless it is under way.
+  // The first episode to finish is the first of the run, unless that is under way.
   std::optional<std::uint64_t> first = live_episode_;
   if (episodes_->rowCount() > 0) {
     first = std::min(episodes_->row(0).episode, first.value_or(episodes_->row(0).episode));
@@ -555,15 +380,13 @@ void Panel::setReplay(bool replay) {
       tabs_->removeTab(next_run);
       next_run_->hide();
     } else {
-      tabs_->insertTab(next_run, next_run_, "Next run");
+      tabs_->insertTab(next_run, next_run_, kNextRunTab);
     }
   }
   replay_ = replay;
   curves_->setReplay(replay);
-  start_->setVisible(!replay);
-  cancel_->setVisible(!replay);
   replay_controls_->setVisible(replay);
-  go_to_episode_->setText(replay ? "Go to this episode" : "Show the curves of this episode");
+  episode_list_->setReplay(replay);
 }
 
 }  // namespace pusht_rviz

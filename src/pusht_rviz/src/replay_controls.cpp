@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "pusht_rviz/curve_store.hpp"
 #include "pusht_rviz/theme.hpp"
+#include "pusht_task/constants.hpp"
 
 namespace pusht_rviz {
 
@@ -34,17 +34,17 @@ void MarkedSlider::paintEvent(QPaintEvent* event) {
 ReplayControls::ReplayControls(QWidget* parent)
     : QWidget(parent),
       scrubber_(new MarkedSlider(this)),
-      place_(new QLabel(this)),
+      position_(new QLabel(this)),
       seed_(new QLineEdit(this)),
       go_(new QPushButton("Go", this)),
       refusal_(new QLabel(this)) {
   scrubber_->setObjectName("scrubber");
   scrubber_->setToolTip(
-      "control steps of the episode that is shown; ticks: where the replay (red) and the engine (yellow) part from the "
-      "reference");
+      "control steps of the episode that is shown; ticks: where the replay (red) and the engine (yellow) leave the "
+      "bound around the reference");
   scrubber_->setRange(0, 0);
-  place_->setObjectName("place");
-  place_->setProperty("dim", true);
+  position_->setObjectName("position");
+  position_->setProperty("dim", true);
   seed_->setObjectName("go_to_seed");
   seed_->setToolTip("spawn seed of an episode: 10000 + the run's seed + its index");
   go_->setObjectName("go");
@@ -57,7 +57,7 @@ ReplayControls::ReplayControls(QWidget* parent)
   all->setSpacing(4);
   all->addWidget(scrubber_);
   auto* const row = new QHBoxLayout;
-  row->addWidget(place_, 1);
+  row->addWidget(position_, 1);
   auto* const head = new QLabel("go to seed");
   head->setProperty("dim", true);
   row->addWidget(head);
@@ -90,9 +90,9 @@ void ReplayControls::show(std::uint64_t episode, std::uint32_t step, const Episo
     }
   }
   scrubber_->setMarks(std::move(marks));
-  place_->setText("episode " + QString::number(episode) + QString::fromUtf8(" · ") +
-                  QString::number(kControlStep * step, 'f', 1) + " / " + QString::number(kControlStep * steps, 'f', 1) +
-                  " s");
+  position_->setText("episode " + QString::number(episode) + QString::fromUtf8(" · ") +
+                     QString::number(pusht::kControlStep * step, 'f', 1) + " / " +
+                     QString::number(pusht::kControlStep * steps, 'f', 1) + " s");
 }
 
 void ReplayControls::refuse(const QString& why) {

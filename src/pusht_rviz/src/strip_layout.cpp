@@ -10,16 +10,16 @@ int StripLayout::rows() const {
   return (squares + columns - 1) / columns;
 }
 
-int StripLayout::left(std::uint64_t place) const { return pitch * (static_cast<int>(place - begin) % columns); }
+int StripLayout::left(std::uint64_t index) const { return pitch * (static_cast<int>(index - begin) % columns); }
 
-int StripLayout::top(std::uint64_t place) const { return pitch * (static_cast<int>(place - begin) / columns); }
+int StripLayout::top(std::uint64_t index) const { return pitch * (static_cast<int>(index - begin) / columns); }
 
-std::optional<std::uint64_t> StripLayout::placeAt(int x, int y) const {
+std::optional<std::uint64_t> StripLayout::indexAt(int x, int y) const {
   if (pitch <= 0 || x < 0 || y < 0 || x >= pitch * columns) {
     return std::nullopt;
   }
-  const std::uint64_t place = begin + static_cast<std::uint64_t>(y / pitch * columns + x / pitch);
-  return place < end ? std::optional(place) : std::nullopt;
+  const std::uint64_t index = begin + static_cast<std::uint64_t>(y / pitch * columns + x / pitch);
+  return index < end ? std::optional(index) : std::nullopt;
 }
 
 StripLayout layOut(std::uint64_t count, std::uint64_t shown, int width, int height, int least, int greatest) {

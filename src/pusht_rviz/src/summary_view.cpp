@@ -6,15 +6,15 @@
 #include <QVariant>
 #include <string>
 
-#include "pusht_rviz/numbers.hpp"
+#include "pusht_rviz/texts.hpp"
 #include "pusht_rviz/theme.hpp"
 
 namespace pusht_rviz {
 namespace {
 
-QLabel* label(const QString& text, const QColor& colour) {
+QLabel* label(const QString& text, const QColor& color) {
   auto* const made = new QLabel(text);
-  made->setStyleSheet("color: " + colour.name());
+  made->setStyleSheet("color: " + color.name());
   return made;
 }
 
@@ -50,7 +50,7 @@ SummaryView::SummaryView(QWidget* strip, QWidget* parent)
   constexpr const char* kRateTip = "episodes in which the policy succeeds, closed loop; in brackets 95 % intervals";
   line(label("reference solves", theme::kReference), reference_, kRateTip);
   line(label("engine solves", theme::kEngine), engine_, kRateTip);
-  line(label("transfer", theme::kBright), transfer_,
+  line(label("transfer", theme::kInk), transfer_,
        "engine success over reference success: the share of the skill that is kept");
   constexpr const char* kMeanTip =
       "mean divergence of the replay's tee from the reference's, in position and in angle; (!): not shown to be less "
@@ -82,9 +82,9 @@ SummaryView::SummaryView(QWidget* strip, QWidget* parent)
 void SummaryView::show(const pusht_msgs::Summary& summary) {
   headline_->setText(QString::fromStdString(summary.headline));
   headline_->setVisible(!summary.headline.empty());
-  reference_->setText(QString::fromStdString(rateText(summary.reference)));
-  engine_->setText(QString::fromStdString(rateText(summary.engine)));
-  transfer_->setText(QString::fromStdString(transferText(summary)));
+  reference_->setText(QString::fromStdString(orDash(summary.reference.text)));
+  engine_->setText(QString::fromStdString(orDash(summary.engine.text)));
+  transfer_->setText(QString::fromStdString(orDash(summary.transfer_text)));
   pairs_->setText(QString::fromStdString(pairsText(summary)));
   position_->setText(QString::fromStdString(meanText(summary, "mean_pos_divergence")));
   angle_->setText(QString::fromStdString(meanText(summary, "mean_ang_divergence")));

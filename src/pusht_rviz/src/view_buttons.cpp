@@ -12,10 +12,10 @@
 namespace pusht_rviz {
 namespace {
 
-constexpr int kLook = 500;  // [ms]: rviz does not say when its configuration is loaded
+constexpr int kLook = 500;  // [ms] period: rviz does not tell when its configuration is loaded
 constexpr int kMost = 6;    // more do not fit
 
-/// Short, so that all fit in a row.
+/// Name that is short enough for a row of buttons.
 QString shortName(const QString& view) {
   for (const auto& [name, brief] : {std::pair("All three", "All"), std::pair("Left table", "Left"),
                                     std::pair("Middle table", "Middle"), std::pair("Right table", "Right")}) {

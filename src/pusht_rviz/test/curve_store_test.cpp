@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pusht_task/constants.hpp"
+
 namespace pusht_rviz {
 namespace {
 
@@ -82,7 +84,7 @@ TEST(CurveStore, OfAReplayKeepsTheWholeEpisodeWhateverIsSought) {
   store.add(divergence(3, 4, 0.04));
   ASSERT_EQ(store.current().points.size(), 10U);
   for (std::size_t step = 0; step <= 9; ++step) {
-    EXPECT_DOUBLE_EQ(store.current().points[step].time, kControlStep * static_cast<double>(step));
+    EXPECT_DOUBLE_EQ(store.current().points[step].time, pusht::kControlStep * static_cast<double>(step));
   }
   EXPECT_DOUBLE_EQ(store.cursor(), 0.4);
   store.add(divergence(3, 12));
@@ -102,7 +104,7 @@ TEST(CurveStore, IsWholeForALatePanel) {
   late.recall(missed);
   ASSERT_EQ(late.current().points.size(), 10U);
   for (std::size_t step = 0; step <= 9; ++step) {
-    EXPECT_DOUBLE_EQ(late.current().points[step].time, kControlStep * static_cast<double>(step));
+    EXPECT_DOUBLE_EQ(late.current().points[step].time, pusht::kControlStep * static_cast<double>(step));
   }
   EXPECT_DOUBLE_EQ(late.cursor(), 0.9);
   late.add(divergence(4, 0));

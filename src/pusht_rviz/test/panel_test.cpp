@@ -156,13 +156,14 @@ TEST_F(PanelTest, DrivesARunThroughEveryButton) {
 
   // What cannot be is refused beside its field, and keeps Start from being pressed.
   openTab(kNextRun);
-  type("seed", "42");
+  type("spawn_seed", "42");
   EXPECT_FALSE(start->isEnabled());
-  EXPECT_EQ(find<QLabel>("seed.refusal")->text(), "seed 42: must be at least 10000 + the run's seed, 10000");
-  type("seed", "10001");
+  EXPECT_EQ(find<QLabel>("spawn_seed.refusal")->text(),
+            "spawn seed '42': must be a whole number from 10000 + seed on, 10000");
+  type("spawn_seed", "10001");
   type("engine.block_damp", "1000");
   EXPECT_FALSE(start->isEnabled());
-  EXPECT_EQ(find<QLabel>("engine.block_damp.refusal")->text(), "block_damp 1000: must be from 0 to 100 [1/s]");
+  EXPECT_EQ(find<QLabel>("engine.block_damp.refusal")->text(), "block_damp 1000.0: must be from 0.0 to 100.0 [1/s]");
   type("engine.block_damp", "6");
   EXPECT_EQ(find<QLineEdit>("first_episode")->text(), "1");
   type("episodes", "2");
@@ -265,7 +266,7 @@ TEST_F(PanelTest, ShowsWhyTheEvaluatorRefusesARun) {
 TEST_F(PanelTest, ShowsANodeThatDiesAndGoesOn) {
   const int victim = qEnvironmentVariableIntValue("PANEL_TEST_VICTIM");
   if (victim == 0) {
-    GTEST_SKIP() << "nobody to kill";
+    GTEST_SKIP() << "no process to kill";
   }
   const auto* const engine = find<QLabel>("node.engine");
   chooseRate(10.0);

@@ -3,27 +3,17 @@
 
 #include <gmock/gmock.h>
 
-#include <QApplication>
 #include <QEvent>
 #include <QLineEdit>
-#include <array>
 #include <string>
+
+#include "headless.hpp"
 
 namespace pusht_rviz {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-
-/// Widgets need an application, not a screen. (The platform "offscreen" of Qt 5 never frees its own.)
-QApplication& application() {
-  static const bool headless = qputenv("QT_QPA_PLATFORM", "minimal");
-  static int argc = headless ? 1 : 0;
-  static std::string name = "simulator_form_test";
-  static std::array<char*, 2> argv = {name.data(), nullptr};
-  static QApplication application(argc, argv.data());
-  return application;
-}
 
 pusht_msgs::Parameter setTo(const std::string& name, const std::string& value) {
   pusht_msgs::Parameter made;
@@ -60,7 +50,7 @@ class SimulatorFormTest : public testing::Test {
   /// Whether a field is marked: its value can be taken back.
   bool marked(const char* name) { return find<QToolButton>(QString(name) + ".reset")->isEnabled(); }
 
-  QApplication& application_ = application();
+  QApplication& application_ = headlessApplication();
   SimulatorForm form_{"engine"};
 };
 
@@ -70,12 +60,13 @@ TEST_F(SimulatorFormTest, SendsWhatItShowsWhateverARunMadeOfTheNode) {
   type("engine.damp", "20");
   const std::vector<pusht_msgs::Parameter> wanted = {setTo("damp", "20"), setTo("gain", "1")};
   EXPECT_EQ(form_.draft().kind, "springy");
-  EXPECT_EQ(form_.draft().named(), wanted);
+  EXPECT_EQ(form_.draft().parameters.named(), wanted);
   form_.setNode(nodeWith("20.0", "1"));  // after the run
   EXPECT_EQ(shown("engine.damp"), "20");
-  EXPECT_EQ(form_.draft().named(), wanted) << "a run inherits nothing from the one before";
+  EXPECT_EQ(form_.draft().parameters.named(), wanted) << "a run inherits nothing from the one before";
   type("engine.damp", "6");
-  EXPECT_THAT(form_.draft().named(), ElementsAre(setTo("gain", "1"))) << "the default of the kind that is named";
+  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(setTo("gain", "1")))
+      << "the default of the kind that is named";
 }
 
 TEST_F(SimulatorFormTest, MarksWhatWasChangedWhateverARunMadeOfTheNode) {
@@ -94,9 +85,9 @@ TEST_F(SimulatorFormTest, MarksWhatWasChangedWhateverARunMadeOfTheNode) {
 TEST_F(SimulatorFormTest, BeginsWithWhatTheEvaluatorAsksFor) {
   form_.setRequest("", {setTo("damp", "8")});
   form_.setNode(nodeWith("20.0", "3"));
-  EXPECT_THAT(form_.draft().named(), ElementsAre(setTo("damp", "8"), setTo("gain", "3")));
+  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(setTo("damp", "8"), setTo("gain", "3")));
   form_.setRequest("", {});
-  EXPECT_THAT(form_.draft().named(), ElementsAre(setTo("damp", "20.0"), setTo("gain", "3")))
+  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(setTo("damp", "20.0"), setTo("gain", "3")))
       << "else with what the node has";
   form_.setRequest("springy", {});
   EXPECT_EQ(shown("engine.damp"), "6.0") << "a kind that is named has its defaults";
@@ -111,7 +102,7 @@ TEST_F(SimulatorFormTest, IsBuiltAnewForAnotherSimulator) {
   EXPECT_EQ(form_.draft().kind, "stiff");
   EXPECT_EQ(shown("engine.damp"), "6.0");
   form_.forget();
-  EXPECT_THAT(form_.draft().named(), IsEmpty());
+  EXPECT_THAT(form_.draft().parameters.named(), IsEmpty());
 }
 
 }  // namespace

@@ -35,25 +35,25 @@ TEST(StripLayout, ShowsThoseAroundTheEpisodeThatIsShownWhereNotAllFit) {
 
 TEST(StripLayout, FindsEachSquareWhereItIs) {
   const StripLayout layout = layOut(10'000, 5000, 360, 48, 6, 16);
-  for (std::uint64_t place = layout.begin; place < layout.end; ++place) {
-    EXPECT_EQ(layout.placeAt(layout.left(place) + 3, layout.top(place) + 3), place);
+  for (std::uint64_t index = layout.begin; index < layout.end; ++index) {
+    EXPECT_EQ(layout.indexAt(layout.left(index) + 3, layout.top(index) + 3), index);
   }
-  EXPECT_EQ(layout.placeAt(-1, 0), std::nullopt);
-  EXPECT_EQ(layout.placeAt(359, 47), layout.end - 1);
-  EXPECT_EQ(layout.placeAt(360, 0), std::nullopt);
-  EXPECT_EQ(layout.placeAt(0, 48), std::nullopt);
+  EXPECT_EQ(layout.indexAt(-1, 0), std::nullopt);
+  EXPECT_EQ(layout.indexAt(359, 47), layout.end - 1);
+  EXPECT_EQ(layout.indexAt(360, 0), std::nullopt);
+  EXPECT_EQ(layout.indexAt(0, 48), std::nullopt);
 }
 
 TEST(StripLayout, HasNoSquaresWithoutEpisodes) {
   const StripLayout layout = layOut(0, 0, 360, 48, 6, 16);
   EXPECT_EQ(layout.rows(), 0);
-  EXPECT_EQ(layout.placeAt(0, 0), std::nullopt);
+  EXPECT_EQ(layout.indexAt(0, 0), std::nullopt);
 }
 
 TEST(StripLayout, StandsAnyWidth) {
   const StripLayout layout = layOut(50, 49, 0, 0, 6, 16);
   EXPECT_EQ(layout.columns, 1);
-  EXPECT_EQ(layout.placeAt(0, 0), 49U);
+  EXPECT_EQ(layout.indexAt(0, 0), 49U);
 }
 
 }  // namespace

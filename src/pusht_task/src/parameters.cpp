@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <optional>
@@ -62,6 +63,27 @@ std::string textOf(const ParameterValue& value) {
 
 const char* ParameterDescriptor::type() const { return kTypes.at(default_value.index()).name; }
 
+std::string ParameterDescriptor::range() const {
+  if (std::holds_alternative<bool>(default_value)) {
+    return "true or false";
+  }
+  if (std::holds_alternative<std::string>(default_value)) {
+    return words.empty() ? "" : "one of: " + joined(words);
+  }
+  const auto end = [&](double value) {
+    const bool whole = std::holds_alternative<std::int64_t>(default_value);
+    return whole ? std::to_string(std::llround(value)) : shortestText(value);
+  };
+  const std::string in_unit = unit.empty() ? "" : " [" + unit + "]";
+  if (std::isfinite(least) && std::isfinite(greatest)) {
+    return "from " + end(least) + " to " + end(greatest) + in_unit;
+  }
+  if (std::isfinite(least)) {
+    return "at least " + end(least) + in_unit;
+  }
+  return std::isfinite(greatest) ? "at most " + end(greatest) + in_unit : "";
+}
+
 ParameterValue ParameterDescriptor::read(const std::string& text) const {
   std::optional<ParameterValue> value = valueLike(default_value, text);
   if (!value) {
@@ -77,16 +99,14 @@ ParameterValue ParameterDescriptor::read(const std::string& text) const {
 void ParameterDescriptor::require(const ParameterValue& value) const {
   if (const auto* const word = std::get_if<std::string>(&value);
       word != nullptr && !words.empty() && std::find(words.begin(), words.end(), *word) == words.end()) {
-    throw InvalidInput(name + " '" + *word + "': must be one of: " + joined(words));
+    throw InvalidInput(name + " '" + *word + "': must be " + range());
   }
   const auto* const integer = std::get_if<std::int64_t>(&value);
   const auto* const real = std::get_if<double>(&value);
   const double number = real != nullptr ? *real : integer != nullptr ? static_cast<double>(*integer) : 0.0;
   // Written so that a NaN fails.
   if ((real != nullptr || integer != nullptr) && !(least <= number && number <= greatest)) {
-    throw InvalidInput(name + " " + textOf(value) + ": must be from " + shortestText(least) + " to " +
-                       shortestText(greatest) + (unit.empty() ? "" : " [" + unit + "]") +
-                       (reason.empty() ? "" : ": " + reason));
+    throw InvalidInput(name + " " + textOf(value) + ": must be " + range() + (reason.empty() ? "" : ": " + reason));
   }
 }
 

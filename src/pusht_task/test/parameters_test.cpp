@@ -45,6 +45,17 @@ TEST(ParameterDescriptors, NameWhatTheyDoNotTake) {
   EXPECT_EQ(refusalOf([&] { preset.read("round"); }), "preset 'round': must be one of: simple, shaped");
 }
 
+TEST(ParameterDescriptors, SayWhichValuesTheyTake) {
+  constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(kMass.range(), "from 0.0 to 10.0 [kg]");
+  EXPECT_EQ(ParameterDescriptor({"sweeps", "", "", std::int64_t{1}, 1.0, 1000.0}).range(), "from 1 to 1000");
+  EXPECT_EQ(ParameterDescriptor({"mass", "kg", "", 1.0, 0.1, kUnbounded}).range(), "at least 0.1 [kg]");
+  EXPECT_EQ(ParameterDescriptor({"slope", "", "", 1.0, -kUnbounded, 2.5}).range(), "at most 2.5");
+  EXPECT_EQ(ParameterDescriptor({"free", "", "", 1.0}).range(), "");
+  EXPECT_EQ(ParameterDescriptor({"walls", "", "", false}).range(), "true or false");
+  EXPECT_EQ(ParameterDescriptor({"scene", "", "", std::string()}).range(), "");
+}
+
 TEST(ValueOf, KeepsTypesApart) {
   EXPECT_EQ(valueOf("true"), ParameterValue(true));
   EXPECT_EQ(valueOf("false"), ParameterValue(false));

@@ -134,7 +134,7 @@ TEST_F(SimulatorSessions, ToldOfByTheStartTolerance) {
 
 TEST_F(SimulatorSessions, RefusesWhatTheKindDoesNotTake) {
   for (const auto& [value, reason] : {std::pair("2.5", "steps '2.5': must be a decimal integer"),
-                                      std::pair("11", "steps 11: must be from 0.0 to 10.0: no test is that patient")}) {
+                                      std::pair("11", "steps 11: must be from 0 to 10: no test is that patient")}) {
     pusht_msgs::ConfigureRequest request;
     request.parameters = {parameter("steps", value)};
     EXPECT_EQ(session_.configure(request).message, reason);
@@ -291,8 +291,8 @@ TEST_F(SimulatorSessions, AreOfOneKindUnlessThereAreOthers) {
 class KindsOfSessions : public SimulatorSessions {
  protected:
   KindsOfSessions()
-      : session_of_kinds_(brittle_, brittle_.defaults(), "any", [this](const auto& update) { seen_.push_back(update); },
-                          &kinds_) {
+      : session_of_kinds_(
+            brittle_, brittle_.defaults(), "any", [this](const auto& update) { seen_.push_back(update); }, &kinds_) {
     served_ = &session_of_kinds_;
   }
 
@@ -379,7 +379,7 @@ TEST_F(KindsOfSessions, ChangeNothingWhenTheyRefuse) {
         std::tuple("brittle", Parameters{parameter("label", "plain")},
                    std::string("parameter 'label': unknown; known: steps")),
         std::tuple("tough", Parameters{parameter("steps", "11")},
-                   std::string("steps 11: must be from 0.0 to 10.0: no test is that patient")),
+                   std::string("steps 11: must be from 0 to 10: no test is that patient")),
         std::tuple("tough", Parameters{parameter("label", "broken")}, std::string("no such engine"))}) {
     EXPECT_EQ(configure(kind, changes).message, reason);
     EXPECT_EQ(served_->describe(), before);

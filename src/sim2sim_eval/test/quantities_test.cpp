@@ -18,6 +18,7 @@
 #include "sim2sim_protocol/results/statistics.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/table.hpp"
+#include "sim2sim_protocol/results/text.hpp"
 
 namespace sim2sim {
 namespace {
@@ -124,6 +125,33 @@ TEST(Quantities, SayTheSameInMetricsStatisticsAndMessage) {
     const bool is_divergence = mean.name == "mean_pos_divergence" || mean.name == "mean_ang_divergence";
     EXPECT_EQ(mean.mark, is_divergence ? "(?)" : "") << mean.name;
   }
+}
+
+/// What is shown computes nothing: texts of the message are those of the terminal.
+TEST(Texts, OfTheMessageAreThoseOfTheTerminal) {
+  RunConfiguration configuration;
+  configuration.protocol.until_decided = 0.33;  // which decides how many digits a transfer has
+  std::vector<EpisodeResult> episodes(400, distinctEpisodes(configuration.protocol).front());
+  for (std::size_t i = 0; i < episodes.size(); ++i) {
+    episodes[i].rollouts[kReferenceClosed].success = i < 250;
+    episodes[i].rollouts[kEngineClosed].success = i < 82;
+  }
+  const Summary summary = summarize(configuration.protocol, episodes);
+  const auto message = summaryMessage(configuration, summary, ros::Time(1.0));
+  const std::string text = table(configuration, summary);
+  EXPECT_EQ(message.transfer_text.substr(0, 6), "32.8 %") << message.transfer_text;
+  EXPECT_NE(text.find(message.transfer_text), std::string::npos) << text;
+  EXPECT_EQ(message.reference.text, "250/400  0.625 " + bracketed(summary.reference.interval, 3));
+  EXPECT_EQ(message.engine.text, "82/400  0.205 " + bracketed(summary.engine.interval, 3));
+  EXPECT_NE(text.find(message.engine.text.substr(8)), std::string::npos) << text;
+  for (const auto& mean : message.means) {
+    if (mean.name == "mean_pos_divergence" || mean.name == "mean_ang_divergence") {
+      EXPECT_NE(text.find(mean.text), std::string::npos) << mean.text;
+      EXPECT_EQ(mean.text.substr(mean.text.size() - mean.mark.size()), mean.mark);
+    }
+  }
+  const auto none = summaryMessage(configuration, std::nullopt, ros::Time(1.0));
+  EXPECT_EQ(none.transfer_text + none.reference.text + none.engine.text + none.means.front().text, "");
 }
 
 TEST(Quantities, AreInTheTableIfTheyHaveALabel) {

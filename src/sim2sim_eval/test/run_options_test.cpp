@@ -2,10 +2,11 @@
 /// Every option of a run takes every way there and back.
 #include "sim2sim_protocol/run_options.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstddef>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -15,6 +16,7 @@
 #include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
 #include "sim2sim_eval/batch/sweep_plan.hpp"
+#include "sim2sim_eval/live/named_options.hpp"
 #include "sim2sim_eval/live/request.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 
@@ -75,6 +77,69 @@ TEST(EveryOption, ComesThroughAGoal) {
     EXPECT_EQ(merged(request, pusht_msgs::CompareGoal()).protocol, options) << "a goal that says nothing";
     EXPECT_EQ(merged(request, goalOf(RunOptions())).protocol, RunOptions()) << "a goal can say each default";
   });
+}
+
+TEST(EveryOption, ComesThroughAGoalByName) {
+  forEachChanged([](const auto& option, const RunOptions& options) {
+    LiveRequest request;
+    request.services = {{"/reference", "/engine", "/engine_replay"}, "/policy"};
+    const pusht_msgs::RunOptions changed = describe(options);
+    const pusht_msgs::RunOptions usual = describe(RunOptions());
+    ASSERT_EQ(changed.values.size(), 9U);
+    EXPECT_EQ(changed.descriptors, usual.descriptors);
+    pusht_msgs::CompareGoal goal;
+    for (std::size_t i = 0; i < changed.values.size(); ++i) {
+      EXPECT_EQ(changed.descriptors[i].name, changed.values[i].name);
+      EXPECT_EQ(changed.descriptors[i].default_value, usual.values[i].value);
+      EXPECT_EQ(changed.values[i] != usual.values[i], changed.values[i].name == option.name);
+      if (changed.values[i] != usual.values[i]) {
+        goal.options = {changed.values[i]};
+      }
+    }
+    EXPECT_EQ(merged(request, goal).protocol, options);
+    goal.options = usual.values;
+    static_cast<RunOptions&>(request.protocol) = options;
+    EXPECT_EQ(merged(request, goal).protocol, RunOptions()) << "a goal can say each default";
+
+    goal.options = {usual.values.front(), usual.values.front()};
+    EXPECT_THAT(pusht::testing::refusalOf([&] { merged(request, goal); }), ::testing::HasSubstr("must be set once"));
+    goal = goalOf(options);
+    goal.options = {pusht::parameter(option.name, "1")};
+    EXPECT_EQ(pusht::testing::refusalOf([&] { merged(request, goal); }),
+              std::string("option ") + option.name + " 1: must be set once, by name or in the field of that name");
+  });
+}
+
+TEST(NamedOptions, AreRefusedWithNameAndRule) {
+  const auto refusal = [](const std::string& name, const std::string& value) {
+    pusht_msgs::CompareGoal goal;
+    goal.options = {pusht::parameter(name, value)};
+    RunOptions options;
+    return pusht::testing::refusalOf([&] { setNamed(options, goal); });
+  };
+  EXPECT_EQ(refusal("epsiodes", "5"),
+            "option 'epsiodes': unknown; known: seed, first_episode, episodes, horizon, floor, reanchor, "
+            "bound_position, bound_angle, until_decided");
+  EXPECT_EQ(refusal("episodes", "0"), "episodes 0: must be from 1 to 1000000");
+  EXPECT_EQ(refusal("episodes", "99999999999"), "episodes 99999999999: must be from 1 to 1000000");
+  EXPECT_EQ(refusal("horizon", "1e2"), "horizon '1e2': must be a decimal integer");
+  EXPECT_EQ(refusal("seed", "-1"), "seed '-1': must be a decimal integer from 0 to 2^64 - 1");
+  EXPECT_EQ(refusal("floor", "yes"), "floor 'yes': must be true or false");
+  EXPECT_EQ(refusal("until_decided", "1.5"), "until_decided 1.5: must be from 0.0 to 1.0");
+  EXPECT_EQ(refusal("bound_angle", "-1"), "bound_angle -1.0: must be at least 0.0 [rad]");
+  EXPECT_EQ(refusal("reanchor", "1,x"), "reanchor '1,x': must be numbers of control steps like 1,5,20");
+}
+
+TEST(NamedOptions, LeaveASmokeRunItsOwnLength) {
+  LiveRequest request;
+  request.services = {{"/reference", "/engine", "/engine_replay"}, "/policy"};
+  request.smoke = true;
+  for (const char* const name : {"episodes", "horizon"}) {
+    pusht_msgs::CompareGoal goal;
+    goal.options = {pusht::parameter(name, "7")};
+    EXPECT_EQ(pusht::testing::refusalOf([&] { merged(request, goal); }),
+              "episodes and horizon: a smoke run has its own");
+  }
 }
 
 TEST(EveryOption, ComesThroughACommandLine) {

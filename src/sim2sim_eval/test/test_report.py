@@ -23,6 +23,7 @@ from selenium import webdriver  # type: ignore[import]
 from selenium.webdriver.chrome.options import Options  # type: ignore[import]
 from selenium.webdriver.chrome.service import Service  # type: ignore[import]
 from selenium.webdriver.support.wait import WebDriverWait  # type: ignore[import]
+from pusht_task.palette import DARK, LIGHT
 from sim2sim_report.results import METRICS_FORMAT
 from sim2sim_report.words import transfer_percent
 
@@ -961,7 +962,8 @@ class Browser(ReportCase):
         self.addCleanup(
             self.browser.execute_cdp_cmd, "Emulation.setEmulatedMedia", {"features": []}
         )
-        for scheme, paper in (("light", "rgb(246, 247, 249)"), ("dark", "rgb(20, 24, 31)")):
+        for scheme, colors in (("light", LIGHT), ("dark", DARK)):
+            paper = f"rgb{tuple(bytes.fromhex(colors['paper'][1:]))}"
             for page in PAGES:
                 with self.subTest(scheme=scheme, page=page):
                     feature = {"name": "prefers-color-scheme", "value": scheme}

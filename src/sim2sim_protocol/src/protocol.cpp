@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
+#include <string>
 #include <type_traits>
 
 #include "pusht_task/error.hpp"
@@ -13,15 +14,16 @@
 namespace sim2sim {
 namespace {
 
-constexpr std::uint64_t kFirstHeldOutSeed = 10'000;
-
 constexpr int kSmokeEpisodes = 2;
 constexpr int kSmokeHorizon = 40;  // [control steps]
 
-void requireWithin(const char* option, int value, const IntegerRange& range) {
-  if (value < range.low || value > range.high) {
-    throw pusht::InvalidInput(std::string(option) + " " + std::to_string(value) + ": must be from " +
-                              std::to_string(range.low) + " to " + std::to_string(range.high));
+/// Refuses an integer that is out of the range of its option.
+template <class Option>
+void requireWithin(const Option& option, int value) {
+  if (value < option.range.least || value > option.range.greatest) {
+    throw pusht::InvalidInput(std::string(option.name) + " " + std::to_string(value) + ": must be from " +
+                              std::to_string(static_cast<int>(option.range.least)) + " to " +
+                              std::to_string(static_cast<int>(option.range.greatest)));
   }
 }
 
@@ -33,9 +35,9 @@ const char* modeName(Mode mode) {
 }
 
 void Protocol::validate() const {
-  forEachOption([this](const auto& option) {
+  forEachOption([&](const auto& option) {
     if constexpr (std::is_same_v<std::decay_t<decltype(option.of(*this))>, int>) {
-      requireWithin(option.name, option.of(*this), option.range);
+      requireWithin(option, option.of(*this));
     }
   });
   bound().validate();
@@ -45,14 +47,15 @@ void Protocol::validate() const {
                               ": must be above 0 and at most 1");
   }
   const auto end = static_cast<std::uint64_t>(first_episode) + static_cast<std::uint64_t>(episodes);
-  if (seed > std::numeric_limits<std::uint64_t>::max() - kFirstHeldOutSeed - end) {
+  if (seed > std::numeric_limits<std::uint64_t>::max() - pusht::kFirstSpawnSeed - end) {
     throw pusht::InvalidInput("seed " + std::to_string(seed) +
                               ": 10000 + seed + first_episode + episodes must be below 2^64");
   }
 }
 
 std::optional<std::uint64_t> Protocol::spawnSeed(int episode) const {
-  return initial_states ? std::nullopt : std::optional(kFirstHeldOutSeed + seed + static_cast<std::uint64_t>(episode));
+  return initial_states ? std::nullopt
+                        : std::optional(pusht::kFirstSpawnSeed + seed + static_cast<std::uint64_t>(episode));
 }
 
 pusht::WorldState Protocol::initialState(int episode) const {

@@ -1,33 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Which buttons make sense, and when.
+/// Rule for the buttons of a run: which make sense in which situation. Without widgets.
 #pragma once
 
 #include <string>
 
 namespace pusht_rviz {
 
-/// What the panel knows.
+/// State of evaluator, run and form that the buttons depend on.
 struct Situation {
-  bool reachable = false;  ///< somebody serves `control`
-  bool compares = false;   ///< somebody serves the action `compare`
-  bool asked = false;      ///< a goal was sent, and is not answered yet
-  bool busy = false;       ///< as in Progress; so are the next two
-  bool paused = false;
-  bool replay = false;
-  bool cancelling = false;  ///< this run is to end
-  std::string waits_for;    ///< what has to come before the form of the next run says anything; empty: nothing
-  std::string refusal;      ///< the first rule that the form of the next run breaks; empty: none
+  bool reachable = false;   ///< the service `control` answers
+  bool compares = false;    ///< the action `compare` has a server
+  bool asked = false;       ///< a goal was sent, and is not answered yet
+  bool busy = false;        ///< as in Progress
+  bool paused = false;      ///< as in Progress
+  bool replay = false;      ///< as in Progress
+  bool cancelling = false;  ///< the run under way was told to end
+  std::string waits_for;    ///< message that the form of the next run waits for, in words; empty: none
+  std::string refusal;      ///< first rule that the form of the next run breaks; empty: none
 };
 
 /// Buttons that are enabled.
 struct Buttons {
   bool start = false;
-  bool pause = false;    ///< or resume
-  bool resumes = false;  ///< what the button `pause` does
+  bool pause = false;
+  bool resumes = false;  ///< the button Pause resumes
   bool step = false;
   bool cancel = false;
   bool rate = false;
-  std::string why_not;  ///< why there is no start, in words; empty: there is
+  std::string why_not;  ///< reason why Start is disabled; empty: it is enabled
 };
 
 /// State of the buttons in a situation of the run.

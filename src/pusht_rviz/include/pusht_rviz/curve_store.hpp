@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The divergence of the last episodes, as it comes in. Without widgets.
+/// Store of the divergence of the last episodes, for plots. Without widgets.
 #pragma once
 
 #include <pusht_msgs/Divergence.h>
@@ -13,58 +13,59 @@
 
 namespace pusht_rviz {
 
-inline constexpr double kControlStep = 0.1;  ///< [s]
-
-/// What is drawn of an episode, in this order.
+/// Curves of an episode, in the order in which they are drawn: replay and closed loop against the reference, and a tee
+/// that never moves.
 enum CurveKind : std::size_t { kReplayCurve, kClosedCurve, kNullCurve };
 inline constexpr std::size_t kCurveKinds = 3;
 
-/// What is shown of each curve: the position [m] and the angle [rad].
+/// Component of a divergence: position [m] or angle [rad].
 enum Aspect : std::size_t { kPosition, kAngle };
 inline constexpr std::size_t kAspects = 2;
 
-/// The divergence after one control step; NaN where one of the two worlds has ended.
+/// Divergence after one control step; NaN where one of the two worlds has ended.
 struct CurvePoint {
-  double time = 0.0;                                               ///< [s] since the start
+  double time = 0.0;                                               ///< [s] since the initial state
   std::array<std::array<double, kAspects>, kCurveKinds> values{};  ///< [m] and [rad]
 };
 
 /// Point of the curves at the control step of a message.
 CurvePoint pointFrom(const pusht_msgs::Divergence& divergence);
 
-/// One episode: its points in the order of time.
+/// Points of one episode in the order of time.
 struct EpisodeCurves {
   std::uint64_t episode = 0;
   std::vector<CurvePoint> points;
 };
 
-/// The episode under way, and a bounded number of earlier ones.
+/// Curves of the episode under way and of a bounded number of earlier ones.
 class CurveStore {
  public:
-  static constexpr std::size_t kKept = 50;  ///< earlier episodes
+  static constexpr std::size_t kKept = 50;  ///< most earlier episodes
 
-  /// Curves of a replay: a step that is not after the last one forgets nothing, since it was only sought.
+  /// Whether the curves are of a replay: there a step that is not after the last one was sought, and drops nothing.
   void setReplay(bool replay) { replay_ = replay; }
 
-  /// A step of another episode ends the one under way. In a live run, a step that is not after the last one means that
-  /// the episode began again: what came from there on is forgotten. So is an earlier course of the same episode.
+  /// Adds a step. If it is of another episode, the one under way becomes an earlier one. In a live run a step that is
+  /// not after the last one means that the episode began again, so points from that step on are dropped; so are the
+  /// points of an earlier attempt at the same episode.
   void add(const pusht_msgs::Divergence& divergence);
-  /// Steps that were missed: those of the episode under way that are not there yet.
+
+  /// Adds steps of the episode under way that were missed.
   void recall(const std::vector<pusht_msgs::Divergence>& curve);
   void clear();
 
-  /// The curves of an episode, the one under way or an earlier one; null if they are not kept.
+  /// Curves of an episode; null if they are not kept.
   const EpisodeCurves* find(std::uint64_t episode) const;
 
-  double cursor() const { return cursor_; }  ///< [s] time of the step that came last
+  double cursor() const { return cursor_; }  ///< [s] time of the last step that was added
 
   const EpisodeCurves& current() const { return current_; }
   const std::deque<EpisodeCurves>& earlier() const { return earlier_; }  ///< oldest first
 
-  std::uint64_t version() const { return version_; }                 ///< grows with each change
-  std::uint64_t earlierVersion() const { return earlier_version_; }  ///< with each change of earlier()
+  std::uint64_t version() const { return version_; }                 ///< grows with every change
+  std::uint64_t earlierVersion() const { return earlier_version_; }  ///< grows with every change of earlier()
 
-  double end() const { return end_; }  ///< [s] the last time of all that was added since clear()
+  double end() const { return end_; }  ///< [s] greatest time since clear()
 
  private:
   void insert(const CurvePoint& point);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Divergence against time, as it grows.
+/// Plot of divergence against time.
 #pragma once
 
 #include <pusht_msgs/Divergence.h>
@@ -26,11 +26,11 @@ class QCustomPlot;
 
 namespace pusht_rviz {
 
-/// Position above, angle below, on logarithmic axes of fixed range: one episode bright, earlier ones faded; bound and
-/// floor as lines. What is smaller or larger than an axis is drawn at its end.
+/// Position above, angle below, on logarithmic axes of fixed range: one episode bright, earlier ones faded, bound and
+/// floor as lines. A value beyond an axis is drawn at its end.
 ///
-/// Cheap, since rviz draws in the same thread: redraws at most 15 times a second, only if something has changed, and
-/// then only the layer of the episode under way, unless an axis or the earlier episodes have changed.
+/// rviz draws in the same thread, so the plot redraws at most 15 times a second, only after a change, and only the
+/// layer of the episode under way unless an axis or the earlier episodes have changed.
 class Curves : public QWidget {
   Q_OBJECT
 
@@ -41,20 +41,19 @@ class Curves : public QWidget {
   void recall(const std::vector<pusht_msgs::Divergence>& curve) { store_.recall(curve); }
   void clear();
 
-  /// Beyond which a rollout has parted from the reference: [m] and [rad].
+  /// Sets the bound around the reference, [m] and [rad].
   void setBound(double position, double angle);
 
-  /// Mean divergence of the reference from itself, [m] and [rad]; NaN: there is none.
+  /// Sets the mean divergence of the reference from itself, [m] and [rad]; NaN: there is none.
   void setFloor(const std::array<double, kAspects>& floor);
 
-  /// In a replay the whole of an episode is drawn, with a line where the replay is.
+  /// In a replay the whole episode is drawn, with a line at the present step.
   void setReplay(bool replay);
 
-  /// Draws an earlier episode bright in place of the one under way, until the latter is chosen. False: its curves are
-  /// not kept.
+  /// Draws an earlier episode bright until the one under way is chosen again. False: its curves are not kept.
   bool choose(std::uint64_t episode);
 
-  /// The episode that is drawn bright.
+  /// Episode that is drawn bright.
   std::uint64_t chosen() const { return chosen_.value_or(store_.current().episode); }
 
   const CurveStore& store() const { return store_; }
@@ -66,7 +65,7 @@ class Curves : public QWidget {
     QCPGraph* bound = nullptr;
     QCPGraph* floor = nullptr;
     QCPItemStraightLine* cursor = nullptr;
-    std::array<QCPCurve*, kCurveKinds> earlier{};  ///< all of them in one; none of the null model
+    std::array<QCPCurve*, kCurveKinds> earlier{};  ///< all episodes in one curve; none of the null model
     std::array<QCPGraph*, kCurveKinds> now{};
   };
 
@@ -83,11 +82,11 @@ class Curves : public QWidget {
   std::optional<std::uint64_t> chosen_;
   bool replay_ = false;
   QCustomPlot* plot_;
-  QCPLayer* live_;  // of the episode under way
+  QCPLayer* live_;  // has the episode under way
   std::array<Chart, kAspects> charts_{};
-  std::uint64_t drawn_ = 0;
-  std::uint64_t drawn_earlier_ = 0;
-  bool stale_ = true;  // all of it has to be drawn again
+  std::uint64_t drawn_ = 0;          // CurveStore::version()
+  std::uint64_t drawn_earlier_ = 0;  // CurveStore::earlierVersion()
+  bool stale_ = true;                // everything has to be drawn again
   QTimer timer_;
 };
 

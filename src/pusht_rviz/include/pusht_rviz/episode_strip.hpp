@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A square for each episode of a run, to be clicked.
+/// Strip of squares, one for each episode of a run, to be clicked.
 #pragma once
 
 #include <QWidget>
@@ -11,22 +11,22 @@
 
 namespace pusht_rviz {
 
-/// The left half of a square is the reference, the right half the engine: filled with the colour of the world where
-/// the policy has succeeded, empty where it has failed, an outline alone where the episode has not finished.
+/// The left half of a square is the reference, the right half the engine. A half is filled with the color of its world
+/// if the policy has succeeded there. An episode that has not finished is an outline.
 class EpisodeStrip : public QWidget {
   Q_OBJECT
 
  public:
-  /// `episodes` must outlive the strip, which follows it.
+  /// Follows `episodes`, which must outlive the strip.
   explicit EpisodeStrip(const EpisodesModel* episodes, QWidget* parent = nullptr);
 
-  /// The episodes of the run: their number, and the index of the first.
+  /// Sets the number of episodes of the run and the index of the first.
   void setRun(std::uint64_t episodes, std::uint64_t first);
 
-  /// The episode that is under way, or shown.
+  /// Marks the episode that is under way, or that is shown.
   void setShown(std::uint64_t episode);
 
-  /// The middle of an episode's square; none if it is not in sight.
+  /// Center of an episode's square [px]; none if it is not in sight.
   std::optional<QPoint> centerOf(std::uint64_t episode) const;
 
   int heightForWidth(int width) const override;

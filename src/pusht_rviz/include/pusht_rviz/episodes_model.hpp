@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The finished episodes as a table.
+/// Finished episodes as a table.
 #pragma once
 
 #include <pusht_msgs/EpisodeResult.h>
@@ -14,25 +14,25 @@
 
 namespace pusht_rviz {
 
-/// What a row shows.
+/// One finished episode.
 struct EpisodeRow {
   std::uint64_t episode = 0;
-  std::uint64_t seed = 0;   ///< 0: the start was given
-  std::uint32_t steps = 0;  ///< of the longest of the three worlds
+  std::uint64_t seed = 0;   ///< spawn seed; 0: the initial state came from a file
+  std::uint32_t steps = 0;  ///< of the longest of the three rollouts
   std::uint32_t reference_steps = 0;
   std::uint32_t engine_steps = 0;
   bool reference_success = false;
   bool engine_success = false;
-  std::uint32_t parting_step = 0;         ///< of the replay; 0: it stays within the bound
-  std::uint32_t closed_parting_step = 0;  ///< of the engine in closed loop, likewise
-  QString parting_cause;                  ///< in words
-  QString parting_first;
+  std::uint32_t parting_step = 0;         ///< first divergence of the replay; 0: it stays within the bound
+  std::uint32_t closed_parting_step = 0;  ///< the same for the engine in closed loop
+  QString parting_cause;                  ///< of the replay, in words
+  QString parting_first;                  ///< body that leaves the reference first, in words
 };
 
 /// Row of the table for a finished episode.
 EpisodeRow rowFrom(const pusht_msgs::EpisodeResult& result);
 
-/// In the order in which they were heard of. Ten thousand of them cost memory, and no time.
+/// Rows in the order in which episodes finished. To add one takes the same time whatever their number.
 class EpisodesModel : public QAbstractTableModel {
   Q_OBJECT
 
@@ -41,7 +41,7 @@ class EpisodesModel : public QAbstractTableModel {
 
   using QAbstractTableModel::QAbstractTableModel;
 
-  /// One that is there already (its episode was run again, or asked for late) is replaced.
+  /// Adds episodes. One that is there already, since it was run again or asked for late, is replaced.
   void add(const std::vector<pusht_msgs::EpisodeResult>& results);
   void clear();
 

@@ -1,102 +1,63 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// From what people type to a goal of the action `compare`. Nothing is corrected silently: what cannot be is refused,
-/// with name, value and rule. Without widgets.
+/// From the texts of the form to a goal of the action `compare`. A text that breaks a rule is refused with name, value
+/// and rule, never corrected. Without widgets.
 #pragma once
 
 #include <pusht_msgs/CompareGoal.h>
-#include <pusht_msgs/DescribeResponse.h>
-#include <pusht_msgs/Parameter.h>
-#include <pusht_msgs/ParameterDescriptor.h>
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "pusht_rviz/parameter_draft.hpp"
+
 namespace pusht_rviz {
 
-/// Episode i of a run begins from spawn seed kFirstSpawnSeed + seed of the run + i.
-inline constexpr std::uint64_t kFirstSpawnSeed = 10'000;
+/// Names of the two options that a spawn seed depends on.
+inline constexpr const char* kSeedOption = "seed";
+inline constexpr const char* kFirstEpisodeOption = "first_episode";
 
-/// What a text says; `value` holds unless it is refused.
-template <class Value>
+/// Spawn seed of the first episode of a run with these options; none if a text is no number, or the sum no seed.
+std::optional<std::uint64_t> spawnSeedOf(const std::string& seed, const std::string& first_episode);
+
+/// A number that was read, or the rule that its text breaks.
 struct Reading {
-  Value value{};
-  std::string refusal{};  ///< name, value and rule; empty: none
+  std::uint64_t value = 0;  ///< holds without a refusal
+  std::string refusal{};    ///< empty: none
 };
 
-Reading<std::uint32_t> readEpisodes(const std::string& text);      ///< from 1 to a million
-Reading<std::uint64_t> readRunSeed(const std::string& text);       ///< from 0
-Reading<std::uint32_t> readFirstEpisode(const std::string& text);  ///< from 0 to a milliard
-
-/// The episode of a run that begins from a spawn seed.
-Reading<std::uint32_t> episodeOfSeed(const std::string& text, std::uint64_t run_seed);
+/// First episode of a run with the option `seed` that begins with `spawn_seed`: the reverse of spawnSeedOf().
+Reading firstEpisodeOf(const std::string& spawn_seed, const std::string& seed);
 
 /// Name of the folder for the run after one whose results are in `folder`: "results" gives "results-2", that gives
 /// "results-3". Empty stays empty.
 std::string nextFolder(const std::string& folder);
 
-/// The rule that `text` breaks as a value of this parameter; empty: none.
-std::string refusalOf(const pusht_msgs::ParameterDescriptor& parameter, const std::string& text);
-
-/// "from 0 to 100 [1/s]"; empty: anything goes.
-std::string rangeText(const pusht_msgs::ParameterDescriptor& parameter);
-
-/// A parameter of a simulator, as the form has it.
-struct Setting {
-  pusht_msgs::ParameterDescriptor parameter;
-  std::string initial;     ///< its default; of a parameter without a descriptor, what the node said of it first
-  std::string base;        ///< what it is unless the goal names it: `initial`, or what a word that the goal names sets
-  std::string text;        ///< what it is to be
-  bool described = false;  ///< whether the node says what its default is
-
-  /// Whether `text` says something else than `base`: 6 and 6.0 are the same number.
-  bool differs() const;
-};
-
-/// A simulator, as the form has it.
 struct SimulatorDraft {
-  std::string kind;  ///< empty: nothing is known of the node
-  std::vector<Setting> settings;
-
-  /// `text` is typed for a setting. If it is a word that sets others besides, they follow, unless they differ already.
-  void type(std::size_t place, const std::string& text);
-
-  /// What a goal that names the kind says of it, so that what is shown is what runs: the settings that differ, and
-  /// those whose default is not known.
-  std::vector<pusht_msgs::Parameter> named() const;
+  std::string kind{};  ///< empty: the node has not described itself
+  ParameterDraft parameters{};
 };
 
-/// The settings of a simulator of a kind, based on the kind's defaults. `chosen` is written over the texts as far as
-/// there are such parameters.
-SimulatorDraft draftOf(const std::string& kind, const pusht_msgs::DescribeResponse& described,
-                       const std::vector<pusht_msgs::Parameter>& chosen);
-
-/// All that the form says of the next run.
+/// Content of the form of the next run.
 struct RunDraft {
-  std::string episodes;
-  std::string run_seed;
-  std::string out;  ///< folder of the results; empty: the next free one
-  std::string first_episode;
-  std::string spawn_seed;                           ///< of the first episode
-  bool spawned = true;                              ///< false: starts come from a file, and no spawn seed counts
-  std::string policy;                               ///< namespace of its services; empty: the evaluator's own
-  std::optional<std::uint32_t> requested_episodes;  ///< need not be named, and must not in a smoke run
+  ParameterDraft options;
+  std::string spawn_seed;      ///< of the first episode
+  bool spawned = true;         ///< false: initial states come from a file, and the spawn seed is not looked at
+  std::string out;             ///< folder of the results; empty: the next free one
+  std::string policy;          ///< namespace of its services; empty: the evaluator's default
   std::optional<double> rate;  ///< [control steps/s]; 0: as fast as possible; none: the evaluator's own
   SimulatorDraft reference;
   SimulatorDraft engine;
 };
 
-/// Of a field of the form: "episodes", "run_seed", "first_episode", "spawn_seed", "reference.NAME", "engine.NAME".
 struct Refusal {
-  std::string field;
+  std::string field;  ///< "spawn_seed", the name of an option, "reference.NAME" or "engine.NAME"
   std::string rule;
 };
 
-/// What is refused; with none, `goal` says what the form says.
 struct Draft {
-  pusht_msgs::CompareGoal goal;
+  pusht_msgs::CompareGoal goal;  ///< holds without refusals
   std::vector<Refusal> refusals;
 };
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The form of the next run.
+/// Form of the next run.
 #pragma once
 
 #include <pusht_msgs/CompareGoal.h>
 #include <pusht_msgs/DescribeResponse.h>
+#include <pusht_msgs/RunOptions.h>
 
 #include <QComboBox>
 #include <QLabel>
@@ -11,69 +12,69 @@
 #include <QString>
 #include <QStringList>
 #include <QWidget>
-#include <cstdint>
-#include <optional>
 
 #include "pusht_rviz/goal.hpp"
-#include "pusht_rviz/letters.hpp"
+#include "pusht_rviz/nodes.hpp"
+#include "pusht_rviz/parameter_form.hpp"
 #include "pusht_rviz/simulator_form.hpp"
 
 namespace pusht_rviz {
 
-/// Says beside each field which rule it breaks; draft() has the goal, and all that is refused.
+/// Options of the run as the evaluator describes them, spawn seed of the first episode, policy, folder, simulators. The
+/// rule that a field breaks stands below it.
 class NextRun : public QWidget {
   Q_OBJECT
 
  public:
   explicit NextRun(QWidget* parent = nullptr);
 
-  /// What the evaluator takes if nothing is said: the controls begin with it.
+  /// Sets what the evaluator uses where a goal leaves it open: the controls begin with it. `policy` is the namespace of
+  /// its default policy.
   void setRequest(const pusht_msgs::CompareGoal& request, const QString& policy);
+  void setOptions(const pusht_msgs::RunOptions& options);
   void setPolicies(const QStringList& namespaces);
-  void setDescription(Role role, const QString& kind, const pusht_msgs::DescribeResponse& description);
+
+  /// Takes a description of the reference or the engine, as EvaluatorLink::described(); others are ignored.
+  void setDescription(Node node, const QString& kind, const pusht_msgs::DescribeResponse& description);
   void setEvaluator(const QString& name);
+
+  /// Drops all that was of an evaluator.
   void forget();
 
-  /// A run has begun. A folder takes one run, so the name of the folder moves on: nextFolder().
+  /// Tells that a run has begun. A folder takes one run, so the field moves on to nextFolder().
   void runBegan();
 
-  /// What has to come before draft() says what people chose; empty: nothing.
+  /// Message that draft() still waits for, in words; empty: none.
   QString waitsFor() const;
 
-  /// Without a rate.
+  /// Content of the form; without a rate.
   RunDraft draft() const;
 
  Q_SIGNALS:
   void changed();
-  void kindNeeded(int role, const QString& kind);
+  void kindNeeded(int node, const QString& kind);  ///< setDescription() is to answer
   void evaluatorChosen(const QString& name);
 
  private:
-  struct Field {
-    QLineEdit* edit;
-    QLabel* refusal;
-  };
-
-  Field makeField(const char* name, const char* tip);
-  void coupleFromEpisode();
-  void coupleFromSeed();
+  QWidget* runGroup();
+  void connectControls();
+  void showSpawnSeed();
+  void takeSpawnSeed();
   void refresh();
   void showPolicies();
   void moveOn();
 
-  Field episodes_;
-  Field run_seed_;
-  Field first_episode_;
-  Field spawn_seed_;
-  Field out_;
-  bool known_ = false;  // what the evaluator takes if nothing is said
-  bool spawned_ = true;
+  bool requested_ = false;  // setRequest() was called
+  bool spawned_ = true;     // initial states do not come from a file
   bool overwrite_ = false;
   bool began_ = false;  // a run of this evaluator
-  std::optional<std::uint32_t> requested_episodes_;
+  ParameterForm* options_;
+  QLineEdit* spawn_seed_;
+  QLabel* spawn_seed_refusal_;
+  QLineEdit* out_;
   QComboBox* policy_;
-  QStringList policies_;    // that there are
-  QString default_policy_;  // the evaluator's
+  QStringList policies_;    // known to the master
+  QString default_policy_;  // of the evaluator
   QLineEdit* evaluator_;
   SimulatorForm* reference_;
   SimulatorForm* engine_;

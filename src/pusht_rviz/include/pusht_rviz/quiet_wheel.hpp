@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+/// Guard against the mouse wheel.
 #pragma once
 
 #include <QEvent>
@@ -7,7 +8,8 @@
 
 namespace pusht_rviz {
 
-/// Who scrolls a form with the wheel must not change what happens to be under the pointer.
+/// Makes a widget ignore the wheel unless it has the focus: scrolling a form must not change the fields under the
+/// pointer.
 inline void quietWheel(QWidget* widget) {
   class Filter : public QObject {
    public:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What a replay has besides: a slider over the steps of an episode, and a field for a seed.
+/// Controls of a replay: a slider over the steps of an episode, and a field for a seed to go to.
 #pragma once
 
 #include <QColor>
@@ -16,7 +16,7 @@
 
 namespace pusht_rviz {
 
-/// A slider with coloured ticks.
+/// Slider with colored ticks.
 class MarkedSlider : public QSlider {
   Q_OBJECT
 
@@ -45,11 +45,11 @@ class ReplayControls : public QWidget {
  public:
   explicit ReplayControls(QWidget* parent = nullptr);
 
-  /// Where the replay is; `row`: of its episode, none if that is not known. Ticks say where engine and replay leave the
-  /// bound around the reference.
+  /// Shows a position of the replay, and ticks where engine and replay leave the bound around the reference. `row` is
+  /// that of the episode; null: it is not known.
   void show(std::uint64_t episode, std::uint32_t step, const EpisodeRow* row);
 
-  /// Why a seed cannot be gone to; empty: it can.
+  /// Shows why the replay cannot go to the seed; empty: it can.
   void refuse(const QString& why);
 
   QString seed() const { return seed_->text().trimmed(); }
@@ -60,7 +60,7 @@ class ReplayControls : public QWidget {
 
  private:
   MarkedSlider* scrubber_;
-  QLabel* place_;
+  QLabel* position_;
   QLineEdit* seed_;
   QPushButton* go_;
   QLabel* refusal_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Where the squares of a strip of episodes are. Without widgets.
+/// Layout of the squares of a strip. Without widgets.
 #pragma once
 
 #include <cstdint>
@@ -7,26 +7,26 @@
 
 namespace pusht_rviz {
 
-/// Rows of squares of one size, in the order of the episodes. Where not all fit at the least size, those around the
-/// episode that is shown do: whole rows of them.
+/// Rows of squares of one size, one for each episode in their order. If not all fit at the least size, whole rows
+/// around the episode that is shown are laid out.
 struct StripLayout {
   int pitch = 0;            ///< [px] from one square to the next, the gap included
   int columns = 1;          ///< squares in a row
-  std::uint64_t begin = 0;  ///< place of the first square, counted from the first episode
-  std::uint64_t end = 0;    ///< place after the last one
+  std::uint64_t begin = 0;  ///< index of the first square, counted from the first episode
+  std::uint64_t end = 0;    ///< index after that of the last square
 
   int rows() const;
 
   /// Left and upper edge of a square [px].
-  int left(std::uint64_t place) const;
-  int top(std::uint64_t place) const;
+  int left(std::uint64_t index) const;
+  int top(std::uint64_t index) const;
 
-  /// Place of the square at a point [px]; none beside all of them.
-  std::optional<std::uint64_t> placeAt(int x, int y) const;
+  /// Index of the square at a point [px]; none beside all of them.
+  std::optional<std::uint64_t> indexAt(int x, int y) const;
 };
 
-/// For `count` episodes in `width` x `height` [px], with the one at `shown` among them; pitches between `least` and
-/// `greatest` [px].
+/// Layout of `count` squares in `width` x `height` [px] that has the one with index `shown`. Its pitch is from `least`
+/// to `greatest` [px].
 StripLayout layOut(std::uint64_t count, std::uint64_t shown, int width, int height, int least, int greatest);
 
 }  // namespace pusht_rviz

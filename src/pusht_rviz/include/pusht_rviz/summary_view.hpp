@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The answer: what a run says so far.
+/// Result of the run so far.
 #pragma once
 
 #include <pusht_msgs/Summary.h>
@@ -10,13 +10,14 @@
 
 namespace pusht_rviz {
 
-/// The headline, success rates, transfer, a square for each episode, mean divergence, as the terminal prints them.
-/// Computes nothing.
+/// Headline, success rates, transfer, strip of episodes, and mean divergence. It computes nothing: figures come as
+/// texts, in the digits of the terminal. Object names: headline, reference_success, engine_success, transfer, pairs,
+/// mean_position, mean_angle.
 class SummaryView : public QWidget {
   Q_OBJECT
 
  public:
-  /// `strip` is shown between figures and counts; it becomes a child.
+  /// `strip` is shown below the figures, and becomes a child.
   explicit SummaryView(QWidget* strip, QWidget* parent = nullptr);
 
   void show(const pusht_msgs::Summary& summary);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The saved views of rviz as buttons.
+/// Buttons for the saved views of rviz.
 #pragma once
 
 #include <QStringList>
@@ -11,7 +11,8 @@ class ViewManager;
 
 namespace pusht_rviz {
 
-/// One button for each view that is saved in the configuration; follows it as views come and go.
+/// A button for each view that is saved in the configuration, at most six. It looks twice a second whether views came
+/// or went. Object names: view.NAME.
 class ViewButtons : public QWidget {
   Q_OBJECT
 

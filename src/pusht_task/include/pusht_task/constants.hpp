@@ -3,6 +3,8 @@
 /// Source, unless a line says otherwise: the PushT environment of the zero2robot course.
 #pragma once
 
+#include <cstdint>
+
 namespace pusht {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -26,6 +28,8 @@ constexpr double kRewardPositionScale = 0.5;  ///< [m]
 constexpr double kRewardBonus = 1.0;
 
 // Spawn: the tee on a ring around the target, the pusher anywhere clear of it.
+/// Episode i of a run starts from the spawn seed kFirstSpawnSeed + seed of the run + i: policies train on those below.
+constexpr std::uint64_t kFirstSpawnSeed = 10'000;
 constexpr double kSpawnRadiusMin = 0.10;        ///< [m]
 constexpr double kSpawnRadiusMax = 0.24;        ///< [m]
 constexpr double kSpawnPusherBound = 0.32;      ///< [m] per axis

@@ -49,6 +49,10 @@ struct ParameterDescriptor {
   /// "real", "integer", "boolean" or "text".
   const char* type() const;
 
+  /// Values that it takes, in words: "from 0.0 to 100.0 [1/s]", "at least 1", "true or false", "one of: a, b". Empty:
+  /// every value of its type.
+  std::string range() const;
+
   /// Value of `text`; an integer is a real, too. Throws InvalidInput with name, text and rule if it is no value that
   /// the parameter takes.
   ParameterValue read(const std::string& text) const;

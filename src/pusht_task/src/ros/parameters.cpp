@@ -76,6 +76,26 @@ Parameters toMessages(const ParameterSet& parameters) {
   return messages;
 }
 
+pusht_msgs::ParameterDescriptor toMessage(const ParameterDescriptor& descriptor) {
+  pusht_msgs::ParameterDescriptor message;
+  message.name = descriptor.name;
+  message.type = descriptor.type();
+  message.unit = descriptor.unit;
+  message.meaning = descriptor.meaning;
+  message.default_value = textOf(descriptor.default_value);
+  message.least = descriptor.least;
+  message.greatest = descriptor.greatest;
+  message.words = descriptor.words;
+  for (const Preset& preset : descriptor.presets) {
+    message.presets.emplace_back();
+    message.presets.back().word = preset.word;
+    for (const auto& [name, text] : preset.settings) {
+      message.presets.back().settings.push_back(parameter(name, text));
+    }
+  }
+  return message;
+}
+
 void requireOnce(const Parameters& parameters) {
   for (auto first = parameters.begin(); first != parameters.end(); ++first) {
     const auto second =

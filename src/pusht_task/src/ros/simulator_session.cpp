@@ -39,33 +39,10 @@ std::string hashOf(const Parameters& parameters) {
   return sha256(key).substr(0, kDigits);
 }
 
-pusht_msgs::Preset message(const Preset& preset) {
-  pusht_msgs::Preset message;
-  message.word = preset.word;
-  for (const auto& [name, text] : preset.settings) {
-    message.settings.push_back(parameter(name, text));
-  }
-  return message;
-}
-
 std::vector<pusht_msgs::ParameterDescriptor> describeParameters(const ParameterSet& parameters) {
   std::vector<pusht_msgs::ParameterDescriptor> descriptors;
-  for (const Parameter& parameter : parameters) {
-    const ParameterDescriptor& known = parameter.descriptor;
-    pusht_msgs::ParameterDescriptor descriptor;
-    descriptor.name = known.name;
-    descriptor.type = known.type();
-    descriptor.unit = known.unit;
-    descriptor.meaning = known.meaning;
-    descriptor.default_value = textOf(known.default_value);
-    descriptor.least = known.least;
-    descriptor.greatest = known.greatest;
-    descriptor.words = known.words;
-    for (const Preset& preset : known.presets) {
-      descriptor.presets.push_back(message(preset));
-    }
-    descriptors.push_back(descriptor);
-  }
+  std::transform(parameters.begin(), parameters.end(), std::back_inserter(descriptors),
+                 [](const Parameter& parameter) { return toMessage(parameter.descriptor); });
   return descriptors;
 }
 

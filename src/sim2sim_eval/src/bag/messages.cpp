@@ -2,6 +2,7 @@
 #include "sim2sim_eval/bag/messages.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <limits>
@@ -50,10 +51,13 @@ pusht_msgs::SuccessRate toMessage(const SuccessRate& rate, int trials) {
   message.rate = rate.rate;
   message.low = rate.interval.low;
   message.high = rate.interval.high;
+  if (trials > 0) {
+    message.text = std::to_string(rate.successes) + "/" + std::to_string(trials) + "  " + shareText(rate);
+  }
   return message;
 }
 
-pusht_msgs::Mean toMessage(const std::string& name, const char* unit, const Estimate& mean) {
+pusht_msgs::Mean toMessage(const std::string& name, const char* unit, const Estimate& mean, const std::string& mark) {
   const Interval interval = mean.interval.value_or(Interval{kNan, kNan});
   pusht_msgs::Mean message;
   message.name = name;
@@ -61,6 +65,10 @@ pusht_msgs::Mean toMessage(const std::string& name, const char* unit, const Esti
   message.value = mean.value;
   message.low = interval.low;
   message.high = interval.high;
+  message.mark = mark;
+  if (!std::isnan(mean.value)) {
+    message.text = cell(mean, unit) + (mark.empty() ? "" : " ") + mark;
+  }
   return message;
 }
 
@@ -149,13 +157,13 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
       (finished ? transferInterval(configuration, outcomes) : std::nullopt).value_or(Interval{kNan, kNan});
   message.transfer_low = transfer.low;
   message.transfer_high = transfer.high;
+  message.transfer_text = finished ? transferText(configuration, outcomes) : "";
   const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();
   forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
-    message.means.push_back(toMessage(metricName(rollouts[rollout], kQuantities[i]), kQuantities[i].unit,
-                                      finished ? printedMean(summary, rollout, i) : summary.means[rollout][i]));
-    if (finished && rollout == kEngineReplay) {
-      message.means.back().mark = markOf(summary, kQuantities[i].name);
-    }
+    message.means.push_back(
+        toMessage(metricName(rollouts[rollout], kQuantities[i]), kQuantities[i].unit,
+                  finished ? printedMean(summary, rollout, i) : summary.means[rollout][i],
+                  finished && rollout == kEngineReplay ? markOf(summary, kQuantities[i].name) : ""));
   });
   message.policy = configuration.policy;
   const Headline headline = headlineOf(configuration, summary.outcomes.table);

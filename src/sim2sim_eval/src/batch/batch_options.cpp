@@ -74,7 +74,7 @@ int defaultEpisodes(int usual, const std::filesystem::path& starts) {
 
 void declare(CLI::App& app, RunOptions& options) {
   forEachOption(
-      [&](const auto& option) { declareOption(app, optionName(option.name), option.of(options), option.meaning); });
+      [&](const auto& option) { declareOption(app, optionName(option.name), option.of(options), option.help()); });
 }
 
 int BatchOptions::threadCount() const {

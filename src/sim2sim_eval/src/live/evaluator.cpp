@@ -11,6 +11,7 @@
 #include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/control.hpp"
+#include "sim2sim_eval/live/named_options.hpp"
 #include "sim2sim_eval/live/outcome.hpp"
 #include "sim2sim_eval/live/participants.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
@@ -40,6 +41,7 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
       broadcast_(node_),
       activity_(node_, pacer_, [this](bool paused) { broadcast_.showPaused(paused); }),
       request_(node_.advertise<pusht_msgs::CompareGoal>("request", 1, true)),
+      options_(node_.advertise<pusht_msgs::RunOptions>("options", 1, true)),
       health_("none", "comparison", [this](pusht::DiagnosticStatusWrapper& status) { activity_.report(status); }),
       control_(node_.advertiseService("control", &Evaluator::onControl, this)),
       server_(
@@ -54,6 +56,7 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
   }
   activity_.publish();
   request_.publish(goalOf(parameters_.request));
+  options_.publish(describe(parameters_.request.protocol));
   server_.start();
 }
 

@@ -194,13 +194,13 @@ geometry_msgs::TransformStamped standing(const std::string& child, double x, dou
 std::uint32_t bandColor(RunState state) {
   switch (state) {
     case RunState::kWaits:
-      return 0x23507F;
+      return pusht::palette::kWaits;
     case RunState::kPaused:
-      return 0x5E5620;
+      return pusht::palette::kPaused;
     case RunState::kFinished:
-      return 0x1F5C41;
+      return pusht::palette::kFinished;
     case RunState::kEnded:
-      return 0x80401F;
+      return pusht::palette::kEnded;
     default:
       return kCard;
   }

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "pusht_task/error.hpp"
+#include "sim2sim_eval/live/named_options.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
 
 namespace sim2sim {
@@ -122,7 +123,7 @@ std::string freeFolder(const std::string& out) {
 }
 
 LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
-  if (request.smoke && !(goal.episodes.empty() && goal.horizon.empty())) {
+  if (request.smoke && (names(goal, "episodes") || names(goal, "horizon"))) {
     throw pusht::InvalidInput("episodes and horizon: a smoke run has its own");
   }
   if (!goal.policy_namespace.empty()) {
@@ -140,6 +141,7 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   set_world("engine_namespace", kEngineClosed, goal.engine_namespace);
   set_world("replay_namespace", kEngineReplay, goal.replay_namespace);
   forEachOption([&](const auto& option) { set(option.name, option.of(request.protocol), option.of(goal)); });
+  setNamed(request.protocol, goal);
   request.protocol.probes();  // throws if there are none such
   forEachLiveField([&](const char* name, const auto& of) { set(name, of(request), of(goal)); });
   const auto set_simulator = [](const char* name, WorldRequest& simulator, const auto& kinds, const auto& parameters) {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// Options of a run, one line of a table for each. All that handles options walks through this table: the evaluator's
-/// parameters, goals and their reverse, the command line and its help, plans of sweeps, the description of a run with
-/// its hash, the key of kept references, and what two runs must agree in to be compared.
+/// parameters, goals and their reverse, the descriptions from which the panel builds its form, the command line and its
+/// help, plans of sweeps, the description of a run with its hash, the key of kept references, and what two runs must
+/// agree in to be compared.
 #pragma once
 
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "pusht_task/constants.hpp"
@@ -40,10 +42,10 @@ enum class Written {
   kElsewhere,  ///< within another key: "probes" or "bound"
 };
 
-/// Range of an integer option, both ends included.
-struct IntegerRange {
-  int low = std::numeric_limits<int>::min();
-  int high = std::numeric_limits<int>::max();
+/// Range of a number, both ends included, as far as one option has it by itself.
+struct OptionRange {
+  double least = 0.0;
+  double greatest = std::numeric_limits<double>::infinity();
 };
 
 /// Description of an option. `of(o)` is its value in a RunOptions, or in any other class with a member of its name,
@@ -51,12 +53,16 @@ struct IntegerRange {
 template <class Access>
 struct RunOption {
   const char* name;     ///< parameter, field of the goal and key of the plan; with dashes on the command line
-  const char* meaning;  ///< with unit, for --help
+  const char* unit;     ///< empty: none
+  const char* meaning;  ///< phrase for people
+  OptionRange range;    ///< allowed values of a number; Protocol::validate() checks integers
   Decides decides;
   Written written;
   bool in_plan;  ///< whether a sweep takes it
   Access of;
-  IntegerRange range;  ///< allowed values of an integer, for Protocol::validate()
+
+  /// "[m] meaning", for --help.
+  std::string help() const { return (*unit == '\0' ? "" : "[" + std::string(unit) + "] ") + meaning; }
 
   bool isDefault(const RunOptions& options) const {
     const RunOptions usual;
@@ -67,39 +73,44 @@ struct RunOption {
 /// Calls function(option) for each option, in the order of --help.
 template <class Function>
 void forEachOption(const Function& function) {
-  const auto each = [&](const char* name, const char* meaning, Decides decides, Written written, bool in_plan,
-                        auto access, IntegerRange range = {}) {
-    function(RunOption<decltype(access)>{name, meaning, decides, written, in_plan, access, range});
+  constexpr double kMostEpisodes = 1e6;
+  constexpr double kLastFirstEpisode = 1e9;
+  const OptionRange any;  // from 0 on
+  const auto each = [&](const char* name, const char* unit, const char* meaning, const OptionRange& range,
+                        Decides decides, Written written, bool in_plan, auto access) {
+    function(RunOption<decltype(access)>{name, unit, meaning, range, decides, written, in_plan, access});
   };
-  constexpr int kMaxFirstEpisode = 1'000'000'000;
-  constexpr int kMaxEpisodes = 1'000'000;
   each(
-      "seed", "episode i starts from spawn seed 10000 + seed + i", Decides::kRest, Written::kAlways, true,
+      "seed", "", "episode i starts from spawn seed 10000 + seed + i", any, Decides::kRest, Written::kAlways, true,
       [](auto& o) -> auto& { return o.seed; });
-  each("first_episode", "index of the first episode", Decides::kRest, Written::kAlways, true,
-       [](auto& o) -> auto& { return o.first_episode; }, {0, kMaxFirstEpisode});
-  each("episodes", "number of episodes; without it as many as --starts has, if these are fewer than the default",
-       Decides::kRest, Written::kAlways, true, [](auto& o) -> auto& { return o.episodes; }, {1, kMaxEpisodes});
-  each("horizon", "[control steps] the longest that an episode lasts", Decides::kReference, Written::kAlways, true,
-       [](auto& o) -> auto& { return o.horizon; }, {1, pusht::kHorizon});
   each(
-      "floor", "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to",
+      "first_episode", "", "index of the first episode", {0.0, kLastFirstEpisode}, Decides::kRest, Written::kAlways,
+      true, [](auto& o) -> auto& { return o.first_episode; });
+  each(
+      "episodes", "", "number of episodes; without it as many as --starts has, if these are fewer than the default",
+      {1.0, kMostEpisodes}, Decides::kRest, Written::kAlways, true, [](auto& o) -> auto& { return o.episodes; });
+  each(
+      "horizon", "control steps", "the longest that an episode lasts", {1.0, pusht::kHorizon}, Decides::kReference,
+      Written::kAlways, true, [](auto& o) -> auto& { return o.horizon; });
+  each(
+      "floor", "",
+      "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to", any,
       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.floor; });
   each(
-      "reanchor",
-      "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: 1,5,20",
+      "reanchor", "",
+      "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: 1,5,20", any,
       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.reanchor; });
   each(
-      "bound_position", "[m] beyond it a rollout has parted from the reference", Decides::kRest, Written::kElsewhere,
-      true, [](auto& o) -> auto& { return o.bound_position; });
+      "bound_position", "m", "beyond it a rollout has parted from the reference", any, Decides::kRest,
+      Written::kElsewhere, true, [](auto& o) -> auto& { return o.bound_position; });
   each(
-      "bound_angle", "[rad] the same for the yaw", Decides::kRest, Written::kElsewhere, true,
+      "bound_angle", "rad", "the same for the yaw", any, Decides::kRest, Written::kElsewhere, true,
       [](auto& o) -> auto& { return o.bound_angle; });
   each(
-      "until_decided",
+      "until_decided", "",
       "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 to 1; "
       "--episodes is then the most that it may take",
-      Decides::kRest, Written::kIfChanged, false, [](auto& o) -> auto& { return o.until_decided; });
+      {0.0, 1.0}, Decides::kRest, Written::kIfChanged, false, [](auto& o) -> auto& { return o.until_decided; });
 }
 
 bool operator==(const RunOptions& a, const RunOptions& b);

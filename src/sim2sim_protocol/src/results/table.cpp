@@ -24,17 +24,6 @@ std::string line(const std::string& head, const std::string& left, const std::st
   return padded(head, kHead) + padded(left, kColumn) + right + "\n";
 }
 
-std::string transferText(const RunConfiguration& configuration, const Outcomes& outcomes) {
-  if (!outcomes.transfer) {
-    return "undefined: the reference never succeeds";
-  }
-  const auto text = [&](double share) {
-    return std::isinf(share) ? "any" : transferNumber(configuration, share) + " %";
-  };
-  const std::optional<Interval> interval = transferInterval(configuration, outcomes);
-  return text(*outcomes.transfer) + (interval ? " [" + text(interval->low) + ", " + text(interval->high) + "]" : "");
-}
-
 /// "1.3 times", "110 times"; "undefined" for NaN
 std::string timesText(double multiple) {
   if (std::isnan(multiple)) {
@@ -124,9 +113,23 @@ std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
 
 }  // namespace
 
-std::string cell(const SuccessRate& rate) {
-  return std::to_string(rate.successes) + "  " + fixedText(readable(rate.rate), 3) + " " + bracketed(rate.interval, 3);
+std::string transferText(const RunConfiguration& configuration, const Outcomes& outcomes) {
+  if (!outcomes.transfer) {
+    return "undefined: the reference never succeeds";
+  }
+  const auto text = [&](double share) {
+    return std::isinf(share) ? "any" : transferNumber(configuration, share) + " %";
+  };
+  const std::optional<Interval> interval = transferInterval(configuration, outcomes);
+  return text(*outcomes.transfer) + (interval ? " [" + text(interval->low) + ", " + text(interval->high) + "]" : "");
 }
+
+std::string shareText(const SuccessRate& rate) {
+  constexpr int kDigits = 3;
+  return fixedText(readable(rate.rate), kDigits) + " " + bracketed(rate.interval, kDigits);
+}
+
+std::string cell(const SuccessRate& rate) { return std::to_string(rate.successes) + "  " + shareText(rate); }
 
 std::string cell(const Estimate& estimate, const std::string& unit) {
   constexpr int kDigits = 4;

@@ -9,11 +9,12 @@ import numpy as np
 from pusht_task import task
 from pusht_task.error import Error
 from pusht_task.json_file import Json
+from pusht_task.palette import DARK
 
-from sim2sim_report.results import ENGINE, MODES, REFERENCE, REPLAY, Episode, Run, Traces
+from sim2sim_report.colors import ON_TABLE
+from sim2sim_report.results import ENGINE, MODES, REPLAY, Episode, Run, Traces
 
 MOST_ANIMATED = 200  # episodes, unless more are asked for
-ON_TABLE = {REFERENCE: "#5aaaff", ENGINE: "#f0dc46", REPLAY: "#ee6677"}  # colors of rviz
 GEOMETRY = {
     "barHalfLength": task.BAR_HALF_LENGTH,
     "stemHalfLength": task.STEM_HALF_LENGTH,
@@ -94,10 +95,10 @@ def _frame(worlds: Dict[str, Any], traces: Traces, episode: int, step: int) -> s
     parts = [
         f'<svg viewBox="{-edge:g} {-edge:g} {2 * edge:g} {2 * edge:g}" role="img">',
         f'<rect x="{-edge:g}" y="{-edge:g}" width="{2 * edge:g}" height="{2 * edge:g}" '
-        'fill="#525b6e"/>',
+        f'fill="{DARK["walls"]}"/>',
         f'<rect x="{-inner:g}" y="{-inner:g}" width="{2 * inner:g}" height="{2 * inner:g}" '
-        'fill="#2b313d"/>',
-        _tee((0.0, 0.0, 0.0), 'fill="none" stroke="#f4f4f2" stroke-width="4" opacity="0.7"'),
+        f'fill="{DARK["table"]}"/>',
+        _tee((0.0, 0.0, 0.0), f'fill="none" stroke="{DARK["ink"]}" stroke-width="4" opacity="0.7"'),
     ]
     for mode, state in worlds.items():
         color = ON_TABLE[mode]
@@ -112,7 +113,7 @@ def _frame(worlds: Dict[str, Any], traces: Traces, episode: int, step: int) -> s
         radius = 1000 * GEOMETRY["pusherRadius"]
         parts.append(
             f'<circle cx="{1000 * state["pusher_x"]:.0f}" cy="{-1000 * state["pusher_y"]:.0f}" '
-            f'r="{radius:g}" fill="{ON_TABLE[mode]}" stroke="#f4f4f2" stroke-width="3"/>'
+            f'r="{radius:g}" fill="{ON_TABLE[mode]}" stroke="{DARK["ink"]}" stroke-width="3"/>'
         )
     return "".join([*parts, "</svg>"])
 

@@ -11,10 +11,8 @@ from pusht_task.error import Error
 from pusht_task.json_file import Json, read_json, require_format
 from sim2sim_protocol.result_files import format_of, name_of
 
+from sim2sim_report.colors import COLORS, DIM, INK
 from sim2sim_report.figures import (
-    COLORS,
-    DIM,
-    INK,
     NARROW,
     Drawing,
     Figure,

@@ -10,7 +10,8 @@ from typing import Any, Dict, List, Optional, Sequence
 from pusht_task.error import Error
 from sim2sim_protocol.result_files import name_of
 
-from sim2sim_report.figures import CARD, DIM, INK, SERIES, STYLE, Drawing, Figure, styled
+from sim2sim_report.colors import CARD, DIM, INK, SERIES
+from sim2sim_report.figures import STYLE, Drawing, Figure, styled
 from sim2sim_report.suite import Suite
 from sim2sim_report.sweep_rows import (
     AGAINST,

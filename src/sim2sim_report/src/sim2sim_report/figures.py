@@ -14,6 +14,7 @@ from pusht_task.error import Error
 from pusht_task.json_file import Json
 from pusht_task.task import CONTROL_STEP
 
+from sim2sim_report.colors import COLORS, DIM, GRID, INK, VARIABLES
 from sim2sim_report.results import ENGINE, REPLAY, Run
 
 logging.getLogger("matplotlib").setLevel(logging.ERROR)  # before it reports on its cache
@@ -23,27 +24,6 @@ matplotlib.use("Agg")
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import]  # noqa: E402
 from matplotlib.figure import Figure  # type: ignore[import]  # noqa: E402
 
-# The hues of rviz, dark enough for white paper. In the page each is a variable that a theme sets.
-INK, DIM, GRID, CARD = "#1d2430", "#5c6676", "#d9dee7", "#ffffff"
-COLORS = {"reference": "#1467b8", ENGINE: "#8a6d00", REPLAY: "#c2334d"}
-SERIES = [
-    "#0072b2",
-    "#c24e00",
-    "#007f5f",
-    "#b0558f",
-    "#8f6400",
-    "#2f7fae",
-]  # can be told apart by any eye
-VARIABLES = {
-    INK: "var(--ink)",
-    DIM: "var(--dim)",
-    GRID: "var(--grid)",
-    CARD: "var(--card)",
-    COLORS["reference"]: "var(--reference)",
-    COLORS[ENGINE]: "var(--engine)",
-    COLORS[REPLAY]: "var(--replay)",
-    **{color: f"var(--series{number})" for number, color in enumerate(SERIES)},
-}
 MARK = b"sim2sim report"  # in the page and the metadata of images, by which they are known as ours
 NARROW = 4.3  # [in] width of a figure on a phone
 STYLE: Dict[str, Any] = {

@@ -13,10 +13,11 @@ const MODES = ["reference_closed", "engine_closed", "engine_replay"];
 const ENGINES = MODES.slice(1);
 const [LEFT, RIGHT] = [40, 12]; // [px] beside the curves
 const FIELDS = 7; // pusher x, y; tee x, y, yaw; action x, y
-// On the dark table the colours are those of rviz, in every theme.
+// On the dark table the colors are those of rviz, in every theme.
+const dark = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--dark-${name}`).trim();
 const ON_TABLE = {
-  table: "#2b313d", walls: "#525b6e", pusher: "#f4f4f2", target: "#f4f4f2", arrow: "#ffffff", dim: "#a3adbd",
-  reference_closed: "#5aaaff", engine_closed: "#f0dc46", engine_replay: "#ee6677",
+  table: dark("table"), walls: dark("walls"), pusher: dark("ink"), target: dark("ink"), arrow: dark("ink"), dim: dark("dim"),
+  reference_closed: dark("reference"), engine_closed: dark("engine"), engine_replay: dark("replay"),
 };
 const geometry = JSON.parse(document.getElementById("geometry").textContent);
 const seconds = (steps) => `${(steps * geometry.controlStep).toFixed(1)} s`;

@@ -9,7 +9,7 @@ import jinja2
 from pusht_task.error import Error
 from pusht_task.json_file import Json
 
-from sim2sim_report import figures
+from sim2sim_report import colors, figures
 from sim2sim_report.again import command_of, notes_on_command, suggested_attribution
 from sim2sim_report.animation import GEOMETRY, animated, player, poster
 from sim2sim_report.attribution import read_attribution
@@ -45,7 +45,9 @@ class Page:
         )
         self.environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "sort_keys": True}
         self.shared = {
-            "css": jinja2.utils.markupsafe.Markup((here / "page.css").read_text("utf-8")),
+            "css": jinja2.utils.markupsafe.Markup(
+                colors.css() + (here / "page.css").read_text("utf-8")
+            ),
             "script": jinja2.utils.markupsafe.Markup((here / "page.js").read_text("utf-8")),
             "words": glossary(),
             "geometry": GEOMETRY,

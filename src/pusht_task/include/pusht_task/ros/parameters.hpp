@@ -3,6 +3,7 @@
 #pragma once
 
 #include <pusht_msgs/Parameter.h>
+#include <pusht_msgs/ParameterDescriptor.h>
 #include <ros/node_handle.h>
 
 #include <cstdint>
@@ -27,6 +28,7 @@ bool sameValue(const std::string& a, const std::string& b);
 
 /// Parameters as messages.
 Parameters toMessages(const ParameterSet& parameters);
+pusht_msgs::ParameterDescriptor toMessage(const ParameterDescriptor& descriptor);
 
 /// Throws InvalidInput with name, values and rule if `parameters` has a name twice. Otherwise one of the values would
 /// be ignored silently.

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/palette.hpp"
 #include "pusht_task/types.hpp"
 
 namespace pusht {
@@ -26,18 +27,18 @@ std_msgs::ColorRGBA color(std::uint32_t rgb, float opacity = 1.0F);
 
 /// Colors of the parts of a world in rviz.
 struct WorldColors {
-  std_msgs::ColorRGBA table = color(0x2B313D);
-  std_msgs::ColorRGBA walls = color(0x525B6E);
-  std_msgs::ColorRGBA tee = color(0xB9C3D6);
-  std_msgs::ColorRGBA pusher = color(0xF4F4F2);
-  std_msgs::ColorRGBA target = color(0xF4F4F2);
+  std_msgs::ColorRGBA table = color(palette::kTable);
+  std_msgs::ColorRGBA walls = color(palette::kWalls);
+  std_msgs::ColorRGBA tee = color(palette::kTee);
+  std_msgs::ColorRGBA pusher = color(palette::kInk);
+  std_msgs::ColorRGBA target = color(palette::kInk);
 };
 
 // The look of texts, and of the cards that they stand on. Cards have the colour of rviz's background: a pusher may
 // leave the table, and passes below them.
-constexpr std::uint32_t kBright = 0xF4F4F2;
-constexpr std::uint32_t kDim = 0xA7B0C0;
-constexpr std::uint32_t kCard = 0x14171D;
+constexpr std::uint32_t kBright = palette::kInk;
+constexpr std::uint32_t kDim = palette::kDim;
+constexpr std::uint32_t kCard = palette::kPaper;
 constexpr double kTitleSize = 0.058;   ///< [m] of texts
 constexpr double kResultSize = 0.046;  ///< [m]
 constexpr double kSmallSize = 0.040;   ///< [m]

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pusht_task/constants.hpp"
+#include "pusht_task/palette.hpp"
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/types.hpp"
 #include "sim2sim_protocol/protocol.hpp"
@@ -32,9 +33,8 @@ constexpr double kSmallSize = 0.044;
 
 constexpr double kCharacterWidth = 0.46;  // mean width of a character, in heights of the text
 
-// Three colours that stay far apart in all common colour-vision deficiencies, on a dark background; the same in
-// reports.
-constexpr std::array<std::uint32_t, kModeCount> kWorldColors = {0x5AAAFF, 0xF0DC46, 0xEE6677};
+constexpr std::array<std::uint32_t, kModeCount> kWorldColors = {pusht::palette::kReference, pusht::palette::kEngine,
+                                                                pusht::palette::kReplay};
 
 /// Color of a mode's world in the picture.
 std_msgs::ColorRGBA colorOf(Mode mode, float opacity = 1.0F);

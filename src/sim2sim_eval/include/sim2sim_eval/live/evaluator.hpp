@@ -34,8 +34,8 @@
 namespace sim2sim {
 
 /// Node that runs comparisons, one at a time. In its private namespace it offers the action `compare`, the service
-/// `control`, the latched topics `request` (values of fields that a goal leaves open) and `progress`, and the topics of
-/// Broadcast.
+/// `control`, the latched topics `request` (values of fields that a goal leaves open), `options` (descriptions of all
+/// options of a run) and `progress`, and the topics of Broadcast.
 class Evaluator : private LiveObserver {
  public:
   Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters);
@@ -91,6 +91,7 @@ class Evaluator : private LiveObserver {
 
   Goal accepted_;  // last accepted goal; used in the thread of the callbacks alone
   ros::Publisher request_;
+  ros::Publisher options_;
 
   WorldMemory worlds_;  // used in the thread of run() alone
 

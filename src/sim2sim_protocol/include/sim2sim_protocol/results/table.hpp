@@ -18,6 +18,13 @@ std::string table(const RunConfiguration& configuration, const Summary& summary)
 /// decision() in words, below the table.
 std::string decisionText(const TransferBet& bet, double share);
 
+/// "37 % [21 %, 61 %]": transfer with the interval that holds, in the digits of transferNumber(). In words where the
+/// reference never succeeds.
+std::string transferText(const RunConfiguration& configuration, const Outcomes& outcomes);
+
+/// "0.220 [0.128, 0.352]"
+std::string shareText(const SuccessRate& rate);
+
 /// "11  0.220 [0.128, 0.352]"
 std::string cell(const SuccessRate& rate);
 

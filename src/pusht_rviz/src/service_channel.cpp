@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/line.hpp"
+#include "pusht_rviz/service_channel.hpp"
 
 #include <condition_variable>
 #include <deque>
@@ -9,20 +9,20 @@
 
 namespace pusht_rviz {
 
-/// Shared with the thread, which may outlive the line.
-struct Line::State {
+/// State shared with the thread, which may outlive the channel.
+struct ServiceChannel::State {
   Connect connect;
   Call heartbeat;
   Tell tell;
   Times times;
 
-  std::mutex mutex;  // of what follows
+  std::mutex mutex;  // guards all members below
   std::condition_variable changed;
   std::deque<Call> calls;
   bool ending = false;
-  Clock::time_point end;  // when that was said
+  Clock::time_point end;  // time at which `ending` was set
   bool ended = false;
-  bool broken_off = false;  // the call under way
+  bool broken_off = false;  // the call under way has reached its deadline
   std::shared_ptr<Connection> connection;
   std::optional<Clock::time_point> calling_since;
   Presence presence = Presence::kWaiting;
@@ -32,11 +32,11 @@ struct Line::State {
     return connection && connection->stands();
   }
 
-  /// Not with `mutex` held.
+  /// Changes the presence and tells it. The caller must not hold `mutex`.
   void become(Presence now) {
     {
       const std::lock_guard<std::mutex> lock(mutex);
-      // Who was never there cannot be lost.
+      // A node that was never there cannot be lost.
       if (ending || now == presence || (now == Presence::kLost && presence == Presence::kWaiting)) {
         return;
       }
@@ -45,7 +45,7 @@ struct Line::State {
     tell(now);
   }
 
-  /// Makes one call, and draws the conclusion.
+  /// Makes one call and derives the presence from its outcome.
   void call(const Call& one) {
     std::shared_ptr<Connection> over;
     {
@@ -67,14 +67,15 @@ struct Line::State {
     if (answered) {
       become(Presence::kAlive);
     } else if (!hangs) {
-      // A roscpp client whose connection was refused before it began to listen for that stands for ever.
+      // Closed by hand: a roscpp client whose connection was refused before it began to listen for that stays valid.
       over->close();
       become(Presence::kLost);
     }
   }
 };
 
-Line::Line(Connect connect, Call heartbeat, Tell tell, const Times& times) : state_(std::make_shared<State>()) {
+ServiceChannel::ServiceChannel(Connect connect, Call heartbeat, Tell tell, const Times& times)
+    : state_(std::make_shared<State>()) {
   state_->connect = std::move(connect);
   state_->heartbeat = std::move(heartbeat);
   state_->tell = std::move(tell);
@@ -82,7 +83,7 @@ Line::Line(Connect connect, Call heartbeat, Tell tell, const Times& times) : sta
   thread_ = std::thread([state = state_] { run(state); });
 }
 
-void Line::end() {
+void ServiceChannel::end() {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   if (!std::exchange(state_->ending, true)) {
     state_->end = Clock::now();
@@ -90,12 +91,12 @@ void Line::end() {
   }
 }
 
-Line::~Line() {
+ServiceChannel::~ServiceChannel() {
   end();
   std::unique_lock<std::mutex> lock(state_->mutex);
   const auto ended = [this] { return state_->ended; };
-  // A call that is under way by then is well inside of roscpp, which can be told from outside to break it off; in its
-  // first moments it could not.
+  // The wait comes first because roscpp cannot break off a call in its first moments. A call that is still under way
+  // after it can be broken off.
   if (!state_->changed.wait_until(lock, state_->end + state_->times.farewell / 3, ended) && state_->connection) {
     const std::shared_ptr<Connection> connection = state_->connection;
     lock.unlock();
@@ -111,13 +112,13 @@ Line::~Line() {
   }
 }
 
-void Line::ask(Call call) {
+void ServiceChannel::ask(Call call) {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   state_->calls.push_back(std::move(call));
   state_->changed.notify_all();
 }
 
-void Line::attend() {
+void ServiceChannel::attend() {
   std::shared_ptr<Connection> overdue;
   {
     const std::lock_guard<std::mutex> lock(state_->mutex);
@@ -135,7 +136,7 @@ void Line::attend() {
   }
 }
 
-void Line::run(const std::shared_ptr<State>& state) {
+void ServiceChannel::run(const std::shared_ptr<State>& state) {
   Clock::time_point next_heartbeat = Clock::now();
   Clock::time_point next_attempt = next_heartbeat;
   std::unique_lock<std::mutex> lock(state->mutex);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/session.hpp"
+#include "pusht_rviz/evaluator_client.hpp"
 
 #include <actionlib/client/action_client.h>
 #include <pusht_msgs/CompareAction.h>
@@ -21,38 +21,38 @@ namespace {
 using Client = actionlib::ActionClient<pusht_msgs::CompareAction>;
 
 constexpr std::chrono::milliseconds kFarewell{300};
-constexpr std::chrono::milliseconds kLook{200};  // how often it is asked whether the action is served
+constexpr std::chrono::milliseconds kLook{200};  // period at which the client looks whether the action is served
 
-constexpr std::uint32_t kManySteps = 10'000;  // at full speed some hundreds come in a second
+constexpr std::uint32_t kManySteps = 10'000;  // at full speed some hundreds come in a second; none may be dropped
 constexpr std::uint32_t kManyEpisodes = 1'000;
 
-/// None on the way: a goal that is rejected waits for its result, too.
-std::optional<GoalNews> newsOf(const Client::GoalHandle& goal) {
+/// Event of a goal's state; none in between. A rejected goal reports its end when its result has come.
+std::optional<GoalEvent> eventOf(const Client::GoalHandle& goal) {
   const actionlib::CommState state = goal.getCommState();
   if (state == actionlib::CommState::ACTIVE) {
-    return GoalNews{};
+    return GoalEvent{};
   }
   if (state != actionlib::CommState::DONE) {
     return std::nullopt;
   }
   const actionlib::TerminalState end = goal.getTerminalState();
-  return GoalNews{true, end == actionlib::TerminalState::REJECTED, end.getText()};
+  return GoalEvent{true, end == actionlib::TerminalState::REJECTED, end.getText()};
 }
 
 }  // namespace
 
-/// Shared with the thread, which may outlive the session.
-struct Session::State {
+/// State shared with the thread, which may outlive the client.
+struct EvaluatorClient::State {
   std::string evaluator;
-  std::shared_ptr<Post> post;
+  std::shared_ptr<Events> events;
   ros::CallbackQueue queue;
 
-  std::mutex mutex;  // of what follows
+  std::mutex mutex;  // guards all members below
   std::condition_variable changed;
   bool ending = false;
   bool ended = false;
-  std::shared_ptr<Client> client;  // once it is open
-  Client::GoalHandle goal;         // ours, the last one
+  std::shared_ptr<Client> client;  // set once all topics are subscribed
+  Client::GoalHandle goal;         // the last one that was sent
 
   bool waitForEnd(std::chrono::milliseconds period) {
     std::unique_lock<std::mutex> lock(mutex);
@@ -60,19 +60,20 @@ struct Session::State {
   }
 };
 
-Session::Session(std::string evaluator, std::shared_ptr<Post> post) : state_(std::make_shared<State>()) {
+EvaluatorClient::EvaluatorClient(std::string evaluator, std::shared_ptr<Events> events)
+    : state_(std::make_shared<State>()) {
   state_->evaluator = std::move(evaluator);
-  state_->post = std::move(post);
+  state_->events = std::move(events);
   thread_ = std::thread([state = state_] { run(state); });
 }
 
-void Session::end() {
+void EvaluatorClient::end() {
   const std::lock_guard<std::mutex> lock(state_->mutex);
   state_->ending = true;
   state_->changed.notify_all();
 }
 
-Session::~Session() {
+EvaluatorClient::~EvaluatorClient() {
   end();
   std::unique_lock<std::mutex> lock(state_->mutex);
   const bool ended = state_->changed.wait_for(lock, kFarewell, [this] { return state_->ended; });
@@ -84,7 +85,7 @@ Session::~Session() {
   }
 }
 
-bool Session::send(const pusht_msgs::CompareGoal& goal) {
+bool EvaluatorClient::send(const pusht_msgs::CompareGoal& goal) {
   std::shared_ptr<Client> client;
   {
     const std::lock_guard<std::mutex> lock(state_->mutex);
@@ -93,10 +94,10 @@ bool Session::send(const pusht_msgs::CompareGoal& goal) {
   if (!client || !client->isServerConnected()) {
     return false;
   }
-  // Of the whole state only what a callback may need when the session has gone.
-  const auto handle = client->sendGoal(goal, [post = state_->post](const Client::GoalHandle& changed) {
-    if (const std::optional<GoalNews> news = newsOf(changed)) {
-      post->put(*news);
+  // The callback may come when the client has gone, so it shares the events alone.
+  const auto handle = client->sendGoal(goal, [events = state_->events](const Client::GoalHandle& changed) {
+    if (const std::optional<GoalEvent> event = eventOf(changed)) {
+      events->push(*event);
     }
   });
   const std::lock_guard<std::mutex> lock(state_->mutex);
@@ -104,20 +105,21 @@ bool Session::send(const pusht_msgs::CompareGoal& goal) {
   return true;
 }
 
-void Session::run(const std::shared_ptr<State>& state) {
+void EvaluatorClient::run(const std::shared_ptr<State>& state) {
   ros::NodeHandle node(state->evaluator);
   node.setCallbackQueue(&state->queue);
   ros::AsyncSpinner spinner(1, &state->queue);
   spinner.start();
-  const std::shared_ptr<Post> post = state->post;
+  const std::shared_ptr<Events> events = state->events;
   std::vector<ros::Subscriber> subscribers;
   const auto subscribe = [&](const char* topic, std::uint32_t depth, auto example) {
     using Message = decltype(example);
     subscribers.push_back(node.subscribe<Message>(
-        topic, depth, [post](const boost::shared_ptr<Message const>& message) { post->put(*message); }));
+        topic, depth, [events](const boost::shared_ptr<Message const>& message) { events->push(*message); }));
   };
   subscribe("progress", kManyEpisodes, pusht_msgs::Progress());
   subscribe("request", 1, pusht_msgs::CompareGoal());
+  subscribe("options", 1, pusht_msgs::RunOptions());
   subscribe("summary", 1, pusht_msgs::Summary());
   subscribe("episode", kManyEpisodes, pusht_msgs::EpisodeResult());
   subscribe("divergence", kManySteps, pusht_msgs::Divergence());
@@ -126,11 +128,11 @@ void Session::run(const std::shared_ptr<State>& state) {
     const std::lock_guard<std::mutex> lock(state->mutex);
     state->client = client;
   }
-  post->put(SessionNews());
+  events->push(SubscribedEvent());
   bool served = false;
   while (!state->waitForEnd(kLook)) {
     if (std::exchange(served, client->isServerConnected()) != served) {
-      post->put(ActionNews{served});
+      events->push(ActionEvent{served});
     }
   }
   state->queue.disable();

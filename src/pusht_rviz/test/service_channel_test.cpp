@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/line.hpp"
+#include "pusht_rviz/service_channel.hpp"
 
 #include <gmock/gmock.h>
 
@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 constexpr auto kDeadline = 20s;  // for what must come
 
 /// A node that answers, hangs or is gone, and who waits for it.
-class Node {
+class FakeNode {
  public:
   enum class Mood { kAnswers, kHangs, kGone };
 
@@ -33,11 +33,11 @@ class Node {
     changed_.notify_all();
   }
 
-  /// Attends to the line until `presence` was told; false if it never is.
-  bool waitFor(Line& line, Presence presence) {
+  /// Attends to the channel until `presence` was told; false if it never is.
+  bool waitFor(ServiceChannel& channel, Presence presence) {
     const auto expiry = std::chrono::steady_clock::now() + kDeadline;
     while (std::chrono::steady_clock::now() < expiry) {
-      line.attend();
+      channel.attend();
       std::unique_lock<std::mutex> lock(mutex_);
       if (changed_.wait_for(lock, 2ms, [&] { return !told_.empty() && told_.back() == presence; })) {
         return true;
@@ -74,19 +74,19 @@ class Node {
 
 class ToNode : public Connection {
  public:
-  explicit ToNode(std::shared_ptr<Node> node) : node_(std::move(node)) {}
+  explicit ToNode(std::shared_ptr<FakeNode> node) : node_(std::move(node)) {}
   bool stands() const override { return !closed_ && !node_->gone(); }
   void close() override { closed_ = true; }
   bool call() { return node_->call(closed_); }
 
  private:
-  std::shared_ptr<Node> node_;
+  std::shared_ptr<FakeNode> node_;
   std::atomic<bool> closed_ = false;
 };
 
 /// Quick, but for `silence` and `deadline`, which a busy machine must not reach by itself.
-Line::Times quick() {
-  Line::Times times;
+ServiceChannel::Times quick() {
+  ServiceChannel::Times times;
   times.tick = 1ms;
   times.heartbeat = 5ms;
   times.retry = 5ms;
@@ -96,66 +96,68 @@ Line::Times quick() {
   return times;
 }
 
-std::unique_ptr<Line> lineTo(const std::shared_ptr<Node>& node, const Line::Times& times = quick()) {
-  return std::make_unique<Line>([node] { return std::make_shared<ToNode>(node); },
-                                [](Connection& connection) { return static_cast<ToNode&>(connection).call(); },
-                                [node](Presence presence) { node->note(presence); }, times);
+std::unique_ptr<ServiceChannel> channelTo(const std::shared_ptr<FakeNode>& node,
+                                          const ServiceChannel::Times& times = quick()) {
+  return std::make_unique<ServiceChannel>(
+      [node] { return std::make_shared<ToNode>(node); },
+      [](Connection& connection) { return static_cast<ToNode&>(connection).call(); },
+      [node](Presence presence) { node->note(presence); }, times);
 }
 
-TEST(Line, TellsOfANodeThatComesDiesAndComesBack) {
-  const auto node = std::make_shared<Node>();
-  node->become(Node::Mood::kGone);
-  const auto line = lineTo(node);
-  node->become(Node::Mood::kAnswers);
-  EXPECT_TRUE(node->waitFor(*line, Presence::kAlive));
-  node->become(Node::Mood::kGone);
-  EXPECT_TRUE(node->waitFor(*line, Presence::kLost));
-  node->become(Node::Mood::kAnswers);
-  EXPECT_TRUE(node->waitFor(*line, Presence::kAlive));
+TEST(ServiceChannel, TellsOfANodeThatComesDiesAndComesBack) {
+  const auto node = std::make_shared<FakeNode>();
+  node->become(FakeNode::Mood::kGone);
+  const auto channel = channelTo(node);
+  node->become(FakeNode::Mood::kAnswers);
+  EXPECT_TRUE(node->waitFor(*channel, Presence::kAlive));
+  node->become(FakeNode::Mood::kGone);
+  EXPECT_TRUE(node->waitFor(*channel, Presence::kLost));
+  node->become(FakeNode::Mood::kAnswers);
+  EXPECT_TRUE(node->waitFor(*channel, Presence::kAlive));
   EXPECT_THAT(node->told(), testing::ElementsAre(Presence::kAlive, Presence::kLost, Presence::kAlive));
 }
 
-TEST(Line, TellsOfANodeThatHangsAndGoesOn) {
-  const auto node = std::make_shared<Node>();
-  const auto line = lineTo(node);
-  ASSERT_TRUE(node->waitFor(*line, Presence::kAlive));
-  node->become(Node::Mood::kHangs);
-  EXPECT_TRUE(node->waitFor(*line, Presence::kSilent));
-  node->become(Node::Mood::kAnswers);
-  EXPECT_TRUE(node->waitFor(*line, Presence::kAlive));
+TEST(ServiceChannel, TellsOfANodeThatHangsAndGoesOn) {
+  const auto node = std::make_shared<FakeNode>();
+  const auto channel = channelTo(node);
+  ASSERT_TRUE(node->waitFor(*channel, Presence::kAlive));
+  node->become(FakeNode::Mood::kHangs);
+  EXPECT_TRUE(node->waitFor(*channel, Presence::kSilent));
+  node->become(FakeNode::Mood::kAnswers);
+  EXPECT_TRUE(node->waitFor(*channel, Presence::kAlive));
   EXPECT_THAT(node->told(), testing::ElementsAre(Presence::kAlive, Presence::kSilent, Presence::kAlive));
 }
 
-TEST(Line, ACallThatHangsIsBrokenOffAndTheNodeStaysSilent) {
-  const auto node = std::make_shared<Node>();
-  const auto line = lineTo(node);
-  ASSERT_TRUE(node->waitFor(*line, Presence::kAlive));
-  node->become(Node::Mood::kHangs);
-  ASSERT_TRUE(node->waitFor(*line, Presence::kSilent));
+TEST(ServiceChannel, ACallThatHangsIsBrokenOffAndTheNodeStaysSilent) {
+  const auto node = std::make_shared<FakeNode>();
+  const auto channel = channelTo(node);
+  ASSERT_TRUE(node->waitFor(*channel, Presence::kAlive));
+  node->become(FakeNode::Mood::kHangs);
+  ASSERT_TRUE(node->waitFor(*channel, Presence::kSilent));
   std::atomic<int> answers = 0;
-  line->ask([&](Connection& connection) {
+  channel->ask([&](Connection& connection) {
     const bool answered = static_cast<ToNode&>(connection).call();
     answers += answered ? 0 : 1;
     return answered;
   });
   const auto expiry = std::chrono::steady_clock::now() + kDeadline;
   while (answers == 0 && std::chrono::steady_clock::now() < expiry) {
-    line->attend();
+    channel->attend();
   }
   EXPECT_EQ(answers, 1) << "who asks a node that hangs gets to know that there is no answer";
   EXPECT_EQ(node->told().back(), Presence::kSilent);
-  node->become(Node::Mood::kGone);
-  EXPECT_TRUE(node->waitFor(*line, Presence::kLost));
+  node->become(FakeNode::Mood::kGone);
+  EXPECT_TRUE(node->waitFor(*channel, Presence::kLost));
 }
 
-TEST(Line, ToNobodyFailsAtOnce) {
-  const auto node = std::make_shared<Node>();
-  node->become(Node::Mood::kGone);
-  const auto line = lineTo(node);
+TEST(ServiceChannel, WithoutANodeFailsAtOnce) {
+  const auto node = std::make_shared<FakeNode>();
+  node->become(FakeNode::Mood::kGone);
+  const auto channel = channelTo(node);
   std::mutex mutex;
   std::condition_variable changed;
   bool failed = false;
-  line->ask([&](Connection& connection) {
+  channel->ask([&](Connection& connection) {
     const bool answered = static_cast<ToNode&>(connection).call();
     const std::lock_guard<std::mutex> lock(mutex);
     failed = !answered;
@@ -167,20 +169,20 @@ TEST(Line, ToNobodyFailsAtOnce) {
   EXPECT_THAT(node->told(), testing::IsEmpty()) << "who was never there is not lost";
 }
 
-TEST(Line, EndsThoughTheNodeHangs) {
-  const auto node = std::make_shared<Node>();
-  Line::Times patient = quick();
+TEST(ServiceChannel, EndsThoughTheNodeHangs) {
+  const auto node = std::make_shared<FakeNode>();
+  ServiceChannel::Times patient = quick();
   patient.farewell = 3s;
-  auto line = lineTo(node, patient);
-  ASSERT_TRUE(node->waitFor(*line, Presence::kAlive));
-  node->become(Node::Mood::kHangs);
-  ASSERT_TRUE(node->waitFor(*line, Presence::kSilent));
-  line.reset();
+  auto channel = channelTo(node, patient);
+  ASSERT_TRUE(node->waitFor(*channel, Presence::kAlive));
+  node->become(FakeNode::Mood::kHangs);
+  ASSERT_TRUE(node->waitFor(*channel, Presence::kSilent));
+  channel.reset();
   EXPECT_EQ(node.use_count(), 1) << "the thread has ended, too";
 }
 
 /// As a call to a master that hangs.
-TEST(Line, LeavesBehindWhatCannotBeBrokenOff) {
+TEST(ServiceChannel, LeavesBehindWhatCannotBeBrokenOff) {
   struct Gate {
     std::mutex mutex;
     std::condition_variable changed;
@@ -189,28 +191,28 @@ TEST(Line, LeavesBehindWhatCannotBeBrokenOff) {
     bool left = false;
   };
   const auto gate = std::make_shared<Gate>();
-  const auto node = std::make_shared<Node>();
-  auto line = std::make_unique<Line>([node] { return std::make_shared<ToNode>(node); },
-                                     [gate](Connection& /*connection*/) {
-                                       std::unique_lock<std::mutex> lock(gate->mutex);
-                                       gate->inside = true;
-                                       gate->changed.notify_all();
-                                       gate->changed.wait(lock, [&] { return gate->open; });
-                                       gate->left = true;
-                                       gate->changed.notify_all();
-                                       return true;
-                                     },
-                                     [node](Presence presence) { node->note(presence); }, quick());
+  const auto node = std::make_shared<FakeNode>();
+  auto channel = std::make_unique<ServiceChannel>([node] { return std::make_shared<ToNode>(node); },
+                                                  [gate](Connection& /*connection*/) {
+                                                    std::unique_lock<std::mutex> lock(gate->mutex);
+                                                    gate->inside = true;
+                                                    gate->changed.notify_all();
+                                                    gate->changed.wait(lock, [&] { return gate->open; });
+                                                    gate->left = true;
+                                                    gate->changed.notify_all();
+                                                    return true;
+                                                  },
+                                                  [node](Presence presence) { node->note(presence); }, quick());
   std::unique_lock<std::mutex> lock(gate->mutex);
   ASSERT_TRUE(gate->changed.wait_for(lock, kDeadline, [&] { return gate->inside; }));
   lock.unlock();
-  line.reset();
+  channel.reset();
   lock.lock();
   EXPECT_FALSE(gate->left) << "the destructor did not wait for it";
   gate->open = true;
   gate->changed.notify_all();
   EXPECT_TRUE(gate->changed.wait_for(lock, kDeadline, [&] { return gate->left; }));
-  EXPECT_THAT(node->told(), testing::IsEmpty()) << "and nobody is told any more";
+  EXPECT_THAT(node->told(), testing::IsEmpty()) << "and the owner is told no more";
 }
 
 }  // namespace

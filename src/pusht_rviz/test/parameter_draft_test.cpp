@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_rviz/parameter_draft.hpp"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+namespace pusht_rviz {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+
+pusht_msgs::ParameterDescriptor descriptor(const std::string& name, const std::string& type,
+                                           const std::string& default_value, double least = -kUnbounded,
+                                           double greatest = kUnbounded) {
+  pusht_msgs::ParameterDescriptor made;
+  made.name = name;
+  made.type = type;
+  made.default_value = default_value;
+  made.least = least;
+  made.greatest = greatest;
+  return made;
+}
+
+pusht_msgs::ParameterDescriptor blockDamp() {
+  pusht_msgs::ParameterDescriptor made = descriptor("block_damp", "real", "6.0", 0.0, 100.0);
+  made.unit = "1/s";
+  return made;
+}
+
+pusht_msgs::Parameter parameter(const std::string& name, const std::string& value) {
+  pusht_msgs::Parameter made;
+  made.name = name;
+  made.value = value;
+  return made;
+}
+
+pusht_msgs::Preset preset(const std::string& word, const std::string& servo, const std::string& walls) {
+  pusht_msgs::Preset made;
+  made.word = word;
+  made.settings = {parameter("servo", servo), parameter("walls", walls)};
+  return made;
+}
+
+pusht_msgs::ParameterDescriptor presets() {
+  pusht_msgs::ParameterDescriptor made = descriptor("preset", "text", "faithful");
+  made.words = {"faithful", "shaped", "simple"};
+  made.presets = {preset("faithful", "true", "true"), preset("shaped", "true", "false"),
+                  preset("simple", "false", "false")};
+  return made;
+}
+
+/// Of an engine with two switches, which a word sets; it is simple now.
+pusht_msgs::DescribeResponse rigidBody() {
+  pusht_msgs::DescribeResponse made;
+  made.parameter_descriptors = {presets(), descriptor("servo", "boolean", "true"),
+                                descriptor("walls", "boolean", "true")};
+  made.parameters = {parameter("preset", "simple"), parameter("servo", "false"), parameter("walls", "false")};
+  return made;
+}
+
+/// Of an engine with two parameters, whose block_damp is 20 now.
+pusht_msgs::DescribeResponse twoMass() {
+  pusht_msgs::DescribeResponse made;
+  made.parameter_descriptors = {descriptor("pusher_mass", "real", "4.0", 0.1, 100.0), blockDamp()};
+  made.parameters = {parameter("pusher_mass", "4.0"), parameter("block_damp", "20.0")};
+  return made;
+}
+
+TEST(Rules, AreThoseOfTheTask) {
+  EXPECT_EQ(refusalOf(blockDamp(), "0"), "");
+  EXPECT_EQ(refusalOf(blockDamp(), "100.0"), "");
+  EXPECT_EQ(refusalOf(blockDamp(), "1e9"), "block_damp 1000000000.0: must be from 0.0 to 100.0 [1/s]");
+  for (const char* const text : {"6,0", "nan", ""}) {
+    EXPECT_EQ(refusalOf(blockDamp(), text), "block_damp '" + std::string(text) + "': must be a decimal number");
+  }
+  const auto iterations = descriptor("iterations", "integer", "30", 1, 1000);
+  EXPECT_EQ(refusalOf(iterations, "1000"), "");
+  EXPECT_EQ(refusalOf(iterations, "1001"), "iterations 1001: must be from 1 to 1000");
+  EXPECT_EQ(refusalOf(iterations, "1.0"), "iterations '1.0': must be a decimal integer");
+  EXPECT_EQ(refusalOf(descriptor("on", "boolean", "true"), "yes"), "on 'yes': must be true or false");
+  EXPECT_EQ(refusalOf(descriptor("on", "boolean", "true"), "false"), "");
+  EXPECT_EQ(refusalOf(presets(), "shaped"), "");
+  EXPECT_EQ(refusalOf(presets(), "ideal"), "preset 'ideal': must be one of: faithful, shaped, simple");
+  EXPECT_EQ(refusalOf(descriptor("scene", "text", ""), "any thing"), "");
+  EXPECT_EQ(rangeOf(blockDamp()), "from 0.0 to 100.0 [1/s]");
+}
+
+TEST(Rules, LetSeedsBeBeyondTheIntegersOfParameters) {
+  const auto seed = descriptor("seed", "integer", "0", 0.0);
+  EXPECT_EQ(refusalOf(seed, "18446744073709551615"), "");
+  EXPECT_NE(refusalOf(seed, "18446744073709551616"), "");
+  EXPECT_EQ(refusalOf(seed, "-1"), "seed -1: must be at least 0");
+  EXPECT_NE(refusalOf(descriptor("count", "integer", "0", 0.0, 10.0), "18446744073709551615"), "");
+}
+
+TEST(ParameterDraft, NamesWhatDiffersFromTheDefaultsOfTheKind) {
+  EXPECT_THAT(ParameterDraft(twoMass(), {}).named(), IsEmpty()) << "what the node is does not count: its kind is named";
+  ParameterDraft draft(twoMass(), {parameter("block_damp", "20"), parameter("no_such", "1")});
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("block_damp", "20")));
+  draft.type(1, "6");
+  EXPECT_THAT(draft.named(), IsEmpty()) << "6 is 6.0";
+}
+
+TEST(ParameterDraft, AlwaysNamesParametersWhoseDefaultIsNotKnown) {
+  pusht_msgs::DescribeResponse foreign;
+  foreign.parameters = {parameter("gain", "3")};
+  ParameterDraft draft(foreign, {});
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("gain", "3")));
+  draft.type(0, "whatever");
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("gain", "whatever")));
+}
+
+TEST(ParameterDraft, NamesOptionsThatDifferFromTheEvaluatorsValues) {
+  pusht_msgs::RunOptions options;
+  options.descriptors = {descriptor("seed", "integer", "0", 0.0), descriptor("floor", "boolean", "true")};
+  options.values = {parameter("seed", "9223372036854775809"), parameter("floor", "false")};
+  ParameterDraft draft(options);
+  EXPECT_THAT(draft.named(), IsEmpty()) << "whatever the defaults";
+  draft.type(0, "9223372036854775808");
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("seed", "9223372036854775808"))) << "one double, two seeds";
+  draft.type(1, "true");
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("seed", "9223372036854775808"), parameter("floor", "true")));
+}
+
+std::vector<std::string> textsOf(const ParameterDraft& draft) {
+  std::vector<std::string> texts;
+  for (const DraftedParameter& drafted : draft) {
+    texts.push_back(drafted.text);
+  }
+  return texts;
+}
+
+TEST(Presets, SetWhatDoesNotDifferYet) {
+  ParameterDraft draft(rigidBody(), {});
+  EXPECT_THAT(textsOf(draft), ElementsAre("faithful", "true", "true"));
+  draft.type(0, "simple");
+  EXPECT_THAT(textsOf(draft), ElementsAre("simple", "false", "false"));
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("preset", "simple"))) << "which sets the switches";
+  draft.type(1, "true");
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("preset", "simple"), parameter("servo", "true")))
+      << "though that is its default";
+  draft.type(0, "shaped");
+  EXPECT_THAT(textsOf(draft), ElementsAre("shaped", "true", "false"));
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("preset", "shaped")));
+  draft.type(2, "true");
+  draft.type(0, "faithful");
+  EXPECT_THAT(textsOf(draft), ElementsAre("faithful", "true", "true"));
+  EXPECT_THAT(draft.named(), IsEmpty());
+}
+
+TEST(Presets, LeaveWhatIsChosenByName) {
+  const std::vector<pusht_msgs::Parameter> chosen = {parameter("preset", "simple"), parameter("servo", "true")};
+  ParameterDraft draft(rigidBody(), chosen);
+  EXPECT_THAT(textsOf(draft), ElementsAre("simple", "true", "false"));
+  EXPECT_EQ(draft.named(), chosen);
+  EXPECT_THAT(ParameterDraft(rigidBody(), rigidBody().parameters).named(), ElementsAre(parameter("preset", "simple")));
+}
+
+}  // namespace
+}  // namespace pusht_rviz

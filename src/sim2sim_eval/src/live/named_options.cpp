@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/live/named_options.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
+#include "pusht_task/numbers.hpp"
+#include "pusht_task/ros/parameters.hpp"
+#include "sim2sim_protocol/probes.hpp"
+
+namespace sim2sim {
+namespace {
+
+constexpr const char* kNone = "none";  // as joined() has an empty list
+
+// Values as those of parameters. A seed, which may be beyond their integers, has one for its default alone.
+pusht::ParameterValue parameterValue(bool value) { return value; }
+pusht::ParameterValue parameterValue(int value) { return std::int64_t{value}; }
+pusht::ParameterValue parameterValue(std::uint64_t value) { return static_cast<std::int64_t>(value); }
+pusht::ParameterValue parameterValue(double value) { return value; }
+pusht::ParameterValue parameterValue(std::optional<double> share) { return share.value_or(0.0); }
+pusht::ParameterValue parameterValue(const std::vector<int>& list) {
+  std::vector<std::string> numbers;
+  std::transform(list.begin(), list.end(), std::back_inserter(numbers),
+                 [](int value) { return std::to_string(value); });
+  return pusht::joined(numbers, ",");
+}
+
+template <class Value>
+std::string textOf(const Value& value) {
+  return pusht::textOf(parameterValue(value));
+}
+std::string textOf(std::uint64_t value) { return std::to_string(value); }
+
+template <class Option>
+pusht::ParameterDescriptor descriptorOf(const Option& option) {
+  const RunOptions usual;
+  const auto& value = option.of(usual);
+  constexpr bool is_int = std::is_same_v<std::decay_t<decltype(value)>, int>;
+  const double most = is_int ? std::numeric_limits<int>::max() : std::numeric_limits<double>::infinity();
+  return {option.name,           option.unit,        option.meaning,
+          parameterValue(value), option.range.least, std::min(most, option.range.greatest)};
+}
+
+/// Sets `value` to what `text` stands for. Throws InvalidInput with the option's name, the text and the rule.
+void read(const pusht::ParameterDescriptor& option, const std::string& text, bool& value) {
+  value = std::get<bool>(option.read(text));
+}
+void read(const pusht::ParameterDescriptor& option, const std::string& text, int& value) {
+  value = static_cast<int>(std::get<std::int64_t>(option.read(text)));
+}
+void read(const pusht::ParameterDescriptor& option, const std::string& text, std::uint64_t& value) {
+  const std::optional<std::uint64_t> number = pusht::decimal<std::uint64_t>(text);
+  if (!number) {
+    throw pusht::InvalidInput(option.name + " '" + text + "': must be a decimal integer from 0 to 2^64 - 1");
+  }
+  value = *number;
+}
+void read(const pusht::ParameterDescriptor& option, const std::string& text, double& value) {
+  value = std::get<double>(option.read(text));
+}
+void read(const pusht::ParameterDescriptor& option, const std::string& text, std::optional<double>& share) {
+  double given = 0.0;
+  read(option, text, given);
+  share = given == 0.0 ? std::nullopt : std::optional(given);
+}
+void read(const pusht::ParameterDescriptor& /*option*/, const std::string& text, std::vector<int>& list) {
+  list = reanchorFrom(text == kNone ? "" : text);
+}
+
+bool has(const pusht::Parameters& parameters, const std::string& name) {
+  return std::any_of(parameters.begin(), parameters.end(),
+                     [&](const pusht_msgs::Parameter& parameter) { return parameter.name == name; });
+}
+
+}  // namespace
+
+pusht_msgs::RunOptions describe(const RunOptions& options) {
+  pusht_msgs::RunOptions message;
+  forEachOption([&](const auto& option) {
+    message.values.push_back(pusht::parameter(option.name, textOf(option.of(options))));
+    message.descriptors.push_back(pusht::toMessage(descriptorOf(option)));
+  });
+  return message;
+}
+
+bool names(const pusht_msgs::CompareGoal& goal, const std::string& name) {
+  bool named = has(goal.options, name);
+  forEachOption([&](const auto& option) { named = named || (option.name == name && !option.of(goal).empty()); });
+  return named;
+}
+
+void setNamed(RunOptions& options, const pusht_msgs::CompareGoal& goal) {
+  pusht::requireOnce(goal.options);
+  std::vector<std::string> known;
+  forEachOption([&](const auto& option) { known.emplace_back(option.name); });
+  for (const pusht_msgs::Parameter& named : goal.options) {
+    if (std::find(known.begin(), known.end(), named.name) == known.end()) {
+      throw pusht::InvalidInput("option '" + named.name + "': unknown; known: " + pusht::joined(known));
+    }
+    forEachOption([&](const auto& option) {
+      if (option.name != named.name) {
+        return;
+      }
+      if (!option.of(goal).empty()) {
+        throw pusht::InvalidInput("option " + named.name + " " + named.value +
+                                  ": must be set once, by name or in the field of that name");
+      }
+      read(descriptorOf(option), named.value, option.of(options));
+    });
+  }
+}
+
+}  // namespace sim2sim

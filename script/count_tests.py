@@ -60,7 +60,7 @@ class Count:
             self.passed += 1
 
     def folder(self, build: Path) -> None:
-        """All results and reports in a build folder."""
+        """Counts the results and reports in a build folder."""
         for path in sorted(build.glob("test_results/**/*.xml")):
             try:
                 self.results[path.resolve()] = ElementTree.parse(path).getroot()
@@ -89,13 +89,16 @@ class Count:
         return root is not None and root.find(".//testcase") is not None
 
     def require(self, build: Path, targets: List[str]) -> None:
-        """Each test that CMake registered for the targets has a case."""
+        """Counts as failed each test that CMake registered for the targets and that has no case."""
         for path in registered(build, targets):
             if not self.has_case(path):
                 self.failed.append(f"{path}: has no test that ran")
 
     def require_tree(self, packages: Path) -> None:
-        """Each file of tests in the source tree has a case, or another one with a case runs it."""
+        """Counts as failed each file of tests in the source tree that left no case.
+
+        A file that another one runs needs none of its own.
+        """
         sources = {
             (path.parent.name, Path(case.get("file", "")).name)
             for path, root in self.results.items()

@@ -74,5 +74,10 @@ class InstallSpace(unittest.TestCase):
         plugins = self.succeed("rospack", "plugins", "--attrib=plugin", "rviz")
         self.assertIn(str(SPACE / "share" / "pusht_rviz"), plugins)
 
-    def test_training_begins(self) -> None:
-        self.assertIn("usage: train", self.succeed("rosrun", "pusht_policy", "train", "--help"))
+    def test_training_and_its_evaluation_begin(self) -> None:
+        for package, name in (("pusht_policy", "train"), ("sim2sim_eval", "record_evaluation")):
+            self.assertIn(f"usage: {name}", self.succeed("rosrun", package, name, "--help"))
+
+    def test_contracts_say_how_they_are_used(self) -> None:
+        for name in ("simulator_contract", "own_simulator_contract", "policy_contract"):
+            self.assertIn("usage: rosrun", self.succeed("rosrun", "pusht_task", name, "--help"))

@@ -2,4 +2,10 @@
 from catkin_pkg.python_setup import generate_distutils_setup  # type: ignore[import]
 from setuptools import setup  # type: ignore[import]
 
-setup(**generate_distutils_setup(packages=["pusht_policy"], package_dir={"": "src"}))
+setup(
+    **generate_distutils_setup(
+        packages=["pusht_policy"],
+        package_dir={"": "src"},
+        package_data={"pusht_policy": ["formats.json"]},
+    )
+)

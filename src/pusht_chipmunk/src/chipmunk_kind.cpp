@@ -2,6 +2,7 @@
 #include "pusht_chipmunk/chipmunk_kind.hpp"
 
 #include "pusht_chipmunk/chipmunk_world.hpp"
+#include "pusht_task/simulator_plugin.hpp"
 
 namespace pusht {
 namespace {
@@ -34,10 +35,12 @@ const SimulatorKind& chipmunkKind() {
         "more is a third of the tee's width"},
        {kOverlapLeft, "", "share of an overlap that is left after a second", defaults.overlap_left, 0.0, 1.0,
         "it is a share"}},
-      {"libpusht_chipmunk.so", "libchipmunk.so"},
+      {"libchipmunk.so"},
       ChipmunkWorld::kStartTolerance,
       load};
   return kind;
 }
 
 }  // namespace pusht
+
+PUSHT_EXPORT_SIMULATOR_KIND(chipmunk, pusht::chipmunkKind);

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "pusht_engine/rigid_body_engine.hpp"
+#include "pusht_task/simulator_plugin.hpp"
 
 namespace pusht {
 namespace {
@@ -55,10 +56,12 @@ const SimulatorKind& rigidBodyKind() {
                                      "rigid-body engine",
                                      PUSHT_ENGINE_VERSION,
                                      describeSwitches(),
-                                     {"libpusht_engine.so", "libccd.so"},
+                                     {"libccd.so"},
                                      RigidBodyPhysics::kStartTolerance,
                                      loadSwitches};
   return kind;
 }
 
 }  // namespace pusht
+
+PUSHT_EXPORT_SIMULATOR_KIND(rigid_body, pusht::rigidBodyKind);

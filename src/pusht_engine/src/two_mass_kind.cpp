@@ -3,6 +3,7 @@
 
 #include "pusht_engine/two_mass_engine.hpp"
 #include "pusht_engine/two_mass_lanes.hpp"
+#include "pusht_task/simulator_plugin.hpp"
 
 namespace pusht {
 namespace {
@@ -33,9 +34,11 @@ SimulatorModel loadParameters(const ParameterSet& set) {
 
 const SimulatorKind& twoMassKind() {
   static const SimulatorKind kind = {"two_mass",           "two-mass engine",      PUSHT_ENGINE_VERSION,
-                                     describeParameters(), {"libpusht_engine.so"}, TwoMassPhysics::kStartTolerance,
+                                     describeParameters(), {}, TwoMassPhysics::kStartTolerance,
                                      loadParameters};
   return kind;
 }
 
 }  // namespace pusht
+
+PUSHT_EXPORT_SIMULATOR_KIND(two_mass, pusht::twoMassKind);

@@ -2,6 +2,7 @@
 #include "pusht_mujoco/mujoco_kind.hpp"
 
 #include "pusht_mujoco/mujoco_world.hpp"
+#include "pusht_task/simulator_plugin.hpp"
 
 namespace pusht {
 namespace {
@@ -33,10 +34,12 @@ const SimulatorKind& mujocoKind() {
       mj_versionString(),
       {{kScene, "", "MJCF file, or 'shipped' for the one that comes with the suite; must be this task",
         std::string(kShipped)}},
-      {"libmujoco.so", "libccd.so", "libpusht_mujoco.so"},  // libccd finds its contacts
+      {"libmujoco.so", "libccd.so"},  // libccd finds its contacts
       MujocoWorld::kStartTolerance,
       load};
   return kind;
 }
 
 }  // namespace pusht
+
+PUSHT_EXPORT_SIMULATOR_KIND(mujoco, pusht::mujocoKind);

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "pusht_policy/formats.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/rollout.hpp"

@@ -11,8 +11,8 @@
 namespace pusht {
 namespace {
 
-/// What a network on libtorch is computed with, as far as that is loaded. A BLAS may have its code in a library behind
-/// the one that libtorch calls.
+/// Libraries that compute a network on libtorch, as far as they are loaded. A BLAS may have its code in a library
+/// behind the one that libtorch calls.
 const std::vector<std::string> kLibraries = {
     kNetworkPolicyLibrary, "libtorch_cpu.so", "libc10.so",  "libdnnl.so", "libsleef.so",
     "libXNNPACK.so",       "libgomp.so",      "libblas.so", "libblis",    "liblapack.so",
@@ -33,8 +33,8 @@ nlohmann::json provenanceOf(const NetworkInfo& info) {
   return provenance;
 }
 
-/// What its bits depend on, besides libraries: the kernel computes the same everywhere, libtorch does not. The BLAS is
-/// known by its bytes: another may have come under its name.
+/// Identity of a policy: all that its bits depend on, besides libraries. The kernel has equal bits everywhere, libtorch
+/// does not. The BLAS is known by its bytes: another may have come under its name.
 nlohmann::json identityOf(const NetworkInfo& info) {
   if (info.runsOnKernel()) {
     return {{"sha256", info.sha256}, {"operations", info.operations}};

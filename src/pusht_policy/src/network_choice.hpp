@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The policies that need libtorch, in a library of their own. libtorch brings three hundred libraries with it, which
-/// take a second to load: a command that runs none of these policies does without them.
+/// Policies that need libtorch, in a library of their own, which is loaded on demand. libtorch depends on three hundred
+/// libraries, which take a second to load, and a command with another policy does not need them.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@ namespace pusht {
 constexpr const char* kNetworkPolicyLibrary = "libpusht_network_policy.so";
 constexpr const char* kNetworkPoliciesSymbol = "kNetworkPolicies";
 
-/// What that library offers, under the name kNetworkPoliciesSymbol.
+/// Functions of that library, under the symbol kNetworkPoliciesSymbol.
 struct NetworkPolicies {
-  /// The checkpoint at `path`, by `name`. Throws as NetworkPolicy::load(), which heeds `stop`.
+  /// Policy of the checkpoint at `path`, named `name`. Throws as NetworkPolicy::load(), which gets `stop`.
   ChosenPolicy (*trained)(const std::filesystem::path& path, const std::string& name,
                           const std::function<bool()>& stop);
   ChosenPolicy (*untrained)(std::uint64_t seed, const std::string& warning);

@@ -79,7 +79,7 @@ template <class Vector, int kRows>
   }
 }
 
-// As many rows at a time as there are registers for their sums.
+// Products by instruction set. Each takes as many rows at a time as there are registers for sums.
 using Vector4 = float __attribute__((vector_size(16), may_alias));
 void multiplyBaseline(const Product& product) { multiplyRows<Vector4, 3>(product, 0); }
 
@@ -111,7 +111,8 @@ void forEachColumn(float* row, const float* operand, int columns, Function funct
   }
 }
 
-/// In double and rounded: C libraries differ in the last bit of tanhf, but hardly ever in a rounded tanh.
+/// Hyperbolic tangent in double, rounded to float: C libraries differ in the last bit of tanhf, but hardly ever in a
+/// rounded tanh.
 void applyTanh(float* row, int columns) {
   for (int j = 0; j < columns; ++j) {
     row[j] = static_cast<float>(std::tanh(static_cast<double>(row[j])));

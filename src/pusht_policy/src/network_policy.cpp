@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "pusht_policy/formats.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/spawn.hpp"
@@ -20,8 +21,6 @@ namespace {
 
 constexpr int kInputs = std::tuple_size<Observation>::value;
 constexpr int kOutputs = std::tuple_size<Action>::value;
-
-constexpr int kProvenanceFormat = 1;  // of CHECKPOINT.provenance.json; without a number it is 1
 
 constexpr int kSpawnProbes = 48;
 constexpr int kWideProbes = 16;
@@ -41,7 +40,7 @@ std::vector<Observation> probes() {
   return probes;
 }
 
-/// What the network does to the probes. Throws BadDependency if that is not finite.
+/// Outputs of the network for the probes. Throws BadDependency if one is not finite.
 std::vector<Action> tryOut(TorchNetwork& network, const std::string& name) {
   std::vector<Action> actions;
   for (const Observation& probe : probes()) {

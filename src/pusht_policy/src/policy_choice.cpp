@@ -4,7 +4,6 @@
 #include <sys/resource.h>
 
 #include <boost/dll/runtime_symbol_info.hpp>
-#include <boost/dll/shared_library.hpp>
 #include <chrono>
 #include <cstdlib>
 #include <string>
@@ -13,6 +12,7 @@
 #include "network_choice.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/library.hpp"
 #include "rehearsal.hpp"
 
 namespace pusht {
@@ -22,20 +22,12 @@ namespace fs = std::filesystem;
 
 const NetworkPolicies& loadNetworkPolicies() {
   const fs::path path = fs::path(boost::dll::this_line_location().string()).replace_filename(kNetworkPolicyLibrary);
-  try {
-    namespace mode = boost::dll::load_mode;
-    // Global, so that it can be asked which BLAS there is. Never freed: its policies may live until the program ends.
-    static const auto& library = *new boost::dll::shared_library(path.string(), mode::rtld_now | mode::rtld_global);
-    return library.get<const NetworkPolicies>(kNetworkPoliciesSymbol);
-  } catch (const boost::system::system_error& error) {
-    const std::string message = "library " + path.string() + ": cannot be loaded: " + error.what();
-    for (const char* limit : {"allocate memory", "failed to map segment", "Too many open files"}) {
-      if (message.find(limit) != std::string::npos) {
-        throw RuntimeFault(message);
-      }
-    }
-    throw BadDependency(message);
+  const Library library(path, Library::Scope::kGlobal);  // so that it can be asked which BLAS there is
+  const auto* const policies = library.find<NetworkPolicies>(kNetworkPoliciesSymbol);
+  if (policies == nullptr) {
+    throw BadDependency("library " + path.string() + ": has no symbol " + kNetworkPoliciesSymbol);
   }
+  return *policies;
 }
 
 const NetworkPolicies& networkPolicies() {

@@ -26,8 +26,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::array<int, 3> kEndingSignals{SIGINT, SIGTERM, SIGHUP};
 constexpr std::chrono::milliseconds kStopPeriod{100};
 
-/// Holds these signals back from this thread while it exists, but for who waits with mask(): so none comes in between
-/// unseen.
+/// Blocks the ending signals in this thread while it exists. A wait with mask() unblocks them, so no signal is lost
+/// between two waits.
 class SignalsHeld {
  public:
   SignalsHeld() {
@@ -54,7 +54,7 @@ class SignalsHeld {
 
 bool is_copy = false;  // whether this process is one
 
-/// What the copy has to say: the exit code in the first byte, then the message.
+/// Verdict of the copy: the exit code in the first byte, then the message.
 std::string verdictOf(const std::function<void()>& work) {
   try {
     work();
@@ -121,7 +121,7 @@ class Copy {
     }
   }
 
-  /// All that it says until it ends.
+  /// Output of the copy until it ends.
   std::string verdict(std::chrono::milliseconds deadline, const std::function<bool()>& stop) {
     const Clock::time_point end = Clock::now() + deadline;
     std::string text;

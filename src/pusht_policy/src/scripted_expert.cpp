@@ -84,7 +84,7 @@ struct Push {
   Vector2d direction;
   double speed;
 
-  /// Of the pusher, to the left of the push line.
+  /// Offset of the pusher from the push line, positive to its left [m].
   double sidewaysOffset(const Vector2d& pusher) const { return (pusher - contact).dot(turnLeft(direction)); }
   double distanceBehind(const Vector2d& pusher) const { return (contact - pusher).dot(direction); }
 };
@@ -131,7 +131,7 @@ Vector2d detour(const View& view, const Vector2d& straight) {
   return (nearer(tangent, -tangent) + kOutwardBias * radial).normalized();
 }
 
-/// Without what leads further into a wall.
+/// Heading without the component that leads further into a wall.
 Vector2d awayFromWalls(const Vector2d& pusher, Vector2d heading) {
   for (int axis = 0; axis < 2; ++axis) {
     if (std::abs(pusher[axis]) > kReach && heading[axis] * pusher[axis] > 0.0) {

@@ -118,7 +118,7 @@ IValue GraphReader::constant(const Node& node, const char* input) const {
   return *value;
 }
 
-/// Of the two operands of `node`, the one that is not the rows.
+/// Operand of `node` that is not the rows.
 IValue GraphReader::otherConstant(const Node& node) const {
   if (node.namedInput("other") == rows_) {
     return constant(node, "self");

@@ -36,7 +36,7 @@ torch::jit::Module loadModule(const std::string& bytes, const std::string& name)
   }
 }
 
-/// What forward does to one row, as one graph of operations and constants. No pass that is applied here changes the
+/// Graph of forward() for one row, with operations and constants alone. No pass that is applied here changes the
 /// order of floating-point operations.
 std::shared_ptr<torch::jit::Graph> straightened(const torch::jit::Module& module) {
   constexpr bool kOptimizeNumerics = false;
@@ -155,7 +155,7 @@ std::string libtorchVersion() { return TORCH_VERSION; }
 
 namespace {
 
-/// What a function of a library that may not be loaded returns.
+/// Result of a function of a library that may not be loaded.
 template <class Result>
 std::optional<Result> ask(const char* function) {
   void* const address = dlsym(RTLD_DEFAULT, function);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Networks as libtorch has them, without libtorch's headers, which cost whoever includes them ten seconds.
+/// Networks on libtorch, without libtorch's headers, which take ten seconds to compile.
 #pragma once
 
 #include <cstdint>
@@ -23,23 +23,23 @@ struct Module;
 
 namespace pusht {
 
-/// Why the kernel cannot stand in for libtorch.
+/// Error: the kernel cannot run the network, for this reason.
 struct UnfitForKernel : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A TorchScript module that maps one observation to one action. libtorch gets one thread of its own for each thread
-/// that asks. Copies share the module, which several threads may run at once.
+/// TorchScript module that maps one observation to one action. libtorch uses one thread for each calling thread. Copies
+/// share the module, which several threads may run at once.
 class TorchNetwork {
  public:
-  /// From the bytes of a checkpoint; `name` is for messages. Throws InvalidInput if they are no TorchScript,
+  /// Loads the bytes of a checkpoint; `name` is for messages. Throws InvalidInput if they are no TorchScript,
   /// BadDependency if a parameter or buffer is not finite.
   TorchNetwork(const std::string& bytes, std::string name);
 
   /// Throws BadDependency if the module fails or returns anything but float32 [1, 2].
   Action act(const Observation& observation);
 
-  /// The module as a straight line of operations, in its own order. Throws UnfitForKernel.
+  /// Sequence of operations of the module, in its own order. Throws UnfitForKernel if it is none.
   std::vector<Operation> operations() const;
 
  private:
@@ -52,15 +52,16 @@ class TorchNetwork {
 /// the end of a short record, and may crash on a bad pickle: rehearse().
 void requireWholeTensors(const std::string& bytes, const Records& records, const std::string& name);
 
-/// The operations of a graph whose first input is the module and whose second is rows of `inputs` numbers.
+/// Operations of a graph whose first input is the module and whose second is rows of `inputs` numbers.
 /// Throws UnfitForKernel.
 std::vector<Operation> readGraph(const torch::jit::Graph& graph, int inputs);
 
-/// Linear(10, 64), ReLU, Linear(64, 64), ReLU, Linear(64, 2), tanh as torch initialises it after manual_seed(seed).
+/// Operations of Linear(10, 64), ReLU, Linear(64, 64), ReLU, Linear(64, 2), tanh, initialized as by torch after
+/// manual_seed(seed).
 std::vector<Operation> untrainedOperations(std::uint64_t seed);
 
-/// What an exception of libtorch has to say, on one line of plain text: without its traces, the first line of the
-/// message, which a failing module puts after "RuntimeError:". Throws std::bad_alloc instead if memory is used up.
+/// Message of an exception of libtorch on one line: without its traces, the first line of the message, which a failing
+/// module puts after "RuntimeError:". Throws std::bad_alloc instead if memory is used up.
 std::string firstLine(const std::exception& error);
 
 /// The values of a float32 tensor, row-major.

@@ -90,7 +90,7 @@ TEST_F(Rehearsal, EndsAtASignalThatIsHandled) {
   sigaction(SIGTERM, &before, nullptr);
 }
 
-/// As in a node, where a thread of roscpp's may take it.
+/// Signal to a process with other threads: in a node, a thread of roscpp may take it.
 TEST_F(Rehearsal, EndsAtASignalThatAnotherThreadTakes) {
   static std::atomic<bool> stop{false};
   struct sigaction handled {};
@@ -115,7 +115,7 @@ TEST_F(Rehearsal, EndsAtASignalThatAnotherThreadTakes) {
   sigaction(SIGTERM, &before, nullptr);
 }
 
-/// As Ctrl-C does, which reaches both.
+/// Signal to the process and its copy, as from Ctrl-C.
 TEST_F(Rehearsal, EndsAtASignalToTheCopy) {
   const auto raise = [] { std::raise(SIGINT); };
   expectFailure(kLong, raise, ExitCode::kRuntimeFault, "the work: interrupted while it was tried out");

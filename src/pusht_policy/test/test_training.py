@@ -23,19 +23,19 @@ import torch
 from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[import]
 from std_msgs.msg import String  # type: ignore[import]
 
-from pusht_policy import training
-from pusht_policy.demonstrations import (
-    Demonstration,
-    InputError,
-    read_demonstrations,
-    sha256_of_frames,
-)
-from pusht_policy.model import Policy, minimum_and_range, normalised
+from pusht_policy import software, training
+from pusht_policy.checkpoint import PROVENANCE_FORMAT, provenance_path
+from pusht_policy.demonstrations import Demonstration, read_demonstrations, sha256_of_frames
+from pusht_policy.frames import split
+from pusht_policy.model import Policy, minimum_and_range, normalised, torchscript_bytes
+from pusht_policy.recipe import Recipe
+from pusht_policy.trainer import Trainer
+from pusht_task.error import Error, ExitCode
 
 SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
 DEADLINE = 120  # s, for a started command
 ORIGIN = {"demonstrator": "a smooth expert", "simulator": "none"}
-SMALL = training.Recipe(epochs=12, batch=16, hidden=(8, 6))
+SMALL = Recipe(epochs=12, batch=16, hidden=(8, 6))
 
 
 def demonstration(seed: int, steps: int = 12, success: bool = True) -> Demonstration:
@@ -72,7 +72,7 @@ def write_bag(path: Path, content: Sequence[Any], compression: str = "none") -> 
     return path
 
 
-def weights(trainer: training.Trainer) -> Dict[str, bytes]:
+def weights(trainer: Trainer) -> Dict[str, bytes]:
     return {name: value.numpy().tobytes() for name, value in trainer.model.state_dict().items()}
 
 
@@ -91,7 +91,7 @@ class ReadDemonstrations(TemporaryFolderCase):
     def refused(self, content: Sequence[Any]) -> str:
         """The error for a bag of these messages."""
         bag = write_bag(self.folder / "some.bag", content)
-        with self.assertRaises(InputError) as caught:
+        with self.assertRaises(Error) as caught:
             read_demonstrations([bag])
         text = str(caught.exception)
         self.assertIn("some.bag", text)
@@ -169,7 +169,7 @@ class ReadDemonstrations(TemporaryFolderCase):
         bags = [
             write_bag(self.folder / name, messages(demonstration(7))) for name in ("a.bag", "b.bag")
         ]
-        with self.assertRaisesRegex(InputError, "b.bag: seed 7: also in .*a.bag"):
+        with self.assertRaisesRegex(Error, "b.bag: seed 7: also in .*a.bag"):
             read_demonstrations(bags)
 
     def test_numbers_not_finite(self) -> None:
@@ -190,7 +190,7 @@ class ReadDemonstrations(TemporaryFolderCase):
         path = self.folder / "some.bag"
         with rosbag.Bag(str(path), "w") as bag:
             bag.write("/demonstration/step", String("a"))
-        with self.assertRaisesRegex(InputError, "step is of type std_msgs/String; it must be"):
+        with self.assertRaisesRegex(Error, "step is of type std_msgs/String; it must be"):
             read_demonstrations([path])
 
     def test_format_of_the_bag(self) -> None:
@@ -199,8 +199,8 @@ class ReadDemonstrations(TemporaryFolderCase):
             bag = write_bag(self.folder / "some.bag", [String(data=text)] + recording)
             self.assertEqual(len(read_demonstrations([bag])), 1)
         for text, why in (
-            ('{"format": 2}', "format is 2; it must be 1"),
-            ('{"format": null}', "format is None; it must be 1"),
+            ('{"format": 2}', "format 2: must be 1"),
+            ('{"format": null}', "format None: must be 1"),
             ("[]", r"origin is \[\]; it must be a JSON object"),
             ("{", "origin: .*; it must be JSON"),
         ):
@@ -211,17 +211,17 @@ class ReadDemonstrations(TemporaryFolderCase):
         whole = path.read_bytes()
         for content in (b"", b"no bag", whole[:100], whole[: len(whole) // 2], whole[:-7]):
             path.write_bytes(content)
-            with self.assertRaisesRegex(InputError, "some.bag: "):
+            with self.assertRaisesRegex(Error, "some.bag: "):
                 read_demonstrations([path])
         path = write_bag(self.folder / "some.bag", messages(demonstration(7)), "bz2")
         packed = bytearray(path.read_bytes())
         packed[packed.find(b"BZh") + 20] ^= 255
         path.write_bytes(packed)
-        with self.assertRaisesRegex(InputError, "some.bag: Invalid data stream; a readable"):
+        with self.assertRaisesRegex(Error, "some.bag: Invalid data stream; a readable"):
             read_demonstrations([path])
-        with self.assertRaisesRegex(InputError, "absent.bag: no such file"):
+        with self.assertRaisesRegex(Error, "absent.bag: no such file"):
             read_demonstrations([self.folder / "absent.bag"])
-        with self.assertRaisesRegex(InputError, "is a folder"):
+        with self.assertRaisesRegex(Error, "is a folder"):
             read_demonstrations([self.folder])
 
 
@@ -273,7 +273,7 @@ class PolicyModule(unittest.TestCase):
         np.testing.assert_array_equal(found, expected)
 
     def test_saved_model_answers_alike_and_holds_no_local_path(self) -> None:
-        content = training.torchscript_bytes(torch.jit.script(self.model))
+        content = torchscript_bytes(torch.jit.script(self.model))
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "policy.ts.pt"
             path.write_bytes(content)
@@ -295,11 +295,11 @@ class TrainerCase(TemporaryFolderCase):
         self.demonstrations = [demonstration(seed) for seed in range(20)]
         self.state = self.folder / "state.pt"
 
-    def trainer(self, recipe: training.Recipe = SMALL) -> training.Trainer:
-        training._set_up_torch(recipe)
-        return training.Trainer(self.demonstrations, recipe)
+    def trainer(self, recipe: Recipe = SMALL) -> Trainer:
+        software.set_up_torch(recipe)
+        return Trainer(self.demonstrations, recipe)
 
-    def finished(self, recipe: training.Recipe = SMALL) -> training.Trainer:
+    def finished(self, recipe: Recipe = SMALL) -> Trainer:
         trainer = self.trainer(recipe)
         trainer.run(self.folder / "other.pt", never)
         return trainer
@@ -310,7 +310,7 @@ class Training(TrainerCase):
         def parts(seed: int) -> List[List[int]]:
             recipe = dataclasses.replace(SMALL, seed=seed)
             generator = torch.Generator().manual_seed(seed)
-            both = training.split(self.demonstrations, recipe, generator)
+            both = split(self.demonstrations, recipe, generator)
             return [[d.seed for d in part] for part in both]
 
         train_part, validation_part = parts(0)
@@ -321,7 +321,7 @@ class Training(TrainerCase):
 
     def test_normalisation_ignores_validation_frames(self) -> None:
         generator = torch.Generator().manual_seed(SMALL.seed)
-        train_part, validation_part = training.split(self.demonstrations, SMALL, generator)
+        train_part, validation_part = split(self.demonstrations, SMALL, generator)
         before = self.trainer().model.state_dict()
         for held_out in validation_part:
             held_out.observations[0] = 100.0
@@ -380,12 +380,13 @@ class Training(TrainerCase):
 
     def test_diverged_loss_is_a_fault(self) -> None:
         trainer = self.trainer(dataclasses.replace(SMALL, learning_rate=1e30))
-        with self.assertRaisesRegex(training.Fault, "must be finite"):
+        with self.assertRaisesRegex(Error, "must be finite") as caught:
             trainer.run(self.state, never)
+        self.assertEqual(caught.exception.exit_code, ExitCode.RUNTIME_FAULT)
 
     def test_too_few_demonstrations(self) -> None:
         self.demonstrations = self.demonstrations[:1]
-        with self.assertRaisesRegex(InputError, "demonstrations: 1; at least 2"):
+        with self.assertRaisesRegex(Error, "demonstrations: 1; at least 2"):
             self.trainer()
 
     def test_recipe_is_checked(self) -> None:
@@ -398,7 +399,7 @@ class Training(TrainerCase):
             "hidden": (0, 3),
         }
         for name, value in values.items():
-            with self.assertRaisesRegex(InputError, "^lr|" + name):
+            with self.assertRaisesRegex(Error, "^lr|" + name):
                 dataclasses.replace(SMALL, **{name: value}).check()
 
 
@@ -406,8 +407,9 @@ class Resume(TrainerCase):
     def interrupted_after(self, epochs: int) -> None:
         """Leaves the state of a run that was told to stop after so many epochs."""
         trainer = self.trainer()
-        with self.assertRaises(training.Interrupted):
+        with self.assertRaisesRegex(Error, "^interrupted") as caught:
             trainer.run(self.state, lambda: trainer.epoch == epochs)
+        self.assertEqual(caught.exception.exit_code, ExitCode.RUNTIME_FAULT)
         self.assertEqual(trainer.epoch, epochs)
 
     def test_bits_of_an_uninterrupted_run(self) -> None:
@@ -441,25 +443,25 @@ class Resume(TrainerCase):
         }
         for name, value in others.items():
             trainer = self.trainer(dataclasses.replace(SMALL, **{name: value}))
-            with self.assertRaisesRegex(InputError, f"state.pt: {name} was .*, is now "):
+            with self.assertRaisesRegex(Error, f"state.pt: {name} was .*, is now "):
                 trainer.resume(self.state)
 
     def test_other_demonstrations_are_refused(self) -> None:
         self.interrupted_after(2)
         self.demonstrations[3].actions[5, 0] += np.float32(1e-6)
-        with self.assertRaisesRegex(InputError, "state.pt: frames was "):
+        with self.assertRaisesRegex(Error, "state.pt: frames was "):
             self.trainer().resume(self.state)
 
     def test_another_core_of_the_blas_is_refused(self) -> None:
         self.interrupted_after(2)
-        with mock.patch.object(training, "_blas_cores", lambda: ["Another"]):
-            with self.assertRaisesRegex(InputError, "state.pt: blas_core was .*, is now Another"):
+        with mock.patch.object(software, "_blas_cores", lambda: ["Another"]):
+            with self.assertRaisesRegex(Error, "state.pt: blas_core was .*, is now Another"):
                 self.trainer().resume(self.state)
 
     def test_state_of_another_format_is_refused(self) -> None:
         self.interrupted_after(2)
-        with mock.patch.object(training, "STATE_FORMAT", 2):
-            with self.assertRaisesRegex(InputError, "state.pt: format was 1, is now 2"):
+        with mock.patch("pusht_policy.trainer.STATE_FORMAT", 2):
+            with self.assertRaisesRegex(Error, "state.pt: format was 1, is now 2"):
                 self.trainer().resume(self.state)
 
     def test_damaged_state_is_refused(self) -> None:
@@ -467,7 +469,7 @@ class Resume(TrainerCase):
         whole = self.state.read_bytes()
         for content in (b"", b"nonsense", whole[: len(whole) // 2]):
             self.state.write_bytes(content)
-            with self.assertRaisesRegex(InputError, "state.pt: not a readable training state"):
+            with self.assertRaisesRegex(Error, "state.pt: not a readable training state"):
                 self.trainer().resume(self.state)
 
 
@@ -505,7 +507,7 @@ class TrainCommand(CommandCase):
         self.assertEqual((finished.returncode, finished.stderr), (0, ""))
         self.assertIn("13 demonstrations, 12 solved, 156 frames", finished.stdout)
         self.assertIn("epoch 10/10  train ", finished.stdout)
-        provenance_file = training.provenance_path(self.out)
+        provenance_file = provenance_path(self.out)
         self.assertEqual(set(self.folder.iterdir()), {self.bag, self.out, provenance_file})
         provenance = json.loads(provenance_file.read_text())
         self.assertEqual(
@@ -515,7 +517,7 @@ class TrainCommand(CommandCase):
                 "sha256": hashlib.sha256(self.out.read_bytes()).hexdigest(),
             },
         )
-        self.assertEqual(provenance["format"], training.PROVENANCE_FORMAT)
+        self.assertEqual(provenance["format"], PROVENANCE_FORMAT)
         self.assertEqual(
             provenance["demonstrations"],
             {
@@ -530,7 +532,7 @@ class TrainCommand(CommandCase):
         )
         self.assertEqual(provenance["training"]["train_frames"], 144)
         self.assertEqual(provenance["training"]["validation_frames"], 12)
-        self.assertEqual(provenance["software"], training.software())
+        self.assertEqual(provenance["software"], software.software())
         for name in ("cpu", "vectors", "blas_core"):  # as the code of torch and BLAS is chosen by
             self.assertTrue(provenance["software"][name], name)
         self.assertIsNone(provenance["evaluation"])
@@ -594,7 +596,7 @@ class TrainCommand(CommandCase):
 
     def test_state_folder_in_use(self) -> None:
         folder = self.folder / "state"
-        with training._locked(folder):
+        with training.locked(folder):
             finished = self.run_command(self.command("--state-dir", str(folder)))
             self.assert_refused(finished, 2, "in use by another training")
 
@@ -602,105 +604,6 @@ class TrainCommand(CommandCase):
         """/proc takes no folders, not even root's."""
         finished = self.run_command(self.command("--state-dir", "/proc/absent"))
         self.assert_refused(finished, 4, "/proc/absent")
-
-
-class RecordEvaluation(CommandCase):
-    def setUp(self) -> None:
-        super().setUp()
-        self.out.write_bytes(b"weights")
-        self.provenance = training.provenance_path(self.out)
-        found = training.sha256_of(self.out)
-        self.provenance.write_text(json.dumps({"checkpoint": {"sha256": found}}))
-        configuration: Dict[str, Any] = {
-            "format": training.METRICS_FORMAT,
-            "episodes": 50,
-            "seed": 0,
-            "first_episode": 0,
-            "horizon": 300,
-            "smoke": False,
-            "reference_simulator": "mujoco",
-            "simulators": {"reference": {"changed": []}},
-        }
-        self.metrics = {**configuration, "mj_success_rate": 0.62, "mj_successes": 31}
-        self.origin: Dict[str, Dict[str, Any]] = {
-            "configuration": configuration,
-            "policy": {"sha256": found},
-            "reference": {"version": "2.2.2"},
-        }
-
-    def write_results(self) -> None:
-        for name, content in (("metrics", self.metrics), ("provenance", self.origin)):
-            (self.folder / f"{name}.json").write_text(json.dumps(content))
-
-    def record(self) -> "subprocess.CompletedProcess[str]":
-        self.write_results()
-        script = str(SCRIPTS / "record_evaluation")
-        return self.run_command([sys.executable, script, str(self.out), str(self.folder)])
-
-    def test_success_rate_is_recorded(self) -> None:
-        finished = self.record()
-        self.assertEqual((finished.returncode, finished.stderr), (0, ""))
-        self.assertEqual(
-            json.loads(self.provenance.read_text())["evaluation"],
-            {
-                "simulator": "MuJoCo 2.2.2",
-                "episodes": 50,
-                "seed": 0,
-                "success_rate": 0.62,
-                "successes": 31,
-            },
-        )
-
-    def test_refusals_change_nothing(self) -> None:
-        before = self.provenance.read_bytes()
-
-        def refused(text: str) -> None:
-            finished = self.record()
-            self.assertEqual(finished.returncode, 2)
-            self.assertEqual(finished.stderr.count("\n"), 1)
-            self.assertIn(text, finished.stderr)
-            self.assertEqual(self.provenance.read_bytes(), before)
-
-        others: Dict[str, Any] = {
-            "horizon": 200,
-            "first_episode": 50,
-            "smoke": True,
-            "starts": "0123abcd",
-            "until_decided": 0.5,
-            "simulators": {"reference": {"changed": ["scene"]}},
-        }
-        for name, value in others.items():
-            metrics, configuration = self.metrics, self.origin["configuration"]
-            self.metrics = {**metrics, name: value}
-            self.origin["configuration"] = {**configuration, name: value}
-            self.write_results()
-            with self.assertRaisesRegex(InputError, f"provenance.json: configuration.{name}"):
-                training.record_evaluation(self.out, self.folder)
-            self.metrics, self.origin["configuration"] = metrics, configuration
-        self.assertEqual(self.provenance.read_bytes(), before)
-
-        with mock.patch.object(training, "PROVENANCE_FORMAT", 2):
-            with self.assertRaisesRegex(InputError, "provenance.json: format is 1; it must be 2"):
-                training.record_evaluation(self.out, self.folder)
-
-        self.metrics["format"] -= 1
-        ours = training.METRICS_FORMAT
-        refused(f"metrics.json: format is {ours - 1}; it must be {ours}")
-        self.metrics["format"] = ours
-        self.metrics["mj_success_rate"] = 0.63
-        refused("mj_success_rate is 0.63")
-        del self.metrics["mj_success_rate"]
-        refused("no key mj_success_rate")
-        self.metrics["seed"] = 7
-        refused("metrics.json: seed is 7; it must be 0")
-        self.origin["configuration"]["reference_simulator"] = "mine"
-        refused("configuration.reference_simulator is mine; it must be mujoco")
-        self.origin["policy"] = {"sha256": "0" * 64}
-        refused("provenance.json: policy.sha256 is 0000")
-        self.origin["policy"] = {"runs_on": "scripted"}
-        refused("provenance.json: no key policy.sha256")
-        self.out.write_bytes(b"other weights")
-        refused("checkpoint.sha256 is ")
 
 
 if __name__ == "__main__":

@@ -39,30 +39,50 @@ function(pusht_add_pytest file)
   catkin_run_tests_target(pytest ${name} ${results} COMMAND ${command} DEPENDENCIES ${_pytest_DEPENDENCIES})
 endfunction()
 
-# The rest of a package for a kind of simulator, after find_package and catkin_package: the library SOURCES, which other
-# packages see together with the libraries PUBLIC; the node NODE of nodes/NODE.cpp; their installation, with that of
-# DIRECTORIES; and the rostest ROSTEST. (Headers the package installs itself, where catkin_lint looks for it.)
+# The rest of a package pusht_NAME for kinds of simulators, after find_package and catkin_package: the library SOURCES,
+# which other packages see together with the libraries PUBLIC; the node NAME_node, which serves KIND (NAME, if not
+# given); the rostest test/NAME.test; and their installation, with that of plugin_description.xml and of DIRECTORIES.
+# (Headers the package installs itself, where catkin_lint looks for it.)
 function(pusht_simulator_package)
-  cmake_parse_arguments(_kind "" "NODE;ROSTEST" "SOURCES;PUBLIC;PRIVATE;DIRECTORIES" ${ARGN})
-  add_library(${PROJECT_NAME} ${_kind_SOURCES})
+  cmake_parse_arguments(_kind "" "KIND" "SOURCES;PUBLIC;PRIVATE;DIRECTORIES" ${ARGN})
+  string(REGEX REPLACE "^pusht_" "" name ${PROJECT_NAME})
+  if(NOT _kind_KIND)
+    set(_kind_KIND ${name})
+  endif()
+
+  # In another workspace than pusht_task's, its library is a file.
+  set(task ${catkin_LIBRARIES})
+  list(FILTER task INCLUDE REGEX "^(.*/lib)?pusht_task(\\.so)?$")
+  add_library(${PROJECT_NAME} SHARED ${_kind_SOURCES})
   target_include_directories(${PROJECT_NAME} PUBLIC include ${catkin_INCLUDE_DIRS})
-  target_link_libraries(${PROJECT_NAME} PUBLIC pusht_task ${_kind_PUBLIC} PRIVATE ${_kind_PRIVATE})
+  target_link_libraries(${PROJECT_NAME} PUBLIC ${task} ${_kind_PUBLIC} PRIVATE ${_kind_PRIVATE})
   pusht_compile_options(${PROJECT_NAME})
 
-  add_executable(${_kind_NODE} nodes/${_kind_NODE}.cpp)
-  target_link_libraries(${_kind_NODE} PRIVATE ${PROJECT_NAME} ${catkin_LIBRARIES})
-  add_dependencies(${_kind_NODE} ${catkin_EXPORTED_TARGETS})
-  pusht_compile_options(${_kind_NODE})
+  file(CONFIGURE OUTPUT ${name}_node.cpp @ONLY CONTENT [[
+#include "pusht_task/ros/serve.hpp"
+#include "pusht_task/simulator_plugin.hpp"
+
+extern "C" const pusht::SimulatorPlugin pusht_simulator_@_kind_KIND@;
+
+int main(int argc, char** argv) {
+  return pusht::serveSimulator(argc, argv, "@name@", pusht_simulator_@_kind_KIND@.kind());
+}
+]])
+  add_executable(${name}_node ${CMAKE_CURRENT_BINARY_DIR}/${name}_node.cpp)
+  target_link_libraries(${name}_node PRIVATE ${PROJECT_NAME} ${catkin_LIBRARIES})
+  add_dependencies(${name}_node ${catkin_EXPORTED_TARGETS})
+  pusht_compile_options(${name}_node)
 
   install(TARGETS ${PROJECT_NAME}
     ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
     LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
-  install(TARGETS ${_kind_NODE} RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+  install(TARGETS ${name}_node RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+  install(FILES plugin_description.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
   install(DIRECTORY ${_kind_DIRECTORIES} DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 
   if(CATKIN_ENABLE_TESTING)
     find_package(rostest REQUIRED)
-    add_rostest(${_kind_ROSTEST} DEPENDENCIES ${_kind_NODE})
+    add_rostest(test/${name}.test DEPENDENCIES ${name}_node)
   endif()
 endfunction()
 

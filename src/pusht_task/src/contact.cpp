@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Of the tee, in its frame [m].
+/// Box of the tee, in the tee's frame [m].
 struct Box {
   double center_y;
   double half_x;
@@ -39,7 +39,7 @@ const Box& boxOf(Part part) {
   throw InternalError("slipDistance: the part must be bar or stem");
 }
 
-/// Where the surface of a box is nearest to a point.
+/// Point of a box's surface nearest to a given point, with its gap and normal.
 struct Nearest {
   double distance;  // [m] below 0: the point is inside
   Vector2d point;
@@ -63,7 +63,7 @@ Nearest nearest(const Box& box, const Vector2d& point) {
 
 Eigen::Rotation2Dd teeToTable(const WorldState& state) { return Eigen::Rotation2Dd(state.tee_yaw); }
 
-/// Of the pusher's centre, in the tee's frame.
+/// Point of a box nearest to the pusher, in the tee's frame.
 Nearest nearestToPusher(const Box& box, const WorldState& state) {
   return nearest(box, teeToTable(state).inverse() * (state.pusher_position - state.tee_position));
 }

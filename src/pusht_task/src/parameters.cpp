@@ -14,7 +14,7 @@
 namespace pusht {
 namespace {
 
-/// By the index of the type in ParameterValue.
+/// Names of types, by index in ParameterValue.
 struct TypeName {
   const char* name;
   const char* rule;
@@ -24,7 +24,7 @@ constexpr std::array<TypeName, std::variant_size_v<ParameterValue>> kTypes = {{{
                                                                                {"real", "must be a decimal number"},
                                                                                {"text", "must be a text"}}};
 
-/// Of the type that `wanted` has; none if `text` shows no such value.
+/// Value of `text` of the type that `wanted` has; none if it shows no such value.
 std::optional<ParameterValue> valueLike(const ParameterValue& wanted, const std::string& text) {
   if (std::holds_alternative<std::string>(wanted)) {
     return text;

@@ -308,7 +308,7 @@ TEST(WallGaps, OfThePusher) {
   }
 }
 
-/// Of a tee with yaw 0, the bar's ends are at x +-0.06, its top is at y 0.015 and the stem's end at y -0.105.
+/// Geometry of a tee with yaw 0: the bar's ends are at x +-0.06, its top is at y 0.015 and the stem's end at y -0.105.
 TEST(WallGaps, OfTheTee) {
   struct TeeCase {
     Place place;

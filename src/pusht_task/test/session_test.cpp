@@ -63,7 +63,7 @@ class SimulatorSessions : public ::testing::Test {
     kind.name = "brittle";
     kind.title = "something brittle";
     kind.version = "1";
-    kind.parameters = {{"steps", "", "until it breaks", std::int64_t{2}, 0, 10, "nobody is that patient"}};
+    kind.parameters = {{"steps", "", "until it breaks", std::int64_t{2}, 0, 10, "no test is that patient"}};
     kind.start_tolerance = 1e-12;
     kind.load = [](const ParameterSet& parameters) {
       SimulatorModel model;
@@ -134,7 +134,7 @@ TEST_F(SimulatorSessions, ToldOfByTheStartTolerance) {
 
 TEST_F(SimulatorSessions, RefusesWhatTheKindDoesNotTake) {
   for (const auto& [value, reason] : {std::pair("2.5", "steps '2.5': must be a decimal integer"),
-                                      std::pair("11", "steps 11: must be from 0 to 10: nobody is that patient")}) {
+                                      std::pair("11", "steps 11: must be from 0 to 10: no test is that patient")}) {
     pusht_msgs::ConfigureRequest request;
     request.parameters = {parameter("steps", value)};
     EXPECT_EQ(session_.configure(request).message, reason);
@@ -216,7 +216,7 @@ TEST_F(SimulatorSessions, LateStampsDoNotSpoilTheWorld) {
   pusht_msgs::ResetRequest run;
   run.token = "mine";
   run.stamp = ros::Time(kLimit, 199'999'999);
-  EXPECT_EQ(session_.reset(run).success, 1) << "whoever names stamps, as a run does, goes on too";
+  EXPECT_EQ(session_.reset(run).success, 1) << "a caller that names stamps, as a run does, goes on too";
   pusht_msgs::StepRequest next;
   next.token = "mine";
   next.stamp = ros::Time(0U - 1'000'000U, 0);
@@ -291,8 +291,8 @@ TEST_F(SimulatorSessions, AreOfOneKindUnlessThereAreOthers) {
 class KindsOfSessions : public SimulatorSessions {
  protected:
   KindsOfSessions()
-      : session_of_kinds_(brittle_, brittle_.defaults(), "any", [this](const auto& update) { seen_.push_back(update); },
-                          {brittle_, tough_}) {
+      : session_of_kinds_(
+            brittle_, brittle_.defaults(), "any", [this](const auto& update) { seen_.push_back(update); }, &kinds_) {
     served_ = &session_of_kinds_;
   }
 
@@ -317,6 +317,7 @@ class KindsOfSessions : public SimulatorSessions {
 
   const SimulatorKind brittle_ = kind();
   const SimulatorKind tough_ = tough();
+  const SimulatorKinds kinds_{std::vector{brittle_, tough_}};
   SimulatorSession session_of_kinds_;
 };
 
@@ -378,7 +379,7 @@ TEST_F(KindsOfSessions, ChangeNothingWhenTheyRefuse) {
         std::tuple("brittle", Parameters{parameter("label", "plain")},
                    std::string("parameter 'label': unknown; known: steps")),
         std::tuple("tough", Parameters{parameter("steps", "11")},
-                   std::string("steps 11: must be from 0 to 10: nobody is that patient")),
+                   std::string("steps 11: must be from 0 to 10: no test is that patient")),
         std::tuple("tough", Parameters{parameter("label", "broken")}, std::string("no such engine"))}) {
     EXPECT_EQ(configure(kind, changes).message, reason);
     EXPECT_EQ(served_->describe(), before);

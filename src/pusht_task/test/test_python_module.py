@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The Python module without a master: the task, and the rules by which an object is served."""
 
+import contextlib
 import io
 import json
 import math
@@ -28,20 +29,18 @@ from pusht_msgs.srv import (  # type: ignore[import]
     DescribeRequest,
     ResetRequest,
     StepRequest,
+    StepResponse,
 )
 
-from pusht_task import files, task, testing
-from pusht_task.exit_codes import ExitCode
-from pusht_task.sessions import (
-    FailedStart,
-    Identity,
-    PolicySession,
-    Refusal,
-    SimulatorSession,
-    Value,
-    merged,
-)
+from pusht_task import files, task
+from pusht_task.error import Error, ExitCode
+from pusht_task.parameters import Value, merged
+from pusht_task.policy_session import PolicySession
+from pusht_task.session import FailedStart, Identity
+from pusht_task.simulator_session import SimulatorSession
 from pusht_task.task import WorldState, spawn, wrap_angle
+from pusht_task.testing import own_simulator_contract, simulator_contract
+from pusht_task.testing.nodes import SKIPPED, mark_skipped
 
 HERE = Path(__file__).parent
 GOLDEN = json.loads((HERE / "data" / "pusht_golden.json").read_text())
@@ -293,7 +292,7 @@ class Resets(SessionCase):
             if not accepted:
                 self.assertRegex(response.message, "must be within 1e-12 of 0.1")
         for bad in (-1e-12, 0.1, math.nan):
-            with self.assertRaisesRegex(Refusal, f"start_tolerance {bad}: must be above 0"):
+            with self.assertRaisesRegex(Error, f"start_tolerance {bad}: must be above 0"):
                 session(bad)
 
     def test_start_that_is_out_of_range(self) -> None:
@@ -640,7 +639,7 @@ class Parameters(unittest.TestCase):
             ({"dirft": 1}, "parameter /sim/dirft: unknown; known: drift"),
         ]
         for changes, message in cases:
-            with self.assertRaisesRegex(Refusal, message):
+            with self.assertRaisesRegex(Error, message):
                 merged(DEFAULTS, changes, "/sim/")
 
 
@@ -655,7 +654,7 @@ class Starts(unittest.TestCase):
             try:
                 SimulatorSession(Drift, {**DEFAULTS, **values}, identity, "", lambda _: None)
                 self.fail("must raise")
-            except Refusal as failure:
+            except Error as failure:
                 description = FailedStart(failure, identity).describe()
             self.assertFalse(description.success)
             self.assertEqual(description.exit_code, exit_code)
@@ -728,15 +727,32 @@ class Files(unittest.TestCase):
 class Contracts(unittest.TestCase):
     def test_results_name_what_was_skipped(self) -> None:
         """rosunit alone does not."""
-        case = testing.SimulatorContract("test_step_before_reset")
+        case = simulator_contract.SimulatorContract("test_step_before_reset")
         case.before_reset = None
         with tempfile.TemporaryDirectory() as folder:
             results = str(Path(folder, "results.xml"))
             runner = rosunit.create_xml_runner("pusht_task", "contract", results)
             self.assertEqual([test for test, _ in runner.run(case).skipped], [case])
-            testing.mark_skipped(results, case.skipped)
+            mark_skipped(results, SKIPPED)
             (skipped,) = ElementTree.parse(results).iter("skipped")
         self.assertEqual(skipped.get("message"), "the world had been reset before")
+
+    def test_words_of_a_refusal_are_free_but_for_our_nodes(self) -> None:
+        every = simulator_contract.SimulatorContract("test_horizon")
+        ours = own_simulator_contract.OwnSimulatorContract("test_horizon")
+        for message, accepted in (
+            ("the horizon is reached", (True, True)),
+            ("no more steps", (True, False)),
+            ("", (False, False)),
+            ("no more\nsteps", (False, False)),
+        ):
+            answer = StepResponse(success=False, message=message, exit_code=2, instance_id="1")
+            for case, holds in zip((every, ours), accepted):
+                case.instance_id = "1"
+                with self.subTest(message, case=case.id()), contextlib.ExitStack() as expected:
+                    if not holds:
+                        expected.enter_context(self.assertRaises(AssertionError))
+                    case.assert_refusal(answer, "horizon")
 
 
 class Policies(unittest.TestCase):

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The baseline of the reference: nothing but MuJoCo's own calls.
+/// Baseline for the cost of the reference: MuJoCo's own calls alone.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -9,7 +9,7 @@
 
 namespace sim2sim {
 
-/// Does what a world did when `trace` was recorded.
+/// Repeats the actions of `trace` from its initial state.
 inline void stepBareMujoco(const mjModel& model, mjData& data, const pusht::Trace& trace) {
   const pusht::WorldState& start = trace.states.front();
   mj_resetData(&model, &data);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How often the statistics are right: intervals and tests on simulated episodes whose truth is known.
-// docs/statistics.md has what it prints.
+// Coverage of intervals and error rates of tests, on simulated episodes whose truth is known. docs/statistics.md has
+// its output.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -9,12 +9,10 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
-#include <future>
 #include <iostream>
 #include <iterator>
 #include <map>
 #include <optional>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,6 +23,7 @@
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 #include "sim2sim_statistics/sequential.hpp"
+#include "simulation.hpp"
 
 namespace sim2sim {
 namespace {
@@ -32,83 +31,14 @@ namespace {
 constexpr int kLooks = 2000;  ///< after each of so many episodes
 const std::vector<int> kSizes = {10, 20, 50, 500};
 
-// ---- Simulation
-
-/// How many of the repetitions that have an answer say yes.
-struct Share {
-  std::int64_t yes = 0;
-  std::int64_t all = 0;
-
-  double value() const { return static_cast<double>(yes) / static_cast<double>(all); }
-  double error(double p) const { return std::sqrt(p * (1.0 - p) / static_cast<double>(all)); }
-};
-
-/// What one repetition says to each of N questions; none where there is nothing to say.
-template <std::size_t N>
-using Answers = std::array<std::optional<bool>, N>;
-
-/// Repeats experiments. Each has random numbers of its own, in blocks, so that threads change nothing.
-class Simulation {
- public:
-  Simulation(int repetitions, std::uint64_t seed) : repetitions_(repetitions), seed_(seed) {}
-
-  template <std::size_t N>
-  std::array<Share, N> ask(const std::function<Answers<N>(Random&)>& repetition) {
-    constexpr int kBlocks = 16;
-    ++experiment_;
-    std::vector<std::future<std::array<Share, N>>> blocks;
-    blocks.reserve(kBlocks);
-    for (int block = 0; block < kBlocks; ++block) {
-      blocks.push_back(std::async(std::launch::async, [this, block, &repetition] {
-        std::seed_seq seeds = {seed_ & 0xffffffffU, seed_ >> 32U, experiment_, static_cast<std::uint64_t>(block)};
-        Random random(seeds);
-        std::array<Share, N> shares;
-        const int repetitions = repetitions_ * (block + 1) / kBlocks - repetitions_ * block / kBlocks;
-        for (int i = 0; i < repetitions; ++i) {
-          const Answers<N> answers = repetition(random);
-          for (std::size_t question = 0; question < N; ++question) {
-            shares[question].yes += answers[question].value_or(false) ? 1 : 0;
-            shares[question].all += answers[question] ? 1 : 0;
-          }
-        }
-        return shares;
-      }));
-    }
-    std::array<Share, N> total;
-    for (auto& block : blocks) {
-      const std::array<Share, N> shares = block.get();
-      for (std::size_t question = 0; question < N; ++question) {
-        total[question].yes += shares[question].yes;
-        total[question].all += shares[question].all;
-      }
-    }
-    return total;
-  }
-
-  Share ask(const std::function<std::optional<bool>(Random&)>& repetition) {
-    return ask<1>([&](Random& random) { return Answers<1>{repetition(random)}; })[0];
-  }
-
- private:
-  int repetitions_;
-  std::uint64_t seed_;
-  std::uint64_t experiment_ = 0;
-};
-
-std::vector<double> drawn(const std::function<double(Random&)>& draw, int n, Random& random) {
-  std::vector<double> samples(n);
-  std::generate(samples.begin(), samples.end(), [&] { return draw(random); });
-  return samples;
-}
-
 // ---- What is printed
 
 /// Which side of the nominal share is to be marked: `kWorse` is all for a test that promises no more than a bound.
 enum class Marks { kBoth, kWorse };
 
-/// In percent, with its standard error. Bold if it is worse than nominal by more than two standard errors, in brackets
-/// if it is better.
-std::string cell(const Share& share, double nominal, bool more_is_worse, Marks marks) {
+/// Share in percent, with its standard error. Bold if it is worse than nominal by more than two standard errors, in
+/// brackets if it is better.
+std::string cell(const Proportion& share, double nominal, bool more_is_worse, Marks marks) {
   if (share.all == 0) {
     return "none";
   }
@@ -121,9 +51,9 @@ std::string cell(const Share& share, double nominal, bool more_is_worse, Marks m
   return deviation < -2.0 && marks == Marks::kBoth ? "(" + text + ")" : text;
 }
 
-std::string coverageCell(const Share& share) { return cell(share, kConfidence, false, Marks::kBoth); }
-std::string errorCell(const Share& share) { return cell(share, kErrorRate, true, Marks::kBoth); }
-std::string boundCell(const Share& share) { return cell(share, kErrorRate, true, Marks::kWorse); }
+std::string coverageCell(const Proportion& share) { return cell(share, kConfidence, false, Marks::kBoth); }
+std::string errorCell(const Proportion& share) { return cell(share, kErrorRate, true, Marks::kBoth); }
+std::string boundCell(const Proportion& share) { return cell(share, kErrorRate, true, Marks::kWorse); }
 
 void printRow(const std::vector<std::string>& cells) {
   std::cout << "|";
@@ -258,7 +188,7 @@ void tests(Simulation& simulation, const World& world) {
       }));
     });
   }
-  std::map<int, std::array<Share, 3>> families;
+  std::map<int, std::array<Proportion, 3>> families;
   for (const int n : kSizes) {
     families[n] = simulation.ask<3>([n](Random& random) { return family(n, random); });
   }
@@ -310,7 +240,7 @@ bool watchDifference(const Differences& differences, Random& random) {
   return sequence.sign() != Sign::kUndecided;
 }
 
-/// What not to do: a test that is made for one look.
+/// Test for one look, used after each episode: what not to do.
 bool watchMidP(const Rates& rates, Random& random) {
   PairTable table;
   while (table.pairs() < kLooks) {

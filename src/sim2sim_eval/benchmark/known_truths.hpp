@@ -38,7 +38,7 @@ inline double normal(Random& random) { return std::normal_distribution<double>()
 inline double uniform(Random& random) { return std::uniform_real_distribution<double>()(random); }
 inline double normalCdf(double x) { return boost::math::cdf(boost::math::normal(), x); }
 
-/// Of a quantity of each episode.
+/// Population of a quantity, one value for each episode.
 struct Population {
   std::string name;
   double mean;
@@ -47,14 +47,14 @@ struct Population {
   std::function<double(Random&)> draw;
 };
 
-/// Of the paired differences of a quantity.
+/// Population of paired differences of a quantity.
 struct Differences {
   std::string name;
   double mean;
   std::function<double(Random&)> draw;
 };
 
-/// Of the outcomes of two in the same episode.
+/// Population of outcomes of two simulators in one episode.
 struct Rates {
   std::string name;
   double both;
@@ -88,7 +88,7 @@ struct Lognormal {
   double limit = std::numeric_limits<double>::infinity();
   double sigma = edge([this](double s) { return meanOf(s) <= mean; }, 0.01, 3.0);
 
-  /// With that sigma, of what is cut off.
+  /// Mean of the cut-off distribution with that sigma.
   double meanOf(double s) const {
     const double mu = std::log(median);
     const double beyond = (std::log(limit) - mu) / s;  // [sigma]
@@ -103,7 +103,7 @@ inline Population lognormal(const std::string& name, const Lognormal& distributi
           [distribution](Random& random) { return distribution.at(normal(random)); }};
 }
 
-/// In this share of episodes neither tee moves.
+/// Share of episodes in which neither tee moves.
 constexpr double kStill = 0.0473;
 
 /// Gamma with that mean and median, zeros included.
@@ -130,7 +130,7 @@ inline Differences difference(const std::string& name, const Lognormal& a, const
           }};
 }
 
-/// What is simulated: as the shipped policy's 10 000 episodes are, and as those of a file.
+/// Populations to simulate: like the shipped policy's 10 000 episodes, and like those of a file.
 struct World {
   std::vector<Population> populations;
   std::vector<Differences> differences;

@@ -46,7 +46,7 @@ pusht::Action push(const pusht::WorldState& state) {
   return {static_cast<float>(way.x()), static_cast<float>(way.y())};
 }
 
-/// What a world is put through: pushed all the time, or the pusher at rest and out of reach.
+/// Trace of a world: the tee is pushed all the time, or the pusher rests out of reach.
 pusht::Trace scenario(bool contact, std::uint64_t seed) {
   pusht::WorldState start = pusht::spawn(seed);
   if (!contact) {
@@ -215,7 +215,7 @@ void bagWrite(State& state) {
 }
 BENCHMARK(bagWrite)->Name("bag/write");
 
-/// Of a node that runs: the smallest service that the engine has.
+/// Round trip of the engine's smallest service; its node must run.
 void serviceRoundTrip(State& state) {
   if (!ros::master::check()) {
     return state.SkipWithError("no master");

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "bare_mujoco.hpp"
-#include "pusht_mujoco/mujoco_kind.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/network_policy.hpp"
 #include "pusht_task/ros/installed_file.hpp"
@@ -102,7 +101,7 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
   nlohmann::json result = {{"episodes", protocol.episodes},
                            {"repetitions", repetitions},
                            {"software", sim2sim::buildAndMachine()},
-                           {"mujoco", pusht::mujocoKind().version},
+                           {"mujoco", setup.reference().kind.version},
                            {"blas", policy->info().blas},
                            {"instruction_set", policy->info().instruction_set},
                            {"ratios",

@@ -35,7 +35,7 @@ std::vector<Case> expertCases() {
   return cases;
 }
 
-/// The same numbers everywhere, which the distributions of the standard library do not promise.
+/// Random numbers with equal bits everywhere, which the distributions of the standard library do not promise.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed) : generator_(seed) {}

@@ -19,7 +19,7 @@ import rospy  # type: ignore[import]
 from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
 from pusht_msgs.msg import CompareAction, Parameter  # type: ignore[import]
 from pusht_msgs.srv import Configure, Reset, Step  # type: ignore[import]
-from pusht_task.testing import run
+from pusht_task.testing.nodes import run
 
 from live_support import (
     DEADLINE,

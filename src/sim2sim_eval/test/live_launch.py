@@ -712,7 +712,9 @@ class LostMaster(LiveCase):
         uri = f"http://127.0.0.1:{free_port()}"
         for name, subject in (
             (CONTRACT, "simulator"),
+            ("own_simulator_contract", "simulator"),
             ("policy_contract", "policy"),
+            ("own_policy_contract", "policy"),
             ("failed_start_contract", "node"),
         ):
             usage = f"usage: rosrun pusht_task {name} --text _{subject}:=/NAME"
@@ -766,7 +768,7 @@ class LostMaster(LiveCase):
         _, uri = self.start_master()
         environment = {"ROS_MASTER_URI": uri}
         self.succeed("rosparam", "set", "/use_sim_time", "true", environment=environment)
-        self.assert_every_node_ends(uri, "/use_sim_time is set, but nobody publishes /clock")
+        self.assert_every_node_ends(uri, "/use_sim_time is set, but nothing publishes /clock")
 
     def test_f17_launch_without_a_clock(self) -> None:
         """The outcome of an earlier run does not stand for this one."""
@@ -774,7 +776,7 @@ class LostMaster(LiveCase):
         copy.write_text('{"exit_code": 0, "reason": "finished"}')
         launch = Launch(self, parameters={"/use_sim_time": True}, smoke=True, status_file=copy)
         launch.ended()
-        self.assertIn("sim2sim: /use_sim_time is set, but nobody publishes /clock", launch.output)
+        self.assertIn("sim2sim: /use_sim_time is set, but nothing publishes /clock", launch.output)
         self.assertEqual(files(launch.out), {"status.json"})
         self.assertEqual(launch.status()["exit_code"], 4)
         self.assertEqual(status_of_file(copy), launch.status())

@@ -9,7 +9,7 @@ import rospy  # type: ignore[import]
 from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
 from pusht_msgs.msg import Parameter  # type: ignore[import]
 from pusht_msgs.srv import Configure  # type: ignore[import]
-from pusht_task.testing import run
+from pusht_task.testing.nodes import run
 from rosgraph_msgs.msg import Log  # type: ignore[import]
 
 from live_support import GoalCase, Topic, connected, kill, pid_of, result_bytes, status_of
@@ -128,7 +128,7 @@ class LiveRespawn(GoalCase):
         self.accepted("resume")
         result = self.result(GoalStatus.ABORTED)
         self.assertEqual((result.exit_code, result.faults_survived), (4, 0))
-        self.assert_not_whole(self.out, "/reference/describe: nobody answers within 10000 ms")
+        self.assert_not_whole(self.out, "/reference/describe: no node answers within 10000 ms")
 
 
 run(LiveRespawn)

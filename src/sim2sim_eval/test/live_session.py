@@ -28,7 +28,7 @@ from pusht_msgs.msg import (  # type: ignore[import]
 )
 from pusht_msgs.srv import Configure, Episodes, Reset, Step  # type: ignore[import]
 from pusht_task.task import wrap_angle
-from pusht_task.testing import Inbox, run, sends, until
+from pusht_task.testing.nodes import Inbox, run, sends, until
 from rosgraph_msgs.msg import Log  # type: ignore[import]
 from tf2_msgs.msg import TFMessage  # type: ignore[import]
 from visualization_msgs.msg import MarkerArray  # type: ignore[import]
@@ -259,7 +259,7 @@ class LiveSession(GoalCase):
         self.send(policy_namespace="nobody")
         result = self.result(GoalStatus.ABORTED)
         self.assertEqual(result.exit_code, 4)
-        self.assertRegex(result.reason, "/nobody/describe: nobody answers within")
+        self.assertRegex(result.reason, "/nobody/describe: no node answers within")
         self.assertRegex(result.reason, "roslaunch pusht_policy policy.launch name:=nobody$")
 
     def test_world_is_no_policy(self) -> None:

@@ -138,7 +138,7 @@ std::vector<Marker> all(const MarkerArray& scene, const MarkerArray& update) {
   return markers;
 }
 
-/// The markers of one type that are drawn, not deleted, in the frame of a window.
+/// The markers of one type that are drawn, not deleted, in the frame of a view.
 std::vector<Marker> drawn(const MarkerArray& array, const std::string& prefix, int type) {
   std::vector<Marker> found;
   for (const Marker& marker : array.markers) {

@@ -5,7 +5,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
-#include "sim2sim_eval/simulators.hpp"
+#include "sim2sim_eval/batch/simulators.hpp"
 
 namespace sim2sim {
 namespace {
@@ -82,7 +82,7 @@ TEST(Configuration, FormatIsRaisedWithTheQuantities) {
   }
   EXPECT_EQ(pusht::md5(quantities) + " in format " + describe(course()).at("format").dump(),
             "c81b21aa5cec117edc0bc83bfb30a7ef in format 4")
-      << "raise kDescriptionFormat, then pin both here";
+      << "raise the format of metrics in result_files.json, then pin both here";
 }
 
 TEST(Configuration, OfAnotherFormatIsRefusedByName) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/simulators.hpp"
+#include "sim2sim_eval/batch/simulators.hpp"
 
 #include <gmock/gmock.h>
 #include <link.h>
@@ -20,6 +20,7 @@
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/rollout.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/refusal.hpp"
 #include "pusht_task/testing/scenarios.hpp"
@@ -31,6 +32,7 @@ using pusht::testing::refusalOf;
 using ::testing::AnyOf;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
 using ::testing::UnorderedElementsAreArray;
 
 std::vector<std::string> namesOf(const pusht::SimulatorKind& kind) {
@@ -41,12 +43,24 @@ std::vector<std::string> namesOf(const pusht::SimulatorKind& kind) {
   return names;
 }
 
-TEST(SimulatorKinds, AreFoundByTheirNames) {
-  for (const pusht::SimulatorKind& kind : simulatorKinds()) {
-    EXPECT_EQ(&simulatorKind(kind.name), &kind);
+const pusht::SimulatorKind& simulatorKind(const std::string& name) {
+  return pusht::SimulatorKinds::installed().named(name);
+}
+
+/// Every kind that is built.
+std::vector<pusht::SimulatorKind> simulatorKinds() {
+  std::vector<pusht::SimulatorKind> kinds;
+  for (const std::string& name : pusht::SimulatorKinds::installed().names()) {
+    kinds.push_back(simulatorKind(name));
   }
+  return kinds;
+}
+
+TEST(SimulatorKinds, OfTheSuiteAreFoundByTheirNames) {
+  EXPECT_THAT(pusht::SimulatorKinds::installed().names(),
+              IsSupersetOf({"chipmunk", kCourseReference, "rigid_body", kCourseEngine}));
   EXPECT_EQ(refusalOf([] { simulatorKind("bullet"); }),
-            "simulator 'bullet': unknown; known: " + pusht::joined(kindNames()));
+            "simulator 'bullet': unknown; known: " + pusht::joined(pusht::SimulatorKinds::installed().names()));
 }
 
 TEST(SimulatorKinds, AreDescribedInFull) {
@@ -142,11 +156,7 @@ std::vector<std::string> forgottenLibraries(const std::vector<pusht::SimulatorKi
 
 /// A kept reference is used again as long as these libraries have the same bytes.
 TEST(SimulatorKinds, NameEveryLibraryThatTheirOwnIsLinkedTo) {
-  std::vector<pusht::SimulatorKind> kinds;
-  for (const pusht::SimulatorKind& kind : simulatorKinds()) {
-    kinds.push_back(kind);
-  }
-  EXPECT_EQ(forgottenLibraries(kinds), std::vector<std::string>());
+  EXPECT_EQ(forgottenLibraries(simulatorKinds()), std::vector<std::string>());
   pusht::SimulatorKind forgetful = simulatorKind("chipmunk");
   forgetful.libraries = {"libpusht_chipmunk.so"};
   EXPECT_EQ(forgottenLibraries({forgetful}), std::vector<std::string>{"libchipmunk.so.7"});
@@ -253,13 +263,11 @@ void expectDescribed(const pusht::ParameterDescriptor& parameter, const std::str
   EXPECT_EQ(row->at(3), parameter.meaning);
 }
 
-/// Whoever adds a parameter is told here what it must do and where it must appear.
+/// Rules for a new parameter: what it must do and where it must appear.
 TEST(EveryParameter, ChangesATrajectoryAndIsInRecordHashAndReadme) {
   for (const pusht::SimulatorKind& kind : simulatorKinds()) {
-    const auto library = std::find_if(kind.libraries.begin(), kind.libraries.end(),
-                                      [](const std::string& name) { return name.rfind("libpusht_", 0) == 0; });
-    ASSERT_NE(library, kind.libraries.end()) << kind.name << " must name its own library";
-    const std::string package = library->substr(3, library->size() - 6);  // between lib and .so
+    const std::string& library = kind.libraries.front();
+    const std::string package = library.substr(3, library.size() - 6);  // between lib and .so
     const std::string readme = textOfFile(package + "/README.md");
     RunConfiguration configuration;
     configuration.engine = LoadedSimulator(chooseSimulator(kind.name, {})).record();

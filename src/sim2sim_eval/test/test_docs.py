@@ -5,25 +5,32 @@
 In a `console` block a line after `$ ` is a command, and the lines below it are what it prints; if
 it fails, all that it complains of. A line `...` stands for any lines, `...` at a line's end for
 any rest. A block whose first line is a comment with a file name is that file. What is called by
-hand is called of nodes. And what docs name is there.
+hand is called of nodes. Nodes offer and read what their lists say. And what docs name is there.
 """
 
+import os
 import re
 import unittest
 from pathlib import Path
-from typing import Iterator, List, Tuple
+from typing import Dict, Iterator, List, Set, Tuple
+from unittest import mock
 
+import rosgraph  # type: ignore[import]
 import rospkg  # type: ignore[import]
+import rosservice  # type: ignore[import]
+import yaml  # type: ignore[import]
 
-from command_case import CommandCase, executable
-from live_support import LiveCase, Process, free_port
+from command_case import CommandCase, executable, until
+from live_support import CALLER, DEADLINE, LiveCase, Process, free_port
 
 PACKAGES = Path(rospkg.RosPack().get_path("sim2sim_eval")).parent
-DOCS = PACKAGES.parent / "docs"
+ROOT = PACKAGES.parent
+DOCS = ROOT / "docs"
 KNOB = ("falls", "falls", "no-difference")  # as in the solutions
 LAUNCH_DEADLINE = 180  # [s] a live run of a few episodes on a busy machine
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# ([\w.]+)\n")
+PAGES = [*ROOT.glob("*.md"), *DOCS.rglob("*.md"), *PACKAGES.glob("*/README.md")]
 
 
 def pattern_of(lines: List[str]) -> str:
@@ -36,6 +43,11 @@ def pattern_of(lines: List[str]) -> str:
             rest = line.endswith("...")
             pattern += re.escape(line[:-3] if rest else line) + (r".*\n" if rest else r" *\n")
     return pattern
+
+
+def anchor_of(title: str) -> str:
+    """The name under which a heading can be linked to."""
+    return re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
 
 
 def commands(block: str) -> Iterator[Tuple[str, List[str]]]:
@@ -70,18 +82,21 @@ class Docs(CommandCase):
     def test_bring_your_own(self) -> None:
         self.assertEqual(self.check(DOCS / "bring_your_own.md"), 5)
 
+    def test_commands(self) -> None:
+        self.assertEqual(self.check(DOCS / "commands.md"), 7)
+
     def test_faults(self) -> None:
         self.assertEqual(self.check(DOCS / "faults.md"), 2)
 
     def test_packages(self) -> None:
         count_of = {readme: self.check(readme) for readme in sorted(PACKAGES.glob("*/README.md"))}
-        self.assertEqual(count_of[PACKAGES / "sim2sim_eval" / "README.md"], 9)
+        self.assertEqual(count_of[PACKAGES / "sim2sim_eval" / "README.md"], 2)
         for node in PACKAGES.glob("pusht_*/nodes/*.cpp"):  # what has a node shows how it is used
             self.assertGreater(count_of[node.parents[1] / "README.md"], 0, str(node))
 
 
 class Pasted(LiveCase):
-    """The commands of the README, in their order, in one folder that was empty."""
+    """Commands of a page, in their order, in one folder that was empty."""
 
     EPISODES = "20"  # the fewest with intervals of differences
 
@@ -122,16 +137,27 @@ class Pasted(LiveCase):
             process.interrupt()
         self.assertEqual(process.ended(LAUNCH_DEADLINE), 0, process.output)
 
-    def test_readme(self) -> None:
-        text = (PACKAGES.parent / "README.md").read_text(encoding="utf-8")
-        lines = [line for _, block in BLOCK.findall(text) for line in block.splitlines()]
-        pasted = [line for line in lines if not line.startswith("script/")]
-        self.assertEqual(len(pasted), 15)
-        for line in pasted:
+    def check(self, page: Path, count: int, *files: str) -> None:
+        text = page.read_text(encoding="utf-8")
+        pasted = "".join(block for language, block in BLOCK.findall(text) if not language)
+        lines = [line for line in pasted.splitlines() if not line.startswith("script/")]
+        self.assertEqual(len(lines), count)
+        for line in lines:
             with self.subTest(line):
                 self.paste(re.sub(r"\s+#.*", "", line))
-        for file in ("live/metrics.json", "first/report.html", "switches/attribution.json"):
+        for file in files:
             self.assertTrue((self.folder / file).exists(), file)
+
+    def test_readme_takes_three_minutes_and_two_commands(self) -> None:
+        self.assertLessEqual(len((ROOT / "README.md").read_text().splitlines()), 110)
+        self.check(ROOT / "README.md", 0)
+
+    def test_commands(self) -> None:
+        files = ("live/metrics.json", "first/report.html", "switches/attribution.json")
+        self.check(DOCS / "commands.md", 12, *files)
+
+    def test_findings(self) -> None:
+        self.check(DOCS / "findings.md", 3, "damp/sweep.png")
 
 
 class ByHand(LiveCase):
@@ -175,7 +201,170 @@ class ByHand(LiveCase):
                 self.assertIn("success: True", self.call(call))
 
 
+class Nodes(LiveCase):
+    """Lists of topics, services, actions and private parameters in READMEs, against the nodes."""
+
+    OF_ALL = {"/rosout", "~get_loggers", "~set_logger_level"}
+    OF_AN_ACTION = ("goal", "cancel", "feedback", "result", "status")
+
+    def setUp(self) -> None:
+        super().setUp()
+        uri = f"http://127.0.0.1:{free_port()}"
+        self.environment = {
+            "ROS_MASTER_URI": uri,
+            "ROS_IP": "127.0.0.1",
+            "ROS_HOME": str(self.folder / "ros"),
+        }
+        core = Process(self, "roscore", "-p", uri.split(":")[-1], environment=self.environment)
+        core.line(r"started core service \[/rosout\]")
+        self.master = rosgraph.Master(CALLER, master_uri=uri)
+
+    def run_node(self, package: str, node: str, *arguments: str) -> Process:
+        command = (executable(package, node), "__name:=node", *arguments)
+        return Process(self, *command, environment=self.environment)
+
+    def offered(self, last: str) -> Dict[str, str]:
+        """What the node offers, with the kind and type of each, once it offers the last."""
+        until(lambda: any(f"/node/{last}" in dict(some) for some in self.master.getSystemState()))
+        publishers, subscribers, services = self.master.getSystemState()
+        found = {
+            name: f"topic {kind}"
+            for name, kind in self.master.getTopicTypes()
+            if "/node" in dict(publishers).get(name, [])
+        }
+        with mock.patch.dict(os.environ, self.environment):
+            found.update(
+                (name, f"service {rosservice.get_service_type(name)}")
+                for name, nodes in services
+                if "/node" in nodes
+            )
+        listed = {re.sub("^/node/", "~", name): kind for name, kind in found.items()}
+        for goal, nodes in subscribers:
+            if "/node" in nodes and goal.endswith("/goal"):
+                action = re.sub("^/node/", "~", goal[: -len("/goal")])
+                feedback = listed[f"{action}/feedback"]
+                for part in self.OF_AN_ACTION:
+                    listed.pop(f"{action}/{part}", None)
+                listed[action] = re.sub("topic (.*)ActionFeedback", r"action \1", feedback)
+        return {name: kind for name, kind in listed.items() if name not in self.OF_ALL}
+
+    def refused(self, package: str, node: str, *arguments: str) -> Set[str]:
+        """The private parameters that the node knows, as it says when it refuses another one."""
+        process = self.run_node(package, node, "_nonsense:=1", *arguments)
+        _, line = process.line("nonsense 1: unknown; known: ")
+        self.end(process)
+        return {f"~{name}" for name in line.split("known: ")[1].strip().split(", ")}
+
+    def end(self, process: Process) -> None:
+        process.interrupt()
+        process.ended(DEADLINE)
+        if self.master.hasParam("/node"):
+            self.master.deleteParam("/node")
+
+    @staticmethod
+    def listed(package: str, node: str) -> Tuple[Dict[str, str], Dict[str, str]]:
+        """Kind and type of what a README lists of a node; defaults of its parameters."""
+        text = (PACKAGES / package / "README.md").read_text(encoding="utf-8")
+        (section,) = re.findall(rf"^##+ Node `{node}`\n(.*?)(?=^#|\Z)", text, re.M | re.S)
+        offers: Dict[str, str] = {}
+        defaults: Dict[str, str] = {}
+        for row in re.findall(r"^\| (`[~/].*) \|$", section, re.M):
+            names, kind, *rest = row.split(" | ")
+            offered = re.match(r"(topic|service|action)s? `(.*?)`", kind)
+            for name in re.findall("`(.*?)`", names):
+                if len(rest) == 2:
+                    defaults[name] = rest[0].strip("`")
+                else:
+                    offers[name] = " ".join(offered.groups()) if offered else ""
+        return offers, defaults
+
+    def test_evaluator(self) -> None:
+        offers, defaults = self.listed("sim2sim_eval", "evaluator_node")
+        known = self.refused("sim2sim_eval", "evaluator_node")
+        self.assertEqual(set(defaults), known)
+        self.run_node("sim2sim_eval", "evaluator_node")
+        self.assertEqual(self.offered("compare/cancel"), offers)
+        echo = ("rostopic", "echo", "-n1", "/node/request")
+        request = yaml.safe_load(self.succeed(*echo, environment=self.environment).split("---")[0])
+        del request["rate"], request["reanchor"]  # of words: "50 with rviz", "none"
+        numbers = {f"~{name}": values[0] for name, values in request.items() if values}
+        numbers = {name: value for name, value in numbers.items() if not isinstance(value, str)}
+        self.assertGreaterEqual(len(numbers), 10)
+        self.assertEqual({name: yaml.safe_load(defaults[name]) for name in numbers}, numbers)
+
+    def test_replay(self) -> None:
+        bag = ("--policy", "expert", "--episodes", "1", "--record", "--out", "recorded")
+        self.succeed("rosrun", "sim2sim_eval", "compare", *bag)
+        offers, defaults = self.listed("sim2sim_eval", "replay_node")
+        self.assertEqual(set(defaults), self.refused("sim2sim_eval", "replay_node"))
+        self.run_node("sim2sim_eval", "replay_node", "_bag:=recorded/compare.bag")
+        evaluator, _ = self.listed("sim2sim_eval", "evaluator_node")
+        for name, kind in self.offered("control").items():
+            self.assertEqual(kind, offers.pop(name) or evaluator[name], name)
+        self.assertEqual(offers, {})
+
+    def test_simulators(self) -> None:
+        offers, defaults = self.listed("pusht_task", "simulator_node")
+        for package, node, kind in (
+            ("sim2sim_eval", "simulator_node", ("_kind:=two_mass",)),
+            ("pusht_engine", "engine_node", ()),
+            ("pusht_mujoco", "mujoco_node", ()),
+            ("pusht_chipmunk", "chipmunk_node", ()),
+        ):
+            with self.subTest(node):
+                own = "pusht_engine" if kind else package
+                readme = (PACKAGES / own / "README.md").read_text(encoding="utf-8")
+                rows = set(re.findall(r"^\| `(\w+)` \|", readme, re.M))
+                known = self.refused(package, node, *kind)
+                common = {name for name in defaults if kind or name != "~kind"}
+                self.assertLessEqual(common, known)
+                self.assertLessEqual({name[1:] for name in known - common}, rows)
+                process = self.run_node(package, node, *kind)
+                self.assertEqual(self.offered("describe"), offers)
+                self.end(process)
+
+    def test_policy(self) -> None:
+        offers, _ = self.listed("pusht_task", "policy_node")
+        _, defaults = self.listed("pusht_policy", "policy_node")
+        known = self.refused("pusht_policy", "policy_node", "_policy:=expert")
+        self.assertEqual(set(defaults), known)
+        self.run_node("pusht_policy", "policy_node", "_policy:=expert")
+        self.assertEqual(self.offered("describe"), offers)
+
+
 class Names(CommandCase):
+    def test_every_link_leads_somewhere(self) -> None:
+        links = 0
+        for page in PAGES:
+            text = re.sub(r"^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+            for target in re.findall(r"\]\(([^)\s]+)\)", text):
+                if re.match(r"https?:", target):
+                    continue
+                links += 1
+                with self.subTest(f"{page.relative_to(ROOT)}: {target}"):
+                    file, _, anchor = target.partition("#")
+                    path = (page.parent / file).resolve() if file else page
+                    self.assertTrue(path.exists())
+                    if anchor:
+                        text_there = (path / "README.md" if path.is_dir() else path).read_text()
+                        titles = re.findall(r"^#+ (.*)$", text_there, re.M)
+                        self.assertIn(anchor, {anchor_of(title) for title in titles})
+        self.assertGreater(links, 100)
+
+    def test_pages_use_plain_words_and_the_terms_of_the_field(self) -> None:
+        words = "whoever|nobody|somebody|seams?|yardsticks?|knobs?|dry friction|milliards?"
+        for page in PAGES:
+            if page.name in ("glossary.md", "CHANGELOG.md"):
+                continue  # the one maps words, the other is the history
+            text = re.sub(r"`.*?`|^```.*?^```$", "", page.read_text(), flags=re.M | re.S)
+            with self.subTest(page.name):
+                self.assertEqual(re.findall(rf"(?i)\b(?:{words})\b", text), [])
+
+    def test_every_script_that_the_readme_names_is_there(self) -> None:
+        text = (ROOT / "README.md").read_text(encoding="utf-8")
+        for name in set(re.findall(r"script/[\w-]+", text)):
+            self.assertTrue((ROOT / name).is_file(), name)
+
     def test_every_test_that_the_table_of_faults_names_is_there(self) -> None:
         sources = {
             file.name: file.read_text(encoding="utf-8")
@@ -189,7 +378,7 @@ class Names(CommandCase):
             for name in re.findall(r"`(.*?)`", tests):
                 with self.subTest(f"F{number}: {name}"):
                     if name.endswith((".py", ".cpp", ".hpp")):
-                        self.assertIn(name, sources)
+                        self.assertTrue(name in sources, "no such file")
                         source = sources.get(name, "")
                     elif not (PACKAGES / name).is_dir():
                         for part in name.split("."):

@@ -8,7 +8,8 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
-from measure import Figure, median  # noqa: E402
+from live_runs import median  # noqa: E402
+from targets import Figure  # noqa: E402
 
 
 class Median(unittest.TestCase):

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What packages say of themselves: versions, changelogs, the Debian packages that they need."""
+"""What packages say of themselves: versions, changelogs, dependencies."""
 
 import re
 import unittest
 from pathlib import Path
-from typing import Dict
+from typing import Dict, Iterator, List, Set, Tuple
 from xml.etree import ElementTree
+
+import rospkg  # type: ignore[import]
 
 ROOT = Path(__file__).resolve().parents[3]
 MANIFESTS = {
@@ -14,6 +16,24 @@ MANIFESTS = {
 }
 # The names of rosdep that are not the names of Debian's packages.
 ROSDEP = {"eigen": "libeigen3-dev", "yaml-cpp": "libyaml-cpp-dev"}
+# What sources name is of a ROS package of the same name, or of these, by the names of rosdep.
+OF_INCLUDES = {
+    **{"Eigen": "eigen", "boost": "libboost-dev", "ccd": "libccd-dev", "CLI": "libcli11-dev"},
+    **{"chipmunk": "libchipmunk-dev", "gsl": "libmsgsl-dev", "mujoco": "libmujoco-dev"},
+    **{"nlohmann": "nlohmann-json3-dev", "openssl": "libssl-dev", "yaml-cpp": "yaml-cpp"},
+    **{"torch": "libtorch-dev", "ATen": "libtorch-dev", "caffe2": "libtorch-dev"},
+    **{"benchmark": "libbenchmark-dev", "gmock": "libgmock-dev", "gtest": "libgtest-dev"},
+    **{"ros": "roscpp", "rosbag": "rosbag_storage", "qcustomplot.h": "libqcustomplot-dev"},
+}
+OF_CMAKE = {
+    **{"benchmark": "libbenchmark-dev", "Boost": "libboost-dev", "ccd": "libccd-dev"},
+    **{"CLI11": "libcli11-dev", "Eigen3": "eigen", "Microsoft.GSL": "libmsgsl-dev"},
+    **{"mujoco": "libmujoco-dev", "nlohmann_json": "nlohmann-json3-dev", "OpenSSL": "libssl-dev"},
+    **{"PkgConfig": "pkg-config", "Qt": "qtbase5-dev", "Torch": "libtorch-dev"},
+    **{"yaml-cpp": "yaml-cpp", "Threads": "", "catkin": ""},  # the last two come with every build
+}
+OF_PYTHON = ("cryptography", "distributed", "jinja2", "matplotlib", "numpy", "rospkg", "scipy")
+OF_IMPORTS = {name: f"python3-{name}" for name in (*OF_PYTHON, "selenium", "torch", "yaml")}
 
 
 def versions() -> Dict[str, str]:
@@ -67,14 +87,52 @@ class Packages(unittest.TestCase):
             for line in (ROOT / "dependencies.txt").read_text().splitlines()
         }
         needed = {
-            ROSDEP.get(str(entry.text), str(entry.text))
-            for root in MANIFESTS.values()
-            for entry in root
-            if re.fullmatch(r"(\w+_)?depend", entry.tag)
+            ROSDEP.get(name, name) for root in MANIFESTS.values() for name in dependencies(root)
         }
         of_debian = {name for name in needed if re.fullmatch(r"lib.*-dev|python3-.*|.*-dev", name)}
         self.assertGreater(len(of_debian), 20)
         self.assertEqual(of_debian - installed, set())
+
+    def test_what_sources_use_is_a_dependency(self) -> None:
+        """By name, and not only by way of another package: so rosdep installs what is needed."""
+        for name, root in MANIFESTS.items():
+            declared = dependencies(root)
+            used = list(uses_of(name))
+            self.assertGreater(len(used), 1, name)
+            for file, need in used:
+                if need not in (name, ""):
+                    with self.subTest(f"{file.relative_to(ROOT)}: {need}"):
+                        self.assertIn(need, declared)
+
+
+def dependencies(manifest: ElementTree.Element) -> Set[str]:
+    return {str(entry.text) for entry in manifest if re.fullmatch(r"(\w+_)?depend", entry.tag)}
+
+
+def uses_of(package: str) -> Iterator[Tuple[Path, str]]:
+    """What each file of a package uses, by the names of rosdep."""
+    of_ros = {name: name for name in rospkg.RosPack().list()}
+    for file in sorted((ROOT / "src" / package).rglob("*")):
+        if not file.is_file() or file.suffix in (".png", ".pt", ".bag"):
+            continue
+        text = file.read_text(encoding="utf-8", errors="replace")
+        names: List[str] = []
+        known = of_ros
+        if file.suffix in (".cpp", ".hpp"):
+            names = re.findall(r'^\s*#include [<"]([^/">]+)[^">]*[">]', text, re.M)
+            known = {**of_ros, **OF_INCLUDES}
+        elif file.suffix == ".py" or text.startswith("#!/usr/bin/env python3"):
+            names = re.findall(r"^\s*(?:from|import) (\w+)", text, re.M)
+            known = {**of_ros, **OF_IMPORTS}
+        elif file.suffix in (".launch", ".test"):
+            names = re.findall(r'(?<=pkg=")\w+|(?<=\$\(find )\w+', text)
+        elif file.name == "CMakeLists.txt":
+            text = re.sub(r"#.*", "", text)
+            found = re.findall(r"find_package\(([\w.-]+)", text)
+            components = re.findall(r"find_package\(catkin[^)]* COMPONENTS([^)]*)\)", text)
+            for name in [*found, *" ".join(components).split()]:
+                yield file, {**OF_CMAKE, **of_ros}[name]
+        yield from ((file, known[name]) for name in names if name in known)
 
 
 if __name__ == "__main__":

@@ -166,6 +166,58 @@ class Compare(ScriptCase):
         self.assertEqual(process.stdout, "compare: out '': must not be empty; leave it out\n")
 
 
+class Docs(ScriptCase):
+    """script/docs, of this project, and of one with a single header."""
+
+    HEADER = "// SPDX-License-Identifier: BSD-3-Clause\n/// Toys.\n#pragma once\n\n"
+
+    def docs(self, header: str) -> "subprocess.CompletedProcess[str]":
+        for name in ("script/environment", "script/docs", "docs/Doxyfile"):
+            self.write(name, (ROOT / name).read_text())
+            shutil.copymode(ROOT / name, self.folder / name)
+        self.write("script/setup", "#!/usr/bin/env bash\n").chmod(0o755)
+        self.write("src/toys/package.xml", "<description>Toys to play with.</description>\n")
+        self.write("src/toys/include/toys/toy.hpp", self.HEADER + header)
+        return self.run_in_folder("script/docs")
+
+    def test_every_class_and_free_function_of_the_project_is_explained(self) -> None:
+        if "VERSION_CODENAME=bookworm" not in Path("/etc/os-release").read_text():
+            self.skipTest("comments are checked with the Doxygen of Debian 12")
+        process = self.run_in_folder(str(ROOT / "script" / "docs"))
+        self.assertEqual(process.returncode, 0, process.stdout)
+
+    def test_pages_have_the_comments(self) -> None:
+        process = self.docs("/// A thing that rolls.\nstruct Toy {\n  int wheels;\n};\n")
+        self.assertEqual(process.returncode, 0, process.stdout)
+        index = Path(process.stdout.strip())
+        self.assertIn("Toys to play with.", index.read_text())
+        self.assertIn("A thing that rolls.", (index.parent / "structToy.html").read_text())
+        self.assertIn("toy_8hpp.html", (index.parent / "group__toys.html").read_text())
+
+    def test_what_lacks_a_sentence_is_named(self) -> None:
+        for name, text, complaint in (
+            (
+                "a class",
+                "struct Toy {\n  int wheels;\n};\n",
+                "toy.hpp:5: warning: Compound Toy is not documented",
+            ),
+            (
+                "a free function",
+                "/// Toys.\nnamespace toys {\nvoid roll();\n}\n",
+                "toy.hpp:7: warning: Member roll() (function) of namespace toys is not documented",
+            ),
+            (
+                "what is no HTML",
+                "/// The <toy> rolls.\nstruct Toy {};\n",
+                "Unsupported xml/html tag <toy>",
+            ),
+        ):
+            with self.subTest(name):
+                process = self.docs(text)
+                self.assertEqual(process.returncode, 1, process.stdout)
+                self.assertIn(complaint, process.stdout)
+
+
 class Lint(ScriptCase):
     """script/lint in a repository of its own, where the script `deploy` has a fault."""
 

@@ -70,10 +70,10 @@ Probe probeFrom(const std::string& name) {
   return stateResetReplay(*every);
 }
 
-pusht::Trace runProbe(const Probe& probe, const pusht::WorldState& start, const pusht::Trace& reference,
+pusht::Trace runProbe(const Probe& probe, const pusht::WorldState& initial_state, const pusht::Trace& reference,
                       pusht::BatchSimulator& world, std::size_t lane, const std::function<void(int)>& before_step) {
   const int in_lane = static_cast<int>(lane);
-  pusht::WorldState moved = start;
+  pusht::WorldState moved = initial_state;
   moved.tee_position.x() += probe.tee_offset;
   world.reset(in_lane, moved);
   pusht::Trace trace;

@@ -45,7 +45,7 @@ Divergence nullDivergence(const RolloutView& view) {
   return sum / commonSteps(view);
 }
 
-/// Of the replay, less that of the closed loop.
+/// Divergence of the replay minus that of the closed loop.
 Divergence absorbed(const RolloutView& view) {
   const std::size_t count = std::min(commonSteps(view), view.replay->states.size());
   Divergence replay;

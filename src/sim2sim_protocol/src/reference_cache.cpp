@@ -11,13 +11,18 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "sim2sim_protocol/probes.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 
 namespace sim2sim {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kRolloutFormat = "reference rollout 3";
+/// "format" in the first line of a file.
+std::string formatText() { return "reference rollout " + std::to_string(kRolloutFormat); }
+
+constexpr std::size_t kKeyDigits = 16;  // of the hash that names the folder of a key
 
 /// The numbers of a state, in the order in which they are kept.
 using StateNumbers = std::array<double, 10>;
@@ -41,7 +46,7 @@ std::string bytesOf(const pusht::Trace& trace) {
   return bytes;
 }
 
-/// Of as many bytes as a trace of `steps` has.
+/// Trace of `steps` control steps; `bytes` has byteCount(steps) of them.
 pusht::Trace traceOf(const char* bytes, std::size_t steps) {
   std::vector<StateNumbers> states(steps + 1);
   std::memcpy(states.data(), bytes, states.size() * sizeof(StateNumbers));
@@ -57,8 +62,7 @@ std::size_t byteCount(std::size_t steps) { return (steps + 1) * sizeof(StateNumb
 }  // namespace
 
 ReferenceCache::ReferenceCache(const fs::path& folder, nlohmann::json key) : key_(std::move(key)) {
-  constexpr std::size_t kDigits = 16;
-  folder_ = folder / pusht::sha256(key_.dump()).substr(0, kDigits);
+  folder_ = folder / pusht::sha256(key_.dump()).substr(0, kKeyDigits);
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) {
@@ -66,12 +70,22 @@ ReferenceCache::ReferenceCache(const fs::path& folder, nlohmann::json key) : key
   }
 }
 
-fs::path ReferenceCache::fileOf(const std::string& start, const std::string& rollout) const {
-  return folder_ / (start + "." + rollout);
+fs::path ReferenceCache::fileOf(const std::string& state, const std::string& rollout) const {
+  return folder_ / (state + "." + rollout);
 }
 
-std::optional<pusht::Trace> ReferenceCache::find(const std::string& start, const std::string& rollout) const {
-  const fs::path file = fileOf(start, rollout);
+std::string ReferenceCache::folderPattern() { return "[0-9a-f]{" + std::to_string(kKeyDigits) + "}"; }
+
+std::string ReferenceCache::filePattern() {
+  std::string rollouts = kReferenceRollout;
+  for (const Probe& probe : floorProbes()) {
+    rollouts += "|" + probe.name;
+  }
+  return "[0-9a-f]+\\.(" + rollouts + ")";
+}
+
+std::optional<pusht::Trace> ReferenceCache::find(const std::string& state, const std::string& rollout) const {
+  const fs::path file = fileOf(state, rollout);
   std::error_code ignored;
   if (fs::symlink_status(file, ignored).type() == fs::file_type::not_found) {
     return std::nullopt;
@@ -89,14 +103,14 @@ std::optional<pusht::Trace> ReferenceCache::find(const std::string& start, const
   const std::size_t end_of_head = std::min(text.find('\n'), text.size());
   const auto head = nlohmann::json::parse(text.substr(0, end_of_head), nullptr, false);
   const nlohmann::json format = head.is_object() ? head.value("format", nlohmann::json()) : nlohmann::json();
-  if (format.is_string() && format != kRolloutFormat) {
-    refuse("format " + format.dump() + ": must be \"" + kRolloutFormat + "\"; another version of the suite wrote it");
+  if (format.is_string() && format != formatText()) {
+    refuse("format " + format.dump() + ": must be \"" + formatText() + "\"; another version of the suite wrote it");
   }
-  if (format != kRolloutFormat || !head.value("steps", nlohmann::json()).is_number_unsigned() ||
+  if (format != formatText() || !head.value("steps", nlohmann::json()).is_number_unsigned() ||
       end_of_head == text.size()) {
-    refuse("must begin as a \"" + std::string(kRolloutFormat) + "\"");
+    refuse("must begin as a \"" + formatText() + "\"");
   }
-  if (head.value("key", nlohmann::json()) != key_ || head.value("start", nlohmann::json()) != start ||
+  if (head.value("key", nlohmann::json()) != key_ || head.value("start", nlohmann::json()) != state ||
       head.value("rollout", nlohmann::json()) != rollout) {
     refuse("belongs to another run: its key, start or rollout is not that of this folder");
   }
@@ -109,16 +123,16 @@ std::optional<pusht::Trace> ReferenceCache::find(const std::string& start, const
   return traceOf(bytes.data(), steps);
 }
 
-void ReferenceCache::keep(const std::string& start, const std::string& rollout, const pusht::Trace& trace) const {
-  const fs::path file = fileOf(start, rollout);
+void ReferenceCache::keep(const std::string& state, const std::string& rollout, const pusht::Trace& trace) const {
+  const fs::path file = fileOf(state, rollout);
   std::error_code ignored;
   if (fs::exists(file, ignored)) {
     return;
   }
   const std::string bytes = bytesOf(trace);
-  const nlohmann::json head = {{"format", kRolloutFormat}, {"key", key_},
-                               {"start", start},           {"rollout", rollout},
-                               {"steps", trace.steps()},   {"sha256", pusht::sha256(bytes)}};
+  const nlohmann::json head = {{"format", formatText()}, {"key", key_},
+                               {"start", state},         {"rollout", rollout},
+                               {"steps", trace.steps()}, {"sha256", pusht::sha256(bytes)}};
   pusht::writeCacheFile(file, head.dump() + "\n" + bytes);
 }
 

@@ -2,9 +2,11 @@
 #include "sim2sim_protocol/runner.hpp"
 
 #include <algorithm>
-#include <atomic>
+#include <condition_variable>
 #include <future>
+#include <map>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -16,29 +18,138 @@
 namespace sim2sim {
 namespace {
 
-/// The name in a reference cache of what the policy does in the reference.
-constexpr const char* kKeptReference = "reference";
-
-/// What is kept of an episode.
+/// Traces of an episode that the cache has.
 CachedTraces cachedTraces(const Protocol& protocol, int episode, const ReferenceCache& references) {
-  const std::string start = protocol.initialStateKey(episode);
-  CachedTraces cached{references.find(start, kKeptReference), {}};
+  const std::string key = protocol.initialStateKey(episode);
+  CachedTraces cached{references.find(key, kReferenceRollout), {}};
   for (const Probe& probe : protocol.probes()) {
-    cached.probes.push_back(probe.world == ProbedWorld::kReference ? references.find(start, probe.name) : std::nullopt);
+    cached.probes.push_back(probe.world == ProbedWorld::kReference ? references.find(key, probe.name) : std::nullopt);
   }
   return cached;
 }
 
-/// Keeps all of an episode that depends on the reference alone.
+/// Adds to the cache what an episode has of the reference alone.
 void keep(const Protocol& protocol, const Episode& episode, const ReferenceCache& references) {
-  const std::string start = protocol.initialStateKey(episode.index());
+  const std::string key = protocol.initialStateKey(episode.index());
   const std::vector<Probe> probes = protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     if (probes[i].world == ProbedWorld::kReference) {
-      references.keep(start, probes[i].name, episode.probe(i).value());
+      references.keep(key, probes[i].name, episode.probe(i).value());
     }
   }
-  references.keep(start, kKeptReference, episode.rollout(kReferenceClosed).trace());
+  references.keep(key, kReferenceRollout, episode.rollout(kReferenceClosed).trace());
+}
+
+/// Episodes of a run, shared by its threads: handed out by index, and delivered by index. Finished episodes wait in a
+/// buffer for those before them.
+class EpisodeQueue {
+ public:
+  /// Episodes in `finished` are left out. At most `capacity` episodes are in flight or in the buffer.
+  EpisodeQueue(const Protocol& protocol, const std::set<int>& finished, int capacity,
+               const std::function<void(Episode&&)>& deliver, const std::function<bool()>& stop)
+      : finished_(finished),
+        last_(protocol.lastEpisode()),
+        capacity_(capacity),
+        deliver_(deliver),
+        stop_(stop),
+        next_begun_(after(protocol.first_episode - 1)),
+        next_delivered_(next_begun_) {}
+
+  /// Next episode to begin; empty if there is none, or if the buffer must first get emptier.
+  std::optional<int> take() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (next_begun_ > last_ || isFull()) {
+      return std::nullopt;
+    }
+    return std::exchange(next_begun_, after(next_begun_));
+  }
+
+  /// Waits until take() has an episode; returns false if there will be none. Only for a thread without an episode in
+  /// flight: the episode that the buffer waits for is then in flight in another thread.
+  bool waitForEpisode() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [this] { return ended_ || next_begun_ > last_ || !isFull(); });
+    return !ended_ && next_begun_ <= last_;
+  }
+
+  /// Takes a finished episode, and delivers all whose turn it is.
+  void add(Episode&& episode) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    buffer_.emplace(episode.index(), std::move(episode));
+    while (!buffer_.empty() && buffer_.begin()->first == next_delivered_ && !stop_()) {
+      deliver_(std::move(buffer_.begin()->second));
+      buffer_.erase(buffer_.begin());
+      next_delivered_ = after(next_delivered_);
+    }
+    changed_.notify_all();
+  }
+
+  /// Ends the run for all threads.
+  void end() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ended_ = true;
+    changed_.notify_all();
+  }
+
+  bool ended() const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return ended_;
+  }
+
+ private:
+  /// First episode behind `index` that is to be run.
+  int after(int index) const {
+    do {
+      ++index;
+    } while (finished_.count(index) > 0);
+    return index;
+  }
+
+  bool isFull() const { return next_begun_ - next_delivered_ >= capacity_; }
+
+  const std::set<int>& finished_;
+  const int last_;
+  const int capacity_;
+  const std::function<void(Episode&&)>& deliver_;
+  const std::function<bool()>& stop_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  int next_begun_;
+  int next_delivered_;
+  bool ended_ = false;
+  std::map<int, Episode> buffer_;
+};
+
+/// Runs episodes of `queue` until there are no more, or `stop` or the end of the run.
+void work(const Protocol& protocol, const WorkerFactory& factory, int lanes, const ReferenceCache* references,
+          EpisodeQueue& queue, const std::function<bool()>& stop) {
+  if (!queue.waitForEpisode()) {
+    return;  // other threads have begun them all
+  }
+  const Worlds worlds = factory.make_worlds(lanes);
+  const auto policy = factory.make_policy();
+  Flight flight(protocol, worlds, *policy);
+  while (!stop() && !queue.ended()) {
+    while (!flight.full()) {
+      const std::optional<int> index = queue.take();
+      if (!index) {
+        break;
+      }
+      flight.begin(*index, references != nullptr ? cachedTraces(protocol, *index, *references) : CachedTraces());
+    }
+    if (!flight.empty()) {
+      flight.advance();
+    } else if (!queue.waitForEpisode()) {
+      return;
+    }
+    for (Episode& episode : flight.land()) {
+      if (references != nullptr) {
+        keep(protocol, episode, *references);
+      }
+      queue.add(std::move(episode));
+    }
+  }
+  queue.end();
 }
 
 }  // namespace
@@ -48,63 +159,27 @@ void runProtocol(const Protocol& protocol, const WorkerFactory& factory, int thr
                  const std::set<int>& finished) {
   protocol.validate();
   threads = std::min(threads, protocol.episodes);
-  const int in_flight = std::min(kEpisodesInFlight, (protocol.episodes + threads - 1) / threads);
-  std::atomic<int> next_episode = protocol.first_episode;
-  std::atomic<bool> failed = false;
-  std::mutex delivery;
-
-  const auto begin = [&](Flight& flight, int index) {
-    flight.begin(index, references != nullptr ? cachedTraces(protocol, index, *references) : CachedTraces());
-  };
-  const auto finish = [&](Episode&& episode) {
-    if (references != nullptr) {
-      keep(protocol, episode, *references);
-    }
-    const std::lock_guard<std::mutex> one_at_a_time(delivery);
-    deliver(std::move(episode));
-  };
-  const auto work = [&] {
-    if (next_episode > protocol.lastEpisode()) {
-      return;  // others have begun them all
-    }
-    const Worlds worlds = factory.make_worlds(in_flight);
-    const auto policy = factory.make_policy();
-    Flight flight(protocol, worlds, *policy);
-    while (!stop() && !failed) {
-      while (!flight.full() && next_episode <= protocol.lastEpisode()) {
-        if (const int index = next_episode++; index <= protocol.lastEpisode() && finished.count(index) == 0) {
-          begin(flight, index);
-        }
-      }
-      if (flight.empty()) {
-        return;
-      }
-      flight.advance();
-      for (Episode& episode : flight.land()) {
-        finish(std::move(episode));
-      }
-    }
-  };
-
-  const auto work_or_fail = [&] {
+  const int lanes = std::min(kEpisodesInFlight, (protocol.episodes + threads - 1) / threads);
+  EpisodeQueue queue(protocol, finished, kEpisodesHeld * threads, deliver, stop);
+  const auto work_or_end = [&] {
     try {
-      work();
+      work(protocol, factory, lanes, references, queue, stop);
     } catch (...) {
-      failed = true;  // ends the other threads
+      queue.end();
       throw;
     }
   };
   std::vector<std::future<void>> others;
   try {
     while (static_cast<int>(others.size()) + 1 < threads) {
-      others.push_back(std::async(std::launch::async, work_or_fail));
+      others.push_back(std::async(std::launch::async, work_or_end));
     }
   } catch (const std::system_error& error) {
-    failed = true;
+    queue.end();
     throw pusht::RuntimeFault("cannot start thread " + std::to_string(others.size() + 2) + " of " +
                               std::to_string(threads) + ": " + error.what() + "; ask for fewer threads");
   }
-  work_or_fail();  // if it throws, the destructors of the others wait for their ends
+  work_or_end();  // if it throws, the destructors of the others wait for their ends
   for (std::future<void>& other : others) {
     other.get();
   }

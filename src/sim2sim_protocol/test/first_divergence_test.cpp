@@ -66,12 +66,12 @@ Trace teeAt(const std::vector<double>& offsets) {
   return traceOf(offsets, [](double offset) { return world({0.0, 0.3}, {offset, 0.0}); });
 }
 
-/// The same, turned from `yaw` by `angles` [rad].
+/// Trace of a tee at rest that is turned from `yaw` by `angles` [rad].
 Trace teeTurnedBy(const std::vector<double>& angles, double yaw = 0.0) {
   return traceOf(angles, [&](double angle) { return world({0.0, 0.3}, {0.0, 0.0}, yaw + angle); });
 }
 
-/// As many states as `other` has, all alike.
+/// Trace with as many states as `other`, all alike.
 Trace resting(const Trace& other, double yaw = 0.0) {
   return teeTurnedBy(std::vector<double>(other.states.size(), 0.0), yaw);
 }
@@ -295,7 +295,7 @@ TEST(FirstDivergenceOf, HasTheCauseOfItsStep) {
   }
 }
 
-/// How far pusher and tee are from where they are in the reference, step by step; and who was the first.
+/// Offsets of pusher and tee from the reference, step by step, and the body that differs first.
 struct Lead {
   const char* name;
   std::vector<double> pusher;  // [m]

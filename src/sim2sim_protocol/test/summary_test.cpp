@@ -49,7 +49,7 @@ TEST(Summarize, IntervalsOfSignedQuantitiesStayInTheirRange) {
   EXPECT_EQ(meanOf(samples, quantity).interval.value().low, -pusht::kPi);
 }
 
-/// As STATISTICS of paired outcomes want it: reference 31, engine 10, both 10.
+/// Paired outcomes: reference 31, engine 10, both 10.
 TEST(Summarize, PairsTheOutcomes) {
   const Outcomes outcomes = summarize(bare(), episodesWith(50, 31, 10)).outcomes;
   EXPECT_EQ(outcomes.table.both, 10);

@@ -31,7 +31,7 @@ void requireOrder(const Order& order, int players) {
 /// By coalition: the least sum of the mean gaps of those that follow it up to all on.
 using LeastAreas = std::vector<double>;
 
-/// Of the coalitions that follow `on`, if that player is the next.
+/// Least area of the coalitions that follow `on` if `next` is the next player.
 double areaWith(const Game& game, const LeastAreas& least, Coalition on, int next) {
   return game.meanGap(on | only(next)) + least[on | only(next)];
 }

@@ -18,7 +18,7 @@ namespace {
 /// The probability below which the upper end of a two-sided interval lies.
 constexpr double kUpperTail = 0.5 * (1.0 + kConfidence);
 
-/// Of samples, summed in order.
+/// Moments of samples, summed in order.
 struct Moments {
   double mean;
   double standard_error;  ///< of the mean
@@ -49,14 +49,14 @@ void requireFinite(const std::vector<double>& samples, const char* name) {
   }
 }
 
-/// Which order statistics hold the median between them: the k-th from either end, moved by `inwards` of the way
-/// towards the next one.
+/// Order statistics around the median: the k-th from either end, moved inwards by a share `inwards` of the way to the
+/// next one.
 struct Rank {
   int k;
   double inwards;
 };
 
-/// How Hettmansperger and Sheather choose it for n samples. The k-th from either end cover the median with probability
+/// Rank for n samples, by Hettmansperger and Sheather. The k-th from either end cover the median with probability
 /// 1 - 2 P(B < k), B being binomial (n, 1/2); k is the last rank whose coverage is enough.
 Rank medianRank(int n) {
   const boost::math::binomial heads(n, 0.5);

@@ -34,7 +34,7 @@ double largerRoot(double a, double b, double c) {
   return b > 0.0 ? -2.0 * c / (b + root) : (root - b) / (2.0 * a);
 }
 
-/// Whether a score, over its standard deviation under the hypothesis, is one that the hypothesis would mostly give.
+/// Whether a score, divided by its standard deviation under the hypothesis, does not reject the hypothesis.
 bool isLikely(double score, double variance) {
   static const double z = boost::math::quantile(boost::math::normal(), 0.5 * (1.0 + kConfidence));
   return std::abs(score) <= z * std::sqrt(std::max(0.0, variance));
@@ -93,7 +93,7 @@ std::optional<Interval> tangInterval(const PairTable& table) {
   if (t.n < kFewestEpisodes || t.a + t.c == 0.0) {
     return std::nullopt;
   }
-  // Of the logarithm, far beyond the ratios that any number of pairs could tell from 0 and from infinity.
+  // Bounds of the logarithm, far beyond the ratios that any number of pairs could tell from 0 and from infinity.
   constexpr double kFarthest = 40.0;
   const double seen = (t.a + t.b) / (t.a + t.c);
   const auto likely = [&](double log_ratio) { return isLikelyRatio(t, std::exp(log_ratio)); };

@@ -69,7 +69,7 @@ void TransferBet::add(bool reference, bool engine) {
 
 Interval transferSequence(const PairTable& counts) {
   counts.validate();
-  // Of ln share, far beyond what any number of pairs could tell from 0 and from infinity.
+  // Bounds of ln share, far beyond what any number of pairs could tell from 0 and from infinity.
   constexpr double kFarthest = 40.0;
   const double enough = -std::log(0.5 * kErrorRate);
   const auto unrefuted = [&](int direction) {

@@ -53,7 +53,7 @@ using Rows = std::vector<std::vector<double>>;
 
 Rows zeros(std::size_t rows, int columns) { return Rows(rows, std::vector<double>(static_cast<std::size_t>(columns))); }
 
-/// What each player removes.
+/// Gap that each player removes.
 struct Contributions {
   Rows by_episode;  ///< and player; the mean over all orders
   Rows by_order;    ///< and player; the mean over all episodes. None if the orders are no sample
@@ -77,7 +77,7 @@ Contributions contributionsOf(const Game& game) {
   return {std::move(by_episode), {}};
 }
 
-/// What each player removes along one order, added to both kinds of means.
+/// Adds the gap that each player removes along one order to both kinds of means.
 template <class Player>
 void addAlong(Player first, Player last, const std::map<Coalition, std::vector<double>>& gaps, std::size_t orders,
               std::vector<double>& of_order, Rows& by_episode) {
@@ -115,7 +115,7 @@ std::vector<double> column(const Rows& rows, std::size_t player) {
   return values;
 }
 
-/// Of the mean of a table, from the means of its rows and of its columns, which are samples both.
+/// Interval of the mean of a table from the means of its rows and of its columns, both of which are samples.
 std::optional<Interval> crossedInterval(double mean, const std::vector<double>& by_episode,
                                         const std::vector<double>& by_order) {
   const auto episodes = static_cast<double>(by_episode.size());
@@ -219,7 +219,7 @@ std::vector<Share> sharesOf(const Contributions& contributions) {
   return shares;
 }
 
-/// What two players remove together beyond what each removes, in one episode.
+/// Interaction of two players in one episode.
 double interactionIn(const Game& game, int episode, int first, int second, const std::vector<double>& weights) {
   double sum = 0.0;
   for (Coalition before = kNone; before <= game.all(); ++before) {

@@ -24,6 +24,7 @@ inline double dot(const Vector& a, const Vector& b) {
   return sum;
 }
 
+/// Product of a matrix and a vector; each sum is in the order of the index.
 Vector product(const Matrix& matrix, const Vector& vector);
 
 /// Solution x of `matrix` x = `right`. The matrix must be symmetric and positive definite; only its lower half is read.

@@ -14,6 +14,7 @@ using Lanes = std::experimental::fixed_size_simd<double, kLaneCount>;
 
 /// `a` where `condition` holds, else `b`.
 inline double select(bool condition, double a, double b) { return condition ? a : b; }
+/// Per lane: `a` where `condition` holds, else `b`.
 inline Lanes select(const Lanes::mask_type& condition, const Lanes& a, Lanes b) {
   std::experimental::where(condition, b) = a;
   return b;
@@ -21,6 +22,7 @@ inline Lanes select(const Lanes::mask_type& condition, const Lanes& a, Lanes b) 
 
 /// Whether a condition holds in any world.
 inline bool any(bool condition) { return condition; }
+/// Whether a condition holds in any lane.
 inline bool any(const Lanes::mask_type& condition) { return std::experimental::any_of(condition); }
 
 /// Result of a comparison: one truth value for each world.
@@ -39,6 +41,7 @@ template <class Real>
 
 }  // namespace pusht::simd
 
+/// \cond Doxygen knows no namespace of another library.
 /// Traits that Eigen needs of a number type, by Eigen's names.
 // NOLINTBEGIN(readability-identifier-naming)
 template <>
@@ -54,3 +57,4 @@ struct Eigen::NumTraits<pusht::simd::Lanes> : Eigen::GenericNumTraits<pusht::sim
   };
 };
 // NOLINTEND(readability-identifier-naming)
+/// \endcond

@@ -30,6 +30,7 @@ constexpr double kContactMargin = 1.0e-3;  ///< [m] gap below which discs touch
 constexpr double kCoincident = 1.0e-12;    ///< [m] distance of centers up to which discs have no normal
 constexpr int kContactSweeps = 10;         ///< Gauss-Seidel sweeps
 
+/// Discs of the engine: the pusher and the two masses of the tee.
 enum Body : std::size_t { kPusher, kBar, kStem, kBodyCount };
 constexpr std::array<Body, 2> kBlocks = {kBar, kStem};  ///< the masses of the tee
 
@@ -73,6 +74,7 @@ Vector2<Real> linkForce(const BodyVectors<Real>& positions, const BodyVectors<Re
   return scaled<Real>(wanted / effective_inverse_mass, d);
 }
 
+/// Contacts of the pusher with both masses of the tee, from positions [m].
 template <class Real>
 Contacts<Real> findContacts(const BodyVectors<Real>& positions) {
   using std::sqrt;

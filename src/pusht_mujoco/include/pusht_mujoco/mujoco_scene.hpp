@@ -10,6 +10,7 @@
 
 namespace pusht {
 
+/// Deleter for a model of MuJoCo.
 struct DeleteMujocoModel {
   void operator()(mjModel* model) const { mj_deleteModel(model); }
 };

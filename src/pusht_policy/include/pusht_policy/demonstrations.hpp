@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Demonstrations as a rosbag: what a policy is trained on.
+/// Demonstrations as a rosbag: training data of a policy.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ namespace pusht {
 constexpr const char* kDemonstrationOriginTopic = "/demonstration/origin";  ///< std_msgs/String: JSON; once
 constexpr const char* kDemonstrationStepTopic = "/demonstration/step";      ///< pusht_msgs/DemonstrationStep
 constexpr const char* kDemonstrationEndTopic = "/demonstration/end";        ///< pusht_msgs/DemonstrationEnd
-constexpr int kDemonstrationFormat = 1;  ///< of the bag: "format" in the JSON of its origin; without one it is 1
 
+/// Parameters of a recording of demonstrations.
 struct DemonstrationPlan {
   std::uint64_t seed = 0;  ///< demonstration i starts from spawn seed + i
   int episodes = 500;
@@ -25,16 +25,17 @@ struct DemonstrationPlan {
   void validate() const;
 };
 
+/// Counts of recorded demonstrations.
 struct DemonstrationTally {
   int episodes = 0;
   int successes = 0;
   std::int64_t frames = 0;
 };
 
-/// Lets `demonstrator` solve the task in `world` and records every control step into the bag at `path`,
-/// which appears there when it is complete and begins with their `origin`: which demonstrator, which simulator. The
-/// format of the bag is added to it. Throws InvalidInput if there is something already. `report` is called after every
-/// episode; returning false ends the collection with RuntimeFault, as does a failure to write.
+/// Lets `demonstrator` solve the task in `world` and records every control step into a bag, which appears at `path`
+/// when it is complete. The bag begins with `origin` (demonstrator, simulator), to which its format is added. `report`
+/// is called after every episode; it returns whether to continue. Throws InvalidInput if there is something at `path`,
+/// RuntimeFault if `report` returned false or the bag cannot be written.
 DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, Simulator& world, Policy& demonstrator,
                                         const nlohmann::json& origin, const std::filesystem::path& path,
                                         const std::function<bool(const DemonstrationTally&)>& report);

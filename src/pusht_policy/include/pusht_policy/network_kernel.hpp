@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Runs a small float32 network in a fixed order of operations: the same bits on every machine (tanh: for every libm
-/// whose double tanh rounds to the same float).
+/// Kernel for small float32 networks in a fixed order of operations, with equal bits on every machine (with tanh: for
+/// every libm whose double tanh rounds to the same float).
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace pusht {
 
-/// One operation of a network, done to every row.
+/// Operation of a network, applied to every row.
 struct Operation {
   enum class Kind {
     kMatrix,  ///< row times matrix; sums run over the inputs in index order, from 0, multiply then add
@@ -25,23 +25,24 @@ struct Operation {
     kTanh,
   };
   Kind kind;
-  int columns;                 ///< of the result
+  int columns;                 ///< number of columns of the result
   std::vector<float> operand;  ///< kMatrix: [inputs][columns], row-major; kTanh: empty; otherwise one value per column
 };
 
-/// What the kernel may be compiled for. All give the same bits.
+/// Instruction sets that the kernel is compiled for. All give the same bits.
 enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
 
+/// Name of an instruction set, as in the provenance.
 const char* toString(InstructionSet instruction_set);
 
-/// What this machine can run, the fastest last.
+/// Instruction sets of this machine, the fastest last.
 std::vector<InstructionSet> availableInstructionSets();
 
-/// A network as a straight line of operations. Rows are independent, to the last bit, of each other and of
-/// their number. Not to be used from two threads at once; copies, which share the weights, may be.
+/// Network as a sequence of operations. A row's result does not depend, to the last bit, on the other rows or their
+/// number. Not thread-safe; copies, which share the weights, may run in several threads.
 class NetworkKernel {
  public:
-  /// For rows of `inputs` numbers. Throws InternalError if an operation does not fit the one before it.
+  /// Network for rows of `inputs` numbers. Throws InternalError if an operation does not fit the one before it.
   NetworkKernel(int inputs, const std::vector<Operation>& operations,
                 InstructionSet instruction_set = availableInstructionSets().back());
 
@@ -49,7 +50,7 @@ class NetworkKernel {
   int outputs() const { return outputs_; }
   InstructionSet instructionSet() const { return instruction_set_; }
 
-  /// As text, e.g. "10, subtract, matrix 512, add, max, matrix 2, add".
+  /// Operations as text: "10, subtract, matrix 512, add, max, matrix 2, add".
   std::string operations() const;
 
   /// Maps rows [n][inputs()] to rows [n][outputs()]. Does not allocate. Throws InternalError if the sizes disagree.
@@ -76,9 +77,9 @@ class NetworkKernel {
   int outputs_;
   InstructionSet instruction_set_;
   std::shared_ptr<const std::vector<Step>> steps_;
-  int lines_per_row_;  // of the blocks
-  Lines block_;        // the rows that are on their way through the network, as they are now
-  Lines product_;      // where a matrix puts them
+  int lines_per_row_;  // of block_ and product_
+  Lines block_;        // rows under way, after the last operation
+  Lines product_;      // rows after a matrix
 };
 
 }  // namespace pusht

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A trained policy: a TorchScript checkpoint, raw observation in, raw action out.
+/// Trained policy from a TorchScript checkpoint: raw observation in, raw action out.
 #pragma once
 
 #include <chrono>
@@ -18,55 +18,58 @@ namespace pusht {
 
 class TorchNetwork;
 
+/// Version of the loaded libtorch.
 std::string libtorchVersion();
 
-/// The file that libtorch's calls of the BLAS end in; empty if that cannot be found out.
+/// File of the BLAS library that libtorch calls; empty if it cannot be determined.
 std::string activeBlas();
 
-/// By what libtorch and its libraries choose their code on this machine, as they are set up now: the core type and the
-/// threads of OpenBLAS, the vectors of libtorch and of oneDNN.
+/// Settings by which libtorch and its libraries choose their code on this machine: core type and threads of OpenBLAS,
+/// vector instructions of libtorch and of oneDNN.
 std::map<std::string, std::string> libtorchChoices();
 
-/// Where a network's numbers come from.
+/// Origin of a network's numbers.
 struct NetworkInfo {
-  std::string sha256;             ///< of the checkpoint; empty if untrained
-  std::string operations;         ///< what the kernel does to a row; empty on libtorch
-  std::string instruction_set;    ///< of the kernel; empty on libtorch
-  std::string why_not_on_kernel;  ///< empty on the kernel
+  std::string sha256;             ///< digest of the checkpoint; empty if untrained
+  std::string operations;         ///< operations of the kernel; empty on libtorch
+  std::string instruction_set;    ///< instruction set of the kernel; empty on libtorch
+  std::string why_not_on_kernel;  ///< reason to run on libtorch; empty on the kernel
   std::string libtorch_version = libtorchVersion();
   std::string blas = activeBlas();  ///< on libtorch the bits depend on it
 
   bool runsOnKernel() const { return why_not_on_kernel.empty(); }
 };
 
-/// Runs on NetworkKernel if the checkpoint is a straight line of operations that the kernel knows and agrees with
-/// libtorch; otherwise on libtorch, a row at a time, so that there too a row does not depend on its neighbours.
-/// Actions are what the network says: not clipped, and not finite if they are not.
+/// Policy of a network. It runs on NetworkKernel if the checkpoint is a sequence of operations that the kernel knows,
+/// and the results agree with libtorch's; otherwise on libtorch, one row at a time, so rows stay independent. Actions
+/// are the network's outputs: not clipped, and possibly not finite.
 class NetworkPolicy : public Policy {
  public:
-  /// A checkpoint of a megabyte takes 0.1 s to load and to try out. An evaluator waits 30 s for a policy to appear, and
-  /// should learn why it does not.
+  /// Default deadline of load(). A checkpoint of a megabyte takes 0.1 s to load and to try out. It is below the 30 s
+  /// that an evaluator waits for a policy, so the evaluator learns the reason.
   static constexpr std::chrono::seconds kLoadDeadline{20};
 
-  /// Loads a checkpoint, after a copy of this process has loaded it and tried it out without harm. Throws InvalidInput
-  /// if it cannot be read, is damaged, is no TorchScript or crashes libtorch; BadDependency if it is not the one that
-  /// the file PATH.provenance.json beside it names (checked before libtorch sees it; no such file, no check), if its
-  /// numbers are not finite, or if it does not map float32 [1, 10] to finite float32 [1, 2]; RuntimeFault if that
-  /// takes longer than `deadline`, or if meanwhile the calling thread gets a signal that is handled, or `stop` holds:
-  /// a program with other threads says by it that it was asked to end. Call it while no other thread uses libtorch or
-  /// its BLAS, at the start of a program: a lock of theirs would be held for ever in the copy.
+  /// Loads a checkpoint, after a copy of this process has loaded it and tried it out (rehearse()). If there is a file
+  /// PATH.provenance.json beside it, its SHA-256 is checked first.
+  ///
+  /// Throws InvalidInput if the file cannot be read, is damaged, is no TorchScript or crashes libtorch; BadDependency
+  /// if its SHA-256 differs, its numbers are not finite, or it does not map float32 [1, 10] to finite float32 [1, 2];
+  /// RuntimeFault if the copy takes longer than `deadline`, the calling thread gets a handled signal meanwhile, or
+  /// `stop` holds, by which a program with other threads says that it was asked to end.
+  ///
+  /// Must be called while no other thread uses libtorch or its BLAS: the copy would wait for their locks forever.
   static std::unique_ptr<NetworkPolicy> load(
       const std::filesystem::path& path, InstructionSet instruction_set = availableInstructionSets().back(),
       std::chrono::milliseconds deadline = kLoadDeadline, const std::function<bool()>& stop = [] { return false; });
 
-  /// The same on libtorch, even if the kernel could run it: a yardstick.
+  /// Loads a checkpoint to run on libtorch even if the kernel could run it, as a baseline. Throws as load().
   static std::unique_ptr<NetworkPolicy> loadOnLibtorch(const std::filesystem::path& path);
 
-  /// The course's stand-in where there is no checkpoint: 10-64-64-2, ReLU, tanh, with torch's initial weights for
-  /// `seed`. Seeds torch's global generator.
+  /// Untrained network, the course's stand-in for a missing checkpoint: 10-64-64-2, ReLU, tanh, with torch's initial
+  /// weights for `seed`. Seeds torch's global generator.
   static std::unique_ptr<NetworkPolicy> untrained(std::uint64_t seed);
 
-  /// The same policy for another thread; they share the weights.
+  /// Copy for another thread; it shares the weights.
   std::unique_ptr<NetworkPolicy> clone() const;
 
   ~NetworkPolicy() override;
@@ -83,9 +86,9 @@ class NetworkPolicy : public Policy {
   void actOnKernel(Span<const Query> queries, Span<Action> actions);
 
   NetworkInfo info_;
-  std::unique_ptr<NetworkKernel> kernel_;  // one of these two
+  std::unique_ptr<NetworkKernel> kernel_;  // null on libtorch
   std::unique_ptr<TorchNetwork> network_;
-  std::vector<float> inputs_;  // of the kernel, row by row
+  std::vector<float> inputs_;  // rows of the kernel
   std::vector<float> outputs_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The demonstrator: a hand-written controller that solves PushT from any spawn.
+/// Scripted expert: a hand-written controller that solves PushT from any spawn. It demonstrates for training.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,9 @@
 
 namespace pusht {
 
-/// A two-phase waypoint controller, planned anew at every control step. It approaches a staging point
-/// behind the place where the tee should be pushed, around the tee if need be, then pushes in a stroke.
+/// Two-phase waypoint controller, which plans anew at every control step. It approaches a staging point behind the
+/// point of the tee to be pushed, around the tee if need be, then pushes in a stroke. Its memory is whether a stroke is
+/// under way.
 class ScriptedExpert : public Policy {
  public:
   std::unique_ptr<Memory> begin() const override;

@@ -14,22 +14,19 @@ from typing import Any, Dict, Iterator, List, Optional, Sequence
 import numpy as np
 import rosbag  # type: ignore[import]
 from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[import]
-from pusht_task.command import Refusal
+from pusht_policy.formats import DEMONSTRATION_FORMAT
+from pusht_task.error import Error
+from pusht_task.json_file import require_format
 
 ORIGIN_TOPIC = "/demonstration/origin"
 STEP_TOPIC = "/demonstration/step"
 END_TOPIC = "/demonstration/end"
-DEMONSTRATION_FORMAT = 1  # of the bag, as its origin says; without a number it is 1
 MESSAGE_TYPES = {STEP_TOPIC: DemonstrationStep, END_TOPIC: DemonstrationEnd}
-
-
-class InputError(Refusal, ValueError):
-    """Bad input or configuration; the text names the thing, its value and the rule."""
 
 
 @dataclass(frozen=True)
 class Demonstration:
-    """One complete demonstration of n control steps."""
+    """A complete demonstration of n control steps."""
 
     seed: int
     success: bool
@@ -47,7 +44,7 @@ class _Recording:
 
 
 def sha256_of_frames(demonstrations: Sequence[Demonstration]) -> str:
-    """What is learned from, whatever container holds it: seed, steps, success and every number."""
+    """Hash of what is learned from: seed, steps, success and every number of each demonstration."""
     digest = hashlib.sha256()
     for demonstration in demonstrations:
         steps = len(demonstration.actions)
@@ -58,27 +55,20 @@ def sha256_of_frames(demonstrations: Sequence[Demonstration]) -> str:
 
 
 def read_origin(path: Path) -> Optional[Dict[str, Any]]:
-    """What made the demonstrations of a readable bag; None if the bag does not say."""
+    """Origin of the demonstrations of a readable bag; None if the bag does not say."""
     with _opened(path) as bag:
         return _origin(path, bag)
 
 
-def require_format(name: str, content: Dict[str, Any], expected: int) -> None:
-    """Refuses what another version of the suite has written. The first format had no number."""
-    found = content.get("format", 1)
-    if found != expected:
-        raise InputError(f"{name}: format is {found!r}; it must be {expected}")
-
-
 def read_demonstrations(bags: Sequence[Path]) -> List[Demonstration]:
-    """All demonstrations of the bags, in the order of their seeds."""
+    """Demonstrations of all bags, in the order of their seeds."""
     bag_of_seed: Dict[int, Path] = {}
     demonstrations: List[Demonstration] = []
     for bag in bags:
         for demonstration in _read_bag(bag):
             seed = demonstration.seed
             if seed in bag_of_seed:
-                raise InputError(
+                raise Error(
                     f"{bag}: seed {seed}: also in {bag_of_seed[seed]}; a seed must occur only once"
                 )
             bag_of_seed[seed] = bag
@@ -93,8 +83,8 @@ def _opened(path: Path) -> Iterator[Any]:
         with rosbag.Bag(str(path)) as bag:
             yield bag
     except OSError as error:
-        if error.errno is None:  # of a library for compressed data
-            raise InputError(f"{path}: {error}; a readable rosbag is needed") from None
+        if error.errno is None:  # raised by a library for compressed data
+            raise Error(f"{path}: {error}; a readable rosbag is needed") from None
         if error.filename is None:
             unwritable = error.errno in (errno.EDQUOT, errno.EFBIG, errno.ENOSPC, errno.EROFS)
             error.filename = tempfile.gettempdir() if unwritable else str(path)
@@ -106,10 +96,11 @@ def _origin(path: Path, bag: Any) -> Optional[Dict[str, Any]]:
         try:
             origin = json.loads(message.data)
         except (RecursionError, ValueError) as error:
-            raise InputError(f"{path}: {ORIGIN_TOPIC}: {error}; it must be JSON") from None
+            raise Error(f"{path}: {ORIGIN_TOPIC}: {error}; it must be JSON") from None
         if not isinstance(origin, dict):
-            raise InputError(f"{path}: {ORIGIN_TOPIC} is {message.data}; it must be a JSON object")
-        require_format(f"{path}: {ORIGIN_TOPIC}", origin, DEMONSTRATION_FORMAT)
+            raise Error(f"{path}: {ORIGIN_TOPIC} is {message.data}; it must be a JSON object")
+        numbered = {"format": 1, **origin}  # the first format had no number
+        require_format(f"{path}: {ORIGIN_TOPIC}", numbered, DEMONSTRATION_FORMAT)
         return origin
     return None
 
@@ -127,18 +118,18 @@ def _read_bag(path: Path) -> List[Demonstration]:
                 else:
                     _add_end(path, recording, message)
     except FileNotFoundError:
-        raise InputError(f"{path}: no such file; a rosbag is needed") from None
+        raise Error(f"{path}: no such file; a rosbag is needed") from None
     except IsADirectoryError:
-        raise InputError(f"{path}: is a folder; a rosbag is needed") from None
-    except (InputError, OSError):
+        raise Error(f"{path}: is a folder; a rosbag is needed") from None
+    except (Error, OSError):
         raise
     except rosbag.ROSBagUnindexedException:
-        raise InputError(f"{path}: not indexed; run `rosbag reindex` on it first") from None
+        raise Error(f"{path}: not indexed; run `rosbag reindex` on it first") from None
     except Exception as error:  # damaged bytes make rosbag raise anything
         reason = " ".join(str(error).split()) or type(error).__name__
-        raise InputError(f"{path}: {reason}; a readable rosbag is needed") from None
+        raise Error(f"{path}: {reason}; a readable rosbag is needed") from None
     if not recordings:
-        raise InputError(f"{path}: 0 demonstrations; at least one is needed")
+        raise Error(f"{path}: 0 demonstrations; at least one is needed")
     return [_finished(path, seed, recording) for seed, recording in recordings.items()]
 
 
@@ -147,12 +138,12 @@ def _check_topics(path: Path, bag: Any) -> None:
     for topic, message_type in MESSAGE_TYPES.items():
         expected = message_type._type
         if topic not in topics:
-            raise InputError(f"{path}: no messages on {topic}; {expected} is needed there")
+            raise Error(f"{path}: no messages on {topic}; {expected} is needed there")
         found = topics[topic].msg_type
         if found != expected:
-            raise InputError(f"{path}: {topic} is of type {found}; it must be {expected}")
+            raise Error(f"{path}: {topic} is of type {found}; it must be {expected}")
         if types[found] != message_type._md5sum:
-            raise InputError(
+            raise Error(
                 f"{path}: {found} has MD5 {types[found]}; it must be {message_type._md5sum}"
             )
 
@@ -160,14 +151,14 @@ def _check_topics(path: Path, bag: Any) -> None:
 def _add_step(path: Path, recording: _Recording, message: Any) -> None:
     where = f"{path}: seed {message.seed}: step {message.step}"
     if recording.success is not None:
-        raise InputError(f"{where}: comes after the end; a seed must occur only once")
+        raise Error(f"{where}: comes after the end; a seed must occur only once")
     expected = len(recording.actions)
     if message.step != expected:
-        raise InputError(f"{where}: steps must be consecutive from 0, expected {expected}")
+        raise Error(f"{where}: steps must be consecutive from 0, expected {expected}")
     for name, values in (("observation", message.observation), ("action", message.action)):
         if not np.isfinite(values).all():
             numbers = ", ".join(f"{value:g}" for value in values)
-            raise InputError(f"{where}: {name} is [{numbers}]; all numbers must be finite")
+            raise Error(f"{where}: {name} is [{numbers}]; all numbers must be finite")
     recording.observations.append(message.observation)
     recording.actions.append(message.action)
 
@@ -175,10 +166,10 @@ def _add_step(path: Path, recording: _Recording, message: Any) -> None:
 def _add_end(path: Path, recording: _Recording, message: Any) -> None:
     where = f"{path}: seed {message.seed}: end"
     if recording.success is not None:
-        raise InputError(f"{where}: appears twice; a seed must occur only once")
+        raise Error(f"{where}: appears twice; a seed must occur only once")
     found = len(recording.actions)
     if message.steps != found or found == 0:
-        raise InputError(
+        raise Error(
             f"{where}: says {message.steps} steps, found {found}; the counts must agree, at least 1"
         )
     recording.success = bool(message.success)
@@ -187,7 +178,7 @@ def _add_end(path: Path, recording: _Recording, message: Any) -> None:
 def _finished(path: Path, seed: int, recording: _Recording) -> Demonstration:
     if recording.success is None:
         last = len(recording.actions) - 1
-        raise InputError(f"{path}: seed {seed}: step {last}: is the last, but no end follows it")
+        raise Error(f"{path}: seed {seed}: step {last}: is the last, but no end follows it")
     return Demonstration(
         seed=seed,
         success=recording.success,

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The policy: a small MLP that carries its own normalisation."""
+"""The policy: a small MLP that carries its own normalization, and its archive."""
 
+import io
+import zipfile
 from typing import Sequence, Tuple
 
 import torch
 from torch import Tensor, nn
 
+ARCHIVE_TIME = (1980, 1, 1, 0, 0, 0)  # date of every file in a TorchScript archive
 SMALLEST_RANGE = 1e-4  # a narrower range counts as 1, in the unit of the value
 
 
@@ -58,3 +61,17 @@ class Policy(nn.Module):
         x = normalised(obs, self.obs_min, self.obs_range).clamp(-1.0, 1.0)
         y = self.net(x)
         return (y + 1) / 2 * self.act_range + self.act_min
+
+
+def torchscript_bytes(script: torch.jit.ScriptModule) -> bytes:
+    """The archive of a module, without its debug records: they hold local paths."""
+    script.eval()
+    saved = io.BytesIO()
+    torch.jit.save(script, saved)
+    stripped = io.BytesIO()
+    with zipfile.ZipFile(saved) as source, zipfile.ZipFile(stripped, "w") as target:
+        for info in source.infolist():
+            if not info.filename.endswith(".debug_pkl"):
+                record = zipfile.ZipInfo(info.filename, ARCHIVE_TIME)
+                target.writestr(record, source.read(info))
+    return stripped.getvalue()

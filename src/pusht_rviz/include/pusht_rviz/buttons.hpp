@@ -30,6 +30,7 @@ struct Buttons {
   std::string why_not;  ///< reason why Start is disabled; empty: it is enabled
 };
 
+/// State of the buttons in a situation of the run.
 Buttons buttonsFor(const Situation& situation);
 
 }  // namespace pusht_rviz

@@ -28,6 +28,7 @@ struct CurvePoint {
   std::array<std::array<double, kAspects>, kCurveKinds> values{};  ///< [m] and [rad]
 };
 
+/// Point of the curves at the control step of a message.
 CurvePoint pointFrom(const pusht_msgs::Divergence& divergence);
 
 /// Points of one episode in the order of time.

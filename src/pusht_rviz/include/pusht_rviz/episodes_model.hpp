@@ -29,6 +29,7 @@ struct EpisodeRow {
   QString parting_first;                  ///< body that leaves the reference first, in words
 };
 
+/// Row of the table for a finished episode.
 EpisodeRow rowFrom(const pusht_msgs::EpisodeResult& result);
 
 /// Rows in the order in which episodes finished. To add one takes the same time whatever their number.

@@ -61,6 +61,7 @@ struct Draft {
   std::vector<Refusal> refusals;
 };
 
+/// Goal for the next run, with the rules that the form breaks.
 Draft goalFrom(const RunDraft& run);
 
 }  // namespace pusht_rviz

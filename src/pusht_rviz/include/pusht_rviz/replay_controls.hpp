@@ -21,6 +21,7 @@ class MarkedSlider : public QSlider {
   Q_OBJECT
 
  public:
+  /// Tick of the slider: its value and color.
   struct Mark {
     int value = 0;
     QColor color;

@@ -37,6 +37,7 @@ void mark(QWidget* field, bool wrong);
 
 /// Signs on the large buttons. kStart is a play sign on the color of the button Start.
 enum class Shape { kStart, kPlay, kPause, kStep, kStop };
+/// Icon of a large button.
 QIcon icon(Shape shape);
 
 }  // namespace pusht_rviz::theme

@@ -14,11 +14,11 @@
 
 namespace pusht {
 
-/// Worlds of one kind, each in a lane. What a lane does is what a Simulator of that kind does, bit for bit, and
-/// never depends on the other lanes.
+/// Worlds of one kind, each in a lane. A lane has the bits of a Simulator of that kind, independent of the other lanes.
+/// Not thread-safe.
 class BatchSimulator {
  public:
-  /// For each lane the action of its next control step. A lane without one stays as it is.
+  /// Action of the next control step, by lane. A lane without an action stays as it is.
   using Actions = Span<const std::optional<Action>>;
 
   BatchSimulator() = default;
@@ -26,20 +26,23 @@ class BatchSimulator {
   BatchSimulator& operator=(const BatchSimulator&) = delete;
   virtual ~BatchSimulator() = default;
 
+  /// Number of lanes.
   virtual int lanes() const = 0;
 
-  /// As Simulator::reset. A world that starts elsewhere leaves its lane with that error.
+  /// Resets a lane, as Simulator::reset(). If the world is not at `state` afterwards, the lane keeps that error.
   virtual void reset(int lane, const WorldState& state) = 0;
 
-  /// As Simulator::step in every lane that has an action. The error of a lane does not keep the others from stepping:
-  /// its state() throws it, and it stays as it is until it is reset.
+  /// Steps every lane that has an action, as Simulator::step(). A lane's error does not stop the other lanes: the
+  /// lane's state() throws it, and the lane stays as it is until it is reset.
   virtual void step(Actions actions) = 0;
 
-  /// As Simulator::state. Throws what kept the lane from a step since its reset, InvalidInput before the first one.
+  /// State of a lane, as Simulator::state(). Throws the error of the lane's last step, InvalidInput before its first
+  /// reset.
   virtual WorldState state(int lane) const = 0;
 };
 
-/// What keeps each lane from going on, for whoever implements a BatchSimulator: at first, that nobody has reset it.
+/// Faults of lanes, for implementations of BatchSimulator. Before its first reset a lane has the fault that it was not
+/// reset.
 class LaneFaults {
  public:
   explicit LaneFaults(std::size_t lanes);
@@ -48,8 +51,8 @@ class LaneFaults {
   /// Throws the fault of `lane`, if it has one; std::out_of_range if there is no such lane.
   void raise(std::size_t lane) const;
 
-  /// Runs `call`, which resets `lane`, and throws its error. After a refusal (InvalidInput) the lane is as it was, any
-  /// other error is its fault, and without one it has none.
+  /// Runs `call`, which resets `lane`, and rethrows its error. InvalidInput, a refusal, leaves the lane's fault as it
+  /// was; any other error becomes the lane's fault; success clears it.
   template <class Call>
   void reset(std::size_t lane, const Call& call) {
     try {
@@ -63,7 +66,7 @@ class LaneFaults {
     }
   }
 
-  /// Runs `call`, a part of a step of `lane`, whose error is the lane's fault.
+  /// Runs `call`, part of a step of `lane`. Its error becomes the lane's fault.
   template <class Call>
   void step(std::size_t lane, const Call& call) {
     try {
@@ -77,12 +80,12 @@ class LaneFaults {
   std::vector<std::exception_ptr> faults_;  // by lane
 };
 
-/// Any simulators, one a lane, stepped one after the other.
+/// Batch of any simulators, one for each lane, stepped one after the other.
 class SimulatorLanes : public BatchSimulator {
  public:
   explicit SimulatorLanes(std::vector<std::unique_ptr<Simulator>> worlds);
 
-  /// A single lane.
+  /// Batch of one lane.
   explicit SimulatorLanes(std::unique_ptr<Simulator> world);
 
   int lanes() const override { return static_cast<int>(worlds_.size()); }

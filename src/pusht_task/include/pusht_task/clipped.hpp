@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// How much of a long text a message shows.
+/// Clipping of long texts in messages.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace pusht {
 
-/// [bytes] of an error's message, at most.
+/// Greatest length of an error's message [bytes].
 constexpr std::size_t kLongestMessage = 2000;
 
 /// `text` if it has at most `longest` bytes; else its begin and its end, and how many bytes are left out between them.

@@ -48,8 +48,8 @@ constexpr double kCenterOfMassOffset = kStemOffset * kStemMass / (kBarMass + kSt
 
 constexpr double kWallInnerFace = 0.39;  ///< [m] |x| or |y| of the walls' inner faces
 
-/// Of the reference's scene, for engines that follow it. The table rubs on the tee at its origin, along each axis of
-/// the table, and on its yaw.
+/// Dynamics of the reference's scene, for engines that follow it. Damping and friction of the table act on the tee at
+/// its origin, along each axis of the table, and on its yaw.
 namespace dynamics {
 constexpr double kPusherMass = 0.2;        ///< [kg]
 constexpr double kServoGain = 20.0;        ///< [N s/m] of the pusher's velocity servo, per axis
@@ -57,18 +57,18 @@ constexpr double kServoLimit = 30.0;       ///< [N] per axis
 constexpr double kPusherDamping = 0.5;     ///< [N s/m] per axis
 constexpr double kTeeDamping = 4.0;        ///< [N s/m] per axis
 constexpr double kTeeYawDamping = 0.02;    ///< [N m s]
-constexpr double kTeeFriction = 1.2;       ///< [N] dry, per axis
-constexpr double kTeeYawFriction = 0.006;  ///< [N m] dry
+constexpr double kTeeFriction = 1.2;       ///< [N] Coulomb, per axis
+constexpr double kTeeYawFriction = 0.006;  ///< [N m] Coulomb
 constexpr double kContactFriction = 1.0;   ///< [-] between all bodies
 constexpr double kWallThickness = 0.04;    ///< [m]
 }  // namespace dynamics
 
 // Trust in a simulator, ours or foreign.
-/// [m, rad, m/s, rad/s] How far a world may be from the start that it was reset to: single-precision engines exist. A
-/// kind that starts nearer says so (SimulatorKind::start_tolerance), and none may ask for more.
+/// Maximum deviation of the state after a reset from the requested state [m, rad, m/s, rad/s]; it allows for engines in
+/// single precision. A kind may declare a smaller one (SimulatorKind::start_tolerance), never a greater.
 constexpr double kStartTolerance = 1e-6;
-// What lies beyond is no state of a table of 0.78 m but a simulation that has failed. The pusher of a world without
-// walls gets 30 m away in an episode.
+// Plausible range of states. A state beyond it is a failed simulation: the table is 0.78 m wide, and the pusher of a
+// world without walls gets 30 m away in an episode.
 constexpr double kPlausibleDistance = 1000.0;    ///< [m] per axis
 constexpr double kPlausibleSpeed = 100000.0;     ///< [m/s] per axis
 constexpr double kPlausibleYawRate = 1000000.0;  ///< [rad/s]

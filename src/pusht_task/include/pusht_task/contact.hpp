@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What touches what in a world state, from its poses and the task's geometry (constants.hpp) alone. So it says the
-/// same of every simulator, in process, as a node or from a bag. Frame: table.
-/// A simulator whose bodies have other shapes, as the discs of the two-mass engine, is judged by the task's shapes all
-/// the same; walls stand where the task has them, also in a world without any.
+/// Contacts in a world state, from its poses and the task's geometry (constants.hpp) alone. So they are defined equally
+/// for every simulator, in process, as a node or from a bag. Frame: table.
+/// The task's shapes count also for a simulator with other shapes, as the discs of the two-mass engine. The task's
+/// walls count also in a world without walls.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ namespace pusht {
 /// would in 95.4 and 98.1 %, with 1e-3 m in 90.5 and 92.8 %. Where it does not, the bodies rest side by side.
 constexpr double kContactTolerance = 1e-6;  ///< [m]
 
-/// Where the pusher touches the tee.
+/// Part of the tee that the pusher touches.
 enum class Part {
   kNone,
   kBar,
@@ -26,45 +26,47 @@ enum class Part {
   kCorner,  ///< bar and stem at once: the pusher sits where they meet
 };
 
-/// What two places of contact have in common: of kCorner and kBar it is kBar.
+/// Intersection of two parts: kBar for kCorner and kBar.
 Part common(Part a, Part b);
 
-/// The pusher against one box of the tee.
+/// Geometry of the pusher against one box of the tee.
 struct Contact {
   double gap = 0.0;                                  ///< [m] between the surfaces; below 0 they overlap
-  Eigen::Vector2d point = Eigen::Vector2d::Zero();   ///< [m] of the box's surface, the nearest to the pusher
-  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< of length 1, from the box to the pusher
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();   ///< [m] point of the box's surface nearest to the pusher
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< unit vector from the box to the pusher
   /// [m/s] of the pusher's surface along the box's, positive to the left of the normal. The pusher does not turn.
   double slip = 0.0;
 
   bool touches() const { return gap <= kContactTolerance; }
 };
 
-/// The pusher against the tee.
+/// Geometry of the pusher against both boxes of the tee.
 struct Contacts {
   Contact bar;
   Contact stem;
 
   Part part() const;
 };
+/// Contacts of the pusher with both boxes of the tee.
 Contacts contactsOf(const WorldState& state);
 
-/// [m] How far the pusher's surface slides along a box of the tee, kBar or kStem, that it touches before and after.
-/// Positive to the left of the normal. A tee that rolls along the pusher does not slide. It comes of poses alone,
-/// because a state has the velocities of an instant, and some simulators have none. No other box: throws InternalError.
+/// Distance that the pusher's surface slides along `box`, kBar or kStem, which it touches before and after [m].
+/// Positive to the left of the normal. A tee that rolls along the pusher does not slide. It is computed from poses
+/// alone, because velocities are of an instant, and some simulators have none. Throws InternalError for another part.
 ///
 /// The point of contact moves by c along the box's outline and by -r dphi along the pusher's, of radius r, where dphi
 /// is what the normal turns in the table's frame. They slide by the difference, c + r dphi.
 /// Source: the contact equations of D. J. Montana, "The Kinematics of Contact and Grasp" (1988), in the plane.
 double slipDistance(const WorldState& before, const WorldState& after, Part box);
 
-/// [m] between a body and the nearest wall's inner face; below 0: beyond it.
+/// Gap between a body and the nearest wall's inner face [m]; below 0: beyond it.
 struct WallGaps {
   double pusher = 0.0;
   double tee = 0.0;
 
   bool touches() const { return pusher <= kContactTolerance || tee <= kContactTolerance; }
 };
+/// Distances of pusher and tee from the nearest wall [m].
 WallGaps wallGapsOf(const WorldState& state);
 
 }  // namespace pusht

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The ways in which the suite fails. What an error means to a caller is its exit code.
+/// Errors of the suite. The kind of an error is also the exit code of the process.
 #pragma once
 
 #include <exception>
@@ -10,6 +10,7 @@
 
 namespace pusht {
 
+/// Exit codes of commands and nodes, also in replies of services.
 enum class ExitCode {
   kOk = 0,
   kInvalidInput = 2,    ///< bad input or configuration
@@ -25,7 +26,7 @@ class Error : public std::exception {
   ExitCode exitCode() const { return exit_code_; }
   const char* what() const noexcept override { return message_.c_str(); }
 
-  /// Says in front of the message where the error came up; for whoever catches and rethrows it.
+  /// Puts `context` in front of the message, before the error is rethrown: "row 3: ...".
   void addContext(const std::string& context) { message_ = context + ": " + message_; }
 
  private:
@@ -33,24 +34,28 @@ class Error : public std::exception {
   std::string message_;
 };
 
+/// Bad input or configuration: exit code 2.
 struct InvalidInput : Error {
   explicit InvalidInput(const std::string& message) : Error(ExitCode::kInvalidInput, message) {}
 };
+/// Missing or unexpected dependency of the run: exit code 3.
 struct BadDependency : Error {
   explicit BadDependency(const std::string& message) : Error(ExitCode::kBadDependency, message) {}
 };
+/// Fault while running: exit code 4.
 struct RuntimeFault : Error {
   explicit RuntimeFault(const std::string& message) : Error(ExitCode::kRuntimeFault, message) {}
 };
-/// The physics of a world failed, so with other parameters it may do better.
+/// Failure of a world's physics; other parameters may succeed.
 struct SimulationFault : RuntimeFault {
   using RuntimeFault::RuntimeFault;
 };
+/// Defect of the suite or of a library: exit code 70.
 struct InternalError : Error {
   explicit InternalError(const std::string& message) : Error(ExitCode::kInternalError, message) {}
 };
 
-/// Calls call(); what that refuses as std::domain_error, as libraries do that know no Error, is bad input.
+/// Calls call() and turns its std::domain_error, which libraries without Error throw, into InvalidInput.
 template <class Call>
 decltype(auto) asInput(const Call& call) {
   try {
@@ -60,8 +65,8 @@ decltype(auto) asInput(const Call& call) {
   }
 }
 
-/// What any failure means to a caller; one that is no Error is a defect, but for memory that is used up and for what is
-/// outside the domain of a function.
+/// Exit code of any failure. Used-up memory is a runtime fault, std::domain_error is bad input, and any other exception
+/// that is no Error is a defect.
 inline ExitCode exitCodeOf(const std::exception& failure) {
   if (dynamic_cast<const std::bad_alloc*>(&failure) != nullptr) {
     return ExitCode::kRuntimeFault;

@@ -46,11 +46,13 @@ class AsideFile {
 /// Throws RuntimeFault if that fails (disk full, folder not writable); nothing is left behind.
 void writeFile(const std::filesystem::path& path, const std::string& content);
 
-/// The same for what can be made again: it is not forced onto the disk. Several processes may write one file.
+/// Writes `content` aside and renames it, without waiting for the disk; for files that can be made again. Several
+/// processes may write one file.
 void writeCacheFile(const std::filesystem::path& path, const std::string& content);
 
 /// Digest in lower-case hex.
 std::string sha256(const std::string& bytes);
+/// MD5 digest in lower-case hex.
 std::string md5(const std::string& bytes);
 
 }  // namespace pusht

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The parameters of a kind of simulator: what each of them is, and a value for each.
+/// Parameters of a kind of simulator: their descriptors and their values.
 #pragma once
 
 #include <cstdint>
@@ -13,37 +13,37 @@
 
 namespace pusht {
 
-/// true or false, an integer, a finite real, or a text.
+/// Value of a parameter: true or false, an integer, a finite real, or a text.
 using ParameterValue = std::variant<bool, std::int64_t, double, std::string>;
 
-/// What a text shows by itself: true or false, an integer, a finite real; else the text itself. "20.0" is a real.
+/// Value of a text without a descriptor: true or false, an integer, a finite real, else the text. "20.0" is a real.
 ParameterValue valueOf(const std::string& text);
 
-/// The text that reads back as `value`: "true", "20", "20.0", "shaped".
+/// Text that reads back as `value`: "true", "20", "20.0", "shaped".
 std::string textOf(const ParameterValue& value);
 
-/// What a word sets: the parameters that it names, unless they are set by name.
+/// Preset: a word that sets the listed parameters, except those that are set by name.
 struct Preset {
   std::string word;
   std::vector<std::pair<std::string, std::string>> settings;  ///< names and texts
 };
 
-/// What a parameter is, and which values it takes.
+/// Descriptor of a parameter: its meaning and the values that it takes.
 struct ParameterDescriptor {
   std::string name;
   std::string unit;              ///< empty: none
   std::string meaning;           ///< a phrase for people
   ParameterValue default_value;  ///< every value is of its type
 
-  // Of a number: where its range ends, and why.
+  // Range of a number, both ends included, and the reason for its ends.
   double least = -std::numeric_limits<double>::infinity();
   double greatest = std::numeric_limits<double>::infinity();
   std::string reason{};
 
-  /// Of a text: what it may be; empty: anything.
+  /// Words that a text may be; empty: any text.
   std::vector<std::string> words{};
 
-  /// Of a text: what its words set besides. The parameters that they set must default to what the default word sets.
+  /// Presets of a text's words. The parameters that they set must default to the values of the default word.
   std::vector<Preset> presets{};
 
   /// "real", "integer", "boolean" or "text".
@@ -53,39 +53,39 @@ struct ParameterDescriptor {
   /// every value of its type.
   std::string range() const;
 
-  /// The value that `text` stands for; an integer is a real, too. Throws InvalidInput with name, text and rule if it
-  /// stands for none that the parameter takes.
+  /// Value of `text`; an integer is a real, too. Throws InvalidInput with name, text and rule if it is no value that
+  /// the parameter takes.
   ParameterValue read(const std::string& text) const;
 
-  /// Throws InvalidInput with name, value and rule if `value`, of the parameter's type, is none of those.
+  /// Throws InvalidInput with name, value and rule if `value`, of the parameter's type, is out of range or no word.
   void require(const ParameterValue& value) const;
 };
 
-/// A parameter that has a value.
+/// Parameter with its value.
 struct Parameter {
   ParameterDescriptor descriptor;
   ParameterValue value;
-  bool set_by_name = false;  ///< a preset does not change it any more
+  bool set_by_name = false;  ///< set by its own name; presets leave it
 
   const std::string& name() const { return descriptor.name; }
   bool isDefault() const { return value == descriptor.default_value; }
 };
 
-/// The parameters of a kind, in its order, each with a value.
+/// Parameters of a kind, in its order, each with a value.
 class ParameterSet {
  public:
   ParameterSet() = default;
-  /// With their defaults.
+  /// Parameters with their defaults.
   explicit ParameterSet(const std::vector<ParameterDescriptor>& descriptors);
 
-  /// And what its preset sets, whichever comes first. Throws InvalidInput if there is none of that name (the message
-  /// says which there are), or as ParameterDescriptor::read.
+  /// Sets a parameter, and the parameters of its preset unless these are set by name, in any order of calls. Throws
+  /// InvalidInput for an unknown name, with the known ones, or as ParameterDescriptor::read().
   void set(const std::string& name, const std::string& text);
 
-  /// Throws InvalidInput if there is none of that name.
+  /// Parameter with this name. Throws InvalidInput for an unknown name.
   const Parameter& at(const std::string& name) const;
 
-  /// Of the parameter's type, or std::bad_variant_access is thrown.
+  /// Value of a parameter. Throws std::bad_variant_access unless `Value` is its type.
   template <class Value>
   const Value& get(const std::string& name) const {
     return std::get<Value>(at(name).value);

@@ -8,12 +8,12 @@
 
 namespace pusht {
 
-/// Maps observations to actions, many rollouts at a time. Rows are independent: a row's action never
-/// depends on its neighbours or on their number.
+/// Map from observations to actions, for many rollouts at a time. Rows are independent: an action does not depend on
+/// the other rows or on their number.
 class Policy {
  public:
-  /// What a policy remembers of one rollout from step to step. It belongs to the rollout, so that the
-  /// policy itself can serve any number of them.
+  /// Memory of a policy between the steps of one rollout. It belongs to the rollout, so one policy object serves any
+  /// number of rollouts.
   struct Memory {
     Memory() = default;
     Memory(const Memory&) = delete;
@@ -21,7 +21,7 @@ class Policy {
     virtual ~Memory() = default;
   };
 
-  /// One rollout that needs an action.
+  /// Rollout that needs an action.
   struct Query {
     Observation observation;
     Memory* memory;  ///< from begin() of the same policy
@@ -32,7 +32,7 @@ class Policy {
   Policy& operator=(const Policy&) = delete;
   virtual ~Policy() = default;
 
-  /// The memory at the start of a rollout; null for a policy that has none.
+  /// Memory at the beginning of a rollout; null for a policy without memory.
   virtual std::unique_ptr<Memory> begin() const { return nullptr; }
 
   /// Fills actions[i] for queries[i]; both have the same size. Not to be called from two threads at once.

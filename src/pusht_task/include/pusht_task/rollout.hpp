@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What a world does in an episode.
+/// Rollout: the record of a world in an episode.
 #pragma once
 
 #include <cstddef>
@@ -12,28 +12,28 @@
 
 namespace pusht {
 
-/// What happened: states[k] is the world before actions[k]; one more state than actions.
+/// Trace: states[k] is the world before actions[k]; there is one more state than actions.
 struct Trace {
   std::vector<WorldState> states;
-  std::vector<Action> actions;  ///< as applied, i.e. clipped
+  std::vector<Action> actions;  ///< applied, hence clipped [m/s]
 
   std::size_t steps() const { return actions.size(); }
 };
 
-/// The record of a world on its way through an episode: its trace, its success latch and what the policy remembers
-/// of it. Whoever steps the world records what it did. In closed loop the world is given the policy's answer to
-/// query(); in open loop the actions of another trace.
+/// Record of a world on its way through an episode: trace, success latch, and the policy's memory. The caller steps the
+/// world and records each step. In closed loop it takes the policy's action for query(); in open loop, the actions of
+/// another trace.
 class Rollout {
  public:
-  /// `start` is the world's state after its reset.
+  /// `start` is the state of the world after its reset.
   explicit Rollout(const WorldState& start, std::unique_ptr<Policy::Memory> memory = nullptr);
 
-  /// One that took place before.
+  /// Rollout that took place before, from its trace.
   explicit Rollout(const Trace& trace);
 
   Policy::Query query() const { return {observe(trace_.states.back()), memory_.get()}; }
 
-  /// One control step: the world was given `action` and is in `state` now.
+  /// Records a control step: the world took `action` and is in `state`.
   void record(const Action& action, const WorldState& state);
 
   /// Whether a closed loop ends here: success, or `horizon` control steps.

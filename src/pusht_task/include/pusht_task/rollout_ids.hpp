@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What a caller's rollouts are called at a policy that others may ask, too.
+/// Ids of a caller's rollouts at a policy that several callers share.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace pusht {
 
-/// Consecutive ids from a random number on, which is never 0: so two callers do not share one.
+/// Consecutive ids from a random number >= 1 on, so two callers practically never share one.
 class RolloutIds {
  public:
   std::uint64_t next() { return next_++; }

@@ -9,49 +9,49 @@
 
 namespace pusht {
 
-/// The rules of every reset and step, for whoever implements them without Simulator.
+// Rules of every reset and step, for implementations without Simulator.
 
 /// `state` with its yaw wrapped. Throws InvalidInput if a number is not finite or beyond what is plausible.
 WorldState checkedStart(const WorldState& state);
 /// `action` clipped as the task says. Throws InvalidInput if it is not finite.
 Action checkedAction(const Action& action);
-/// What is wrong with a world that is in `state` after a reset to `start`: a pose that is not the one of `start`,
-/// motion where there was none, both to `tolerance` [m, rad, m/s, rad/s]; a yaw that is not wrapped; empty if nothing.
+/// Fault of a world that is in `state` after a reset to `start`: another pose, or motion where there was none, both
+/// beyond `tolerance` [m, rad, m/s, rad/s]; a yaw that is not wrapped. Empty if there is none.
 std::string faultOfStart(const WorldState& start, const WorldState& state, double tolerance = kStartTolerance);
-/// Throws SimulationFault with what faultOfStart finds.
+/// Throws SimulationFault with the result of faultOfStart(), if it is not empty.
 void requireStart(const WorldState& start, const WorldState& state, double tolerance);
-/// `tolerance` [m, rad, m/s, rad/s]. Throws InvalidInput unless it is above 0 and at most kStartTolerance.
+/// Returns `tolerance` [m, rad, m/s, rad/s]. Throws InvalidInput unless it is above 0 and at most kStartTolerance.
 double checkedStartTolerance(double tolerance);
-/// Throws SimulationFault with field, value and rule if a step has left a `state` that is no data: not finite, out of
-/// range, or with a yaw that is not wrapped.
+/// Throws SimulationFault with field, value and rule if the `state` after a step is not finite, out of the plausible
+/// range, or has a yaw that is not wrapped.
 void requirePlausibleStep(const WorldState& state);
 
-/// One world. What is PushT and not physics (checking and clipping of actions, checking of states) happens
-/// here, once; a simulator only implements the three `do` functions. After an exception a world
-/// must be reset.
+/// World of PushT. This class checks and clips actions and checks states, once for all simulators; a simulator
+/// implements the physics in the three `do` functions. After an exception a world must be reset. Not thread-safe.
 class Simulator {
  public:
-  /// `name` tells whose faults they are, in their messages. `start_tolerance` [m, rad, m/s, rad/s] is how near to where
-  /// it was told to the world starts. Throws InvalidInput as checkedStartTolerance.
+  /// `name` is put in front of messages of faults. `start_tolerance`: see startTolerance(). Throws InvalidInput as
+  /// checkedStartTolerance().
   explicit Simulator(std::string name = "", double start_tolerance = kStartTolerance);
   Simulator(const Simulator&) = delete;
   Simulator& operator=(const Simulator&) = delete;
   virtual ~Simulator() = default;
 
-  /// Starts from `state` (projected onto what the simulator can represent); deterministic, clears all
-  /// hidden state. Throws InvalidInput if a number is not finite or beyond what is plausible; the world is then as it
-  /// was. SimulationFault if the world is elsewhere then, by more than startTolerance().
+  /// Sets the world to `state`, projected onto the states that the simulator can represent. Deterministic; clears all
+  /// hidden state. Throws InvalidInput if a number is not finite or beyond the plausible range, and leaves the world as
+  /// it was; SimulationFault if the world then deviates from `state` by more than startTolerance().
   void reset(const WorldState& state);
 
-  /// One control step with `action`, clipped as the task says. Success never stops a world.
+  /// Takes one control step with `action` [m/s], clipped to kActionLimit. Success never stops a world.
   /// Throws InvalidInput before the first reset or if the action is not finite, with the world as it was;
   /// SimulationFault if the simulation itself fails or leaves the plausible range (constants.hpp).
   void step(const Action& action);
 
-  /// After reset(s): s to startTolerance() where s can be represented; a reset to that changes nothing, bit for bit.
+  /// State of the world. After reset(s) it is s to startTolerance(), as far as s can be represented; a reset to it
+  /// changes no bit.
   WorldState state() const { return doState(); }
 
-  /// [m, rad, m/s, rad/s] How near to where it was told to the world starts.
+  /// Maximum deviation of the state after a reset from the requested state [m, rad, m/s, rad/s].
   double startTolerance() const { return start_tolerance_; }
 
  private:

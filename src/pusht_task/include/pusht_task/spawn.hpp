@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The start of an episode, drawn from a seed exactly as numpy draws it.
+/// Initial state of an episode, drawn from a seed with the bits of numpy.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ class NumpyGenerator {
   pcg64 engine_;
 };
 
-/// Tee on a ring around the target with any yaw, pusher clear of it, everything at rest.
+/// Initial state for `seed`: the tee on a ring around the target with any yaw, the pusher clear of it, all at rest.
 WorldState spawn(std::uint64_t seed);
 
 }  // namespace pusht

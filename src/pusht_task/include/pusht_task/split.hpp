@@ -9,7 +9,7 @@
 
 namespace pusht {
 
-/// What stands between the separators: one part more than there are of them, so that an empty text has one empty part.
+/// Parts of a text between separators: one more than there are separators, so an empty text has one empty part.
 inline std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts;
   std::size_t begin = 0;

@@ -6,9 +6,8 @@
 
 namespace pusht {
 
-/// Opens /dev/null in place of each standard stream that was closed when the program began: otherwise the first files
-/// that it opens would take the numbers 0 to 2, and what is printed would be written into them. Call it first in
-/// main().
+/// Opens /dev/null for each standard stream that was closed when the program began. Otherwise the first files of the
+/// program would get the descriptors 0 to 2, and output would be written into them. Must be called first in main().
 inline void openStandardStreams() {
   for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
     if (::fcntl(stream, F_GETFD) < 0) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The rules of PushT: what a policy sees, what an action may be, how far the tee is from its target
-/// and when it counts as there. No physics.
+/// Rules of PushT: observation, limits of actions, distance of the tee from its target, success, reward. No physics.
 #pragma once
 
 #include "pusht_task/constants.hpp"
@@ -11,7 +10,7 @@ namespace pusht {
 /// `action` with each axis clipped to [-1, 1] m/s.
 Action clip(const Action& action);
 
-/// What a policy sees of `state`.
+/// Observation of `state` for a policy.
 Observation observe(const WorldState& state);
 
 /// Distance of the tee from its target pose.
@@ -21,12 +20,13 @@ struct PoseError {
 
   bool inTolerance() const { return position < kPositionTolerance && angle < kAngleTolerance; }
 };
+/// Distance of the tee from the target in position [m] and yaw [rad].
 PoseError poseError(const WorldState& state);
 
 /// Success: `kSuccessHold` consecutive control steps in tolerance. Once latched it stays.
 class SuccessLatch {
  public:
-  /// Takes the error after one more control step. Returns true on the one step that latches.
+  /// Takes the error after a control step. Returns true in the one step that latches.
   bool update(const PoseError& error);
   bool latched() const { return latched_; }
 

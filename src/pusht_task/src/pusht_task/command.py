@@ -8,7 +8,6 @@ obeys them before it loads the libraries that it needs.
 import argparse
 import contextlib
 import io
-import json
 import os
 import signal
 import sys
@@ -16,22 +15,13 @@ import time
 from pathlib import Path
 from typing import Any, Callable, Iterator, NoReturn, Optional
 
-from pusht_task.exit_codes import ExitCode
+from pusht_task.error import Error, ExitCode, clipped
 from pusht_task.files import named
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 ONE_SIGNAL = 0.5  # [s] Closer signals are one: `timeout` sends to the command and to its group
 PATIENCE = 10  # [s] for an end in order after a signal
-LONGEST_ECHO = 2000  # characters of an error line
 MARK_WITHIN = 4096  # bytes at either end of a file, in which a command's own mark stands
-
-
-class Refusal(Exception):
-    """Why nothing is written: one line that names the thing, its value and the rule."""
-
-    def __init__(self, message: str, exit_code: int = ExitCode.INVALID_INPUT) -> None:
-        super().__init__(message)
-        self.exit_code = exit_code
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -53,8 +43,8 @@ def run_command(name: str, body: Callable[[], None], hint: str = "nothing is wri
     try:
         body()
         return ExitCode.OK
-    except Refusal as refusal:
-        message, code = str(refusal), refusal.exit_code
+    except Error as error:
+        message, code = str(error), error.exit_code
     except KeyboardInterrupt:
         message, code = "interrupted" + (f"; {hint}" if hint else ""), ExitCode.RUNTIME_FAULT
     except ImportError as error:
@@ -83,18 +73,15 @@ def say(text: str, end: str = "\n") -> None:
 
 
 def complain(name: str, message: str) -> None:
-    """One line on stderr, if there is one."""
-    line = " ".join(message.split())
-    if len(line) > LONGEST_ECHO:
-        half = LONGEST_ECHO // 2
-        line = f"{line[:half]} ... {line[-half:]}"
+    """Writes one line to stderr, if there is one."""
+    line = clipped(" ".join(message.split()))
     with contextlib.suppress(OSError, AttributeError, ValueError):
         sys.stderr.write(f"{name}: {line}\n")
         sys.stderr.flush()
 
 
 def _forget_stdout() -> None:
-    """What is left in the buffer of a stdout that takes nothing would be a second error."""
+    """Drops the buffer of a stdout that takes nothing: flushing it would be a second error."""
     with contextlib.suppress(OSError, AttributeError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -163,9 +150,9 @@ def require_new_file(option: str, path: Path, mark: Optional[bytes] = None) -> N
     if not os.path.lexists(path):
         return
     if mark is None:
-        raise Refusal(f"{option} {path}: is there already; name a new file")
+        raise Error(f"{option} {path}: is there already; name a new file")
     if path.is_symlink() or not path.is_file() or not _has_mark(path, mark):
-        raise Refusal(f"{option} {path}: is there already, and is not this command's own")
+        raise Error(f"{option} {path}: is there already, and is not this command's own")
 
 
 def _has_mark(path: Path, mark: bytes) -> bool:
@@ -174,24 +161,3 @@ def _has_mark(path: Path, mark: bytes) -> bool:
             return True
         file.seek(max(0, path.stat().st_size - MARK_WITHIN))
         return mark in file.read()
-
-
-def read_json(path: Path, rule: str = "it is needed") -> Any:
-    """The content of a JSON file. Refuses what is none, and numbers that are not finite."""
-    try:
-        return json.loads(
-            path.read_text(encoding="utf-8"), parse_float=_finite, parse_constant=_finite
-        )
-    except (FileNotFoundError, NotADirectoryError):
-        raise Refusal(f"{path}: no such file; {rule}") from None
-    except ValueError as error:
-        raise Refusal(f"{path}: must be JSON: {error}") from None
-    except RecursionError:
-        raise Refusal(f"{path}: must be JSON that is less deeply nested") from None
-
-
-def _finite(text: str) -> float:
-    value = float(text)
-    if value - value != 0.0:
-        raise ValueError(f"{text[:40]}: must be a finite number")
-    return value

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Serves a plain Python object as a simulator node or a policy node.
 
-    class Mine:  # one world; see sessions.Simulator
+    class Mine:  # one world; see world.Simulator
         def __init__(self, friction: float) -> None: ...
         def reset(self, start: WorldState) -> WorldState: ...
         def step(self, action: np.ndarray) -> WorldState: ...
@@ -34,19 +34,13 @@ from pusht_msgs.srv import Act as ActService  # type: ignore[import]
 from pusht_msgs.srv import Configure, ConfigureResponse, Describe, Reset, Step
 from rosgraph_msgs.msg import Clock  # type: ignore[import]
 
-from pusht_task.exit_codes import ExitCode
-from pusht_task.sessions import (
-    FOREIGN,
-    Act,
-    FailedStart,
-    Identity,
-    PolicySession,
-    Simulator,
-    SimulatorSession,
-    Value,
-    merged,
-)
+from pusht_task.error import ExitCode
+from pusht_task.parameters import Value, merged
+from pusht_task.policy_session import Act, PolicySession
+from pusht_task.session import FOREIGN, FailedStart, Identity
+from pusht_task.simulator_session import SimulatorSession
 from pusht_task.task import PUSHER_FRAME_HEIGHT, TEE_FRAME_HEIGHT
+from pusht_task.world import Simulator
 
 QUEUE = 1000  # messages to a slow subscriber
 PERIOD = 1.0  # [s] of the diagnostics, of repeated frames and of the checks of master and launch
@@ -70,7 +64,7 @@ def serve_simulator(
     `name` is a word; `title` is what people call the simulator, if that is not its name.
     `start_tolerance` [m, rad, m/s, rad/s] is how near to where it was told to it starts, at most
     1e-6. One that does not say starts to 1e-6; the contract suite then asks for double precision.
-    `parameters` are the knobs and switches with their defaults. They are private parameters of the
+    `parameters` are names with their defaults. They are private parameters of the
     node, and ~configure makes the simulator anew with others. `make` raises ValueError, with name,
     value and rule, for a value that it does not like.
     """
@@ -112,7 +106,7 @@ def _serve(
     if not _clock_runs():
         hint = "unset it, or start what publishes the clock"
         print(
-            f"{identity.name}: /use_sim_time is set, but nobody publishes /clock: {hint}",
+            f"{identity.name}: /use_sim_time is set, but nothing publishes /clock: {hint}",
             file=sys.stderr,
         )
         return ExitCode.RUNTIME_FAULT
@@ -166,7 +160,7 @@ def master_answers() -> bool:
 
 
 def _clock_runs() -> bool:
-    """Whether the node's time passes."""
+    """True if the node's time passes."""
     if not rospy.get_param("/use_sim_time", False):
         return True
     try:
@@ -205,7 +199,7 @@ class _WorldPublisher:
         self._tee = _transform(frame_prefix, "tee", TEE_FRAME_HEIGHT)
         self._fixed_broadcaster = tf2_ros.StaticTransformBroadcaster()
         self._fixed_broadcaster.sendTransform(_transform(frame_prefix, "target", 0.0))
-        self._lock = threading.Lock()  # of the frames
+        self._lock = threading.Lock()  # guards the frames
         self._repeating = threading.Event()
         threading.Thread(target=self._repeat, daemon=True).start()
 
@@ -228,7 +222,7 @@ class _WorldPublisher:
         self._broadcaster.sendTransform(frames)
 
     def _repeat(self) -> None:
-        """For whoever came after the last step. tf2 warns of what has the same stamp twice."""
+        """Sends the frames again for late subscribers, 1 ns on: tf2 warns of a repeated stamp."""
         self._repeating.wait()
         while not rospy.is_shutdown():
             rospy.rostime.wallsleep(PERIOD)
@@ -246,7 +240,7 @@ def _transform(frame_prefix: str, child: str, height: float) -> TransformStamped
 
 
 class _Health:
-    """How a node fares, told once a second."""
+    """Health of a node, published once a second."""
 
     def __init__(self, identity: Identity, level: int, message: str) -> None:
         self._identity = identity
@@ -271,8 +265,10 @@ class _Health:
         return counted
 
     def watch(self) -> ExitCode:
-        """Returns when the node is shut down, or when the master or the roslaunch that has started
-        the node has died: nobody would find it, or end it."""
+        """Returns when the node is shut down, or when the master or its roslaunch has died.
+
+        Without them the node could not be found, or would not be ended.
+        """
         # roslaunch names a log file to every node that it starts.
         launched = any(argument.startswith("__log:=") for argument in sys.argv)
         parent = os.getppid()

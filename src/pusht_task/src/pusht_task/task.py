@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What PushT is, as far as Python needs it. The numbers are those of constants.hpp, in SI units."""
+"""The task PushT, as far as Python needs it, with the numbers of constants.hpp in SI units."""
 
 import math
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ SPAWN_RADIUS_MAX = 0.24  # [m]
 SPAWN_PUSHER_BOUND = 0.32  # [m] per axis
 SPAWN_PUSHER_CLEARANCE = 0.13  # [m] from the tee origin
 
-# The tee is a bar, centred on the tee origin, and a stem below it (body frame: stem along -y).
+# The tee is a bar, centered on the tee origin, and a stem below it (body frame: stem along -y).
 PUSHER_RADIUS = 0.015  # [m]
 BAR_HALF_LENGTH = 0.06  # [m] along body x
 STEM_HALF_LENGTH = 0.045  # [m] along body y
 TEE_HALF_WIDTH = 0.015  # [m] the other half-size of bar and stem
-STEM_OFFSET = 0.06  # [m] from the bar's centre to the stem's, along body -y
+STEM_OFFSET = 0.06  # [m] from the bar's center to the stem's, along body -y
 BAR_MASS = 0.06  # [kg]
 STEM_MASS = 0.045  # [kg]
 CENTER_OF_MASS_OFFSET = STEM_OFFSET * STEM_MASS / (BAR_MASS + STEM_MASS)  # [m] along body -y
@@ -48,7 +48,7 @@ class WorldState:
     pusher_y: float = 0.0  # [m]
     pusher_vx: float = 0.0  # [m/s]
     pusher_vy: float = 0.0  # [m/s]
-    tee_x: float = 0.0  # [m] tee origin: the centre of the bar
+    tee_x: float = 0.0  # [m] tee origin: the center of the bar
     tee_y: float = 0.0  # [m]
     tee_yaw: float = 0.0  # [rad] in [-pi, pi), about z
     tee_vx: float = 0.0  # [m/s] of the tee origin

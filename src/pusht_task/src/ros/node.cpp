@@ -129,7 +129,7 @@ int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, 
 void requireClock() {
   if (ros::param::param("/use_sim_time", false) && !ros::Time::waitForValid(ros::WallDuration(kClockPatience))) {
     throw RuntimeFault(
-        "/use_sim_time is set, but nobody publishes /clock: unset it, or start what publishes the clock");
+        "/use_sim_time is set, but nothing publishes /clock: unset it, or start what publishes the clock");
   }
 }
 

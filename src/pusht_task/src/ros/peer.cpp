@@ -14,7 +14,7 @@ namespace pusht {
 namespace {
 
 constexpr std::chrono::milliseconds kConnectPeriod{20};
-constexpr std::chrono::seconds kSilence{1};      // before it is said that somebody waits
+constexpr std::chrono::seconds kSilence{1};      // wait before it is logged
 constexpr std::chrono::seconds kDeadOrNever{3};  // a node accepts connections before it is registered
 
 /// Host and port of the node that the master knows for `service`; empty if there is none.
@@ -80,10 +80,10 @@ void Peer::connect(const Wait& wait) {
       wait.tell(services_);
     }
     if (wait.stop()) {
-      throw NodeMissing(service + ": nobody answers");
+      throw NodeMissing(service + ": no node answers");
     }
     if (std::chrono::steady_clock::now() >= expiry) {
-      throw NodeMissing(service + ": nobody answers within " + std::to_string(wait.patience.count()) + " ms",
+      throw NodeMissing(service + ": no node answers within " + std::to_string(wait.patience.count()) + " ms",
                         services_);
     }
     const std::string owner = std::exchange(owner_, ownerOf(service));
@@ -101,7 +101,7 @@ void Peer::connect(const Wait& wait) {
     if (may_live) {
       last_sign = std::chrono::steady_clock::now();
     } else if (!wait.respawn && std::chrono::steady_clock::now() - last_sign > kDeadOrNever) {
-      throw NodeMissing(service + ": the master knows a node at " + owner_ + ", but nobody answers there: it has died",
+      throw NodeMissing(service + ": the master knows a node at " + owner_ + ", but nothing answers there: it has died",
                         services_);
     }
     if (!answered) {

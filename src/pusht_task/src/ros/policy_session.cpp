@@ -14,7 +14,7 @@
 namespace pusht {
 namespace {
 
-/// Nobody says when a rollout has ended. When there are many, those are forgotten that were not asked for lately.
+/// Number of rollouts above which those that were not asked for lately are forgotten: callers do not say when one ends.
 constexpr std::size_t kManyRollouts = 65'536;
 constexpr std::uint64_t kLately = 1'000;  // requests
 

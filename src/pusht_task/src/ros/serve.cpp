@@ -20,7 +20,7 @@
 namespace pusht {
 namespace {
 
-/// How requests fared.
+/// Counts of answered and refused requests.
 struct Tally {
   std::uint64_t answered = 0;
   std::uint64_t refused = 0;
@@ -46,7 +46,7 @@ struct Tally {
 
 class SimulatorNode {
  public:
-  SimulatorNode(const ros::NodeHandle& node, const SimulatorKind& kind, const SimulatorKinds& kinds,
+  SimulatorNode(const ros::NodeHandle& node, const SimulatorKind& kind, const SimulatorKinds* kinds,
                 const ParameterSet& parameters, const std::string& frame_prefix)
       : frame_prefix_(frame_prefix),
         node_(node),
@@ -127,7 +127,8 @@ class SimulatorNode {
     shown_ = ros::SteadyTime::now();
   }
 
-  /// For whoever came after the last step, or has forgotten (rviz's Reset). tf2 warns of what has the same stamp twice.
+  /// Sends the last step again for late subscribers and after rviz's Reset. tf2 warns of a repeated stamp, so stamps
+  /// grow.
   void repeat() {
     for (geometry_msgs::TransformStamped& frame : moving_) {
       frame.header.stamp += ros::Duration(0, 1);
@@ -215,7 +216,7 @@ int serve(int argc, char** argv, const std::string& node_name,
 }
 
 std::shared_ptr<SimulatorNode> makeNode(const ros::NodeHandle& node, const SimulatorKind& kind,
-                                        const SimulatorKinds& kinds, ParameterReader& parameters) {
+                                        const SimulatorKinds* kinds, ParameterReader& parameters) {
   const std::string frame_prefix = parameters.text("frame_prefix", ros::this_node::getName().substr(1));
   const ParameterSet values = parameters.changed(kind.defaults());
   parameters.refuseUnknown();
@@ -226,13 +227,14 @@ std::shared_ptr<SimulatorNode> makeNode(const ros::NodeHandle& node, const Simul
 
 int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKind& kind) {
   return serve(argc, argv, node_name, [&](const ros::NodeHandle& node, ParameterReader& parameters) {
-    return makeNode(node, kind, {}, parameters);
+    return makeNode(node, kind, nullptr, parameters);
   });
 }
 
-int serveSimulator(int argc, char** argv, const std::string& node_name, const SimulatorKinds& kinds) {
-  return serve(argc, argv, node_name, [&](const ros::NodeHandle& node, ParameterReader& parameters) {
-    return makeNode(node, kindNamed(parameters.text("kind", ""), kinds), kinds, parameters);
+int serveAnySimulator(int argc, char** argv, const std::string& node_name) {
+  return serve(argc, argv, node_name, [](const ros::NodeHandle& node, ParameterReader& parameters) {
+    const SimulatorKinds& kinds = SimulatorKinds::installed();
+    return makeNode(node, kinds.named(parameters.text("kind", "")), &kinds, parameters);
   });
 }
 

@@ -24,7 +24,7 @@ typename Service::Response answerOf(ServiceCaller<Service>& caller, const typena
   }
 }
 
-/// What the peer would be as one of `kind`, without becoming it.
+/// Description of the peer as it would be as one of `kind`, without a change of the peer.
 pusht_msgs::DescribeResponse describedAs(const std::string& kind, const Peer& peer) {
   if (kind.empty()) {
     return peer.description();

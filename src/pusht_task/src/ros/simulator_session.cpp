@@ -25,7 +25,8 @@ const ros::Duration kStampStep(kControlStep);
 constexpr std::uint32_t kStampLimitByHand = 1U << 31U;
 constexpr std::uint32_t kStampLimit = 0U - 1'000'000U;
 
-/// Without the kind's name, for runs have recorded such hashes: two kinds may share one, and callers look at `name`.
+/// Hash of the parameters without the kind's name, because runs have recorded such hashes: two kinds may share one, and
+/// callers look at `name`.
 std::string hashOf(const Parameters& parameters) {
   if (parameters.empty()) {
     return "";
@@ -72,8 +73,8 @@ WorldState startOf(const pusht_msgs::ResetRequest& request) {
 }  // namespace
 
 SimulatorSession::SimulatorSession(SimulatorKind kind, const ParameterSet& parameters, std::string frame_prefix,
-                                   Observer observer, SimulatorKinds kinds)
-    : kinds_(std::move(kinds)),
+                                   Observer observer, const SimulatorKinds* kinds)
+    : kinds_(kinds),
       kind_(std::move(kind)),
       model_(kind_.load(parameters)),
       world_(model_.make_world()),
@@ -169,7 +170,7 @@ pusht_msgs::DescribeResponse SimulatorSession::describe(const pusht_msgs::Descri
     const SimulatorKind& kind = as_it_is ? kind_ : kindFor(request.kind);
     const ParameterSet parameters = as_it_is ? model_.parameters : kind.defaults();
     response.name = kind.name;
-    response.kinds = kindNames(kinds_);
+    response.kinds = kinds_ == nullptr ? std::vector<std::string>() : kinds_->names();
     response.title = kind.title;
     response.version = kind.version;
     response.parameters = toMessages(parameters);
@@ -271,10 +272,10 @@ const SimulatorKind& SimulatorSession::kindFor(const std::string& name) const {
   if (name == kind_.name) {
     return kind_;
   }
-  if (kinds_.empty()) {
+  if (kinds_ == nullptr) {
     throw InvalidInput("simulator '" + name + "': must be " + kind_.name + ", the only kind that this node can be");
   }
-  return kindNamed(name, kinds_);
+  return kinds_->named(name);
 }
 
 pusht_msgs::DescribeResponse describeFailure(const std::exception& failure) {

@@ -14,6 +14,7 @@ void catchInterrupts(const std::string& name);
 /// The same, but signals never break off a call of this thread or of those that it starts from now on: roscpp takes
 /// such a call of the master for a master that is not there, or a parameter that is not set.
 void catchInterruptsAside(const std::string& name);
+/// Whether a signal has asked for the end of the process.
 bool interrupted();
 
 /// Throws RuntimeFault if interrupted() holds: "interrupted in row 3". A command calls it between the pieces of its

@@ -23,7 +23,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr Divergence kNoDivergence{kNan, kNan};
 
-/// Of the states of two rollouts after `step` control steps, if both have come that far.
+/// Divergence of two rollouts after `step` control steps; NaN unless both have come that far.
 Divergence divergenceAt(const Episode& episode, Mode a, Mode b, int step) {
   const pusht::Rollout& first = episode.rollout(a);
   const pusht::Rollout& second = episode.rollout(b);
@@ -34,7 +34,7 @@ Divergence divergenceAt(const Episode& episode, Mode a, Mode b, int step) {
   return divergence(first.trace().states[k], second.trace().states[k]);
 }
 
-/// Of the reference and a tee that never moves.
+/// Divergence of the reference from a tee that never moves.
 Divergence nullDivergenceAt(const Episode& episode, int step) {
   const pusht::Rollout& reference = episode.rollout(kReferenceClosed);
   if (step > reference.steps()) {
@@ -72,7 +72,7 @@ pusht_msgs::Mean toMessage(const std::string& name, const char* unit, const Esti
   return message;
 }
 
-/// Before the first episode has finished.
+/// Summary before the first episode has finished.
 Summary noSummary(const Protocol& protocol) {
   Summary none;
   none.reference = none.engine = {0, kNan, {kNan, kNan}};

@@ -11,54 +11,24 @@
 #include <std_msgs/String.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/ros/conversions.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
-#include "sim2sim_protocol/flight.hpp"
 
 namespace sim2sim {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string textOf(const pusht::Action& action) {
-  return "(" + std::to_string(action[0]) + ", " + std::to_string(action[1]) + ")";
-}
-
-/// Takes the actions that were recorded.
-class RecordedPolicy : public pusht::Policy {
- public:
-  explicit RecordedPolicy(const RecordedEpisode& record) : record_(record) {}
-
-  /// Closed loops are begun in the order of their modes.
-  std::unique_ptr<Memory> begin() const override { return std::make_unique<Cursor>(record_.modes.at(begun_++)); }
-
-  void act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) override {
-    std::transform(queries.begin(), queries.end(), actions.begin(),
-                   [](const Query& query) { return static_cast<Cursor*>(query.memory)->next(); });
-  }
-
- private:
-  /// Where a rollout is in its record. Past the end of that, the world refuses to go on.
-  struct Cursor : Memory {
-    explicit Cursor(const pusht::Trace& recorded) : trace(recorded) {}
-    pusht::Action next() { return step < trace.steps() ? trace.actions[step++] : pusht::Action{}; }
-
-    const pusht::Trace& trace;
-    std::size_t step = 0;
-  };
-
-  const RecordedEpisode& record_;
-  mutable std::size_t begun_ = 0;
-};
 
 /// Gathers rollouts from messages, and computes the results of each episode that has finished.
 class Reader {
@@ -108,10 +78,10 @@ class Reader {
     finished_ = message;
   }
 
-  /// Of the episodes that results() has.
+  /// Bands over the episodes of results().
   const DivergenceBands& bands() const { return bands_; }
 
-  /// By index.
+  /// Results of the finished episodes by index.
   std::vector<EpisodeResult> results() {
     settle();
     std::vector<EpisodeResult> results;
@@ -187,14 +157,15 @@ class QuietLibraries {
   ~QuietLibraries() { console_bridge::restorePreviousOutputHandler(); }
 };
 
-/// A message of a run.
+/// Message of a run.
 struct Recorded {
   ros::Time stamp;
   int rank;  ///< among those with this stamp: worlds, traces, the episode's result
   std::function<void(Reader&)> take;
 };
 
-/// A recorder that subscribes has its own times and, over topics, its own order; stamps and ranks tell the true one.
+/// Reads a message of the bag. A recorder that subscribes has its own times and, across topics, its own order; stamps
+/// and ranks give the true one.
 Recorded recordedIn(const rosbag::MessageInstance& instance, const std::map<std::string, Mode>& modes) {
   const auto recorded = [](int rank, auto message, const auto& take) {
     return Recorded{message.header.stamp, rank,
@@ -212,7 +183,7 @@ Recorded recordedIn(const rosbag::MessageInstance& instance, const std::map<std:
   return recorded(2, messageIn<pusht_msgs::EpisodeResult>(instance), plainly);
 }
 
-/// The description of the run that the bag holds; of the last one if a plain recorder has heard of several.
+/// Description of the bag's run; of the last run if a plain recorder has recorded several.
 nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
   rosbag::View view(bag, rosbag::TopicQuery(kConfigurationTopic));
   if (view.size() == 0) {
@@ -222,7 +193,7 @@ nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
   return nlohmann::ordered_json::parse(messageIn<std_msgs::String>(*std::next(view.begin(), view.size() - 1)).data);
 }
 
-/// The starts that the bag holds, if they were given; `protocol` knows their hash.
+/// Takes the initial states from the bag, if they were given to the run. `protocol` has their hash.
 void takeStarts(Protocol& protocol, const nlohmann::ordered_json& provenance) {
   if (!protocol.initial_states) {
     return;
@@ -282,55 +253,6 @@ RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop,
 }
 
 }  // namespace
-
-void RecordedWorld::doReset(const pusht::WorldState& state) {
-  if (trace_.states.empty()) {
-    throw pusht::BadDependency("no start is recorded");
-  }
-  if (!pusht::faultOfStart(state, trace_.states.front()).empty()) {
-    throw pusht::BadDependency("the start that is recorded is not that of the episode");
-  }
-  step_ = 0;
-}
-
-void RecordedWorld::doStep(const pusht::Action& action) {
-  if (step_ == trace_.steps()) {
-    throw pusht::BadDependency("no more is recorded, but the rollout must go on");
-  }
-  if (action != trace_.actions[step_]) {
-    throw pusht::BadDependency("the action that is recorded is " + textOf(trace_.actions[step_]) + ", must be " +
-                               textOf(action));
-  }
-  ++step_;
-}
-
-Episode rebuildEpisode(const Protocol& protocol, int index, const RecordedEpisode& record) {
-  const Worlds worlds = worldsOf(std::make_unique<RecordedWorld>(record.modes[kReferenceClosed]),
-                                 std::make_unique<RecordedWorld>(record.modes[kEngineClosed]),
-                                 std::make_unique<RecordedWorld>(record.modes[kEngineReplay]));
-  RecordedPolicy policy(record);
-  const auto require_steps = [&](const std::string& mode, std::size_t recorded, std::size_t wanted) {
-    if (recorded != wanted) {
-      throw pusht::BadDependency("episode " + std::to_string(index) + ", " + mode + ": " + std::to_string(recorded) +
-                                 " steps are recorded, must be " + std::to_string(wanted));
-    }
-  };
-  CachedTraces cached;
-  const std::vector<Probe> probes = protocol.probes();
-  for (std::size_t i = 0; i < probes.size(); ++i) {
-    const auto states = i < record.probes.size() ? record.probes[i] : std::vector<pusht::WorldState>();
-    cached.probes.emplace_back(pusht::Trace{states, record.modes[kReferenceClosed].actions});
-  }
-  Episode episode = runEpisode(protocol, index, worlds, policy, std::move(cached));
-  for (const Mode mode : kModes) {
-    require_steps(modeName(mode), record.modes.at(mode).steps(), episode.rollout(mode).trace().steps());
-  }
-  for (std::size_t i = 0; i < probes.size(); ++i) {
-    const std::size_t states = episode.rollout(kReferenceClosed).trace().states.size();
-    require_steps(probes[i].name, episode.probe(i)->states.size(), states);
-  }
-  return episode;
-}
 
 RecordedRun readRun(const fs::path& path, const std::function<bool()>& stop,
                     const std::function<void(Episode&&)>& each) {

@@ -84,7 +84,7 @@ RunBag::~RunBag() {
   try {
     finish();
   } catch (const std::exception&) {
-    // Nothing is left of the bag; who wanted to know has called finish().
+    // The bag is lost; a caller that needs to know calls finish().
   }
 }
 
@@ -93,7 +93,7 @@ void RunBag::writeWorlds(const Episode& episode, int step, const ros::Time& stam
   for (const Mode mode : kModes) {
     moments[mode] = momentOf(episode.rollout(mode).trace(), step);
   }
-  worker_.post([this, moments, episode = episode.index(), step, stamp] {
+  queue_.post([this, moments, episode = episode.index(), step, stamp] {
     tf2_msgs::TFMessage frames;
     for (const Mode mode : kModes) {
       if (moments[mode]) {
@@ -108,7 +108,7 @@ void RunBag::writeWorlds(const Episode& episode, int step, const ros::Time& stam
 }
 
 void RunBag::write(const tf2_msgs::TFMessage& fixed_frames, const ros::Time& stamp) {
-  worker_.post([this, fixed_frames, stamp] { file_.writeLatched(kFixedTfTopic, stamp, fixed_frames); });
+  queue_.post([this, fixed_frames, stamp] { file_.writeLatched(kFixedTfTopic, stamp, fixed_frames); });
 }
 
 void RunBag::writeProbes(const Protocol& protocol, const Episode& episode, const ros::Time& stamp) {
@@ -118,27 +118,27 @@ void RunBag::writeProbes(const Protocol& protocol, const Episode& episode, const
 }
 
 void RunBag::write(const pusht_msgs::Trace& message) {
-  worker_.post([this, message] { file_.write(kTraceTopic, message.header.stamp, message); });
+  queue_.post([this, message] { file_.write(kTraceTopic, message.header.stamp, message); });
 }
 
 void RunBag::write(const pusht_msgs::Divergence& message) {
-  worker_.post([this, message] { file_.write(kDivergenceTopic, message.header.stamp, message); });
+  queue_.post([this, message] { file_.write(kDivergenceTopic, message.header.stamp, message); });
 }
 
 void RunBag::write(const pusht_msgs::EpisodeResult& message) {
-  worker_.post([this, message] { file_.write(kEpisodeTopic, message.header.stamp, message); });
+  queue_.post([this, message] { file_.write(kEpisodeTopic, message.header.stamp, message); });
 }
 
 void RunBag::write(const pusht_msgs::Summary& message) {
-  worker_.post([this, message] { file_.writeLatched(kSummaryTopic, message.header.stamp, message); });
+  queue_.post([this, message] { file_.writeLatched(kSummaryTopic, message.header.stamp, message); });
 }
 
 void RunBag::write(const visualization_msgs::MarkerArray& message, const ros::Time& stamp) {
-  worker_.post([this, message, stamp] { file_.write(kMarkersTopic, stamp, message); });
+  queue_.post([this, message, stamp] { file_.write(kMarkersTopic, stamp, message); });
 }
 
 void RunBag::finish() {
-  worker_.wait();
+  queue_.wait();
   if (!std::exchange(finished_, true)) {
     file_.finish();
   }

@@ -42,7 +42,7 @@ void requireOpenFiles() {
   }
 }
 
-/// How many characters must be put in, left out, changed, or swapped with their neighbor to make one text the other.
+/// Edit distance: number of characters to insert, delete, change, or swap with their neighbor to turn `a` into `b`.
 std::size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> distance(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) {
@@ -76,7 +76,7 @@ std::optional<std::string> nearestOption(const CLI::App& app, const std::string&
   return nearest;
 }
 
-/// What to say of arguments that `app` does not know.
+/// Message about arguments that `app` does not know.
 std::string unexpectedText(const CLI::App& app, const CLI::ExtrasError& error) {
   constexpr std::size_t kLongest = 60;  // characters of an argument that may be an option
   for (const std::string& argument : app.remaining()) {

@@ -5,9 +5,7 @@
 #include <atomic>
 #include <exception>
 #include <filesystem>
-#include <functional>
 #include <iostream>
-#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -17,12 +15,13 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/ros/served_simulator.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/loaded_run.hpp"
+#include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/simulators.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
@@ -67,27 +66,6 @@ class Recorder {
   RunBag bag_;
 };
 
-/// Reorder buffer: takes episodes in any order and hands them on by index, until no further one is needed.
-class InOrder {
- public:
-  /// `take` gets the episodes from index `first` on, and returns whether it needs further ones.
-  InOrder(int first, std::function<bool(const Episode&)> take) : next_(first), take_(std::move(take)) {}
-
-  void add(Episode&& episode) {
-    waiting_.emplace(episode.index(), std::move(episode));
-    for (auto first = waiting_.begin(); goes_on_ && first != waiting_.end() && first->first == next_; ++next_) {
-      goes_on_ = take_(first->second);
-      first = waiting_.erase(first);
-    }
-  }
-
- private:
-  int next_;
-  std::function<bool(const Episode&)> take_;
-  bool goes_on_ = true;
-  std::map<int, Episode> waiting_;  // for those before them
-};
-
 /// The starts of a run, as a file for readInitialStates().
 std::string startsOf(const Protocol& protocol) {
   std::vector<pusht::WorldState> states;
@@ -107,9 +85,13 @@ void requireNewStarts(const fs::path& path, const Protocol& protocol, bool goes_
   }
 }
 
-/// Each parameter of a kind of the course, as an option of its own.
+/// Declares each parameter of a kind of the course as an option of its own; none if the kind cannot be loaded.
 void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::string>& parameters) {
-  for (const pusht::ParameterDescriptor& parameter : simulatorKind(kind).parameters) {
+  const pusht::SimulatorKind* const known = pusht::SimulatorKinds::installed().find(kind);
+  if (known == nullptr) {
+    return;  // why, is said when it is chosen
+  }
+  for (const pusht::ParameterDescriptor& parameter : known->parameters) {
     const std::string unit = parameter.unit.empty() ? "" : " [" + parameter.unit + "]";
     const bool is_real = std::holds_alternative<double>(parameter.default_value);
     app.add_option_function<std::string>(
@@ -117,7 +99,7 @@ void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::
            [&parameters, name = parameter.name](const std::string& value) {
              parameters.push_back(std::string(name).append("=").append(value));
            },
-           simulatorKind(kind).title + ": " + parameter.meaning + unit)
+           known->title + ": " + parameter.meaning + unit)
         ->check(is_real ? decimalReal() : CLI::Validator(""))
         ->default_str(pusht::textOf(parameter.default_value));
   }
@@ -144,7 +126,9 @@ void CompareOptions::declare(CLI::App& app) {
       ->check(notEmpty());
   app.add_option("--write-starts", write_starts, "write the starts of the run into a new CSV file, for --starts")
       ->check(notEmpty());
-  app.add_option("--reference", reference, "kind of simulator: " + pusht::joined(kindNames()))->capture_default_str();
+  app.add_option("--reference", reference,
+                 "kind of simulator: " + pusht::joined(pusht::SimulatorKinds::installed().names()))
+      ->capture_default_str();
   app.add_option("--engine", engine, "kind of simulator that is compared with the reference")->capture_default_str();
   app.add_option("--set", engine_parameters, "NAME=VALUE: a parameter of the engine; may be repeated")
       ->allow_extra_args(false);
@@ -167,7 +151,7 @@ void CompareOptions::declare(CLI::App& app) {
 }
 
 void compare(const CompareOptions& options) {
-  // All that can be refused is refused before anything is written.
+  // Checks of all inputs come before the first file is written.
   RunConfiguration configuration;
   configuration.protocol = options.smoke ? smokeRun(options.protocol) : options.protocol;
   if (!options.smoke && !options.episodes_given) {
@@ -218,7 +202,7 @@ void compare(const CompareOptions& options) {
     }
     std::optional<TraceFile> traces;
     if (options.traces) {
-      traces.emplace(folder.tracesPath(), configuration.protocol);
+      traces.emplace(folder.tracesPath());
     }
     ProgressBar bar("episodes", configuration.protocol.episodes);
     int reference_successes = 0;
@@ -233,6 +217,7 @@ void compare(const CompareOptions& options) {
       finished.insert(result.index);
     }
     bar.skip(static_cast<std::int64_t>(finished.size()));
+    std::atomic<bool> decided = run.decided();
     const auto take = [&](const Episode& episode) {
       const EpisodeResult result = run.add(episode);
       if (recorder) {
@@ -243,25 +228,12 @@ void compare(const CompareOptions& options) {
       }
       count(result);
       bar.advance("success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
-    };
-    std::atomic<bool> decided = run.decided();
-    InOrder in_order(configuration.protocol.first_episode + static_cast<int>(finished.size()),
-                     [&](const Episode& episode) {
-                       take(episode);
-                       decided = run.decided();
-                       return !decided;
-                     });
-    const auto deliver = [&](Episode&& episode) {
-      if (configuration.protocol.until_decided) {
-        in_order.add(std::move(episode));
-      } else {
-        take(episode);
-      }
+      decided = run.decided();
     };
     try {
       runProtocol(
           configuration.protocol, loaded.workerFactory(engine), options.batch.threadCount(),
-          references ? &*references : nullptr, deliver, [&] { return decided || interrupted(); }, finished);
+          references ? &*references : nullptr, take, [&] { return decided || interrupted(); }, finished);
     } catch (const pusht::Error&) {
       if (!decided) {  // else it is of an episode that is not needed
         throw;

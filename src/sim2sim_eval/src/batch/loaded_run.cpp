@@ -9,7 +9,7 @@
 namespace sim2sim {
 namespace {
 
-/// Those that compute a rollout, besides those of the simulators and of the policy.
+/// Libraries that compute a rollout, besides those of the simulators and of the policy.
 const std::vector<std::string> kLibraries = {"libm.so", "libpusht_task.so", "libpusht_policy.so",
                                              "libsim2sim_protocol.so"};
 

@@ -48,7 +48,7 @@ RunConfiguration rowConfiguration(const Protocol& protocol, const LoadedRun& loa
   return configuration;
 }
 
-/// What decides a sweep, as in sweep.json; the same for all its shards. `engines` are those of the rows.
+/// Description of a sweep for sweep.json: all that decides it, equal for all its shards. `engines`: records by row.
 json descriptionOf(const SweepPlan& plan, const LoadedRun& loaded, const json& engines) {
   json description = describe(sweepConfiguration(plan.protocol, loaded));
   for (const char* of_a_row : {"engine_simulator", "knobs", "simulators", "config_hash"}) {
@@ -62,7 +62,7 @@ json descriptionOf(const SweepPlan& plan, const LoadedRun& loaded, const json& e
   return description;
 }
 
-/// What tells the rows apart: names of parameters that have more than one value. All of them for a single row.
+/// Names of parameters that have more than one value, which tell the rows apart. All names for a single row.
 std::vector<std::string> varyingParameters(const std::vector<SimulatorChoice>& rows) {
   std::vector<std::string> varying;
   for (const SimulatorChoice& row : rows) {

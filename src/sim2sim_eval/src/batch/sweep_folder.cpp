@@ -19,9 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kSweepCsv = "sweep.csv";
-constexpr const char* kRows = "rows";
-
 constexpr std::size_t kTablesWritten = 100;  // in the course of a sweep, about
 
 json parsedFile(const fs::path& path, const std::string& what) {
@@ -42,7 +39,7 @@ std::string csvCell(const json& value) {
 
 using Columns = std::vector<std::pair<std::string, json>>;
 
-/// What tells the rows apart: the kind of engine, if there are several, and all parameters that a row has.
+/// Names of columns that tell the rows apart: the kind of engine, if there are several, and all parameters of a row.
 std::vector<std::string> parameterNames(const std::vector<json>& rows) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
@@ -142,11 +139,7 @@ SweepOnDisk readSweep(const fs::path& folder) {
 }
 
 std::vector<Input> inputsOf(const fs::path& shard) {
-  std::vector<Input> inputs;
-  for (const char* name : {kSweepFile, kProvenanceFile, kRows}) {
-    inputs.push_back({"shard", shard / name});
-  }
-  return inputs;
+  return {{"shard", shard / kSweepFile}, {"shard", shard / kProvenanceFile}, {"shard", rowsFolder(shard)}};
 }
 
 std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted) {
@@ -278,7 +271,7 @@ void SweepFolder::writeStatus(pusht::ExitCode code, const std::string& reason) c
 }
 
 void SweepFolder::writeTables() const {
-  pusht::writeFile(path() / kSweepCsv, sweepCsv(rows_));
+  pusht::writeFile(path() / kSweepTable, sweepCsv(rows_));
   pusht::writeFile(path() / kSweepFile, jsonText({{"sweep", description_}, {"rows", rows_}}));
 }
 

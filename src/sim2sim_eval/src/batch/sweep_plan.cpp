@@ -13,6 +13,7 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
 
 namespace sim2sim {
@@ -74,7 +75,7 @@ void requireRowLimit(const YAML::Node& node, const std::string& key, std::size_t
   }
 }
 
-/// Each key once; YAML itself would take the last.
+/// Throws InvalidInput for a key that appears twice; YAML itself would take the last.
 void requireDistinctKeys(const YAML::Node& map) {
   std::set<std::string> seen;
   for (const auto& entry : map) {
@@ -204,8 +205,10 @@ SimulatorChoice simulatorAt(const YAML::Node& node, const std::string& key) {
 /// The parameters of the reference that are keys of a plan too: those of the course's.
 std::vector<std::string> shortForms() {
   std::vector<std::string> names;
-  for (const pusht::ParameterDescriptor& parameter : simulatorKind(kCourseReference).parameters) {
-    names.push_back(parameter.name);
+  if (const auto* const reference = pusht::SimulatorKinds::installed().find(kCourseReference); reference != nullptr) {
+    for (const pusht::ParameterDescriptor& parameter : reference->parameters) {
+      names.push_back(parameter.name);
+    }
   }
   return names;
 }
@@ -235,7 +238,7 @@ SimulatorChoice referenceIn(const YAML::Node& root) {
   return reference;
 }
 
-/// In the order of the plan, each with its defaults.
+/// Engines in the order of the plan, each with its defaults.
 std::vector<SimulatorChoice> enginesIn(const YAML::Node& root) {
   const YAML::Node node = root["engine"];
   if (!node.IsDefined()) {

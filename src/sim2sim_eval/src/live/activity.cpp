@@ -59,7 +59,7 @@ bool Activity::end(const std::string& failure) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     cancelled = cancelled_;
-    busy_ = false;  // who has the result may send the next goal
+    busy_ = false;  // before the result, on which the next goal may follow
     failure_ = failure;
     activity_ = "idle";
     waiting_for_.clear();
@@ -110,7 +110,7 @@ void Activity::report(pusht::DiagnosticStatusWrapper& status) const {
     status.summary(well ? diagnostic_msgs::DiagnosticStatus::OK : diagnostic_msgs::DiagnosticStatus::WARN,
                    well ? activity_ : activity_ + "; the last run failed: " + failure_);
   }
-  // Without the lock: the pacer asks whether to stop under its own.
+  // Outside the lock, because the pacer calls `stop` under its own lock.
   status.add("paused", pacer_.paused());
   status.add("rate [control steps/s]", pacer_.rate());
 }

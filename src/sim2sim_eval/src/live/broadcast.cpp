@@ -20,7 +20,7 @@ constexpr std::uint32_t kQueue = 1000;
 /// [control steps] Period of the picture in the bag, and in a run that is too fast to follow by eye.
 constexpr int kStepsPerPicture = 10;
 
-/// Where a run is: "policy bc, episode 7, 3.9 s".
+/// Caption of a run under way: "policy bc, episode 7, 3.9 s".
 std::string progressCaption(const RunConfiguration& run, const Episode& episode) {
   return "policy " + run.policy + ", episode " + std::to_string(episode.index()) + ", " + secondsText(episode.steps());
 }
@@ -80,7 +80,7 @@ void Broadcast::showPaused(bool paused) {
   drawState();
 }
 
-/// With the mutex held.
+/// Draws the line of the state. The caller holds the mutex.
 void Broadcast::drawState() {
   if (state_ != RunState::kRuns) {
     state_markers_ = stateMarkers(state_, words_);

@@ -19,7 +19,7 @@ constexpr double kColumnWidth = 0.94;  // [m]
 constexpr double kRowPitch = 0.070;    // [m]
 constexpr double kIconWidth = 0.11;    // [m]
 
-/// A window that is an icon: `width` of a table is seen.
+/// View of an icon, which shows `width` of a table [m].
 TableView icon(const Vector2d& center, double width) {
   return TableView({center, {kIconWidth, 0.9 * kRowPitch}}, {Vector2d(0.0, -0.04), width});
 }

@@ -18,7 +18,7 @@ std::string textOf(const pusht::Parameters& parameters) {
   return text;
 }
 
-/// All that a node's numbers depend on.
+/// Identity of a node: all that its numbers depend on.
 std::string identityOf(const DescribeResponse& node) {
   return node.name + " " + node.version + " (" + textOf(node.parameters) + ") " + node.provenance;
 }

@@ -3,7 +3,6 @@
 
 #include <ros/console.h>
 
-#include <algorithm>
 #include <boost/process/search_path.hpp>
 #include <boost/process/system.hpp>
 #include <functional>
@@ -13,8 +12,8 @@
 #include "pusht_task/clipped.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/reason.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/live/evaluator_parameters.hpp"
-#include "sim2sim_eval/simulators.hpp"
 
 namespace sim2sim {
 
@@ -32,7 +31,7 @@ void writeRefusal(pusht::ParameterReader& parameters, const std::exception& fail
     try {
       tell();
     } catch (const pusht::Error&) {
-      // The failure itself is reported by whoever gets it.
+      // The caller reports the failure itself.
     }
   };
   attempt([&] { writeStatusFile(EvaluatorParameters::statusFileOf(parameters), status); });
@@ -62,8 +61,7 @@ std::string restartHint(const pusht::NodeMissing& lost, const LiveRequest& reque
   for (const std::string& world : {lost.services, reference ? lost.services : worlds[kEngineClosed]}) {
     kind = kind.empty() ? memory.kindOf(world) : kind;
   }
-  const std::vector<std::string> kinds = kindNames();
-  if (!kind.empty() && std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+  if (!kind.empty() && !pusht::SimulatorKinds::installed().has(kind)) {
     return "; if it is down, start your node for " + lost.services + " again and send the goal again";
   }
   return restart + "sim2sim_eval simulator.launch name:=" + name + " kind:=" + (kind.empty() ? "KIND" : kind);

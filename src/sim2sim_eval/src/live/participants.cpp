@@ -7,7 +7,6 @@
 
 #include "pusht_task/error.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
-#include "sim2sim_eval/simulators.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 
 namespace sim2sim {

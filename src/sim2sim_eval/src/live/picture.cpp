@@ -27,9 +27,9 @@ using visualization_msgs::MarkerArray;
 namespace {
 
 constexpr Mode kMiddle = kEngineClosed;
-constexpr double kSpacing = 0.96;  // [m] between the middles of neighbouring windows
+constexpr double kSpacing = 0.96;  // [m] between the middles of neighboring views
 
-// The layout, in the frame of the middle window, all in metres; rviz_window knows the size of the whole.
+// Layout in the frame of the middle view, in meters. rviz_window knows the size of the whole.
 constexpr double kWholeWidth = 2.86;
 constexpr double kQuestionY = 0.955;
 constexpr double kAnswerY = 0.877;
@@ -46,11 +46,11 @@ constexpr double kFirstDivergenceY = -0.665;
 constexpr double kParametersY = -0.727;
 constexpr double kParametersPitch = 0.052;
 constexpr std::size_t kParametersLines = 2;
-constexpr std::size_t kLineLength = 48;  // bytes of small text in the width of a window
+constexpr std::size_t kLineLength = 48;  // bytes of small text in the width of a view
 constexpr double kLegendY = -0.870;
 const Pane kPane = {{0.0, -0.036}, {0.92, 1.04}};
 
-// The overlay: one large window, and a card beside it.
+// Overlay: one large view, and a card beside it.
 constexpr const char* kOverlay = "overlay";
 constexpr double kOverlayY = -2.6;
 const Pane kOverlayPane = {{-0.47, -0.12}, {1.90, 1.72}};
@@ -65,7 +65,7 @@ constexpr double kArrowTime = 0.25;               // [s] an arrow ends where the
 constexpr double kFirstDivergenceRadius = 0.018;  // [m] of the ring around a tee that leaves the bound
 constexpr double kAxisBegin = 0.05;               // [m] from the target, of the lines that show its tolerance
 constexpr double kAxisEnd = pusht::kStemOffset + pusht::kStemHalfLength + 0.02;
-constexpr double kTeeMark = 0.045;  // [m] of the mark of a tee that is beyond the edge of a window
+constexpr double kTeeMark = 0.045;  // [m] of the mark of a tee that is beyond the edge of a view
 constexpr double kPusherMark = 0.022;
 
 constexpr std::size_t kMaxTrailPoints = 75;  // about: bounds the size of an update
@@ -73,13 +73,13 @@ constexpr double kTrailSpacing = 0.002;      // [m] up to which a tee rests
 
 std::string viewFrame(const std::string& prefix) { return prefix + "/window"; }
 
-/// A way, and how much of it lies behind each point, in [0, 1].
+/// Path of a tee; `shares` is the share of its length before each point, in [0, 1].
 struct Way {
   std::vector<Vector2d> points;
   std::vector<double> shares;
 };
 
-/// The way of a tee, with evenly spaced points and the last; where it rests there is one point.
+/// Path of a tee, with evenly spaced points and the last; where the tee rests there is one point.
 Way wayOf(const pusht::Trace& trace) {
   std::vector<Vector2d> all;
   for (const pusht::WorldState& state : trace.states) {
@@ -102,7 +102,7 @@ Way wayOf(const pusht::Trace& trace) {
   return way;
 }
 
-/// How near to the target the tee must be: its origin in the ring, its stem between the two lines.
+/// Target and its tolerance: the tee's origin must lie in the ring, its stem between the two lines.
 void drawTarget(Canvas& canvas, const TableView& view, const std_msgs::ColorRGBA& mark) {
   view.tee(canvas, color(kBright, kTargetOpacity), color(kBright), {}, kTargetZ);
   view.line(canvas, mark, kMarkWidth, circleOf({0.0, 0.0}, pusht::kPositionTolerance), kMarkZ);
@@ -150,7 +150,7 @@ void drawWay(Canvas& canvas, const TableView& view, Mode mode, const pusht::Trac
   view.edgeMark(canvas, colorOf(mode), kTeeMark, trace.states.back().tee_position);
 }
 
-/// The edge of a window: bright when the policy has succeeded in it.
+/// Edge of a view.
 void drawEdge(Canvas& canvas, const Pane& pane, const std_msgs::ColorRGBA& color, double width) {
   const Vector2d half = 0.5 * pane.size;
   Points points;

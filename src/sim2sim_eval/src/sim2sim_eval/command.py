@@ -3,8 +3,7 @@
 
 import subprocess
 
-from pusht_task.command import Refusal
-from pusht_task.exit_codes import ExitCode
+from pusht_task.error import Error, ExitCode
 
 
 def rosrun(command: str, *arguments: str) -> None:
@@ -18,13 +17,13 @@ def rosrun(command: str, *arguments: str) -> None:
             text=True,
         )
     except FileNotFoundError:
-        raise Refusal(
+        raise Error(
             "rosrun: not found; source the workspace's setup.bash", ExitCode.BAD_DEPENDENCY
         ) from None
     except BlockingIOError as error:  # no further process is allowed
-        raise Refusal(f"rosrun {command}: {error.strerror}", ExitCode.RUNTIME_FAULT) from None
+        raise Error(f"rosrun {command}: {error.strerror}", ExitCode.RUNTIME_FAULT) from None
     if process.returncode != 0:
         lines = process.stderr.strip().splitlines() or [f"{command} failed"]
-        raise Refusal(
+        raise Error(
             lines[-1], process.returncode if process.returncode > 0 else ExitCode.RUNTIME_FAULT
         )

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// When and how two rollouts of an episode part, and how fast small differences grow. All of it comes of traces, so it
-/// is the same for every simulator, live, in batch and from a bag.
+/// First divergence of two rollouts of an episode (step and cause), and the growth rate of small differences. All of it
+/// is computed from traces, so it is the same for every simulator, live, in batch and from a bag.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace sim2sim {
 
-/// How far apart two tees may be and still count as together: by default what the task itself tolerates.
+/// Largest divergence of two tees that still counts as none. The default is the tolerance of the task itself.
 struct Bound {
   double position = pusht::kPositionTolerance;  ///< [m]
   double angle = pusht::kAngleTolerance;        ///< [rad]
@@ -21,31 +21,31 @@ struct Bound {
   /// Throws InvalidInput with field, value and rule unless both are finite and above 0.
   void validate() const;
 
-  /// [-] The part of the bound that is used up, of position or angle, whichever is more; above 1 it is passed.
+  /// [-] Divergence as a multiple of the bound, in position or angle, whichever is larger. Above 1 it is passed.
   double used(const Divergence& divergence) const;
 };
 
-/// A movement or difference of a body below this counts as none: 1 mm, and for the tee's yaw what moves the end of the
-/// stem by as much. It is a thirtieth of what the task tolerates, and a thousand times the offset of a floor's start.
+/// Smallest movement or difference of a body that counts: 1 mm, and for the tee's yaw the angle that moves the end of
+/// the stem by as much. It is a thirtieth of the task's tolerance, and a thousand times the offset of a floor.
 constexpr Bound kNoticeable{0.001, 0.001 / (pusht::kStemOffset + pusht::kStemHalfLength)};
 
-/// [m/s] A contact that slides faster than this on average over a control step is sliding. MuJoCo's soft contacts creep
-/// while they stick, by 1 to 5 mm a control step. With this value sliding is where MuJoCo's friction is at its limit
-/// for half of the step or more: the two agree in 94 % of the control steps in which the pusher stays on a box and
-/// moves the tee (400 episodes of the shipped policy). With 0.01 m/s they would in 63 %.
+/// [m/s] Slip speed, averaged over a control step, from which on a contact counts as sliding. MuJoCo's soft contacts
+/// creep while they stick, by 1 to 5 mm a control step. With this value, sliding agrees with MuJoCo's Coulomb friction
+/// being at its limit for at least half of the step in 94 % of the control steps in which the pusher stays on a box and
+/// moves the tee (400 episodes of the shipped policy); with 0.01 m/s it agrees in 63 %.
 constexpr double kSlidingSpeed = 0.05;
 
-/// What happens in a control step. The first that applies; touching is that of pusht_task/contact.hpp, at the step's
-/// start and end.
+/// Event of a control step; the first of the list that applies. Contacts are those of pusht_task/contact.hpp, at the
+/// start and the end of the step.
 enum class Cause : std::size_t {
   kWall,            ///< pusher or tee touches a wall, at the start or the end
   kContactBegins,   ///< the pusher touches a box at the end that it did not touch at the start
   kContactEnds,     ///< the pusher touches the tee at the start, and no more at the end
   kCorner,          ///< the pusher sits in the corner of bar and stem throughout; it can hardly slide there
   kStickingOnBar,   ///< the pusher touches the bar throughout
-  kSlidingOnBar,    ///< the same, faster than kSlidingSpeed
+  kSlidingOnBar,    ///< the pusher touches the bar throughout, and slides faster than kSlidingSpeed
   kStickingOnStem,  ///< the pusher touches the stem throughout
-  kSlidingOnStem,   ///< the same, faster than kSlidingSpeed
+  kSlidingOnStem,   ///< the pusher touches the stem throughout, and slides faster than kSlidingSpeed
   kTeeAlone,        ///< the tee moves noticeably though the pusher touches it at neither end
   kFree,            ///< none of these: the pusher is on its way, or rests
 };
@@ -57,7 +57,7 @@ struct CauseName {
   const char* label;  ///< for people
 };
 
-/// In the order of Cause.
+/// Names of all causes, in the order of Cause.
 inline constexpr std::array kCauses = {
     CauseName{Cause::kWall, "wall", "wall"},
     CauseName{Cause::kContactBegins, "contact_begins", "contact begins"},
@@ -71,14 +71,15 @@ inline constexpr std::array kCauses = {
     CauseName{Cause::kFree, "free", "free"},
 };
 
+/// Names of a cause, for files and people.
 constexpr const CauseName& nameOf(Cause cause) { return kCauses[static_cast<std::size_t>(cause)]; }
 
-/// What happens in a control step, from the states before and after it.
-/// Only the ends of a step are seen. So the tee moves alone where it coasts, where it is touched in between, and where
-/// the simulator's bodies have other shapes than the task's.
+/// Classifies a control step by the states before and after it. Contacts within the step are not seen. So the tee moves
+/// alone (kTeeAlone) if it coasts, if it is touched in between, or if the simulator's bodies have other shapes than the
+/// task's.
 Cause causeIn(const pusht::WorldState& before, const pusht::WorldState& after);
 
-/// Which body was the first to be noticeably elsewhere.
+/// Body that differs noticeably first.
 enum class FirstBody : std::size_t {
   kPusher,
   kTee,
@@ -88,42 +89,43 @@ enum class FirstBody : std::size_t {
 /// Names of FirstBody, in its order, for files and people.
 inline constexpr std::array kFirstBodyNames = {"pusher", "tee", "both"};
 
+/// Name of the body that was the first to be elsewhere.
 constexpr const char* nameOf(FirstBody first) { return kFirstBodyNames[static_cast<std::size_t>(first)]; }
 
-/// How two rollouts part.
+/// Step and cause at which a rollout leaves the bound around the reference.
 struct FirstDivergence {
-  int step;         ///< control steps taken when the divergence first is beyond the bound, from 1: an index of states
-  Cause cause;      ///< what the reference did in the last of them
-  FirstBody first;  ///< whose difference was the first to be noticeable (kNoticeable, or the bound where that is less)
+  int step;         ///< control steps taken when the divergence first passes the bound; >= 1, an index of states
+  Cause cause;      ///< event in the reference in the last of these steps
+  FirstBody first;  ///< body that differed first by more than kNoticeable, or than the bound if that is less
 };
 
-/// When `other`, a rollout of the same episode, leaves the bound around `reference`; none if it stays within over the
-/// steps that both have. The start is not looked at: it is the same, but for an offset of a floor's. Throws as
-/// Bound::validate().
-/// With the default bound this tells when it begins to matter, which is long after the first difference; with
-/// kNoticeable, when and how that comes about.
+/// First divergence of `other`, a rollout of the same episode, from `reference`. Empty if it stays within the bound
+/// over the steps that both have. The initial state is left out: it is equal, but for the offset of a floor. Throws
+/// InvalidInput as Bound::validate().
+/// With the default bound, this is when the difference begins to matter for the task, long after the first difference.
+/// With kNoticeable, it is when and how the first difference comes about.
 std::optional<FirstDivergence> firstDivergenceOf(const pusht::Trace& reference, const pusht::Trace& other,
                                                  const Bound& bound = {});
 
-/// [1/step] How fast a small difference grows: `other` is `reference` replayed in the same simulator from a start that
-/// is moved a little, a floor. Above 0: it grows, by a factor of exp(rate) in a control step on average.
+/// [1/control step] Growth rate of a small difference. `other` is `reference` replayed in the same simulator from a
+/// slightly moved initial state (a floor). Above 0 the difference grows, by a factor of exp(rate) per step on average.
 ///
 /// With u[k] = bound.used(divergence) after k steps, and K the first step at which u is beyond 1, else the last that
 /// both have:
 ///   rate = ln(min(u[K], 1) / u[0]) / K.
-/// It is the mean of the growth ln(u[k+1] / u[k]) of each step, cut where the bound is passed. Beyond, a difference
+/// This is the mean over steps of ln(u[k+1] / u[k]), cut where the bound is passed. Beyond the bound a difference
 /// saturates: the tees cannot get farther apart than the table is wide.
-/// Why not the slope of a least-squares line: differences grow in few steps, those with a push, and stay as they are
-/// between. The line weighs a step by when it comes; the mean does not, and says by how much a difference has grown.
+/// The slope of a least-squares line would depend on when the growth happens: differences grow in the few steps with a
+/// push and stay as they are in between, and a line weighs a step by its time. The mean does not.
 /// Source: E. Aurell et al., "Predictability in the Large" (1997), where a difference grows from one size to another.
 ///
-/// NaN where there is none: no step; a start without difference, or beyond the bound. A difference that vanishes, bit
-/// for bit, has no logarithm: the steps until then count, and if that is the first one the rate is NaN.
-/// The start's offset must be well above the simulator's own resolution. MuJoCo finds contacts to 1e-6 m
+/// NaN if there is no step, or if the initial difference is 0 or beyond the bound. A difference that vanishes bit for
+/// bit has no logarithm: only the steps before count, and if there are none the rate is NaN.
+/// The initial offset must be well above the simulator's own resolution. MuJoCo finds contacts to 1e-6 m
 /// (mpr_tolerance), so the first touch makes 1e-6 m of 1e-9 m, and that is no growth of the dynamics. From offsets of
 /// 1e-6 m and of 1e-4 m the mean rates are alike, 0.032 and 0.035 per step; from 1e-9 m it is 0.098 (400 episodes of
 /// the shipped policy).
-/// Throws as Bound::validate().
+/// Throws InvalidInput as Bound::validate().
 double growthRate(const pusht::Trace& reference, const pusht::Trace& other, const Bound& bound = {});
 
 }  // namespace sim2sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Starts that are given, in place of those that come of spawn seeds.
+/// Initial states of episodes that are given in a file, in place of those of the spawn seeds.
 #pragma once
 
 #include <filesystem>
@@ -11,25 +11,25 @@
 
 namespace sim2sim {
 
-/// The world state in which each episode of a run starts.
+/// Initial state of each episode of a run.
 class InitialStates {
  public:
-  /// Of the episodes `first`, `first` + 1, ...
+  /// `states` are those of the episodes `first`, `first` + 1, ...
   InitialStates(std::vector<pusht::WorldState> states, int first);
 
-  /// Starts that are known by their hash alone, as a description of a run names them.
+  /// Initial states that are known by their hash alone, as in the description of a run.
   static InitialStates named(std::string sha256);
 
-  /// Throws std::out_of_range if the start of that episode is not known.
+  /// Initial state of an episode. Throws std::out_of_range if it is not known.
   const pusht::WorldState& at(int episode) const;
 
-  /// The first 16 hex digits of the SHA-256 of that start: what a rollout from it depends on.
+  /// Cache key of an episode's initial state: the first 16 hex digits of its SHA-256. Throws as at().
   std::string keyOf(int episode) const;
 
-  /// All of them, as initialStatesCsv() writes them.
+  /// Text of initialStatesCsv() for all of them.
   std::string csv() const;
 
-  /// "sha256:..." of csv().
+  /// SHA-256 of csv(), as "sha256:...".
   const std::string& hash() const { return hash_; }
 
  private:
@@ -38,18 +38,18 @@ class InitialStates {
   std::string hash_;
 };
 
-/// The starts of `count` episodes from `first` on: the first rows of a CSV file. Its first line names the columns, in
-/// any order, as the fields of WorldState.msg; velocities that are left out are zero. Throws InvalidInput with file,
-/// line, value and rule, also for fewer rows and for what is no plausible start.
+/// Reads the initial states of `count` episodes from `first` on: the first rows of a CSV file. Its first line names the
+/// columns, in any order, as the fields of WorldState.msg, in their units and frame; velocities that are left out are
+/// 0. Throws InvalidInput with file, line, value and rule for bad text, too few rows, or an implausible state.
 InitialStates readInitialStates(const std::filesystem::path& path, int first, int count);
 
-/// The same of the text of such a file; the errors do not name a file.
+/// Reads the text of such a file. Throws InvalidInput as readInitialStates(), without a file.
 InitialStates initialStatesFrom(const std::string& csv, int first, int count);
 
-/// The same, for all who share them; none if `path` is empty.
+/// Calls readInitialStates(); null if `path` is empty.
 std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::path& path, int first, int count);
 
-/// A file for readInitialStates(): all columns, every number in full precision.
+/// Text of a file for readInitialStates(): all columns, every number in full precision.
 std::string initialStatesCsv(const std::vector<pusht::WorldState>& states);
 
 }  // namespace sim2sim

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The figures of a rollout, each listed once. Columns of episodes.csv and sweep.csv, keys of metrics.json, messages
-/// and tables take names, units and order from here: a new figure is a line in kQuantities, the function that it
-/// names, and a raised kDescriptionFormat.
+/// Quantities that are measured of a rollout, each listed once in kQuantities. Columns of episodes.csv and sweep.csv,
+/// keys of metrics.json, messages and tables take names, units and order from there. A new quantity is a line in
+/// kQuantities, the function that it names, and a raised format of "metrics" in result_files.json.
 #pragma once
 
 #include <array>
@@ -15,65 +15,68 @@
 
 namespace sim2sim {
 
-/// A rollout, and what the reference did in the same episode.
+/// A rollout with what is needed to measure it, of the same episode.
 struct RolloutView {
   const pusht::Rollout& rollout;
-  const pusht::Trace& reference;
-  int reset_every = 0;                   ///< control steps after which it was put to the reference's state; 0: never
-  const pusht::Trace* replay = nullptr;  ///< of the engine, for its closed loop
+  const pusht::Trace& reference;         ///< trace of the reference in closed loop
+  int reset_every = 0;                   ///< [control steps] between resets to the reference's state; 0: none
+  const pusht::Trace* replay = nullptr;  ///< trace of the engine in open loop; null but for its closed loop
 };
 
-// How to compute them. NaN where an episode has none.
+// Quantities as functions. NaN if a rollout has none. Lengths are in the table frame.
 
-/// [m] from the tee's origin to the target, after the last step.
+/// [m] Distance of the tee's origin from the target after the last step.
 double finalPositionError(const RolloutView& view);
-/// [rad] of the tee's yaw from the target's, after the last step; in [0, pi].
+/// [rad] Difference of the tee's yaw from the target's after the last step; in [0, pi].
 double finalAngleError(const RolloutView& view);
-/// [m] from the reference's tee, mean over the steps that both have, the start included.
+/// [m] Distance from the reference's tee, mean over the steps that both have, the initial state included.
 double meanPositionDivergence(const RolloutView& view);
-/// [rad] from the reference's yaw, mean over the steps that both have; in [0, pi].
+/// [rad] Difference from the reference's yaw, mean over the steps that both have; in [0, pi].
 double meanAngleDivergence(const RolloutView& view);
-/// The same over the first kEarlySteps: none where a rollout is shorter, so that all episodes count alike.
+/// [m] Mean distance over the first kEarlySteps. NaN for a shorter rollout, so that all episodes have the same steps.
 double earlyPositionDivergence(const RolloutView& view);
+/// [rad] Mean difference of the yaws over the first kEarlySteps; likewise.
 double earlyAngleDivergence(const RolloutView& view);
-/// The null model's mean divergence over the steps that both have: that of a tee that stays where it started, or where
-/// it was last put to the reference's state.
+/// [m] Mean divergence of the null model over the steps that both have: a tee that stays where it started, or where it
+/// was last reset to the reference's state.
 double nullPositionDivergence(const RolloutView& view);
+/// [rad] Mean divergence of the null model's yaw.
 double nullAngleDivergence(const RolloutView& view);
-/// Mean of the divergence just before the rollout is put to the reference's state: what `reset_every` control steps
-/// make.
+/// [m] Divergence just before a reset to the reference's state, mean over the resets: the error of `reset_every` steps.
 double anchorPositionError(const RolloutView& view);
+/// [rad] Divergence of the yaw just before a reset, likewise.
 double anchorAngleError(const RolloutView& view);
 
-/// How much less the closed loop diverges than the replay, mean over the steps that both and the reference have: what
-/// the policy's feedback removes. Below 0 it adds.
+/// [m] Divergence that the policy's feedback removes: replay minus closed loop, mean over the steps that both and the
+/// reference have. Below 0 the feedback adds divergence.
 double absorbedPositionDivergence(const RolloutView& view);
+/// [rad] Divergence of the yaw that the feedback removes, likewise.
 double absorbedAngleDivergence(const RolloutView& view);
-/// [1/step] How fast the reference amplifies a small difference; growthRate() of a floor, in protocol/parting.hpp.
+/// [1/control step] Growth rate of a small difference in the reference: growthRate() of a floor.
 double growthRateOf(const RolloutView& view);
 
-/// [control steps] The horizon that nearly all episodes have in common: 2 s.
+/// [control steps] Horizon that nearly all episodes have in common: 2 s.
 constexpr int kEarlySteps = 20;
 
-/// Which rollouts have a quantity.
+/// Rollouts that have a quantity.
 enum class Scope {
-  kModes,       ///< the modes: what became of the task
+  kModes,       ///< the three modes, not the probes
   kCompared,    ///< all but the reference itself
   kClosed,      ///< the engine in closed loop
-  kStateReset,  ///< those that are put to the reference's state
-  kFloor,       ///< the reference from a start that is moved by 1e-6 m
+  kStateReset,  ///< state-reset replays
+  kFloor,       ///< the reference from an initial state moved by 1e-6 m
 };
 
-/// What is measured of every rollout.
+/// Description of a quantity.
 struct Quantity {
-  const char* name;   ///< as in messages; with the unit, a column of episodes.csv
+  const char* name;   ///< name in messages; with the unit, a column of episodes.csv
   const char* unit;   ///< "m"
-  Scope scope;        ///< which rollouts have it
-  double least;       ///< that there can be
-  double limit;       ///< the largest that there can be
-  const char* label;  ///< of its line in the table; nullptr: it has none
+  Scope scope;        ///< rollouts that have it
+  double least;       ///< smallest possible value
+  double limit;       ///< largest possible value
+  const char* label;  ///< name of its line in the table; null: no line
   double (*compute)(const RolloutView& view);
-  const char* course_key;  ///< in metrics.json, of its mean over the replays; nullptr where the course has none
+  const char* course_key;  ///< course's key in metrics.json of the mean over the replays; null: none
 };
 
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
@@ -101,10 +104,10 @@ inline constexpr std::array kQuantities = {
     Quantity{"growth_rate", "per_step", Scope::kFloor, -kUnlimited, kUnlimited, nullptr, growthRateOf, nullptr},
 };
 
-/// One number for each of kQuantities; NaN where there is none.
+/// Value of each of kQuantities, in its unit; NaN if there is none.
 using QuantityValues = std::array<double, kQuantities.size()>;
 
-/// None of them.
+/// Values that are all NaN.
 constexpr QuantityValues noQuantities() {
   QuantityValues none{};
   for (double& value : none) {
@@ -113,7 +116,7 @@ constexpr QuantityValues noQuantities() {
   return none;
 }
 
-/// The place of a quantity in kQuantities. Throws std::out_of_range if there is none of that name.
+/// Index of a quantity in kQuantities. Throws std::out_of_range if there is none of that name.
 constexpr std::size_t quantityIndex(std::string_view name) {
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
     if (name == kQuantities[i].name) {

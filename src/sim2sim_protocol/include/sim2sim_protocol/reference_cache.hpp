@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Rollouts of the reference, kept on disk: they depend on no knob of the engine.
+/// Cache of the reference's rollouts on disk. They depend on no parameter of the engine.
 #pragma once
 
 #include <filesystem>
@@ -11,24 +11,32 @@
 
 namespace sim2sim {
 
-/// A file for each rollout: FOLDER/<hash of the key>/<name of the start>.<rollout>, a line of JSON and the numbers of
-/// the trace as they are in memory. Several threads and runs may share a folder.
+/// Name in the cache of the closed loop in the reference; probes have their own names.
+inline constexpr const char* kReferenceRollout = "reference";
+
+/// Cache with a file for each rollout: FOLDER/HASH/STATE.ROLLOUT, a line of JSON and the trace's numbers as they are in
+/// memory. HASH is that of the cache's key, STATE the key of the initial state (Protocol::initialStateKey()). Threads
+/// and processes may share a folder.
 class ReferenceCache {
  public:
-  /// `key` is all that a rollout depends on, besides its start. Throws RuntimeFault if the folder cannot be
+  /// `key` is all that a rollout depends on besides its initial state. Throws RuntimeFault if the folder cannot be
   /// created.
   ReferenceCache(const std::filesystem::path& folder, nlohmann::json key);
 
-  /// What the reference did from a start, if that is kept. `start` is its name: a spawn seed or a hash; `rollout` is
-  /// "reference", or a probe of it. Throws BadDependency, naming the file, if it is damaged or belongs to another key,
-  /// start or rollout.
-  std::optional<pusht::Trace> find(const std::string& start, const std::string& rollout) const;
+  /// Regular expressions of the names of the folder of a key, and of the files in it.
+  static std::string folderPattern();
+  static std::string filePattern();
 
-  /// Keeps a rollout that is not kept yet. Throws RuntimeFault if it cannot be written.
-  void keep(const std::string& start, const std::string& rollout, const pusht::Trace& trace) const;
+  /// Trace of a rollout; empty if it is not in the cache. `state` is the key of its initial state, `rollout` is
+  /// kReferenceRollout or the name of a probe. Throws BadDependency with the file if that is damaged or belongs to
+  /// another key, state or rollout.
+  std::optional<pusht::Trace> find(const std::string& state, const std::string& rollout) const;
+
+  /// Adds a rollout unless it is there. Throws RuntimeFault if it cannot be written.
+  void keep(const std::string& state, const std::string& rollout, const pusht::Trace& trace) const;
 
  private:
-  std::filesystem::path fileOf(const std::string& start, const std::string& rollout) const;
+  std::filesystem::path fileOf(const std::string& state, const std::string& rollout) const;
 
   nlohmann::json key_;
   std::filesystem::path folder_;

@@ -15,19 +15,27 @@ namespace sim2sim {
 
 class ReferenceCache;
 
-/// Episodes in flight in each thread: enough for the engine's lanes and the policy's batches.
+/// Episodes in flight at once in each thread: enough for the engine's lanes and the policy's batches.
 constexpr int kEpisodesInFlight = 8;
 
-/// Factories for each thread's own worlds and policy.
+/// Episodes for each thread that are in flight, or finished and waiting for one before them. A thread that would run
+/// farther ahead waits, so memory does not grow with the number of episodes: an episode is about 0.2 MB. Episodes that
+/// end early overtake one that takes the whole horizon, mostly by fewer than this.
+constexpr int kEpisodesHeld = 8 * kEpisodesInFlight;
+
+/// Factories for each thread's own worlds and policy. Both are called in the thread that uses the result.
 struct WorkerFactory {
   std::function<Worlds(int lanes)> make_worlds;
   std::function<std::unique_ptr<pusht::Policy>()> make_policy;
 };
 
-/// Runs the protocol in `threads` threads. `deliver` gets every episode when it has finished, not in order but one at a
-/// time; `stop` is asked before every control step of the modes and ends the run early when true. Neither the reference
-/// nor its floor is rolled out for episodes that are in `references`; those of the others are kept there. Results
-/// depend neither on the number of threads nor on `references`.
+/// Runs the episodes of `protocol` in `threads` >= 1 threads, without those in `finished`. Results depend neither on
+/// the number of threads nor on `references`. `deliver` gets the finished episodes in the order of their indices, one
+/// at a time, in any of the threads. `stop` is asked before every control step of the modes and before every delivery,
+/// by several threads at once; when it is true the run ends early, and what is in flight or waits for delivery is lost.
+/// `references` (null: none) has traces of the reference, which are not simulated again; the others are added to it.
+/// Throws InvalidInput as Protocol::validate(), RuntimeFault if a thread cannot be started, and what worlds, policy,
+/// `deliver` and the cache throw; the first error ends all threads.
 void runProtocol(const Protocol& protocol, const WorkerFactory& factory, int threads, const ReferenceCache* references,
                  const std::function<void(Episode&&)>& deliver, const std::function<bool()>& stop,
                  const std::set<int>& finished = {});

@@ -64,7 +64,7 @@ std::string listed(std::vector<std::string> words, const char* link = " and ") {
   return pusht::joined(words) + link + last;
 }
 
-/// What the runs vary, and how each is called in a sentence.
+/// Parameters that the runs vary, and the words for each run in a sentence.
 struct Labels {
   std::string parameter;           ///< the only one that varies; empty if there is another number of them
   std::string baseline;            ///< "block_damp 2", "the baseline", "the two-mass engine"
@@ -72,7 +72,7 @@ struct Labels {
   std::vector<std::string> names;  ///< of each run: its value, how it differs from the baseline, or its title
 };
 
-/// How a run differs from one of its kind: "drag true", "drag true + shape true".
+/// Parameters in which a run differs from one of its kind: "drag true", "drag true + shape true".
 std::string differenceOf(const RunResults& run, const RunResults& baseline) {
   constexpr std::size_t kMost = 3;
   const std::vector<std::string> names = differing({baseline}, run);
@@ -182,7 +182,8 @@ std::string clauseOf(const Change& change, const Figure& figure) {
   return name + (falls ? " falls by " : " rises by ") + text.substr(1);  // without its plus
 }
 
-/// Where something holds: "at 6, 20 and 60", "at every other value", "with drag true", "in 5 of the 12 others".
+/// Runs for which something holds: "at 6, 20 and 60", "at every other value", "with drag true", "in 5 of the 12
+/// others".
 std::string placeOf(const std::vector<std::string>& names, std::size_t of, const Labels& labels) {
   constexpr std::size_t kMost = 4;
   if (names.size() == of) {

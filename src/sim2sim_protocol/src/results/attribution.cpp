@@ -17,7 +17,7 @@
 #include "sim2sim_protocol/results/attribution_files.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
-#include "sim2sim_protocol/results/output_folder.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
@@ -28,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// The true/false parameters in which rows differ.
+/// True/false parameters in which rows differ. Throws InvalidInput if they differ in another parameter.
 std::vector<std::string> switchesIn(const std::vector<RunResults>& runs) {
   const json first = runs.front().engine();
   std::vector<std::string> switches;
@@ -69,7 +69,7 @@ std::string textOf(Coalition on, const std::vector<std::string>& switches) {
   return pusht::joined(values);
 }
 
-/// All rows, by coalition. Throws InvalidInput if one of `wanted` is not among them.
+/// Rows by coalition. Throws InvalidInput if one of `wanted` is not among them.
 std::map<Coalition, RunResults> byCoalition(std::vector<RunResults> runs, const std::vector<std::string>& switches,
                                             const std::vector<Coalition>& wanted) {
   std::map<Coalition, RunResults> ordered;
@@ -92,7 +92,7 @@ std::vector<Coalition> allOf(std::size_t switches) {
   return all;
 }
 
-/// None if the sweep in `folder` is not of random orders.
+/// Random orders of the sweep in `folder`; empty if it has all combinations.
 std::optional<OrderSample> sampleIn(const fs::path& folder) {
   const json sweep = json::parse(pusht::readFile(folder / kSweepFile, "results"), nullptr, false);
   const json::json_pointer place("/sweep/permutations");
@@ -132,14 +132,14 @@ std::vector<RunResults> read(const fs::path& folder, const std::function<void()>
   return runs;
 }
 
-/// One gap: what it is of an episode of a row, and how it is called.
+/// A kind of gap: its value in an episode of a row, and its names.
 struct Measure {
   std::string name;
   std::string title;
   std::string unit;
   std::size_t rollout;
-  const char* quantity;    ///< none: success
-  const char* null_model;  ///< likewise
+  const char* quantity;    ///< null: success
+  const char* null_model;  ///< null: success
 };
 
 std::vector<Measure> measuresOf(const Protocol& protocol) {
@@ -180,7 +180,7 @@ std::vector<double> gapsOf(const RunResults& run, const Measure& measure) {
   return gaps;
 }
 
-/// The widest floor, as a place among the rollouts; none if there is none.
+/// Index of the widest floor among the rollouts; empty without floors.
 std::optional<std::size_t> floorOf(const Protocol& protocol) {
   std::optional<std::size_t> widest;
   const std::vector<Probe> probes = protocol.probes();
@@ -194,7 +194,7 @@ std::optional<std::size_t> floorOf(const Protocol& protocol) {
   return widest;
 }
 
-/// Its interval is none for success, which has one of another kind.
+/// Mean gap of a run. For success it has no interval: that would be of another kind.
 Estimate meanOfGap(const RunResults& run, const Measure& measure) {
   if (measure.quantity == nullptr) {
     const PairTable table = pairsOf(run.episodes, kReferenceClosed, run.episodes, kEngineClosed);
@@ -204,7 +204,7 @@ Estimate meanOfGap(const RunResults& run, const Measure& measure) {
   return meanOf(samplesOf(run.episodes, measure.rollout, quantity), kQuantities[quantity]);
 }
 
-/// With all that needs all combinations, if they are there.
+/// Attribution of one gap. Without `orders`, also the figures that need all combinations.
 AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switches, const Measure& measure,
                          const std::vector<Order>& orders) {
   std::map<Coalition, std::vector<double>> gaps;

@@ -13,6 +13,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/json.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 
 namespace sim2sim {
@@ -20,8 +21,6 @@ namespace sim2sim {
 using nlohmann::json;
 
 namespace {
-
-constexpr int kAttributionFormat = 1;  // of the JSON
 
 /// A Difference or an Estimate.
 template <class Figure>

@@ -14,7 +14,7 @@
 #include "sim2sim_protocol/results/difference.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
-#include "sim2sim_protocol/results/output_folder.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
@@ -25,9 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kFormat = 2;  // of the JSON of contrasts
-
-/// What two runs must agree in, by its place in metrics.json.
+/// Keys of metrics.json in which two runs must agree, as JSON pointers.
 std::vector<std::string> commonPlaces() {
   std::vector<std::string> places = {"/policy"};
   forEachOption([&](const auto& option) {
@@ -251,7 +249,7 @@ std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<Run
 json toJson(const RunResults& baseline, const std::vector<RunResults>& others, const std::vector<Contrast>& contrasts) {
   const Answer answer = answerOf(baseline, others, contrasts);
   const std::string title = titlesOf(allOf(baseline, others)).front();
-  json result = {{"format", kFormat},
+  json result = {{"format", kContrastFormat},
                  {"confidence", kConfidence},
                  {"headline", {{"question", answer.question}, {"answer", answer.answer}}},
                  {"baseline", {{"title", title}, {"simulator", baseline.metrics["simulators"]["engine"]}}},

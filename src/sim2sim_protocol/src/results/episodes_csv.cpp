@@ -49,7 +49,7 @@ std::string csvRow(const EpisodeResult& episode, const std::string& mode, const 
          "," + nameOf(result.first_divergence->first) + "\n";
 }
 
-/// Of a text that ends with one, or in the midst of one.
+/// Lines of a text, the last of which may be incomplete.
 std::vector<std::string> linesOf(const std::string& text) {
   std::vector<std::string> lines = pusht::split(text, '\n');
   if (lines.back().empty()) {
@@ -58,7 +58,7 @@ std::vector<std::string> linesOf(const std::string& text) {
   return lines;
 }
 
-/// None where the cells name none.
+/// First divergence from its cells; empty if they name none.
 std::optional<FirstDivergence> firstDivergenceFrom(const std::string& step, const std::string& cause,
                                                    const std::string& first) {
   const auto known = std::find_if(kCauses.begin(), kCauses.end(), [&](const auto& name) { return cause == name.name; });

@@ -17,6 +17,7 @@
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/results/difference.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 
 namespace sim2sim {
 namespace {
@@ -24,7 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kJournalFormat = 1;
 constexpr std::size_t kDigits = 16;  // of a line's SHA-256
 
 std::string lineOf(const json& content) {

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstddef>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -17,6 +16,8 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "sim2sim_protocol/reference_cache.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 
 namespace sim2sim {
 
@@ -24,41 +25,58 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A file that commands write, by its path in the folder: a regular expression for each part.
-struct ResultFile {
-  std::optional<Results> of;  // either's if empty
+/// Files that commands write, by their path in the folder: a regular expression for each part.
+struct Pattern {
+  std::string key;            // of the ResultFile
+  std::optional<Results> of;  // empty: of both
   std::vector<std::regex> parts;
 };
 
-const std::vector<ResultFile>& resultFiles() {
-  static const auto regexes = [](const auto&... parts) { return std::vector<std::regex>{std::regex(parts)...}; };
-  static const std::vector<ResultFile> files = {
-      {Results::kRun, regexes("(metrics|statistics)\\.json")},
-      {Results::kRun, regexes("(episodes|divergence)\\.csv")},
-      {Results::kRun, regexes("episodes\\.journal")},
-      {Results::kRun, regexes("compare\\.bag")},
-      {Results::kRun, regexes("traces\\.npy(\\.part)?")},
-      {Results::kRun, regexes("compare\\.bag\\.part")},  // of a run that was killed
-      {Results::kSweep, regexes("sweep\\.(json|csv)")},
-      {Results::kSweep, regexes("attribution\\.(json|csv)")},
-      {Results::kSweep, regexes("rows", "[0-9]{3,}", "((metrics|statistics)\\.json|episodes\\.csv)(\\.part)?")},
-      {Results::kSweep, regexes("rows", "[0-9]{3,}", "episodes\\.journal")},
-      {Results::kSweep, regexes("reference", "[0-9a-f]{16}", "[0-9a-f]+\\.(reference|floor_1e-[69])(\\.part)?")},
-      {std::nullopt, regexes("report\\.html")},
-      {std::nullopt, regexes("provenance\\.json")},
-      {std::nullopt, regexes("status\\.json")},
-  };
-  return files;
+/// `text` as a regular expression.
+std::string literally(const std::string& text) { return std::regex_replace(text, std::regex("\\."), "\\."); }
+
+/// Patterns of a file of the table.
+std::vector<Pattern> patternsOf(const ResultFile& file) {
+  static const std::string part = "(\\.part)?";
+  const std::string folders = std::string(" ") + file.in + " ";
+  const auto is_in = [&](const char* folder) { return folders.find(" " + std::string(folder) + " ") != folders.npos; };
+  const std::string name = literally(file.name);
+  std::vector<Pattern> patterns;
+  if (is_in("run") || is_in("sweep")) {
+    const bool both = is_in("run") && is_in("sweep");
+    patterns.push_back({file.key,
+                        both ? std::nullopt : std::optional(is_in("run") ? Results::kRun : Results::kSweep),
+                        {std::regex(name + (file.streamed ? part : ""))}});
+  }
+  if (is_in("row")) {
+    patterns.push_back({file.key,
+                        Results::kSweep,
+                        {std::regex(rowsFolder("").string()), std::regex("[0-9]{3,}"), std::regex(name + part)}});
+  }
+  if (is_in("reference")) {
+    patterns.push_back({file.key,
+                        Results::kSweep,
+                        {std::regex(referenceFolder("").string()), std::regex(ReferenceCache::folderPattern()),
+                         std::regex(ReferenceCache::filePattern() + part)}});
+  }
+  return patterns;
 }
 
-bool isStatus(const ResultFile& file) { return &file == &resultFiles().back(); }
+const std::vector<Pattern>& resultPatterns() {
+  static const std::vector<Pattern> all = [] {
+    std::vector<Pattern> patterns;
+    for (const ResultFile& file : kResultFiles) {
+      for (Pattern& pattern : patternsOf(file)) {
+        patterns.push_back(std::move(pattern));
+      }
+    }
+    return patterns;
+  }();
+  return all;
+}
 
-bool isReference(const ResultFile& file) { return std::regex_match("reference", file.parts.front()); }
-
-bool isReport(const ResultFile& file) { return std::regex_match("report.html", file.parts.front()); }
-
-/// All that lies in `folder` under the name of `file`, links in the path to it not followed.
-void find(const fs::path& folder, const ResultFile& file, std::size_t part, std::vector<fs::path>& found) {
+/// Adds every path in `folder` that matches `file`. Links in the path are not followed.
+void find(const fs::path& folder, const Pattern& file, std::size_t part, std::vector<fs::path>& found) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     if (!std::regex_match(entry.path().filename().string(), file.parts[part])) {
@@ -72,7 +90,7 @@ void find(const fs::path& folder, const ResultFile& file, std::size_t part, std:
   }
 }
 
-std::vector<fs::path> find(const fs::path& folder, const ResultFile& file) {
+std::vector<fs::path> find(const fs::path& folder, const Pattern& file) {
   std::vector<fs::path> found;
   if (!folder.empty()) {
     find(folder, file, 0, found);
@@ -80,9 +98,9 @@ std::vector<fs::path> find(const fs::path& folder, const ResultFile& file) {
   return found;
 }
 
-/// The first thing in `folder` that stands where a folder of `file` belongs; empty if there is none. What is written
-/// below a link would land in another place.
-fs::path findInPlaceOfFolder(const fs::path& folder, const ResultFile& file, std::size_t part = 0) {
+/// First entry of `folder` that is no folder, but has the name of a folder of `file`; empty if there is none. Files
+/// written below a link would land elsewhere.
+fs::path findInPlaceOfFolder(const fs::path& folder, const Pattern& file, std::size_t part = 0) {
   std::error_code ignored;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
     if (part + 1 == file.parts.size() || !std::regex_match(entry.path().filename().string(), file.parts[part])) {
@@ -97,8 +115,8 @@ fs::path findInPlaceOfFolder(const fs::path& folder, const ResultFile& file, std
   return {};
 }
 
-/// Of a run that was refused, or that was killed before it had begun. What another version of the suite wrote may mean
-/// anything.
+/// Whether a status is that of a run without a finished episode: it was refused, or killed early. A status of another
+/// format may mean anything, so it is not.
 bool tellsOfNoRun(const fs::path& status) {
   std::error_code ignored;
   if (!fs::is_regular_file(fs::symlink_status(status, ignored))) {
@@ -111,7 +129,7 @@ bool tellsOfNoRun(const fs::path& status) {
           content.value("rows_finished", nlohmann::json()) == 0);
 }
 
-void remove(const fs::path& root, const ResultFile& file) {
+void remove(const fs::path& root, const Pattern& file) {
   for (const fs::path& path : find(root, file)) {
     std::error_code error;
     fs::remove(path, error);
@@ -130,13 +148,6 @@ std::string nameOf(Results results) { return results == Results::kRun ? "a run" 
 
 }  // namespace
 
-fs::path rowFolder(const fs::path& sweep, std::size_t row) {
-  constexpr std::size_t kDigits = 3;
-  std::string name = std::to_string(row);
-  name.insert(0, kDigits - std::min(name.size(), kDigits), '0');
-  return sweep / "rows" / name;
-}
-
 OutputFolder::OutputFolder(fs::path path, std::string command, Results results)
     : path_(std::move(path)), command_(std::move(command)), results_(results) {
   std::error_code ignored;
@@ -154,7 +165,7 @@ OutputFolder::~OutputFolder() {
 void OutputFolder::open() {
   create();
   lock();
-  for (const ResultFile& file : resultFiles()) {
+  for (const Pattern& file : resultPatterns()) {
     const fs::path found = findInPlaceOfFolder(path_, file);
     if (!found.empty()) {
       throw pusht::InvalidInput("out " + path_.string() + ": results are written below " + nameIn(found) +
@@ -177,7 +188,7 @@ void OutputFolder::refuseInputs(const std::vector<Input>& inputs) const {
     }
     const fs::path place = canonical(input.path).lexically_relative(canonical(path_));
     const std::string name = place.empty() ? "" : place.begin()->string();
-    for (const ResultFile& file : resultFiles()) {
+    for (const Pattern& file : resultPatterns()) {
       if (std::regex_match(name, file.parts.front())) {
         throw pusht::InvalidInput(input.what + " " + input.path.string() + ": must not be where results are written (" +
                                   (path_ / name).string() + "); name another folder for the results");
@@ -191,7 +202,7 @@ void OutputFolder::refuse(const std::string& why) const {
 }
 
 void OutputFolder::refuseOtherResults() const {
-  for (const ResultFile& file : resultFiles()) {
+  for (const Pattern& file : resultPatterns()) {
     const std::vector<fs::path> found = find(path_, file);
     if (file.of && *file.of != results_ && !found.empty()) {
       refuse("holds " + nameOf(*file.of) + " (" + nameIn(found.front()) + "), which " + nameOf(results_) +
@@ -202,13 +213,13 @@ void OutputFolder::refuseOtherResults() const {
 
 void OutputFolder::refuseResults(bool overwrite) const {
   refuseOtherResults();
-  for (const ResultFile& file : resultFiles()) {
+  for (const Pattern& file : resultPatterns()) {
     for (const fs::path& path : find(path_, file)) {
       std::error_code ignored;
       if (fs::symlink_status(path, ignored).type() == fs::file_type::directory) {
         refuse("holds a folder where results are written (" + nameIn(path) + "); move it, or name another folder");
       }
-      if (!overwrite && !(isStatus(file) && tellsOfNoRun(path))) {
+      if (!overwrite && !(file.key == "status" && tellsOfNoRun(path))) {
         refuse("holds results (" + nameIn(path) +
                "); name another folder, or replace them with --overwrite (overwrite:=true in a launch file)");
       }
@@ -217,13 +228,13 @@ void OutputFolder::refuseResults(bool overwrite) const {
 }
 
 bool OutputFolder::holdsResults() const {
-  return std::any_of(resultFiles().begin(), resultFiles().end(),
-                     [this](const ResultFile& file) { return !isStatus(file) && !find(path_, file).empty(); });
+  return std::any_of(resultPatterns().begin(), resultPatterns().end(),
+                     [this](const Pattern& file) { return file.key != "status" && !find(path_, file).empty(); });
 }
 
 void OutputFolder::removeResults() const {
-  for (const ResultFile& file : resultFiles()) {
-    if ((!file.of || *file.of == results_) && !isStatus(file)) {
+  for (const Pattern& file : resultPatterns()) {
+    if ((!file.of || *file.of == results_) && file.key != "status") {
       remove(path_, file);
     }
   }
@@ -235,7 +246,7 @@ void OutputFolder::removeLeftovers() const {
   for (const fs::directory_entry& entry : fs::directory_iterator(path_, ignored)) {
     const std::string name = entry.path().stem().string();
     const bool ours = entry.path().extension() == ".part" &&
-                      std::any_of(resultFiles().begin(), resultFiles().end(), [&](const ResultFile& file) {
+                      std::any_of(resultPatterns().begin(), resultPatterns().end(), [&](const Pattern& file) {
                         return (!file.of || *file.of == results_) && file.parts.size() == 1 &&
                                std::regex_match(name, file.parts.front());
                       });
@@ -246,16 +257,16 @@ void OutputFolder::removeLeftovers() const {
 }
 
 void OutputFolder::removeReport() const {
-  for (const ResultFile& file : resultFiles()) {
-    if (isReport(file)) {
+  for (const Pattern& file : resultPatterns()) {
+    if (file.key == "report") {
       remove(path_, file);
     }
   }
 }
 
 void OutputFolder::removeReference() const {
-  for (const ResultFile& file : resultFiles()) {
-    if (isReference(file)) {
+  for (const Pattern& file : resultPatterns()) {
+    if (file.key == "rollout") {
       remove(path_, file);
     }
   }

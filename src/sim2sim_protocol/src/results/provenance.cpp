@@ -21,7 +21,7 @@ std::string eigenVersion() {
          std::to_string(EIGEN_MINOR_VERSION);
 }
 
-/// Those that libm, BLAS and our kernel choose their code by.
+/// CPU features by which libm, BLAS and our kernel choose their code.
 nlohmann::json cpuFeatures() {
   nlohmann::json features = nlohmann::json::array();
 #if defined(__x86_64__)
@@ -80,6 +80,16 @@ nlohmann::json buildAndMachine() {
           {"eigen", eigenVersion()},
           {"libc", std::string("glibc ") + gnu_get_libc_version()},
           {"cpu_features", cpuFeatures()}};
+}
+
+std::vector<Input> filesIn(const nlohmann::json& provenance) {
+  std::vector<Input> files;
+  for (const auto& [name, entry] : provenance.items()) {
+    if (entry.is_object() && entry.contains("file") && entry.at("file").is_string()) {
+      files.push_back({name, entry.at("file").get<std::string>()});
+    }
+  }
+  return files;
 }
 
 nlohmann::json codeFingerprint(const std::vector<std::string>& libraries, const std::vector<std::string>& if_loaded) {

@@ -8,6 +8,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/reason.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/table.hpp"
 
 namespace sim2sim {

@@ -9,6 +9,7 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 
 namespace sim2sim {
 
@@ -17,13 +18,10 @@ using nlohmann::ordered_json;
 
 namespace {
 
-/// Of a run's description. 1 named no parameters of the reference, 2 no units; 3 had no probes and no bound.
-constexpr int kDescriptionFormat = 4;
+constexpr std::array<const char*, 3> kCourseParameters = {"pusher_mass", "block_damp", "baumgarte"};
 
-constexpr std::array<const char*, 3> kCourseKnobs = {"pusher_mass", "block_damp", "baumgarte"};
-
-bool isCourseKnob(const std::string& name) {
-  return std::find(kCourseKnobs.begin(), kCourseKnobs.end(), name) != kCourseKnobs.end();
+bool isCourseParameter(const std::string& name) {
+  return std::find(kCourseParameters.begin(), kCourseParameters.end(), name) != kCourseParameters.end();
 }
 
 std::string asPythonPrints(const ordered_json& value) {
@@ -36,14 +34,14 @@ std::string asPythonPrints(const ordered_json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
-/// What is not as in the course.
+/// Differences from the course, as text of the hash.
 std::string differencesOf(const std::string& role, const SimulatorRecord& simulator, const std::string& in_course) {
   std::string differences;
   if (simulator.name != in_course) {
     differences.append("|").append(role).append("=").append(simulator.name);
   }
   for (const std::string& name : simulator.changed) {
-    if (!(role == "engine" && isCourseKnob(name))) {
+    if (!(role == "engine" && isCourseParameter(name))) {
       differences.append("|").append(role).append(".").append(name).append("=");
       differences += asPythonPrints(simulator.parameters.at(name));
     }
@@ -162,9 +160,9 @@ std::string configurationHash(const RunConfiguration& configuration) {
   const Protocol nominal = configuration.smoke ? Protocol() : protocol;
   const ordered_json& parameters = configuration.engine.parameters;
   std::string key = std::to_string(nominal.episodes);
-  for (const char* knob : kCourseKnobs) {
-    if (parameters.contains(knob)) {
-      key += "|" + asPythonPrints(parameters.at(knob));
+  for (const char* name : kCourseParameters) {
+    if (parameters.contains(name)) {
+      key += "|" + asPythonPrints(parameters.at(name));
     }
   }
   key += "|" + std::to_string(protocol.horizon) +

@@ -7,17 +7,12 @@
 #include "pusht_task/files.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
 #include "sim2sim_protocol/results/json.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/statistics.hpp"
 
 namespace sim2sim {
-namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kBag = "compare.bag";
-constexpr const char* kTraces = "traces.npy";
-
-}  // namespace
 
 RunFolder::RunFolder(fs::path path, bool overwrite, std::string command, bool goes_on)
     : folder_(std::move(path), std::move(command), Results::kRun), overwrite_(overwrite), goes_on_(goes_on) {
@@ -67,9 +62,9 @@ void RunFolder::begin(const nlohmann::json& provenance, const Protocol& protocol
   }
 }
 
-fs::path RunFolder::bagPath() const { return path() / kBag; }
+fs::path RunFolder::bagPath() const { return path() / kBagFile; }
 
-fs::path RunFolder::tracesPath() const { return path() / kTraces; }
+fs::path RunFolder::tracesPath() const { return path() / kTracesFile; }
 
 void RunFolder::finish(const RunConfiguration& configuration, const nlohmann::json& metrics,
                        const std::vector<EpisodeResult>& episodes, const DivergenceBands& bands, int faults_survived) {

@@ -12,6 +12,7 @@
 #include "sim2sim_protocol/results/first_divergences.hpp"
 #include "sim2sim_protocol/results/headline.hpp"
 #include "sim2sim_protocol/results/json.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
@@ -19,10 +20,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kStatisticsFormat = 2;  // of statistics.json
 constexpr std::array kShownQuantiles = {0.05, 0.25, 0.75, 0.95};
 
-/// Of the samples of a quantity.
+/// Distribution of the samples of a quantity.
 json distribution(std::vector<double> samples, const Quantity& quantity) {
   json figures = {{"episodes", samples.size()}};
   if (samples.empty()) {

@@ -59,8 +59,8 @@ Outcomes outcomesOf(const std::vector<EpisodeResult>& episodes) {
 double ratio(double a, double b) { return b > 0.0 ? a / b : kNoRatio; }
 
 /// `floor` is the place of the floor's rollout, if there is one.
-BaselineComparison yardstickOf(const std::vector<EpisodeResult>& episodes, const Summary& summary, std::size_t rollout,
-                               const DivergencePair& pair, std::optional<std::size_t> floor) {
+BaselineComparison comparisonOf(const std::vector<EpisodeResult>& episodes, const Summary& summary, std::size_t rollout,
+                                const DivergencePair& pair, std::optional<std::size_t> floor) {
   const std::size_t divergence = quantityIndex(pair.divergence);
   const std::size_t null_model = quantityIndex(pair.null_model);
   const double mean = summary.means[rollout][divergence].value;
@@ -142,7 +142,7 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   const std::optional<std::size_t> floor = widestFloor(protocol);
   for (std::size_t rollout = kReferenceClosed + 1; rollout < summary.means.size(); ++rollout) {
     for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
-      summary.baselines[rollout][i] = yardstickOf(episodes, summary, rollout, kDivergencePairs[i], floor);
+      summary.baselines[rollout][i] = comparisonOf(episodes, summary, rollout, kDivergencePairs[i], floor);
     }
   }
   summary.first_divergences = firstDivergencesOf(episodes, kEngineReplay);

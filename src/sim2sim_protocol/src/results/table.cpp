@@ -17,7 +17,7 @@ namespace {
 
 using pusht::fixedText;
 
-/// Of the table.
+/// Line of the table.
 std::string line(const std::string& head, const std::string& left, const std::string& right) {
   constexpr std::size_t kHead = 24;
   constexpr std::size_t kColumn = 32;

@@ -21,7 +21,7 @@ void append(std::string& bytes, Number number) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));  // x86 and ARM are little-endian
 }
 
-/// The same length for any number of records, so that it can be written again when that is known.
+/// Header of the file. Its length does not depend on `records`, so that it can be written again with the final number.
 std::string header(std::size_t records) {
   std::string fields = "('episode', '<i4'), ('mode', 'S" + std::to_string(kModeLength) + "'), ('step', '<i4')";
   for (const char* name : {"pusher_x", "pusher_y", "tee_x", "tee_y", "tee_yaw"}) {
@@ -70,28 +70,15 @@ std::string recordsOf(const Episode& episode) {
 
 }  // namespace
 
-TraceFile::TraceFile(const std::filesystem::path& path, const Protocol& protocol)
-    : file_(path), next_(protocol.first_episode) {
-  file_.write(header(0), false);
-}
+TraceFile::TraceFile(const std::filesystem::path& path) : file_(path) { file_.write(header(0), false); }
 
 void TraceFile::add(const Episode& episode) {
-  waiting_[episode.index()] = recordsOf(episode);
-  for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; ++next_) {
-    write(first->second);
-    first = waiting_.erase(first);
-  }
-}
-
-void TraceFile::write(const std::string& records) {
+  const std::string records = recordsOf(episode);
   file_.write(records, false);
   records_ += records.size() / kRecordSize;
 }
 
 void TraceFile::finish() {
-  for (const auto& [episode, records] : waiting_) {  // after one that the run lacks
-    write(records);
-  }
   file_.writeAt(0, header(records_));
   file_.moveIntoPlace();
 }

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The command that makes a run again."""
+"""The commands that a page suggests: the one that makes a run again, the one that finds a cause."""
 
 import json
 import shlex
-from typing import Any, List, Union
+from pathlib import Path
+from typing import Any, List, Sequence, Union
+
+from pusht_task.json_file import Json
 
 from sim2sim_report.results import Partial, Run
 
@@ -54,7 +57,7 @@ def command_of(run: AnyRun) -> str:
 
 
 def _given(run: AnyRun, role: str, parameter: str) -> Any:
-    """What the parameter was set to: where results have a file's checksum, that is its name."""
+    """Value that a parameter was set to; the name of a file whose checksum the results have."""
     value = run.provenance["configuration"]["simulators"][role]["parameters"][parameter]
     if not str(value).startswith("sha256:"):
         return value
@@ -62,7 +65,7 @@ def _given(run: AnyRun, role: str, parameter: str) -> Any:
 
 
 def notes_on_command(run: AnyRun) -> List[str]:
-    """What the command alone does not bring."""
+    """Notes on what the command alone does not bring."""
     c = run.provenance["configuration"]
     notes = []
     if "starts" in c:
@@ -75,3 +78,11 @@ def notes_on_command(run: AnyRun) -> List[str]:
             if given != value:
                 notes.append(f"{name} {given} had the checksum {value}.")
     return notes
+
+
+def suggested_attribution(folder: Path, rows: Sequence[Json]) -> str:
+    """The command that finds the cause, if all that varies in a sweep is switches."""
+    taken = [row["simulators"]["engine"]["parameters"] for row in rows]
+    names = [name for name in taken[0] if len({json.dumps(one.get(name)) for one in taken}) > 1]
+    switches = all(isinstance(one.get(name), bool) for name in names for one in taken)
+    return f"rosrun sim2sim_eval attribute {folder.name}" if len(names) > 1 and switches else ""

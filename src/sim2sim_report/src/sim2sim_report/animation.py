@@ -7,11 +7,12 @@ from typing import Any, Dict, List, Sequence, Tuple
 
 import numpy as np
 from pusht_task import task
-from pusht_task.command import Refusal
+from pusht_task.error import Error
+from pusht_task.json_file import Json
 from pusht_task.palette import DARK
 
 from sim2sim_report.colors import ON_TABLE
-from sim2sim_report.results import ENGINE, MODES, REPLAY, Episode, Json, Run, Traces
+from sim2sim_report.results import ENGINE, MODES, REPLAY, Episode, Run, Traces
 
 MOST_ANIMATED = 200  # episodes, unless more are asked for
 GEOMETRY = {
@@ -30,12 +31,12 @@ def animated(run: Run, asked: Sequence[int]) -> List[int]:
     known = [episode.index for episode in run.episodes]
     for index in asked:
         if index not in known:
-            raise Refusal(f"animate {index}: must be from {known[0]} to {known[-1]}")
+            raise Error(f"animate {index}: must be from {known[0]} to {known[-1]}")
     return sorted({*known[:MOST_ANIMATED], *asked, *run.first_of_each_kind()})
 
 
 def player(run: Run, traces: Traces, shown: Sequence[int]) -> Json:
-    """What page.js plays."""
+    """The data that page.js plays."""
     return {
         "titles": {"reference": run.title("reference"), "engine": run.name},
         "bound": run.metrics["bound"],

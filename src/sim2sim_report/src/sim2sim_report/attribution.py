@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
-from pusht_task.command import Refusal
+from pusht_task.error import Error
+from pusht_task.json_file import Json, read_json, require_format
+from sim2sim_protocol.result_files import format_of, name_of
 
 from sim2sim_report.colors import COLORS, DIM, INK
 from sim2sim_report.figures import (
@@ -18,11 +20,11 @@ from sim2sim_report.figures import (
     panels,
     styled,
 )
-from sim2sim_report.results import ENGINE, REPLAY, Json, read_json, require_format
+from sim2sim_report.results import ENGINE, REPLAY
 
-FORMAT = 1
-FILE = "attribution.json"
-HORIZONS = (  # of replays: open loop, then re-anchored
+FORMAT = format_of("attribution")
+FILE = name_of("attribution")
+HORIZONS = (  # colors and marks of replays: open loop, then re-anchored
     *((COLORS[REPLAY], "o"), (COLORS[ENGINE], "s"), (COLORS["reference"], "^")),
     *((DIM, "D"), (INK, "v"), (COLORS[REPLAY], "X"), (COLORS[ENGINE], "P")),
 )
@@ -44,7 +46,7 @@ class Attribution:
 
     @property
     def is_exact(self) -> bool:
-        """Whether all combinations were run, and not only those along random orders."""
+        """True if all combinations were run, not only those along random orders."""
         return int(self.content["orders"]) == 0
 
     @property
@@ -71,7 +73,7 @@ def read_attribution(folder: Path) -> Attribution:
             for gap in attribution.gaps(component):
                 attribution.ranked(gap)
     except (KeyError, TypeError) as error:
-        raise Refusal(f"{folder / FILE}: is not as this version writes it: {error!r}") from None
+        raise Error(f"{folder / FILE}: is not as this version writes it: {error!r}") from None
     return attribution
 
 
@@ -92,7 +94,7 @@ def draw(attribution: Attribution) -> List[Drawing]:
 
 
 def _shares(attribution: Attribution, narrow: bool) -> Any:
-    """Each switch's part of each gap, with its interval."""
+    """Part of each gap that a switch explains, with its interval."""
     names = [name for name, _ in attribution.ranked(attribution.gaps("position")[0])]
     columns = {component: attribution.gaps(component) for component in ("position", "angle")}
     if any(found["part"] is not None for found in attribution.success["switches"].values()):
@@ -144,7 +146,7 @@ class Bar(NamedTuple):
 
 
 def _staircase(attribution: Attribution, narrow: bool) -> Any:
-    """The gap as switches are turned on, between its yardsticks; each gap in its own best order."""
+    """The gap as switches are turned on, between its baselines; each gap in its own best order."""
     gaps = [attribution.gaps(component)[0] for component in ("position", "angle")]
     steps = [_steps(attribution, gap) for gap in gaps]
     figure, both = panels(narrow, 9.6, 1.2 + 0.36 * max(map(len, steps)))
@@ -167,16 +169,16 @@ def _staircase(attribution: Attribution, narrow: bool) -> Any:
 
 
 def _steps(attribution: Attribution, gap: Json) -> List[Tuple[str, Bar]]:
-    def yardstick(key: str, color: str) -> Bar:
+    def baseline_bar(key: str, color: str) -> Bar:
         return Bar(gap[key]["value"], gap[key]["interval"], color)
 
-    rows = [("tee never moves", yardstick("null_model", DIM))]
+    rows = [("tee never moves", baseline_bar("null_model", DIM))]
     if gap["baseline"]["value"] is not None:
-        rows.append((attribution.content["baseline"], yardstick("baseline", COLORS[ENGINE])))
+        rows.append((attribution.content["baseline"], baseline_bar("baseline", COLORS[ENGINE])))
     rows.append(("all off", Bar(gap["staircase"][0], None, COLORS[REPLAY])))
     for name, value in zip(gap["best_order"], gap["staircase"][1:]):
         rows.append((f"+ {name}", Bar(value, None, COLORS[REPLAY])))
     if gap["floor"]["value"] is not None:
         floor = f"floor of {attribution.content['reference']}"
-        rows.append((floor, yardstick("floor", COLORS["reference"])))
+        rows.append((floor, baseline_bar("floor", COLORS["reference"])))
     return [(textwrap.fill(name, 24), bar) for name, bar in rows]

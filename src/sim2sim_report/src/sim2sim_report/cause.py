@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a page says of the cause of a gap."""
+"""Sentences and tables on the cause of a gap."""
 
 from typing import List, Optional
 
+from pusht_task.json_file import Json
+
 from sim2sim_report.attribution import Attribution, draw
-from sim2sim_report.results import Json
 from sim2sim_report.words import DIVERGENCE_DIGITS, interval, signed
 
 FEWEST_PAIRS = 20  # episodes, below which shares have no intervals
@@ -79,8 +80,8 @@ def _combinations(attribution: Attribution) -> str:
 
 def _gap_table(attribution: Attribution, gap: Json) -> Json:
     rows = [
-        _yardstick("tee that never moves", gap["null_model"]),
-        _yardstick(f"baseline: {attribution.content['baseline']}", gap["baseline"]),
+        _baseline_row("tee that never moves", gap["null_model"]),
+        _baseline_row(f"baseline: {attribution.content['baseline']}", gap["baseline"]),
         {"name": "all off", "cells": [f"{gap['all_off']:.{DIVERGENCE_DIGITS}f}"]},
     ]
     for name in attribution.switches:
@@ -96,11 +97,11 @@ def _gap_table(attribution: Attribution, gap: Json) -> Json:
                 cells.append(value + interval(found[effect]["interval"], DIVERGENCE_DIGITS))
         rows.append({"name": name, "cells": cells})
     rows.append({"name": "all on", "cells": [f"{gap['all_on']:.{DIVERGENCE_DIGITS}f}"]})
-    rows.append(_yardstick(f"floor of {attribution.content['reference']}", gap["floor"]))
+    rows.append(_baseline_row(f"floor of {attribution.content['reference']}", gap["floor"]))
     return {"title": gap["title"], "unit": gap["unit"], "rows": [row for row in rows if row]}
 
 
-def _yardstick(name: str, found: Json) -> Optional[Json]:
+def _baseline_row(name: str, found: Json) -> Optional[Json]:
     if found["value"] is None:
         return None
     value = f"{found['value']:.{DIVERGENCE_DIGITS}f}"

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
-from pusht_task.command import Refusal
+from pusht_task.error import Error
+from pusht_task.json_file import Json
 from pusht_task.task import CONTROL_STEP
 
 from sim2sim_report.colors import COLORS, DIM, GRID, INK, VARIABLES
-from sim2sim_report.results import ENGINE, REPLAY, Json, Run
+from sim2sim_report.results import ENGINE, REPLAY, Run
 
 logging.getLogger("matplotlib").setLevel(logging.ERROR)  # before it reports on its cache
 import matplotlib  # type: ignore[import]  # noqa: E402
@@ -45,7 +46,7 @@ STYLE: Dict[str, Any] = {
 }
 LONGEST_LINE = 26  # characters of a name beside its bar
 COMPONENTS = (("position", "m"), ("angle", "rad"))
-_LEVELS = ("0.05", "0.25", "0.50", "0.75", "0.95")  # of the bands
+_LEVELS = ("0.05", "0.25", "0.50", "0.75", "0.95")  # levels of the bands
 
 
 @dataclass(frozen=True)
@@ -54,8 +55,8 @@ class Drawing:
 
     name: str
     alt: str
-    wide: Any  # for screens and papers
-    narrow: Any  # for phones: its panels stand below each other
+    wide: Any  # figure for screens and papers
+    narrow: Any  # figure for phones: its panels stand below each other
     style: Dict[str, Any]
 
     @property
@@ -102,12 +103,12 @@ def styled(
         return Drawing(name, alt, build(False), build(True), style)
 
 
-def require_format(out: Path) -> None:
+def require_picture_format(out: Path) -> None:
     """Refuses a name that does not end with a format of pictures."""
     kinds = FigureCanvasAgg.get_supported_filetypes()
     if out.suffix[1:] not in kinds:
         names = ", ".join(sorted(kinds))
-        raise Refusal(f"out {out}: must end with the name of a format, one of {names}")
+        raise Error(f"out {out}: must end with the name of a format, one of {names}")
 
 
 def panels(narrow: bool, width: float, height: float, **options: Any) -> Tuple[Any, Any]:
@@ -136,10 +137,10 @@ def inline(svg: str, name: str) -> str:
 
 
 def draw(run: Run, prefix: str) -> Dict[str, Drawing]:
-    """All figures of a run; `prefix` tells runs apart."""
+    """The figures of a run by name; `prefix` tells runs apart."""
     drawings = {}
     for name, alt, build in (
-        ("yardsticks", _yardsticks_in_words(run), _yardsticks),
+        ("yardsticks", _baselines_in_words(run), _baselines),
         ("divergence", "Quantiles of the divergence over time, with the bound", _bands),
         ("causes", "First causes: " + ", ".join(_named_causes(run)), _causes),
     ):
@@ -173,8 +174,8 @@ def draw_rates(runs: Sequence[Run]) -> Drawing:
     return styled("success", "Success rates: " + ", ".join(texts), build)
 
 
-def _yardstick_rows(run: Run) -> List[Tuple[str, str, str, str]]:
-    """Mean divergences and what they must be read against: name, mode, quantity, color."""
+def _baseline_rows(run: Run) -> List[Tuple[str, str, str, str]]:
+    """Mean divergences and their baselines: name, mode, quantity, color."""
     rows = [
         ("open loop", REPLAY, "mean_{}_divergence", COLORS[REPLAY]),
         ("its null model", REPLAY, "null_{}_divergence", DIM),
@@ -189,17 +190,17 @@ def _yardstick_rows(run: Run) -> List[Tuple[str, str, str, str]]:
     return rows
 
 
-def _yardsticks_in_words(run: Run) -> str:
+def _baselines_in_words(run: Run) -> str:
     parts = []
-    for name, mode, quantity, _ in _yardstick_rows(run):
+    for name, mode, quantity, _ in _baseline_rows(run):
         mean = run.statistics["rollouts"][mode][f"{quantity.format('position')}_m"]["mean"]
         parts.append(f"{name} {'none' if mean is None else format(mean, '.4f')} m")
     return "Mean divergences with null model and floor: " + ", ".join(parts)
 
 
-def _yardsticks(run: Run, narrow: bool) -> Any:
-    """Mean divergences beside what they must be read against, from zero, with their values."""
-    rows = _yardstick_rows(run)
+def _baselines(run: Run, narrow: bool) -> Any:
+    """Mean divergences beside their baselines, from zero, with their values."""
+    rows = _baseline_rows(run)
     figure, both = panels(narrow, 8.6, 0.8 + 0.32 * len(rows), sharey=True)
     for axes, (component, unit) in zip(both, COMPONENTS):
         end = 0.0
@@ -266,7 +267,7 @@ def _bands(run: Run, narrow: bool) -> Any:
 
 
 def _causes_of(run: Run) -> List[Tuple[str, Json]]:
-    """Causes of partings in open loop, the most frequent first."""
+    """Causes of first divergence in open loop, the most frequent first."""
     causes: Json = run.statistics["rollouts"][REPLAY]["parting"]["causes"]
     return sorted(
         ((name, cause) for name, cause in causes.items() if cause["episodes"]),
@@ -279,7 +280,7 @@ def _named_causes(run: Run) -> List[str]:
 
 
 def _causes(run: Run, narrow: bool) -> Any:
-    """At what episodes part."""
+    """Causes of first divergence, with the share of episodes that each has."""
     shown = _causes_of(run)
     size = (NARROW if narrow else 6.2, 0.9 + 0.36 * max(1, len(shown)))
     figure = Figure(figsize=size, constrained_layout=True)

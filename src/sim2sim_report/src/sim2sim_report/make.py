@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a report is made of: which page and which figures results call for."""
+"""The page and the figures that results call for."""
 
 from pathlib import Path
 from typing import List, Sequence, Tuple
 
-from pusht_task.command import Refusal
+from pusht_task.error import Error
 
 from sim2sim_report.attribution import draw as draw_attribution
 from sim2sim_report.attribution import is_attributed, read_attribution
@@ -32,20 +32,20 @@ def make(
             return _of_sweep(folders[0], animate, suite)
         if len(folders) == 1 and is_partial(folders[0]):
             if animate:
-                raise Refusal(f"{folders[0]}: is a part of a run, which has no --animate")
+                raise Error(f"{folders[0]}: is a part of a run, which has no --animate")
             return Page(suite).of_partial(read_partial(folders[0])), []
         return _of_runs(folders, animate, suite)
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         names = ", ".join(map(str, folders))
-        raise Refusal(f"{names}: is not as this version writes it: {error!r}") from None
+        raise Error(f"{names}: is not as this version writes it: {error!r}") from None
     except RecursionError:
         names = ", ".join(map(str, folders))
-        raise Refusal(f"{names}: must have files that are less deeply nested") from None
+        raise Error(f"{names}: must have files that are less deeply nested") from None
 
 
 def _of_sweep(folder: Path, animate: Sequence[int], suite: Suite) -> Tuple[str, List[Drawing]]:
     if animate:
-        raise Refusal(f"{folder}: is a sweep, which has no --animate")
+        raise Error(f"{folder}: is a sweep, which has no --animate")
     if is_attributed(folder):
         return Page(suite).of_attribution(folder), draw_attribution(read_attribution(folder))
     return Page(suite).of_sweep(folder), draw_sweep(folder, suite)

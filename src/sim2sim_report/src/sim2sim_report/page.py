@@ -3,55 +3,24 @@
 
 import json
 from pathlib import Path
-from typing import Any, List, Optional, Sequence
+from typing import Any, Optional, Sequence
 
 import jinja2
-from pusht_task import task
-from pusht_task.command import Refusal
+from pusht_task.error import Error
+from pusht_task.json_file import Json
 
 from sim2sim_report import colors, figures
-from sim2sim_report.again import REANCHORED, command_of, notes_on_command
+from sim2sim_report.again import command_of, notes_on_command, suggested_attribution
 from sim2sim_report.animation import GEOMETRY, animated, player, poster
 from sim2sim_report.attribution import read_attribution
 from sim2sim_report.cause import section as attribution_section
 from sim2sim_report.curves import draw as draw_sweep
-from sim2sim_report.figures import COMPONENTS
-from sim2sim_report.results import (
-    ENGINE,
-    KINDS,
-    MODES,
-    QUESTION,
-    REFERENCE,
-    REPLAY,
-    Episode,
-    Json,
-    Partial,
-    Run,
-    Traces,
-    read_json,
-    read_sweep,
-)
+from sim2sim_report.results import KINDS, QUESTION, Partial, Run, Traces, read_sweep
+from sim2sim_report.sentences import CAUTION, cautions, parting, sentences, sweep_summary
 from sim2sim_report.suite import Suite
-from sim2sim_report.words import (
-    DIVERGENCE_DIGITS,
-    NOT_SHOWN,
-    RATE_DIGITS,
-    TOO_FEW,
-    figure,
-    glossary,
-    in_sentence,
-    interval,
-    mark,
-    probability,
-    rate,
-    signed,
-    times,
-    transfer,
-)
+from sim2sim_report.tables import contrast_rows, divergences, episode_row, parameters, sweep_row
+from sim2sim_report.words import glossary
 
-SIGNIFICANT = 0.05  # after Holm
-MEANS = (("mean_pos_divergence", "m"), ("mean_ang_divergence", "rad"))  # keys of metrics.json
-UNTRAINED = "fresh-untrained"
 ROWS_WITHOUT_SCRIPT = 100  # episodes in the table of a page in which no script runs
 KIND_NAMES = {
     "only_reference_succeeds": "reference only",
@@ -59,15 +28,6 @@ KIND_NAMES = {
     "neither_succeeds": "neither",
     "only_engine_succeeds": "engine only",
 }
-CONTRASTED = {
-    "engine_success_rate": ("success rate", RATE_DIGITS),
-    "mean_pos_divergence_m": ("position divergence", DIVERGENCE_DIGITS),
-    "mean_ang_divergence_rad": ("angle divergence", DIVERGENCE_DIGITS),
-}
-CAUTION = [
-    "Neither simulator is the truth. The gap says how far they agree, not which of them is right.",
-    "Intervals speak of further starts like these, under this policy. They say nothing of others.",
-]
 
 
 class Page:
@@ -97,7 +57,7 @@ class Page:
     def of_runs(
         self, runs: Sequence[Run], traces: Sequence[Optional[Traces]], animate: Sequence[int]
     ) -> str:
-        """One run, or several over the same episodes; the first is what the others are held to."""
+        """Page of a run, or of several over the same episodes, which are held against the first."""
         folders = [run.folder for run in runs]
         compared = self.suite.contrast(folders) if len(runs) > 1 else {}
         engines = runs[0].name if len(runs) == 1 else f"{len(runs)} engines, pair by pair"
@@ -107,9 +67,9 @@ class Page:
             question=compared["headline"]["question"] if compared else runs[0].question,
             headline=compared["headline"]["answer"] if compared else runs[0].answer,
             answers=answers if len(runs) > 1 else [],
-            caution=_caution([run.metrics for run in runs]),
+            caution=cautions([run.metrics for run in runs]),
             rates=figures.draw_rates(runs),
-            contrasts=[_contrast(c) for c in compared.get("contrasts", [])],
+            contrasts=[contrast_rows(c) for c in compared.get("contrasts", [])],
             baseline=runs[0].name,
             runs=[
                 _section(run, number, shown, animate)
@@ -123,22 +83,22 @@ class Page:
         rows, whole = content["rows"], len(content["sweep"]["rows"])
         if len(rows) < whole:
             unfinished = f"is unfinished: {len(rows)} of {whole} rows; `sweep` goes on with it"
-            raise Refusal(f"{folder}: {unfinished}")
+            raise Error(f"{folder}: {unfinished}")
         curves, pairs = draw_sweep(folder, self.suite)
         compared = self.suite.contrast([folder])
         return self._render(
             title=f"Sweep {folder.resolve().name}",
             question=compared["headline"]["question"],
             headline=compared["headline"]["answer"],
-            caution=_caution(rows),
-            contrasts=[_contrast(c) for c in compared["contrasts"]],
+            caution=cautions(rows),
+            contrasts=[contrast_rows(c) for c in compared["contrasts"]],
             baseline=compared["baseline"]["title"],
             sweep={
                 "curves": curves,
                 "pairs": pairs,
-                "summary": _sweep_summary(rows[0]),
-                "rows": [_sweep_row(folder, number, row) for number, row in enumerate(rows)],
-                "attribute": _suggested_attribution(folder, rows),
+                "summary": sweep_summary(rows[0]),
+                "rows": [sweep_row(folder, number, row) for number, row in enumerate(rows)],
+                "attribute": suggested_attribution(folder, rows),
             },
         )
 
@@ -175,7 +135,7 @@ class Page:
                 "engine": partial.title("engine"),
                 "counts": partial.counts,
                 "episodes": len(partial.episodes),
-                "table": [_row(e) for e in partial.episodes],
+                "table": [episode_row(e) for e in partial.episodes],
                 "player": None,
                 "command": command_of(partial),
                 "notes": notes_on_command(partial),
@@ -194,111 +154,6 @@ class Page:
         return template.render(rows_without_script=rows, **self.shared, **context)
 
 
-def _sentences(run: Run) -> List[str]:
-    """What the figures say, and what each does not show."""
-    m = run.metrics
-    reference, engine = in_sentence(run.title("reference")), in_sentence(run.name)
-    difference = interval(m["success_difference_interval"], RATE_DIGITS)
-    mean_position = figure(m, "mean_pos_divergence", "m")
-    mean_angle = figure(m, "mean_ang_divergence", "rad")
-    null_position = figure(m, f"{REPLAY}_null_position_divergence", "m", with_interval=False)
-    null_angle = figure(m, f"{REPLAY}_null_angle_divergence", "rad", with_interval=False)
-    sentences = [
-        f"In closed loop, policy {m['policy']} succeeds in {rate(m, 'reference')} of "
-        f"{m['episodes']} episodes in {reference} and in {rate(m, 'engine')} of the same episodes "
-        f"in {engine}: {signed(m['success_difference'], RATE_DIGITS)}{difference}, "
-        f"McNemar {probability(m['success_difference_p'])}."
-        # The answer above has the one interval of transfer that holds in a run that was stopped.
-        + ("" if "decision" in m else f" Transfer: {transfer(m)}."),
-        f"Given the exact actions of {reference}, the tee in {engine} is {mean_position} and "
-        f"{mean_angle} from where it is in {reference}, on average over the episode. A tee that "
-        f"never moves would be {null_position} and {null_angle} away.",
-    ]
-    if "decision" in m:
-        sentences.insert(0, _decision(m, engine))
-    return sentences + _doubts(m)
-
-
-def _decision(m: Json, engine: str) -> str:
-    decision = m["decision"]
-    kept = f"{100 * decision['share']:.6g} % of the success in the reference"
-    if decision["episodes"] is None:
-        return f"It was not decided after {m['episodes']} episodes whether {engine} keeps {kept}."
-    return f"Decided after {decision['episodes']} episodes: {engine} {decision['verdict']} {kept}."
-
-
-def _doubts(m: Json) -> List[str]:
-    """What each divergence does not show."""
-    doubts = []
-    for (name, _), (key, unit) in zip(COMPONENTS, MEANS):
-        beats = m[f"{key}_beats_null"]
-        ends = m[f"{key}_minus_null_interval_{unit}"]
-        if beats is None:
-            doubts.append(
-                f"{TOO_FEW} In {name} there are too few episodes to compare it with that tee."
-            )
-        elif not beats and ends[0] > 0:
-            doubts.append(f"{NOT_SHOWN} In {name} it is further away than that tee.")
-        elif not beats:
-            doubts.append(f"{NOT_SHOWN} In {name} it is not shown to be nearer than that tee.")
-    return doubts
-
-
-def _caution(runs: Sequence[Json]) -> List[str]:
-    """What the figures do not say."""
-    caution = []
-    first = runs[0]
-    reference = first["simulators"]["reference"]["title"]
-    if first["policy"] == UNTRAINED:
-        caution.append("The policy is untrained: success and transfer say nothing.")
-    elif first["reference_successes"] == 0:
-        caution.append(
-            f"The policy never succeeds in {reference}. A trained one does: is this the right "
-            "checkpoint, and is its normalisation inside?"
-        )
-    if any("decision" in metrics for metrics in runs):
-        caution.append(
-            "The run was to end when it is decided. The answer above holds all the same; the other "
-            "intervals are those of a run of fixed length, and hold less often here."
-        )
-    return caution + CAUTION
-
-
-def _sweep_summary(row: Json) -> str:
-    reference = row["simulators"]["reference"]["title"]
-    starts = "given starts" if "starts" in row else f"seed {row['seed']}"
-    return (
-        f"Policy {row['policy']}, {row['episodes']} episodes for every row, {starts}. In "
-        f"{reference}, the reference of all rows, it succeeds in {rate(row, 'reference')}."
-    )
-
-
-def _sweep_row(folder: Path, number: int, row: Json) -> Json:
-    engine = row["simulators"]["engine"]
-    values = ", ".join(f"{name} {engine['parameters'][name]}" for name in engine["changed"])
-    statistics = read_json(folder / "rows" / f"{number:03d}" / "statistics.json")
-    return {
-        "engine": engine["title"],
-        "changed": values or "as shipped",
-        "success": rate(row, "engine"),
-        "divergences": _means(row),
-        "answer": statistics["headline"]["answer"],
-    }
-
-
-def _suggested_attribution(folder: Path, rows: Sequence[Json]) -> str:
-    """The command that finds the cause, if all that varies in a sweep is switches."""
-    taken = [row["simulators"]["engine"]["parameters"] for row in rows]
-    names = [name for name in taken[0] if len({json.dumps(one.get(name)) for one in taken}) > 1]
-    switches = all(isinstance(one.get(name), bool) for name in names for one in taken)
-    return f"rosrun sim2sim_eval attribute {folder.name}" if len(names) > 1 and switches else ""
-
-
-def _means(metrics: Json) -> List[str]:
-    """The mean divergences, marked where they are not shown to be less than the null model's."""
-    return [figure(metrics, *mean) + mark(metrics[f"{mean[0]}_beats_null"]) for mean in MEANS]
-
-
 def _section(run: Run, number: int, traces: Optional[Traces], animate: Sequence[int]) -> Json:
     shown = animated(run, animate)
     return {
@@ -310,114 +165,18 @@ def _section(run: Run, number: int, traces: Optional[Traces], animate: Sequence[
         "counts": {kind: run.metrics[kind] for kind in KINDS.values()},
         "episodes": run.metrics["episodes"],
         "answer": run.answer,
-        "sentences": _sentences(run),
-        "divergences": _divergences(run),
+        "sentences": sentences(run),
+        "divergences": divergences(run),
         "has_intervals": run.metrics["mean_pos_divergence_interval_m"] is not None,
         "drawings": figures.draw(run, f"run{number}-"),
         "causes_have_intervals": figures.causes_have_intervals(run),
-        "parting": _parting(run),
-        "parameters": _parameters(run),
+        "parting": parting(run),
+        "parameters": parameters(run),
         "provenance": json.dumps(run.provenance, indent=2, sort_keys=True),
         "command": command_of(run),
         "notes": notes_on_command(run),
         "animated": len(shown),
         "player": None if traces is None else player(run, traces, shown),
         "poster": None if traces is None else poster(run, traces),
-        "table": [_row(e) for e in run.episodes],
+        "table": [episode_row(e) for e in run.episodes],
     }
-
-
-def _row(episode: Episode) -> List[Any]:
-    reference, engine, replay = (episode.modes[mode] for mode in MODES)
-
-    def number(text: str) -> Optional[float]:
-        return round(float(text), DIVERGENCE_DIGITS) if text else None
-
-    return [
-        episode.index,
-        reference.get("seed", ""),
-        list(KINDS.values()).index(episode.kind),
-        episode.steps(REFERENCE),
-        episode.steps(ENGINE),
-        number(replay["mean_position_divergence_m"]),
-        number(replay["mean_angle_divergence_rad"]),
-        int(replay["parting_step"]) if replay["parting_step"] else None,
-        replay["parting_cause"].replace("_", " "),
-    ]
-
-
-def _divergences(run: Run) -> List[Json]:
-    """The lines of the table that the commands print, as they print them."""
-    m = run.metrics
-
-    def line(head: str, quantities: Sequence[Any], **style: Any) -> Json:
-        return {"head": head, "cells": [figure(m, key, unit, **style) for key, unit in quantities]}
-
-    lines = [{"head": "mean", "cells": _means(m)}]
-    lines.append(line("median", [(f"{key}_median", unit) for key, unit in MEANS]))
-    less_null = [(f"{key}_minus_null", unit) for key, unit in MEANS]
-    lines.append(line("less null model", less_null, with_sign=True))
-    factors = [m[f"{key}_over_floor"] for key, _ in MEANS]
-    if factors[0] is not None:
-        cells = [times(factor) for factor in factors]
-        lines.append({"head": "over the floor (1e-6 m), roughly", "cells": cells})
-    absorbed = [(f"{ENGINE}_absorbed_{name}_divergence", unit) for name, unit in COMPONENTS]
-    lines.append(line("less in closed loop", absorbed, with_sign=True))
-    for probe in m["probes"]:
-        every = probe[len(REANCHORED) :] if probe.startswith(REANCHORED) else None
-        if every:
-            errors = [(f"{probe}_anchor_{name}_error", unit) for name, unit in COMPONENTS]
-            lines.append(line(f"made in {every} step{'' if every == '1' else 's'}", errors))
-    return lines
-
-
-def _parting(run: Run) -> str:
-    m = run.metrics
-    bound = f"{m['bound']['position_m']:g} m or {m['bound']['angle_rad']:g} rad"
-    parted = f"In open loop {m['parted']} of {m['episodes']} episodes leave the bound of {bound}"
-    median = m["median_parting_step"]
-    if median is None:
-        return f"{parted}."
-    return f"{parted}. Half of all have left it by {median * task.CONTROL_STEP:.1f} s."
-
-
-def _parameters(run: Run) -> List[Json]:
-    rows = []
-    for role in ("reference", "engine"):
-        simulator = run.metrics["simulators"][role]
-        for name, value in simulator["parameters"].items():
-            rows.append(
-                {
-                    "simulator": simulator["title"],
-                    "name": name,
-                    "value": value,
-                    "unit": simulator["units"].get(name, ""),
-                    "changed": name in simulator["changed"],
-                }
-            )
-    return rows
-
-
-def _contrast(content: Json) -> Json:
-    rows = []
-    for key, (name, digits) in CONTRASTED.items():
-        figure = content["figures"].get(key)
-        if figure is None:
-            continue
-        text = signed(figure["difference"], digits) + (
-            f" {figure['unit']}" if figure["unit"] else ""
-        )
-        rows.append(
-            {
-                "name": name,
-                "difference": text + interval(figure["interval"], digits),
-                "p": probability(figure["p"]),
-                "adjusted": probability(figure["adjusted_p"]),
-                "finding": _is_finding(figure),
-            }
-        )
-    return {"title": content["title"], "rows": rows}
-
-
-def _is_finding(figure: Json) -> bool:
-    return figure["adjusted_p"] is not None and figure["adjusted_p"] <= SIGNIFICANT

@@ -10,18 +10,17 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from pusht_task import command
-from pusht_task.command import Refusal
+from pusht_task.error import Error
+from pusht_task.json_file import Json, read_json, require_format
+from sim2sim_protocol.result_files import format_of, name_of
 
 if TYPE_CHECKING:
     from sim2sim_report.suite import Suite
 
 REFERENCE, ENGINE, REPLAY = MODES = ("reference_closed", "engine_closed", "engine_replay")
-METRICS_FORMAT = 4
-STATISTICS_FORMAT = 2
-STATUS_FORMAT = 1
+METRICS_FORMAT = format_of("metrics")
 QUESTION = "Does the skill transfer?"
-KINDS = {  # of an episode: who succeeds in it (reference, engine)
+KINDS = {  # kind of an episode by success (in the reference, in the engine)
     (True, False): "only_reference_succeeds",
     (True, True): "both_succeed",
     (False, False): "neither_succeeds",
@@ -32,8 +31,7 @@ TRACE_FIELDS = (
     *("action_x", "action_y"),
 )
 
-Json = Dict[str, Any]
-Traces = Dict[Tuple[int, str], Any]  # by episode and mode: an array of records
+Traces = Dict[Tuple[int, str], Any]  # array of records by episode and mode
 
 
 @dataclass(frozen=True)
@@ -61,27 +59,27 @@ class Episode:
 
 @dataclass(frozen=True)
 class Run:
-    """What the folder of a run holds."""
+    """The content of a run's folder."""
 
     folder: Path
     metrics: Json
     statistics: Json
     provenance: Json
     episodes: List[Episode]
-    bands: Dict[str, Dict[str, Any]]  # by mode: columns of divergence.csv
+    bands: Dict[str, Dict[str, Any]]  # columns of divergence.csv by mode
 
     @property
     def question(self) -> str:
-        """What the headline asks."""
+        """The question of the headline."""
         return str(self.statistics["headline"]["question"])
 
     @property
     def answer(self) -> str:
-        """What the headline answers."""
+        """The answer of the headline."""
         return str(self.statistics["headline"]["answer"])
 
     def title(self, role: str) -> str:
-        """What people call the simulator."""
+        """The title of a simulator."""
         title: str = self.metrics["simulators"][role]["title"]
         return title
 
@@ -105,7 +103,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Partial:
-    """What the folder of a run holds that has not ended well: the episodes that have finished."""
+    """The finished episodes of a run that has not ended well."""
 
     folder: Path
     status: Json
@@ -118,42 +116,42 @@ class Partial:
 
     @property
     def counts(self) -> Dict[str, int]:
-        """How many of the finished episodes are of each kind."""
+        """Number of finished episodes of each kind."""
         return {kind: sum(e.kind == kind for e in self.episodes) for kind in KINDS.values()}
 
 
 def is_partial(folder: Path) -> bool:
-    return (folder / "status.json").exists() and not (folder / "metrics.json").exists()
+    return (folder / name_of("status")).exists() and not (folder / name_of("metrics")).exists()
 
 
 def read_partial(folder: Path) -> Partial:
     """Refuses a folder in which no episode has finished."""
-    status = read_json(folder / "status.json")
-    require_format(folder / "status.json", status, STATUS_FORMAT)
+    status = read_json(folder / name_of("status"))
+    require_format(folder / name_of("status"), status, format_of("status"))
     if status.get("beside_earlier_results"):
-        raise Refusal(f"{folder}: holds files of an earlier run; the folder of one run is needed")
+        raise Error(f"{folder}: holds files of an earlier run; the folder of one run is needed")
     finished = status.get("episodes_finished", 0)
-    if not finished or not (folder / "episodes.csv").exists():
-        if (folder / "episodes.journal").exists():  # killed: its command has not written them out
-            raise Refusal(f"{folder}: was killed; run the same command again, it goes on")
-        raise Refusal(f"{folder}: no episode has finished ({status.get('reason')}); one must have")
-    provenance = read_json(folder / "provenance.json")
-    return Partial(folder, status, provenance, _episodes(folder / "episodes.csv", finished))
+    if not finished or not (folder / name_of("episodes")).exists():
+        if (folder / name_of("journal")).exists():  # killed: its command has not written them out
+            raise Error(f"{folder}: was killed; run the same command again, it goes on")
+        raise Error(f"{folder}: no episode has finished ({status.get('reason')}); one must have")
+    provenance = read_json(folder / name_of("provenance"))
+    return Partial(folder, status, provenance, _episodes(folder / name_of("episodes"), finished))
 
 
 def is_sweep(folder: Path) -> bool:
-    return (folder / "sweep.json").exists()
+    return (folder / name_of("sweep")).exists()
 
 
 def read_run(folder: Path) -> Run:
     """Refuses what is no whole run of this version."""
     if is_sweep(folder):
-        raise Refusal(f"{folder}: is a sweep; it must stand alone")
-    metrics = read_json(folder / "metrics.json", "the folder of a whole run is needed")
-    require_format(folder / "metrics.json", metrics, METRICS_FORMAT)
-    statistics = read_json(folder / "statistics.json")
-    require_format(folder / "statistics.json", statistics, STATISTICS_FORMAT)
-    provenance = read_json(folder / "provenance.json")
+        raise Error(f"{folder}: is a sweep; it must stand alone")
+    metrics = read_json(folder / name_of("metrics"), "the folder of a whole run is needed")
+    require_format(folder / name_of("metrics"), metrics, METRICS_FORMAT)
+    statistics = read_json(folder / name_of("statistics"))
+    require_format(folder / name_of("statistics"), statistics, format_of("statistics"))
+    provenance = read_json(folder / name_of("provenance"))
     try:
         _require_one_run(folder, metrics, statistics, provenance)
         run = Run(
@@ -161,34 +159,34 @@ def read_run(folder: Path) -> Run:
             metrics=metrics,
             statistics=statistics,
             provenance=provenance,
-            episodes=_episodes(folder / "episodes.csv", metrics["episodes"]),
-            bands=_bands(folder / "divergence.csv"),
+            episodes=_episodes(folder / name_of("episodes"), metrics["episodes"]),
+            bands=_bands(folder / name_of("bands")),
         )
         counts = {kind: metrics[kind] for kind in KINDS.values()}
     except (KeyError, TypeError) as error:
-        raise Refusal(f"{folder}: is not as a run of this version has it: {error!r}") from None
+        raise Error(f"{folder}: is not as a run of this version has it: {error!r}") from None
     if counts != {kind: sum(e.kind == kind for e in run.episodes) for kind in counts}:
-        raise Refusal(f"{folder}: metrics.json and episodes.csv must be of one run")
+        raise Error(f"{folder}: metrics.json and episodes.csv must be of one run")
     for mode in (ENGINE, REPLAY):
         if list(run.bands[mode]["episodes"]) != _still_running(run.episodes, mode):
-            raise Refusal(f"{folder}: divergence.csv and episodes.csv must be of one run")
+            raise Error(f"{folder}: divergence.csv and episodes.csv must be of one run")
     return run
 
 
 def read_sweep(folder: Path) -> Json:
-    """What sweep.json says. Refuses what has no rows or is of another version."""
-    path = folder / "sweep.json"
+    """The content of sweep.json. Raises Error if it has no rows or is of another version."""
+    path = folder / name_of("sweep")
     content = read_json(path, "the folder of a sweep is needed")
     sweep, rows = content.get("sweep"), content.get("rows")
     require_format(path, sweep if isinstance(sweep, dict) else {}, METRICS_FORMAT)
     if not isinstance(rows, list) or not rows:
-        raise Refusal(f"{path}: no rows; they are needed")
+        raise Error(f"{path}: no rows; they are needed")
     return content
 
 
 def read_traces(run: Run, suite: "Suite") -> Optional[Traces]:
-    """What the worlds did, from traces.npy, or else from the bag; None where there is neither."""
-    path, bag = run.folder / "traces.npy", run.folder / "compare.bag"
+    """The traces of a run, from traces.npy, or else from the bag; None where there is neither."""
+    path, bag = run.folder / name_of("traces"), run.folder / name_of("bag")
     if path.exists():
         return _traces(path, run)
     if not bag.exists():
@@ -196,38 +194,27 @@ def read_traces(run: Run, suite: "Suite") -> Optional[Traces]:
     with tempfile.TemporaryDirectory() as scratch:
         again = Path(scratch, "again")
         suite.recompute(bag, again)
-        if (again / "metrics.json").read_bytes() != (run.folder / "metrics.json").read_bytes():
-            raise Refusal(f"{bag}: must be of the run of the metrics.json beside it")
-        return _traces(again / "traces.npy", run)
-
-
-def read_json(path: Path, rule: str = "it is needed") -> Json:
-    content = command.read_json(path, rule)
-    if not isinstance(content, dict):
-        raise Refusal(f"{path}: must be a JSON object")
-    return content
+        metrics = name_of("metrics")
+        if (again / metrics).read_bytes() != (run.folder / metrics).read_bytes():
+            raise Error(f"{bag}: must be of the run of the metrics.json beside it")
+        return _traces(again / name_of("traces"), run)
 
 
 def _require_one_run(folder: Path, metrics: Json, statistics: Json, provenance: Json) -> None:
-    """Whether the files say the same where they say the same thing."""
+    """Raises Error where two files of a run disagree."""
     for key, value in provenance["configuration"].items():
         if key in metrics and key != "episodes" and metrics[key] != value:
-            raise Refusal(f"{folder}: metrics.json and provenance.json differ in {key}")
+            raise Error(f"{folder}: metrics.json and provenance.json differ in {key}")
     for name, unit, key in (("position", "m", "pos"), ("angle", "rad", "ang")):
         figures = statistics["rollouts"][REPLAY][f"mean_{name}_divergence_{unit}"]
         if figures["mean"] != metrics[f"mean_{key}_divergence_{unit}"]:
-            raise Refusal(f"{folder}: metrics.json and statistics.json must be of one run")
+            raise Error(f"{folder}: metrics.json and statistics.json must be of one run")
 
 
 def _still_running(episodes: Sequence[Episode], mode: str) -> List[int]:
-    """How many episodes last at each step, in this mode and in the reference."""
+    """Number of episodes that last at each step, in this mode and in the reference."""
     lasts = [min(episode.steps(mode), episode.steps(REFERENCE)) for episode in episodes]
     return [sum(last >= step for last in lasts) for step in range(max(lasts) + 1)]
-
-
-def require_format(path: Path, content: Json, wanted: int) -> None:
-    if content.get("format") != wanted:
-        raise Refusal(f"{path}: format {content.get('format')!r}: must be {wanted}")
 
 
 def _rows(path: Path) -> List[Dict[str, str]]:
@@ -235,13 +222,13 @@ def _rows(path: Path) -> List[Dict[str, str]]:
         with open(path, newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
     except FileNotFoundError:
-        raise Refusal(f"{path}: no such file; it is needed") from None
+        raise Error(f"{path}: no such file; it is needed") from None
     except (csv.Error, ValueError) as error:
-        raise Refusal(f"{path}: must be CSV: {error}") from None
+        raise Error(f"{path}: must be CSV: {error}") from None
     if any(None in row or None in row.values() for row in rows):
-        raise Refusal(f"{path}: every row must have as many columns as the first line")
+        raise Error(f"{path}: every row must have as many columns as the first line")
     if any(text in ("inf", "-inf", "nan") for row in rows for text in row.values()):
-        raise Refusal(f"{path}: every number must be finite")
+        raise Error(f"{path}: every number must be finite")
     return rows
 
 
@@ -255,9 +242,9 @@ def _episodes(path: Path, count: int) -> List[Episode]:
             for mode in MODES:
                 episode.steps(mode)
     except (KeyError, ValueError) as error:
-        raise Refusal(f"{path}: must be the episodes of a run: {error!r}") from None
+        raise Error(f"{path}: must be the episodes of a run: {error!r}") from None
     if len(episodes) != count:
-        raise Refusal(f"{path}: has {len(episodes)} episodes: must be {count}")
+        raise Error(f"{path}: has {len(episodes)} episodes: must be {count}")
     return episodes
 
 
@@ -269,9 +256,9 @@ def _bands(path: Path) -> Dict[str, Dict[str, Any]]:
             for name, text in row.items():
                 columns[name].append(float(text))
     except (KeyError, ValueError) as error:
-        raise Refusal(f"{path}: must be the divergence of a run: {error!r}") from None
+        raise Error(f"{path}: must be the divergence of a run: {error!r}") from None
     if not {ENGINE, REPLAY} <= bands.keys():
-        raise Refusal(f"{path}: must have the modes {ENGINE} and {REPLAY}")
+        raise Error(f"{path}: must have the modes {ENGINE} and {REPLAY}")
     return {mode: {k: np.array(v) for k, v in columns.items()} for mode, columns in bands.items()}
 
 
@@ -279,9 +266,9 @@ def _traces(path: Path, run: Run) -> Traces:
     try:
         records = np.load(path, allow_pickle=False)
     except (EOFError, OSError, ValueError) as error:
-        raise Refusal(f"{path}: must be a NumPy array: {error}") from None
+        raise Error(f"{path}: must be a NumPy array: {error}") from None
     if not isinstance(records, np.ndarray) or records.dtype.names != TRACE_FIELDS:
-        raise Refusal(f"{path}: must be one array with the fields {', '.join(TRACE_FIELDS)}")
+        raise Error(f"{path}: must be one array with the fields {', '.join(TRACE_FIELDS)}")
     _require_finite(path, records)
     begins = np.flatnonzero(records["step"] == 0)
     traces = {
@@ -291,13 +278,13 @@ def _traces(path: Path, run: Run) -> Traces:
     }
     wanted = {(e.index, mode): e.steps(mode) + 1 for e in run.episodes for mode in MODES}
     if {key: len(trace) for key, trace in traces.items()} != wanted:
-        raise Refusal(f"{path}: must have the steps of episodes.csv beside it")
+        raise Error(f"{path}: must have the steps of episodes.csv beside it")
     for episode in run.episodes:
         for mode in MODES:
             last = traces[episode.index, mode][-1]
             away = float(episode.modes[mode]["final_position_error_m"])
             if not math.isclose(math.hypot(last["tee_x"], last["tee_y"]), away, abs_tol=1e-9):
-                raise Refusal(f"{path}: must end episode {episode.index} as episodes.csv does")
+                raise Error(f"{path}: must end episode {episode.index} as episodes.csv does")
     return traces
 
 
@@ -311,4 +298,4 @@ def _require_finite(path: Path, records: Any) -> None:
         if bad.any():
             record = records[int(np.argmax(bad))]
             where = f"episode {record['episode']}, step {record['step']}"
-            raise Refusal(f"{path}: {where}: {name} {record[name]}: must be finite")
+            raise Error(f"{path}: {where}: {name} {record[name]}: must be finite")

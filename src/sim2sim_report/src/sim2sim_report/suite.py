@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a report asks of other commands of the suite."""
+"""Other commands of the suite that a report needs."""
 
 import tempfile
 from pathlib import Path
 from typing import Callable, Sequence
 
-from sim2sim_report.results import Json, read_json
+from pusht_task.json_file import Json, read_json
 
 __all__ = ["Suite"]
 
@@ -17,7 +17,7 @@ class Suite:
         self._call = call
 
     def contrast(self, folders: Sequence[Path], against: int = 0) -> Json:
-        """What differs from the run or row `against`, pair by pair."""
+        """Differences from the run or row `against`, pair by pair."""
         with tempfile.TemporaryDirectory() as scratch:
             out = Path(scratch, "contrast.json")
             names = [str(folder) for folder in folders]

@@ -6,17 +6,16 @@ from pathlib import Path
 from typing import Dict, List, Optional, Sequence
 
 import rospkg  # type: ignore[import]
-from pusht_task.command import Refusal
-from pusht_task.exit_codes import ExitCode
+from pusht_task.error import Error, ExitCode
+from pusht_task.json_file import Json
 
-from sim2sim_report.results import Json
-
-RATE_DIGITS, DIVERGENCE_DIGITS = 3, 4  # as in the table that the commands print
+RATE_DIGITS, DIVERGENCE_DIGITS = 3, 4  # digits in the table that the commands print
 NOT_SHOWN, TOO_FEW = "(!)", "(?)"  # marks of a divergence beside that of a tee that never moves
-WORD_BOUNDS = (0.5, 0.9, 1.1)  # of the transfer, where the words of the headline change
+WORD_BOUNDS = (0.5, 0.9, 1.1)  # transfers at which the words of the headline change
 WORDS = (
     *("Reference", "Closed loop", "Open loop", "Success", "Tolerance", "Transfer", "Divergence"),
-    *("Null model", "Floor", "Parting", "Band", "Holm", "Control step", "Spawn seed", "Tee"),
+    *("Null model", "Floor", "First divergence", "Band", "Holm", "Control step"),
+    *("Spawn seed", "Tee"),
 )
 
 
@@ -25,13 +24,13 @@ def glossary() -> List[Dict[str, str]]:
     try:
         package = Path(rospkg.RosPack().get_path("sim2sim_report"))
     except rospkg.ResourceNotFound:
-        raise Refusal(
+        raise Error(
             "sim2sim_report: not found; source the workspace's setup.bash", ExitCode.BAD_DEPENDENCY
         ) from None
     places = (package / "glossary.md", package.parent.parent / "docs" / "glossary.md")
     path = next((place for place in places if place.exists()), None)
     if path is None:
-        raise Refusal(f"{places[0]}: no such file; it comes with the suite")
+        raise Error(f"{places[0]}: no such file; it comes with the suite")
     entries = re.findall(
         r"^\*\*(.+?)\*\*([^:]*): (.+?)(?=\n\n|\Z)", path.read_text("utf-8"), re.M | re.S
     )
@@ -49,14 +48,14 @@ def figure(
 ) -> str:
     value = metrics[f"{key}_{unit}"]
     if value is None:
-        return "none"  # as the commands say it
+        return "none"  # the word of the commands
     text = signed(value, DIVERGENCE_DIGITS) if with_sign else f"{value:.{DIVERGENCE_DIGITS}f}"
     rest = interval(metrics[f"{key}_interval_{unit}"], DIVERGENCE_DIGITS) if with_interval else ""
     return f"{text} {unit}{rest}"
 
 
 def transfer_percent(share: float) -> str:
-    """With digits enough to stand on its side of each bound of the words: "49.96 %", not 50."""
+    """A share in per cent with the digits that keep it on its side of each bound: "49.96 %"."""
     text = ""
     for digits in range(5):
         text = f"{100 * share:.{digits}f}"
@@ -106,7 +105,7 @@ def plain(markdown: str) -> str:
 
 
 def mark(beats_null: Optional[bool]) -> str:
-    """Whether a divergence is shown to be less than that of a tee that never moves."""
+    """Mark of a divergence that is not shown to be less than that of a tee that never moves."""
     if beats_null is None:
         return " " + TOO_FEW
     return "" if beats_null else " " + NOT_SHOWN

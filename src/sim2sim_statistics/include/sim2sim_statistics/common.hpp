@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the statistics share: how they refuse bad input, and the search for an end of an interval.
+/// Shared parts of the statistics: refusal of bad input, and the search for an end of an interval.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace sim2sim {
 
-/// The shortest text that reads back as `value`, marked as a real number: "0.1", "3.0", "nan".
+/// Shortest text that reads back as `value`, marked as a real number: "0.1", "3.0", "nan".
 inline std::string shortestText(double value) {
   constexpr std::size_t kLongest = 32;
   std::array<char, kLongest> text{};
@@ -21,7 +21,7 @@ inline std::string shortestText(double value) {
   return found.find_first_of(".en") == std::string::npos ? found + ".0" : found;
 }
 
-/// Throws std::domain_error: `name value: must be rule`.
+/// Throws std::domain_error with the message "NAME VALUE: must be RULE".
 template <class Number>
 [[noreturn]] void refuse(const std::string& name, Number value, const std::string& rule) {
   const auto text = [&] {
@@ -34,8 +34,8 @@ template <class Number>
   throw std::domain_error(name + " " + text() + ": must be " + rule);
 }
 
-/// How far `holds` holds on the way from `inside`, where it does, to `outside`; all the way if it holds there too.
-/// Between the two it must change once. `bits` of the result are right.
+/// Last point at which `holds` is true on the way from `inside`, where it is, to `outside`; `outside` itself if it is
+/// true there too. It must change once in between. The result has `bits` correct bits. Source: bisection.
 template <class Predicate>
 double edge(const Predicate& holds, double inside, double outside, int bits = 52) {
   if (inside == outside || holds(outside)) {

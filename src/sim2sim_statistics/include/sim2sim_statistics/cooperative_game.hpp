@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A cooperative game: players switch on one after the other, and each set of players that are on has a gap that is
-/// left. Here the players are the switches of a simulator, and the gap is its distance from another one.
-/// A set of players is a coalition. All coalitions play the same episodes. Gaps are in any unit.
-/// All functions throw std::domain_error, with value and rule, for input that breaks the rules given.
+/// Cooperative games: each set of players that are switched on (a coalition) leaves a gap. The players may be the
+/// switches of a simulator, and the gap its distance from another one. All coalitions play the same episodes. Gaps are
+/// in any unit. All functions throw std::domain_error, with value and rule, for input that breaks the rules given.
 #pragma once
 
 #include <cstddef>
@@ -13,23 +12,26 @@
 
 namespace sim2sim {
 
-using Coalition = std::uint32_t;  ///< bit i is 1 if player i is on
+using Coalition = std::uint32_t;  ///< set of players: bit i is 1 if player i is on
 using Order = std::vector<int>;   ///< every player once, in the order in which they are switched on
 
-constexpr int kMostPlayers = 16;  ///< of a game with all its coalitions; their number doubles with each player
-constexpr int kMostSampledPlayers = std::numeric_limits<Coalition>::digits;  ///< of a game with some of them
+/// Largest number of players of a game with all its coalitions, whose number doubles with each player.
+constexpr int kMostPlayers = 16;
+/// Largest number of players of a game with some of its coalitions.
+constexpr int kMostSampledPlayers = std::numeric_limits<Coalition>::digits;
 
-/// The gap of every coalition in every episode.
+/// A game with all its coalitions: the gap of each in every episode.
 class Game {
  public:
-  /// From 1 to kMostPlayers players; `gaps` by coalition, 2^players of them, and episode, at least one; all finite.
+  /// `gaps` are by coalition, 2^players of them, and by episode, at least one; all finite. From 1 to kMostPlayers
+  /// players.
   Game(int players, const std::vector<std::vector<double>>& gaps);
 
   int players() const { return players_; }
   int episodes() const { return episodes_; }
   Coalition all() const { return (Coalition{1} << players_) - 1; }
   double gap(Coalition on, int episode) const { return gaps_[(static_cast<std::size_t>(episode) << players_) | on]; }
-  /// Of the episodes, summed in order.
+  /// Mean gap over the episodes, summed in order.
   double meanGap(Coalition on) const { return mean_gaps_[on]; }
 
  private:
@@ -39,19 +41,19 @@ class Game {
   std::vector<double> mean_gaps_;
 };
 
-/// The mean gaps along an order, from none on to all on.
+/// Mean gaps along an order, from none on to all on.
 std::vector<double> staircase(const Game& game, const Order& order);
 
-/// The order whose staircase has the least area, over all orders; where steps to within kSame lead to the same, the
-/// player of the lower index goes first. It is the best in these episodes, so its staircase flatters it in others.
+/// Order whose staircase has the least area. Among orders that are equal to within kSame, the player of the lower index
+/// goes first. The order is the best in these episodes, so its staircase is too optimistic for others.
 Order bestOrder(const Game& game);
 
-/// `count` >= 1 random orders of 1 to kMostSampledPlayers players, each independent of the others and as probable as
-/// any. They are the same everywhere, and those of a smaller count begin those of a larger one.
-/// Source: R. A. Fisher and F. Yates, "Statistical Tables" (1938); R. Durstenfeld, "Algorithm 235" (1964).
+/// Draws `count` >= 1 random orders of 1 to kMostSampledPlayers players, independent and uniform. They are the same
+/// with every compiler and library, and those of a smaller count begin those of a larger one. Source: R. A. Fisher and
+/// F. Yates, "Statistical Tables" (1938); R. Durstenfeld, "Algorithm 235" (1964).
 std::vector<Order> drawOrders(int players, int count, std::uint32_t seed);
 
-/// What to draw: where there are too many switches for all their combinations.
+/// Random orders to draw, for games with too many players for all coalitions.
 struct OrderSample {
   std::vector<std::string> players;
   int orders = 0;
@@ -60,7 +62,7 @@ struct OrderSample {
   std::vector<Order> draw() const { return drawOrders(static_cast<int>(players.size()), orders, seed); }
 };
 
-/// Rising, each once: the coalitions along these orders and along their reverses.
+/// Coalitions along these orders and along their reverses, each once, rising.
 std::vector<Coalition> coalitionsAlong(const std::vector<Order>& orders);
 
 }  // namespace sim2sim

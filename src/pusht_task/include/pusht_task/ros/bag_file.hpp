@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Bags that are complete or absent.
+/// Bag that is complete or absent.
 #pragma once
 
 #include <ros/message_traits.h>
@@ -16,8 +16,8 @@
 
 namespace pusht {
 
-/// A bag that is written aside, as AsideFile, and appears at its path when it is finished, or not at all. Of a process
-/// that is killed PATH.part stays: `rosbag reindex` recovers what was written of it.
+/// Bag that is written aside, as AsideFile, and appears at its path when it is finished, or not at all. A killed
+/// process leaves PATH.part, from which `rosbag reindex` recovers the written messages.
 class BagFile {
  public:
   /// Throws InvalidInput if there is something at `path` already, RuntimeFault if the bag cannot be written.
@@ -26,13 +26,13 @@ class BagFile {
   BagFile& operator=(const BagFile&) = delete;
   ~BagFile();
 
-  /// Throws RuntimeFault if the bag cannot be written.
+  /// Writes a message. Throws RuntimeFault if the bag cannot be written.
   template <class Message>
   void write(const std::string& topic, const ros::Time& stamp, const Message& message) {
     attempt([&] { bag_->write(topic, stamp, message); });
   }
 
-  /// As write(), of a topic that is latched when the bag is played.
+  /// Writes a message, as write(), on a topic that is latched when the bag is played.
   template <class Message>
   void writeLatched(const std::string& topic, const ros::Time& stamp, const Message& message) {
     const auto header = boost::make_shared<ros::M_string>();
@@ -43,7 +43,7 @@ class BagFile {
     attempt([&] { bag_->write(topic, stamp, message, header); });
   }
 
-  /// Closes the bag and puts it in its place. Throws RuntimeFault if that fails; nothing is left then.
+  /// Closes the bag and moves it to its path. Throws RuntimeFault if that fails; nothing is left then.
   void finish();
 
  private:

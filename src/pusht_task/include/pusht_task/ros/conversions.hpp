@@ -8,7 +8,9 @@
 
 namespace pusht {
 
+/// Message with the numbers of a state, bit for bit.
 pusht_msgs::WorldState toMessage(const WorldState& state);
+/// State with the numbers of a message, bit for bit.
 WorldState fromMessage(const pusht_msgs::WorldState& message);
 
 }  // namespace pusht

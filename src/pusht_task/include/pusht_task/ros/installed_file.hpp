@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Where the packages of the suite keep their files.
+/// Paths of files that packages of the suite install.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What every node of the suite does around its work.
+/// Frame of every node: start, end, failures.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace pusht {
 
-/// What a node does that finds no master at start.
+/// Behavior of a node that finds no master at its start.
 enum class NoMaster {
   kFail,  ///< exit code 4 and a hint
   kWait,  ///< roscpp says so; the node begins when there is one
@@ -31,7 +31,7 @@ void requireClock();
 /// `failure` on one line of stderr; its exit code. `reporter` is the node or command that failed.
 int reportFailure(const std::string& reporter, const std::exception& failure);
 
-/// Another one for every process that asks.
+/// Random id of an instance of a node; a new one for each call.
 std::string newInstanceId();
 
 }  // namespace pusht

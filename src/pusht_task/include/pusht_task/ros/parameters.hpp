@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The private parameters of a node.
+/// Parameters of nodes: as messages, and on the parameter server.
 #pragma once
 
 #include <pusht_msgs/Parameter.h>
@@ -17,20 +17,21 @@
 
 namespace pusht {
 
-/// As pusht_msgs/Parameter: knobs and switches of a simulator, by name, with their values as text.
+/// Parameters of a simulator by name, with their values as text.
 using Parameters = std::vector<pusht_msgs::Parameter>;
 
+/// Message that names a parameter and its value as text.
 pusht_msgs::Parameter parameter(const std::string& name, const std::string& value);
 
 /// Whether both texts stand for one value: "6" and "6.0" do.
 bool sameValue(const std::string& a, const std::string& b);
 
-/// As messages.
+/// Parameters as messages.
 Parameters toMessages(const ParameterSet& parameters);
 pusht_msgs::ParameterDescriptor toMessage(const ParameterDescriptor& descriptor);
 
-/// Throws InvalidInput with name, values and rule if one of `parameters` is named twice: one of its values would count
-/// without a word.
+/// Throws InvalidInput with name, values and rule if `parameters` has a name twice. Otherwise one of the values would
+/// be ignored silently.
 void requireOnce(const Parameters& parameters);
 
 /// `changes` on top of `parameters`, which keep their order. Throws as requireOnce() for `changes`.
@@ -39,15 +40,15 @@ Parameters changed(Parameters parameters, const Parameters& changes);
 /// `changes` on top of `parameters`. Throws as requireOnce() and ParameterSet::set.
 ParameterSet merged(ParameterSet parameters, const Parameters& changes);
 
-/// Makes the parameters of a node those that it works with, typed as valueOf() says. The parameter server's integers
-/// have 32 bits; others stay texts.
+/// Writes a node's parameters in force to the parameter server, typed as by valueOf(). Integers beyond the server's 32
+/// bits are written as texts.
 void setParameters(const ros::NodeHandle& private_handle, const Parameters& parameters);
 
-/// The text of what the parameter server holds as `key`; none if it holds nothing there, or no single value.
+/// Value of `key` on the parameter server as text; none if there is none, or no single value.
 std::optional<std::string> storedText(const std::string& key);
 
-/// The namespace of services that `name` stands for here. Throws InvalidInput with `what`, the name and the rule if it
-/// is none.
+/// Namespace of services that `name` resolves to in this node. Throws InvalidInput with `what`, the name and the rule
+/// for a name that is not valid.
 std::string serviceName(const std::string& what, const std::string& name);
 
 /// The private parameters of a node as they are when it starts. Every getter throws InvalidInput, naming the key with
@@ -57,7 +58,7 @@ class ParameterReader {
   explicit ParameterReader(const ros::NodeHandle& private_handle);
 
   std::string text(const std::string& key, const std::string& fallback);
-  /// As serviceName().
+  /// Namespace of services; throws as serviceName().
   std::string services(const std::string& key, const std::string& fallback);
   bool flag(const std::string& key, bool fallback);
   /// A text that is an integer is accepted: as text, 010 stays what the user wrote, and is refused.
@@ -72,10 +73,10 @@ class ParameterReader {
   /// `parameters`, changed where there is one of that name. Throws as ParameterSet::set.
   ParameterSet changed(ParameterSet parameters);
 
-  /// Makes relative paths mean what they mean to the user: the parameter `working_directory` is where he stands.
+  /// Changes to the folder `working_directory`, the user's current one, so that relative paths mean the same here.
   void enterWorkingDirectory();
 
-  /// Throws InvalidInput for a parameter that nobody has asked for, with those that there are.
+  /// Throws InvalidInput for a parameter that no getter has asked for, with the known ones.
   void refuseUnknown() const;
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Calls to another node that end: with an answer, or with a fault.
+/// Calls to another node with a deadline: each ends with an answer or a fault.
 #pragma once
 
 #include <pusht_msgs/Describe.h>
@@ -18,20 +18,20 @@
 
 namespace pusht {
 
-/// A node that is needed is not there.
+/// Error: a needed node is not there.
 struct NodeMissing : RuntimeFault {
   explicit NodeMissing(const std::string& message, std::string services_of_it = "")
       : RuntimeFault(message), services(std::move(services_of_it)) {}
 
-  std::string services;  ///< namespace of its services; empty: to start it again would not help
+  std::string services;  ///< namespace of the node's services; empty: starting it again would not help
 };
 
-/// A peer died, was replaced by another instance, or gave no answer in time. What it was doing is lost.
+/// Error: a peer died, was replaced by another instance, or gave no answer in time. Its episode is lost.
 struct PeerFault : NodeMissing {
   using NodeMissing::NodeMissing;
 };
 
-/// A deadline on the steady clock, for one call at a time.
+/// Deadline on the steady clock, for one call at a time. It has a thread of its own.
 class Watchdog {
  public:
   explicit Watchdog(std::chrono::milliseconds deadline);
@@ -51,18 +51,18 @@ class Watchdog {
   std::mutex mutex_;
   std::condition_variable ending_changed_;
   bool ending_ = false;
-  const std::function<void()>* interrupt_ = nullptr;  // of the call under way
-  std::chrono::steady_clock::time_point expiry_;      // of it
+  const std::function<void()>* interrupt_ = nullptr;  // interrupts the call under way
+  std::chrono::steady_clock::time_point expiry_;      // deadline of that call
   std::thread thread_;
 };
 
-/// A node that serves a simulator or a policy, as its callers see it.
+/// Node that serves a simulator or a policy, seen by a caller.
 class Peer {
  public:
   /// `services` is the namespace of its services, e.g. "/engine". The watchdog must outlive the peer.
   Peer(std::string services, Watchdog& watchdog);
 
-  /// How long connect() waits for a node, and what it does meanwhile.
+  /// Time that connect() waits for a node, and callbacks meanwhile.
   struct Wait {
     std::chrono::milliseconds patience;
     bool respawn;                ///< a node that has died is started again
@@ -71,13 +71,12 @@ class Peer {
     std::function<void(const std::string&)> tell = [](const std::string&) {};
   };
 
-  /// Waits until the peer describes itself, and says so if that takes more than a second; the instance that does is the
-  /// one that has to answer from now on. Throws NodeMissing if none does within the patience or before `stop` holds, or
-  /// if the node that the master knows is dead and without `respawn` is not started again; the peer's own error if it
-  /// failed at start.
+  /// Waits until the peer describes itself. From then on, that instance must answer. Logs a wait of more than a second.
+  /// Throws NodeMissing if no node answers within the patience or before `stop` holds, or if the node that the master
+  /// knows is dead and `respawn` is false; the peer's own error if the peer failed at its start.
   void connect(const Wait& wait);
 
-  /// Throws PeerFault if by now the services belong to another node than the one that was connected to, or to none.
+  /// Throws PeerFault if the master names another node, or none, as the owner of the services.
   void requireSameOwner() const;
 
   const pusht_msgs::DescribeResponse& description() const { return description_; }
@@ -127,7 +126,7 @@ class ServiceCaller {
     return service.response;
   }
 
-  /// Asks once, whatever becomes of it; not at all if the peer was lost.
+  /// Asks once and ignores the outcome; does nothing if the peer was lost.
   void tell(const typename Service::Request& request) noexcept {
     try {
       Service service;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The rules by which a policy is served, without a node: requests in, replies out.
+/// Rules of a served policy, without a node: functions from request to response.
 #pragma once
 
 #include <pusht_msgs/Act.h>
@@ -16,15 +16,15 @@
 
 namespace pusht {
 
-/// What a policy node serves.
+/// Policy of a policy node, with its description.
 struct PolicyModel {
-  std::string name;  ///< as in metrics.json
+  std::string name;  ///< name in metrics.json
   std::string version;
   std::unique_ptr<Policy> policy;
-  nlohmann::json provenance = nlohmann::json::object();  ///< what the numbers depend on
+  nlohmann::json provenance = nlohmann::json::object();  ///< all that the numbers depend on
 };
 
-/// A served policy. What the policy remembers of a rollout is kept here, from the rollout's step 0 on.
+/// Served policy. It keeps the policy's memory of each rollout, from step 0 on. Not thread-safe.
 class PolicySession {
  public:
   explicit PolicySession(PolicyModel model);
@@ -37,8 +37,8 @@ class PolicySession {
     std::unique_ptr<Policy::Memory> memory;
     std::int64_t step = -1;  // last one answered
     pusht_msgs::Query::_observation_type observation{};
-    std::uint64_t last_request = 0;  // that asked for it
-    Action action{};                 // the answer
+    std::uint64_t last_request = 0;  // last request that asked for it
+    Action action{};                 // its answer
   };
 
   bool isRepeated(const pusht_msgs::Query& query) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A policy in another node, in any language.
+/// Policy in another node, in any language.
 #pragma once
 
 #include <pusht_msgs/Act.h>
@@ -12,14 +12,14 @@
 
 namespace pusht {
 
-/// A policy that is asked by a service. Beyond what Policy says, act() throws PeerFault, or BadDependency for an answer
-/// of the wrong size.
+/// Policy behind the service `act` of a peer. act() also throws PeerFault, and BadDependency for an answer of the wrong
+/// size.
 class ServedPolicy : public Policy {
  public:
   /// The peer must be connected before the first act(), and outlive the policy.
   explicit ServedPolicy(const Peer& peer);
 
-  /// What the policy itself remembers is on the other end; here is what the rollout is called there.
+  /// Id of a new rollout. The policy's own memory is at the peer.
   std::unique_ptr<Memory> begin() const override;
 
   void act(Span<const Query> queries, Span<Action> actions) override;

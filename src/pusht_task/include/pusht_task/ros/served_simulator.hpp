@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A simulator in another node, in any language.
+/// Simulator in another node, in any language.
 #pragma once
 
 #include <pusht_msgs/Configure.h>
@@ -16,49 +16,48 @@
 
 namespace pusht {
 
-/// Stamps that grow by a control step, whatever begins anew.
+/// Source of stamps that grow by a control step, over resets and runs.
 class StampSource {
  public:
   const ros::Time& now() const { return now_; }
   void advance();
-  /// From now on the stamps are above `stamp` too.
+  /// Raises the stamps above `stamp`.
   void startAbove(const ros::Time& stamp);
 
  private:
   ros::Time now_;
 };
 
-/// [m, rad, m/s, rad/s] How near to where it was told to the world of a node starts: what the node says of itself, or
-/// what the task asks for if it does not. Throws BadDependency if it says what no simulator may.
+/// Maximum deviation of a node's world after a reset from the requested state [m, rad, m/s, rad/s]: as the node
+/// describes it, else kStartTolerance. Throws BadDependency for a value that is not allowed.
 double startToleranceOf(const pusht_msgs::DescribeResponse& description);
 
-/// A world that is reset and stepped by services, and held meanwhile: others are refused. Beyond what Simulator says,
-/// it throws PeerFault, and RuntimeFault if another caller has reset the world or set its parameters. A step request is
-/// stamped with the time of `stamps`, which whoever drives the worlds advances before each reset and step, unless these
-/// are silent.
+/// World behind the services of a peer. It holds the world, which refuses other callers meanwhile. Functions also throw
+/// PeerFault, and RuntimeFault if another caller has reset or configured the world. Requests have the stamp of
+/// `stamps`, which the caller advances before each reset and step, unless the world is silent.
 class ServedSimulator : public Simulator {
  public:
-  /// Takes the world over, whoever holds it. The peer must be connected; all must outlive the simulator. With a `kind`
-  /// the world becomes one of that, with its defaults; empty: it stays what it is. Then `changes` are set. From now on
-  /// it must be of the kind and have the parameters that come of this. Throws as startToleranceOf, too; the error with
-  /// which the node refuses; BadDependency if it describes another kind than the one that it is asked for.
+  /// Takes the world over from any holder. The peer must be connected; peer and stamps must outlive the simulator. A
+  /// `kind` makes the world one of that kind, with its defaults; an empty one keeps the kind. Then `changes` are set.
+  /// Kind and parameters must stay so. Throws as startToleranceOf(); the error with which the node refuses;
+  /// BadDependency if the node describes another kind afterwards.
   ServedSimulator(const Peer& peer, StampSource& stamps, const std::string& kind = "", const Parameters& changes = {});
 
-  /// Leaves the world to others, if it still answers.
+  /// Releases the world, if it still answers.
   ~ServedSimulator() override;
 
-  /// The episode that the next reset begins.
+  /// Sets index and greatest number of control steps of the episode that the next reset begins; ends silence().
   void announce(std::uint64_t episode, int horizon);
 
-  /// Until the next announcement, what resets begin is not published, and stamps rest.
+  /// Makes the next resets and their steps silent until the next announcement: the node publishes nothing.
   void silence() { silent_ = true; }
 
-  /// What the node says of itself. Throws PeerFault if it is another one by now, RuntimeFault if its kind or parameters
-  /// are not those that it must have.
+  /// Description of the node. Throws PeerFault if the node was replaced, RuntimeFault if its kind or parameters have
+  /// changed.
   pusht_msgs::DescribeResponse describe();
 
  private:
-  /// Not yet taken over.
+  /// Simulator that has not taken the world over yet.
   ServedSimulator(const Peer& peer, const StampSource& stamps, double start_tolerance);
 
   void doReset(const WorldState& state) override;
@@ -75,9 +74,9 @@ class ServedSimulator : public Simulator {
   ServiceCaller<pusht_msgs::Configure> configure_;
   ServiceCaller<pusht_msgs::Reset> reset_;
   ServiceCaller<pusht_msgs::Step> step_;
-  std::string kind_;             // that it must be of: kinds with equal parameters have equal hashes
-  std::string parameters_hash_;  // of those that it must have
-  std::string token_;            // of the hold; another one for each reset
+  std::string kind_;             // kind that the world must have; kinds with equal parameters have equal hashes
+  std::string parameters_hash_;  // hash of the parameters that the world must have
+  std::string token_;            // token of the hold; a new one for each reset
   std::uint64_t episode_ = 0;
   int horizon_ = 0;
   bool silent_ = false;

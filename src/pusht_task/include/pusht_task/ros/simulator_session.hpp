@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The rules by which a simulator is served, without a node: requests in, replies out.
+/// Rules of a served simulator, without a node: functions from request to response.
 #pragma once
 
 #include <pusht_msgs/Configure.h>
@@ -14,20 +14,22 @@
 #include <string>
 
 #include "pusht_task/ros/parameters.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "pusht_task/simulator_kind.hpp"
 
 namespace pusht {
 
-/// One served world: which requests it accepts, in which order, and what it answers. A refused request changes
-/// nothing. The rules are those that pusht_msgs' services state.
+/// Served world: accepts or refuses requests by the rules that the services of pusht_msgs state, and answers them. A
+/// refused request changes nothing. Not thread-safe.
 class SimulatorSession {
  public:
   using Observer = std::function<void(const pusht_msgs::WorldStateStamped&)>;
 
   /// `observer` gets the world after every reset and step that was taken (not for an answer given again). The world can
-  /// become one of any of `kinds`; without any it stays of its own. Throws as the kind does that refuses `parameters`.
+  /// become one of any of `kinds`, which must outlive it; without any it stays of its own. Throws as the kind does that
+  /// refuses `parameters`.
   SimulatorSession(SimulatorKind kind, const ParameterSet& parameters, std::string frame_prefix, Observer observer,
-                   SimulatorKinds kinds = {});
+                   const SimulatorKinds* kinds = nullptr);
 
   pusht_msgs::ResetResponse reset(const pusht_msgs::ResetRequest& request);
   pusht_msgs::StepResponse step(const pusht_msgs::StepRequest& request);
@@ -43,11 +45,11 @@ class SimulatorSession {
     bool failed;            // the simulation did, in the last step
     pusht_msgs::ResetRequest begin;
     pusht_msgs::ResetResponse begun;
-    pusht_msgs::StepRequest last;    // of step `steps` - 1
+    pusht_msgs::StepRequest last;    // request of step `steps` - 1
     pusht_msgs::StepResponse taken;  // its answer
   };
 
-  /// The change of kind or parameters that was the last that happened to the world.
+  /// Last change of kind or parameters, if no reset has followed.
   struct Configuration {
     pusht_msgs::ConfigureRequest request;
     pusht_msgs::ConfigureResponse answer;
@@ -63,7 +65,7 @@ class SimulatorSession {
   bool inEpisode() const;
   const SimulatorKind& kindFor(const std::string& name) const;
 
-  SimulatorKinds kinds_;
+  const SimulatorKinds* kinds_;  // null: it stays of its own
   SimulatorKind kind_;
   SimulatorModel model_;
   std::unique_ptr<Simulator> world_;
@@ -75,7 +77,7 @@ class SimulatorSession {
   std::optional<Configuration> configuration_;  // empty once the world was reset
 };
 
-/// The answer of a node that failed at start.
+/// Description of a node that failed at its start.
 pusht_msgs::DescribeResponse describeFailure(const std::exception& failure);
 
 }  // namespace pusht

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A world as frames.
+/// TF frames of a world.
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
@@ -12,11 +12,11 @@
 
 namespace pusht {
 
-/// From `<prefix>/table` to what moves: `<prefix>/pusher` and `<prefix>/tee`.
+/// Transforms from `<prefix>/table` to the moving frames `<prefix>/pusher` and `<prefix>/tee`.
 std::vector<geometry_msgs::TransformStamped> movingFrames(const std::string& prefix, const WorldState& state,
                                                           const ros::Time& stamp);
 
-/// From `<prefix>/table` to `<prefix>/target`, which never moves.
+/// Static transform from `<prefix>/table` to `<prefix>/target`.
 geometry_msgs::TransformStamped targetFrame(const std::string& prefix);
 
 }  // namespace pusht

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What a world looks like in rviz.
+/// Markers that show a world in rviz.
 #pragma once
 
 #include <geometry_msgs/Point.h>
@@ -22,9 +22,10 @@ namespace pusht {
 
 constexpr double kWallHeight = 0.03;  ///< [m] as drawn; the task is planar
 
-/// A colour as on the web, 0xRRGGBB, and its opacity in [0, 1].
+/// Color as on the web, 0xRRGGBB, and its opacity in [0, 1].
 std_msgs::ColorRGBA color(std::uint32_t rgb, float opacity = 1.0F);
 
+/// Colors of the parts of a world in rviz.
 struct WorldColors {
   std_msgs::ColorRGBA table = color(palette::kTable);
   std_msgs::ColorRGBA walls = color(palette::kWalls);
@@ -42,11 +43,11 @@ constexpr double kTitleSize = 0.058;   ///< [m] of texts
 constexpr double kResultSize = 0.046;  ///< [m]
 constexpr double kSmallSize = 0.040;   ///< [m]
 
-/// From one height to the next [m]. From above, rviz cannot tell apart what is less than 0.006 m over the other (24
-/// bits of depth down to its far plane, 100 km away).
+/// Distance between heights of layers [m]. From above, rviz cannot tell apart what is less than 0.006 m over the other
+/// (24 bits of depth down to its far plane, 100 km away).
 constexpr double kLayer = 0.015;
 
-/// `text` with "..." in place of the letters, of one or more bytes each, that go beyond `length` bytes.
+/// `text`, cut to at most `length` bytes with "..." at its end. UTF-8 characters stay whole.
 std::string fitted(const std::string& text, std::size_t length);
 
 /// A marker at the origin of `frame`. TF moves it, whatever its age: to publish it once, latched, is enough.
@@ -57,18 +58,20 @@ void enumerate(const std::string& ns, std::vector<visualization_msgs::Marker>& m
 
 /// The shape of the tee in the xy plane of its frame [m]: for a closed LINE_STRIP, and for a TRIANGLE_LIST.
 std::vector<geometry_msgs::Point> teeOutline();
+/// Surface of the tee in the xy plane of its frame [m], for a TRIANGLE_LIST.
 std::vector<geometry_msgs::Point> teeSurface();
 /// Corners of stem and bar in that plane [m], counterclockwise.
 std::array<std::array<geometry_msgs::Point, 4>, 2> teeRectangles();
 
-/// What never moves: table, walls and target, in the frames `<frame_prefix>/{table,target}`.
+/// Static parts: table, walls and target, in the frames `<frame_prefix>/{table,target}`.
 visualization_msgs::MarkerArray tableMarkers(const std::string& frame_prefix, const WorldColors& colors = {});
 
 /// The geometry of a world in its frames `<frame_prefix>/{table,pusher,tee,target}`; the namespace is the prefix.
 visualization_msgs::MarkerArray worldMarkers(const std::string& frame_prefix, const WorldColors& colors = {});
 
-/// What is written above and below the table of a simulator that is alone.
+/// Texts above and below the table of a simulator that is shown alone.
 struct Caption {
+  /// Time and state that the caption shows.
   struct Moment {
     std::uint64_t episode = 0;
     std::uint32_t steps = 0;  ///< control steps since the reset
@@ -80,7 +83,7 @@ struct Caption {
   std::optional<Moment> moment;       ///< none: nothing has been reset yet
 };
 
-/// Of the simulator that describes itself so, before any episode.
+/// Caption of the simulator with this description, before any episode.
 Caption captionOf(const pusht_msgs::DescribeResponse& description);
 
 /// `caption` in the frame `<frame_prefix>/table`, in the namespace `<frame_prefix>/caption`: always the same markers,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What every BatchSimulator must do, as a test suite to run over the lanes of your kind; see simulator_suite.hpp. What
+/// Test suite of BatchSimulator, to run over the lanes of your kind; see simulator_suite.hpp. What
 /// a world does is the business of the suite there: here each lane is held against a world, bit for bit.
 #pragma once
 
@@ -27,6 +27,7 @@ namespace pusht::testing {
 /// SIMD lanes come in groups of 4, 8 or 16: less than a group, one or two that are full, some that are not.
 constexpr std::array<int, 4> kLaneCounts = {1, 3, 8, 19};
 
+/// Contract of every BatchSimulator, run over the subjects of a kind.
 class BatchSimulatorSuite : public SubjectSuite {
  protected:
   static constexpr int kNone = -1;  // lane
@@ -147,7 +148,7 @@ TEST_P(BatchSimulatorSuite, ALaneWithoutAnActionStaysAsItIs) {
   EXPECT_TRUE(sameBits(both.lanes->state(2), paused));
   both.lanes->step(std::vector<std::optional<Action>>(5));
   both.stepAll({0.5F, -0.5F});
-  EXPECT_EQ(both.different(), kNone) << "after a step of nobody, and one of all";
+  EXPECT_EQ(both.different(), kNone) << "after a step of no lane, and one of all";
 }
 
 TEST_P(BatchSimulatorSuite, ALaneHasNoStateBeforeItsReset) {

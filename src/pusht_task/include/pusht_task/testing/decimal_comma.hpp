@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The locale of a user who writes 6,5 and 1.000.000.
+/// Locale with a decimal comma: 6,5 and 1.000.000.
 #pragma once
 
 #include <array>

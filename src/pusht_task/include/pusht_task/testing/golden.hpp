@@ -32,6 +32,7 @@ inline Eigen::Vector2d vector2(const nlohmann::json& row, std::size_t first = 0)
   return {row.at(first).get<double>(), row.at(first + 1).get<double>()};
 }
 
+/// Action from a pair of numbers in JSON.
 inline Action action(const nlohmann::json& pair) { return {pair.at(0).get<float>(), pair.at(1).get<float>()}; }
 
 /// A row of `qpos_qvel`: tee x, y, yaw, pusher x, y, then their velocities.

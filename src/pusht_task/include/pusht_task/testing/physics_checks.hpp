@@ -47,6 +47,7 @@ namespace physics {
 /// Rotations of a scene by quarters of a turn: the table has two axes, and four walls.
 constexpr int kQuarters = 4;
 
+/// Vector turned by quarters of a turn, counterclockwise.
 inline Eigen::Vector2d turned(const Eigen::Vector2d& vector, int quarters) {
   Eigen::Vector2d result = vector;
   for (int i = 0; i < quarters; ++i) {
@@ -54,6 +55,7 @@ inline Eigen::Vector2d turned(const Eigen::Vector2d& vector, int quarters) {
   }
   return result;
 }
+/// State turned about the target by quarters of a turn, counterclockwise.
 inline WorldState turned(const WorldState& state, int quarters) {
   WorldState result = state;
   for (Eigen::Vector2d WorldState::*vector : {&WorldState::pusher_position, &WorldState::pusher_velocity,
@@ -63,9 +65,11 @@ inline WorldState turned(const WorldState& state, int quarters) {
   result.tee_yaw = wrapAngle(state.tee_yaw + quarters * kPi / 2.0);
   return result;
 }
+/// Action with the components of a commanded velocity [m/s].
 inline Action actionOf(const Eigen::Vector2d& command) {
   return {static_cast<float>(command.x()), static_cast<float>(command.y())};
 }
+/// Takes `count` control steps with one command [m/s].
 inline void steps(Simulator& world, const Eigen::Vector2d& command, int count) {
   for (int i = 0; i < count; ++i) {
     world.step(actionOf(command));
@@ -230,7 +234,7 @@ inline Deviations push(Simulator& world, const PhysicsOfKind& physics) {
   return deviations;
 }
 
-/// Where the pusher is as it touches each face of the tee, pushing gently.
+/// Positions of the pusher as it touches each face of the tee, pushing gently.
 inline Deviations sizes(Simulator& world, const PhysicsOfKind& physics) {
   struct Face {
     const char* name;
@@ -271,7 +275,7 @@ inline Deviations sizes(Simulator& world, const PhysicsOfKind& physics) {
   return deviations;
 }
 
-/// Where walls stop the pusher, and the tee that it pushes; if there are none, nothing stops them.
+/// Positions at which walls stop the pusher, and the tee that it pushes; without walls nothing stops them.
 inline Deviations walls(Simulator& world, const PhysicsOfKind& physics) {
   const Physics& p = physics.numbers;
   const double thickness = 0.5 * dynamics::kWallThickness;  // [m] beyond its face; well within a wall
@@ -356,6 +360,7 @@ inline Deviations contactFriction(Simulator& world, const PhysicsOfKind& physics
 
 }  // namespace physics
 
+/// Physics check with its name in test reports.
 struct NamedPhysicsCheck {
   const char* name;
   PhysicsCheck check;

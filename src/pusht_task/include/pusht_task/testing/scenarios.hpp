@@ -51,8 +51,8 @@ inline Action chase(const WorldState& state) {
   return {static_cast<float>(way.x()), static_cast<float>(way.y())};
 }
 
-/// For the worlds of a batch: most chase, so that contacts come and go; every fourth pushes straight on, and now and
-/// then the pusher is told to stand still.
+/// Actions for the worlds of a batch: most chase, so that contacts come and go; every fourth pushes straight on, and
+/// now and then the pusher is told to stand still.
 inline Action mixedAction(const WorldState& state, std::size_t world, int step) {
   if (step % 17 == 16) {
     return {0.0F, 0.0F};

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What every Simulator must do, as a test suite to run over the worlds of your kind; batch_simulator_suite.hpp has the
+/// Test suite of Simulator, to run over the worlds of your kind; batch_simulator_suite.hpp has the
 /// one for its lanes:
 ///
-///   std::vector<Subject> subjects() { return {{mineKind()}, {mineKind(), {{"friction", "0.3"}}}}; }
-///   INSTANTIATE_TEST_SUITE_P(Mine, SimulatorSuite, ::testing::ValuesIn(subjects()));
-///   INSTANTIATE_TEST_SUITE_P(Mine, BatchSimulatorSuite, ::testing::ValuesIn(subjects()));
+///     std::vector<Subject> subjects() { return {{mineKind()}, {mineKind(), {{"friction", "0.3"}}}}; }
+///     INSTANTIATE_TEST_SUITE_P(Mine, SimulatorSuite, ::testing::ValuesIn(subjects()));
+///     INSTANTIATE_TEST_SUITE_P(Mine, BatchSimulatorSuite, ::testing::ValuesIn(subjects()));
 ///
 /// One source of a test may include the suites.
 #pragma once
@@ -39,6 +39,7 @@ inline std::vector<WorldState> chaseFrom(Simulator& world, const WorldState& sta
   return states;
 }
 
+/// Expects that all components of two states agree to `tolerance` [m, rad, m/s, rad/s].
 inline void expectNear(const WorldState& a, const WorldState& b, double tolerance) {
   EXPECT_LE((a.pusher_position - b.pusher_position).norm(), tolerance);
   EXPECT_LE((a.pusher_velocity - b.pusher_velocity).norm(), tolerance);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the suites of simulators are run over.
+/// Subjects of the suites of simulators: a kind, with parameters.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ struct Subject {
   }
 };
 
-/// As gtest shows it.
+/// Name of the subject in gtest's output.
 inline void PrintTo(const Subject& subject, std::ostream* out) {  // NOLINT(readability-identifier-naming)
   *out << subject.kind.name;
   for (const auto& [name, text] : subject.settings) {
@@ -37,6 +37,7 @@ inline void PrintTo(const Subject& subject, std::ostream* out) {  // NOLINT(read
   }
 }
 
+/// Base of the suites: a kind of simulator with values of its parameters.
 class SubjectSuite : public ::testing::TestWithParam<Subject> {
  protected:
   std::unique_ptr<Simulator> makeWorld() const { return model_.make_world(); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Work that nobody waits for.
+/// Background task queue at idle priority.
 #pragma once
 
 #include <atomic>
@@ -12,21 +12,23 @@
 
 namespace sim2sim {
 
-/// Runs tasks one after the other in a thread of its own, in the time that all others leave. It looks for them every
-/// 20 ms: to be woken for each would cost the caller more than many a task. Who waits for it works himself, so that it
-/// does not starve on a busy machine. After a task that throws, the others are dropped.
+/// Runs tasks in order, in a thread of its own that the scheduler runs only when the machine is idle (SCHED_IDLE). The
+/// thread polls every 20 ms, because waking it costs the caller more than a typical task. A caller that waits runs the
+/// queued tasks itself, so a busy machine cannot starve it. After a task that throws, later tasks are dropped.
+///
+/// Any thread may call post() and wait().
 class BackgroundQueue {
  public:
   BackgroundQueue();
   BackgroundQueue(const BackgroundQueue&) = delete;
   BackgroundQueue& operator=(const BackgroundQueue&) = delete;
-  /// Runs what is left.
+  /// Runs the tasks that are left.
   ~BackgroundQueue();
 
-  /// Queues `task`; runs what is queued if that is much. Throws what a task has thrown.
+  /// Queues `task`. Runs all queued tasks in this thread if there are more than 2000. Rethrows the exception of a task.
   void post(std::function<void()> task);
 
-  /// Runs what is left. Throws what a task has thrown.
+  /// Runs the tasks that are left, in this thread. Rethrows the exception of a task.
   void wait();
 
  private:
@@ -38,7 +40,7 @@ class BackgroundQueue {
   std::deque<std::function<void()>> tasks_;
   bool ending_ = false;
 
-  std::mutex running_;  // held while a task is taken and run: they run in order
+  std::mutex running_;  // held while a task is taken and run, which keeps their order
   std::exception_ptr failure_;
   std::atomic<bool> failed_{false};
   std::thread thread_;

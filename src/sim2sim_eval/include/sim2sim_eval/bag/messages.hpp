@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A run as messages.
+/// Conversions of a run's results into ROS messages, and of a node's description into its record.
 #pragma once
 
 #include <pusht_msgs/DescribeResponse.h>
@@ -19,23 +19,26 @@
 
 namespace sim2sim {
 
-/// Of the states after `step` control steps. NaN where a rollout has ended before.
+/// Divergences from the reference after `step` control steps [m, rad]: of the replay, the closed loop, and a tee that
+/// never moves. NaN where one of the two rollouts has ended before.
 pusht_msgs::Divergence divergenceMessage(const Episode& episode, int step, const ros::Time& stamp);
 
+/// Outcome and quantities of an episode, by rollout.
 pusht_msgs::EpisodeResult toMessage(const Protocol& protocol, const EpisodeResult& episode, const ros::Time& stamp);
 
-/// What a probe did.
+/// States of the probe `mode` in an episode.
 pusht_msgs::Trace toMessage(const std::string& mode, int episode, const pusht::Trace& trace, const ros::Time& stamp);
 
-/// Of a run with the summary of its `finished` episodes, if there are any.
+/// Summary of a run so far. Without `finished`, which summarizes the finished episodes, its figures are NaN.
 pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::optional<Summary>& finished,
                                    const ros::Time& stamp);
 
-/// What a node says that its numbers depend on, its "version" among it. Throws BadDependency if that is no JSON object.
+/// Provenance that a node reports, with its "version": all that its numbers depend on. Throws BadDependency if it is no
+/// JSON object.
 nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node);
 
-/// A served simulator as it describes itself; of one that does not say what its parameters are, none has its default.
-/// Throws as provenanceOf().
+/// Record of a served simulator: name, title, parameters. A parameter without a descriptor counts as changed. Throws as
+/// provenanceOf().
 SimulatorRecord recordOf(const pusht_msgs::DescribeResponse& node);
 
 }  // namespace sim2sim

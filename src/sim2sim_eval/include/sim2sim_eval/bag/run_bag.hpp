@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A run as a bag: what was sent and received, with the configuration; enough to compute its results again.
+/// Bag of a run: its messages and its configuration, from which all results can be computed again.
 #pragma once
 
 #include <pusht_msgs/Divergence.h>
@@ -33,41 +33,45 @@ constexpr const char* kMarkersTopic = "/sim2sim/markers";              ///< visu
 constexpr const char* kTfTopic = "/tf";                                ///< tf2_msgs/TFMessage: the worlds' frames
 constexpr const char* kFixedTfTopic = "/tf_static";                    ///< tf2_msgs/TFMessage: those that never move
 
-/// How a world appears in a bag.
+/// Topic and frames of a world in a bag.
 struct WorldName {
   std::string state_topic;   ///< pusht_msgs/WorldStateStamped
-  std::string frame_prefix;  ///< of its TF frames
+  std::string frame_prefix;  ///< prefix of its TF frames: "engine" for "engine/table"
 };
 
-/// The worlds by mode; the names are those of compare.launch.
+/// Worlds by mode.
 using WorldNames = std::array<WorldName, kModeCount>;
+
+/// Names that compare.launch gives to the worlds.
 const WorldNames& defaultWorldNames();
 
-/// What kConfigurationTopic holds: `provenance` as in provenance.json, configuration included, the state topics, and a
-/// stamp [ns] that none of the run's messages is below.
+/// Message on kConfigurationTopic, as JSON: `provenance` as in provenance.json, with the configuration; the state topic
+/// of each world; and `stamp` [ns], a lower bound of the stamps of the run's messages.
 std_msgs::String configurationMessage(const nlohmann::ordered_json& provenance, const WorldNames& worlds,
                                       const ros::Time& stamp);
 
-/// What kTraceTopic holds of an episode that has finished: a message for each probe.
+/// Messages on kTraceTopic for a finished episode, one for each probe.
 std::vector<pusht_msgs::Trace> traceMessages(const Protocol& protocol, const Episode& episode, const ros::Time& stamp);
 
-/// Writes a run step by step, in a thread of its own, at the times of the stamps, which must not decrease. What was
-/// written stays, whatever ends the run. Every function throws RuntimeFault if the bag cannot be written.
+/// Writer of a run's bag. Messages are written in a thread of their own (BackgroundQueue), at the times of their
+/// stamps, which must not decrease. Written messages stay in the bag when the run fails. Every function throws
+/// RuntimeFault if the bag cannot be written, also for a message of an earlier call.
 class RunBag {
  public:
-  /// `provenance` is that of provenance.json, configuration included. Throws InvalidInput if there is something at
-  /// `path` already.
+  /// Begins the bag with configurationMessage(). Throws InvalidInput if there is something at `path`.
   RunBag(const std::filesystem::path& path, const nlohmann::ordered_json& provenance, WorldNames worlds,
          const ros::Time& stamp);
   RunBag(const RunBag&) = delete;
   RunBag& operator=(const RunBag&) = delete;
   ~RunBag();
 
-  /// What the worlds said and where their frames were after `step` control steps.
+  /// State, action and moving TF frames of each world that has come to `step` control steps.
   void writeWorlds(const Episode& episode, int step, const ros::Time& stamp);
 
+  /// Static TF frames; latched.
   void write(const tf2_msgs::TFMessage& fixed_frames, const ros::Time& stamp);
-  /// The probes of an episode that has finished.
+
+  /// Probes of a finished episode.
   void writeProbes(const Protocol& protocol, const Episode& episode, const ros::Time& stamp);
 
   void write(const pusht_msgs::Trace& message);
@@ -76,13 +80,13 @@ class RunBag {
   void write(const pusht_msgs::Summary& message);
   void write(const visualization_msgs::MarkerArray& message, const ros::Time& stamp);
 
-  /// Waits until everything is written; the bag is then at its path.
+  /// Waits until everything is written, and moves the bag to its path.
   void finish();
 
  private:
   const WorldNames worlds_;
-  pusht::BagFile file_;  // of the worker
-  BackgroundQueue worker_;
+  pusht::BagFile file_;  // used by tasks of the queue alone
+  BackgroundQueue queue_;
   bool finished_ = false;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// How a run in process goes about its episodes.
+/// Options of a run in one process that have no influence on its results.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,6 @@
 #include <string>
 
 #include "sim2sim_eval/batch/loaded_run.hpp"
-#include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/reference_cache.hpp"
 
 namespace CLI {
@@ -16,25 +15,26 @@ class App;
 
 namespace sim2sim {
 
-/// Without influence on the results.
+/// Threads and cache of a run in one process.
 struct BatchOptions {
-  int threads = 0;              ///< 0: as many as there are cores
-  std::string reference_cache;  ///< folder; empty: none
+  int threads = 0;              ///< number of threads; 0: one for each core that the process may use
+  std::string reference_cache;  ///< folder of kept references; empty: none
 
   /// Declares the options on a command line.
   void declare(CLI::App& app);
 
+  /// Number of threads, at least 1.
   int threadCount() const;
 
-  /// The cache that they ask for. Throws as ReferenceCache does.
+  /// Cache of reference rollouts in `reference_cache`, if there is one. Throws as ReferenceCache.
   std::optional<ReferenceCache> references(const LoadedRun& loaded, const RunOptions& options) const;
 };
 
-/// The number of episodes of a run that names none: `usual`, or as many as the file has starts, if these are fewer. An
-/// empty path, or a file that cannot be read, means `usual`.
+/// Default number of episodes: `usual`, or the number of rows of the file of initial states `starts` if that is less.
+/// `usual` for an empty path or a path that is no file.
 int defaultEpisodes(int usual, const std::filesystem::path& starts);
 
-/// Declares each option of a run on a command line.
+/// Declares each of RunOptions on a command line, by its table forEachOption().
 void declare(CLI::App& app, RunOptions& options);
 
 }  // namespace sim2sim

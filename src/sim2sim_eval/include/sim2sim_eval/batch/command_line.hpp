@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What all commands share: exit codes, options, progress.
+/// Common parts of all commands: exit codes, validators of options, progress bar.
 #pragma once
 
 #include <chrono>
@@ -15,32 +15,34 @@ class Validator;
 
 namespace sim2sim {
 
-/// Parses the command line into `app`, runs `body` and returns its exit code. Every failure becomes one line
-/// on stderr and the exit code of its kind; signals are caught.
+/// Body of a command's main(): parses the command line into `app`, catches signals (catchInterrupts), runs `body`, and
+/// returns the exit code. Every failure becomes one line on stderr and the exit code of its kind.
 int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
 
-/// Throws InvalidInput, with `what` in front, if there is something at `path` already; an empty one means none.
+/// Throws InvalidInput, with `what` in front, if there is something at `path`. An empty path passes.
 void requireNewFile(const std::string& what, const std::filesystem::path& path);
 
-/// Refuses "", which an unset variable of a shell leaves: it must not count as an option that was not given.
+/// Validator that refuses "". A shell leaves it for an unset variable, and it must not count as an option left out.
 CLI::Validator notEmpty();
 
-/// Accept whole decimal numbers only: CLI11 itself takes 010 for eight, and nothing for zero.
+/// Validators that accept decimal numbers alone. CLI11 itself reads 010 as eight, and an empty text as zero.
 CLI::Validator decimalInteger();
+/// Accepts decimal numbers only, whole or not.
 CLI::Validator decimalReal();
 
-/// A bar on stderr that shows done, total and time left; silent unless stderr is a terminal.
+/// Progress bar on stderr: finished, total, time left. Silent unless stderr is a terminal.
 class ProgressBar {
  public:
+  /// `total` is the number of advance() calls to come.
   ProgressBar(std::string title, std::int64_t total);
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar();
 
-  /// One more is done.
+  /// Counts one more as finished; `note` is shown behind the bar.
   void advance(const std::string& note);
 
-  /// `count` need not be done.
+  /// Takes `count` off the total.
   void skip(std::int64_t count) { total_ -= count; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The comparison in process: what `rosrun sim2sim_eval compare` does.
+/// Comparison in one process. Work of `rosrun sim2sim_eval compare`.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 #include "pusht_policy/policy_choice.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
-#include "sim2sim_eval/simulators.hpp"
+#include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 
 namespace CLI {
@@ -17,34 +17,36 @@ class App;
 
 namespace sim2sim {
 
+/// Command line of `compare`.
 struct CompareOptions {
   Protocol protocol;
   bool episodes_given = false;                 ///< else defaultEpisodes()
-  std::string policy = pusht::kShippedPolicy;  ///< as in pusht::PolicyChoice
+  std::string policy = pusht::kShippedPolicy;  ///< path or name, as in pusht::PolicyChoice
   bool require_policy = false;
   bool allow_untrained = false;
-  std::string reference = kCourseReference;         ///< kind
-  std::vector<std::string> reference_parameters{};  ///< as in chooseSimulator()
-  std::string engine = kCourseEngine;               ///< kind
+  std::string reference = kCourseReference;         ///< name of a kind
+  std::vector<std::string> reference_parameters{};  ///< "NAME=VALUE", as for chooseSimulator()
+  std::string engine = kCourseEngine;               ///< name of a kind
   std::vector<std::string> engine_parameters{};
-  bool smoke = false;        ///< an untrained policy, whatever `policy` says, and smokeRun(protocol)
+  bool smoke = false;        ///< run smokeRun(protocol) with an untrained policy, whatever `policy` says
   std::string starts;        ///< file for readInitialStates(); empty: spawn seeds
-  std::string write_starts;  ///< file to write them into; empty: none
+  std::string write_starts;  ///< file to write the initial states into, as CSV; empty: none
   std::string out;           ///< results folder; empty: the next free results/compare-N
   bool overwrite = false;
   bool record = false;  ///< write compare.bag
   bool traces = false;  ///< write traces.npy
   BatchOptions batch;
 
-  /// Whether the run continues after an interruption. A bag, or traces, of a part of a run cannot be added to.
+  /// Whether the run can continue after an interruption: not with a bag or traces, which cannot be extended.
   bool goesOn() const { return !record && !traces; }
 
   /// Declares the options on a command line.
   void declare(CLI::App& app);
 };
 
-/// Runs the protocol, writes the results folder and prints the table; a run that the folder holds unfinished goes on,
-/// with the bytes of a run in one piece. Throws an Error of its kind on failure; finished episodes are kept then.
+/// Runs the protocol, writes the results folder and prints the table. An unfinished run in the folder is continued; its
+/// results have the bytes of a run in one piece. Throws InvalidInput for bad options, BadDependency for a policy or
+/// model that does not load, SimulationFault or RuntimeFault during the run; finished episodes are kept then.
 void compare(const CompareOptions& options);
 
 }  // namespace sim2sim

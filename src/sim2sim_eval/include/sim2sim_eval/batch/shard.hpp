@@ -7,17 +7,17 @@
 
 namespace sim2sim {
 
-/// A part of a sweep: all rows over a share of the episodes.
+/// Shard of a sweep: all rows over a contiguous share of the episodes.
 struct Shard {
   int number = 1;  ///< from 1 to `of`
-  int of = 1;
+  int of = 1;      ///< number of shards, at most 1 000 000
 
-  /// Throws InvalidInput unless `text` is like "2/5".
+  /// Reads "2/5". Throws InvalidInput for another text.
   static Shard from(const std::string& text);
   std::string text() const { return std::to_string(number) + "/" + std::to_string(of); }
 
-  /// The episodes of a shard follow those of the one before. Throws InvalidInput if there are fewer episodes than
-  /// shards.
+  /// Protocol of this shard: its share of the episodes of `protocol`. Shares differ by at most one episode. Throws
+  /// InvalidInput if there are fewer episodes than shards.
   Protocol share(const Protocol& protocol) const;
 };
 

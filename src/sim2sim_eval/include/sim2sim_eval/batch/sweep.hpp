@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Sweeps in process: what `rosrun sim2sim_eval sweep` does.
+/// Sweep in one process. Work of `rosrun sim2sim_eval sweep`.
 #pragma once
 
 #include <string>
@@ -12,11 +12,12 @@ class App;
 
 namespace sim2sim {
 
+/// Command line of `sweep`.
 struct SweepOptions {
-  std::string plan;   ///< YAML file, as readSweepPlan()
-  int episodes = 0;   ///< instead of those of the plan; 0: as there
+  std::string plan;   ///< YAML file for readSweepPlan()
+  int episodes = 0;   ///< number of episodes instead of the plan's; 0: the plan's
   std::string shard;  ///< "I/N"; empty: the whole sweep
-  std::string out;    ///< folder; empty: the next free results/sweep-N
+  std::string out;    ///< results folder; empty: the next free results/sweep-N
   bool overwrite = false;
   BatchOptions batch;
 
@@ -24,9 +25,10 @@ struct SweepOptions {
   void declare(CLI::App& app);
 };
 
-/// Runs a sweep, or goes on with it: rows that the folder holds are not run again. The reference is rolled out once for
-/// all rows. A row in which a simulation fails does not keep the others from running. Throws an Error of its kind on
-/// failure; finished rows are kept then.
+/// Runs all rows of a plan over the same episodes, or continues an unfinished sweep: rows in the folder are not run
+/// again. The reference is simulated once for all rows. A row whose simulation fails is left out, and the others run.
+/// Throws InvalidInput for a bad plan, RuntimeFault if it was interrupted or a row has failed; finished rows are kept
+/// then.
 void sweep(const SweepOptions& options);
 
 }  // namespace sim2sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The folder that holds a sweep, or a shard of one.
+/// Folder of a sweep, or of a shard of one: reading it and writing it.
 #pragma once
 
 #include <cstddef>
@@ -16,31 +16,32 @@
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/results/journal.hpp"
 #include "sim2sim_protocol/results/output_folder.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 
-/// A sweep that is on disk: rows/000/metrics.json and episodes.csv (those of a run with its knobs), rows/001/..., and
-/// sweep.json, which says what the sweep is. Files are complete or absent.
+/// Sweep on disk. sweep.json describes it; rows/000, rows/001, ... hold metrics.json and episodes.csv of each row, as
+/// a run with the row's parameters writes them. Each file is complete or absent.
 struct SweepOnDisk {
   std::filesystem::path folder;
   nlohmann::json description;
-  nlohmann::json provenance;  ///< its "code" is that of the build; "format" as in the description
+  nlohmann::json provenance;  ///< provenance.json; its "code" is the fingerprint of the build
 };
 
 /// Throws InvalidInput if there is no sweep in the folder.
 SweepOnDisk readSweep(const std::filesystem::path& folder);
 
-/// What is read of a shard.
+/// Files and folders that are read of a shard.
 std::vector<Input> inputsOf(const std::filesystem::path& shard);
 
-/// In what two sweeps, or the builds that run them, differ first, with both values: "/seed is 1, must be 0". Empty if
-/// in nothing.
+/// First difference between two sweeps or the builds that ran them, with both values: "/seed is 1, must be 0". Empty if
+/// there is none.
 std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted);
 
-/// A finished row: its episodes, and what they say.
+/// Finished row: its episodes, their summary and its metrics.json.
 struct SweepRow {
   SweepRow(const RunConfiguration& configuration, std::vector<EpisodeResult> results);
 
@@ -49,45 +50,46 @@ struct SweepRow {
   nlohmann::json metrics;
 };
 
-/// A row of the sweep in `folder`; none if it is not finished. Throws BadDependency, naming the file, if its episodes
-/// are not as they were written or not those of `configuration`.
+/// Reads row `index` of the sweep in `folder`; none if it is not finished. Throws BadDependency, naming the file, if
+/// its episodes were changed on disk, or are not those of `configuration`.
 std::optional<SweepRow> readRow(const std::filesystem::path& folder, std::size_t index,
                                 const RunConfiguration& configuration);
 
-/// Writes a sweep.
+/// Writer of a sweep, over an OutputFolder.
 class SweepFolder {
  public:
-  /// As OutputFolder.
+  /// Throws as the constructor of OutputFolder.
   SweepFolder(std::filesystem::path path, bool overwrite, std::string command);
 
-  /// As OutputFolder.
+  /// Throws as OutputFolder::refuseInputs().
   void refuseInputs(const std::vector<Input>& inputs) const { folder_.refuseInputs(inputs); }
 
-  /// Begins the sweep that `description` says, or goes on with it if the folder holds it. Throws InvalidInput if the
-  /// folder holds results that must stay; as OutputFolder::open() otherwise.
+  /// Begins the sweep of this `description`, or continues it if the folder holds it. Throws InvalidInput if the folder
+  /// holds other results that must stay; as OutputFolder::open() otherwise.
   void begin(const nlohmann::json& description, const nlohmann::json& provenance);
 
-  /// The journal of a row that is run; keep() and resume() remove it. Throws as Journal does.
+  /// Journal of the row under way; keep() and resume() remove it. Throws as the constructor of Journal.
   Journal journal(std::size_t index, const RunConfiguration& configuration) const;
 
-  /// Writes a row; rows come in order. Throws RuntimeFault if it cannot be written.
+  /// Writes a finished row. Rows come in order. Throws RuntimeFault if it cannot be written.
   void keep(std::size_t index, const RunConfiguration& configuration, const SweepRow& row);
 
-  /// The same for a row that is on disk already.
+  /// Counts a row that is on disk as finished. Rows come in order.
   void resume(std::size_t index, nlohmann::json metrics);
 
-  /// Only says why the sweep does not begin, or go on; not beside a sweep, whose status stays. Throws as begin() does.
+  /// Writes only why the sweep does not begin, into status.json. A sweep in the folder keeps its own status. Throws as
+  /// begin().
   void refuse(const RunStatus& status);
 
-  /// Says how the sweep ended: status.json, and sweep.csv and sweep.json with the rows that there are. Throws
-  /// RuntimeFault if they cannot be written.
+  /// Writes how the sweep ended into status.json, and the finished rows into sweep.csv and sweep.json. Throws
+  /// RuntimeFault if that fails.
   void finish(pusht::ExitCode code, const std::string& reason);
 
-  /// The metrics of the finished rows, each with its number as "row".
+  /// Metrics of the finished rows, each with its number under "row".
   const std::vector<nlohmann::json>& rows() const { return rows_; }
 
-  /// Where the sweep keeps its reference until it is finished, if it has no other cache.
-  std::filesystem::path referencePath() const { return path() / "reference"; }
+  /// Folder of the reference's rollouts while the sweep is under way, for a sweep without another cache.
+  std::filesystem::path referencePath() const { return referenceFolder(path()); }
   void removeReference() const { folder_.removeReference(); }
 
   const std::filesystem::path& path() const { return folder_.path(); }
@@ -103,10 +105,10 @@ class SweepFolder {
   std::vector<nlohmann::json> rows_;
 };
 
-/// "row 0 of 0 to 2": rows are counted as their folders are.
+/// Number of a row as text: "row 0 of 0 to 2". Rows count from 0, as their folders.
 std::string rowText(std::size_t index, std::size_t rows);
 
-/// Runs `body`; whatever its end, status.json of the sweep tells it.
+/// Runs `body`, writes its end into status.json of the sweep, and rethrows what it throws.
 template <class Body>
 void withStatus(SweepFolder& folder, const Body& body) {
   try {

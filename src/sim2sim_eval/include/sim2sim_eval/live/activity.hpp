@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the evaluator is doing, for all of its threads and for whoever watches.
+/// State of the evaluator: idle, waiting, running; published for the panel and the diagnostics.
 #pragma once
 
 #include <pusht_msgs/Progress.h>
@@ -17,52 +17,55 @@
 
 namespace sim2sim {
 
-/// State of the evaluator, told on the latched topic `progress` whenever it changes, and in the diagnostics. Any thread
-/// may call any function.
+/// State of the evaluator. Each change is published on the latched topic `progress`; report() fills the diagnostics.
+/// Any thread may call any function.
 class Activity {
  public:
-  /// Advertises `progress` in the namespace of `node`. `tell(paused)` is called with each message. `pacer` must outlive
-  /// this.
+  /// Advertises `progress` in the namespace of `node`. `on_publish(paused)` is called after each message. `pacer` must
+  /// outlive this object.
   Activity(ros::NodeHandle& node, const Pacer& pacer, std::function<void(bool)> on_publish);
 
-  /// A run is asked for: the evaluator is busy until end(). Tells nothing yet.
+  /// Marks the evaluator busy until end(), because a run was requested. Publishes nothing.
   void markRequested();
-  /// The nodes of a run are waited for; `services` is the namespace of the one that is missing, empty: the wait is
-  /// over.
+  /// Publishes that a run waits for the node whose services have the namespace `services`; empty: the wait is over.
   void waitFor(const std::string& services);
-  /// The run's folder is taken: it is no longer the run before that is told of.
+  /// Publishes that a run of so many episodes begins. From here on, counts and failure are of this run.
   void begin(int episodes);
-  /// An episode has finished. `progress` is for people: "7 of 50 episodes"; `seconds_left` of the run [s].
+  /// Counts a finished episode and publishes it. `progress` in words: "7 of 50 episodes". `seconds_left`: estimate of
+  /// the time to the end of the run [s].
   void finishEpisode(const std::string& progress, double seconds_left);
-  /// The run has ended; `failure` is why it did so early, empty: it did not. Returns whether it was cancelled.
+  /// Publishes the end of a run; `failure` is the reason of an early end, empty for a whole run. Returns whether the
+  /// run was cancelled.
   bool end(const std::string& failure);
 
-  /// Asks the run that is under way to end; false: there is none.
+  /// Asks the run under way to end. False if there is none.
   bool cancel();
 
   bool busy() const;
   bool cancelled() const;
 
-  /// Publishes the state. Must not be called by the pacer, which then holds a lock that this needs.
+  /// Publishes the state. Not to be called from the pacer's `stop`, which holds a lock that this needs.
   void publish();
+
+  /// Fills a diagnostic status: WARN after a run that failed.
   void report(pusht::DiagnosticStatusWrapper& status) const;
 
  private:
   const Pacer& pacer_;
   const std::function<void(bool)> on_publish_;
-  std::mutex publishing_;  // so that the last message is the newest
+  std::mutex publishing_;  // held while publishing, so that the last message is the newest
   ros::Publisher progress_;
 
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the members below
   bool busy_ = false;
   bool cancelled_ = false;
-  std::string failure_;  // of the last run; empty: none, or one is under way
+  std::string failure_;  // reason of the last run's early end; empty: none, or a run is under way
   std::string activity_ = "idle";
-  int episodes_ = 0;  // of the run under way, or of the last one
+  int episodes_ = 0;  // number of episodes of the run under way, or of the last one
   int episodes_finished_ = 0;
-  std::uint32_t runs_ = 0;              // that have begun
-  std::string waiting_for_;             // as in Progress
-  std::optional<double> seconds_left_;  // of the run under way
+  std::uint32_t runs_ = 0;              // number of runs that have begun
+  std::string waiting_for_;             // namespace of the missing node's services; empty: none
+  std::optional<double> seconds_left_;  // estimate for the run under way [s]
 };
 
 }  // namespace sim2sim

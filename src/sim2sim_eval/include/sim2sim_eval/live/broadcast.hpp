@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the evaluator says of a run while it goes on: its topics, and the bag.
+/// Output of a run while it goes on: topics, picture, TF frames and the bag.
 #pragma once
 
 #include <pusht_msgs/Divergence.h>
@@ -29,55 +29,62 @@
 
 namespace sim2sim {
 
-/// Topics in the node's private namespace: `configuration` (latched), `divergence` (every control step; latched),
-/// `trace`, `episode`, `summary` (latched) and `markers`, which come again once a second, for late subscribers; the
-/// service `episodes`, of what they have missed; the static frames of the tables.
+/// Publisher of a run, live or played back. Topics in the node's private namespace: `configuration` (latched),
+/// `divergence` (each control step; latched), `trace`, `episode`, `summary` (latched), `markers` (repeated once a
+/// second for late subscribers). Service `episodes`: results so far, for late subscribers. TF: static frames of the
+/// tables.
+///
+/// showState() and showPaused() may be called from any thread, all others from the thread of the run.
 class Broadcast {
  public:
   explicit Broadcast(const ros::NodeHandle& node);
 
-  /// A run begins, and is drawn as `picture`. `bag` may be null: the run is not recorded.
+  /// Begins a run that is drawn by `picture`. A null `bag` records nothing.
   void begin(const RunConfiguration& configuration, Picture picture, std::unique_ptr<RunBag> bag,
              const ros::Time& stamp);
 
-  /// What a recorder of all topics needs to make the bag of this run; see configurationMessage().
+  /// Publishes configurationMessage(), with which a recording of all topics can be recomputed.
   void publishConfiguration(const std_msgs::String& configuration) const {
     configuration_topic_.publish(configuration);
   }
 
-  /// Episodes that have finished before, as those of a replay; `finished` is of them, and `last` the one that ended the
-  /// run, if one did.
+  /// Publishes episodes that finished earlier, as those of a bag. `finished` is their summary; `last` is the index of
+  /// the episode that ended the run, none if the run ended early.
   void restore(const std::vector<EpisodeResult>& results, const Summary& finished, std::optional<int> last,
                const ros::Time& stamp);
 
-  /// Shows in the picture what the run does: that it waits, and for what, or why it has ended. From any thread. While
-  /// the run goes on, the picture shows its episode and time instead of `words`.
+  /// Shows the state of the run in the picture, with `words`: what it waits for, or why it has ended. In the state
+  /// kRuns, episode and time are shown instead of `words`.
   void showState(RunState state, const std::string& words);
 
-  /// Whether a run that goes on is paused. From any thread.
+  /// Shows in the picture whether the run is paused.
   void showPaused(bool paused);
 
   /// Whether markers or divergence have a subscriber.
   bool watched() const { return markers_.getNumSubscribers() + divergence_.getNumSubscribers() > 0; }
 
-  /// The start of an episode, or a control step. `paced`: at a rate that eyes can follow. After a leap within an
-  /// episode the divergence of the steps before is told, too, unless it was foretold: a curve is whole.
+  /// Publishes the initial state of an episode, or a control step, and returns its divergence. `paced`: the rate is
+  /// slow enough for the eye, so each step is drawn; otherwise every tenth. After a jump to a later step the
+  /// divergences of the skipped steps are published too, which keeps curves whole, unless publishWholeCurve() has done
+  /// so.
   pusht_msgs::Divergence step(const Episode& episode, const ros::Time& stamp, bool paced);
 
-  /// The divergence of a whole episode of a replay, before its first step is shown.
+  /// Publishes the divergences of all steps of a recorded episode, before its first step is shown.
   void publishWholeCurve(const Episode& whole, const ros::Time& stamp);
 
-  /// An episode has finished; `finished` are all that have, by index. `last`: the run needs no more.
+  /// Publishes the result of a finished episode. `finished` is the summary of all finished episodes. `last`: the run
+  /// needs no further episode.
   void finish(const Episode& episode, const EpisodeResult& result, const Summary& finished, bool last,
               const ros::Time& stamp);
 
-  /// The episode was left before its end: the picture becomes that of the control step that was told last.
+  /// Draws the last published control step of `episode`, if the picture shows an earlier one. For an episode that is
+  /// left before its end.
   void redrawLastStep(const Episode& episode);
 
-  /// The run has ended, well or not: the bag is put in its place. Throws RuntimeFault if that fails.
+  /// Closes the bag and moves it to its path. Throws RuntimeFault if that fails.
   void end();
 
-  /// The last one that was published.
+  /// Summary that was published last.
   const pusht_msgs::Summary& summary() const { return summary_; }
 
  private:
@@ -98,28 +105,28 @@ class Broadcast {
   std::unique_ptr<RunBag> bag_;
   pusht_msgs::Summary summary_;
   std::optional<Summary> finished_;
-  std::optional<int> last_;        // episode, once it is known
-  std::pair<int, int> published_;  // episode and step
-  std::pair<int, int> drawn_;      // the same
-  ros::Time stamp_;                // of what was told last
+  std::optional<int> last_;        // index of the run's last episode, once it is known
+  std::pair<int, int> published_;  // episode and step that were published last
+  std::pair<int, int> drawn_;      // episode and step that were drawn last
+  ros::Time stamp_;                // stamp of the last published step
 
   tf2_ros::StaticTransformBroadcaster fixed_frames_;
   std::optional<Picture> picture_;
   ros::Publisher markers_;
 
-  mutable std::mutex mutex_;  // of what is told from another thread
+  mutable std::mutex mutex_;  // guards the members below
   visualization_msgs::MarkerArray scene_;
   visualization_msgs::MarkerArray update_;
   visualization_msgs::MarkerArray state_markers_;
   RunState state_ = RunState::kWaits;
   bool paused_ = false;
-  std::string words_;                                // of the state
-  std::string caption_;                              // in the run, in words
-  std::vector<pusht_msgs::EpisodeResult> episodes_;  // as they finished
-  std::vector<pusht_msgs::Divergence> curve_;        // of the episode that is shown
-  bool curve_is_whole_ = false;                      // the curve is that of the whole episode
+  std::string words_;                                // shown with the state
+  std::string caption_;                              // episode and time in words
+  std::vector<pusht_msgs::EpisodeResult> episodes_;  // in the order in which they finished
+  std::vector<pusht_msgs::Divergence> curve_;        // divergences of the episode that is shown
+  bool curve_is_whole_ = false;                      // curve_ is of the whole episode
 
-  // Last: they use what stands above.
+  // Declared last, because their callbacks use the members above.
   ros::ServiceServer episodes_service_;
   ros::SteadyTimer repeating_;
 };

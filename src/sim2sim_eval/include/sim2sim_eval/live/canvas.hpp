@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What a picture is made of: lines, texts and shapes in one frame, as markers.
+/// Drawing of lines, texts and shapes in one TF frame, as rviz markers.
 #pragma once
 
 #include <geometry_msgs/Point.h>
@@ -20,7 +20,7 @@
 
 namespace sim2sim {
 
-// Colours as in the captions of single worlds.
+// Colors of the captions of single worlds.
 using pusht::kBright;
 using pusht::kCard;
 using pusht::kDim;
@@ -31,15 +31,16 @@ constexpr double kTitleSize = 0.062;
 constexpr double kResultSize = 0.051;
 constexpr double kSmallSize = 0.044;
 
-constexpr double kCharacterWidth = 0.46;  // mean width of a letter, in heights of the text
+constexpr double kCharacterWidth = 0.46;  // mean width of a character, in heights of the text
 
 constexpr std::array<std::uint32_t, kModeCount> kWorldColors = {pusht::palette::kReference, pusht::palette::kEngine,
                                                                 pusht::palette::kReplay};
 
+/// Color of a mode's world in the picture.
 std_msgs::ColorRGBA colorOf(Mode mode, float opacity = 1.0F);
 
 // Widths of lines and arrows [m].
-constexpr double kMarkWidth = 0.005;  // of thin lines that mark something
+constexpr double kMarkWidth = 0.005;  // thin lines that mark something
 constexpr double kTrailWidth = 0.007;
 constexpr double kCommandWidth = 0.009;
 constexpr double kVelocityWidth = 0.012;
@@ -47,7 +48,7 @@ constexpr double kVelocityWidth = 0.012;
 constexpr float kGhostOpacity = 0.35F;
 constexpr float kTargetOpacity = 0.2F;
 
-// Heights [m]: each thing covers those that stand before it here.
+// Heights of layers [m]. Each covers those that are listed before it.
 constexpr double kFloorZ = -2.0 * kLayer;
 constexpr double kTargetZ = -kLayer;
 constexpr double kTrailZ = 0.0;
@@ -62,36 +63,40 @@ constexpr double kTextZ = 9.0 * kLayer;
 
 using Points = std::vector<geometry_msgs::Point>;
 
+/// Point as a message [m].
 geometry_msgs::Point point(double x, double y, double z);
 
-/// What is drawn in one frame. A thing that is not there, as a text without letters, is deleted where it was drawn
-/// before: so each drawing of the same kind of picture has the same markers.
+/// List of markers in one frame. A call always adds one marker: an empty text or line becomes a marker that deletes
+/// what its predecessor drew. So two drawings of one kind of picture have the same markers, and the later replaces the
+/// earlier.
 class Canvas {
  public:
-  /// `frame`: of all positions [m].
+  /// `frame`: TF frame of all positions [m].
   explicit Canvas(std::string frame) : frame_(std::move(frame)) {}
 
+  /// Adds a marker of a type of visualization_msgs/Marker, without a shape.
   visualization_msgs::Marker& add(int type, const std_msgs::ColorRGBA& color);
 
-  /// LINE_STRIP or LINE_LIST.
+  /// Adds a line of `width` [m]; `type` is LINE_STRIP or LINE_LIST.
   void line(int type, const std_msgs::ColorRGBA& color, double width, Points points);
 
-  /// A surface: each three points are a triangle.
+  /// Adds a surface; each three corners are a triangle.
   void triangles(const std_msgs::ColorRGBA& color, Points corners);
 
-  /// From a point along a vector in the plane; none if it is shorter than its head.
+  /// Adds an arrow from a point along a vector in the plane [m]; empty if the vector is shorter than the arrow's head.
   void arrow(const std_msgs::ColorRGBA& color, double width, const geometry_msgs::Point& from,
              const Eigen::Vector2d& along);
 
+  /// Adds a text of height `size`, centered at x and y [m].
   void text(const std::string& text, double x, double y, double size, const std_msgs::ColorRGBA& color);
 
-  /// A rectangle from corner to corner at a height.
+  /// Adds a filled rectangle between two corners at the height `z` [m].
   void rectangle(const std_msgs::ColorRGBA& color, double left, double bottom, double right, double top, double z);
 
-  /// The marker that was added last.
+  /// Marker that was added last.
   visualization_msgs::Marker& last() { return markers_.back(); }
 
-  /// Adds all to `array`, named `ns`/0, `ns`/1, ...
+  /// Appends all markers to `array`, with the namespace `ns` and the ids 0, 1, ...
   void appendTo(visualization_msgs::MarkerArray& array, const std::string& ns);
 
  private:

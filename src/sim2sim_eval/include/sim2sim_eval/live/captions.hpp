@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The words of a picture.
+/// Texts of a picture.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace sim2sim {
 
-/// A figure of the finished episodes in large, and its uncertainty in small.
+/// Result of the finished episodes as text: a figure, shown large, and its interval, shown small.
 struct Result {
   std::string figure{};
   std::string certainty{};
@@ -29,17 +29,17 @@ std::string subtitleOf(Mode mode, const RunConfiguration& run);
 /// Title of a world's simulator: "MuJoCo, the reference".
 std::string titleOf(Mode mode, const RunConfiguration& run);
 
-/// Parameters that a simulator has not by default, in at most `lines` lines of at most `length` bytes. Those that do
-/// not fit are counted: "and 3 more".
+/// Parameters that differ from their defaults, in at most `lines` lines of at most `length` bytes: "block_damp 20.0".
+/// Those that do not fit are counted: "and 3 more".
 std::vector<std::string> changedParameters(const SimulatorRecord& simulator, std::size_t lines, std::size_t length);
 
 /// Distance of a world's tee from the target [m, rad], whether that is a success, and whether it has left the table.
 std::string statusOf(Mode mode, const Episode& episode);
 
-/// "parts at 0.2 s: ..."; empty as long as a rollout is within the bound.
+/// Time and cause of the first divergence: "parts at 0.2 s: ..."; empty while the rollout is within the bound.
 std::string firstDivergenceText(const std::optional<FirstDivergence>& first_divergence);
 
-/// "3.9 s"
+/// Time of a control step since the beginning of its episode: "3.9 s".
 std::string secondsText(int steps);
 
 }  // namespace sim2sim

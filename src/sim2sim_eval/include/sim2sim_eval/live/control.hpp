@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The service `control`, as far as live runs and replays have it in common.
+/// Service `control`: the commands that live runs and playbacks share.
 #pragma once
 
 #include <pusht_msgs/Control.h>
@@ -10,10 +10,11 @@
 
 namespace sim2sim {
 
-/// Pauses, resumes, steps or paces. Throws InvalidInput with command, value and rule for anything else.
+/// Carries out the commands pause, resume, step and rate. Throws InvalidInput with command, value and rule for any
+/// other.
 void applyControl(Pacer& pacer, const pusht_msgs::ControlRequest& request);
 
-/// The answer to a command that `serve` carries out, or that it refuses by InvalidInput.
+/// Response to a command: success, or the message of the InvalidInput that `serve` throws.
 pusht_msgs::ControlResponse controlResponse(const std::function<void()>& serve);
 
 }  // namespace sim2sim

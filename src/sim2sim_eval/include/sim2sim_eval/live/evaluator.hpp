@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The node that runs comparisons over other nodes.
+/// Evaluator: the node that runs comparisons over other nodes.
 #pragma once
 
 #include <actionlib/server/action_server.h>
@@ -33,27 +33,28 @@
 
 namespace sim2sim {
 
-/// Offers, in its private namespace, the action `compare`, the service `control`, the latched topics `request` (what a
-/// goal leaves open), `options` (those of a run, described) and `progress`, and what Broadcast has.
+/// Node that runs comparisons, one at a time. In its private namespace it offers the action `compare`, the service
+/// `control`, the latched topics `request` (values of fields that a goal leaves open), `options` (descriptions of the
+/// options of a run) and `progress`, and the topics of Broadcast.
 class Evaluator : private LiveObserver {
  public:
   Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters);
 
-  /// Runs what is asked for until the node ends, or the run that was asked for by parameters has ended and was to
-  /// be all. Returns the exit code of the last run. Callbacks must be served in another thread.
+  /// Runs comparisons as goals arrive, until the node ends. With the parameter `exit` it returns after the run that the
+  /// parameters request. Returns the exit code of the last run. Callbacks must be served in another thread.
   pusht::ExitCode run();
 
  private:
   using Server = actionlib::ActionServer<pusht_msgs::CompareAction>;
   using Goal = Server::GoalHandle;
 
-  /// A request and the goal that made it; none if parameters did.
+  /// Request of a run, and the goal that made it; no goal if the parameters did.
   struct Job {
     LiveRequest request;
     std::optional<Goal> goal;
   };
 
-  // Called in the thread of the callbacks.
+  // Callbacks, in their own thread.
   void onGoal(Goal goal);
   bool accept(Goal& goal);
   void onCancel(const Goal& goal);
@@ -62,10 +63,10 @@ class Evaluator : private LiveObserver {
   std::optional<Job> nextJob();
   RunStatus execute(const Job& job);
 
-  /// Calls compare(). The error of a missing node says how to bring the node back, if the evaluator stays.
+  /// Calls compare(). Adds to the error of a missing node how to restart it, if the evaluator stays.
   void runIn(RunFolder& folder, const LiveRequest& request);
   void compare(LiveRequest request, RunFolder& folder);
-  /// Tells which node is waited for, by the namespace of its services; empty: the wait is over.
+  /// Publishes the node that the run waits for, by the namespace of its services; empty: the wait is over.
   void waitFor(const std::string& services);
   void answer(Job& job, const RunStatus& status);
   bool stopped() const;
@@ -84,20 +85,20 @@ class Evaluator : private LiveObserver {
 
   Activity activity_;
 
-  std::mutex mutex_;  // of the next two
+  std::mutex mutex_;  // guards next_job_
   std::condition_variable asked_;
   std::optional<Job> next_job_;
 
-  Goal accepted_;  // the last one; used in the thread of the callbacks alone
+  Goal accepted_;  // last accepted goal; used in the thread of the callbacks alone
   ros::Publisher request_;
   ros::Publisher options_;
 
   WorldMemory worlds_;  // used in the thread of run() alone
 
-  // Of the run under way; used in the thread of run() alone.
+  // State of the run under way, used in the thread of run() alone.
   std::optional<Goal> goal_;
   std::unique_ptr<Run> run_;
-  bool summary_is_ours_ = false;  // what the broadcast tells is of this run, no longer of the one before
+  bool summary_is_ours_ = false;  // the broadcast's summary is of this run, not of the one before
   int faults_survived_ = 0;
   std::filesystem::path folder_;
   std::optional<ProgressLine> line_;
@@ -107,7 +108,7 @@ class Evaluator : private LiveObserver {
   Server server_;
 };
 
-/// The body of the evaluator's node, after catchInterrupts(). If it cannot start, status.json says why.
+/// Body of the evaluator's node, after catchInterrupts(). status.json tells the reason if it cannot start.
 pusht::ExitCode evaluate();
 
 }  // namespace sim2sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The private parameters of the evaluator.
+/// Private parameters of the evaluator's node.
 #pragma once
 
 #include <string>
@@ -9,22 +9,23 @@
 
 namespace sim2sim {
 
+/// Private parameters of the evaluator; forEachOption() has those of RunOptions.
 struct EvaluatorParameters {
-  LiveRequest request;      ///< what a goal leaves open
+  LiveRequest request;      ///< values of fields that a goal leaves open
   bool start = false;       ///< run `request` at once
-  bool exit = false;        ///< and end then, unless rviz shows it
-  bool respawn = false;     ///< nodes that die come back: their episode is run again
-  double deadline = 5.0;    ///< [s] for the answer to a call
-  double patience = 30.0;   ///< [s] for a node to appear, or to come back
-  double grace = 2.0;       ///< [s] for the stop of a run that explains why a node is lost
-  std::string status_file;  ///< a copy of status.json, under way first; empty: none
+  bool exit = false;        ///< end the node after that run, unless rviz shows it
+  bool respawn = false;     ///< wait for lost nodes to come back, and run their episode again
+  double deadline = 5.0;    ///< [s] within which a call must be answered
+  double patience = 30.0;   ///< [s] to wait for a node to appear, or to come back
+  double grace = 2.0;       ///< [s] after the loss of a node in which a stop of the run explains the loss
+  std::string status_file;  ///< path of a copy of status.json, written from the start; empty: none
   bool report = false;      ///< write a report of each run that finishes
-  std::string headless;     ///< why rviz does not show what runs; empty: it does, and the node stays when it has run
+  std::string headless;     ///< reason why rviz does not show the run; empty: rviz does, and the node stays afterwards
 
-  /// Throws InvalidInput with key, value and rule.
+  /// Reads all parameters. Throws InvalidInput with key, value and rule.
   static EvaluatorParameters load(pusht::ParameterReader& parameters);
 
-  /// The places of a run's outcome alone, where load() has thrown; empty: none is named.
+  /// Results folder and status file alone, to report an error of load(); empty: none is named.
   static std::string outOf(pusht::ParameterReader& parameters);
   static std::string statusFileOf(pusht::ParameterReader& parameters);
 };

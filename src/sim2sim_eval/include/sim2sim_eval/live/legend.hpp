@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the shapes of a picture mean.
+/// Legend of a picture.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 
 namespace sim2sim {
 
-/// Each shape with its words beside it, in `columns` columns from the upper left corner on [m].
+/// Draws each shape with its meaning beside it, in `columns` columns, from the upper left `corner` on [m].
 void drawLegend(Canvas& canvas, const Eigen::Vector2d& corner, int columns);
 
 }  // namespace sim2sim

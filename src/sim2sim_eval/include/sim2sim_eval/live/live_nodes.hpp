@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The nodes that play in a live run.
+/// Nodes of a live run.
 #pragma once
 
 #include <array>
@@ -17,42 +17,46 @@
 
 namespace sim2sim {
 
-/// Three served worlds and a served policy. What they are is fixed when they are first connected to: a node
-/// that comes back after a fault must be the same again.
+/// Connections to three served worlds and a served policy. Kind, version, parameters and provenance of each node are
+/// fixed by the first connection; a node that comes back after a fault must have the same. Not thread-safe.
 class LiveNodes {
  public:
+  /// Service namespaces of the nodes of a run.
   struct Services {
     std::array<std::string, kModeCount> worlds;  ///< service namespaces, by mode
     std::string policy;
   };
 
-  /// A call that is not answered within `deadline` is a PeerFault. `memory` must outlive the cast.
+  /// Each call must be answered within `deadline`, or throws PeerFault. `memory` must outlive this object.
   LiveNodes(const Services& services, std::chrono::milliseconds deadline, WorldMemory& memory);
 
-  /// In each role.
+  /// Requested kinds and parameters of the simulators.
   struct Simulators {
     WorldRequest reference;
     WorldRequest engine;
   };
 
-  /// Connects to all, the first time or after a fault, takes the worlds over, and sets their parameters: of a world
-  /// whose kind is left open, on top of what it was before any run changed it. Each may take as long to appear as
-  /// Peer::connect() says. Throws NodeMissing if one does not, PeerFault if one is lost meanwhile; the error of one
-  /// that failed at start; InvalidInput if the two worlds of the engine differ, two worlds are one, a world's parameter
-  /// on the parameter server is not the one that it works with, or the policy is none; BadDependency if one has come
-  /// back as another.
+  /// Connects to all nodes, the first time or after a fault, takes the worlds over, and sets their kinds and
+  /// parameters. A world whose kind is left open keeps the kind and parameters from before any run changed it
+  /// (WorldMemory), with the requested parameters on top. Waits for each node as Peer::connect() with `wait`.
+  ///
+  /// Throws NodeMissing if a node does not appear; PeerFault if one is lost meanwhile; the error of a node that failed
+  /// at its start; InvalidInput if the two worlds of the engine differ, two worlds are one node, a parameter on the
+  /// parameter server differs from the one in force, or the policy's node is a simulator; BadDependency if a node has
+  /// come back with other properties.
   void connect(const Simulators& simulators, const pusht::Peer::Wait& wait);
 
-  /// Makes ready for an episode. Throws PeerFault if a node has been replaced.
+  /// Announces an episode of at most `horizon` control steps to all worlds. Throws PeerFault if a node was replaced.
   void announce(int episode, int horizon);
 
-  /// From now until the next announcement nobody sees what the worlds do, nor do stamps grow.
+  /// Silences the worlds until the next announcement: they publish nothing, and stamps do not grow. For probes.
   void silence();
 
-  /// An episode counts if this does not throw at its end: PeerFault if a world has been replaced, RuntimeFault if
-  /// another caller has configured one.
+  /// Throws PeerFault if a world was replaced since the announcement, RuntimeFault if another caller has configured
+  /// one. An episode counts only if this passes at its end.
   void requireUndisturbed();
 
+  /// Description of a world, with its parameters in force.
   const pusht_msgs::DescribeResponse& describe(Mode mode) const { return world_nodes_.at(mode).description; }
   const pusht_msgs::DescribeResponse& describePolicy() const { return policy_peer_.description(); }
 
@@ -61,7 +65,7 @@ class LiveNodes {
   pusht::StampSource& stamps() { return stamps_; }
 
  private:
-  /// One world.
+  /// Connection to a world.
   struct WorldNode {
     pusht::Peer peer;
     pusht_msgs::DescribeResponse description;  // with the parameters as set
@@ -79,7 +83,8 @@ class LiveNodes {
   pusht::Peer policy_peer_;
   Worlds worlds_;
   std::unique_ptr<pusht::ServedPolicy> policy_;
-  std::optional<std::string> identity_;  // of all, as first connected to
+  std::optional<std::string>
+      identity_;  // name, version, parameters and provenance of all nodes at the first connection
 };
 
 }  // namespace sim2sim

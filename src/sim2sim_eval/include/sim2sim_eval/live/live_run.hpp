@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The protocol over nodes: one episode at a time, in lockstep, at a rate.
+/// Protocol over nodes: one episode at a time, worlds in lockstep, at a rate.
 #pragma once
 
 #include <ros/time.h>
@@ -14,7 +14,7 @@
 
 namespace sim2sim {
 
-/// Told of a live run as it goes on.
+/// Observer of a live run. All functions are called in the thread of runLive().
 class LiveObserver {
  public:
   LiveObserver() = default;
@@ -22,33 +22,35 @@ class LiveObserver {
   LiveObserver& operator=(const LiveObserver&) = delete;
   virtual ~LiveObserver() = default;
 
-  /// The start of an episode, and every control step. An episode that a fault has made void begins again from 0.
+  /// Called at the initial state of an episode and after every control step. An episode that was void begins again with
+  /// step 0.
   virtual void onStep(const Episode& episode, const ros::Time& stamp) = 0;
-  /// Returns whether the run needs further episodes.
+  /// Called for a finished episode. Returns whether the run needs further episodes.
   virtual bool onFinish(const Episode& episode, const ros::Time& stamp) = 0;
-  /// `episode` is left before its end, by an error or because the run is to stop.
+  /// Called when `episode` is left before its end, because of an error or a stop.
   virtual void onBreak(const Episode& episode) = 0;
-  /// A node was lost in `episode`, which is void; the run waits for the node to come back.
+  /// Called when a node is lost in `episode`. The episode is void, and the run waits for the node to come back.
   virtual void onFault(int episode, const pusht::PeerFault& fault) = 0;
-  /// The nodes that were lost are back.
+  /// Called when the lost nodes are back.
   virtual void onRecovery() = 0;
-  /// A node was lost in `episode`, which ends the run. The run waits for the options' `grace` whether it was to stop
-  /// anyway, for what ends the run may end its nodes first.
+  /// Called when the loss of a node in `episode` ends the run. After it the run waits for the options' `grace`, because
+  /// a stop from outside (Ctrl-C of a launch) may end the nodes first.
   virtual void onLoss(int episode, const pusht::PeerFault& fault) = 0;
 };
 
+/// Parameters of a live run besides its protocol.
 struct LiveOptions {
   LiveNodes::Simulators simulators;
-  pusht::Peer::Wait wait;  ///< for nodes; without `respawn` a fault ends the run, and `stop` ends it in any case
-  std::chrono::milliseconds grace;  ///< what ends the run may end its nodes first: a lost node waits so long for `stop`
+  pusht::Peer::Wait wait;  ///< for nodes; without `respawn` a lost node ends the run; `stop` ends it in any case
+  std::chrono::milliseconds grace;  ///< after a lost node, time in which `stop` turns the fault into an interruption
 };
 
-/// Connects `cast` for the first time; throws as LiveNodes::connect() does, or RuntimeFault if a node is lost because
-/// the run is to stop.
+/// Connects to the nodes for the first time. Throws as LiveNodes::connect(), but RuntimeFault if `stop` holds, or holds
+/// within the grace after a node was lost.
 void connectFirst(LiveNodes& nodes, const LiveOptions& options);
 
-/// Runs the episodes of `protocol` over a cast that is connected. Throws PeerFault for a node that is lost for good,
-/// RuntimeFault when the options' `stop` holds; as Episode does otherwise.
+/// Runs the episodes of `protocol` over connected nodes. The fifth node lost in one episode ends the run.
+/// Throws PeerFault for a node that is lost for good, RuntimeFault when the options' `stop` holds; as Flight otherwise.
 void runLive(const Protocol& protocol, LiveNodes& nodes, Pacer& pacer, LiveObserver& observer,
              const LiveOptions& options);
 

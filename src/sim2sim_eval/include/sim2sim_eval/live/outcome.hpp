@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// How a live run ended, for those who wait for it: in files, in results of goals, in words.
+/// Outcome of a live run: status files, results of goals, hints for the user.
 #pragma once
 
 #include <pusht_msgs/CompareResult.h>
@@ -17,20 +17,20 @@
 
 namespace sim2sim {
 
-/// Reason of a failure, in so few characters that a message takes it.
+/// Reason of a failure, clipped to the length of a message (pusht::clipped).
 std::string clippedReason(const std::exception& failure);
 
-/// Writes a copy of status.json; an empty path: none is wanted. Throws RuntimeFault if it cannot be written.
+/// Writes a copy of status.json to `path`; does nothing for an empty path. Throws RuntimeFault if it cannot be written.
 void writeStatusFile(const std::string& path, const RunStatus& status);
 
-/// Leaves the reason why the node does not start where its results would be.
+/// Writes the reason why the node does not start into the status file and the results folder that `parameters` name.
 void writeRefusal(pusht::ParameterReader& parameters, const std::exception& failure);
 
-/// The result of a goal whose run has no folder.
+/// Result of a goal whose run has no folder.
 pusht_msgs::CompareResult refusal(pusht::ExitCode exit_code, const std::string& reason);
 
-/// How to start the node again that was lost, to be put behind the reason; empty where that is not known. A kind that
-/// the request leaves open is what the world was before.
+/// Hint how to start a lost node again, to follow the reason; empty if that is not known. A kind that the request
+/// leaves open is taken from `memory`.
 std::string restartHint(const pusht::NodeMissing& lost, const LiveRequest& request, const WorldMemory& memory);
 
 /// Writes the report of the finished run in `folder` and returns the run's status. If the report cannot be written, the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// When the next control step of a live run may be taken.
+/// Pacer: the time at which each control step of a live run may be taken.
 #pragma once
 
 #include <chrono>
@@ -10,21 +10,23 @@
 
 namespace sim2sim {
 
-/// Paced, paused and stepped from one thread, waited for in another; on the steady clock. It decides when a control
-/// step is taken, never what comes out.
+/// Pacer of control steps, on the steady clock: rate, pause, single steps. It has no influence on results. Thread-safe:
+/// one thread waits in wait(), others control it.
 class Pacer {
  public:
-  /// `rate` in control steps per second; 0: as fast as possible. Throws InvalidInput if it is not finite or below 0.
+  /// Sets the rate [control steps/s]; 0: as fast as possible. Throws InvalidInput for a rate that is negative or not
+  /// finite.
   void setRate(double rate);
   double rate() const;
 
   void pause();
   void resume();
-  /// Lets one control step through. False, and nothing happens, unless paused.
+  /// Lets one control step pass while paused. False, without effect, if not paused.
   bool step();
   bool paused() const;
 
-  /// Waits until the next control step may be taken. Returns false as soon as `stop` holds; it is asked every 50 ms.
+  /// Blocks until the next control step may be taken. Returns false when `stop` holds, which is called every 50 ms,
+  /// with the pacer locked.
   bool wait(const std::function<bool()>& stop);
 
  private:
@@ -35,7 +37,7 @@ class Pacer {
   double rate_ = 0.0;
   bool paused_ = false;
   int steps_granted_ = 0;
-  std::optional<Clock::time_point> last_;  // when the last control step was let through
+  std::optional<Clock::time_point> last_;  // time of the last control step
 };
 
 }  // namespace sim2sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the results of a live run say of the nodes that took part.
+/// Nodes of a live run as its results name them: configuration, provenance, inputs, picture.
 #pragma once
 
 #include <memory>
@@ -15,17 +15,19 @@
 
 namespace sim2sim {
 
-/// Throws InvalidInput if the policy of `cast` is not the one that `request` names.
+/// Throws InvalidInput if `request` names a policy and the policy's node serves another.
 void requirePolicy(const LiveRequest& request, const LiveNodes& nodes);
 
+/// Configuration of the run: the request, with policy and simulators as the nodes describe them.
 RunConfiguration configurationOf(const LiveRequest& request, const LiveNodes& nodes);
 
-/// Provenance of the run: that of provenance.json, with the nodes.
+/// Content of provenance.json, with all nodes.
 nlohmann::ordered_json runProvenance(const RunConfiguration& configuration, const LiveNodes& nodes);
 
-/// The files that the run has read, and its nodes as far as they say so.
+/// Files that the run and its nodes have read, as far as the nodes report them.
 std::vector<Input> inputsOf(const LiveRequest& request, const LiveNodes& nodes);
 
+/// Picture of the run, in the frames of the nodes.
 Picture pictureOf(const RunConfiguration& configuration, const LiveNodes& nodes);
 
 /// State topics and TF prefixes of the worlds.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A run as a picture for rviz: the answer so far, three windows side by side, and one window with all worlds in it.
+/// Picture of a run for rviz: the answer so far, three views of tables side by side, and one view with all worlds.
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
@@ -17,42 +17,43 @@
 
 namespace sim2sim {
 
-/// State of a run, as its picture shows it.
+/// State of a run in its picture.
 enum class RunState { kWaits, kRuns, kPaused, kFinished, kEnded };
 
-/// Draws what it is told and remembers nothing. Together, scene(), update() and overlay() are the whole picture; each
-/// replaces what it drew before, whichever episode or run that was of.
+/// Drawing of a run as markers. It has no state: scene(), update() and overlay() are together the whole picture, and
+/// each replaces what it drew before, for any episode or run.
 ///
-/// The windows show the part of the tables where things happen, enlarged, so they are drawings: nothing in them is
-/// placed by TF, and all that moves comes in one message. So nothing in a picture can lag behind something else.
+/// Views show the part of a table where things happen, enlarged. Their content is drawn in the view's own static frame,
+/// not placed by TF, and everything that moves comes in one message. So no part of a picture lags behind another.
 class Picture {
  public:
+  /// World in the picture: its frames, title and colors.
   struct World {
-    std::string frame_prefix;               ///< of its TF frames, and of the frame of its window
+    std::string frame_prefix;               ///< prefix of its TF frames, the frame of its view included
     std::string title;                      ///< e.g. "MuJoCo, the reference"
     std::string subtitle{};                 ///< e.g. "same policy"
-    std::vector<std::string> parameters{};  ///< lines: "block_damp 20.0"; none: as shipped
+    std::vector<std::string> parameters{};  ///< lines of changed parameters: "block_damp 20.0"; none: all defaults
   };
 
-  /// The worlds by mode, which is their order on the screen; their prefixes differ.
+  /// `worlds` by mode, which is their order on the screen. Their prefixes must differ.
   explicit Picture(std::array<World, kModeCount> worlds);
 
-  /// Of the simulators of a run.
+  /// Picture of a run, with titles and parameters of its simulators.
   static Picture of(const RunConfiguration& run, const std::array<std::string, kModeCount>& frame_prefixes);
 
   /// Static frames from `world`: `<frame_prefix>/table`, from there to the target, `<frame_prefix>/window`, and
   /// `overlay/window`.
   std::vector<geometry_msgs::TransformStamped> frames() const;
 
-  /// What stays: titles and legend.
+  /// Constant part: titles and legend.
   visualization_msgs::MarkerArray scene() const;
 
-  /// What a control step changes: worlds, ways, figures. `summary` is of the finished episodes, none before the first;
-  /// `headline` is the answer in words, empty before there is one. At most 40 kB as a message.
+  /// Part that changes with each control step: worlds, paths, figures. `summary` of the finished episodes, none before
+  /// the first; `headline` is the answer in words, empty before there is one. At most 40 kB as a message.
   visualization_msgs::MarkerArray update(const RunConfiguration& run, const Episode& episode,
                                          const std::optional<Summary>& summary, const std::string& headline) const;
 
-  /// All worlds in one window: the reference solid, the engine's translucent.
+  /// Overlay: all worlds in one view, the reference opaque, the engine's translucent.
   visualization_msgs::MarkerArray overlay(const RunConfiguration& run, const Episode& episode,
                                           const std::string& headline) const;
 
@@ -60,7 +61,7 @@ class Picture {
   std::array<World, kModeCount> worlds_;
 };
 
-/// The line below the headline, in the frame `world`: a band in the colour of the state, and what is said of it.
+/// Line below the headline, in the frame `world`: a band in the color of the state, with `text`.
 visualization_msgs::MarkerArray stateMarkers(RunState state, const std::string& text);
 
 }  // namespace sim2sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A recorded run, shown as if it were live.
+/// Playback of a recorded run, shown as if it were live.
 #pragma once
 
 #include <geometry_msgs/TransformStamped.h>
@@ -28,22 +28,24 @@
 
 namespace sim2sim {
 
+/// Private parameters of `replay_node`.
 struct PlaybackParameters {
-  std::string bag;
-  std::optional<int> episode{};  ///< to begin with; none: the first one of the bag
+  std::string bag;               ///< compare.bag of a run
+  std::optional<int> episode{};  ///< index of the first episode to show; none: the bag's first
   double start = 0.0;            ///< [s] into that episode
-  double speed = 1.0;            ///< times real time; 0: as fast as possible
+  double speed = 1.0;            ///< factor on real time; 0: as fast as possible
 
-  /// Throws InvalidInput with key, value and rule.
+  /// Reads all parameters. Throws InvalidInput with key, value and rule.
   static PlaybackParameters load(pusht::ParameterReader& parameters);
 };
 
-/// Plays the finished episodes of a bag one after the other, without any simulator. Offers what Evaluator does, in the
-/// same namespace, but for the action; and the command `seek`. The frames of the worlds are `reference`, `engine` and
-/// `engine_replay`. It begins when somebody looks, and pauses at the end; resumed there, it begins again.
+/// Player of the finished episodes of a bag, without any simulator. It offers the topics and services of Evaluator in
+/// the same namespace, without the action, and the command `seek`. TF prefixes of the worlds are `reference`, `engine`
+/// and `engine_replay`. Playback begins with the first subscriber and pauses at the end; `resume` starts it again from
+/// the first episode.
 class Playback {
  public:
-  /// Throws as readRun(); InvalidInput if the bag has no finished episode, or not that one.
+  /// Reads the whole bag. Throws as readRun(); InvalidInput if it has no finished episode, or not the requested one.
   Playback(const ros::NodeHandle& node, const PlaybackParameters& parameters);
 
   /// Plays until the node ends. Callbacks must be served in another thread.
@@ -51,8 +53,8 @@ class Playback {
 
  private:
   struct PlaybackPosition {
-    int episode;
-    int step;
+    int episode;  ///< index
+    int step;     ///< control step, from 0
   };
 
   bool onControl(pusht_msgs::ControlRequest& request, pusht_msgs::ControlResponse& response);
@@ -69,8 +71,8 @@ class Playback {
 
   // Set once.
   ros::NodeHandle node_;
-  std::map<int, Episode> episodes_;  // the finished ones, whole, by index
-  RecordedRun run_;                  // after them: reading it fills them
+  std::map<int, Episode> episodes_;  // finished episodes by index
+  RecordedRun run_;                  // declared after episodes_, which reading it fills
   std::array<std::string, kModeCount> frame_prefixes_;
 
   // Used in the thread of run() alone.
@@ -82,18 +84,18 @@ class Playback {
   Broadcast broadcast_;
   tf2_ros::TransformBroadcaster frames_;
 
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the next two
   std::optional<PlaybackPosition> sought_;
-  std::vector<geometry_msgs::TransformStamped> moving_;  // as sent last
+  std::vector<geometry_msgs::TransformStamped> moving_;  // frames that were sent last
 
-  std::mutex publishing_;  // so that the last message is the newest
+  std::mutex publishing_;  // held while publishing, so that the last message is the newest
   ros::Publisher progress_;
   ros::Publisher request_;
   ros::ServiceServer control_;
-  ros::SteadyTimer repeating_;  // last
+  ros::SteadyTimer repeating_;  // declared last, because its callback uses the members above
 };
 
-/// The body of the replay's node, after catchInterrupts().
+/// Body of replay_node, after catchInterrupts().
 pusht::ExitCode servePlayback();
 
 }  // namespace sim2sim

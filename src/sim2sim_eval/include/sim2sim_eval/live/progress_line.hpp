@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// How far a live run is, in words.
+/// Progress of a live run in words, for the terminal.
 #pragma once
 
 #include <chrono>
@@ -10,7 +10,7 @@
 
 namespace sim2sim {
 
-/// When to say how far a run is, and how long it still takes if it goes on like this.
+/// Progress line: the times at which to print one, its text, and an estimate of the time that is left.
 class ProgressLine {
  public:
   using Clock = std::chrono::steady_clock;
@@ -18,13 +18,14 @@ class ProgressLine {
   explicit ProgressLine(int episodes, Clock::time_point begin = Clock::now())
       : episodes_(episodes), begin_(begin), last_(begin) {}
 
-  /// Whether the last line, or the beginning, was 5 s ago: then there is to be one now. Costs next to nothing.
+  /// True once every 5 s, counted from the beginning: a line is to be printed now. Cheap enough for each control step.
   bool due(Clock::time_point now = Clock::now());
 
-  /// After so many control steps of the episode under way; `finished` are the episodes before it, none at first.
+  /// Text of a line. `finished` summarizes the finished episodes, none before the first; `step` is the control step of
+  /// the episode under way.
   std::string text(const std::optional<Summary>& finished, int step, Clock::time_point now = Clock::now()) const;
 
-  /// [s] after so many episodes, one at least.
+  /// Estimate of the time to the end of the run [s], after `finished` >= 1 episodes, by the mean time of an episode.
   double secondsLeft(int finished, Clock::time_point now = Clock::now()) const;
 
  private:

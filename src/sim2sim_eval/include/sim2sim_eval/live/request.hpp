@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What a live run is asked to do: by parameters, and by goals on top of them.
+/// Request of a live run: parameters of the evaluator, with the fields of a goal on top.
 #pragma once
 
 #include <pusht_msgs/CompareGoal.h>
@@ -14,12 +14,12 @@
 
 namespace sim2sim {
 
-/// One comparison that is asked for.
+/// Request of one comparison.
 struct LiveRequest {
   LiveNodes::Services services;
-  std::string policy{};  ///< the name that the policy must have; empty: any
+  std::string policy{};  ///< name that the policy must have; empty: any
   Protocol protocol;
-  bool smoke = false;  ///< short; the policy node should be given the untrained policy
+  bool smoke = false;  ///< short run; the policy's node should serve the untrained policy
   double rate = 0.0;   ///< [control steps/s]; 0: as fast as possible
   LiveNodes::Simulators simulators;
   bool record = true;      ///< write compare.bag
@@ -28,19 +28,20 @@ struct LiveRequest {
   bool overwrite = false;  ///< replace results that are in the folder
 };
 
-/// "NAME=VALUE NAME=VALUE"; a value may hold spaces. Throws InvalidInput with `what` if the text is none, sets a name
-/// twice, or has more than 10 000 bytes.
+/// Parameters from "NAME=VALUE NAME=VALUE"; a value may hold spaces. Throws InvalidInput, with `what` in front, for
+/// another text, a name that is set twice, or more than 10 000 bytes.
 pusht::Parameters parametersFrom(const std::string& what, const std::string& text);
 
-/// `out` if a run without overwrite may write its results there; else the first of out-2, out-3 and so on that it may.
-/// Empty stays empty: then the run finds its place.
+/// First of `out`, out-2, out-3, ... into which a run without `overwrite` may write its results. An empty `out` stays
+/// empty: the run then takes the next free results/compare-N.
 std::string freeFolder(const std::string& out);
 
-/// `goal` on top of `request`. Throws InvalidInput with the field of the goal that cannot be.
+/// Request with the fields of `goal` on top; an empty field leaves the request as it is. Throws InvalidInput with
+/// field, value and rule.
 LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal);
 
-/// Calls function(name, access) for each field of a request that is neither an option of the run nor about nodes;
-/// access(o) is the field in a request, or in a goal.
+/// Calls function(name, access) for each field of a request that is neither an option of the run nor about nodes.
+/// access(o) returns the field of a request or of a goal.
 template <class Function>
 void forEachLiveField(const Function& function) {
   function(
@@ -55,10 +56,10 @@ void forEachLiveField(const Function& function) {
       "overwrite", [](auto& o) -> auto& { return o.overwrite; });
 }
 
-/// The options of a run as a goal that names nothing else.
+/// Goal with the options of a run, and no other field.
 pusht_msgs::CompareGoal goalOf(const RunOptions& options);
 
-/// All of `request` as a goal.
+/// Goal with all fields of `request`.
 pusht_msgs::CompareGoal goalOf(const LiveRequest& request);
 
 }  // namespace sim2sim

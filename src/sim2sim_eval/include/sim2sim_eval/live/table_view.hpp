@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A window onto a table: a rectangle of a picture that shows part of a table, enlarged, and nothing beyond its edges.
+/// View of a table: a rectangle of a canvas that shows part of a table, enlarged and clipped to the rectangle.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,67 +9,69 @@
 #include "pusht_task/types.hpp"
 #include "sim2sim_eval/live/canvas.hpp"
 #include "sim2sim_protocol/episode.hpp"
-#include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {
 
-/// Part of a table, parallel to its walls, in the frame of the table [m].
+/// Part of a table that a view shows, in the frame of the table [m]; its height follows from the pane's aspect ratio.
 struct Region {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
   double width = 0.0;
 };
 
-/// The rectangle that a window takes in the frame of its canvas [m].
+/// Rectangle that a view takes on its canvas, in the canvas's frame [m].
 struct Pane {
   Eigen::Vector2d center = Eigen::Vector2d::Zero();
   Eigen::Vector2d size = Eigen::Vector2d::Zero();
 };
 
-/// Where things happen in an episode so far: the target, the ways of all tees and pushers near a tee. It never shrinks
-/// while the episode goes on, and grows in steps, at most to the whole table.
+/// Region in which an episode happens so far: the target, the paths of all tees, and the pushers near a tee. It never
+/// shrinks while the episode goes on, and grows in steps of 0.06 m, at most to the whole table.
 Region regionOf(const Episode& episode, const Pane& pane);
 
-/// Draws what is at table coordinates [m] into a canvas, clipped to the window.
+/// Drawing at table coordinates [m] into a canvas, clipped to the pane. Sizes and widths are in the canvas's frame [m].
 class TableView {
  public:
   TableView(const Pane& pane, const Region& region);
 
-  /// Magnification: metres of the canvas for each metre of the table.
+  /// Magnification: meters of the canvas per meter of the table.
   double zoom() const { return zoom_; }
 
+  /// Canvas coordinates of a point of the table [m].
   Eigen::Vector2d toCanvas(const Eigen::Vector2d& on_table) const;
+
+  /// Whether a point of the table lies in the pane.
   bool shows(const Eigen::Vector2d& on_table) const;
 
-  /// The part of a table's floor and walls that is seen.
+  /// Draws the visible part of the floor and the walls.
   void table(Canvas& canvas, const std_msgs::ColorRGBA& floor, const std_msgs::ColorRGBA& walls) const;
 
-  /// A filled convex polygon at a height.
+  /// Draws a filled convex polygon at the height `z`.
   void area(Canvas& canvas, const std_msgs::ColorRGBA& color, const std::vector<Eigen::Vector2d>& corners,
             double z) const;
 
-  /// A line through points at a height; `width` in the frame of the canvas [m].
+  /// Draws a line through points at the height `z`.
   void line(Canvas& canvas, const std_msgs::ColorRGBA& color, double width, const std::vector<Eigen::Vector2d>& points,
             double z) const;
 
-  /// A way, dim where it begins. `shares`: how much of it lies behind each point, in [0, 1].
+  /// Draws a path that grows brighter along its way. `shares`: share of its length before each point, in [0, 1].
   void way(Canvas& canvas, const std_msgs::ColorRGBA& color, double width, const std::vector<Eigen::Vector2d>& points,
            const std::vector<double>& shares, double z) const;
 
-  /// From a point along a vector, as far as the window goes; none from beyond its edges.
+  /// Draws an arrow from a point along a vector, cut off at the pane's edge; none from a point outside.
   void arrow(Canvas& canvas, const std_msgs::ColorRGBA& color, double width, const Eigen::Vector2d& from,
              const Eigen::Vector2d& along, double z) const;
 
-  /// The tee's shape, filled and with its outline.
+  /// Draws the tee, filled and with its outline.
   void tee(Canvas& canvas, const std_msgs::ColorRGBA& surface, const std_msgs::ColorRGBA& outline,
            const pusht::WorldState& state, double z) const;
 
-  /// An arrow at the edge, towards what is beyond it; none for what the window shows.
+  /// Draws a mark at the pane's edge that points to `on_table`; none for a point inside.
   void edgeMark(Canvas& canvas, const std_msgs::ColorRGBA& color, double size, const Eigen::Vector2d& on_table) const;
 
  private:
   using Segment = std::array<Eigen::Vector2d, 2>;
 
-  /// The part of a segment, in canvas coordinates, that is seen, as shares of its length; false: none.
+  /// Visible part of a segment in canvas coordinates, as shares of its length; false: none.
   bool clip(const Segment& segment, double& begin, double& end) const;
   void addArea(Points& triangles, const std::vector<Eigen::Vector2d>& corners, double z) const;
 
@@ -78,10 +80,10 @@ class TableView {
   double zoom_;
 };
 
-/// The corners of the tee's stem and of its bar, each convex, on the table [m].
+/// Corners of the tee's bar and stem, each a convex polygon, on the table [m].
 std::array<std::vector<Eigen::Vector2d>, 2> teeCorners(const pusht::WorldState& state);
 
-/// A circle as a closed line [m].
+/// Circle as a closed line [m].
 std::vector<Eigen::Vector2d> circleOf(const Eigen::Vector2d& center, double radius);
 
 /// Whether a tee has left the table: its origin is beyond the inner face of a wall.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The begin of an episode.
+/// Episode cut off after a number of control steps.
 #pragma once
 
 #include "sim2sim_protocol/episode.hpp"
@@ -7,7 +7,7 @@
 
 namespace sim2sim {
 
-/// `whole` as it was after `steps` control steps, or after its last one.
+/// State of the episode `whole` after `steps` control steps, or after its last one. Without probes.
 Episode truncatedEpisode(const Protocol& protocol, const Episode& whole, int steps);
 
 }  // namespace sim2sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What served worlds were before the evaluator configured them.
+/// Memory of the kinds and parameters that served worlds had before the evaluator configured them.
 #pragma once
 
 #include <pusht_msgs/DescribeResponse.h>
@@ -12,24 +12,25 @@
 
 namespace sim2sim {
 
-/// Kind and parameters of a world that a run asks for.
+/// Requested kind and parameters of a world.
 struct WorldRequest {
-  std::string kind{};              ///< of simulator; empty: it stays what it is
-  pusht::Parameters parameters{};  ///< the others keep their values; of a kind that is named, they have its defaults
+  std::string kind{};              ///< kind of simulator; empty: the world keeps its kind
+  pusht::Parameters parameters{};  ///< parameters not listed keep their values, or, with a kind, take its defaults
 };
 
-/// Keeps runs apart: a run that leaves a world's kind open gets the world as it was before any run changed it, never
-/// with what the run before asked for. A world that another caller has configured meanwhile, or that was started
-/// anew with other parameters, counts as it is then.
+/// Memory that keeps runs independent of each other. A run that leaves a world's kind open gets the world as it was
+/// before any run changed it, not with the parameters of the previous run. A world that another caller has configured
+/// meanwhile, or that was restarted with other parameters, is remembered anew as it is then. Not thread-safe.
 class WorldMemory {
  public:
-  /// Makes `asked` definite for the world behind `services`, which is `now`. The world is about to be configured.
+  /// Request that makes the world behind `services` what a run asks for with `asked`. `now` describes the world, which
+  /// is configured next.
   WorldRequest resolve(const std::string& services, const pusht_msgs::DescribeResponse& now, const WorldRequest& asked);
 
-  /// The run has made the world what it is `now`.
+  /// Records that a run has configured the world to be `now`.
   void configured(const std::string& services, const pusht_msgs::DescribeResponse& now);
 
-  /// What the world behind `services` was before any run changed it; empty if no run has met it.
+  /// Kind that the world behind `services` had before any run changed it; empty for an unknown world.
   std::string kindOf(const std::string& services) const;
 
  private:
@@ -38,15 +39,15 @@ class WorldMemory {
     pusht::Parameters parameters;
   };
   struct World {
-    WorldRequest original;      // makes it what it was
-    std::optional<State> left;  // by a run; none while one configures it, or if that failed
+    WorldRequest original;      // restores the world
+    std::optional<State> left;  // state in which a run left it; none while a run configures it, or if that failed
   };
 
-  std::map<std::string, World> worlds_;  // by namespace of their services
+  std::map<std::string, World> worlds_;  // by namespace of the services
 };
 
-/// The shortest setting that makes a world what `now` describes: the parameters that are neither defaults nor set by
-/// a preset. So a preset that is set on top of it sets what it would set in `now`.
+/// Shortest request that makes a world what `now` describes: it lists the parameters that are neither defaults nor set
+/// by a preset. So a preset on top of it sets the same parameters as it would in `now`.
 WorldRequest requestFor(const pusht_msgs::DescribeResponse& now);
 
 }  // namespace sim2sim

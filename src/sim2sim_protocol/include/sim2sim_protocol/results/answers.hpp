@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Sentences about several runs over the same episodes: the answer that a reader of a sweep or of two runs looks for.
+/// Answers in sentences about several runs over the same episodes.
 #pragma once
 
 #include <string>
@@ -9,13 +9,14 @@
 
 namespace sim2sim {
 
-/// Names that tell runs apart: title, changed parameters, and those in which the runs of one kind differ:
+/// Names that distinguish runs: title, changed parameters, and parameters in which runs of one kind differ, such as
 /// "two-mass engine, block_damp 6.0".
 std::vector<std::string> titlesOf(const std::vector<RunResults>& runs);
 
-/// All runs, the baseline first.
+/// List of all runs, the baseline first.
 std::vector<RunResults> allOf(const RunResults& baseline, const std::vector<RunResults>& others);
 
+/// A question about runs, and its answer.
 struct Answer {
   std::string question;
   std::string answer;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Divergence over time, as quantiles over the episodes of a run; divergence.csv.
+/// Bands: quantiles of the divergence over time, over the episodes of a run; divergence.csv.
 #pragma once
 
 #include <array>
@@ -14,30 +14,30 @@
 
 namespace sim2sim {
 
-/// What an episode adds to the bands: for each rollout that is compared with the reference, and for position and angle,
-/// the bin of its divergence after each control step.
+/// Contribution of an episode to the bands: for each rollout but the reference, for position and angle, the bin of its
+/// divergence after each control step.
 using EpisodeBins = std::vector<std::array<std::vector<std::uint16_t>, 2>>;
 
-/// For each list of bins a text of four hex digits a bin.
+/// Bins as text, four hex digits for each.
 nlohmann::json toJson(const EpisodeBins& bins);
 
-/// Throws json::exception or std::exception if `json` does not come from toJson().
+/// Reads the JSON of toJson(). Throws json::exception or std::exception for any other.
 EpisodeBins binsFrom(const nlohmann::json& json);
 
-/// Counts how many episodes diverge how far after each control step, in bins whose edges are 2 % apart: so its memory
-/// does not grow with the episodes, and their order does not matter. Quantiles are right to 1 %.
+/// Histogram of the divergence after each control step, in bins whose edges are 2 % apart. Memory does not grow with
+/// the number of episodes, and their order does not matter. Quantiles are right to 1 %.
 class DivergenceBands {
  public:
   explicit DivergenceBands(const Protocol& protocol);
 
-  /// What a finished episode of the protocol adds.
+  /// Contribution of a finished episode of the protocol.
   static EpisodeBins binsOf(const Protocol& protocol, const Episode& episode);
 
   void add(const EpisodeBins& bins);
   void add(const Episode& episode) { add(binsOf(protocol_, episode)); }
 
-  /// A row for each rollout that is compared with the reference and each control step: how many episodes go on, and
-  /// quantiles of their divergences. Values below 1e-12 are 0.
+  /// Text of divergence.csv: a row for each rollout but the reference and each control step, with the number of
+  /// episodes that last so long and quantiles of their divergence [m, rad]. Values below 1e-12 are 0.
   std::string csv() const;
 
  private:
@@ -45,7 +45,7 @@ class DivergenceBands {
   using Component = double Divergence::*;
   static constexpr std::array<Component, 2> kComponents = {&Divergence::position, &Divergence::angle};
 
-  /// Of one rollout.
+  /// Histograms of one rollout, by control step.
   struct Curve {
     std::string mode;
     std::vector<std::array<Bins, kComponents.size()>> steps;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Two engines, or two settings of one, over the same episodes of the same reference: what differs, pair by pair.
+/// Contrast of runs over the same episodes of the same reference: paired differences of a run, such as one with other
+/// parameters of the engine, from a baseline run.
 #pragma once
 
 #include <filesystem>
@@ -16,58 +17,60 @@
 
 namespace sim2sim {
 
-/// The results of a run, or of a row of a sweep, as its folder has them.
+/// Results of a run, or of a row of a sweep, as read from its folder.
 struct RunResults {
   std::filesystem::path folder;
   nlohmann::json metrics;
   Protocol protocol;
   std::vector<EpisodeResult> episodes;
 
-  /// What tells it from others, for people: "two-mass engine, block_damp 20.0".
+  /// Name for people, with changed parameters: "two-mass engine, block_damp 20.0".
   std::string title() const;
 
-  /// The engine in `metrics`: its name, title, parameters, and the names of those that are changed.
+  /// Engine in `metrics`: its name, title, parameters, and the names of the changed ones.
   const nlohmann::json& engine() const;
 };
 
-/// Throws InvalidInput, naming the file, if `folder` does not hold the results of a whole run.
+/// Reads the results of a whole run. Throws InvalidInput with the file if `folder` does not hold them.
 RunResults readResults(const std::filesystem::path& folder);
 
-/// The folders of all rows of a sweep, in order; `folder` itself if it is a run. Throws InvalidInput if it is neither.
+/// Folders of all rows of a sweep, in order; `folder` itself if it is a run. Throws InvalidInput if it is neither.
 std::vector<std::filesystem::path> runsIn(const std::filesystem::path& folder);
 
-/// One figure of two runs: the mean over episodes of the difference, other - baseline.
+/// Mean paired difference of one figure, other - baseline, in the figure's unit.
 struct ContrastRow {
-  std::string name;  ///< of the mean in metrics.json, without its unit
+  std::string name;  ///< key of the mean in metrics.json, without its unit
   std::string unit;
-  int episodes;  ///< that have the figure in both
+  int episodes;  ///< number of episodes that have the figure in both runs
   Difference difference;
   std::optional<double> adjusted_p{};  ///< after Holm, over the whole family
   /// [episodes] after which the sign was decided, if watched after each of them; DifferenceSequence. None: not yet.
   std::optional<int> decided_after{};
 };
 
+/// All differences of one run from the baseline.
 struct Contrast {
-  std::string title;                   ///< of the other, by what tells it from the rest
-  PairTable successes;                 ///< of the engine; first: the baseline
-  std::optional<Interval> interval{};  ///< of the difference of the rates, Tango's
+  std::string title;                   ///< name of the run among all that are compared
+  PairTable successes;                 ///< successes of the engine; first: the baseline
+  std::optional<Interval> interval{};  ///< Tango's interval of the difference of the rates
   double p;                            ///< McNemar's, mid-p
   double adjusted_p{};                 ///< after Holm, over the whole family
-  std::optional<int> decided_after{};  ///< as in ContrastRow; AnyDifference
+  std::optional<int> decided_after{};  ///< [episodes] likewise, by AnyDifference
   std::vector<int> lost{};             ///< episodes in which only the baseline succeeds
   std::vector<int> gained{};           ///< episodes in which only the other succeeds
   std::vector<ContrastRow> rows{};
 };
 
-/// Throws InvalidInput if two runs do not pair: policy, starts, horizon, probes, reference, or what the reference did
-/// are not the same.
+/// Throws InvalidInput if two runs do not pair: if policy, initial states, horizon, probes, reference or the
+/// reference's results differ.
 void requirePairs(const RunResults& baseline, const RunResults& other);
 
-/// Each of `others` against `baseline`. The p-values of all figures of all contrasts are one family. Throws as
-/// requirePairs().
+/// Contrasts each of `others` with `baseline`. The p-values of all figures of all contrasts are one family for Holm's
+/// correction. Throws as requirePairs().
 std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others);
 
-/// `contrasts` are those of `others`, in order. With the answer of all, and a sentence for each.
+/// Content of the file of `contrast --out`: the answer about all runs, a sentence and the figures of each. `contrasts`
+/// are those of `others`, in order.
 nlohmann::json toJson(const RunResults& baseline, const std::vector<RunResults>& others,
                       const std::vector<Contrast>& contrasts);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// When and how the rollouts of a run part from the reference, over its episodes.
+/// First divergences of a rollout over the episodes of a run: how many, when, and by which cause.
 #pragma once
 
 #include <array>
@@ -13,25 +13,25 @@
 
 namespace sim2sim {
 
-/// Of one rollout, over at least one episode.
+/// First divergences of one rollout over at least one episode.
 struct FirstDivergences {
   int episodes = 0;
-  int parted = 0;                                   ///< episodes in which it leaves the bound
-  std::array<int, kCauses.size()> causes{};         ///< of those
-  std::array<int, kFirstBodyNames.size()> first{};  ///< who was the first to be elsewhere
-  std::vector<double> within;                       ///< by control step: the share still within the bound
-  std::optional<int> median_step;                   ///< the first at which that is at most a half
+  int parted = 0;                                   ///< episodes in which the rollout leaves the bound
+  std::array<int, kCauses.size()> causes{};         ///< episodes by cause
+  std::array<int, kFirstBodyNames.size()> first{};  ///< episodes by the body that differs first
+  std::vector<double> within;                       ///< [-] share of episodes still within the bound, by control step
+  std::optional<int> median_step;  ///< first control step at which `within` is at most a half; empty: never
 };
 
-/// An episode that ends within the bound says no more about later steps: the share still within is the product, over
-/// the steps, of those that stay among those that are still there.
+/// Counts first divergences. An episode that ends within the bound is censored there: `within` is the Kaplan-Meier
+/// estimate, the product over the steps of the share of those still running that stay within.
 /// Source: E. L. Kaplan and P. Meier, "Nonparametric Estimation from Incomplete Observations" (1958).
 FirstDivergences firstDivergencesOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout);
 
-/// With shares, and Wilson's intervals of them.
+/// "parting" in statistics.json: counts, shares, and Wilson's intervals of the shares.
 nlohmann::json toJson(const FirstDivergences& first_divergences);
 
-/// The cause that most of the first_divergences have; there must be one.
+/// Most frequent cause; there must be one.
 const CauseName& mostFrequentCause(const FirstDivergences& first_divergences);
 
 }  // namespace sim2sim

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The question of a run and its answer in one sentence: does the skill transfer? Terminal, statistics.json, messages,
-/// panel, picture and page all show this text.
+/// Headline of a run: does the skill transfer? Question and answer are one sentence each. Terminal, statistics.json,
+/// messages, panel, picture and page all show this text.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,7 +12,8 @@
 
 namespace sim2sim {
 
-/// Bounds of the scale of words, as shares of the reference's success. Between them the skill transfers in part.
+/// Bounds of the scale of words [share of the reference's success]. Between kNotEnough and kWhole the skill transfers
+/// in part.
 constexpr double kWhole = 0.9;      ///< an interval from here on up: it transfers
 constexpr double kMore = 1.1;       ///< an interval beyond: it transfers, and more
 constexpr double kNotEnough = 0.5;  ///< an interval up to here: it does not transfer
@@ -27,32 +28,35 @@ enum class TransferVerdict {
   kNothingToTransfer  ///< the reference never succeeds
 };
 
-/// "transfers", "transfers_in_part", "at_most_in_part", "does_not_transfer", "cannot_say", "nothing_to_transfer"
+/// Name in files: "transfers", "transfers_in_part", "at_most_in_part", "does_not_transfer", "cannot_say",
+/// "nothing_to_transfer".
 std::string nameOf(TransferVerdict verdict);
 
+/// Verdict on an interval of the transfer. kNothingToTransfer is not among its results.
 TransferVerdict verdictOf(const Interval& transfer);
 
-/// A share of the reference's success in percent: "31". It has as many digits as it takes to be printed on its side of
-/// each bound of the scale, and of the share that decides the end of the run: 0.4996 is "49.96", not "50".
+/// Share of the reference's success in percent: "31". It gets more digits if it would otherwise be printed on the other
+/// side of a bound of the scale, or of the share that decides the end of the run: 0.4996 is "49.96", not "50".
 std::string transferNumber(const RunConfiguration& configuration, double share);
 
+/// Question and answer, for the policy and the simulators of a run.
 struct Headline {
   TransferVerdict verdict = TransferVerdict::kCannotSay;
   std::string question;
-  std::string answer;  ///< for the policy and the simulators of the run
+  std::string answer;
 
-  /// Question and answer in one line.
+  /// Both in one line.
   std::string text() const { return question + " " + answer; }
 };
 
-/// The headline of the finished episodes of a run; `successes` has the reference first. The interval behind it is
-/// Tang's, or transferSequence() in a run that ends when it is decided.
+/// Headline of the finished episodes of a run; `successes` has the reference first. The verdict is on Tang's interval,
+/// or on transferSequence() if the run ends when it is decided.
 Headline headlineOf(const RunConfiguration& configuration, const PairTable& successes);
 
-/// "headline" in statistics.json.
+/// Headline as JSON: "headline" in statistics.json.
 nlohmann::json toJson(const Headline& headline);
 
-/// A simulator's title inside a sentence, perhaps with parameters behind it: "the two-mass engine", "Chipmunk".
+/// Title of a simulator for use within a sentence: "the two-mass engine", "Chipmunk". Parameters may follow the title.
 std::string inSentence(const std::string& title);
 
 }  // namespace sim2sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The finished episodes of a run that is under way, so that it can go on after an interruption.
+/// Journal of the finished episodes of a running run, so that it can continue after an interruption.
 #pragma once
 
 #include <filesystem>
@@ -14,39 +14,39 @@
 
 namespace sim2sim {
 
-/// A finished episode, as far as the results of a run need it.
+/// Part of a finished episode that the results of a run need.
 struct FinishedEpisode {
   EpisodeResult result;
-  EpisodeBins bins{};  ///< empty where no bands are made
+  EpisodeBins bins{};  ///< empty if the run makes no bands
 };
 
-/// A file of lines: what decides the run, then an episode in each, behind the first digits of its SHA-256. A line is
-/// written when its episode has finished, at once and whole; the rest of a line in which a process was killed is cut
+/// Text file: a line with all that decides the run, then a line for each episode, each behind the first digits of its
+/// SHA-256. A line is written at once when its episode is added; an incomplete last line of a killed process is cut
 /// off.
 class Journal {
  public:
   /// Opens the journal at `path`, or begins it. `identity` is all that decides the bytes of the episodes. Throws
-  /// InvalidInput, naming the first difference, if the journal is of another run; BadDependency if it is damaged;
+  /// InvalidInput with the first difference if the journal is of another run, BadDependency if it is damaged,
   /// RuntimeFault if it cannot be written.
   Journal(std::filesystem::path path, const Protocol& protocol, const nlohmann::json& identity);
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
   ~Journal();
 
-  /// The episodes that were there when the journal was opened, in the order in which they finished.
+  /// Episodes that the journal had when it was opened, in the order in which they were added.
   const std::vector<FinishedEpisode>& kept() const { return kept_; }
 
-  /// Their indices.
+  /// Indices of kept().
   std::set<int> keptIndices() const;
 
-  /// Throws RuntimeFault if it cannot be written.
+  /// Adds an episode. Throws RuntimeFault if it cannot be written.
   void add(const FinishedEpisode& episode);
 
-  /// Removes the file: the results have all that it holds.
+  /// Removes the file, when the results have all that it holds.
   void remove();
 
  private:
-  /// Whether there is no whole line.
+  /// Reads the file. Returns whether it has no complete line.
   bool read(const Protocol& protocol, const nlohmann::json& identity);
   void append(const std::string& line);
 

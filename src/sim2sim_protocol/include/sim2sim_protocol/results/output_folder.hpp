@@ -1,63 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A folder that one command at a time writes results into.
+/// Folder of results, which one command at a time writes.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace sim2sim {
 
-/// What a results folder holds: a run (of compare, recompute, the evaluator) or a sweep (of sweep, merge).
+/// Kind of results in a folder: a run (of compare, recompute, the evaluator) or a sweep (of sweep, merge).
 enum class Results { kRun, kSweep };
 
-// Files of a run, and of a sweep's rows.
-constexpr const char* kMetricsFile = "metrics.json";
-constexpr const char* kStatisticsFile = "statistics.json";
-constexpr const char* kBandsFile = "divergence.csv";
-constexpr const char* kEpisodesFile = "episodes.csv";
-constexpr const char* kProvenanceFile = "provenance.json";
-constexpr const char* kStatusFile = "status.json";
-
-constexpr const char* kJournalFile = "episodes.journal";  ///< of a run, or of a row, that is not finished
-
-constexpr const char* kSweepFile = "sweep.json";
-
-// Of what is said of a sweep.
-constexpr const char* kAttributionFile = "attribution.json";
-constexpr const char* kAttributionTable = "attribution.csv";
-
-/// The folder of a row of a sweep: rows/007.
-std::filesystem::path rowFolder(const std::filesystem::path& sweep, std::size_t row);
-
-constexpr int kStatusFormat = 1;  ///< of status.json
-
-/// The reason in a status before the end, and for ever of a command that was killed.
+/// Reason in a status while the command runs; it stays if the command is killed.
 constexpr const char* kUnderWay = "under way, or killed";
 
-/// A file or folder that a command reads.
+/// File or folder that a command reads.
 struct Input {
   std::string what;  ///< "policy"
   std::filesystem::path path;
 };
 
-/// The names that the commands write under are known here alone. Only they are ever removed: what else lies in the
-/// folder, in `rows` and `reference` too, stays as it is.
+/// Only files of the table of result_files.hpp are ever removed: what else lies in the folder, in `rows` and
+/// `reference` too, stays as it is.
 class OutputFolder {
  public:
-  /// An empty `path` means the first of results/COMMAND-1, -2, ... below the current folder that is not there yet.
-  /// Throws InvalidInput if `path` is there and no folder. Creates nothing.
+  /// An empty `path` stands for the first free one of results/COMMAND-1, -2, ... below the current folder. Throws
+  /// InvalidInput if `path` exists and is no folder. Creates nothing.
   OutputFolder(std::filesystem::path path, std::string command, Results results);
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
   ~OutputFolder();
 
-  /// Throws InvalidInput if one of `inputs` lies, links followed, where results are written to or removed.
+  /// Throws InvalidInput if one of `inputs`, with links followed, is where results are written or removed.
   void refuseInputs(const std::vector<Input>& inputs) const;
 
   /// Throws InvalidInput if the folder holds results of the other kind, which are never replaced, or, unless
-  /// `overwrite`, of this kind. A status that tells of no finished episode is not a result.
+  /// `overwrite`, of this kind. A status without a finished episode is not a result.
   void refuseResults(bool overwrite) const;
 
   /// Throws InvalidInput if the folder holds results of the other kind: of a sweep for a run, of a run for a sweep.
@@ -67,21 +45,21 @@ class OutputFolder {
   bool holdsResults() const;
 
   /// Creates the folder and locks it for as long as the object lives. Throws InvalidInput if another command has locked
-  /// it or a link or a file is in it where a folder for results belongs, RuntimeFault if it cannot be written.
+  /// it, or if there is a link or a file in place of a folder for results; RuntimeFault if it cannot be written.
   void open();
 
-  /// Removes the results of this kind besides the status, leftovers too, and folders of theirs that are empty then.
-  /// Throws RuntimeFault if that fails.
+  /// Removes results of this kind except the status, also leftovers, and then their empty folders. Throws RuntimeFault
+  /// if that fails.
   void removeResults() const;
 
-  /// Removes what a killed process has left of files that it was writing: "metrics.json.part". A link is not ours, nor
-  /// what belongs to another kind of results.
+  /// Removes unfinished files of a killed process, such as "metrics.json.part". Links and files of the other kind of
+  /// results stay.
   void removeLeftovers() const;
 
-  /// Removes the report of results that are about to change.
+  /// Removes the page of results that are about to change.
   void removeReport() const;
 
-  /// Removes what a sweep keeps of the reference.
+  /// Removes the kept reference of a sweep.
   void removeReference() const;
 
   const std::filesystem::path& path() const { return path_; }

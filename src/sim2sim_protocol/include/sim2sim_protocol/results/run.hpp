@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A run from its configuration to its results, wherever its worlds are.
+/// A run from its configuration to its results. It is the same live, in batch and from a bag.
 #pragma once
 
 #include <exception>
@@ -17,41 +17,42 @@
 
 namespace sim2sim {
 
-/// Whether a run needs no further episodes than these, which are by index.
+/// Whether `episodes`, which are by index, are all that the run needs.
 bool isWhole(const RunConfiguration& run, const std::vector<EpisodeResult>& episodes);
 
-/// Gathers the finished episodes of a run, and tells in its folder and as a table what they say.
+/// Collects the finished episodes of a run and writes its results, as files and as a table.
 class Run {
  public:
-  /// Begins `folder`, which must outlive the run; `identity` as for RunFolder::begin(). A run that goes on has the
-  /// episodes of its journal.
+  /// Begins `folder`, which must outlive the run; `identity` as for RunFolder::begin(), and throws as it. A run that
+  /// continues has the episodes of its journal.
   Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance,
       const nlohmann::json& identity = {});
 
   const RunConfiguration& configuration() const { return configuration_; }
 
-  /// In any order, each once; in that of their indices if the run ends when it is decided. Returns what it adds.
+  /// Adds a finished episode, each once, and returns its result. Any order will do; in a run that ends when it is
+  /// decided, episodes must come in the order of their indices. Throws RuntimeFault if the journal cannot be written.
   EpisodeResult add(const Episode& episode);
 
-  /// Episodes that have been gathered elsewhere, instead of add().
+  /// Sets episodes that were collected elsewhere, instead of add().
   void take(std::vector<EpisodeResult> episodes, DivergenceBands bands);
 
-  /// The finished episodes, by index.
+  /// Finished episodes, by index.
   const std::vector<EpisodeResult>& episodes() const { return episodes_; }
-  /// Of the finished episodes; there must be one.
+  /// Summary of the finished episodes; there must be one.
   const Summary& summary() const;
   bool whole() const { return isWhole(configuration_, episodes_); }
 
-  /// Whether no further episode is needed; only of a run that ends when it is decided.
+  /// Whether a run that ends when it is decided is decided; false for other runs.
   bool decided() const { return bet_ && bet_->verdict() != Verdict::kUndecided; }
 
-  /// "3 of 50 episodes"
+  /// Progress for people: "3 of 50 episodes".
   std::string progress() const;
 
-  /// The results of a whole run. Returns its metrics; throws as RunFolder::finish does.
+  /// Writes the results of a whole run and returns its metrics. Throws as RunFolder::finish().
   nlohmann::json finish(std::ostream& out, int faults_survived = 0);
 
-  /// Keeps what a run has found that `failure` ended, and says so. What keeps it from being written is not an error:
+  /// Writes the finished episodes of a run that `failure` ended. A further failure to write them is only printed:
   /// `failure` is the one to report.
   void abandon(std::ostream& out, const std::exception& failure, int faults_survived = 0) const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What decides the results of a run.
+/// Configuration of a run: what decides its results; its hash, and its description as JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,61 +11,63 @@
 
 namespace sim2sim {
 
-/// The kinds of simulators in the course's experiment: what a run has where nothing else is asked for.
+/// Kinds of simulators of the course's experiment, which are the defaults.
 inline constexpr const char* kCourseReference = "mujoco";
 inline constexpr const char* kCourseEngine = "two_mass";
 
-/// A simulator that took part in a run, in whatever role.
+/// A simulator of a run, reference or engine.
 struct SimulatorRecord {
-  std::string name;   ///< of its kind: "two_mass"
+  std::string name;   ///< name of its kind: "two_mass"
   std::string title;  ///< for people: "two-mass engine"
-  /// true or false, a number or a text for each name, in the simulator's own order. A file is named by its content:
-  /// "sha256:...".
+  /// Value of each parameter (true, false, a number or a text) by name, in the simulator's own order. A file is named
+  /// by its content: "sha256:...".
   nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
-  nlohmann::ordered_json units = nlohmann::ordered_json::object();  ///< of those parameters that have one
-  std::vector<std::string> changed{};  ///< names of the parameters that have not their default
+  nlohmann::ordered_json units = nlohmann::ordered_json::object();  ///< units of the parameters that have one
+  std::vector<std::string> changed{};  ///< names of the parameters that do not have their default
 
-  /// Adds a parameter. If it is a file, `provenance` of the simulator has its SHA-256, under the parameter's name.
+  /// Adds a parameter. For a file, `provenance` of the simulator has its SHA-256, under the parameter's name.
   void add(const std::string& parameter, const pusht::ParameterValue& value, const std::string& unit, bool is_default,
            const nlohmann::json& provenance);
 };
 
+/// Simulator as JSON: the entries of "simulators" in a description.
 nlohmann::ordered_json toJson(const SimulatorRecord& simulator);
-/// Throws json::exception if `description` does not come from toJson().
+
+/// Reads the JSON of toJson(). Throws json::exception for any other.
 SimulatorRecord simulatorFrom(const nlohmann::ordered_json& description);
 
-/// What decides the bytes of metrics.json and episodes.csv.
+/// All that decides the bytes of metrics.json and episodes.csv.
 struct RunConfiguration {
   Protocol protocol;
   bool smoke = false;
-  std::string policy;  ///< the string given, or "fresh-untrained"
+  std::string policy;  ///< text that named it, or "fresh-untrained"
   SimulatorRecord reference;
   SimulatorRecord engine;
 };
 
-/// The options that decide what the reference does from a given initial state, by name, for the key of kept references.
-/// An option that is written only if it is changed stands there only then.
+/// Options that decide what the reference does from a given initial state, by name, for the key of kept references. An
+/// option of kIfChanged is there only if it is changed.
 nlohmann::json referenceOptions(const RunOptions& options);
 
 /// First 12 hex digits of the md5 of `episodes|KNOB|...|horizon`, as Python prints them, with the values of the
-/// course's three knobs, if the engine has them. Whatever else is not as in the course follows: `|reference=NAME`,
-/// `|engine=NAME`, and `|ROLE.PARAMETER=VALUE` for each parameter that has not its default, and
-/// `|starts=HASH` where the starts were given, `|probes=NAME,...` unless these are the floor,
+/// course's three parameters, if the engine has them. All other differences from the course follow: `|reference=NAME`,
+/// `|engine=NAME`, and `|ROLE.PARAMETER=VALUE` for each parameter that does not have its default, and
+/// `|starts=HASH` if initial states were given, `|probes=NAME,...` unless these are the floor,
 /// `|bound=METRES,RADIANS` unless it is the task's tolerance, and `|NAME=VALUE` for each option that is written if it
 /// is changed. A smoke run counts as one of the default length, as in the course.
 std::string configurationHash(const RunConfiguration& configuration);
 
-/// The configuration as JSON; part of metrics.json and of provenance.json.
+/// Description of a configuration as JSON; part of metrics.json and of provenance.json.
 nlohmann::ordered_json describe(const RunConfiguration& configuration);
 
-/// Throws InvalidInput, naming both formats, unless `description` is of the format that describe() writes.
+/// Throws InvalidInput with both formats unless `description` is of the format of describe().
 void requireDescriptionFormat(const nlohmann::json& description);
 
-/// The protocol of a configuration, or of a sweep, that describe() has described; given starts are known by their hash
-/// alone. Throws json::exception if there is none, InvalidInput if it cannot be run or is of another format.
+/// Reads the protocol from the description of a run or of a sweep; given initial states are known by their hash alone.
+/// Throws json::exception if there is none, InvalidInput if it cannot be run or is of another format.
 Protocol protocolFrom(const nlohmann::json& description);
 
-/// The configuration that `description` describes. Throws InvalidInput if it describes none, or is of another format.
+/// Reads a configuration from its description. Throws InvalidInput if it is none, or of another format.
 RunConfiguration configurationFrom(const nlohmann::ordered_json& description);
 
 }  // namespace sim2sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The folder that holds the results of one run.
+/// Folder with the results of one run.
 #pragma once
 
 #include <filesystem>
@@ -18,53 +18,54 @@
 
 namespace sim2sim {
 
-/// How a run ended; status.json.
+/// Status of a run: how it ended; status.json.
 struct RunStatus {
   pusht::ExitCode exit_code = pusht::ExitCode::kOk;
   std::string reason;
   int episodes_finished = 0;
   int episodes = 0;
   int faults_survived = 0;
-  bool beside_earlier_results = false;  ///< the other files in the folder are not of this run
+  bool beside_earlier_results = false;  ///< the other files in the folder are of an earlier run
 };
 
 /// Status while a run is under way; it stays if the process is killed.
 RunStatus underWay(int episodes);
 
-/// The text of status.json.
+/// Text of status.json.
 std::string statusText(const RunStatus& status);
 
-/// Every file in it is complete or absent. metrics.json speaks for a whole run: it is only written by finish().
+/// Writer of the folder. Every file is complete or absent. metrics.json is there only for a whole run: finish() writes
+/// it.
 class RunFolder {
  public:
-  /// Opens the OutputFolder; throws InvalidInput, too, if `path` holds results that must stay. Those of a run that is
-  /// not finished need not, if `goes_on`: begin() takes them up.
+  /// Throws InvalidInput as OutputFolder, and if `path` holds results that must stay. Results of an unfinished run need
+  /// not stay if the run `goes_on`: begin() continues that run.
   RunFolder(std::filesystem::path path, bool overwrite, std::string command = "compare", bool goes_on = false);
 
-  /// As OutputFolder.
+  /// Throws InvalidInput as OutputFolder::refuseInputs().
   void refuseInputs(const std::vector<Input>& inputs) const { folder_.refuseInputs(inputs); }
 
-  /// Whether there is an unfinished run that this one takes up.
+  /// Whether there is an unfinished run that this one continues.
   bool takesUp() const;
 
-  /// Creates the folder, without results of an earlier run, and writes what the run depends on and that it is under
-  /// way. From here on the folder is locked. Throws InvalidInput if another run has locked it, RuntimeFault if it
-  /// cannot be written. A run that may go on keeps a journal() under `identity`, which is all that decides the bytes of
-  /// its episodes. If there is one already, results stay, and it throws as Journal does, before it writes anything.
+  /// Creates and locks the folder, removes results of an earlier run, and writes provenance and status. A run that may
+  /// continue gets a journal() under `identity`, which is all that decides the bytes of its episodes. If there is one
+  /// already, results stay, and it throws as Journal does before anything is written. Throws InvalidInput if another
+  /// run has locked the folder, RuntimeFault if it cannot be written.
   void begin(const nlohmann::json& provenance, const Protocol& protocol, const nlohmann::json& identity = {});
 
-  /// Null unless the run may go on after an interruption.
+  /// Journal of a run that may continue; null for other runs.
   Journal* journal() { return journal_ ? &*journal_ : nullptr; }
 
-  /// The results of a whole run. If they cannot be written, the status says so, and RuntimeFault is thrown.
+  /// Writes the results of a whole run. If that fails, the status says so, and RuntimeFault is thrown.
   void finish(const RunConfiguration& configuration, const nlohmann::json& metrics,
               const std::vector<EpisodeResult>& episodes, const DivergenceBands& bands, int faults_survived);
 
-  /// The finished episodes of a run that ended early.
+  /// Writes the finished episodes of a run that ended early. Throws RuntimeFault if that fails.
   void abandon(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, const RunStatus& status) const;
 
-  /// Only says why there was no run. Results that the run would have replaced stay; the status says so. An unfinished
-  /// run that this one would have taken up keeps its own status. Throws as begin() does.
+  /// Writes a status that says why there was no run. Results that the run would have replaced stay, and the status says
+  /// so. An unfinished run that this one would have continued keeps its own status. Throws as begin().
   void refuse(RunStatus status);
 
   const std::filesystem::path& path() const { return folder_.path(); }
@@ -86,8 +87,8 @@ class RunFolder {
   std::optional<Journal> journal_;
 };
 
-/// What `load` gives, before a run or sweep begins in `folder`. If a fault ends it (an interruption, say), the folder
-/// says so.
+/// Calls `load` before a run or sweep begins in `folder`, and returns its result. If a RuntimeFault ends it (an
+/// interruption, say), the status in the folder says so. Throws what `load` throws.
 template <class Folder, class Load>
 auto loadFor(Folder& folder, const Load& load) {
   try {

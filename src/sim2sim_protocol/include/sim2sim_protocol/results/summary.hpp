@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What the finished episodes of a run say, each figure with what is needed to read it.
+/// Summary of the finished episodes of a run: each figure with its interval and its baselines.
 #pragma once
 
 #include <array>
@@ -17,28 +17,29 @@
 
 namespace sim2sim {
 
+/// Success rate in closed loop, with Wilson's interval.
 struct SuccessRate {
   int successes;
   double rate;
   Interval interval;
 };
 
-/// Where a figure stands in the results of an episode.
+/// Index of a figure in the results of an episode.
 struct FigureIndex {
-  std::size_t rollout;
-  std::size_t quantity;
+  std::size_t rollout;   ///< in EpisodeResult::rollouts
+  std::size_t quantity;  ///< in kQuantities
 };
 
-/// What one figure is more than the other, episode by episode, of those that have both. The two may be of one run, or
-/// of two runs over the same episodes.
+/// Paired differences of two figures, more - less, of the episodes that have both. The two may be of one run, or of two
+/// runs over the same episodes.
 std::vector<double> differencesOf(const std::vector<EpisodeResult>& more, const FigureIndex& of_more,
                                   const std::vector<EpisodeResult>& less, const FigureIndex& of_less);
 
-/// Who succeeds in which episodes, likewise.
+/// Paired successes of two rollouts, likewise.
 PairTable pairsOf(const std::vector<EpisodeResult>& first, std::size_t rollout_in_first,
                   const std::vector<EpisodeResult>& second, std::size_t rollout_in_second);
 
-/// How the engine's successes stand to the reference's, over the same episodes.
+/// Successes of engine and reference over the same episodes.
 struct Outcomes {
   PairTable table;                              ///< first: the reference
   std::optional<Interval> difference_interval;  ///< Tango's
@@ -48,7 +49,7 @@ struct Outcomes {
   std::optional<Interval> transfer_interval;  ///< Tang's
 };
 
-/// A divergence, and that of a tee that never moves, over the same steps.
+/// A divergence and its null model over the same steps: a tee that never moves.
 struct DivergencePair {
   const char* divergence;  ///< names in kQuantities
   const char* null_model;
@@ -59,17 +60,18 @@ inline constexpr std::array kDivergencePairs = {
     DivergencePair{"mean_angle_divergence", "null_angle_divergence"},
 };
 
-/// What a mean divergence must be read against. NaN where there is none.
+/// Comparison of a mean divergence with its baselines, the null model and the floor. NaN if there is none.
 struct BaselineComparison {
   Estimate median{};
   Difference minus_null{};                                          ///< divergence - null model, episode by episode
-  double share_of_null = std::numeric_limits<double>::quiet_NaN();  ///< of the means
+  double share_of_null = std::numeric_limits<double>::quiet_NaN();  ///< ratio of the means
   double over_floor = std::numeric_limits<double>::quiet_NaN();     ///< multiples of the mean of the widest floor
 
-  /// Whether it is surely less than that of a tee that never moves. Without an interval nobody knows.
+  /// Whether the divergence is shown to be less than the null model's; empty without an interval.
   std::optional<bool> beatsNull() const;
 };
 
+/// Figures of a run.
 struct Summary {
   using Means = std::array<Estimate, kQuantities.size()>;
   using Baselines = std::array<BaselineComparison, kDivergencePairs.size()>;
@@ -78,24 +80,25 @@ struct Summary {
   SuccessRate reference{};
   SuccessRate engine{};
   Outcomes outcomes{};
-  std::vector<Means> means;              ///< over the episodes that have the quantity, by rollout; NaN where none has
-  std::vector<Baselines> baselines;      ///< by rollout; none for the reference
-  FirstDivergences first_divergences{};  ///< of the replay
-  std::optional<FirstDivergences> floor{};  ///< of the widest floor, if there is one: when the reference leaves itself
-  int unmoved_floors = 0;                   ///< episodes whose narrowest floor is exactly the reference
+  std::vector<Means> means;              ///< by rollout, over the episodes that have the quantity; NaN if none has
+  std::vector<Baselines> baselines;      ///< by rollout; NaN for the reference
+  FirstDivergences first_divergences{};  ///< those of the replay in open loop
+  std::optional<FirstDivergences>
+      floor{};             ///< those of the widest floor, of the reference from itself; empty without floors
+  int unmoved_floors = 0;  ///< episodes whose narrowest floor has divergence 0
 
   const Estimate& mean(std::size_t rollout, std::string_view quantity) const {
     return means.at(rollout)[quantityIndex(quantity)];
   }
 };
 
-/// Of at least one episode of the protocol, in index order.
+/// Summarizes at least one episode of the protocol, in index order.
 Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& episodes);
 
-/// With the interval that fits the quantity's range; NaN without samples.
+/// Mean of a quantity, with the interval that fits its range; NaN without samples.
 Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity);
 
-/// Of a quantity in one rollout, over the episodes that have it.
+/// Values of a quantity in one rollout, of the episodes that have it.
 std::vector<double> samplesOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout, std::size_t quantity);
 
 }  // namespace sim2sim

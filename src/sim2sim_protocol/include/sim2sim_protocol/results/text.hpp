@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Figures as people read them, wherever they are printed.
+/// Figures as text for people.
 #pragma once
 
 #include <cstddef>
@@ -10,32 +10,32 @@
 
 namespace sim2sim {
 
-/// `value` to six decimals, as the course has it, or to six digits that count, where that says more: floors are small.
-/// Files have figures so, and what is printed is rounded from that: the two agree to the last digit.
+/// Rounds `value` to six decimals, as the course does, or to six significant digits if that is more precise, because
+/// floors are small. Files have figures like this, and printed figures are rounded from these, so that the two agree.
 double readable(double value);
 
-/// "[0.0700, 0.0934]"
+/// Interval as "[0.0700, 0.0934]".
 std::string bracketed(const Interval& interval, int digits);
 
-/// `text` filled up with blanks to `width`; one blank at least.
+/// `text` with blanks behind it up to `width`, at least one blank.
 std::string padded(const std::string& text, std::size_t width);
 
-/// "-0.0240 m [-0.0310, -0.0170]": a difference. "none" for NaN.
+/// Difference as "-0.0240 m [-0.0310, -0.0170]"; "none" for NaN.
 std::string signedText(double value, const std::optional<Interval>& interval, const std::string& unit, int digits);
 
-/// "31 %"; "any" for infinity.
+/// Share as "31 %"; "any" for infinity.
 std::string percent(double share);
-/// "31"
+/// Share in percent as "31".
 std::string percentNumber(double share);
 
-/// Why a figure has no comparison, as words before what would be compared.
+/// Reason why a figure has no comparison, before the words for what would be compared.
 inline constexpr const char* kTooFewToCompare = "too few episodes to compare";
 
-/// The mark of a divergence: "(!)" if it is not shown to be less than that of a tee that never moves, "(?)" if there
-/// are too few episodes to say, empty if it is less. `beats_null` is empty where there are too few.
+/// Mark of a divergence: "(!)" if it is not shown to be less than that of a tee that never moves, empty if it is, "(?)"
+/// if there are too few episodes to say (`beats_null` is empty).
 std::string markOf(const std::optional<bool>& beats_null);
 
-/// "0.0012", "< 0.0001"
+/// p-value as "0.0012" or "< 0.0001".
 std::string probabilityText(double p);
 
 }  // namespace sim2sim

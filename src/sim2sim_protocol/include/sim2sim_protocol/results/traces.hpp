@@ -1,39 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// traces.npy: what the three worlds did, state by state, for whoever wants to draw it or to compute with it.
+/// traces.npy: the states of the three modes, for pictures and for NumPy.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
-#include <map>
-#include <string>
 
 #include "pusht_task/files.hpp"
 #include "sim2sim_protocol/episode.hpp"
-#include "sim2sim_protocol/protocol.hpp"
 
 namespace sim2sim {
 
-/// A NumPy array of records, one for each state of each mode: episode, mode, step, pusher_x, pusher_y, tee_x, tee_y
-/// [m], tee_yaw [rad], action_x, action_y [m/s]. The action is the one that follows the state; NaN after the last.
-/// `numpy.load(path)` reads it. The file is complete or absent. The format is NumPy's NEP 1, version 1.0.
+/// Writes a NumPy array of records, one for each state of each mode: episode, mode, step, pusher_x, pusher_y, tee_x,
+/// tee_y [m, table frame], tee_yaw [rad], action_x, action_y [m/s]. The action is the one that follows the state; NaN
+/// after the last one. `numpy.load(path)` reads it. The file is complete or absent. Format: NumPy's NEP 1, version 1.0.
 class TraceFile {
  public:
-  /// Throws RuntimeFault if nothing can be written beside `path`, as all functions do.
-  TraceFile(const std::filesystem::path& path, const Protocol& protocol);
+  /// Begins the file beside `path`. All functions throw RuntimeFault if it cannot be written.
+  explicit TraceFile(const std::filesystem::path& path);
 
-  /// In any order; they stand in that of their indices.
+  /// Adds an episode. Episodes come in the order of their indices, which is that of the records.
   void add(const Episode& episode);
 
   /// Puts the file in its place.
   void finish();
 
  private:
-  void write(const std::string& records);
-
   pusht::AsideFile file_;
-  int next_;                            // episode
-  std::map<int, std::string> waiting_;  // records of episodes, for those before them
-  std::size_t records_ = 0;             // in the file
+  std::size_t records_ = 0;
 };
 
 }  // namespace sim2sim

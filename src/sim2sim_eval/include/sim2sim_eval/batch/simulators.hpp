@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Simulators that run in process.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pusht_task/simulator_kind.hpp"
+#include "sim2sim_protocol/results/output_folder.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+
+namespace sim2sim {
+
+/// A simulator that is asked for: a kind, and values for its parameters.
+struct SimulatorChoice {
+  std::reference_wrapper<const pusht::SimulatorKind> kind;
+  pusht::ParameterSet parameters;
+};
+
+/// `settings` are "NAME=VALUE"; parameters that are not named have their defaults. Throws as SimulatorKinds::named and
+/// ParameterSet::set; InvalidInput for a setting that is none or is given twice.
+SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::string>& settings);
+
+/// A simulator that is ready to run.
+struct LoadedSimulator {
+  /// Throws as SimulatorKind::load.
+  explicit LoadedSimulator(const SimulatorChoice& choice) : kind(choice.kind), model(kind.load(choice.parameters)) {}
+
+  SimulatorRecord record() const;
+
+  /// What its numbers depend on besides, for provenance.json: the kind's "version" and what the model says.
+  nlohmann::json provenance() const;
+
+  /// The files that it has read.
+  std::vector<Input> inputs() const;
+
+  const pusht::SimulatorKind& kind;
+  pusht::SimulatorModel model;
+};
+
+}  // namespace sim2sim

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/contrast.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_protocol/results/json.hpp"
+
+namespace sim2sim {
+
+void ContrastOptions::declare(CLI::App& app) {
+  app.add_option("results", results, "folders of runs or sweeps")->required()->check(notEmpty());
+  app.add_option("--against", against, "number of the run that the others are compared with, from 0")
+      ->check(decimalInteger());
+  app.add_option("--out", out, "JSON file for all figures")->check(notEmpty());
+}
+
+std::vector<RunResults> runsToContrast(const ContrastOptions& options) {
+  std::vector<RunResults> runs;
+  for (const std::string& folder : options.results) {
+    for (const std::filesystem::path& run : runsIn(folder)) {
+      requireNotInterrupted();
+      runs.push_back(readResults(run));
+    }
+  }
+  if (runs.size() < 2) {
+    throw pusht::InvalidInput("results " + options.results.front() + ": is one run; name two, or a sweep");
+  }
+  if (options.against < 0 || options.against >= static_cast<int>(runs.size())) {
+    throw pusht::InvalidInput("against " + std::to_string(options.against) + ": must be from 0 to " +
+                              std::to_string(runs.size() - 1));
+  }
+  const auto baseline = runs.begin() + options.against;
+  std::rotate(runs.begin(), baseline, baseline + 1);
+  return runs;
+}
+
+void contrast(const ContrastOptions& options) {
+  requireNewFile("out", options.out);
+  std::vector<RunResults> runs = runsToContrast(options);
+  const RunResults baseline = runs.front();
+  runs.erase(runs.begin());
+  const std::vector<Contrast> contrasts = contrast(baseline, runs);
+  requireNotInterrupted();
+  std::cout << table(baseline, runs, contrasts);
+  if (!options.out.empty()) {
+    pusht::writeFile(options.out, jsonText(toJson(baseline, runs, contrasts)));
+  }
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/plan.hpp"
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <iostream>
+#include <sstream>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
+#include "sim2sim_protocol/results/text.hpp"
+#include "sim2sim_statistics/planning.hpp"
+
+namespace sim2sim {
+namespace {
+
+/// Row of the plan: a difference that a run may show, and how much it varies from pair to pair.
+struct PlannedDifference {
+  std::string text;
+  std::optional<double> deviation;   ///< standard deviation of paired differences; none for success, or too few pairs
+  std::optional<double> discordant;  ///< share of pairs in which only one succeeds; none for divergences
+  std::optional<double> wanted;      ///< difference that is to be shown
+};
+
+std::string significant(double value) {
+  constexpr int kDigits = 2;
+  return pusht::significantText(value, kDigits);
+}
+
+std::optional<double> deviationOf(const std::vector<double>& differences) {
+  return differences.size() < 2 ? std::nullopt : std::optional(standardDeviation(differences));
+}
+
+double discordanceOf(const PairTable& table) {
+  return (table.first_only + table.second_only) / static_cast<double>(table.pairs());
+}
+
+std::vector<PlannedDifference> plannedDifferences(const PlanQuestions& questions, const RunResults& pilot,
+                                                  const std::optional<RunResults>& other) {
+  const std::array<std::pair<std::string, std::optional<double>>, 2> names = {
+      std::make_pair("position divergence [m]", questions.position), {"angle divergence [rad]", questions.angle}};
+
+  std::vector<PlannedDifference> planned;
+  const auto success = [&](const std::string& text, const PairTable& table) {
+    planned.push_back({text, {}, discordanceOf(table), questions.success});
+  };
+  success("success, engine - reference", pairsOf(pilot.episodes, kReferenceClosed, pilot.episodes, kEngineClosed));
+  if (other) {
+    success("success, other - pilot", pairsOf(pilot.episodes, kEngineClosed, other->episodes, kEngineClosed));
+  }
+  for (std::size_t k = 0; k < kDivergencePairs.size(); ++k) {
+    const FigureIndex divergence{kEngineReplay, quantityIndex(kDivergencePairs[k].divergence)};
+    const FigureIndex null_model{kEngineReplay, quantityIndex(kDivergencePairs[k].null_model)};
+    const auto spread = [&](const std::string& text, const std::vector<double>& differences) {
+      planned.push_back({names.at(k).first + text, deviationOf(differences), {}, names.at(k).second});
+    };
+    spread(", against null model", differencesOf(pilot.episodes, divergence, pilot.episodes, null_model));
+    if (other) {
+      spread(", other - pilot", differencesOf(other->episodes, divergence, pilot.episodes, divergence));
+    }
+  }
+  return planned;
+}
+
+/// Smallest difference that `episodes` episodes show, as a cell of the table.
+std::string smallestText(const PlannedDifference& planned, int episodes) {
+  if (planned.deviation) {
+    return significant(smallestDifference(*planned.deviation, episodes));
+  }
+  if (!planned.discordant || *planned.discordant <= 0.0) {
+    return "-";
+  }
+  const std::optional<double> least = smallestRateDifference(*planned.discordant, episodes);
+  return least ? significant(*least) : "none";
+}
+
+/// Number of episodes that shows the wanted difference, as text; empty if none is wanted.
+std::string neededText(const PlannedDifference& planned) {
+  if (!planned.wanted) {
+    return "";
+  }
+  if (!planned.deviation && !planned.discordant) {
+    return "unknown: the pilot is too short";
+  }
+  const std::optional<int> episodes = planned.deviation ? episodesFor(*planned.deviation, *planned.wanted)
+                                      : *planned.wanted <= planned.discordant.value_or(0.0)
+                                          ? episodesForRates(*planned.discordant, *planned.wanted)
+                                          : std::nullopt;
+  return significant(*planned.wanted) + ": " + (episodes ? std::to_string(*episodes) + " episodes" : "none suffice");
+}
+
+void requirePositive(const std::string& name, const std::optional<double>& difference) {
+  if (difference && !(*difference > 0.0)) {
+    throw pusht::InvalidInput(name + " " + significant(*difference) + ": must be above 0");
+  }
+}
+
+}  // namespace
+
+void PlanOptions::declare(CLI::App& app) {
+  app.add_option("pilot", pilot, "folder of a run")->required()->check(notEmpty());
+  app.add_option("other", other, "folder of a second run over the same episodes, to plan a contrast")
+      ->check(notEmpty());
+  app.add_option("--episodes", questions.episodes, "numbers of episodes: N,N,...")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_option("--success", questions.success, "a difference of success rates: how many episodes show it?")
+      ->check(decimalReal());
+  app.add_option("--position", questions.position, "[m] a difference of position divergences")->check(decimalReal());
+  app.add_option("--angle", questions.angle, "[rad] a difference of angle divergences")->check(decimalReal());
+}
+
+std::string planTable(const PlanQuestions& questions, const RunResults& pilot, const std::optional<RunResults>& other) {
+  constexpr std::size_t kText = 44;    // characters
+  constexpr std::size_t kColumn = 10;  // characters
+  std::ostringstream table;
+  table << padded("smallest difference shown in [episodes]", kText);
+  for (const int episodes : questions.episodes) {
+    table << padded(std::to_string(episodes), kColumn);
+  }
+  table << "\n";
+  for (const PlannedDifference& planned : plannedDifferences(questions, pilot, other)) {
+    table << padded(planned.text, kText);
+    for (const int episodes : questions.episodes) {
+      table << padded(smallestText(planned, episodes), kColumn);
+    }
+    table << neededText(planned) << "\n";
+  }
+  table << "(found in 80 % of runs at 5 %, two-sided; spreads as in the " << pilot.episodes.size() << " episodes of "
+        << pilot.folder.string() << ")\n";
+  return table.str();
+}
+
+void plan(const PlanOptions& options) {
+  requirePositive("success", options.questions.success);
+  requirePositive("position", options.questions.position);
+  requirePositive("angle", options.questions.angle);
+  const RunResults pilot = readResults(options.pilot);
+  std::optional<RunResults> other;
+  if (!options.other.empty()) {
+    requireNotInterrupted();
+    other = readResults(options.other);
+    requirePairs(pilot, *other);
+  }
+  const std::string table = planTable(options.questions, pilot, other);
+  requireNotInterrupted();
+  std::cout << table << std::flush;
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Work of the commands plan, recompute, contrast, attribute and demonstrate, without their command lines.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/testing/temporary_folder.hpp"
+#include "sim2sim_eval/bag/run_bag.hpp"
+#include "sim2sim_eval/batch/attribute.hpp"
+#include "sim2sim_eval/batch/contrast.hpp"
+#include "sim2sim_eval/batch/demonstrate.hpp"
+#include "sim2sim_eval/batch/plan.hpp"
+#include "sim2sim_eval/batch/recompute.hpp"
+#include "sim2sim_protocol/results/episodes_csv.hpp"
+#include "sim2sim_protocol/results/json.hpp"
+#include "sim2sim_protocol/results/metrics.hpp"
+#include "sim2sim_protocol/results/output_folder.hpp"
+#include "sim2sim_protocol/results/provenance.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::internal::CaptureStdout;
+using ::testing::internal::GetCapturedStdout;
+
+/// Message of the InvalidInput that `action` throws.
+std::string refusal(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const pusht::InvalidInput& error) {
+    return error.what();
+  }
+  return "no refusal";
+}
+
+RunConfiguration configurationOf(int episodes, double block_damp) {
+  RunConfiguration configuration;
+  configuration.protocol.episodes = episodes;
+  configuration.protocol.floor = false;
+  configuration.policy = "expert";
+  configuration.reference = {"mujoco", "MuJoCo", {}, {}};
+  configuration.engine = {"two_mass", "two-mass engine", {{"block_damp", block_damp}}, {}};
+  return configuration;
+}
+
+/// Episodes whose reference succeeds in all, and the engine in every second. The tee diverges from that of the
+/// reference by 0.2 m and 1 rad, and by `spread` more in every second episode; a tee that never moves by 0.2 m and 1
+/// rad.
+std::vector<EpisodeResult> episodesOf(int count, double spread) {
+  std::vector<EpisodeResult> episodes;
+  for (int i = 0; i < count; ++i) {
+    EpisodeResult episode;
+    episode.index = i;
+    episode.seed = Protocol().spawnSeed(i);
+    for (RolloutResult& rollout : episode.rollouts) {
+      rollout.steps = 300;
+      rollout.quantities.fill(0.0);
+    }
+    episode.rollouts[kReferenceClosed].success = true;
+    episode.rollouts[kEngineClosed].success = i % 2 == 0;
+    RolloutResult& replay = episode.rollouts[kEngineReplay];
+    replay.at("mean_position_divergence") = 0.2 + (i % 2 == 0 ? spread : 0.0);
+    replay.at("mean_angle_divergence") = 1.0 + (i % 2 == 0 ? spread : 0.0);
+    replay.at("null_position_divergence") = 0.2;
+    replay.at("null_angle_divergence") = 1.0;
+    episodes.push_back(episode);
+  }
+  return episodes;
+}
+
+RunResults pilotOf(int count, double spread) {
+  RunResults pilot{"pilot", {}, {}, episodesOf(count, spread)};
+  pilot.protocol.episodes = count;
+  return pilot;
+}
+
+/// Results of a run in a folder, as far as readResults() reads them.
+fs::path writeResults(const fs::path& folder, const RunConfiguration& configuration) {
+  fs::create_directories(folder);
+  const std::vector<EpisodeResult> episodes = episodesOf(configuration.protocol.episodes, 0.1);
+  const Summary summary = summarize(configuration.protocol, episodes);
+  pusht::writeFile(folder / kMetricsFile, jsonText(metrics(configuration, summary)));
+  pusht::writeFile(folder / kEpisodesFile, episodesCsv(configuration.protocol, episodes));
+  return folder;
+}
+
+TEST(Plan, HasTheSmallestDifferencesInClosedForm) {
+  // Differences are 0 and 0.16 in equal numbers: s = 0.08 sqrt(100 / 99). (1.960 + 0.842) s / sqrt(n) is 0.0319 for n =
+  // 50 and 0.0159 for n = 200. Half of the pairs are discordant in success: 0.274 and 0.139 solve
+  // d sqrt(n) = 1.960 sqrt(0.5) + 0.842 sqrt(0.5 - d^2).
+  PlanQuestions questions;
+  questions.episodes = {50, 200};
+  EXPECT_EQ(planTable(questions, pilotOf(100, 0.16), std::nullopt),
+            "smallest difference shown in [episodes]     50        200       \n"
+            "success, engine - reference                 0.27      0.14      \n"
+            "position divergence [m], against null model 0.032     0.016     \n"
+            "angle divergence [rad], against null model  0.032     0.016     \n"
+            "(found in 80 % of runs at 5 %, two-sided; spreads as in the 100 episodes of pilot)\n");
+}
+
+TEST(Plan, SaysHowManyEpisodesShowADifference) {
+  // ((1.960 + 0.842) s / 0.012)^2 = 352.4 episodes.
+  PlanQuestions questions;
+  questions.episodes = {50};
+  questions.position = 0.012;
+  questions.success = 0.65;
+  const std::string table = planTable(questions, pilotOf(100, 0.16), std::nullopt);
+  EXPECT_THAT(table, HasSubstr("0.032     0.012: 353 episodes\n"));
+  EXPECT_THAT(table, HasSubstr("0.27      0.65: none suffice\n")) << "only half of the pairs are discordant";
+}
+
+TEST(Plan, OfAContrastHasTheDifferencesOfTwoRuns) {
+  PlanQuestions questions;
+  questions.episodes = {50};
+  const std::string table = planTable(questions, pilotOf(100, 0.1), pilotOf(100, 0.1));
+  EXPECT_THAT(table, HasSubstr("success, other - pilot                      -         \n")) << "no pair differs";
+  EXPECT_THAT(table, HasSubstr("position divergence [m], other - pilot      0         \n"));
+}
+
+TEST(Plan, OfAPilotOfOneEpisodeSaysThatItIsTooShort) {
+  PlanQuestions questions;
+  questions.episodes = {50};
+  questions.angle = 0.1;
+  EXPECT_THAT(planTable(questions, pilotOf(1, 0.1), std::nullopt),
+              HasSubstr("-         unknown: the pilot is too short\n"));
+}
+
+TEST(Plan, RefusesDifferencesThatAreNotAboveZero) {
+  PlanOptions options;
+  options.questions.angle = 0.0;
+  EXPECT_EQ(refusal([&] { plan(options); }), "angle 0: must be above 0");
+}
+
+TEST(Recompute, NamesTheEpisodesThatAreMissing) {
+  Protocol protocol;
+  protocol.first_episode = 2;
+  protocol.episodes = 8;
+  const std::vector<EpisodeResult> all = episodesOf(10, 0.0);
+  EXPECT_EQ(missingEpisodes(protocol, {all.begin() + 2, all.end()}), "");
+  EXPECT_EQ(missingEpisodes(protocol, {}), "2 to 9");
+  EXPECT_EQ(missingEpisodes(protocol, {all[2], all[4], all[7]}), "3, 5 to 6, 8 to 9");
+}
+
+TEST(Recompute, OfABagWithoutEpisodesLeavesAStatusAndNoMetrics) {
+  const pusht::testing::TemporaryFolder folder;
+  const RunConfiguration configuration = configurationOf(2, 6.0);
+  RunBag bag(folder / "compare.bag",
+             provenance(configuration, {{"runs_on", "scripted"}}, nlohmann::json::object(), nlohmann::json::object()),
+             defaultWorldNames(), ros::Time(1.0));
+  bag.finish();
+
+  CaptureStdout();
+  try {
+    recompute({folder / "compare.bag", folder / "out"});
+    ADD_FAILURE() << "the bag holds no episode";
+  } catch (const pusht::RuntimeFault& fault) {
+    EXPECT_THAT(fault.what(), HasSubstr("episodes 0 to 1 are missing"));
+  }
+  GetCapturedStdout();
+  EXPECT_FALSE(fs::exists(folder / "out" / kMetricsFile));
+  EXPECT_THAT(pusht::readFile(folder / "out" / kStatusFile, "status"), HasSubstr("\"exit_code\": 4"));
+}
+
+TEST(ContrastCommand, PutsTheBaselineInFront) {
+  const pusht::testing::TemporaryFolder folder;
+  const std::string low = writeResults(folder / "low", configurationOf(10, 2.0));
+  const std::string middle = writeResults(folder / "middle", configurationOf(10, 6.0));
+  const std::string high = writeResults(folder / "high", configurationOf(10, 20.0));
+  std::vector<std::string> names;
+  for (const RunResults& run : runsToContrast({{low, middle, high}, 2, ""})) {
+    names.push_back(run.folder.filename());
+  }
+  EXPECT_THAT(names, ElementsAre("high", "low", "middle"));
+  EXPECT_EQ(refusal([&] { runsToContrast({{low, high}, 2, ""}); }), "against 2: must be from 0 to 1");
+  EXPECT_EQ(refusal([&] { runsToContrast({{low}, 0, ""}); }), "results " + low + ": is one run; name two, or a sweep");
+}
+
+TEST(ContrastCommand, WritesNoFileThatIsThere) {
+  const pusht::testing::TemporaryFolder folder;
+  const std::string low = writeResults(folder / "low", configurationOf(10, 2.0));
+  const std::string high = writeResults(folder / "high", configurationOf(10, 20.0));
+  CaptureStdout();
+  contrast({{low, high}, 0, folder / "contrast.json"});
+  EXPECT_THAT(GetCapturedStdout(), HasSubstr("block_damp"));
+  EXPECT_TRUE(fs::exists(folder / "contrast.json"));
+  EXPECT_THAT(refusal([&] { contrast({{low, high}, 0, folder / "contrast.json"}); }), HasSubstr("is there already"));
+}
+
+TEST(Attribute, ReplacesNeitherOfItsFiles) {
+  for (const char* name : {kAttributionTable, kAttributionFile}) {
+    const pusht::testing::TemporaryFolder folder;
+    pusht::writeFile(folder / name, "kept");
+    EXPECT_EQ(refusal([&] {
+                attribute({folder.path(), "", false});
+              }),
+              "attribution " + (folder / name).string() + ": is there already; replace it with --overwrite");
+    EXPECT_EQ(pusht::readFile(folder / name, "attribution"), "kept");
+  }
+}
+
+TEST(Demonstrate, WritesABagAndSaysHowManyAreSolved) {
+  const pusht::testing::TemporaryFolder folder;
+  DemonstrateOptions options;
+  options.plan.episodes = 1;
+  options.out = folder / "demonstrations.bag";
+  CaptureStdout();
+  demonstrate(options);
+  const std::string said = GetCapturedStdout();
+  EXPECT_EQ(said.find("1 demonstrations, "), 0U) << said;
+  EXPECT_THAT(said, HasSubstr(" frames: " + options.out + "\n"));
+  EXPECT_TRUE(fs::exists(options.out));
+}
+
+}  // namespace
+}  // namespace sim2sim

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// A simulator without physics as a kind: the pusher goes where it is told and shoves the tee ahead of it.
+#include "pusht_task/simulator_plugin.hpp"
+
+namespace {
+
+class ToyWorld : public pusht::Simulator {
+ public:
+  explicit ToyWorld(double reach) : reach_(reach) {}
+
+ private:
+  void doReset(const pusht::WorldState& state) override { state_ = state; }
+
+  void doStep(const pusht::Action& action) override {
+    state_.pusher_velocity = {action[0], action[1]};
+    state_.pusher_position += pusht::kControlStep * state_.pusher_velocity;
+    const Eigen::Vector2d way = state_.tee_position - state_.pusher_position;
+    if (way.norm() < reach_) {
+      state_.tee_position = state_.pusher_position + reach_ * way.normalized();
+    }
+  }
+
+  pusht::WorldState doState() const override { return state_; }
+
+  double reach_;  // [m]
+  pusht::WorldState state_;
+};
+
+pusht::SimulatorModel load(const pusht::ParameterSet& parameters) {
+  pusht::SimulatorModel model;
+  model.parameters = parameters;
+  model.make_world = [reach = parameters.get<double>("reach")] { return std::make_unique<ToyWorld>(reach); };
+  model.make_lanes = pusht::lanesOf(model.make_world);
+  return model;
+}
+
+const pusht::SimulatorKind& toyKind() {
+  static const pusht::SimulatorKind kind = {
+      "toy", "toy", "1", {{"reach", "m", "from pusher to tee", 0.08, 0.0, 0.2}}, {}, 1e-12, load};
+  return kind;
+}
+
+}  // namespace
+
+PUSHT_EXPORT_SIMULATOR_KIND(toy, toyKind);

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The rows of a page's tables."""
+
+from pathlib import Path
+from typing import Any, List, Optional, Sequence
+
+from pusht_task.json_file import Json, read_json
+from sim2sim_protocol.result_files import name_of, row_folder
+
+from sim2sim_report.again import REANCHORED
+from sim2sim_report.figures import COMPONENTS
+from sim2sim_report.results import ENGINE, KINDS, MODES, REFERENCE, Episode, Run
+from sim2sim_report.sentences import MEANS
+from sim2sim_report.words import (
+    DIVERGENCE_DIGITS,
+    RATE_DIGITS,
+    figure,
+    interval,
+    mark,
+    probability,
+    rate,
+    signed,
+    times,
+)
+
+SIGNIFICANT = 0.05  # after Holm
+CONTRASTED = {
+    "engine_success_rate": ("success rate", RATE_DIGITS),
+    "mean_pos_divergence_m": ("position divergence", DIVERGENCE_DIGITS),
+    "mean_ang_divergence_rad": ("angle divergence", DIVERGENCE_DIGITS),
+}
+
+
+def episode_row(episode: Episode) -> List[Any]:
+    reference, engine, replay = (episode.modes[mode] for mode in MODES)
+
+    def number(text: str) -> Optional[float]:
+        return round(float(text), DIVERGENCE_DIGITS) if text else None
+
+    return [
+        episode.index,
+        reference.get("seed", ""),
+        list(KINDS.values()).index(episode.kind),
+        episode.steps(REFERENCE),
+        episode.steps(ENGINE),
+        number(replay["mean_position_divergence_m"]),
+        number(replay["mean_angle_divergence_rad"]),
+        int(replay["parting_step"]) if replay["parting_step"] else None,
+        replay["parting_cause"].replace("_", " "),
+    ]
+
+
+def divergences(run: Run) -> List[Json]:
+    """The lines of the table that the commands print, as they print them."""
+    m = run.metrics
+
+    def line(head: str, quantities: Sequence[Any], **style: Any) -> Json:
+        return {"head": head, "cells": [figure(m, key, unit, **style) for key, unit in quantities]}
+
+    lines = [{"head": "mean", "cells": _means(m)}]
+    lines.append(line("median", [(f"{key}_median", unit) for key, unit in MEANS]))
+    less_null = [(f"{key}_minus_null", unit) for key, unit in MEANS]
+    lines.append(line("less null model", less_null, with_sign=True))
+    factors = [m[f"{key}_over_floor"] for key, _ in MEANS]
+    if factors[0] is not None:
+        cells = [times(factor) for factor in factors]
+        lines.append({"head": "over the floor (1e-6 m), roughly", "cells": cells})
+    absorbed = [(f"{ENGINE}_absorbed_{name}_divergence", unit) for name, unit in COMPONENTS]
+    lines.append(line("less in closed loop", absorbed, with_sign=True))
+    for probe in m["probes"]:
+        every = probe[len(REANCHORED) :] if probe.startswith(REANCHORED) else None
+        if every:
+            errors = [(f"{probe}_anchor_{name}_error", unit) for name, unit in COMPONENTS]
+            lines.append(line(f"made in {every} step{'' if every == '1' else 's'}", errors))
+    return lines
+
+
+def _means(metrics: Json) -> List[str]:
+    """The mean divergences, marked where they are not shown to be less than the null model's."""
+    return [figure(metrics, *mean) + mark(metrics[f"{mean[0]}_beats_null"]) for mean in MEANS]
+
+
+def parameters(run: Run) -> List[Json]:
+    rows = []
+    for role in ("reference", "engine"):
+        simulator = run.metrics["simulators"][role]
+        for name, value in simulator["parameters"].items():
+            rows.append(
+                {
+                    "simulator": simulator["title"],
+                    "name": name,
+                    "value": value,
+                    "unit": simulator["units"].get(name, ""),
+                    "changed": name in simulator["changed"],
+                }
+            )
+    return rows
+
+
+def sweep_row(folder: Path, number: int, row: Json) -> Json:
+    engine = row["simulators"]["engine"]
+    values = ", ".join(f"{name} {engine['parameters'][name]}" for name in engine["changed"])
+    statistics = read_json(row_folder(folder, number) / name_of("statistics"))
+    return {
+        "engine": engine["title"],
+        "changed": values or "as shipped",
+        "success": rate(row, "engine"),
+        "divergences": _means(row),
+        "answer": statistics["headline"]["answer"],
+    }
+
+
+def contrast_rows(content: Json) -> Json:
+    rows = []
+    for key, (name, digits) in CONTRASTED.items():
+        figure = content["figures"].get(key)
+        if figure is None:
+            continue
+        text = signed(figure["difference"], digits) + (
+            f" {figure['unit']}" if figure["unit"] else ""
+        )
+        rows.append(
+            {
+                "name": name,
+                "difference": text + interval(figure["interval"], digits),
+                "p": probability(figure["p"]),
+                "adjusted": probability(figure["adjusted_p"]),
+                "finding": _is_finding(figure),
+            }
+        )
+    return {"title": content["title"], "rows": rows}
+
+
+def _is_finding(figure: Json) -> bool:
+    return figure["adjusted_p"] is not None and figure["adjusted_p"] <= SIGNIFICANT

@@ -202,7 +202,7 @@ TEST_F(PanelTest, DrivesARunThroughEveryButton) {
   EXPECT_NE(progress_.failure, "") << "it was cancelled";
   ASSERT_TRUE(waitUntil([&] { return find<QLabel>("status")->isVisible(); }));
 
-  // As fast as possible, to the end.
+  // A run at full speed, to its end.
   episodes_ = 0;
   was_busy_ = false;
   chooseRate(0.0);

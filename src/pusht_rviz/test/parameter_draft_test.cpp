@@ -53,7 +53,7 @@ pusht_msgs::ParameterDescriptor presets() {
   return made;
 }
 
-/// Of an engine with two switches, which a word sets; it is simple now.
+/// Description of an engine with two switches, which a word sets; the node is simple.
 pusht_msgs::DescribeResponse rigidBody() {
   pusht_msgs::DescribeResponse made;
   made.parameter_descriptors = {presets(), descriptor("servo", "boolean", "true"),
@@ -62,7 +62,7 @@ pusht_msgs::DescribeResponse rigidBody() {
   return made;
 }
 
-/// Of an engine with two parameters, whose block_damp is 20 now.
+/// Description of an engine with two parameters; the node has a block_damp of 20.
 pusht_msgs::DescribeResponse twoMass() {
   pusht_msgs::DescribeResponse made;
   made.parameter_descriptors = {descriptor("pusher_mass", "real", "4.0", 0.1, 100.0), blockDamp()};

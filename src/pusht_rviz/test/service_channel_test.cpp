@@ -181,7 +181,7 @@ TEST(ServiceChannel, EndsThoughTheNodeHangs) {
   EXPECT_EQ(node.use_count(), 1) << "the thread has ended, too";
 }
 
-/// As a call to a master that hangs.
+/// A call that cannot be broken off, as one to a master that hangs.
 TEST(ServiceChannel, LeavesBehindWhatCannotBeBrokenOff) {
   struct Gate {
     std::mutex mutex;

@@ -101,7 +101,7 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
   nlohmann::json result = {{"episodes", protocol.episodes},
                            {"repetitions", repetitions},
                            {"software", sim2sim::buildAndMachine()},
-                           {"mujoco", setup.reference().kind.version},
+                           {"mujoco", loaded.reference().kind.version},
                            {"blas", policy->info().blas},
                            {"instruction_set", policy->info().instruction_set},
                            {"ratios",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// Options of a run, one line of a table for each. All that handles options walks through this table: the evaluator's
-/// parameters, goals and their reverse, the descriptions from which the panel builds its form, the command line and its
+/// parameters, goals and their reverse, the description from which the panel builds its form, the command line and its
 /// help, plans of sweeps, the description of a run with its hash, the key of kept references, and what two runs must
 /// agree in to be compared.
 #pragma once
@@ -42,7 +42,7 @@ enum class Written {
   kElsewhere,  ///< within another key: "probes" or "bound"
 };
 
-/// Range of a number, both ends included, as far as one option has it by itself.
+/// Range of a number, both ends included. A rule that it cannot say is in Protocol::validate().
 struct OptionRange {
   double least = 0.0;
   double greatest = std::numeric_limits<double>::infinity();
@@ -54,12 +54,12 @@ template <class Access>
 struct RunOption {
   const char* name;     ///< parameter, field of the goal and key of the plan; with dashes on the command line
   const char* unit;     ///< empty: none
-  const char* meaning;  ///< phrase for people
-  OptionRange range;    ///< allowed values of a number; Protocol::validate() checks integers
+  const char* meaning;  ///< a phrase for people
   Decides decides;
   Written written;
   bool in_plan;  ///< whether a sweep takes it
   Access of;
+  OptionRange range;  ///< of a number
 
   /// "[m] meaning", for --help.
   std::string help() const { return (*unit == '\0' ? "" : "[" + std::string(unit) + "] ") + meaning; }
@@ -73,44 +73,39 @@ struct RunOption {
 /// Calls function(option) for each option, in the order of --help.
 template <class Function>
 void forEachOption(const Function& function) {
-  constexpr double kMostEpisodes = 1e6;
-  constexpr double kLastFirstEpisode = 1e9;
-  const OptionRange any;  // from 0 on
-  const auto each = [&](const char* name, const char* unit, const char* meaning, const OptionRange& range,
-                        Decides decides, Written written, bool in_plan, auto access) {
-    function(RunOption<decltype(access)>{name, unit, meaning, range, decides, written, in_plan, access});
+  const auto each = [&](const char* name, const char* unit, const char* meaning, Decides decides, Written written,
+                        bool in_plan, auto access, OptionRange range = {}) {
+    function(RunOption<decltype(access)>{name, unit, meaning, decides, written, in_plan, access, range});
   };
+  constexpr double kLastFirstEpisode = 1e9;
+  constexpr double kMostEpisodes = 1e6;
   each(
-      "seed", "", "episode i starts from spawn seed 10000 + seed + i", any, Decides::kRest, Written::kAlways, true,
+      "seed", "", "episode i starts from spawn seed 10000 + seed + i", Decides::kRest, Written::kAlways, true,
       [](auto& o) -> auto& { return o.seed; });
-  each(
-      "first_episode", "", "index of the first episode", {0.0, kLastFirstEpisode}, Decides::kRest, Written::kAlways,
-      true, [](auto& o) -> auto& { return o.first_episode; });
-  each(
-      "episodes", "", "number of episodes; without it as many as --starts has, if these are fewer than the default",
-      {1.0, kMostEpisodes}, Decides::kRest, Written::kAlways, true, [](auto& o) -> auto& { return o.episodes; });
-  each(
-      "horizon", "control steps", "the longest that an episode lasts", {1.0, pusht::kHorizon}, Decides::kReference,
-      Written::kAlways, true, [](auto& o) -> auto& { return o.horizon; });
+  each("first_episode", "", "index of the first episode", Decides::kRest, Written::kAlways, true,
+       [](auto& o) -> auto& { return o.first_episode; }, {0.0, kLastFirstEpisode});
+  each("episodes", "", "number of episodes; without it as many as --starts has, if these are fewer than the default",
+       Decides::kRest, Written::kAlways, true, [](auto& o) -> auto& { return o.episodes; }, {1.0, kMostEpisodes});
+  each("horizon", "control steps", "the longest that an episode lasts", Decides::kReference, Written::kAlways, true,
+       [](auto& o) -> auto& { return o.horizon; }, {1.0, pusht::kHorizon});
   each(
       "floor", "",
-      "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to", any,
+      "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to",
       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.floor; });
   each(
       "reanchor", "",
-      "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: 1,5,20", any,
+      "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: 1,5,20",
       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.reanchor; });
   each(
-      "bound_position", "m", "beyond it a rollout has parted from the reference", any, Decides::kRest,
-      Written::kElsewhere, true, [](auto& o) -> auto& { return o.bound_position; });
+      "bound_position", "m", "beyond it a rollout has parted from the reference", Decides::kRest, Written::kElsewhere,
+      true, [](auto& o) -> auto& { return o.bound_position; });
   each(
-      "bound_angle", "rad", "the same for the yaw", any, Decides::kRest, Written::kElsewhere, true,
+      "bound_angle", "rad", "the same for the yaw", Decides::kRest, Written::kElsewhere, true,
       [](auto& o) -> auto& { return o.bound_angle; });
-  each(
-      "until_decided", "",
-      "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 to 1; "
-      "--episodes is then the most that it may take",
-      {0.0, 1.0}, Decides::kRest, Written::kIfChanged, false, [](auto& o) -> auto& { return o.until_decided; });
+  each("until_decided", "",
+       "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 to 1; "
+       "--episodes is then the most that it may take",
+       Decides::kRest, Written::kIfChanged, false, [](auto& o) -> auto& { return o.until_decided; }, {0.0, 1.0});
 }
 
 bool operator==(const RunOptions& a, const RunOptions& b);

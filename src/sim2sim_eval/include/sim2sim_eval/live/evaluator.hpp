@@ -34,7 +34,7 @@
 namespace sim2sim {
 
 /// Node that runs comparisons, one at a time. In its private namespace it offers the action `compare`, the service
-/// `control`, the latched topics `request` (values of fields that a goal leaves open), `options` (descriptions of all
+/// `control`, the latched topics `request` (values of fields that a goal leaves open), `options` (descriptions of the
 /// options of a run) and `progress`, and the topics of Broadcast.
 class Evaluator : private LiveObserver {
  public:

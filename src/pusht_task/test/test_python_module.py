@@ -414,7 +414,7 @@ class Steps(SessionCase):
 
 
 class Holds(SessionCase):
-    """Who may step and configure a world that was reset with a token."""
+    """Callers that may step and configure a world that was reset with a token."""
 
     def refused_without(self, pattern: str, token: str) -> None:
         """Every request but a reset."""

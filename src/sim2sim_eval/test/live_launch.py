@@ -256,7 +256,7 @@ class Displays(LiveCase):
 
 
 class Arguments(LiveCase):
-    """Nobody needs to edit the package."""
+    """A file outside the package is enough."""
 
     # The names of the nodes that the launch file starts, and what follows from other arguments.
     DERIVED = {
@@ -793,7 +793,7 @@ def in_poll(pid: int) -> bool:
 
 
 def runs(pid: int) -> bool:
-    """A process that has ended may wait for whoever asks for its exit code."""
+    """A process that has ended may wait for its parent to ask for its exit code."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
     except FileNotFoundError:

@@ -73,7 +73,7 @@ class LiveRespawn(GoalCase):
         self.assert_survived(2)
 
     def test_f13_node_that_dies_again_before_all_are_back(self) -> None:
-        """It gets its knobs once more, from whoever runs the comparison."""
+        """It gets its knobs once more, from the evaluator."""
         knobs = [Parameter("block_damp", "20.0")]
         self.log.forget(rospy.Time.now())
         self.send_and_hold(0, 10, episodes=EPISODES, engine_parameters=knobs)

@@ -308,7 +308,7 @@ class LiveSession(GoalCase):
         return str(with_stamp), run, str(answer.episodes), str(answer.curve), shown
 
     def frames_now(self, name: str) -> Tuple[float, float, float]:
-        """Of the tee, from TF."""
+        """Pose of the tee, from TF."""
         last = Inbox("/tf", TFMessage)
         wanted = f"{name}/tee"
 

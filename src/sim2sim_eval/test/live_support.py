@@ -60,7 +60,7 @@ class LiveCase(CommandCase):
         return result_bytes(out)
 
     def open_display(self, screen: str = "1366x768x24") -> str:
-        """A screen that nobody sees."""
+        """A virtual screen."""
         command = ("Xvfb", "-displayfd", "1", "-screen", "0", screen, "-nolisten", "tcp")
         _, number = Process(self, *command).line(r"^\d+$")
         return f":{number.strip()}"
@@ -101,7 +101,7 @@ def metrics_of(out: Path) -> Dict[str, Any]:
 
 
 def rows(out: Path) -> List[Dict[str, str]]:
-    """Of episodes.csv."""
+    """Rows of episodes.csv."""
     with (out / "episodes.csv").open() as file:
         return list(csv.DictReader(file))
 

@@ -123,7 +123,7 @@ class Replay(LiveCase):
         return steps
 
     def watch(self) -> Process:
-        """Somebody who looks; before, nothing is shown."""
+        """A subscriber; without one, nothing is shown."""
         topic = ("rostopic", "echo", "/sim2sim/divergence")
         return Process(self, *topic, environment=self.environment)
 
@@ -158,7 +158,7 @@ class Replay(LiveCase):
         self.assertEqual(shown.output.count(recorded[1, 2]), 1, "the others are not told again")
         self.control("{command: seek, episode: 0, step: 3}")
         expect((0, 3))
-        frames = ("rostopic", "echo", "-n1", "/tf")  # again, for whoever comes late
+        frames = ("rostopic", "echo", "-n1", "/tf")  # again, for late subscribers
         self.assertIn("child_frame_id", self.succeed(*frames, environment=self.environment))
         answer = self.control("{command: seek, episode: 2}")
         self.assertIn("episode 2: must be one that the bag holds: 0 to 1", answer)

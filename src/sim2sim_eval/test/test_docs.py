@@ -113,7 +113,7 @@ class Pasted(LiveCase):
         }
 
     def quick(self, command: str) -> str:
-        """The same with few episodes, where it says how many or may."""
+        """Command with few episodes, where it says how many or may."""
         if re.search(r"--episodes \d", command):
             return re.sub(r"--episodes \d+", f"--episodes {self.EPISODES}", command)
         if command.startswith(("rosrun sim2sim_eval compare", "rosrun sim2sim_eval sweep")):

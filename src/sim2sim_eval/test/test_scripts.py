@@ -136,7 +136,7 @@ class Count(ScriptCase):
         self.assert_output(self.count(*arguments), 1, line, "5 passed, 1 failed")
 
     def test_files_that_nothing_runs(self) -> None:
-        """As catkin leaves out all tests of a sort whose tool is missing."""
+        """Catkin leaves out all tests of a sort whose tool is missing."""
         self.write("build/CTestTestfile.cmake", "")
         for results, *files in (
             ("gtest-toy_test.xml", "toy_test.cpp"),

@@ -280,7 +280,7 @@ class Rows(SweepCase):
                 self.assertFalse(box.overlaps(other), (box, other))
 
     def test_plot_names_engines_settings_and_units(self) -> None:
-        """Of matplotlib's SVG: it has every text as a comment."""
+        """Texts of matplotlib's SVG, which has each as a comment."""
         cases = {
             "grid: {block_damp: [6, 20], pusher_mass: [4, 2]}": [
                 "block_damp [1/s]",

@@ -36,7 +36,7 @@ fi
 exec {rosrun} "$@"
 """
 
-# The same: shard 1 fails so many times.
+# Command that fails shard 1 so many times.
 FAIL_SHARD = """#!/bin/sh
 case "$*" in
   *"--shard 1/"*)

@@ -48,7 +48,7 @@ void expectNear(const std::optional<Interval>& interval, double low, double high
 
 std::mt19937_64 seeded(std::uint64_t seed) { return std::mt19937_64(seed); }
 
-/// Of 4000 intervals of nominally 95 %, how many hold the truth, within four standard errors.
+/// Share of 4000 intervals of nominally 95 % that hold the truth, within four standard errors.
 template <class MakesInterval>
 void expectCoverage(double truth, const MakesInterval& make) {
   std::mt19937_64 random = seeded(1);

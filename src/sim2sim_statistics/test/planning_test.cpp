@@ -44,7 +44,7 @@ TEST(Planning, MatchesTheStudyOfDivergences) {
   }
 }
 
-/// The same study, of success: between engine settings 27 % of pairs are discordant, against the reference 55 %.
+/// Study of success: between engine settings 27 % of pairs are discordant, against the reference 55 %.
 TEST(Planning, MatchesTheStudyOfSuccess) {
   constexpr double kRounding = 0.0005;
   EXPECT_NEAR(*smallestRateDifference(0.27, 50), 0.194, kRounding);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Of each kind of pair.
+/// Probability of each kind of pair.
 struct Probabilities {
   double both;
   double first_only;

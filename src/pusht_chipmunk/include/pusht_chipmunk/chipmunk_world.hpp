@@ -10,7 +10,7 @@
 
 namespace pusht {
 
-/// Of the library, e.g. "7.0.3".
+/// Version of the library, e.g. "7.0.3".
 std::string chipmunkVersion();
 
 /// What Chipmunk can be told of its solver. The task's masses, forces and frictions are those of pusht_task.

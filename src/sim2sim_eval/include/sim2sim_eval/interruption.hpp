@@ -6,10 +6,10 @@
 
 namespace sim2sim {
 
-/// Catches SIGINT, SIGTERM and SIGHUP from now on. The first one asks for an end in order: interrupted() holds. A second
-/// one (half a second later, or more), or 10 s without such an end, ends the process at once, with a line of `name` and
-/// exit code 4, because code that is not ours may never return. Work under way is then lost; files are complete or
-/// absent all the same.
+/// Catches SIGINT, SIGTERM and SIGHUP from now on. The first one asks for an end in order: interrupted() holds. A
+/// second one (half a second later, or more), or 10 s without such an end, ends the process at once, with a line of
+/// `name` and exit code 4, because code that is not ours may never return. Work under way is then lost; files are
+/// complete or absent all the same.
 void catchInterrupts(const std::string& name);
 
 /// Catches them in a thread of its own, so that they never break off a call of this thread or of threads that it starts

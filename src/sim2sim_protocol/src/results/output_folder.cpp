@@ -62,6 +62,7 @@ std::vector<Pattern> patternsOf(const ResultFile& file) {
   return patterns;
 }
 
+/// Patterns of all files. Those of files in the folder itself come first, because messages name what is found first.
 const std::vector<Pattern>& resultPatterns() {
   static const std::vector<Pattern> all = [] {
     std::vector<Pattern> patterns;
@@ -70,6 +71,8 @@ const std::vector<Pattern>& resultPatterns() {
         patterns.push_back(std::move(pattern));
       }
     }
+    std::stable_sort(patterns.begin(), patterns.end(),
+                     [](const Pattern& a, const Pattern& b) { return a.parts.size() < b.parts.size(); });
     return patterns;
   }();
   return all;

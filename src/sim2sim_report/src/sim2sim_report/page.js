@@ -16,7 +16,7 @@ const FIELDS = 7; // pusher x, y; tee x, y, yaw; action x, y
 // On the dark table the colors are those of rviz, in every theme.
 const dark = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--dark-${name}`).trim();
 const ON_TABLE = {
-  table: dark("table"), walls: dark("walls"), pusher: dark("ink"), target: dark("ink"), arrow: dark("ink"), dim: dark("dim"),
+  table: dark("table"), walls: dark("walls"), pusher: dark("ink"), target: dark("ink"), arrow: dark("arrow"), dim: dark("dim"),
   reference_closed: dark("reference"), engine_closed: dark("engine"), engine_replay: dark("replay"),
 };
 const geometry = JSON.parse(document.getElementById("geometry").textContent);

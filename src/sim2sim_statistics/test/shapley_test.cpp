@@ -294,7 +294,8 @@ TEST(PartInterval, CoversTheTruth) {
   EXPECT_NEAR(static_cast<double>(covered) / kRepetitions, 0.94, 4.0 * std::sqrt(0.94 * 0.06 / kRepetitions));
 }
 
-/// Share of players that remove something only together, in closed form: 1 / (t - 1) for each two of the t that are needed.
+/// Share of players that remove something only together, in closed form: 1 / (t - 1) for each two of the t that are
+/// needed.
 TEST(Interactions, OfPlayersThatNeedEachOther) {
   for (const int needed : {2, 3, 4}) {
     const Coalition team = (Coalition{1} << needed) - 1;

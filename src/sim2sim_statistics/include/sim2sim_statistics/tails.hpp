@@ -30,8 +30,8 @@ constexpr int kFewestOfTail = 20;
 /// the sum is 0. Samples must be finite and at least 0.
 double shareOfLargest(std::vector<double> samples);
 
-/// True where few samples carry the mean: the largest 5 % make more than 30 % of the sum, or the sum is below eight times
-/// `extreme`, so that one unseen sample could change it much. Samples may have any sign; their sizes count.
+/// True where few samples carry the mean: the largest 5 % make more than 30 % of the sum, or the sum is below eight
+/// times `extreme`, so that one unseen sample could change it much. Samples may have any sign; their sizes count.
 bool isCarriedByFew(std::vector<double> samples, double extreme);
 
 /// Interval of the mean of a quantity that is never negative, with `extreme` >= 0 in its unit; a larger sample takes

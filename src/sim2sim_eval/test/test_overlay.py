@@ -44,18 +44,10 @@ class Overlay(CommandCase):
             "cmake_minimum_required(VERSION 3.18)\nproject(pusht_planned)\n"
             "find_package(catkin REQUIRED COMPONENTS pusht_task)\ncatkin_package()\n"
         )
-        python = "-DPYTHON_EXECUTABLE=/usr/bin/python3"
+        python = [f"-D{name}_EXECUTABLE=/usr/bin/python3" for name in ("PYTHON", "Python3")]
+        command = ["catkin_make", "--directory", str(cls.workspace), "-DCATKIN_ENABLE_TESTING=OFF"]
         build = subprocess.run(
-            [
-                "catkin_make",
-                "--directory",
-                str(cls.workspace),
-                python,
-                "-DCATKIN_ENABLE_TESTING=OFF",
-            ],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
+            [*command, *python], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
         assert build.returncode == 0, build.stdout
 
@@ -79,7 +71,7 @@ class Overlay(CommandCase):
         self.succeed("--engine", "toy", "--set", "reach=0.1", "--out", "batch")
         metrics = self.load("batch", "metrics.json")
         self.assertEqual(metrics["engine_simulator"], "toy")
-        self.assertEqual(metrics["engine_parameters"], {"reach": 0.1})
+        self.assertEqual(metrics["simulators"]["engine"]["parameters"], {"reach": 0.1})
         code = self.load("batch", "provenance.json")["code"]
         self.assertEqual(
             code["libpusht_toy.so"], hashlib.sha256(self.library.read_bytes()).hexdigest()

@@ -11,7 +11,7 @@ namespace pusht {
 MujocoModel compileShippedScene();
 
 /// Throws InvalidInput with the first field of `model` that differs from the shipped scene's, bit for bit: name, value,
-/// rule. Only how a scene looks is free: what does not collide, lights, cameras, colours.
+/// rule. Only how a scene looks is free: what does not collide, lights, cameras, colors.
 void checkScene(const mjModel& model);
 
 }  // namespace pusht

@@ -31,7 +31,7 @@ constexpr double kReach = 0.33;            // |x|, |y| of the pusher; beyond it 
 constexpr double kApproachSpeedMax = 0.9;
 constexpr double kApproachSpeedMin = 0.05;
 constexpr double kApproachGain = 5.0;         // [1/s]
-constexpr double kClearance = 0.11;           // from the tee's centre of mass, on the way to the staging point
+constexpr double kClearance = 0.11;           // from the tee's center of mass, on the way to the staging point
 constexpr double kDetourBeyond = 0.115;       // farther than this the pusher takes the tangent, nearer it slides
 constexpr double kTangentMargin = 1.15;       // of the tangent's angle
 constexpr double kOutwardBias = 0.6;          // of the sliding heading
@@ -78,7 +78,7 @@ struct View {
   }
 };
 
-/// A push: the pusher's centre starts at `contact` and moves along `direction`.
+/// A push: the pusher's center starts at `contact` and moves along `direction`.
 struct Push {
   Vector2d contact;
   Vector2d direction;
@@ -89,7 +89,7 @@ struct Push {
   double distanceBehind(const Vector2d& pusher) const { return (contact - pusher).dot(direction); }
 };
 
-/// Push the centre of mass to its goal, a little beside it so that the tee turns on its way.
+/// Push the center of mass to its goal, a little beside it so that the tee turns on its way.
 Push planTranslation(const View& view) {
   const Vector2d goal(0.0, -kCenterOfMassOffset);
   const Vector2d direction = (goal - view.center_of_mass).normalized();

@@ -20,7 +20,7 @@
 namespace sim2sim {
 namespace {
 
-const std::vector<int> kSizes = {10, 20, 50, 200, 1000};
+const std::vector<int> kTailSizes = {10, 20, 50, 200, 1000};
 
 /// What diverges from MuJoCo in open loop, in the order of the data's columns: positions, then angles. `kNearest` is
 /// the faithful engine with the switch `narrow_phase` off, which differs as little as variants of a simulator do.
@@ -118,15 +118,15 @@ std::string medianInterval(const Line& line, int n) {
 
 void print(Simulation& simulation, const std::string& title, const std::vector<Line>& lines) {
   printHead("Share of repetitions in which the interval holds " + title + " [%], nominal 95",
-            withSizes(kSizes, {"interval", "population"}));
+            withSizes(kTailSizes, {"interval", "population"}));
   for (const Line& line : lines) {
-    printCoverage(simulation, kSizes, line.method, line.of, line.truth,
+    printCoverage(simulation, kTailSizes, line.method, line.of, line.truth,
                   [&](int n, Random& random) { return line.interval(drawn(n, random)); });
   }
   printHead("Median interval of " + title + ", in multiples of the truth",
-            withSizes(kSizes, {"interval", "population"}));
+            withSizes(kTailSizes, {"interval", "population"}));
   for (const Line& line : lines) {
-    printSizes(kSizes, line.method, line.of, [&](int n) { return medianInterval(line, n); });
+    printSizes(kTailSizes, line.method, line.of, [&](int n) { return medianInterval(line, n); });
   }
 }
 

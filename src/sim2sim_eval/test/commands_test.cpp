@@ -23,6 +23,7 @@
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/output_folder.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {

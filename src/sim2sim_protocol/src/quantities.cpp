@@ -15,7 +15,7 @@ constexpr Divergence kNoDivergence{kNone, kNone};
 
 const std::vector<pusht::WorldState>& statesOf(const RolloutView& view) { return view.rollout.trace().states; }
 
-/// Steps that both have, the start included.
+/// Steps that both have, the initial state included.
 std::size_t commonSteps(const RolloutView& view) {
   return std::min(statesOf(view).size(), view.reference.states.size());
 }

@@ -6,9 +6,9 @@
 #include <boost/random/mersenne_twister.hpp>
 #include <boost/random/uniform_int_distribution.hpp>
 #include <cstddef>
-#include <numeric>
 #include <vector>
 
+#include "sim2sim_statistics/common.hpp"
 #include "sim2sim_statistics/cooperative_game.hpp"
 
 namespace sim2sim {
@@ -24,8 +24,6 @@ inline Coalition only(int player) { return Coalition{1} << player; }
 inline bool isOn(Coalition on, int player) { return (on & only(player)) != 0; }
 
 inline std::size_t sizeOf(Coalition on) { return std::bitset<kMostSampledPlayers>(on).count(); }
-
-inline double sumOf(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 /// Throws std::domain_error unless there are from 1 to `most` players.
 void requirePlayers(int players, int most);

@@ -44,8 +44,6 @@ std::vector<double> sizesOf(std::vector<double> samples) {
   return samples;
 }
 
-double sumOf(const std::vector<double>& samples) { return std::accumulate(samples.begin(), samples.end(), 0.0); }
-
 /// The mean of at least one sample; rounding does not lead it out of [least, most].
 double meanWithin(const std::vector<double>& samples, double least, double most) {
   return std::clamp(sumOf(samples) / static_cast<double>(samples.size()), least, most);

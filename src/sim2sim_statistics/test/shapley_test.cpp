@@ -17,6 +17,8 @@
 #include <string>
 #include <vector>
 
+#include "sim2sim_statistics/common.hpp"
+
 namespace sim2sim {
 namespace {
 
@@ -95,8 +97,6 @@ std::vector<double> valuesOf(const std::vector<Share>& shares) {
   std::transform(shares.begin(), shares.end(), values.begin(), [](const Share& share) { return share.value; });
   return values;
 }
-
-double sumOf(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 void expectValues(const std::vector<double>& values, const std::vector<double>& expected, double tolerance = 1e-14) {
   ASSERT_EQ(values.size(), expected.size());

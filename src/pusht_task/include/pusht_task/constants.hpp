@@ -35,15 +35,15 @@ constexpr double kSpawnRadiusMax = 0.24;        ///< [m]
 constexpr double kSpawnPusherBound = 0.32;      ///< [m] per axis
 constexpr double kSpawnPusherClearance = 0.13;  ///< [m] from the tee origin
 
-// Bodies. The tee is a bar, centred on the tee origin, and a stem below it (body frame: stem along -y).
+// Bodies. The tee is a bar, centered on the tee origin, and a stem below it (body frame: stem along -y).
 constexpr double kPusherRadius = 0.015;    ///< [m]
 constexpr double kBarHalfLength = 0.06;    ///< [m] along body x
 constexpr double kStemHalfLength = 0.045;  ///< [m] along body y
 constexpr double kTeeHalfWidth = 0.015;    ///< [m] the other half-size of bar and stem, and their half-height
-constexpr double kStemOffset = 0.06;       ///< [m] from the bar's centre to the stem's, along body -y
+constexpr double kStemOffset = 0.06;       ///< [m] from the bar's center to the stem's, along body -y
 constexpr double kBarMass = 0.06;          ///< [kg]
 constexpr double kStemMass = 0.045;        ///< [kg]
-/// [m] from the tee origin to its centre of mass, along body -y.
+/// [m] from the tee origin to its center of mass, along body -y.
 constexpr double kCenterOfMassOffset = kStemOffset * kStemMass / (kBarMass + kStemMass);
 
 constexpr double kWallInnerFace = 0.39;  ///< [m] |x| or |y| of the walls' inner faces

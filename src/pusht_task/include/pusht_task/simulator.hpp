@@ -15,8 +15,9 @@ namespace pusht {
 WorldState checkedStart(const WorldState& state);
 /// `action` clipped as the task says. Throws InvalidInput if it is not finite.
 Action checkedAction(const Action& action);
-/// Fault of a world that is in `state` after a reset to `start`: another pose, or motion where there was none, both
-/// beyond `tolerance` [m, rad, m/s, rad/s]; a yaw that is not wrapped. Empty if there is none.
+/// Text of the fault of a world that is in `state` after a reset to `start`; empty if there is none. Faults: a pose off
+/// by more than `tolerance` [m, rad], a speed above `tolerance` [m/s, rad/s] if `start` is at rest, a number that is
+/// not finite, a yaw that is not wrapped.
 std::string faultOfStart(const WorldState& start, const WorldState& state, double tolerance = kStartTolerance);
 /// Throws SimulationFault with the result of faultOfStart(), if it is not empty.
 void requireStart(const WorldState& start, const WorldState& state, double tolerance);
@@ -27,7 +28,8 @@ double checkedStartTolerance(double tolerance);
 void requirePlausibleStep(const WorldState& state);
 
 /// World of PushT. This class checks and clips actions and checks states, once for all simulators; a simulator
-/// implements the physics in the three `do` functions. After an exception a world must be reset. Not thread-safe.
+/// implements the physics in the three `do` functions. InvalidInput leaves a world as it was; after any other exception
+/// it must be reset. Not thread-safe.
 class Simulator {
  public:
   /// `name` is put in front of messages of faults. `start_tolerance`: see startTolerance(). Throws InvalidInput as

@@ -30,8 +30,8 @@ struct SimulatorKind {
   std::string title;  ///< for people: "two-mass engine"
   std::string version;
   std::vector<ParameterDescriptor> parameters;
-  /// Shared libraries, as "libchipmunk.so", whose code decides what the worlds do, besides libm, pusht_task's and the
-  /// kind's own, which SimulatorKinds adds.
+  /// Shared libraries whose code decides what the worlds do, such as "libchipmunk.so". libm and pusht_task's are taken
+  /// for granted. SimulatorKinds adds the kind's own.
   std::vector<std::string> libraries;
   /// Maximum deviation of the state after a reset from the requested state [m, rad, m/s, rad/s]; its worlds'
   /// Simulator::startTolerance().
@@ -43,7 +43,8 @@ struct SimulatorKind {
   ParameterSet defaults() const { return ParameterSet(parameters); }
 };
 
-/// Maker of lanes from single worlds, which step one after the other.
+/// Value of SimulatorModel::make_lanes for a kind that has no batch of its own: single worlds that step one after the
+/// other.
 std::function<std::unique_ptr<BatchSimulator>(int lanes)> lanesOf(
     const std::function<std::unique_ptr<Simulator>()>& make_world);
 

@@ -116,7 +116,7 @@ class Sweeper {
     for (std::size_t index = 0; index < plan_.rows.size(); ++index) {
       try {
         finishRow(index, references);
-      } catch (const pusht::SimulationFault& fault) {  // other knobs may do better
+      } catch (const pusht::SimulationFault& fault) {  // other parameters may do better
         first_failure = ++failures == 1 ? fault.what() : first_failure;
       }
     }

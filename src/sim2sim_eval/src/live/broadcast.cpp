@@ -61,6 +61,7 @@ void Broadcast::begin(const RunConfiguration& configuration, Picture picture, st
   update_ = {};
   episodes_.clear();
   curve_.clear();
+  curve_is_whole_ = false;
   state_ = RunState::kRuns;
   caption_ = "policy " + configuration_.policy + ", no step yet";
   markers_.publish(scene_);

@@ -48,7 +48,7 @@ class Episode {
   /// Trace of a probe, by its index in Protocol::probes(). Empty until it has been run.
   const std::optional<pusht::Trace>& probe(std::size_t probe) const { return probes_.at(probe); }
 
-  /// Control steps of the longest mode.
+  /// Largest number of control steps that a mode has taken so far.
   int steps() const;
 
   /// Whether a mode takes further steps. A closed loop ends at success or at the horizon, the replay with the

@@ -39,13 +39,13 @@ constexpr double kSlidingSpeed = 0.05;
 /// start and the end of the step.
 enum class Cause : std::size_t {
   kWall,            ///< pusher or tee touches a wall, at the start or the end
-  kContactBegins,   ///< the pusher touches a box at the end that it did not touch at the start
+  kContactBegins,   ///< the pusher touches the tee at the end, but neither box at both the start and the end
   kContactEnds,     ///< the pusher touches the tee at the start, and no more at the end
-  kCorner,          ///< the pusher sits in the corner of bar and stem throughout; it can hardly slide there
-  kStickingOnBar,   ///< the pusher touches the bar throughout
-  kSlidingOnBar,    ///< the pusher touches the bar throughout, and slides faster than kSlidingSpeed
-  kStickingOnStem,  ///< the pusher touches the stem throughout
-  kSlidingOnStem,   ///< the pusher touches the stem throughout, and slides faster than kSlidingSpeed
+  kCorner,          ///< the pusher touches bar and stem at the start and the end; it can hardly slide in that corner
+  kStickingOnBar,   ///< the pusher touches the bar at the start and the end, and slides at most at kSlidingSpeed
+  kSlidingOnBar,    ///< the pusher touches the bar at the start and the end, and slides faster
+  kStickingOnStem,  ///< the pusher touches the stem at the start and the end, and slides at most at kSlidingSpeed
+  kSlidingOnStem,   ///< the pusher touches the stem at the start and the end, and slides faster
   kTeeAlone,        ///< the tee moves noticeably though the pusher touches it at neither end
   kFree,            ///< none of these: the pusher is on its way, or rests
 };
@@ -89,7 +89,7 @@ enum class FirstBody : std::size_t {
 /// Names of FirstBody, in its order, for files and people.
 inline constexpr std::array kFirstBodyNames = {"pusher", "tee", "both"};
 
-/// Name of the body that was the first to be elsewhere.
+/// Name of the body that differs first.
 constexpr const char* nameOf(FirstBody first) { return kFirstBodyNames[static_cast<std::size_t>(first)]; }
 
 /// Step and cause at which a rollout leaves the bound around the reference.
@@ -122,7 +122,7 @@ std::optional<FirstDivergence> firstDivergenceOf(const pusht::Trace& reference, 
 /// NaN if there is no step, or if the initial difference is 0 or beyond the bound. A difference that vanishes bit for
 /// bit has no logarithm: only the steps before count, and if there are none the rate is NaN.
 /// The initial offset must be well above the simulator's own resolution. MuJoCo finds contacts to 1e-6 m
-/// (mpr_tolerance), so the first touch makes 1e-6 m of 1e-9 m, and that is no growth of the dynamics. From offsets of
+/// (mpr_tolerance), so the first touch turns 1e-9 m into 1e-6 m, which is no growth of the dynamics. From offsets of
 /// 1e-6 m and of 1e-4 m the mean rates are alike, 0.032 and 0.035 per step; from 1e-9 m it is 0.098 (400 episodes of
 /// the shipped policy).
 /// Throws InvalidInput as Bound::validate().

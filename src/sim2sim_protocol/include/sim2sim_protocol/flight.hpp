@@ -41,12 +41,12 @@ class Flight {
   bool full() const;
   bool empty() const;
 
-  /// Begins an episode: resets its worlds to the initial state. The flight must not be full. The reference returned is
-  /// valid until the episode lands. Throws the error of a world, with episode, mode and step before its message.
+  /// Begins an episode: resets its worlds to the initial state. The flight must not be full. Returns the episode, which
+  /// is valid until it lands. Throws the error of a world, with episode, mode and step before its message.
   const Episode& begin(int index, CachedTraces cached = {});
 
-  /// Advances every unfinished rollout by one control step. Throws as begin(), and BadDependency for an action that is
-  /// not finite.
+  /// Advances every unfinished rollout by one control step. Throws as begin(), BadDependency for an action that is not
+  /// finite, and what the policy throws.
   void advance();
 
   /// Takes out the finished episodes, after running their probes in the worlds that they leave. Calls `watch` before

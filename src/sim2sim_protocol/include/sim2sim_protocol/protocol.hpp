@@ -79,8 +79,8 @@ void forEachQuantity(const Protocol& protocol, const Function& function) {
   }
 }
 
-/// Shortens `protocol` to the course's smoke run: 2 episodes of 40 control steps. Throws InvalidInput if `protocol` has
-/// other values than the defaults for the two: the course's configuration hash would have them, and nothing else.
+/// Shortens `protocol` to the course's smoke run: 2 episodes of 40 control steps. Throws InvalidInput if `episodes` or
+/// `horizon` is not the default, because a smoke run would not use it.
 Protocol smokeRun(Protocol protocol);
 
 }  // namespace sim2sim

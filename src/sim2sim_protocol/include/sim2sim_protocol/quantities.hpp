@@ -20,7 +20,7 @@ struct RolloutView {
   const pusht::Rollout& rollout;
   const pusht::Trace& reference;         ///< trace of the reference in closed loop
   int reset_every = 0;                   ///< [control steps] between resets to the reference's state; 0: none
-  const pusht::Trace* replay = nullptr;  ///< trace of the engine in open loop; null but for its closed loop
+  const pusht::Trace* replay = nullptr;  ///< trace of the engine in open loop; null for a probe
 };
 
 // Quantities as functions. NaN if a rollout has none. Lengths are in the table frame.
@@ -33,9 +33,10 @@ double finalAngleError(const RolloutView& view);
 double meanPositionDivergence(const RolloutView& view);
 /// [rad] Difference from the reference's yaw, mean over the steps that both have; in [0, pi].
 double meanAngleDivergence(const RolloutView& view);
-/// [m] Mean distance over the first kEarlySteps. NaN for a shorter rollout, so that all episodes have the same steps.
+/// [m] Distance from the reference's tee, mean over the initial state and the first kEarlySteps. NaN if this rollout or
+/// the reference is shorter, so that all episodes have the same steps.
 double earlyPositionDivergence(const RolloutView& view);
-/// [rad] Mean difference of the yaws over the first kEarlySteps; likewise.
+/// [rad] Difference from the reference's yaw, over the steps of earlyPositionDivergence(); in [0, pi].
 double earlyAngleDivergence(const RolloutView& view);
 /// [m] Mean divergence of the null model over the steps that both have: a tee that stays where it started, or where it
 /// was last reset to the reference's state.
@@ -52,7 +53,8 @@ double anchorAngleError(const RolloutView& view);
 double absorbedPositionDivergence(const RolloutView& view);
 /// [rad] Divergence of the yaw that the feedback removes, likewise.
 double absorbedAngleDivergence(const RolloutView& view);
-/// [1/control step] Growth rate of a small difference in the reference: growthRate() of a floor.
+/// [1/control step] Growth rate of a small difference in the reference: growthRate() of a floor, with the default
+/// bound.
 double growthRateOf(const RolloutView& view);
 
 /// [control steps] Horizon that nearly all episodes have in common: 2 s.
@@ -74,7 +76,7 @@ struct Quantity {
   Scope scope;        ///< rollouts that have it
   double least;       ///< smallest possible value
   double limit;       ///< largest possible value
-  const char* label;  ///< name of its line in the table; null: no line
+  const char* label;  ///< name of its line in the printed table; null: no line
   double (*compute)(const RolloutView& view);
   const char* course_key;  ///< course's key in metrics.json of the mean over the replays; null: none
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// Options of a run, one line of a table for each. All that handles options walks through this table: the evaluator's
 /// parameters, goals and their reverse, the description from which the panel builds its form, the command line and its
-/// help, plans of sweeps, the description of a run with its hash, the key of kept references, and what two runs must
-/// agree in to be compared.
+/// help, plans of sweeps, the description of a run with its hash, the key of the reference cache, and what two runs
+/// must agree in to be compared.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 namespace sim2sim {
 
 /// Values of the options, which are what a run is asked for besides policy, simulators and a file of initial states.
-/// The defaults are the course's.
+/// The defaults are those of the course ("Course" in docs/glossary.md).
 struct RunOptions {
   std::uint64_t seed = 0;
   int first_episode = 0;
@@ -31,7 +31,7 @@ struct RunOptions {
 
 /// Whether an option decides what the reference does from a given initial state.
 enum class Decides {
-  kReference,  ///< it does: it is part of the key of kept references
+  kReference,  ///< it does: it is part of the key of the reference cache
   kRest,       ///< it does not: it decides which episodes are run, when the run ends, or what is measured
 };
 

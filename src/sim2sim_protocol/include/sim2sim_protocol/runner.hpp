@@ -18,9 +18,9 @@ class ReferenceCache;
 /// Episodes in flight at once in each thread: enough for the engine's lanes and the policy's batches.
 constexpr int kEpisodesInFlight = 8;
 
-/// Episodes for each thread that are in flight, or finished and waiting for one before them. A thread that would run
-/// farther ahead waits, so memory does not grow with the number of episodes: an episode is about 0.2 MB. Episodes that
-/// end early overtake one that takes the whole horizon, mostly by fewer than this.
+/// Maximum number of episodes, for each thread, that are in flight or wait to be delivered after an earlier one. A
+/// thread that would run farther ahead waits, so memory does not grow with the number of episodes: an episode is about
+/// 0.2 MB. Waiting is rare: episodes that end early overtake a long one by fewer than this, mostly.
 constexpr int kEpisodesHeld = 8 * kEpisodesInFlight;
 
 /// Factories for each thread's own worlds and policy. Both are called in the thread that uses the result.

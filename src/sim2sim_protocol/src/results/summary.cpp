@@ -11,15 +11,15 @@ namespace {
 
 constexpr double kNoRatio = std::numeric_limits<double>::quiet_NaN();
 
-/// The place of the floor with the largest shift of the start, if the protocol has one.
+/// Index of the floor with the largest shift of the initial state, if the protocol has one.
 std::optional<std::size_t> widestFloor(const Protocol& protocol) {
   const std::vector<std::string> names = protocol.rolloutNames();
   const auto floor = std::find(names.begin(), names.end(), floorProbes().back().name);
   return floor == names.end() ? std::nullopt : std::optional(static_cast<std::size_t>(floor - names.begin()));
 }
 
-/// Episodes in which the reference does exactly the same from a start that is moved least: it cannot tell the two
-/// apart.
+/// Episodes in which the reference does exactly the same from the initial state that is moved least: it cannot tell the
+/// two apart.
 int unmovedFloors(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
   const std::vector<std::string> names = protocol.rolloutNames();
   const auto floor = std::find(names.begin(), names.end(), floorProbes().front().name);

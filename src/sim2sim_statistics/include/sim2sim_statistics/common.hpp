@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Shared parts of the statistics: refusal of bad input, and the search for an end of an interval.
+/// Shared parts of the statistics: refusal of bad input, sums, and the search for an end of an interval.
 #pragma once
 
 #include <algorithm>
@@ -7,9 +7,11 @@
 #include <boost/math/tools/roots.hpp>
 #include <charconv>
 #include <cstddef>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace sim2sim {
 
@@ -33,6 +35,8 @@ template <class Number>
   };
   throw std::domain_error(name + " " + text() + ": must be " + rule);
 }
+
+inline double sumOf(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 /// Last point at which `holds` is true on the way from `inside`, where it is, to `outside`; `outside` itself if it is
 /// true there too. It must change once in between. The result has `bits` correct bits. Source: bisection.

@@ -21,7 +21,7 @@ constexpr int kFewestEpisodes = 10;
 /// runs, from 200 on in 94.4 to 95.9 %.
 constexpr int kFewestPairs = 20;
 
-/// Values that differ by at most this are equal, in the unit of the samples (metres or radians here). Rounding alone
+/// Values that differ by at most this are equal, in the unit of the samples (meters or radians here). Rounding alone
 /// leaves angles of up to 7.5e-15 rad where nothing moved.
 constexpr double kSame = 1e-9;
 

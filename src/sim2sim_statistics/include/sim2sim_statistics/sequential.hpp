@@ -3,7 +3,8 @@
 /// runs are decided wrongly, however often one looks and whenever one stops. Each test bets against a hypothesis, at
 /// odds that are fair if it holds, from a wealth of 1. It rejects the hypothesis when the wealth (the e-value) reaches
 /// 20, or 40 if there are two sides. Functions give the natural logarithm of the wealth. Source: J. Ville, "Étude
-/// critique de la notion de collectif" (1939), for the inequality.
+/// critique de la notion de collectif" (1939), for the inequality. Functions throw std::domain_error, with value and
+/// rule, for input out of range.
 #pragma once
 
 #include <array>
@@ -106,7 +107,8 @@ enum class Sign { kUndecided, kNegative, kPositive };
 class DifferenceSequence {
  public:
   static constexpr int kBurnIn = 50;  ///< [pairs] before there is an interval: the central limit takes its time
-  /// [pairs] at which the interval is tightest. Elsewhere it holds as well, but is wider: a plan, not a bound.
+  /// [pairs] Planned number, at which the interval is closest to that of a test with a fixed number of pairs. With
+  /// fewer or more pairs it holds as well, but wastes more.
   static constexpr int kTightestAt = 500;
 
   /// Adds a finite difference.

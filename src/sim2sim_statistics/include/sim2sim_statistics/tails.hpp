@@ -10,10 +10,11 @@
 /// for the Mean of a Bounded Random Variable" (2019). For samples that are all 0 or `extreme` it is the interval of
 /// C. J. Clopper and E. S. Pearson, "The Use of Confidence or Fiducial Limits" (Biometrika, 1934).
 ///
-/// Where no sample can exceed `extreme`, no case is known in which less than 95 % of intervals hold the mean; a proof
-/// is missing. Below that bound, the mean size of the large samples that a run has not seen must not exceed it. For
-/// divergences the mean of the null model serves, which is how far a tee that never moves is off: docs/statistics.md
-/// has the measured coverage.
+/// If no sample can exceed `extreme`, no case is known in which less than 95 % of intervals hold the mean; a proof is
+/// missing. A smaller `extreme` gives shorter intervals. They hold as long as the large samples that a run has not seen
+/// are, in the mean, no larger than `extreme`. For divergences `extreme` is the mean of the null model, which is how
+/// far a tee that never moves is off: docs/statistics.md has the measured coverage. Functions throw std::domain_error,
+/// with value and rule, for input out of range.
 #pragma once
 
 #include <optional>
@@ -23,7 +24,7 @@
 
 namespace sim2sim {
 
-/// Below it there is none of these intervals: at 10 samples they hold the mean of ordinary angles in 93 % only.
+/// Fewest samples for one of these intervals. With 10 samples they hold the mean of ordinary angles in only 93 %.
 constexpr int kFewestOfTail = 20;
 
 /// Share, from 0 to 1, of the sum of the samples that the largest 5 % of them make, rounded up to whole samples. NaN if

@@ -56,7 +56,8 @@ class Watchdog {
   std::thread thread_;
 };
 
-/// Node that serves a simulator or a policy, seen by a caller.
+/// Node that serves a simulator or a policy, seen by a caller. Not thread-safe: peers that share a watchdog belong to
+/// one thread.
 class Peer {
  public:
   /// `services` is the namespace of its services, e.g. "/engine". The watchdog must outlive the peer.
@@ -65,7 +66,7 @@ class Peer {
   /// Time that connect() waits for a node, and callbacks meanwhile.
   struct Wait {
     std::chrono::milliseconds patience;
-    bool respawn;                ///< a node that has died is started again
+    bool respawn;                ///< whether roslaunch starts a dead node again, so that waiting for it makes sense
     std::function<bool()> stop;  ///< whether to give up
     /// Called with the namespace of the node's services when the wait has taken a second, with "" when it is there.
     std::function<void(const std::string&)> tell = [](const std::string&) {};
@@ -110,7 +111,7 @@ class ServiceCaller {
   typename Service::Response call(const typename Service::Request& request) {
     Service service;
     service.request = request;
-    // A connection may break while the peer lives on. It recognises a request that it has seen.
+    // A connection may break while the peer lives on. The peer recognizes a request that it has seen.
     if (!attempt(service) && !attempt(service)) {
       peer_.requireSameOwner();
       if (!served_) {  // else it has withdrawn it: it is about to end

@@ -14,11 +14,11 @@ namespace pusht {
 
 /// Kinds by name. Packages declare them as they declare classes for pluginlib: package.xml exports
 /// `<pusht_task plugin="${prefix}/plugin_description.xml"/>`, and that file says which library has which kinds. A
-/// library is loaded when one of its kinds is asked for by name. For one thread.
+/// library is loaded when one of its kinds is asked for by name. Not thread-safe.
 class SimulatorKinds {
  public:
   /// Reads plugin descriptions. Libraries are in the first of the `folders` that has them; a kind whose library is in
-  /// none is not built. What is wrong with a description is said when a kind is not found.
+  /// none is not built. An error in a description is reported by named(), for an unknown name.
   SimulatorKinds(const std::vector<std::filesystem::path>& descriptions,
                  const std::vector<std::filesystem::path>& folders);
   /// Kinds that need no library.
@@ -27,11 +27,13 @@ class SimulatorKinds {
   SimulatorKinds(const SimulatorKinds&) = delete;
   SimulatorKinds& operator=(const SimulatorKinds&) = delete;
 
-  /// Those that packages on the ROS package path export. Libraries are in the workspaces of CMAKE_PREFIX_PATH.
+  /// Kinds that packages on the ROS package path export, read at the first call. Libraries are in the workspaces of
+  /// CMAKE_PREFIX_PATH.
   static const SimulatorKinds& installed();
 
-  /// Those that are built, by the alphabet.
+  /// Names of the kinds that are built, in alphabetical order.
   std::vector<std::string> names() const;
+  /// Whether a kind is built. It may still fail to load.
   bool has(const std::string& name) const;
 
   /// The kind of that name, whose `libraries` begin with its own. Throws InvalidInput with the names that there are for

@@ -18,7 +18,7 @@ namespace sim2sim {
 /// Threads and cache of a run in one process.
 struct BatchOptions {
   int threads = 0;              ///< number of threads; 0: one for each core that the process may use
-  std::string reference_cache;  ///< folder of kept references; empty: none
+  std::string reference_cache;  ///< folder of the reference cache; empty: none
 
   /// Declares the options on a command line.
   void declare(CLI::App& app);

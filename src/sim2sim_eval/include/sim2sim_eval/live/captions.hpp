@@ -30,7 +30,7 @@ std::string subtitleOf(Mode mode, const RunConfiguration& run);
 std::string titleOf(Mode mode, const RunConfiguration& run);
 
 /// Parameters that differ from their defaults, in at most `lines` lines of at most `length` bytes: "block_damp 20.0".
-/// Those that do not fit are counted: "and 3 more".
+/// The rest are counted: "and 3 more".
 std::vector<std::string> changedParameters(const SimulatorRecord& simulator, std::size_t lines, std::size_t length);
 
 /// Distance of a world's tee from the target [m, rad], whether that is a success, and whether it has left the table.

@@ -33,9 +33,9 @@
 
 namespace sim2sim {
 
-/// Node that runs comparisons, one at a time. In its private namespace it offers the action `compare`, the service
-/// `control`, the latched topics `request` (values of fields that a goal leaves open), `options` (descriptions of the
-/// options of a run) and `progress`, and the topics of Broadcast.
+/// Node that runs comparisons, one at a time: a goal that comes during a run is rejected. In its private namespace it
+/// offers the action `compare`, the service `control`, the latched topics `request` (values of fields that a goal
+/// leaves open), `options` (descriptions of the options of a run) and `progress`, and the topics of Broadcast.
 class Evaluator : private LiveObserver {
  public:
   Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters);

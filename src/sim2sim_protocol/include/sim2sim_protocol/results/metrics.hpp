@@ -17,15 +17,15 @@ namespace sim2sim {
 /// "engine_closed_final_angle_error". The mean's key is NAME_UNIT, that of its interval NAME_interval_UNIT.
 std::string metricName(const std::string& rollout, const Quantity& quantity);
 
-/// Content of metrics.json. Figures are rounded as readable() says. Keys `mj_...` appear only if MuJoCo is the
-/// reference.
+/// Content of metrics.json. Figures are rounded as readable() says, success rates and the course's means to six
+/// decimals, p-values not at all. Keys `mj_...` appear only if MuJoCo is the reference.
 nlohmann::json metrics(const RunConfiguration& configuration, const Summary& summary);
 
 /// Mean of a quantity in a rollout as metrics.json has it: the course rounds its own to six decimals.
 Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t quantity);
 
-/// Interval of the transfer that leads: Tang's, or transferSequence() if the run ends when it is decided. Empty if
-/// there is none.
+/// Interval of the transfer from which the headline follows: Tang's, or transferSequence() if the run ends when it is
+/// decided. Empty if there is none.
 std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes);
 
 /// "decision" in metrics.json, for a run that ends when it is decided whether the engine keeps `share` of the
@@ -33,8 +33,9 @@ std::optional<Interval> transferInterval(const RunConfiguration& configuration, 
 /// of a run of fixed length and hold less often here.
 nlohmann::json decision(const TransferBet& bet, double share);
 
-/// Warning that the policy looks untrained or stale, which is the course's guard; empty if it does not. Only
-/// checkpoints are judged, which have a SHA-256 in `provenance` (the content of provenance.json).
+/// Warning that the policy looks untrained or stale, because it never succeeds in the reference; empty otherwise. Only
+/// checkpoints are judged: policies with a SHA-256 in `provenance`, the content of provenance.json. The course has the
+/// same guard.
 std::string doubtAboutPolicy(const nlohmann::json& metrics, const nlohmann::json& provenance);
 
 }  // namespace sim2sim

@@ -59,7 +59,7 @@ class OutputFolder {
   /// Removes the page of results that are about to change.
   void removeReport() const;
 
-  /// Removes the kept reference of a sweep.
+  /// Removes the reference cache of a sweep.
   void removeReference() const;
 
   const std::filesystem::path& path() const { return path_; }

@@ -45,8 +45,8 @@ struct RunConfiguration {
   SimulatorRecord engine;
 };
 
-/// Options that decide what the reference does from a given initial state, by name, for the key of kept references. An
-/// option of kIfChanged is there only if it is changed.
+/// Options that decide what the reference does from a given initial state, by name, for the key of the reference cache.
+/// An option of kIfChanged is there only if it is changed.
 nlohmann::json referenceOptions(const RunOptions& options);
 
 /// First 12 hex digits of the md5 of `episodes|KNOB|...|horizon`, as Python prints them, with the values of the

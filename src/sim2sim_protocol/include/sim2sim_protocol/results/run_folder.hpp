@@ -38,8 +38,9 @@ std::string statusText(const RunStatus& status);
 /// it.
 class RunFolder {
  public:
-  /// Throws InvalidInput as OutputFolder, and if `path` holds results that must stay. Results of an unfinished run need
-  /// not stay if the run `goes_on`: begin() continues that run.
+  /// `path` and `command` are those of OutputFolder. Throws InvalidInput as it does, and if the folder holds results
+  /// and `overwrite` is false. With `goes_on` the run may continue: an unfinished run with a journal is accepted, and
+  /// begin() takes it up.
   RunFolder(std::filesystem::path path, bool overwrite, std::string command = "compare", bool goes_on = false);
 
   /// Throws InvalidInput as OutputFolder::refuseInputs().
@@ -61,7 +62,8 @@ class RunFolder {
   void finish(const RunConfiguration& configuration, const nlohmann::json& metrics,
               const std::vector<EpisodeResult>& episodes, const DivergenceBands& bands, int faults_survived);
 
-  /// Writes the finished episodes of a run that ended early. Throws RuntimeFault if that fails.
+  /// Writes the finished episodes and the status of a run that ended early. After an internal error no figure can be
+  /// trusted: it writes the status alone, and removes the journal. Throws RuntimeFault if that fails.
   void abandon(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, const RunStatus& status) const;
 
   /// Writes a status that says why there was no run. Results that the run would have replaced stay, and the status says

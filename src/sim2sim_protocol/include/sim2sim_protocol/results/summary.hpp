@@ -35,7 +35,7 @@ struct FigureIndex {
 std::vector<double> differencesOf(const std::vector<EpisodeResult>& more, const FigureIndex& of_more,
                                   const std::vector<EpisodeResult>& less, const FigureIndex& of_less);
 
-/// Paired successes of two rollouts, likewise.
+/// Paired successes of two rollouts, of one run or of two runs over the same episodes.
 PairTable pairsOf(const std::vector<EpisodeResult>& first, std::size_t rollout_in_first,
                   const std::vector<EpisodeResult>& second, std::size_t rollout_in_second);
 

@@ -31,6 +31,7 @@ std::unique_ptr<ServiceChannel> masterChannel(const std::string& evaluator, cons
 
 /// Calls for ServiceChannel::ask(): of a control channel, and of a node channel about a kind of simulator.
 ServiceChannel::Call controlCall(const std::shared_ptr<Events>& events, const pusht_msgs::ControlRequest& request);
+/// Call for ServiceChannel::ask() of a node channel about a kind of simulator.
 ServiceChannel::Call describeCall(const std::shared_ptr<Events>& events, Node node, const std::string& kind);
 
 }  // namespace pusht_rviz

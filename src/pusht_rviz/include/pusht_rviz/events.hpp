@@ -33,6 +33,7 @@ struct ActionEvent {
   bool served = false;
 };
 
+/// Change of a node's presence.
 struct PresenceEvent {
   Node node = kEvaluator;
   Presence presence = Presence::kWaiting;

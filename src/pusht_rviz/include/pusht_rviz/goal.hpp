@@ -34,6 +34,7 @@ Reading firstEpisodeOf(const std::string& spawn_seed, const std::string& seed);
 /// "results-3". Empty stays empty.
 std::string nextFolder(const std::string& folder);
 
+/// Simulator in the form of the next run: its kind and parameters as typed.
 struct SimulatorDraft {
   std::string kind{};  ///< empty: the node has not described itself
   ParameterDraft parameters{};
@@ -51,11 +52,13 @@ struct RunDraft {
   SimulatorDraft engine;
 };
 
+/// Rule that a field of the form breaks.
 struct Refusal {
   std::string field;  ///< "spawn_seed", the name of an option, "reference.NAME" or "engine.NAME"
   std::string rule;
 };
 
+/// Goal of the next run, and the rules that the form breaks.
 struct Draft {
   pusht_msgs::CompareGoal goal;  ///< holds without refusals
   std::vector<Refusal> refusals;

@@ -50,6 +50,7 @@ class ServiceChannel {
   /// Called after each change of presence, in the channel's thread or in that of attend().
   using Tell = std::function<void(Presence)>;
 
+  /// Periods and deadlines of the connection.
   struct Times {
     std::chrono::milliseconds tick{100};        ///< period at which the connection is looked at
     std::chrono::milliseconds heartbeat{1000};  ///< period of the heartbeat

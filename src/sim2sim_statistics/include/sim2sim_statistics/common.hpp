@@ -36,6 +36,7 @@ template <class Number>
   throw std::domain_error(name + " " + text() + ": must be " + rule);
 }
 
+/// Sum of the values, in their order.
 inline double sumOf(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
 /// Last point at which `holds` is true on the way from `inside`, where it is, to `outside`; `outside` itself if it is

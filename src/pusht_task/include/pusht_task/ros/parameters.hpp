@@ -28,6 +28,7 @@ bool sameValue(const std::string& a, const std::string& b);
 
 /// Parameters as messages.
 Parameters toMessages(const ParameterSet& parameters);
+/// Description of a parameter as a message.
 pusht_msgs::ParameterDescriptor toMessage(const ParameterDescriptor& descriptor);
 
 /// Throws InvalidInput with name, values and rule if `parameters` has a name twice. Otherwise one of the values would

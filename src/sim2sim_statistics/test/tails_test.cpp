@@ -17,7 +17,7 @@
 namespace sim2sim {
 namespace {
 
-const double kNan = std::numeric_limits<double>::quiet_NaN();
+const double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 /// Twenty divergences [m] over seven decades; two episodes part.
 const std::vector<double> kFewPart = {3e-7, 0.0,  5e-6, 0.081, 2e-5, 8e-7, 1e-4, 4e-6, 0.012, 6e-5,
@@ -63,7 +63,7 @@ std::vector<double> zerosAndOnes(int zeros, int ones) {
   return samples;
 }
 
-std::vector<double> scaled(std::vector<double> samples, double factor) {
+std::vector<double> multiplied(std::vector<double> samples, double factor) {
   for (double& sample : samples) {
     sample *= factor;
   }
@@ -127,7 +127,7 @@ TEST(TailMeanInterval, IsThatOfWeightsDrawnAtRandom) {
 
 TEST(TailMeanInterval, DependsNeitherOnUnitNorOnOrder) {
   const Interval interval = *tailMeanInterval(kFewPart, kExtreme);
-  const Interval millimetres = *tailMeanInterval(scaled(kFewPart, 1000.0), 1000.0 * kExtreme);
+  const Interval millimetres = *tailMeanInterval(multiplied(kFewPart, 1000.0), 1000.0 * kExtreme);
   expectNear(millimetres, {1000.0 * interval.low, 1000.0 * interval.high}, 1e-9);
   expectNear(*tailMeanInterval({kFewPart.rbegin(), kFewPart.rend()}, kExtreme), interval, 1e-9);
 }
@@ -188,8 +188,8 @@ TEST(TailMeanInterval, HoldsTheMeanWhereFewPart) {
 
 TEST(TailMeanInterval, RefusesWhatIsOutOfRange) {
   EXPECT_THROW(tailMeanInterval({-0.1, 0.1}, kExtreme), std::domain_error);
-  EXPECT_THROW(tailMeanInterval({kNan}, kExtreme), std::domain_error);
-  EXPECT_THROW(tailMeanInterval(kFewPart, kNan), std::domain_error);
+  EXPECT_THROW(tailMeanInterval({kNotANumber}, kExtreme), std::domain_error);
+  EXPECT_THROW(tailMeanInterval(kFewPart, kNotANumber), std::domain_error);
   try {
     tailMeanInterval(kFewPart, -1.0);
     FAIL();
@@ -201,7 +201,7 @@ TEST(TailMeanInterval, RefusesWhatIsOutOfRange) {
 TEST(TailRatioInterval, LeavesTwoAndAHalfPercentBeyondEitherEnd) {
   const Interval interval = *tailRatioInterval(kFewPart, kOthers, kExtreme);
   const auto at = [](double ratio, double numerator, double denominator) {
-    std::vector<double> values = differencesOf(kFewPart, scaled(kOthers, ratio));
+    std::vector<double> values = differencesOf(kFewPart, multiplied(kOthers, ratio));
     values.push_back(numerator - ratio * denominator);
     return exactProbability(values);
   };
@@ -231,7 +231,7 @@ TEST(TailRatioInterval, HasNoneOfTooLittle) {
   EXPECT_FALSE(tailRatioInterval(zeros, zeros, kExtreme));
   EXPECT_FALSE(tailRatioInterval({1.0, 2.0}, {1.0, 2.0}, kExtreme));
   EXPECT_THROW(tailRatioInterval(ones, {1.0}, kExtreme), std::domain_error);
-  EXPECT_THROW(tailRatioInterval(ones, scaled(ones, -1.0), kExtreme), std::domain_error);
+  EXPECT_THROW(tailRatioInterval(ones, multiplied(ones, -1.0), kExtreme), std::domain_error);
 }
 
 TEST(TailDifference, LeavesTwoAndAHalfPercentBeyondEitherEnd) {
@@ -280,7 +280,7 @@ TEST(TailDifference, HasNoneOfTooLittle) {
   const Difference zeros = tailDifference(std::vector<double>(20, 0.0), 0.0);
   EXPECT_FALSE(zeros.interval);
   EXPECT_EQ(zeros.p, 1.0);
-  EXPECT_THROW(tailDifference({kNan}, kExtreme), std::domain_error);
+  EXPECT_THROW(tailDifference({kNotANumber}, kExtreme), std::domain_error);
   EXPECT_THROW(tailDifference({0.1}, kExtreme, 1.0), std::domain_error);
 }
 
@@ -294,9 +294,9 @@ TEST(IsCarriedByFew, LooksAtTheLargestAndAtTheUnseen) {
   EXPECT_FALSE(isCarriedByFew(uneven, kExtreme));
   uneven[7] = -0.44;
   EXPECT_TRUE(isCarriedByFew(uneven, kExtreme));
-  EXPECT_FALSE(isCarriedByFew(scaled(even, -1.0), kExtreme));
+  EXPECT_FALSE(isCarriedByFew(multiplied(even, -1.0), kExtreme));
   EXPECT_FALSE(isCarriedByFew({0.0, 0.0}, 0.0));
-  EXPECT_THROW(isCarriedByFew({kNan}, kExtreme), std::domain_error);
+  EXPECT_THROW(isCarriedByFew({kNotANumber}, kExtreme), std::domain_error);
   EXPECT_THROW(isCarriedByFew(even, -1.0), std::domain_error);
 }
 

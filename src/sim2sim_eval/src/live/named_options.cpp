@@ -19,7 +19,7 @@
 namespace sim2sim {
 namespace {
 
-constexpr const char* kNone = "none";  // as joined() has an empty list
+constexpr const char* kNoValue = "none";  // as joined() has an empty list
 
 // Values as those of parameters. A seed, which may be beyond their integers, has one for its default alone.
 pusht::ParameterValue parameterValue(bool value) { return value; }
@@ -73,7 +73,7 @@ void read(const pusht::ParameterDescriptor& option, const std::string& text, std
   share = given == 0.0 ? std::nullopt : std::optional(given);
 }
 void read(const pusht::ParameterDescriptor& /*option*/, const std::string& text, std::vector<int>& list) {
-  list = reanchorFrom(text == kNone ? "" : text);
+  list = reanchorFrom(text == kNoValue ? "" : text);
 }
 
 bool has(const pusht::Parameters& parameters, const std::string& name) {

@@ -11,6 +11,7 @@
 #include <QVBoxLayout>
 #include <initializer_list>
 #include <memory>
+#include <utility>
 
 #include "pusht_rviz/quiet_wheel.hpp"
 #include "pusht_rviz/theme.hpp"
@@ -36,8 +37,8 @@ QString described(const pusht_msgs::ParameterDescriptor& parameter) {
 
 }  // namespace
 
-ParameterForm::ParameterForm(const QString& prefix, QWidget* parent)
-    : QWidget(parent), prefix_(prefix), grid_(new QWidget(this)) {
+ParameterForm::ParameterForm(QString prefix, QWidget* parent)
+    : QWidget(parent), prefix_(std::move(prefix)), grid_(new QWidget(this)) {
   auto* const all = new QVBoxLayout(this);
   all->setContentsMargins(0, 0, 0, 0);
   all->addWidget(grid_);

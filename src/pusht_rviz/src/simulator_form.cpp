@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kWaiting = "waiting for the node";
 
-QString shown(const std::string& text) { return QString::fromStdString(text); }
+QString toQt(const std::string& text) { return QString::fromStdString(text); }
 
 /// Whether the parameters have the same names and descriptors in the same order, whatever their values.
 bool sameParameters(const pusht_msgs::DescribeResponse& one, const pusht_msgs::DescribeResponse& other) {
@@ -24,9 +24,9 @@ bool sameParameters(const pusht_msgs::DescribeResponse& one, const pusht_msgs::D
 
 QString titleOf(const pusht_msgs::DescribeResponse& node) {
   if (node.success == 0) {
-    return shown(node.message);
+    return toQt(node.message);
   }
-  return shown(node.title.empty() ? node.name : node.title);
+  return toQt(node.title.empty() ? node.name : node.title);
 }
 
 }  // namespace
@@ -79,7 +79,7 @@ void SimulatorForm::setNode(const pusht_msgs::DescribeResponse& description) {
   } else if (!same_kinds || kind_.empty()) {
     offerKinds();
   } else if (pending_) {
-    Q_EMIT kindNeeded(shown(kind_));  // an answer was lost
+    Q_EMIT kindNeeded(toQt(kind_));  // an answer was lost
   }
 }
 
@@ -91,11 +91,11 @@ void SimulatorForm::offerKinds() {
     const QSignalBlocker quiet(kinds_);
     kinds_->clear();
     for (const std::string& kind : node_.kinds) {
-      kinds_->addItem(shown(kind));
+      kinds_->addItem(toQt(kind));
     }
-    kinds_->setCurrentText(shown(has(request_kind_) ? request_kind_
-                                 : has(node_.name)  ? node_.name
-                                                    : node_.kinds.front()));
+    kinds_->setCurrentText(toQt(has(request_kind_) ? request_kind_
+                                : has(node_.name)  ? node_.name
+                                                   : node_.kinds.front()));
   }
   kinds_->show();
   title_->hide();
@@ -103,7 +103,7 @@ void SimulatorForm::offerKinds() {
 }
 
 QString SimulatorForm::waitsFor() const {
-  return pending_ ? name_ + ": waiting for the node to describe " + shown(kind_) : "";
+  return pending_ ? name_ + ": waiting for the node to describe " + toQt(kind_) : "";
 }
 
 void SimulatorForm::choose(const QString& kind) {
@@ -118,13 +118,13 @@ void SimulatorForm::setKind(const QString& kind, const pusht_msgs::DescribeRespo
     return;  // another kind was chosen since
   }
   if (description.success == 0) {
-    title_->setText(shown(description.message));
+    title_->setText(toQt(description.message));
     title_->show();
     return;
   }
   title_->hide();
   pending_ = false;
-  kinds_->setToolTip(shown(description.title));
+  kinds_->setToolTip(toQt(description.title));
   build(kind_, description);
 }
 

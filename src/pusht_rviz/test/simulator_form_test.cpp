@@ -15,7 +15,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-pusht_msgs::Parameter setTo(const std::string& name, const std::string& value) {
+pusht_msgs::Parameter assigned(const std::string& name, const std::string& value) {
   pusht_msgs::Parameter made;
   made.name = name;
   made.value = value;
@@ -27,7 +27,7 @@ pusht_msgs::DescribeResponse nodeWith(const std::string& damp, const std::string
   pusht_msgs::DescribeResponse made;
   made.success = 1;
   made.name = "springy";
-  made.parameters = {setTo("damp", damp), setTo("gain", gain)};
+  made.parameters = {assigned("damp", damp), assigned("gain", gain)};
   pusht_msgs::ParameterDescriptor described;
   described.name = "damp";
   described.type = "real";
@@ -58,14 +58,14 @@ TEST_F(SimulatorFormTest, SendsWhatItShowsWhateverARunMadeOfTheNode) {
   form_.setRequest("", {});
   form_.setNode(nodeWith("6.0", "1"));
   type("engine.damp", "20");
-  const std::vector<pusht_msgs::Parameter> wanted = {setTo("damp", "20"), setTo("gain", "1")};
+  const std::vector<pusht_msgs::Parameter> wanted = {assigned("damp", "20"), assigned("gain", "1")};
   EXPECT_EQ(form_.draft().kind, "springy");
   EXPECT_EQ(form_.draft().parameters.named(), wanted);
   form_.setNode(nodeWith("20.0", "1"));  // after the run
   EXPECT_EQ(shown("engine.damp"), "20");
   EXPECT_EQ(form_.draft().parameters.named(), wanted) << "a run inherits nothing from the one before";
   type("engine.damp", "6");
-  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(setTo("gain", "1")))
+  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(assigned("gain", "1")))
       << "the default of the kind that is named";
 }
 
@@ -83,11 +83,11 @@ TEST_F(SimulatorFormTest, MarksWhatWasChangedWhateverARunMadeOfTheNode) {
 }
 
 TEST_F(SimulatorFormTest, BeginsWithWhatTheEvaluatorAsksFor) {
-  form_.setRequest("", {setTo("damp", "8")});
+  form_.setRequest("", {assigned("damp", "8")});
   form_.setNode(nodeWith("20.0", "3"));
-  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(setTo("damp", "8"), setTo("gain", "3")));
+  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(assigned("damp", "8"), assigned("gain", "3")));
   form_.setRequest("", {});
-  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(setTo("damp", "20.0"), setTo("gain", "3")))
+  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(assigned("damp", "20.0"), assigned("gain", "3")))
       << "else with what the node has";
   form_.setRequest("springy", {});
   EXPECT_EQ(shown("engine.damp"), "6.0") << "a kind that is named has its defaults";

@@ -36,7 +36,7 @@ std::string libraryWith(const std::string& path, const std::string& classes) {
 class PluginDescriptions : public ::testing::Test {
  protected:
   fs::path write(const std::string& name, const std::string& xml) const {
-    const fs::path path = folder_ / name;
+    fs::path path = folder_ / name;
     std::ofstream(path) << xml;
     return path;
   }

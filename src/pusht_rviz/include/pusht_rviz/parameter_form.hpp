@@ -21,7 +21,7 @@ class ParameterForm : public QWidget {
   Q_OBJECT
 
  public:
-  explicit ParameterForm(const QString& prefix, QWidget* parent = nullptr);
+  explicit ParameterForm(QString prefix, QWidget* parent = nullptr);
 
   /// Replaces all rows. Emits changed().
   void build(const ParameterDraft& draft);

@@ -18,4 +18,5 @@ PUSHT_EXPORT_SIMULATOR_KIND(toy, toy);
 PUSHT_EXPORT_SIMULATOR_KIND(other_name, toy);
 
 extern "C" const pusht::SimulatorPlugin pusht_simulator_stale;
+// NOLINTNEXTLINE(readability-identifier-naming): the loader looks for this name
 const pusht::SimulatorPlugin pusht_simulator_stale = {"0.0.1 0123456789ab", neverCalled};

@@ -44,8 +44,8 @@ template <class Option>
 pusht::ParameterDescriptor descriptorOf(const Option& option) {
   const RunOptions usual;
   const auto& value = option.of(usual);
-  constexpr bool is_int = std::is_same_v<std::decay_t<decltype(value)>, int>;
-  const double most = is_int ? std::numeric_limits<int>::max() : std::numeric_limits<double>::infinity();
+  constexpr bool kIsInt = std::is_same_v<std::decay_t<decltype(value)>, int>;
+  const double most = kIsInt ? std::numeric_limits<int>::max() : std::numeric_limits<double>::infinity();
   return {option.name,           option.unit,        option.meaning,
           parameterValue(value), option.range.least, std::min(most, option.range.greatest)};
 }

@@ -17,6 +17,7 @@ const pusht::SimulatorKind& neverCalled() { std::abort(); }
 PUSHT_EXPORT_SIMULATOR_KIND(toy, toy);
 PUSHT_EXPORT_SIMULATOR_KIND(other_name, toy);
 
+// NOLINTBEGIN(readability-identifier-naming): the loader looks for this name
 extern "C" const pusht::SimulatorPlugin pusht_simulator_stale;
-// NOLINTNEXTLINE(readability-identifier-naming): the loader looks for this name
 const pusht::SimulatorPlugin pusht_simulator_stale = {"0.0.1 0123456789ab", neverCalled};
+// NOLINTEND(readability-identifier-naming)

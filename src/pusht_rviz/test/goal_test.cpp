@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include "parameters.hpp"
+
 namespace pusht_rviz {
 namespace {
 
@@ -11,13 +13,6 @@ using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
 constexpr std::uint64_t kGreatest = 18'446'744'073'709'551'615U;
-
-pusht_msgs::Parameter parameter(const std::string& name, const std::string& value) {
-  pusht_msgs::Parameter made;
-  made.name = name;
-  made.value = value;
-  return made;
-}
 
 pusht_msgs::ParameterDescriptor number(const std::string& name, const std::string& type, double least,
                                        double greatest) {

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "headless.hpp"
+#include "parameters.hpp"
 
 namespace pusht_rviz {
 namespace {
@@ -19,16 +20,9 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-pusht_msgs::Parameter setTo(const std::string& name, const std::string& value) {
-  pusht_msgs::Parameter made;
-  made.name = name;
-  made.value = value;
-  return made;
-}
-
 void add(pusht_msgs::RunOptions& options, const std::string& name, const std::string& type, const std::string& value,
          double greatest = std::numeric_limits<double>::infinity()) {
-  options.values.push_back(setTo(name, value));
+  options.values.push_back(parameter(name, value));
   options.descriptors.emplace_back();
   options.descriptors.back().name = name;
   options.descriptors.back().type = type;
@@ -76,7 +70,7 @@ TEST_F(NextRunTest, HasAFieldForAnOptionThatItHasNeverHeardOf) {
   find<QCheckBox>("noise")->setChecked(true);
   type("stages", "1,5,20");
   EXPECT_THAT(goalFrom(form_.draft()).goal.options,
-              ElementsAre(setTo("action_delay", "2"), setTo("noise", "true"), setTo("stages", "1,5,20")));
+              ElementsAre(parameter("action_delay", "2"), parameter("noise", "true"), parameter("stages", "1,5,20")));
 }
 
 TEST_F(NextRunTest, RefusesWhatTheOptionDoesNotTake) {
@@ -93,7 +87,8 @@ TEST_F(NextRunTest, CouplesFirstEpisodeAndSpawnSeed) {
   EXPECT_EQ(shown("spawn_seed"), "10005");
   type("spawn_seed", "10009");
   EXPECT_EQ(shown("first_episode"), "9");
-  EXPECT_THAT(goalFrom(form_.draft()).goal.options, ElementsAre(setTo("seed", "0"), setTo("first_episode", "9")));
+  EXPECT_THAT(goalFrom(form_.draft()).goal.options,
+              ElementsAre(parameter("seed", "0"), parameter("first_episode", "9")));
   type("spawn_seed", "42");
   EXPECT_EQ(shown("first_episode"), "9");
   EXPECT_THAT(find<QLabel>("spawn_seed.refusal")->text().toStdString(), ::testing::HasSubstr("spawn seed '42'"));

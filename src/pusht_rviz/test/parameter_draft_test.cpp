@@ -5,6 +5,8 @@
 
 #include <limits>
 
+#include "parameters.hpp"
+
 namespace pusht_rviz {
 namespace {
 
@@ -31,17 +33,10 @@ pusht_msgs::ParameterDescriptor blockDamp() {
   return made;
 }
 
-pusht_msgs::Parameter namedValue(const std::string& name, const std::string& value) {
-  pusht_msgs::Parameter made;
-  made.name = name;
-  made.value = value;
-  return made;
-}
-
 pusht_msgs::Preset preset(const std::string& word, const std::string& servo, const std::string& walls) {
   pusht_msgs::Preset made;
   made.word = word;
-  made.settings = {namedValue("servo", servo), namedValue("walls", walls)};
+  made.settings = {parameter("servo", servo), parameter("walls", walls)};
   return made;
 }
 
@@ -58,7 +53,7 @@ pusht_msgs::DescribeResponse rigidBody() {
   pusht_msgs::DescribeResponse made;
   made.parameter_descriptors = {presets(), descriptor("servo", "boolean", "true"),
                                 descriptor("walls", "boolean", "true")};
-  made.parameters = {namedValue("preset", "simple"), namedValue("servo", "false"), namedValue("walls", "false")};
+  made.parameters = {parameter("preset", "simple"), parameter("servo", "false"), parameter("walls", "false")};
   return made;
 }
 
@@ -66,7 +61,7 @@ pusht_msgs::DescribeResponse rigidBody() {
 pusht_msgs::DescribeResponse twoMassNode() {
   pusht_msgs::DescribeResponse made;
   made.parameter_descriptors = {descriptor("pusher_mass", "real", "4.0", 0.1, 100.0), blockDamp()};
-  made.parameters = {namedValue("pusher_mass", "4.0"), namedValue("block_damp", "20.0")};
+  made.parameters = {parameter("pusher_mass", "4.0"), parameter("block_damp", "20.0")};
   return made;
 }
 
@@ -100,31 +95,31 @@ TEST(Rules, LetSeedsBeBeyondTheIntegersOfParameters) {
 TEST(ParameterDraft, NamesWhatDiffersFromTheDefaultsOfTheKind) {
   EXPECT_THAT(ParameterDraft(twoMassNode(), {}).named(), IsEmpty())
       << "what the node is does not count: its kind is named";
-  ParameterDraft draft(twoMassNode(), {namedValue("block_damp", "20"), namedValue("no_such", "1")});
-  EXPECT_THAT(draft.named(), ElementsAre(namedValue("block_damp", "20")));
+  ParameterDraft draft(twoMassNode(), {parameter("block_damp", "20"), parameter("no_such", "1")});
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("block_damp", "20")));
   draft.type(1, "6");
   EXPECT_THAT(draft.named(), IsEmpty()) << "6 is 6.0";
 }
 
 TEST(ParameterDraft, AlwaysNamesParametersWhoseDefaultIsNotKnown) {
   pusht_msgs::DescribeResponse foreign;
-  foreign.parameters = {namedValue("gain", "3")};
+  foreign.parameters = {parameter("gain", "3")};
   ParameterDraft draft(foreign, {});
-  EXPECT_THAT(draft.named(), ElementsAre(namedValue("gain", "3")));
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("gain", "3")));
   draft.type(0, "whatever");
-  EXPECT_THAT(draft.named(), ElementsAre(namedValue("gain", "whatever")));
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("gain", "whatever")));
 }
 
 TEST(ParameterDraft, NamesOptionsThatDifferFromTheEvaluatorsValues) {
   pusht_msgs::RunOptions options;
   options.descriptors = {descriptor("seed", "integer", "0", 0.0), descriptor("floor", "boolean", "true")};
-  options.values = {namedValue("seed", "9223372036854775809"), namedValue("floor", "false")};
+  options.values = {parameter("seed", "9223372036854775809"), parameter("floor", "false")};
   ParameterDraft draft(options);
   EXPECT_THAT(draft.named(), IsEmpty()) << "whatever the defaults";
   draft.type(0, "9223372036854775808");
-  EXPECT_THAT(draft.named(), ElementsAre(namedValue("seed", "9223372036854775808"))) << "one double, two seeds";
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("seed", "9223372036854775808"))) << "one double, two seeds";
   draft.type(1, "true");
-  EXPECT_THAT(draft.named(), ElementsAre(namedValue("seed", "9223372036854775808"), namedValue("floor", "true")));
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("seed", "9223372036854775808"), parameter("floor", "true")));
 }
 
 std::vector<std::string> textsOf(const ParameterDraft& draft) {
@@ -140,13 +135,13 @@ TEST(Presets, SetWhatDoesNotDifferYet) {
   EXPECT_THAT(textsOf(draft), ElementsAre("faithful", "true", "true"));
   draft.type(0, "simple");
   EXPECT_THAT(textsOf(draft), ElementsAre("simple", "false", "false"));
-  EXPECT_THAT(draft.named(), ElementsAre(namedValue("preset", "simple"))) << "which sets the switches";
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("preset", "simple"))) << "which sets the switches";
   draft.type(1, "true");
-  EXPECT_THAT(draft.named(), ElementsAre(namedValue("preset", "simple"), namedValue("servo", "true")))
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("preset", "simple"), parameter("servo", "true")))
       << "though that is its default";
   draft.type(0, "shaped");
   EXPECT_THAT(textsOf(draft), ElementsAre("shaped", "true", "false"));
-  EXPECT_THAT(draft.named(), ElementsAre(namedValue("preset", "shaped")));
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("preset", "shaped")));
   draft.type(2, "true");
   draft.type(0, "faithful");
   EXPECT_THAT(textsOf(draft), ElementsAre("faithful", "true", "true"));
@@ -154,11 +149,11 @@ TEST(Presets, SetWhatDoesNotDifferYet) {
 }
 
 TEST(Presets, LeaveWhatIsChosenByName) {
-  const std::vector<pusht_msgs::Parameter> chosen = {namedValue("preset", "simple"), namedValue("servo", "true")};
+  const std::vector<pusht_msgs::Parameter> chosen = {parameter("preset", "simple"), parameter("servo", "true")};
   ParameterDraft draft(rigidBody(), chosen);
   EXPECT_THAT(textsOf(draft), ElementsAre("simple", "true", "false"));
   EXPECT_EQ(draft.named(), chosen);
-  EXPECT_THAT(ParameterDraft(rigidBody(), rigidBody().parameters).named(), ElementsAre(namedValue("preset", "simple")));
+  EXPECT_THAT(ParameterDraft(rigidBody(), rigidBody().parameters).named(), ElementsAre(parameter("preset", "simple")));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "headless.hpp"
+#include "parameters.hpp"
 
 namespace pusht_rviz {
 namespace {
@@ -15,19 +16,12 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-pusht_msgs::Parameter assigned(const std::string& name, const std::string& value) {
-  pusht_msgs::Parameter made;
-  made.name = name;
-  made.value = value;
-  return made;
-}
-
 /// What a node says that can be one kind, with a parameter of default 6 and one that has no descriptor.
 pusht_msgs::DescribeResponse nodeWith(const std::string& damp, const std::string& gain) {
   pusht_msgs::DescribeResponse made;
   made.success = 1;
   made.name = "springy";
-  made.parameters = {assigned("damp", damp), assigned("gain", gain)};
+  made.parameters = {parameter("damp", damp), parameter("gain", gain)};
   pusht_msgs::ParameterDescriptor described;
   described.name = "damp";
   described.type = "real";
@@ -58,14 +52,14 @@ TEST_F(SimulatorFormTest, SendsWhatItShowsWhateverARunMadeOfTheNode) {
   form_.setRequest("", {});
   form_.setNode(nodeWith("6.0", "1"));
   type("engine.damp", "20");
-  const std::vector<pusht_msgs::Parameter> wanted = {assigned("damp", "20"), assigned("gain", "1")};
+  const std::vector<pusht_msgs::Parameter> wanted = {parameter("damp", "20"), parameter("gain", "1")};
   EXPECT_EQ(form_.draft().kind, "springy");
   EXPECT_EQ(form_.draft().parameters.named(), wanted);
   form_.setNode(nodeWith("20.0", "1"));  // after the run
   EXPECT_EQ(shown("engine.damp"), "20");
   EXPECT_EQ(form_.draft().parameters.named(), wanted) << "a run inherits nothing from the one before";
   type("engine.damp", "6");
-  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(assigned("gain", "1")))
+  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(parameter("gain", "1")))
       << "the default of the kind that is named";
 }
 
@@ -83,11 +77,11 @@ TEST_F(SimulatorFormTest, MarksWhatWasChangedWhateverARunMadeOfTheNode) {
 }
 
 TEST_F(SimulatorFormTest, BeginsWithWhatTheEvaluatorAsksFor) {
-  form_.setRequest("", {assigned("damp", "8")});
+  form_.setRequest("", {parameter("damp", "8")});
   form_.setNode(nodeWith("20.0", "3"));
-  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(assigned("damp", "8"), assigned("gain", "3")));
+  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(parameter("damp", "8"), parameter("gain", "3")));
   form_.setRequest("", {});
-  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(assigned("damp", "20.0"), assigned("gain", "3")))
+  EXPECT_THAT(form_.draft().parameters.named(), ElementsAre(parameter("damp", "20.0"), parameter("gain", "3")))
       << "else with what the node has";
   form_.setRequest("springy", {});
   EXPECT_EQ(shown("engine.damp"), "6.0") << "a kind that is named has its defaults";

@@ -160,17 +160,26 @@ class Pasted(LiveCase):
         self.check(DOCS / "findings.md", 3, "damp/sweep.png")
 
 
-class ByHand(LiveCase):
-    """What a README shows of a node, called of one."""
+class OwnMaster(LiveCase):
+    """Nodes of a master that only this test knows."""
 
-    def setUp(self) -> None:
-        super().setUp()
+    def use_own_master(self) -> str:
+        """URI of the master that is to be started."""
         uri = f"http://127.0.0.1:{free_port()}"
         self.environment = {
             "ROS_MASTER_URI": uri,
             "ROS_IP": "127.0.0.1",
             "ROS_HOME": str(self.folder / "ros"),
         }
+        return uri
+
+
+class ByHand(OwnMaster):
+    """What a README shows of a node, called of one."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        uri = self.use_own_master()
         launch = ("roslaunch", "-p", uri.split(":")[-1], "pusht_engine", "engine.launch")
         node = Process(self, *launch, environment=self.environment)
         node.line(r"process\[engine-\d+\]: started")  # and so there is a master
@@ -201,7 +210,7 @@ class ByHand(LiveCase):
                 self.assertIn("success: True", self.call(call))
 
 
-class Nodes(LiveCase):
+class Nodes(OwnMaster):
     """Lists of topics, services, actions and private parameters in READMEs, against the nodes."""
 
     OF_ALL = {"/rosout", "~get_loggers", "~set_logger_level"}
@@ -209,12 +218,7 @@ class Nodes(LiveCase):
 
     def setUp(self) -> None:
         super().setUp()
-        uri = f"http://127.0.0.1:{free_port()}"
-        self.environment = {
-            "ROS_MASTER_URI": uri,
-            "ROS_IP": "127.0.0.1",
-            "ROS_HOME": str(self.folder / "ros"),
-        }
+        uri = self.use_own_master()
         core = Process(self, "roscore", "-p", uri.split(":")[-1], environment=self.environment)
         core.line(r"started core service \[/rosout\]")
         self.master = rosgraph.Master(CALLER, master_uri=uri)

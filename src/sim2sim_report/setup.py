@@ -6,6 +6,6 @@ setup(
     **generate_distutils_setup(
         packages=["sim2sim_report"],
         package_dir={"": "src"},
-        package_data={"sim2sim_report": ["page.css", "page.html.j2", "page.js"]},
+        package_data={"sim2sim_report": ["*.css", "*.html.j2", "*.js"]},
     )
 )

@@ -3,6 +3,7 @@
 
 #include "pusht_chipmunk/chipmunk_world.hpp"
 #include "pusht_task/simulator_plugin.hpp"
+#include "pusht_task/substeps.hpp"
 
 namespace pusht {
 namespace {
@@ -10,15 +11,13 @@ namespace {
 constexpr const char* kIterations = "iterations";
 constexpr const char* kSlop = "collision_slop";
 constexpr const char* kOverlapLeft = "overlap_left";
+constexpr const char* kSubstepLength = "substep";
 
 SimulatorModel load(const ParameterSet& parameters) {
   const ChipmunkParameters chosen = {static_cast<int>(parameters.get<std::int64_t>(kIterations)),
-                                     parameters.get<double>(kSlop), parameters.get<double>(kOverlapLeft)};
-  SimulatorModel model;
-  model.parameters = parameters;
-  model.make_world = [chosen] { return std::make_unique<ChipmunkWorld>(chosen); };
-  model.make_lanes = lanesOf(model.make_world);
-  return model;
+                                     parameters.get<double>(kSlop), parameters.get<double>(kOverlapLeft),
+                                     parameters.get<double>(kSubstepLength)};
+  return modelOfWorlds(parameters, [chosen] { return std::make_unique<ChipmunkWorld>(chosen); });
 }
 
 }  // namespace
@@ -34,10 +33,12 @@ const SimulatorKind& chipmunkKind() {
        {kSlop, "m", "overlap that the solver leaves alone", defaults.collision_slop, 0.0, 0.01,
         "more is a third of the tee's width"},
        {kOverlapLeft, "", "share of an overlap that is left after a second", defaults.overlap_left, 0.0, 1.0,
-        "it is a share"}},
+        "it is a share"},
+       substepDescriptor(kSubstepLength)},
       {"libchipmunk.so"},
       ChipmunkWorld::kStartTolerance,
-      load};
+      load,
+      {"substep=0.005"}};
   return kind;
 }
 

@@ -19,7 +19,8 @@ void stay(cpBody* /*body*/, cpFloat /*dt*/) {}
 
 }  // namespace
 
-Scene::Scene(const ChipmunkParameters& parameters, const Physics& physics) : physics_(physics), space_(cpSpaceNew()) {
+Scene::Scene(const ChipmunkParameters& parameters, const Physics& physics)
+    : physics_(physics), substep_(parameters.substep), space_(cpSpaceNew()) {
   cpSpaceSetIterations(space_.get(), parameters.iterations);
   cpSpaceSetCollisionSlop(space_.get(), parameters.collision_slop);
   cpSpaceSetCollisionBias(space_.get(), parameters.overlap_left);
@@ -27,7 +28,7 @@ Scene::Scene(const ChipmunkParameters& parameters, const Physics& physics) : phy
 
 void Scene::start(const WorldState& state) {
   // Chipmunk solves in the order in which bodies and shapes were added, and last bits depend on it.
-  pusher_ = addBody(physics_.pusher_mass + kSubstep * (physics_.servo_gain + physics_.pusher_damping), INFINITY);
+  pusher_ = addBody(physics_.pusher_mass + substep_ * (physics_.servo_gain + physics_.pusher_damping), INFINITY);
   tee_ = addTeeBody();
   addWalls();
   addBox(tee_, cpv(0.0, 0.0), physics_.bar_half_length, physics_.bar_half_width);
@@ -45,10 +46,10 @@ void Scene::start(const WorldState& state) {
 
 cpBody* Scene::addTeeBody() {
   // With the mass that makes its damping implicit, which sits at the origin.
-  const double mass = physics_.tee_mass + kSubstep * physics_.tee_damping;  // [kg]
+  const double mass = physics_.tee_mass + substep_ * physics_.tee_damping;  // [kg]
   const double center = physics_.tee_first_moment / mass;                   // [m] along body -y
   const double moment =                                                     // [kg m^2] about that center
-      physics_.tee_second_moment + kSubstep * physics_.tee_yaw_damping - mass * center * center;
+      physics_.tee_second_moment + substep_ * physics_.tee_yaw_damping - mass * center * center;
   cpBody* const tee = addBody(mass, moment);
   cpBodySetCenterOfGravity(tee, cpv(0.0, -center));
   return tee;
@@ -117,9 +118,9 @@ void Scene::applyForces(const cpVect& command) {
 
 void Scene::substep(const cpVect& command) {
   applyForces(command);
-  cpSpaceStep(space_.get(), kSubstep);
+  cpSpaceStep(space_.get(), substep_);
   for (const Owned<cpBody>& body : bodies_) {
-    cpBodyUpdatePosition(body.get(), kSubstep);
+    cpBodyUpdatePosition(body.get(), substep_);
   }
 }
 

@@ -33,7 +33,7 @@ class Scene {
 
   /// Puts the bodies in and moves them to `state`.
   void start(const WorldState& state);
-  /// Moves on by kSubstep, with the pusher commanded to a velocity [m/s].
+  /// Moves on by a substep, with the pusher commanded to a velocity [m/s].
   void substep(const cpVect& command);
   WorldState state() const;
 
@@ -61,6 +61,7 @@ class Scene {
   void addShape(cpShape* shape);
 
   Physics physics_;
+  double substep_;  ///< [s]
   cpBody* pusher_ = nullptr;
   cpBody* tee_ = nullptr;
   std::vector<Owned<cpBody>> bodies_;

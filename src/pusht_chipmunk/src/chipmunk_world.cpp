@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "chipmunk_scene.hpp"
-#include "pusht_task/constants.hpp"
+#include "pusht_task/substeps.hpp"
 
 namespace pusht {
 namespace {
@@ -42,10 +42,12 @@ void greetInSilence() {
 std::string chipmunkVersion() { return cpVersionString; }
 
 ChipmunkWorld::ChipmunkWorld(const ChipmunkParameters& parameters)
-    : ChipmunkWorld([parameters] { return std::make_unique<chipmunk::Scene>(parameters); }) {}
+    : ChipmunkWorld([parameters] { return std::make_unique<chipmunk::Scene>(parameters); }, parameters.substep) {}
 
-ChipmunkWorld::ChipmunkWorld(MakeScene make_scene)
-    : Simulator("Chipmunk", kStartTolerance), make_scene_(std::move(make_scene)) {
+ChipmunkWorld::ChipmunkWorld(MakeScene make_scene, double substep)
+    : Simulator("Chipmunk", kStartTolerance),
+      make_scene_(std::move(make_scene)),
+      substeps_(substepsPerControlStep(substep)) {
   greetInSilence();
   doReset({});
 }
@@ -58,7 +60,7 @@ void ChipmunkWorld::doReset(const WorldState& state) {
 }
 
 void ChipmunkWorld::doStep(const Action& action) {
-  for (int i = 0; i < kSubstepsPerControlStep; ++i) {
+  for (int i = 0; i < substeps_; ++i) {
     scene_->substep(cpv(action[0], action[1]));
   }
 }

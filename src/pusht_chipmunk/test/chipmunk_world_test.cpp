@@ -12,6 +12,7 @@
 #include "../src/chipmunk_scene.hpp"
 #include "pusht_chipmunk/chipmunk_kind.hpp"
 #include "pusht_task/joined.hpp"
+#include "pusht_task/testing/convergence_suite.hpp"
 #include "pusht_task/testing/kind_suites.hpp"
 
 namespace pusht::testing {
@@ -30,10 +31,24 @@ std::vector<Subject> subjects() {
           {chipmunkKind(), {{"iterations", "10"}, {"collision_slop", "0.001"}, {"overlap_left", "0.5"}}, coarse}};
 }
 
+/// First order: Euler's integrator, implicit by the added mass. Servo and hit settle in eight to ten of their time
+/// constants within a control step, so that higher orders still show in the little error that is left.
+std::vector<ConvergenceSubject> convergence() {
+  return {{{chipmunkKind(), {}, chipmunkPhysics()},
+           "substep",
+           {{"servo", 4.724e-6, 1.2, 1.4},
+            {"servo at its limit", 0.1045, 0.95, 1.05},
+            {"slide", 0.01116, 0.95, 1.05},
+            {"slide to rest", 1.961e-3, 0.95, 1.05},
+            {"spin", 2.106e-4, 0.9, 1.05},
+            {"hit", 3.411e-6, 1.1, 1.3}}}};
+}
+
 }  // namespace
 }  // namespace pusht::testing
 
 PUSHT_TEST_SIMULATOR_KIND(Chipmunk, subjects());
+PUSHT_TEST_CONVERGENCE(Chipmunk, convergence());
 
 namespace pusht {
 namespace {

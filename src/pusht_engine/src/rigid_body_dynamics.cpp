@@ -38,8 +38,8 @@ void addContact(const Model& model, const Tee& tee, const Contact& contact, cons
   const bool soft = model.switches.softness;
   const double hardness = soft ? impedance(contact.depth) : 1.0 - simple::kCompliance;
   const double spring = soft ? soft::kStiffness * hardness * contact.depth
-                             : simple::kOverlapShare / (kSubstep * kSubstep) * contact.depth;
-  const double damping = soft ? soft::kDamping : 1.0 / kSubstep;
+                             : simple::kOverlapShare / (model.substep * model.substep) * contact.depth;
+  const double damping = soft ? soft::kDamping : 1.0 / model.substep;
   const double stiffness = contact.multiplicity / weightOf(model, contact.pair) * hardness / (1.0 - hardness);
   const Eigen::Vector2d arm = contact.point - tee.origin;
 
@@ -82,8 +82,8 @@ void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies)
   // Velocities by the implicit integrator, positions by the new velocities.
   const Vector acceleration = implicitAcceleration(model, tee, mass, velocities, force);
   for (std::size_t i = 0; i < kCoordinateCount; ++i) {
-    velocities[i] += kSubstep * acceleration[i];
-    positions[i] += kSubstep * velocities[i];
+    velocities[i] += model.substep * acceleration[i];
+    positions[i] += model.substep * velocities[i];
   }
 }
 
@@ -152,17 +152,17 @@ Vector implicitAcceleration(const Model& model, const Tee& tee, const Matrix& ma
                             const Vector& force) {
   // The tee's rows are (d, 0, p), (0, d, q), (r, s, t); the first two are put into the third.
   const Eigen::Vector2d centrifugal = (2.0 * model.tee_mass * velocities[kTeeYaw]) * tee.center_of_mass;
-  const double d = model.tee_mass + kSubstep * model.tee_damping;
-  const double p = mass[kTeeX][kTeeYaw] - kSubstep * centrifugal.x();
-  const double q = mass[kTeeY][kTeeYaw] - kSubstep * centrifugal.y();
+  const double d = model.tee_mass + model.substep * model.tee_damping;
+  const double p = mass[kTeeX][kTeeYaw] - model.substep * centrifugal.x();
+  const double q = mass[kTeeY][kTeeYaw] - model.substep * centrifugal.y();
   const double r = mass[kTeeYaw][kTeeX] / d;
   const double s = mass[kTeeYaw][kTeeY] / d;
-  const double t = mass[kTeeYaw][kTeeYaw] + kSubstep * model.tee_yaw_damping;
+  const double t = mass[kTeeYaw][kTeeYaw] + model.substep * model.tee_yaw_damping;
   Vector acceleration;
   acceleration[kTeeYaw] = (force[kTeeYaw] - r * force[kTeeX] - s * force[kTeeY]) / (t - r * p - s * q);
   acceleration[kTeeX] = (force[kTeeX] - p * acceleration[kTeeYaw]) / d;
   acceleration[kTeeY] = (force[kTeeY] - q * acceleration[kTeeYaw]) / d;
-  const double pusher = model.pusher_mass + kSubstep * model.servo_derivative;
+  const double pusher = model.pusher_mass + model.substep * model.servo_derivative;
   acceleration[kPusherX] = force[kPusherX] / pusher;
   acceleration[kPusherY] = force[kPusherY] / pusher;
   return acceleration;

@@ -25,6 +25,7 @@ rigid_body::Model rigid_body::modelOf(const RigidBodyParameters& parameters) {
                                     momentOfBox(kStemMass, kTeeHalfWidth, kStemHalfLength);
   Model model = {};
   model.switches = parameters;
+  model.substep = parameters.substep;
   model.tee_mass = kTeeMass;
   model.tee_moment = parameters.tee_inertia ? kMomentOfBoxes : kMomentOfPoints;
   model.pusher_mass = parameters.pusher_inertia ? kPusherMass : simple::kPusherMass;

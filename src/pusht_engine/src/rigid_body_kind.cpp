@@ -5,12 +5,15 @@
 
 #include "pusht_engine/rigid_body_engine.hpp"
 #include "pusht_task/simulator_plugin.hpp"
+#include "pusht_task/substeps.hpp"
 
 namespace pusht {
 namespace {
 
 using rigid_body::kSwitches;
 using rigid_body::Switch;
+
+constexpr const char* kSubstepLength = "substep";
 
 Preset preset(const std::string& word, const std::function<bool(const Switch&)>& is_on) {
   Preset result = {word, {}};
@@ -20,7 +23,7 @@ Preset preset(const std::string& word, const std::function<bool(const Switch&)>&
   return result;
 }
 
-std::vector<ParameterDescriptor> describeSwitches() {
+std::vector<ParameterDescriptor> describeRigidBody() {
   ParameterDescriptor presets = {"preset", "", "sets the switches that are not set by name", std::string("faithful")};
   presets.words = {"faithful", "shaped", "simple"};
   presets.presets = {preset("faithful", [](const Switch&) { return true; }),
@@ -34,27 +37,30 @@ std::vector<ParameterDescriptor> describeSwitches() {
   for (const Switch& each : kSwitches) {
     descriptors.push_back({each.name, "", each.meaning, RigidBodyParameters().*each.value});
   }
+  descriptors.push_back(substepDescriptor(kSubstepLength));
   return descriptors;
 }
 
-SimulatorModel loadSwitches(const ParameterSet& parameters) {
-  RigidBodyParameters switches;
+SimulatorModel load(const ParameterSet& parameters) {
+  RigidBodyParameters values;
   for (const Switch& each : kSwitches) {
-    switches.*each.value = parameters.get<bool>(each.name);
+    values.*each.value = parameters.get<bool>(each.name);
   }
-  SimulatorModel model;
-  model.parameters = parameters;
-  model.make_world = [switches] { return std::make_unique<RigidBodyEngine>(switches); };
-  model.make_lanes = lanesOf(model.make_world);
-  return model;
+  values.substep = parameters.get<double>(kSubstepLength);
+  return modelOfWorlds(parameters, [values] { return std::make_unique<RigidBodyEngine>(values); });
 }
 
 }  // namespace
 
 const SimulatorKind& rigidBodyKind() {
-  static const SimulatorKind kind = {"rigid_body",       "rigid-body engine", PUSHT_ENGINE_VERSION,
-                                     describeSwitches(), {"libccd.so"},       RigidBodyPhysics::kStartTolerance,
-                                     loadSwitches};
+  static const SimulatorKind kind = {"rigid_body",
+                                     "rigid-body engine",
+                                     PUSHT_ENGINE_VERSION,
+                                     describeRigidBody(),
+                                     {"libccd.so"},
+                                     RigidBodyPhysics::kStartTolerance,
+                                     load,
+                                     {"substep=0.005"}};
   return kind;
 }
 

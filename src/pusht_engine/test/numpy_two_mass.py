@@ -39,7 +39,7 @@ class Contact(NamedTuple):
 
 
 def link_force(q: np.ndarray, v: np.ndarray, m: np.ndarray, baumgarte: float) -> np.ndarray:
-    """Force [N] on each body, [3, 2], that holds the link's length: a stabilised multiplier."""
+    """Force [N] on each body, [3, 2], that holds the link's length: a stabilized multiplier."""
     d, d_rate = q[BAR] - q[STEM], v[BAR] - v[STEM]
     error = 0.5 * (d @ d - task.STEM_OFFSET**2)
     error_rate = d @ d_rate

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/testing/simulator_suite.hpp"
 
@@ -45,6 +46,8 @@ struct Tow {
             bodies.tee_velocity, wrapAngle(bodies.yaw),  bodies.yaw_rate};
   }
 
+  static int substepsOf(const Model&) { return kSubstepsPerControlStep; }
+
   static void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies) {
     constexpr double kReach = 0.1;  // [m]
     constexpr double kDamping = 0.9;
@@ -69,11 +72,7 @@ SimulatorKind towKind() {
   kind.start_tolerance = Tow::kStartTolerance;
   kind.load = [](const ParameterSet& set) {
     const Tow::Parameters parameters = {set.get<double>("stiffness")};
-    SimulatorModel model;
-    model.parameters = set;
-    model.make_world = [parameters] { return std::make_unique<PlanarSimulator<Tow>>(parameters); };
-    model.make_lanes = lanesOf(model.make_world);
-    return model;
+    return modelOfWorlds(set, [parameters] { return std::make_unique<PlanarSimulator<Tow>>(parameters); });
   };
   return kind;
 }

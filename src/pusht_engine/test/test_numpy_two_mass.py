@@ -57,7 +57,7 @@ class Golden(unittest.TestCase):
         """Every step of every case and set of parameters, clipping included."""
         for case in GOLDEN["cases"]:
             for expected in case["engine"]:
-                with self.subTest(seed=case["seed"], knobs=expected["knobs"]):
+                with self.subTest(seed=case["seed"], parameters=expected["knobs"]):
                     world = NumpyTwoMass(**expected["knobs"])
                     world.reset(spawn(case["seed"]))
                     self.assert_row(world, expected, 0)
@@ -81,8 +81,8 @@ class Parameters(unittest.TestCase):
         names = re.findall(r'{"(\w+)", "[^"]+", "', table)
         given = inspect.signature(NumpyTwoMass).parameters
         self.assertEqual(list(given), names[: len(given)])
-        for name, knob in given.items():
-            self.assertIn(f"double {name} = {knob.default:.1f};", header)
+        for name, parameter in given.items():
+            self.assertIn(f"double {name} = {parameter.default:.1f};", header)
 
 
 class Speed(unittest.TestCase):

@@ -19,7 +19,7 @@ BodyVectors<double> bodyVectors(const nlohmann::json& rows) {
   return {testing::vector2(rows.at(0)), testing::vector2(rows.at(1)), testing::vector2(rows.at(2))};
 }
 
-/// Those that touch.
+/// Contacts that touch.
 std::vector<Contact<double>> contactsOf(const BodyVectors<double>& positions) {
   std::vector<Contact<double>> touching;
   for (const Contact<double>& contact : findContacts(positions)) {

@@ -13,6 +13,7 @@
 
 #include "pusht_engine/two_mass_kind.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/testing/convergence_suite.hpp"
 #include "pusht_task/testing/golden.hpp"
 #include "pusht_task/testing/kind_suites.hpp"
 
@@ -20,15 +21,15 @@ namespace pusht::testing {
 namespace {
 
 /// Two masses, discs, drag: none of the table's friction, no friction in contacts, no walls.
-PhysicsOfKind physicsOf(const TwoMassParameters& knobs) {
+PhysicsOfKind physicsOf(const TwoMassParameters& parameters) {
   PhysicsOfKind physics;
   Physics& numbers = physics.numbers;
   numbers.tee_second_moment = kStemMass * kStemOffset * kStemOffset;
   numbers.tee_damping = numbers.tee_yaw_damping = numbers.tee_yaw_friction = 0.0;
   numbers.tee_friction = {0.0, 0.0};
-  physics.drag_rate = knobs.block_damp;
-  numbers.pusher_mass = knobs.pusher_mass;
-  numbers.servo_gain = two_mass::kServoGain * knobs.pusher_mass;
+  physics.drag_rate = parameters.block_damp;
+  numbers.pusher_mass = parameters.pusher_mass;
+  numbers.servo_gain = two_mass::kServoGain * parameters.pusher_mass;
   numbers.servo_limit = std::numeric_limits<double>::infinity();
   numbers.pusher_damping = 0.0;
   physics.implicit_servo = false;
@@ -41,7 +42,7 @@ PhysicsOfKind physicsOf(const TwoMassParameters& knobs) {
   physics.free_position = 5e-4;  // it turns for long, and the integrator is of first order
   physics.free_yaw = 6e-3;
   physics.free_speed = 5e-3;
-  const double give = 0.58 * 0.6 / knobs.baumgarte;  // [m] of the link, pushed at 0.6 m/s (two_mass::kParameters)
+  const double give = 0.58 * 0.6 / parameters.baumgarte;  // [m] of the link, pushed at 0.6 m/s (two_mass::kParameters)
   physics.push_position = 1.3 * give;
   physics.push_speed = 1.5 * give;        // [m/s] it comes back slowly
   physics.contact_position = 0.5 * give;  // pushed at 0.2 m/s
@@ -51,21 +52,30 @@ PhysicsOfKind physicsOf(const TwoMassParameters& knobs) {
 std::vector<Subject> subjects() {
   std::vector<Subject> subjects = {{twoMassKind(), {}, physicsOf({})}};
   for (const auto& [name, value] : {std::pair("block_damp", 1.0), {"pusher_mass", 0.5}, {"baumgarte", 20.0}}) {
-    TwoMassParameters knobs;
-    for (const two_mass::Parameter& knob : two_mass::kParameters) {
-      if (knob.name == std::string(name)) {
-        knobs.*knob.value = value;
+    TwoMassParameters parameters;
+    for (const two_mass::Parameter& parameter : two_mass::kParameters) {
+      if (parameter.name == std::string(name)) {
+        parameters.*parameter.value = value;
       }
     }
-    subjects.push_back({twoMassKind(), {{name, shortestText(value)}}, physicsOf(knobs)});
+    subjects.push_back({twoMassKind(), {{name, shortestText(value)}}, physicsOf(parameters)});
   }
   return subjects;
+}
+
+/// Its substep is fixed: the engine is the course's, bit for bit. In the hit its link gives way.
+std::vector<ConvergenceSubject> convergence() {
+  return {
+      {{twoMassKind(), {}, physicsOf({})},
+       "",
+       {{"servo", 4.517e-3}, {"slide", 0.06995}, {"slide to rest", 2.914e-3}, {"spin", 6.302e-4}, {"hit", 7.089e-3}}}};
 }
 
 }  // namespace
 }  // namespace pusht::testing
 
 PUSHT_TEST_SIMULATOR_KIND(TwoMass, subjects());
+PUSHT_TEST_CONVERGENCE(TwoMass, convergence());
 
 namespace pusht {
 
@@ -74,11 +84,11 @@ namespace {
 using two_mass::kBar;
 using two_mass::kStem;
 
-TwoMassParameters parameters(const nlohmann::json& knobs) {
+TwoMassParameters parametersOf(const nlohmann::json& values) {
   TwoMassParameters result;
-  result.pusher_mass = knobs.value("pusher_mass", result.pusher_mass);
-  result.block_damp = knobs.value("block_damp", result.block_damp);
-  result.baumgarte = knobs.value("baumgarte", result.baumgarte);
+  result.pusher_mass = values.value("pusher_mass", result.pusher_mass);
+  result.block_damp = values.value("block_damp", result.block_damp);
+  result.baumgarte = values.value("baumgarte", result.baumgarte);
   return result;
 }
 
@@ -95,8 +105,8 @@ TEST(TwoMassEngine, MatchesTheGoldenTrajectories) {
   for (const auto& golden : testing::loadGolden("pusht_golden.json", "cases")) {
     const auto& actions = golden.at("actions");
     for (const auto& expected : golden.at("engine")) {
-      SCOPED_TRACE("seed " + golden.at("seed").dump() + " knobs " + expected.at("knobs").dump());
-      TwoMassEngine engine(parameters(expected.at("knobs")));
+      SCOPED_TRACE("seed " + golden.at("seed").dump() + " parameters " + expected.at("knobs").dump());
+      TwoMassEngine engine(parametersOf(expected.at("knobs")));
       Rollout rollout = begin(engine, spawn(golden.at("seed").get<std::uint64_t>()));
       for (std::size_t step = 0;; ++step) {
         expectRow(engine.bodies().positions, expected.at("q_pusher_bar_stem").at(step));
@@ -166,7 +176,7 @@ class Symmetry : public ::testing::TestWithParam<Image> {};
 
 TEST_P(Symmetry, TheImageOfAMotionIsTheMotionOfTheImage) {
   const Image& image = GetParam();
-  double travelled = 0.0;
+  double traveled = 0.0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     TwoMassEngine engine;
     TwoMassEngine mirror;
@@ -180,9 +190,9 @@ TEST_P(Symmetry, TheImageOfAMotionIsTheMotionOfTheImage) {
       mirror.step({0.0F, 0.0F});
     }
     testing::expectNear(mirror.state(), image(engine.state()), 1e-10);
-    travelled += (engine.state().tee_position - start.tee_position).norm();
+    traveled += (engine.state().tee_position - start.tee_position).norm();
   }
-  EXPECT_GT(travelled, 0.1);
+  EXPECT_GT(traveled, 0.1);
 }
 
 Image rotation(double angle) {
@@ -196,13 +206,13 @@ INSTANTIATE_TEST_SUITE_P(TwoMassEngine, Symmetry,
 
 const two_mass::Parameter& parameterNamed(const std::string& name) {
   return *std::find_if(two_mass::kParameters.begin(), two_mass::kParameters.end(),
-                       [&](const two_mass::Parameter& knob) { return knob.name == name; });
+                       [&](const two_mass::Parameter& parameter) { return parameter.name == name; });
 }
 
 /// Message of the refusal of these parameters; empty if they are accepted.
-std::string refusal(const TwoMassParameters& knobs) {
+std::string refusal(const TwoMassParameters& parameters) {
   try {
-    TwoMassEngine engine(knobs);
+    TwoMassEngine engine(parameters);
   } catch (const InvalidInput& error) {
     return error.what();
   }
@@ -211,43 +221,46 @@ std::string refusal(const TwoMassParameters& knobs) {
 
 TEST(TwoMassParameters, RefusesWhatIsOutsideTheRangeOfAParameterByName) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  for (const two_mass::Parameter& knob : two_mass::kParameters) {
-    TwoMassParameters knobs;
-    knobs.block_damp = 0.0;  // leaves the link its whole range
-    for (const double inside : {knob.least, knob.greatest}) {
-      knobs.*knob.value = inside;
-      EXPECT_EQ(refusal(knobs), "");
+  for (const two_mass::Parameter& parameter : two_mass::kParameters) {
+    TwoMassParameters parameters;
+    parameters.block_damp = 0.0;  // leaves the link its whole range
+    for (const double inside : {parameter.least, parameter.greatest}) {
+      parameters.*parameter.value = inside;
+      EXPECT_EQ(refusal(parameters), "");
     }
-    for (const double outside : {std::nextafter(knob.least, -kInfinity), std::nextafter(knob.greatest, kInfinity), -1.0,
-                                 kInfinity, std::numeric_limits<double>::quiet_NaN()}) {
-      knobs.*knob.value = outside;
-      EXPECT_THAT(refusal(knobs),
-                  ::testing::AllOf(::testing::StartsWith(knob.name + (" " + shortestText(outside)) + ": must be from "),
-                                   ::testing::HasSubstr(knob.unit), ::testing::HasSubstr(knob.reason)));
+    for (const double outside :
+         {std::nextafter(parameter.least, -kInfinity), std::nextafter(parameter.greatest, kInfinity), -1.0, kInfinity,
+          std::numeric_limits<double>::quiet_NaN()}) {
+      parameters.*parameter.value = outside;
+      EXPECT_THAT(
+          refusal(parameters),
+          ::testing::AllOf(::testing::StartsWith(parameter.name + (" " + shortestText(outside)) + ": must be from "),
+                           ::testing::HasSubstr(parameter.unit), ::testing::HasSubstr(parameter.reason)));
     }
   }
 }
 
 TEST(TwoMassParameters, RefusesALinkThatIsTooStiffForItsDrag) {
   for (const double damp : {0.0, 6.0, 60.0, 100.0}) {
-    TwoMassParameters knobs;
-    knobs.block_damp = damp;
+    TwoMassParameters parameters;
+    parameters.block_damp = damp;
     const double greatest = std::min(two_mass::greatestBaumgarte(damp), parameterNamed("baumgarte").greatest);
-    knobs.baumgarte = 0.999 * greatest;
-    EXPECT_EQ(refusal(knobs), "");
-    knobs.baumgarte = 1.001 * greatest;
-    EXPECT_THAT(refusal(knobs), ::testing::StartsWith("baumgarte " + shortestText(knobs.baumgarte) + ": must be "));
+    parameters.baumgarte = 0.999 * greatest;
+    EXPECT_EQ(refusal(parameters), "");
+    parameters.baumgarte = 1.001 * greatest;
+    EXPECT_THAT(refusal(parameters),
+                ::testing::StartsWith("baumgarte " + shortestText(parameters.baumgarte) + ": must be "));
   }
 }
 
 // The ranges are those in which the integration itself is stable: just inside it is, just outside it is not.
 
 /// Model of any parameters, those that are refused too.
-two_mass::Model modelWith(const TwoMassParameters& knobs) {
-  return {{knobs.pusher_mass, kBarMass, kStemMass},
-          {1.0 / knobs.pusher_mass, 1.0 / kBarMass, 1.0 / kStemMass},
-          knobs.block_damp,
-          knobs.baumgarte};
+two_mass::Model modelWith(const TwoMassParameters& parameters) {
+  return {{parameters.pusher_mass, kBarMass, kStemMass},
+          {1.0 / parameters.pusher_mass, 1.0 / kBarMass, 1.0 / kStemMass},
+          parameters.block_damp,
+          parameters.baumgarte};
 }
 
 /// A tee at the origin with its stem on +x, `stretch` [m] longer than it should be; the pusher is far away.
@@ -261,11 +274,11 @@ two_mass::Bodies<double> stretchedTee(double stretch) {
 
 TEST(StableRange, DragSlowsTheTeeAndNeverTurnsIt) {
   const auto speed_after_a_substep = [](double damp) {
-    TwoMassParameters knobs;
-    knobs.block_damp = damp;
+    TwoMassParameters parameters;
+    parameters.block_damp = damp;
     two_mass::Bodies<double> bodies = stretchedTee(0.0);
     bodies.velocities[kBar] = bodies.velocities[kStem] = {1.0, 0.0};
-    two_mass::substep<double>(modelWith(knobs), {0.0, 0.0}, bodies);
+    two_mass::substep<double>(modelWith(parameters), {0.0, 0.0}, bodies);
     return bodies.velocities[kBar].x();
   };
   const double greatest = parameterNamed("block_damp").greatest;
@@ -277,13 +290,13 @@ TEST(StableRange, AnErrorOfTheLinkDecaysUpToItsGreatestStiffness) {
   constexpr double kStretch = 1e-9;  // [m]
   // After 30 s, or once it is a thousand times as large.
   const auto error_after_a_while = [](double damp, double baumgarte) {
-    TwoMassParameters knobs;
-    knobs.block_damp = damp;
-    knobs.baumgarte = baumgarte;
+    TwoMassParameters parameters;
+    parameters.block_damp = damp;
+    parameters.baumgarte = baumgarte;
     two_mass::Bodies<double> bodies = stretchedTee(kStretch);
     double error = kStretch;
     for (int i = 0; i < kHorizon * kSubstepsPerControlStep && error < 1e3 * kStretch; ++i) {
-      two_mass::substep<double>(modelWith(knobs), {0.0, 0.0}, bodies);
+      two_mass::substep<double>(modelWith(parameters), {0.0, 0.0}, bodies);
       error = std::abs((bodies.positions[kStem] - bodies.positions[kBar]).norm() - kStemOffset);
     }
     return error;
@@ -296,10 +309,10 @@ TEST(StableRange, AnErrorOfTheLinkDecaysUpToItsGreatestStiffness) {
 }
 
 /// [m/s] How fast the tee gets when a pusher at full speed chases it for 30 s.
-double fastestTee(const TwoMassParameters& knobs) {
+double fastestTee(const TwoMassParameters& parameters) {
   double fastest = 0.0;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    TwoMassEngine engine(knobs);
+    TwoMassEngine engine(parameters);
     engine.reset(testing::movingState(seed));
     for (int i = 0; i < kHorizon; ++i) {
       engine.step(testing::chase(engine.state()));

@@ -28,15 +28,15 @@ std::vector<TwoMassParameters> parameterSettings() {
 
 TEST(TwoMassEngine, IsThePlainLoopBitForBit) {
   int in_contact = 0;
-  for (const TwoMassParameters& knobs : parameterSettings()) {
+  for (const TwoMassParameters& parameters : parameterSettings()) {
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
-      TwoMassEngine engine(knobs);
+      TwoMassEngine engine(parameters);
       engine.reset(seed % 2 == 0 ? spawn(seed) : testing::movingState(seed));
       two_mass::Bodies<double> expected = engine.bodies();
       for (int step = 0; step < kHorizon; ++step) {
         const Action action = testing::mixedAction(engine.state(), seed, step);
         engine.step(action);
-        naive::step(knobs, clip(action), expected);
+        naive::step(parameters, clip(action), expected);
         ASSERT_TRUE(testing::sameBits(engine.bodies(), expected)) << "seed " << seed << " step " << step;
         in_contact += naive::findContacts(expected.positions).size() == 2 ? 1 : 0;
       }
@@ -85,9 +85,9 @@ TEST(TwoMassLanes, MustStartWhereTheyAreTold) {
 }
 
 TEST(TwoMassLanes, RefusesParametersOutOfRange) {
-  TwoMassParameters knobs;
-  knobs.block_damp = -1.0;
-  EXPECT_THROW(TwoMassLanes(8, knobs), InvalidInput);
+  TwoMassParameters parameters;
+  parameters.block_damp = -1.0;
+  EXPECT_THROW(TwoMassLanes(8, parameters), InvalidInput);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_mujoco/mujoco_kind.hpp"
 
+#include "mujoco_modeling.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/simulator_plugin.hpp"
 
@@ -10,33 +11,40 @@ namespace {
 constexpr const char* kScene = "scene";
 constexpr const char* kShipped = "shipped";
 
+std::vector<ParameterDescriptor> describeParameters() {
+  std::vector<ParameterDescriptor> all = {
+      {kScene, "", "MJCF file, or 'shipped' for the one that comes with the suite; must be this task",
+       std::string(kShipped)}};
+  all.insert(all.end(), modelingParameters().begin(), modelingParameters().end());
+  return all;
+}
+
 SimulatorModel load(const ParameterSet& parameters) {
   const auto& file = parameters.get<std::string>(kScene);
   const bool shipped = file == kShipped;
-  const auto scene = shipped ? std::make_shared<const MujocoScene>() : std::make_shared<const MujocoScene>(file);
-  SimulatorModel model;
-  model.parameters = parameters;
+  auto scene = shipped ? std::make_shared<const MujocoScene>() : std::make_shared<const MujocoScene>(file);
+  if (changesModel(parameters)) {
+    scene = std::make_shared<const MujocoScene>(*scene, parameters);
+  }
+  SimulatorModel model = modelOfWorlds(parameters, [scene] { return std::make_unique<MujocoWorld>(scene); });
   model.provenance[kScene]["sha256"] = scene->sha256();
   if (!shipped) {
     model.provenance[kScene]["file"] = file;
   }
-  model.make_world = [scene] { return std::make_unique<MujocoWorld>(scene); };
-  model.make_lanes = lanesOf(model.make_world);
   return model;
 }
 
 }  // namespace
 
 const SimulatorKind& mujocoKind() {
-  static const SimulatorKind kind = {
-      "mujoco",
-      "MuJoCo",
-      mj_versionString(),
-      {{kScene, "", "MJCF file, or 'shipped' for the one that comes with the suite; must be this task",
-        std::string(kShipped)}},
-      {"libmujoco.so", "libccd.so"},  // libccd finds its contacts
-      MujocoWorld::kStartTolerance,
-      load};
+  static const SimulatorKind kind = {"mujoco",
+                                     "MuJoCo",
+                                     mj_versionString(),
+                                     describeParameters(),
+                                     {"libmujoco.so", "libccd.so"},  // libccd finds its contacts
+                                     MujocoWorld::kStartTolerance,
+                                     load,
+                                     {"timestep=0.005", "integrator=Euler", "cone=elliptic"}};
   return kind;
 }
 

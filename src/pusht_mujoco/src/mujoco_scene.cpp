@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
 
+#include "mujoco_modeling.hpp"
 #include "pusht_mujoco/mujoco_guard.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/substeps.hpp"
 #include "scene_check.hpp"
 #include "shipped_scene.hpp"
 
@@ -25,6 +28,15 @@ mjModel* loadModel(const std::string& path, std::string& complaint) {
     complaint = MujocoGuard::takeWarning();
   }
   return model;
+}
+
+MujocoModel copyOf(const mjModel& model) {
+  mjModel* copy = nullptr;
+  MujocoGuard::run([&] { copy = mj_copyModel(nullptr, &model); });
+  if (copy == nullptr) {
+    throw std::bad_alloc();
+  }
+  return MujocoModel(copy);
 }
 
 }  // namespace
@@ -50,5 +62,12 @@ MujocoScene::MujocoScene(const std::filesystem::path& path) {
     throw InvalidInput("scene " + path.string() + ": " + error.what());
   }
 }
+
+MujocoScene::MujocoScene(const MujocoScene& scene, const ParameterSet& parameters)
+    : sha256_(scene.sha256_), model_(copyOf(scene.model())) {
+  applyModeling(parameters, *model_);
+}
+
+int MujocoScene::substepsPerControlStep() const { return pusht::substepsPerControlStep(model_->opt.timestep); }
 
 }  // namespace pusht

@@ -5,15 +5,12 @@
 #include <string>
 #include <utility>
 
+#include "coordinates.hpp"
 #include "pusht_mujoco/mujoco_guard.hpp"
-#include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 
 namespace pusht {
 namespace {
-
-// Order of the coordinates and velocities; the scene check holds the scene to it.
-enum Coordinate { kTeeX, kTeeY, kTeeYaw, kPusherX, kPusherY };
 
 mjData* makeData(const mjModel& model) {
   mjData* data = nullptr;
@@ -53,10 +50,11 @@ void MujocoWorld::doStep(const Action& action) {
   const mjModel* model = &scene_->model();
   mjData* data = data_.get();
   const double start = data->time;
+  const int substeps = scene_->substepsPerControlStep();
   MujocoGuard::run([&] {
     data->ctrl[0] = action[0];
     data->ctrl[1] = action[1];
-    for (int i = 0; i < kSubstepsPerControlStep; ++i) {
+    for (int i = 0; i < substeps; ++i) {
       mj_step(model, data);
     }
   });

@@ -65,7 +65,7 @@ Field field(std::string_view name, const Number* numbers, int rows, int columns)
   return {name, kKindOf<Number>, numbers, rows, columns};
 }
 
-/// All numbers of a model, in MuJoCo's own lists; those of its visualisation aside.
+/// All numbers of a model, in MuJoCo's own lists; those of its visualization aside.
 std::vector<Field> fieldsOf(const mjModel& model) {
   std::vector<Field> fields;
   [[maybe_unused]] const mjModel* m = &model;

@@ -5,11 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pusht_mujoco/mujoco_kind.hpp"
+#include "pusht_task/testing/convergence_suite.hpp"
 #include "pusht_task/testing/golden.hpp"
 #include "pusht_task/testing/kind_suites.hpp"
 
@@ -26,13 +29,49 @@ std::shared_ptr<const MujocoScene> scene() {
 namespace testing {
 namespace {
 
-std::vector<Subject> subjects() {
+Subject subjectWith(std::map<std::string, std::string> settings) {
   PhysicsOfKind physics;
-  physics.soft_friction = true;
+  physics.soft_friction = physics.soft_contacts = true;
   physics.contact_position = 1.5e-3;  // a contact gives way by 1.1 mm under 12 N
   physics.slip_speed = 0.05;          // a normal is some degrees off; a touch that sticks creeps
-  physics.replay_error = 1e-12;
-  return {{mujocoKind(), {}, physics}};
+  return {mujocoKind(), std::move(settings), physics};
+}
+
+std::vector<Subject> subjects() {
+  Subject subject = subjectWith({});
+  subject.physics.replay_error = 1e-12;
+  return {subject};
+}
+
+/// Euler's integrators are of first order. Within a control step the servo settles in ten of its time constants, so
+/// `implicit` leaves little error, of which higher orders still show. At the servo's limit `implicit` is off by 0.1 m:
+/// it takes the servo's gain into account there too. Runge-Kutta is of fourth order where the motion is smooth; a limit
+/// that ends within a step costs some of that, at random.
+std::vector<ConvergenceSubject> convergence() {
+  return {{subjectWith({}),
+           "timestep",
+           {{"servo", 4.724e-6, 1.2, 1.4},
+            {"servo at its limit", 0.1045, 0.95, 1.05},
+            {"slide", 0.01116, 0.95, 1.05},
+            {"slide to rest", 2.533e-3, 0.95, 1.05},
+            {"spin", 9.127e-4, 0.95, 1.05},
+            {"hit", 2.036e-4, 0.95, 1.05}}},
+          {subjectWith({{"integrator", "Euler"}}),
+           "timestep",
+           {{"servo", 5.711e-3, 0.95, 1.05},
+            {"servo at its limit", 0.03687, 0.95, 1.05},
+            {"slide", 0.01116, 0.95, 1.05},
+            {"slide to rest", 2.533e-3, 0.95, 1.05},
+            {"spin", 9.12e-4, 0.95, 1.05},
+            {"hit", 4.841e-4, 0.95, 1.05}}},
+          {subjectWith({{"integrator", "RK4"}}),
+           "timestep",
+           {{"servo", 5.0e-8, 3.9, 4.3},
+            {"servo at its limit", 1.861e-4, 2.5, 5.0},
+            {"slide", 1.301e-5, 3.9, 4.3},
+            {"slide to rest", 2.436e-5, 2.5, 5.0},
+            {"spin", 2.092e-6, 2.5, 5.0},
+            {"hit", 7.622e-7, 2.5, 5.0}}}};
 }
 
 }  // namespace
@@ -40,6 +79,7 @@ std::vector<Subject> subjects() {
 }  // namespace pusht
 
 PUSHT_TEST_SIMULATOR_KIND(Mujoco, subjects());
+PUSHT_TEST_CONVERGENCE(Mujoco, convergence());
 
 namespace pusht {
 namespace {

@@ -18,7 +18,7 @@ pusht::PolicyModel load(pusht::ParameterReader& parameters) {
   choice.allow_untrained = parameters.flag("allow_untrained", choice.allow_untrained);
   choice.untrained_seed = parameters.seed("seed", choice.untrained_seed);
   pusht::ChosenPolicy chosen = pusht::choosePolicy(
-      choice, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"), [] { return !ros::ok(); });
+      choice, pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint), [] { return !ros::ok(); });
   if (!chosen.warning.empty()) {
     ROS_WARN_STREAM(chosen.warning);
   }

@@ -3,9 +3,11 @@
 
 #include <pusht_msgs/DemonstrationEnd.h>
 #include <pusht_msgs/DemonstrationStep.h>
+#include <pusht_msgs/DemonstrationWorld.h>
 #include <std_msgs/String.h>
 
 #include <algorithm>
+#include <boost/random/normal_distribution.hpp>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,14 +15,44 @@
 #include "pusht_policy/formats.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/numbers.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/ros/bag_file.hpp"
+#include "pusht_task/ros/parameters.hpp"
 #include "pusht_task/spawn.hpp"
 
 namespace pusht {
 namespace {
 
 constexpr int kMaxEpisodes = 1'000'000;
+
+/// World that takes each action with normal noise on it.
+class NoisyWorld final : public Simulator {
+ public:
+  /// `seed` chooses the stream of the noise. `deviation` is that of each axis [m/s].
+  NoisyWorld(Simulator& world, std::uint64_t seed, double deviation)
+      : Simulator("", world.startTolerance()),
+        world_(world),
+        generator_(seed, "action noise"),
+        noise_(0.0, deviation) {}
+
+ private:
+  void doReset(const WorldState& state) override { world_.reset(state); }
+
+  void doStep(const Action& action) override {
+    Action noisy = action;
+    for (float& component : noisy) {
+      component += static_cast<float>(noise_(generator_.bits()));
+    }
+    world_.step(noisy);
+  }
+
+  WorldState doState() const override { return world_.state(); }
+
+  Simulator& world_;
+  NumpyGenerator generator_;
+  boost::random::normal_distribution<double> noise_;
+};
 
 /// Stamps grow by a control step through the whole bag.
 class Stamps {
@@ -41,7 +73,13 @@ Message stamped(std::uint64_t seed, const ros::Time& stamp) {
   return message;
 }
 
-void write(BagFile& bag, Stamps& stamps, std::uint64_t seed, const Rollout& rollout) {
+void write(BagFile& bag, Stamps& stamps, std::uint64_t seed, const DemonstrationWorld& world, const Rollout& rollout) {
+  auto beginning = stamped<pusht_msgs::DemonstrationWorld>(seed, stamps.next());
+  beginning.simulator = world.simulator;
+  for (const auto& [name, value] : world.drawn) {
+    beginning.drawn.push_back(parameter(name, value));
+  }
+  bag.write(kDemonstrationWorldTopic, beginning.header.stamp, beginning);
   const Trace& trace = rollout.trace();
   for (std::size_t step = 0; step < trace.steps(); ++step) {
     auto message = stamped<pusht_msgs::DemonstrationStep>(seed, stamps.next());
@@ -57,6 +95,14 @@ void write(BagFile& bag, Stamps& stamps, std::uint64_t seed, const Rollout& roll
   bag.write(kDemonstrationEndTopic, end.header.stamp, end);
 }
 
+Rollout demonstrated(const DemonstrationWorld& world, std::uint64_t seed, double action_noise, Policy& demonstrator) {
+  if (action_noise == 0.0) {
+    return runClosedLoop(*world.world, spawn(seed), demonstrator, kHorizon);
+  }
+  NoisyWorld noisy(*world.world, seed, action_noise);
+  return runClosedLoop(noisy, spawn(seed), demonstrator, kHorizon);
+}
+
 }  // namespace
 
 void DemonstrationPlan::validate() const {
@@ -66,24 +112,31 @@ void DemonstrationPlan::validate() const {
   if (seed > std::numeric_limits<std::uint64_t>::max() - static_cast<std::uint64_t>(episodes)) {
     throw InvalidInput("seed " + std::to_string(seed) + ": seed + episodes must be below 2^64");
   }
+  if (!(action_noise >= 0.0 && action_noise <= kActionLimit)) {
+    throw InvalidInput("action noise " + shortestText(action_noise) + ": must be from 0 to " +
+                       shortestText(kActionLimit) + " m/s");
+  }
 }
 
-DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, Simulator& world, Policy& demonstrator,
-                                        const nlohmann::json& origin, const std::filesystem::path& path,
+DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, const DemonstrationWorlds& worlds,
+                                        Policy& demonstrator, const nlohmann::json& origin,
+                                        const std::filesystem::path& path,
                                         const std::function<bool(const DemonstrationTally&)>& report) {
   plan.validate();
   BagFile bag(path);
   Stamps stamps;
   nlohmann::json beginning = origin;
   beginning["format"] = kDemonstrationFormat;
+  beginning["action_noise"] = plan.action_noise;  // [m/s]
   std_msgs::String text;
   text.data = beginning.dump();
   bag.write(kDemonstrationOriginTopic, stamps.next(), text);
   DemonstrationTally tally;
   while (tally.episodes < plan.episodes) {
     const std::uint64_t seed = plan.seed + static_cast<std::uint64_t>(tally.episodes);
-    const Rollout rollout = runClosedLoop(world, spawn(seed), demonstrator, kHorizon);
-    write(bag, stamps, seed, rollout);
+    const DemonstrationWorld world = worlds(seed);
+    const Rollout rollout = demonstrated(world, seed, plan.action_noise, demonstrator);
+    write(bag, stamps, seed, world, rollout);
     ++tally.episodes;
     tally.successes += rollout.success() ? 1 : 0;
     tally.frames += rollout.steps();

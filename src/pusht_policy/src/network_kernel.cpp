@@ -26,7 +26,7 @@ struct Product {
   int row_stride;  // of inputs and outputs
 };
 
-// The product is vectorised over the columns, so that every sum runs in index order whatever the width of
+// The product is vectorized over the columns, so that every sum runs in index order whatever the width of
 // the vectors. `-ffp-contract=off` keeps multiplication and addition apart. All of it is inlined into one
 // function per instruction set, below.
 

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "pusht_policy/checkpoint_home.hpp"
 #include "pusht_policy/formats.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
@@ -55,7 +56,7 @@ std::vector<Action> tryOut(TorchNetwork& network, const std::string& name) {
 
 /// If a file PATH.provenance.json says which bytes the checkpoint must have, these are they.
 void requireProvenance(const std::filesystem::path& path, const std::string& name, const std::string& sha256) {
-  const std::filesystem::path provenance = path.string() + ".provenance.json";
+  const std::filesystem::path provenance = provenancePath(path);
   std::error_code error;
   const auto type = std::filesystem::symlink_status(provenance, error).type();
   if (type == std::filesystem::file_type::not_found || error == std::errc::filename_too_long) {

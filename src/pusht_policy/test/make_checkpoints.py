@@ -13,8 +13,8 @@ ACTION = 2
 HIDDEN = 48
 
 
-class Normalised(nn.Module):
-    """The course's policy: it carries its own normalisation, raw observation in, raw action out."""
+class Normalized(nn.Module):
+    """The course's policy: it carries its own normalization, raw observation in, raw action out."""
 
     def __init__(self, net: nn.Module) -> None:
         super().__init__()
@@ -30,7 +30,7 @@ class Normalised(nn.Module):
         return (y + 1) / 2 * self.act_range + self.act_min
 
 
-class TakesSingleRows(Normalised):
+class TakesSingleRows(Normalized):
     """A module that branches on the number of dimensions."""
 
     def forward(self, obs: Tensor) -> Tensor:
@@ -107,12 +107,12 @@ def main() -> None:
     folder = Path(sys.argv[1])
     torch.manual_seed(0)
     modules = {
-        "course": Normalised(perceptron()),
+        "course": Normalized(perceptron()),
         "single_rows": TakesSingleRows(perceptron()),
-        "extras": Normalised(with_extras()),
+        "extras": Normalized(with_extras()),
         "residual": Residual(),
-        "layer_norm": Normalised(layer_norm()),
-        "gelu": Normalised(perceptron(nn.GELU)),
+        "layer_norm": Normalized(layer_norm()),
+        "gelu": Normalized(perceptron(nn.GELU)),
     }
     for name, module in modules.items():
         module.eval()

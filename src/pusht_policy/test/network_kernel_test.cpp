@@ -30,7 +30,7 @@ Floats randomFloats(int count, double bound) {
   return testing::randomValues(generator, count, bound);
 }
 
-/// A network with one of every kind of operation: normalisation, two layers, tanh.
+/// A network with one of every kind of operation: normalization, two layers, tanh.
 std::vector<Operation> randomNetwork(int inputs, int hidden, int outputs) {
   const double scale = 1.0 / std::sqrt(hidden);
   return {{Kind::kSubtract, inputs, randomFloats(inputs, 1.0)},

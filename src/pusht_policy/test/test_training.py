@@ -26,6 +26,7 @@ from std_msgs.msg import String  # type: ignore[import]
 from pusht_policy import software, training
 from pusht_policy.checkpoint import PROVENANCE_FORMAT, provenance_path
 from pusht_policy.demonstrations import Demonstration, read_demonstrations, sha256_of_frames
+from pusht_policy.formats import DEMONSTRATION_FORMAT
 from pusht_policy.frames import split
 from pusht_policy.model import Policy, minimum_and_range, normalised, torchscript_bytes
 from pusht_policy.recipe import Recipe
@@ -34,7 +35,11 @@ from pusht_task.error import Error, ExitCode
 
 SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
 DEADLINE = 120  # s, for a started command
-ORIGIN = {"demonstrator": "a smooth expert", "simulator": "none"}
+ORIGIN = {
+    "demonstrator": "a smooth expert",
+    "simulators": [{"name": "none", "parameters": {}, "drawn": {}}],
+    "format": DEMONSTRATION_FORMAT,
+}
 SMALL = Recipe(epochs=12, batch=16, hidden=(8, 6))
 
 
@@ -195,12 +200,12 @@ class ReadDemonstrations(TemporaryFolderCase):
 
     def test_format_of_the_bag(self) -> None:
         recording = messages(demonstration(7))
-        for text in ("{}", '{"format": 1}'):
+        for text in ("{}", '{"format": 1}', '{"format": 2}'):
             bag = write_bag(self.folder / "some.bag", [String(data=text)] + recording)
             self.assertEqual(len(read_demonstrations([bag])), 1)
         for text, why in (
-            ('{"format": 2}', "format 2: must be 1"),
-            ('{"format": null}', "format None: must be 1"),
+            ('{"format": 3}', "format 3: must be 2"),
+            ('{"format": null}', "format None: must be 2"),
             ("[]", r"origin is \[\]; it must be a JSON object"),
             ("{", "origin: .*; it must be JSON"),
         ):
@@ -246,7 +251,7 @@ class PolicyModule(unittest.TestCase):
         self.assertEqual(minimum.tolist(), [0.0, 2.0, -1.0])
         self.assertEqual(value_range.tolist(), [1.0, 1.0, 4.0])
 
-    def test_frames_fill_the_normalised_interval(self) -> None:
+    def test_frames_fill_the_normalized_interval(self) -> None:
         mapped = normalised(self.observations, self.model.obs_min, self.model.obs_range)
         self.assertEqual(mapped.min(dim=0).values.tolist(), [-1.0] * 10)
         for column in range(6):
@@ -319,7 +324,7 @@ class Training(TrainerCase):
         self.assertEqual(parts(0), [train_part, validation_part])
         self.assertNotEqual(parts(1), [train_part, validation_part])
 
-    def test_normalisation_ignores_validation_frames(self) -> None:
+    def test_normalization_ignores_validation_frames(self) -> None:
         generator = torch.Generator().manual_seed(SMALL.seed)
         train_part, validation_part = split(self.demonstrations, SMALL, generator)
         before = self.trainer().model.state_dict()
@@ -581,14 +586,145 @@ class TrainCommand(CommandCase):
         self.assertEqual(self.out.read_bytes(), (self.folder / "whole.pt").read_bytes())
         self.assertFalse((self.folder / "policy.ts.pt.training").exists())
 
+    def test_policies_of_earlier_epochs(self) -> None:
+        """The policy after 4 of 10 epochs is not that of 4 epochs: its learning rate fell less."""
+        finished = self.run_command(self.command("--also-after", "4", "--also-after", "7"))
+        self.assertEqual((finished.returncode, finished.stderr), (0, ""))
+        whole = self.run_command(self.command(out="whole.ts.pt"))
+        self.assertEqual(whole.returncode, 0, whole.stderr)
+        early = self.folder / "after-4-policy.ts.pt"
+        self.assertEqual(self.out.read_bytes(), (self.folder / "whole.ts.pt").read_bytes())
+        contents = {path.read_bytes() for path in self.folder.glob("*policy.ts.pt")}
+        self.assertEqual(len(contents), 3)
+        for path, epochs in ((early, 4), (self.folder / "after-7-policy.ts.pt", 7)):
+            provenance = json.loads(provenance_path(path).read_text())
+            self.assertEqual(provenance["training"]["after_epochs"], epochs)
+            self.assertEqual(provenance["training"]["epochs"], 10)
+            self.assertEqual(
+                provenance["checkpoint"]["sha256"], hashlib.sha256(path.read_bytes()).hexdigest()
+            )
+        self.assertNotIn(
+            "after_epochs", json.loads(provenance_path(self.out).read_text())["training"]
+        )
+        again = self.run_command(self.command("--also-after", "4", out="other.ts.pt"))
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual((self.folder / "after-4-other.ts.pt").read_bytes(), early.read_bytes())
+
+    def test_policy_of_an_earlier_epoch_that_is_there_stays(self) -> None:
+        (self.folder / "after-4-policy.ts.pt").write_text("mine")
+        finished = self.run_command(self.command("--also-after", "4"))
+        self.assert_refused(finished, 2, "after-4-policy.ts.pt: is there already")
+        self.assertEqual((self.folder / "after-4-policy.ts.pt").read_text(), "mine")
+
+    def test_killed_at_the_end_it_resumes(self) -> None:
+        """Whatever is written of the last checkpoint: its state is there until all is."""
+        whole = self.run_command(self.command("--also-after", "4"))
+        self.assertEqual(whole.returncode, 0, whole.stderr)
+        early, files = self.folder / "after-4-policy.ts.pt", (self.out, provenance_path(self.out))
+        wanted = [file.read_bytes() for file in (*files, early)]
+        state = self.folder / "policy.ts.pt.training" / "state.pt"
+        for left in ((), files[1:], files):
+            with self.subTest(files=len(left)):
+                self.train_to_the_end_and_stop(state)
+                for file in set(files) - set(left):
+                    file.unlink()
+                again = self.run_command(self.command("--also-after", "4", "--keep"))
+                self.assertEqual((again.returncode, again.stderr), (0, ""))
+                self.assertEqual([file.read_bytes() for file in (*files, early)], wanted)
+                self.assertFalse(state.parent.exists())
+
+    def train_to_the_end_and_stop(self, state: Path) -> None:
+        """Leaves the state of a training that was killed before it was removed."""
+        demonstrations = read_demonstrations([self.bag])
+        recipe = Recipe(epochs=10, batch=16, hidden=(8, 6))
+        software_set = training.set_up_torch
+        software_set(recipe)
+        trainer = Trainer(demonstrations, recipe)
+        state.parent.mkdir()
+        trainer.run(state, never)
+
+    def test_early_policies_that_are_passed_are_named(self) -> None:
+        finished = self.run_command(self.command())
+        self.assertEqual(finished.returncode, 0, finished.stderr)
+        again = self.run_command(self.command("--also-after", "4", "--keep"))
+        self.assertEqual(again.returncode, 2, again.stderr)
+        self.assertIn("after-4-policy.ts.pt: is not there; delete ", again.stderr)
+
+    def test_a_stdout_that_closes_ends_several_seeds(self) -> None:
+        with subprocess.Popen(
+            self.command("--seeds", "3", epochs=600),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as process:
+            assert process.stdout is not None and process.stderr is not None
+            process.stdout.readline()
+            process.stdout.close()
+            error = process.stderr.read()
+            self.assertEqual(process.wait(DEADLINE), 4, error)
+        self.assertEqual(error.count("\n"), 1, error)
+        self.assertIn("stdout", error)
+
+    def test_several_seeds_have_the_bytes_of_each(self) -> None:
+        finished = self.run_command(self.command("--seeds", "3", "--seed", "5"))
+        self.assertEqual((finished.returncode, finished.stderr), (0, ""))
+        self.assertIn("seed 6: epoch 10/10  train ", finished.stdout)
+        self.assertFalse(self.out.exists())
+        single = self.run_command(self.command("--seed", "6"))
+        self.assertEqual(single.returncode, 0, single.stderr)
+        of_seed = [self.folder / f"policy-{seed}.ts.pt" for seed in (5, 6, 7)]
+        self.assertEqual(of_seed[1].read_bytes(), self.out.read_bytes())
+        self.assertEqual(len({path.read_bytes() for path in of_seed}), 3)
+        before = {path: path.stat().st_mtime_ns for path in of_seed}
+        of_seed[0].unlink()
+        provenance_path(of_seed[0]).unlink()
+        again = self.run_command(self.command("--seeds", "3", "--seed", "5"))
+        self.assertEqual((again.returncode, again.stderr), (0, ""))
+        self.assertIn("policy-6.ts.pt stays: it is this training, finished", again.stdout)
+        self.assertEqual(
+            [path.stat().st_mtime_ns for path in of_seed[1:]], list(before.values())[1:]
+        )
+        other = self.run_command(self.command("--seeds", "2", "--seed", "6", epochs=11))
+        self.assertEqual(other.returncode, 2, other.stderr)
+        self.assertIn("epochs was 10, is now 11; both must agree", other.stderr)
+
+    def test_an_interrupt_of_several_seeds_stops_all_of_them(self) -> None:
+        with subprocess.Popen(
+            self.command("--seeds", "2", epochs=600),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as process:
+            assert process.stdout is not None and process.stderr is not None
+            while ": epoch " not in process.stdout.readline():
+                self.assertIsNone(process.poll())
+            process.send_signal(signal.SIGINT)
+            process.stdout.read()
+            error = process.stderr.read()
+            self.assertEqual(process.wait(DEADLINE), 4, error)
+        self.assertEqual(
+            error, "train: interrupted, states saved; run the same command again to resume\n"
+        )
+        self.assertEqual(list(self.folder.glob("*.ts.pt")), [])
+        resumed = self.run_command(self.command("--seeds", "2", epochs=600))
+        self.assertEqual(resumed.returncode, 0, resumed.stderr)
+        self.assertIn("resumed after epoch ", resumed.stdout)
+
     def test_bad_input(self) -> None:
         with self.subTest("bag"):
             command = self.command("--bag", str(self.folder / "absent.bag"))
             self.assert_refused(self.run_command(command), 2, "absent.bag: no such file")
-        for option, value in (("--epochs", "0"), ("--lr", "nan"), ("--batch", "many")):
+        for option, *values in (
+            ("--epochs", "0"),
+            ("--lr", "nan"),
+            ("--batch", "many"),
+            ("--also-after", "10"),
+            ("--seeds", "0"),
+            ("--seeds", "2", "--threads", "0"),
+        ):
             with self.subTest(option):
-                finished = self.run_command(self.command(option, value))
-                self.assert_refused(finished, 2, option.strip("-"))
+                finished = self.run_command(self.command(option, *values))
+                self.assert_refused(finished, 2, (values[-2:-1] or [option])[0].strip("-"))
         with self.subTest("folder"):
             finished = self.run_command(self.command(out="absent/policy.pt"))
             self.assert_refused(finished, 2, "its folder does not exist")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which spellings of a network are recognised, and as what.
+// Which spellings of a network are recognized, and as what.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

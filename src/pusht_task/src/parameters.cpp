@@ -75,6 +75,11 @@ std::string ParameterDescriptor::range() const {
     return whole ? std::to_string(std::llround(value)) : shortestText(value);
   };
   const std::string in_unit = unit.empty() ? "" : " [" + unit + "]";
+  if (!numbers.empty()) {
+    std::vector<std::string> texts;
+    std::transform(numbers.begin(), numbers.end(), std::back_inserter(texts), end);
+    return "one of: " + joined(texts) + in_unit;
+  }
   if (std::isfinite(least) && std::isfinite(greatest)) {
     return "from " + end(least) + " to " + end(greatest) + in_unit;
   }
@@ -105,7 +110,8 @@ void ParameterDescriptor::require(const ParameterValue& value) const {
   const auto* const real = std::get_if<double>(&value);
   const double number = real != nullptr ? *real : integer != nullptr ? static_cast<double>(*integer) : 0.0;
   // Written so that a NaN fails.
-  if ((real != nullptr || integer != nullptr) && !(least <= number && number <= greatest)) {
+  const bool listed = numbers.empty() || std::find(numbers.begin(), numbers.end(), number) != numbers.end();
+  if ((real != nullptr || integer != nullptr) && !(least <= number && number <= greatest && listed)) {
     throw InvalidInput(name + " " + textOf(value) + ": must be " + range() + (reason.empty() ? "" : ": " + reason));
   }
 }

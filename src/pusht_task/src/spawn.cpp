@@ -6,16 +6,23 @@
 #include <cstddef>
 
 #include "pusht_task/constants.hpp"
+#include "pusht_task/files.hpp"
 
 namespace pusht {
 namespace {
 
-/// numpy's SeedSequence for an entropy of one integer: O'Neill's seed_seq_fe with a pool of four words.
+/// The two words of an integer, low first.
+std::array<std::uint32_t, 2> wordsOf(std::uint64_t value) {
+  return {static_cast<std::uint32_t>(value), static_cast<std::uint32_t>(value >> 32U)};
+}
+
+/// numpy's SeedSequence for an entropy of at most four words: O'Neill's seed_seq_fe with a pool of four words.
 class SeedSequence {
  public:
-  explicit SeedSequence(std::uint64_t seed) {
-    const std::array<std::uint32_t, kPoolSize> entropy = {static_cast<std::uint32_t>(seed),
-                                                          static_cast<std::uint32_t>(seed >> 32U), 0U, 0U};
+  SeedSequence(std::uint64_t seed, std::uint64_t purpose) {
+    const auto [low, high] = wordsOf(seed);
+    const auto [purpose_low, purpose_high] = wordsOf(purpose);
+    const std::array<std::uint32_t, kPoolSize> entropy = {low, high, purpose_low, purpose_high};
     Hash hash{0x43b0d7e5U, 0x931e8875U};
     for (std::size_t i = 0; i < kPoolSize; ++i) {
       pool_[i] = hash(entropy[i]);
@@ -63,15 +70,18 @@ class SeedSequence {
   std::array<std::uint32_t, kPoolSize> pool_{};
 };
 
-pcg64 seededEngine(std::uint64_t seed) {
+pcg64 seededEngine(std::uint64_t seed, std::uint64_t purpose) {
   using pcg_extras::pcg128_t;  // named by the macro
-  const auto words = SeedSequence(seed).generateState();
+  const auto words = SeedSequence(seed, purpose).generateState();
   return pcg64(PCG_128BIT_CONSTANT(words[0], words[1]), PCG_128BIT_CONSTANT(words[2], words[3]));
 }
 
 }  // namespace
 
-NumpyGenerator::NumpyGenerator(std::uint64_t seed) : engine_(seededEngine(seed)) {}
+NumpyGenerator::NumpyGenerator(std::uint64_t seed) : engine_(seededEngine(seed, 0)) {}
+
+NumpyGenerator::NumpyGenerator(std::uint64_t seed, const std::string& purpose)
+    : engine_(seededEngine(seed, std::stoull(md5(purpose).substr(0, 16), nullptr, 16))) {}
 
 double NumpyGenerator::random() { return static_cast<double>(engine_() >> 11U) * 0x1p-53; }
 

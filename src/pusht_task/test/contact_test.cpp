@@ -45,7 +45,7 @@ WorldState worldWith(const Vector2d& pusher, const Place& place = {{0.0, 0.0}, 0
 /// What is nearest to the pusher on a box, in the tee's frame.
 struct Near {
   Vector2d point;
-  Vector2d way;  // to the pusher's centre
+  Vector2d way;  // to the pusher's center
   double gap;
 };
 
@@ -58,7 +58,7 @@ struct Case {
 };
 
 /// The bar reaches from (-0.06, -0.015) to (0.06, 0.015), the stem from (-0.015, -0.105) to (0.015, -0.015). A pusher
-/// that touches has its centre 0.015 from there. Where it is far from a box, its gap follows from the way.
+/// that touches has its center 0.015 from there. Where it is far from a box, its gap follows from the way.
 std::vector<Case> cases() {
   const auto far = [](const Vector2d& point, const Vector2d& way) { return Near{point, way, way.norm() - 0.015}; };
   const Vector2d right(0.015, -0.015);  // the stem's upper corners

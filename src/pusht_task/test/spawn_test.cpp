@@ -40,6 +40,14 @@ TEST(Spawn, TakesAnySeedOf64Bits) {
   EXPECT_EQ(NumpyGenerator(~0ULL).random(), 0.6800266789616931);
 }
 
+/// The draws were made with numpy 1.24, as spawn.hpp says.
+TEST(Spawn, NamedStreamsAreNumpysToo) {
+  NumpyGenerator noise(0, "action noise");
+  EXPECT_EQ(noise.random(), 0.022822596801880146);
+  EXPECT_EQ(noise.random(), 0.9162024624247138);
+  EXPECT_EQ(NumpyGenerator((1ULL << 40U) + 5, "draw").random(), 0.27765670359553063);
+}
+
 TEST(Spawn, KeepsItsBounds) {
   for (std::uint64_t seed = 0; seed < 10000; ++seed) {
     const WorldState state = spawn(seed);

@@ -70,11 +70,7 @@ inline SimulatorKind toyKind(ToyWorld::Precision precision = ToyWorld::Precision
   kind.version = "1";
   kind.start_tolerance = start_tolerance;
   kind.load = [=](const ParameterSet& parameters) {
-    SimulatorModel model;
-    model.parameters = parameters;
-    model.make_world = [=] { return std::make_unique<ToyWorld>(precision, start_tolerance); };
-    model.make_lanes = lanesOf(model.make_world);
-    return model;
+    return modelOfWorlds(parameters, [=] { return std::make_unique<ToyWorld>(precision, start_tolerance); });
   };
   return kind;
 }

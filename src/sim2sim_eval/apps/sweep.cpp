@@ -6,7 +6,7 @@
 #include "sim2sim_eval/batch/command_line.hpp"
 
 int main(int argc, char** argv) {
-  CLI::App app("Runs the comparison for many settings of the engine's knobs, over the same episodes.", "sweep");
+  CLI::App app("Runs the comparison for many settings of the engine's parameters, over the same episodes.", "sweep");
   sim2sim::SweepOptions options;
   options.declare(app);
   return sim2sim::runCommand(app, argc, argv, [&] { sim2sim::sweep(options); });

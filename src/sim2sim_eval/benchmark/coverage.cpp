@@ -17,9 +17,11 @@
 #include <vector>
 
 #include "coverage_tables.hpp"
+#include "crossed_coverage.hpp"
 #include "known_truths.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
+#include "ranking_coverage.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 #include "sim2sim_statistics/sequential.hpp"
@@ -237,6 +239,11 @@ void study(int repetitions, std::uint64_t seed, const std::string& episodes) {
   tests(simulation, world);
   watching(simulation, world);
   tails(simulation);
+  // Whole tables of episodes take longer.
+  Simulation of_crossed(std::max(1, repetitions / 2), seed);
+  crossed(of_crossed);
+  Simulation of_rankings(std::max(1, repetitions / 8), seed);
+  rankings(of_rankings);
 }
 
 }  // namespace

@@ -21,6 +21,7 @@
 #include "pusht_engine/two_mass_lanes.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/network_policy.hpp"
+#include "pusht_policy/policy_choice.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/rollout.hpp"
@@ -39,10 +40,10 @@ using pusht::simd::kLaneCount;
 
 /// Into the notch between bar and stem, where the pusher stays: two contacts, nearly always.
 pusht::Action push(const pusht::WorldState& state) {
-  constexpr double kCentre = pusht::kStemOffset * pusht::kStemMass / (pusht::kBarMass + pusht::kStemMass);  // [m]
-  const Eigen::Vector2d centre =
-      state.tee_position + kCentre * Eigen::Vector2d(std::sin(state.tee_yaw), -std::cos(state.tee_yaw));
-  const Eigen::Vector2d way = (centre - state.pusher_position).normalized();
+  constexpr double kCenter = pusht::kStemOffset * pusht::kStemMass / (pusht::kBarMass + pusht::kStemMass);  // [m]
+  const Eigen::Vector2d center =
+      state.tee_position + kCenter * Eigen::Vector2d(std::sin(state.tee_yaw), -std::cos(state.tee_yaw));
+  const Eigen::Vector2d way = (center - state.pusher_position).normalized();
   return {static_cast<float>(way.x()), static_cast<float>(way.y())};
 }
 
@@ -104,7 +105,7 @@ std::shared_ptr<const pusht::MujocoScene> scene() {
   return scene;
 }
 
-std::filesystem::path shippedPolicy() { return pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"); }
+std::filesystem::path shippedPolicy() { return pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint); }
 
 const std::vector<pusht::Trace>& referenceTraces() {
   static const std::vector<pusht::Trace> traces = [] {

@@ -54,14 +54,14 @@ std::vector<pusht::Trace> referenceTraces(const sim2sim::Protocol& protocol, con
 void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
   protocol.validate();
   const auto scene = std::make_shared<const pusht::MujocoScene>();
-  const auto shipped = pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt");
+  const auto shipped = pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint);
   const auto policy = pusht::NetworkPolicy::load(shipped);
   const auto on_libtorch = pusht::NetworkPolicy::loadOnLibtorch(shipped);
   const std::vector<pusht::Trace> traces = referenceTraces(protocol, scene, *policy);
   const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(&scene->model()), mj_deleteData);
 
   const sim2sim::SimulatorChoice chosen = sim2sim::chooseSimulator("two_mass", {});
-  const sim2sim::LoadedRun loaded({}, sim2sim::chooseSimulator("mujoco", {}), {chosen});
+  const sim2sim::LoadedRun loaded({}, sim2sim::chooseSimulator("mujoco", {}), {chosen}, {});
   const sim2sim::LoadedSimulator engine(chosen);
   const sim2sim::LoadedSimulator with_other_parameter(sim2sim::chooseSimulator("two_mass", {"block_damp=20"}));
   sim2sim::WorkerFactory with_libtorch = loaded.workerFactory(engine);
@@ -83,7 +83,7 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
        }},
       {"one_thread", [&] { run(loaded.workerFactory(engine), 1, nullptr); }},
       {"two_threads", [&] { run(loaded.workerFactory(engine), 2, nullptr); }},
-      {"further_knob_value", [&] { run(loaded.workerFactory(with_other_parameter), 1, &references); }},
+      {"further_parameter_value", [&] { run(loaded.workerFactory(with_other_parameter), 1, &references); }},
       {"libtorch", [&] { run(with_libtorch, 1, nullptr); }},
   };
   std::map<std::string, std::vector<double>> seconds;
@@ -107,7 +107,7 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
                            {"ratios",
                             {{"protocol_over_bare_mj_step", ratio("one_thread", "bare_mj_step")},
                              {"one_thread_over_two", ratio("one_thread", "two_threads")},
-                             {"further_knob_value_over_first", ratio("further_knob_value", "one_thread")},
+                             {"further_parameter_value_over_first", ratio("further_parameter_value", "one_thread")},
                              {"libtorch_over_kernel", ratio("libtorch", "one_thread")}}}};
   for (const auto& [name, samples] : seconds) {
     result["seconds"][name] = median(samples);

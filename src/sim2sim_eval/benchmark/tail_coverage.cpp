@@ -167,6 +167,20 @@ std::vector<Line> ratios() {
                        }});
     }
   }
+  for (const Component& component : kComponents) {
+    for (const Source source : {kTwoMass, kChipmunk, kFaithful}) {
+      const double largest =
+          std::max(meanDivergence(all(), component, kFloor), meanDivergence(all(), component, kNearest));
+      lines.push_back({"ratio to the largest, Gaffke",
+                       std::string(component.name) + ", " + kNames.at(source) + " over floor and nearest points",
+                       meanDivergence(all(), component, source) / largest, [=](const Places& places) {
+                         return tailRatioToLargest(
+                             divergences(places, component, source),
+                             {divergences(places, component, kFloor), divergences(places, component, kNearest)},
+                             extremeOf(places, component));
+                       }});
+    }
+  }
   return lines;
 }
 
@@ -186,6 +200,24 @@ std::vector<Line> pairedDifferences() {
                                                extremeOf(places, component))
                              .interval;
                        }});
+      lines.push_back({"difference, as printed", of, truth, [=](const Places& places) {
+                         return pairedDifference(differences(places, component, pair.first, pair.second),
+                                                 extremeOf(places, component))
+                             .interval;
+                       }});
+    }
+  }
+  return lines;
+}
+
+std::vector<Line> medians() {
+  std::vector<Line> lines;
+  for (const Component& component : kComponents) {
+    for (const Source source : {kFaithful, kFloor, kNearest, kChipmunk, kTwoMass}) {
+      lines.push_back({"median, order statistics", std::string(component.name) + ", " + kNames.at(source),
+                       medianOf(divergences(all(), component, source)).value, [=](const Places& places) {
+                         return medianOf(divergences(places, component, source)).interval;
+                       }});
     }
   }
   return lines;
@@ -197,6 +229,7 @@ void tails(Simulation& simulation) {
   print(simulation, "the mean divergence", means());
   print(simulation, "the ratio of mean divergences", ratios());
   print(simulation, "the mean difference of divergences", pairedDifferences());
+  print(simulation, "the median divergence", medians());
 }
 
 }  // namespace sim2sim

@@ -55,8 +55,8 @@ def figures(result: Dict[str, Any]) -> List[Figure]:
         Figure("P2", "one thread over two", ratios["one_thread_over_two"], "x", 1.8),
         Figure(
             "P3",
-            "further knob value over the first",
-            ratios["further_knob_value_over_first"],
+            "further parameter value over the first",
+            ratios["further_parameter_value_over_first"],
             "x",
             None,
             0.25,

@@ -97,7 +97,7 @@ int allocationsOf(const Function& step) {
 
 WorkerFactory workersOf(const std::string& policy) {
   const sim2sim::SimulatorChoice engine = sim2sim::chooseSimulator("two_mass", {});
-  return sim2sim::LoadedRun({policy}, sim2sim::chooseSimulator("mujoco", {}), {engine})
+  return sim2sim::LoadedRun({policy}, sim2sim::chooseSimulator("mujoco", {}), {engine}, {})
       .workerFactory(sim2sim::LoadedSimulator(engine));
 }
 
@@ -132,7 +132,8 @@ TEST(Allocations, NoneInAStepOfTheWholeProtocol) {
     const WorkerFactory workers = workersOf(policy_name);
     const Worlds worlds = workers.make_worlds(kEpisodesInFlight);
     const auto policy = workers.make_policy();
-    Flight flight(protocol, worlds, *policy);
+    const sim2sim::VariantWorlds none;
+    Flight flight(protocol, worlds, *policy, none);
     for (int index = 0; index < kEpisodesInFlight; ++index) {
       flight.begin(index);
     }

@@ -13,7 +13,7 @@ from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Callable, Dict, List, Optional, Set
+from typing import Any, Callable, Dict, List, Optional, Sequence, Set
 from unittest import mock
 
 import torch
@@ -108,6 +108,13 @@ class CommandCase(unittest.TestCase):
             text=True,
             timeout=deadline or self.deadline,
         )
+
+    def run_all(self, *commands: Sequence[str]) -> str:
+        """Runs commands that must succeed, in turn; returns what the last one prints."""
+        for command in commands:
+            process = self.run_command(*command)
+            self.assertEqual(process.returncode, 0, process.stderr)
+        return process.stdout
 
     def assert_one_line(
         self, process: "subprocess.CompletedProcess[str]", code: int, command: str

@@ -34,19 +34,19 @@ class LiveExamples(GoalCase):
         self.assertTrue(provenance["policy"]["numpy"])
         self.assert_recomputed(self.out)
 
-    def test_same_bytes_again_and_other_ones_with_another_knob(self) -> None:
+    def test_same_bytes_again_and_other_ones_with_another_parameter(self) -> None:
         results = []
         for name, length in (("a", "0.04"), ("b", "0.04"), ("c", "0.08")):
             self.out = self.folder / name
-            knobs = [Parameter("characteristic_length", length)]
-            self.compare(episodes=1, horizon=100, engine_parameters=knobs)
+            parameters = [Parameter("characteristic_length", length)]
+            self.compare(episodes=1, horizon=100, engine_parameters=parameters)
             results.append(result_bytes(self.out))
         self.assertEqual(results[0], results[1])
         self.assertNotEqual(results[0], results[2])
 
     def test_simulators_that_go_wrong_are_named(self) -> None:
-        sceptic = actionlib.SimpleActionClient("/sceptic/compare", CompareAction)
-        self.assertTrue(sceptic.wait_for_server(rospy.Duration(DEADLINE)))
+        skeptic = actionlib.SimpleActionClient("/skeptic/compare", CompareAction)
+        self.assertTrue(skeptic.wait_for_server(rospy.Duration(DEADLINE)))
         episode = r"episode 0 \(spawn seed 10000\), engine_closed, step"
         for fault, reason in (
             ("shifted", rf"{episode} 0: /bad: reset: tee_x -?\d\.\d+: must be"),
@@ -55,10 +55,10 @@ class LiveExamples(GoalCase):
         ):
             with self.subTest(fault):
                 out = self.folder / fault
-                knobs = [Parameter("fault", fault)]
-                sceptic.send_goal(goal_of(out=str(out), episodes=2, engine_parameters=knobs))
-                self.assertTrue(sceptic.wait_for_result(rospy.Duration(DEADLINE)))
-                self.assertEqual(sceptic.get_result().exit_code, 4)
+                parameters = [Parameter("fault", fault)]
+                skeptic.send_goal(goal_of(out=str(out), episodes=2, engine_parameters=parameters))
+                self.assertTrue(skeptic.wait_for_result(rospy.Duration(DEADLINE)))
+                self.assertEqual(skeptic.get_result().exit_code, 4)
                 self.assert_not_whole(out, reason)
 
 

@@ -52,8 +52,8 @@ class Stranger:
         self.served[name] += answer.success
 
     def configure(self, world: str) -> None:
-        knobs = [] if world == "reference" else [Parameter("block_damp", OTHERS)]
-        self.call(world, "configure", Configure, parameters=knobs, end_episode=True)
+        parameters = [] if world == "reference" else [Parameter("block_damp", OTHERS)]
+        self.call(world, "configure", Configure, parameters=parameters, end_episode=True)
 
     def step(self, world: str) -> None:
         action = (self.chance.uniform(-1, 1), self.chance.uniform(-1, 1))
@@ -149,9 +149,9 @@ class LiveInterference(GoalCase):
 
     def begin(self, client: Any, out: Path, damping: str) -> None:
         shutil.rmtree(out, ignore_errors=True)
-        knobs = [Parameter("block_damp", damping)]
+        parameters = [Parameter("block_damp", damping)]
         client.send_goal(
-            goal_of(out=str(out), episodes=EPISODES, engine_parameters=knobs, record=False)
+            goal_of(out=str(out), episodes=EPISODES, engine_parameters=parameters, record=False)
         )
 
     def end(self, client: Any, out: Path, damping: str) -> int:

@@ -179,7 +179,7 @@ class Runs(LiveCase):
         launch.ended()
         return launch
 
-    def test_knobs_reach_an_engine_that_is_started_elsewhere(self) -> None:
+    def test_parameters_reach_an_engine_that_is_started_elsewhere(self) -> None:
         launch = self.with_engine_from_elsewhere("pusht_engine", "engine_node", block_damp=20)
         wanted = "--policy expert --episodes 1 --block_damp 20".split()
         self.assertEqual(result_bytes(launch.out), self.batch_bytes(*wanted))
@@ -343,7 +343,7 @@ class Refusals(LiveCase):
         self.assertEqual(launch.status()["exit_code"], 0, launch.output)
         self.assertEqual(files(launch.out), RECORDED_RESULTS)
 
-    def test_f19_knob_that_is_no_number(self) -> None:
+    def test_f19_parameter_that_is_no_number(self) -> None:
         self.assert_refused("block_damp 'abc': must be a", block_damp="abc")
 
     def test_f19_unknown_kind(self) -> None:
@@ -371,7 +371,7 @@ class Refusals(LiveCase):
                 self.assert_refused(reason, **arguments)
 
     def test_empty_texts(self) -> None:
-        for name in ("starts", "reanchor", "engine", "engine_parameters"):
+        for name in ("starts", "reanchor", "model_variants", "engine", "engine_parameters"):
             with self.subTest(name):
                 parameters = {f"sim2sim/{name}": ""}
                 reason = f"^{name} '': must not be empty; leave it out, or say (auto|none)$"

@@ -27,7 +27,7 @@ class LiveRespawn(GoalCase):
         cls.log = Topic("/rosout", Log)
 
     def setUp(self) -> None:
-        """The knobs of another test would stay."""
+        """The parameters of another test would stay."""
         super().setUp()
         for engine in ("engine", "engine_replay"):
             configure = connected(f"/{engine}/configure", Configure)
@@ -73,10 +73,10 @@ class LiveRespawn(GoalCase):
         self.assert_survived(2)
 
     def test_f13_node_that_dies_again_before_all_are_back(self) -> None:
-        """It gets its knobs once more, from the evaluator."""
-        knobs = [Parameter("block_damp", "20.0")]
+        """It gets its parameters once more, from the evaluator."""
+        parameters = [Parameter("block_damp", "20.0")]
         self.log.forget(rospy.Time.now())
-        self.send_and_hold(0, 10, episodes=EPISODES, engine_parameters=knobs)
+        self.send_and_hold(0, 10, episodes=EPISODES, engine_parameters=parameters)
         last = pid_of("/engine_replay")  # it is connected to after the engine
         self.addCleanup(kill, last, signal.SIGCONT)
         os.kill(last, signal.SIGSTOP)

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-pusht_msgs::DescribeResponse node(const pusht::Parameters& parameters) {
+pusht_msgs::DescribeResponse nodeDescription(const pusht::Parameters& parameters) {
   pusht_msgs::DescribeResponse description;
   description.name = "mine";
   description.parameters = parameters;
@@ -20,10 +20,10 @@ pusht_msgs::DescribeResponse node(const pusht::Parameters& parameters) {
 }
 
 TEST(RecordOf, GivesParametersTheTypeThatTheirTextShows) {
-  const SimulatorRecord record = recordOf(
-      node({pusht::parameter("walls", "true"), pusht::parameter("friction", "false"), pusht::parameter("sweeps", "20"),
-            pusht::parameter("drag", "20.0"), pusht::parameter("shape", "two discs"), pusht::parameter("limit", "inf"),
-            pusht::parameter("code", "010")}));
+  const SimulatorRecord record = recordOf(nodeDescription(
+      {pusht::parameter("walls", "true"), pusht::parameter("friction", "false"), pusht::parameter("sweeps", "20"),
+       pusht::parameter("drag", "20.0"), pusht::parameter("shape", "two discs"), pusht::parameter("limit", "inf"),
+       pusht::parameter("code", "010")}));
   EXPECT_EQ(
       record.parameters.dump(),
       R"({"walls":true,"friction":false,"sweeps":20,"drag":20.0,"shape":"two discs","limit":"inf","code":"010"})");
@@ -32,7 +32,7 @@ TEST(RecordOf, GivesParametersTheTypeThatTheirTextShows) {
 }
 
 TEST(RecordOf, TakesTypesAndDefaultsFromDescriptors) {
-  auto description = node({pusht::parameter("shape", "20"), pusht::parameter("drag", "6.0")});
+  auto description = nodeDescription({pusht::parameter("shape", "20"), pusht::parameter("drag", "6.0")});
   description.title = "my own";
   for (const auto& [name, type, value] : {std::tuple("shape", "text", "boxes"), std::tuple("drag", "real", "6.0")}) {
     description.parameter_descriptors.emplace_back();
@@ -47,7 +47,7 @@ TEST(RecordOf, TakesTypesAndDefaultsFromDescriptors) {
 }
 
 TEST(ProvenanceOf, HasTheNodesVersionUnlessItSaysOneItself) {
-  auto description = node({});
+  auto description = nodeDescription({});
   description.version = "1.2";
   description.provenance = "{}";
   EXPECT_EQ(provenanceOf(description).dump(), R"({"version":"1.2"})");
@@ -56,7 +56,7 @@ TEST(ProvenanceOf, HasTheNodesVersionUnlessItSaysOneItself) {
 }
 
 TEST(RecordOf, RefusesAProvenanceThatIsNone) {
-  auto description = node({});
+  auto description = nodeDescription({});
   description.provenance = "none";
   EXPECT_THROW(recordOf(description), pusht::BadDependency);
 }

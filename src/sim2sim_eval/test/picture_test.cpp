@@ -82,7 +82,7 @@ class DriftingEpisode {
       : worlds_{std::make_unique<DriftingWorld>(start, 0.0, 0.0),
                 std::make_unique<DriftingWorld>(start, engine_speed, 0.1),
                 std::make_unique<DriftingWorld>(start, replay_speed, replay_yaw_rate)},
-        flight_(protocol_, worlds_, policy_),
+        flight_(protocol_, worlds_, policy_, variants_),
         episode_(flight_.begin(index)) {}
 
   void advance(int steps) {
@@ -109,6 +109,7 @@ class DriftingEpisode {
   IdlePolicy policy_;
   Protocol protocol_;
   Worlds worlds_;
+  VariantWorlds variants_;
   Flight flight_;
   const Episode& episode_;
 };
@@ -157,7 +158,7 @@ std::vector<std::string> texts(const MarkerArray& array, const std::string& pref
   return texts;
 }
 
-std::set<std::pair<std::string, int>> names(const std::vector<Marker>& markers) {
+std::set<std::pair<std::string, int>> markerNames(const std::vector<Marker>& markers) {
   std::set<std::pair<std::string, int>> names;
   for (const Marker& marker : markers) {
     names.emplace(marker.ns, marker.id);
@@ -254,7 +255,7 @@ TEST(Picture, NoTwoMarkersShareAName) {
   std::vector<Marker> markers = all(picture().scene(), episode.update());
   const MarkerArray overlay = episode.overlay();
   markers.insert(markers.end(), overlay.markers.begin(), overlay.markers.end());
-  EXPECT_EQ(names(markers).size(), markers.size());
+  EXPECT_EQ(markerNames(markers).size(), markers.size());
 }
 
 TEST(Picture, EveryMarkerStandsInAFrameThatDoesNotMove) {
@@ -332,7 +333,7 @@ TEST(Picture, ATeeThatLeavesTheTableHasAMarkAtTheEdgeAndWords) {
   const std::optional<Eigen::Vector2d> mark = middleOf(update, "engine_replay", colorOf(kEngineReplay));
   ASSERT_TRUE(mark);
   const Edges edges = edgesOf(update, "engine_replay");
-  EXPECT_GT(mark->x(), edges.right - 0.1) << "at the edge, towards the tee";
+  EXPECT_GT(mark->x(), edges.right - 0.1) << "at the edge, toward the tee";
 }
 
 TEST(Picture, TheGhostIsTheTeeOfTheReference) {
@@ -492,7 +493,7 @@ TEST(Picture, ANewEpisodeClearsWhatTheOldOneLeft) {
   old_episode.advance(pusht::kSuccessHold);
   const MarkerArray before = old_episode.update(someSummary(), "Does it?");
   const MarkerArray after = DriftingEpisode(kAway, 0.02, 0.1).update();
-  EXPECT_EQ(names(after.markers), names(before.markers)) << "each marker is replaced, or deleted";
+  EXPECT_EQ(markerNames(after.markers), markerNames(before.markers)) << "each marker is replaced, or deleted";
   for (const char* prefix : {"mujoco", "engine", "engine_replay"}) {
     EXPECT_THAT(texts(after, prefix), SizeIs(1)) << "how far the tee is";
   }

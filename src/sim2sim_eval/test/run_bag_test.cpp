@@ -69,7 +69,7 @@ class Play {
 
 constexpr std::size_t kProbes = 3;
 
-RecordedEpisode recordOf(const Episode& episode) {
+RecordedEpisode recordedEpisode(const Episode& episode) {
   RecordedEpisode record{{episode.rollout(kReferenceClosed).trace(), episode.rollout(kEngineClosed).trace(),
                           episode.rollout(kEngineReplay).trace()}};
   for (std::size_t i = 0; i < kProbes; ++i) {
@@ -249,7 +249,7 @@ TEST_F(RunBagTest, AResultThatIsNotThatOfTheStatesIsRefused) {
 TEST_F(RunBagTest, WhatDoesNotFollowTheProtocolIsRefusedByName) {
   const Episode episode = play_.run(5);
   const auto replayed = [&](const std::function<void(RecordedEpisode&)>& change) {
-    RecordedEpisode record = recordOf(episode);
+    RecordedEpisode record = recordedEpisode(episode);
     change(record);
     return refusal([&] { rebuildEpisode(play_.configuration().protocol, 5, record); }, pusht::ExitCode::kBadDependency);
   };

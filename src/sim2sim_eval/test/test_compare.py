@@ -214,7 +214,7 @@ class Measurement(CompareCase):
         }
         self.assertEqual(rows["whole"], rows["a"] + rows["b"][1:])
 
-    def test_knobs_change_the_engine_and_nothing_else(self) -> None:
+    def test_parameters_change_the_engine_and_nothing_else(self) -> None:
         self.finished("--policy", "expert", "--episodes", "3", out="a")
         self.finished("--policy", "expert", "--episodes", "3", "--block_damp", "60", out="b")
         rows = {}
@@ -247,9 +247,11 @@ class Measurement(CompareCase):
         assert origin is not None
         learned_in = recorded["bags"][0]["origin"]
         self.assertEqual(origin["format"], DEMONSTRATION_FORMAT)
-        for name in ("demonstrator", "simulator"):
-            self.assertEqual(origin[name], learned_in[name])
-        if origin["software"]["mujoco"] != learned_in["software"]["mujoco"]:
+        self.assertEqual(origin["demonstrator"], learned_in["demonstrator"])
+        (simulator,) = origin["simulators"]
+        self.assertEqual(simulator["name"], learned_in["simulator"])
+        self.assertEqual((simulator["parameters"], simulator["drawn"]), ({}, {}))
+        if simulator["provenance"]["version"] != learned_in["software"]["mujoco"]:
             self.skipTest("another MuJoCo has other trajectories")
         if not {"avx2", "fma"} <= set(origin["software"]["cpu_features"]):
             self.skipTest("without FMA, libm and MuJoCo have other trajectories")
@@ -911,7 +913,7 @@ class Faults(CompareCase):
             r"episode 3 .*engine_closed, step \d+: step: \w+ \S+ m: must be within 1000.0 m\n$",
         )
 
-    def test_f31_knobs_outside_the_stable_range(self) -> None:
+    def test_f31_parameters_outside_the_stable_range(self) -> None:
         for arguments, rule in (
             (["--block_damp", "110"], "block_damp 110.0: must be from 0.0 to 100.0 [1/s]: "),
             (["--baumgarte", "5"], "baumgarte 5.0: must be from 10.0 to 82.8 [rad/s]: "),

@@ -26,7 +26,7 @@ from live_support import CALLER, DEADLINE, LiveCase, Process, free_port
 PACKAGES = Path(rospkg.RosPack().get_path("sim2sim_eval")).parent
 ROOT = PACKAGES.parent
 DOCS = ROOT / "docs"
-KNOB = ("falls", "falls", "no-difference")  # as in the solutions
+PARAMETER = ("falls", "falls", "no-difference")  # as in the solutions
 LAUNCH_DEADLINE = 180  # [s] a live run of a few episodes on a busy machine
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# ([\w.]+)\n")
@@ -83,7 +83,7 @@ class Docs(CommandCase):
         self.assertEqual(self.check(DOCS / "bring_your_own.md"), 5)
 
     def test_commands(self) -> None:
-        self.assertEqual(self.check(DOCS / "commands.md"), 7)
+        self.assertEqual(self.check(DOCS / "commands.md"), 13)
 
     def test_faults(self) -> None:
         self.assertEqual(self.check(DOCS / "faults.md"), 2)
@@ -157,7 +157,7 @@ class Pasted(LiveCase):
         self.check(DOCS / "commands.md", 12, *files)
 
     def test_findings(self) -> None:
-        self.check(DOCS / "findings.md", 3, "damp/sweep.png")
+        self.check(DOCS / "findings.md", 4, "damp/sweep.png", "variants/sweep.json")
 
 
 class OwnMaster(LiveCase):
@@ -291,6 +291,8 @@ class Nodes(OwnMaster):
         echo = ("rostopic", "echo", "-n1", "/node/request")
         request = yaml.safe_load(self.succeed(*echo, environment=self.environment).split("---")[0])
         del request["rate"], request["reanchor"]  # of words: "50 with rviz", "none"
+        named = {f"~{option['name']}": option["value"] for option in request.pop("options")}
+        self.assertEqual({name: defaults[name] for name in named}, named)
         numbers = {f"~{name}": values[0] for name, values in request.items() if values}
         numbers = {name: value for name, value in numbers.items() if not isinstance(value, str)}
         self.assertGreaterEqual(len(numbers), 10)
@@ -456,10 +458,10 @@ class Exercises(CommandCase):
         mine.write_text("no python")
         self.assertEqual(self.check("observation", str(mine))[0], 2)
 
-    def test_knob(self) -> None:
-        code, text = self.check("knob", *KNOB)
+    def test_parameter(self) -> None:
+        code, text = self.check("parameter", *PARAMETER)
         self.assertEqual((code, text.count(": right")), (0, 3))
-        code, text = self.check("knob", "rises", "rises", "rises")
+        code, text = self.check("parameter", "rises", "rises", "rises")
         self.assertEqual(code, 1)
 
 

@@ -5,6 +5,7 @@
 import csv
 import json
 import math
+import re
 import unittest
 from typing import Any, Dict, List
 
@@ -63,6 +64,63 @@ class Probes(GapCase):
             self.assertEqual(self.bytes_of(out), wanted, out)
         kept = {path.suffix for path in (self.folder / "kept").rglob("*") if path.is_file()}
         self.assertEqual(kept, {".reference", ".floor_1e-9", ".floor_1e-6"})
+
+    def test_model_variants_are_what_a_pair_of_references_measures(self) -> None:
+        run = ("--episodes", "12", *EXPERT)
+        variants = (
+            "--model-variants",
+            "timestep=5e-3,cone=elliptic",
+            "--closed-variants",
+            "timestep=0.005",
+        )
+        self.finished(COMPARE, *run, *variants, "--out", "one", "--threads", "1", "--record")
+        self.finished(
+            COMPARE, *run, *variants, "--out", "two", "--threads", "2", "--reference-cache", "kept"
+        )
+        self.finished(COMPARE, *run, *variants, "--out", "kept-one", "--reference-cache", "kept")
+        self.finished(RECOMPUTE, "one/compare.bag", "--out", "again")
+        wanted = self.bytes_of("one")
+        for out in ("two", "kept-one", "again"):
+            self.assertEqual(self.bytes_of(out), wanted, out)
+        kept = {path.name.partition(".")[2] for path in (self.folder / "kept").rglob("*.*")}
+        self.assertEqual(
+            kept - {"reference", "floor_1e-9", "floor_1e-6"},
+            {"variant_timestep=0.005", "variant_cone=elliptic", "closed_variant_timestep=0.005"},
+        )
+
+        pair = ("--reference", "mujoco", "--engine", "mujoco", "--set", "timestep=0.005")
+        self.finished(COMPARE, *run, *pair, "--out", "pair")
+        measured = ("steps", "mean_position_divergence_m", "mean_angle_divergence_rad")
+        for mode, variant in (
+            ("engine_replay", "variant_timestep=0.005"),
+            ("engine_closed", "closed_variant_timestep=0.005"),
+        ):
+            for theirs, ours in zip(self.rows("pair", mode), self.rows("one", variant)):
+                self.assertEqual(
+                    [theirs[k] for k in measured], [ours[k] for k in measured], variant
+                )
+        self.assertGreater(self.column("one", "variant_cone=elliptic", measured[1]).mean(), 1e-5)
+
+    def test_f47_model_variants_are_refused_with_the_rule(self) -> None:
+        for argument, rule in {
+            "timestep": "model variant 'timestep': must be NAME=VALUE, or several joined by ':'",
+            "timestep=0.01": "model variant timestep=0.01: of the reference mujoco: must differ",
+            "timestep=0.003": "timestep 0.003: must be one of: 0.01, 0.005",
+            "speed=3": "parameter 'speed': unknown; known: scene, timestep",
+            "timestep=0.005,timestep=5e-3": "model_variants timestep=0.005: is named twice",
+            "timestep=0.005:timestep=0.001": "parameter timestep: must be set once",
+            "timestep=0.005,timestep=0.005:integrator=implicit": "model_variants timestep=0.005:"
+            "integrator=implicit: is the same model as timestep=0.005",
+        }.items():
+            self.assertIn(rule, self.refused(COMPARE, "--model-variants", argument, *EXPERT))
+        swapped = ("--reference", "two_mass", "--engine", "mujoco", "--model-variants")
+        self.assertIn("the reference two_mass has none;", self.refused(COMPARE, *swapped, *EXPERT))
+
+    def test_default_variants_are_those_that_the_reference_is_not(self) -> None:
+        run = ("--episodes", "2", "--no-floor", "--set-reference", "timestep=0.005", *EXPERT)
+        self.finished(COMPARE, *run, "--model-variants", "--out", "out")
+        probes = self.load("out", "metrics.json")["probes"]
+        self.assertEqual(probes, ["variant_integrator=Euler", "variant_cone=elliptic"])
 
     def test_what_else_is_measured_does_not_touch_the_course(self) -> None:
         run = ("--episodes", "12", *EXPERT)
@@ -155,6 +213,44 @@ class TooFew(GapCase):
         self.assertIn("differences 20", output)
 
 
+class CommonHorizon(GapCase):
+    def test_leads_and_has_the_same_steps_in_every_episode(self) -> None:
+        run = ("--episodes", "30", "--traces", "--no-floor", *EXPERT)
+        output = self.finished(COMPARE, *run, "--out", "out")
+        metrics = self.load("out", "metrics.json")
+        traces = np.load(self.folder / "out" / "traces.npy")
+        lines = [line for line in output.splitlines() if re.match(r"  (first|whole)", line)]
+        self.assertEqual(
+            [line[2:11].strip() for line in lines], ["first 2 s", "first 5 s", "whole epi"]
+        )
+        steps = {
+            int(row["episode"]): int(row["steps"]) for row in self.rows("out", "reference_closed")
+        }
+        self.assertLess(min(steps.values()), 50, "some episodes end before 5 s")
+        for name, horizon, line in zip(("early", "early_5s"), (20, 50), lines):
+            long_enough = [index for index, count in steps.items() if count >= horizon]
+            position = self.column("out", "engine_replay", f"{name}_position_divergence_m")
+            self.assertEqual(np.flatnonzero(~np.isnan(position)).tolist(), long_enough)
+            key = f"engine_replay_{name}_position_divergence"
+            self.assertEqual(metrics[f"{key}_episodes"], len(long_enough))
+            self.assertEqual("(n " in line, len(long_enough) < 30, line)
+            self.assertIn(f"{np.nanmean(position):.4f} m", line)
+            reference, replay = (
+                self.tees(traces, mode, long_enough[0])[: horizon + 1]
+                for mode in (b"reference_closed", b"engine_replay")
+            )
+            apart = np.hypot(*(reference - replay).T).mean()
+            self.assertAlmostEqual(position[long_enough[0]], apart, places=12)
+            null = self.column("out", "engine_replay", f"{name}_null_position_divergence_m")
+            rest = np.hypot(*(reference - reference[0]).T).mean()
+            self.assertAlmostEqual(null[long_enough[0]], rest, places=12)
+
+    def tees(self, traces: Any, mode: bytes, episode: int) -> Any:
+        """Positions of the tee in a rollout."""
+        rows = traces[(traces["mode"] == mode) & (traces["episode"] == episode)]
+        return np.stack([rows["tee_x"], rows["tee_y"]], axis=1)
+
+
 class Plan(GapCase):
     def test_is_the_normal_approximation_of_the_pilots_spread(self) -> None:
         run = (COMPARE, "--episodes", "40", *EXPERT)
@@ -189,7 +285,7 @@ class Plan(GapCase):
 class UntilDecided(GapCase):
     def test_stops_at_the_same_episode_however_it_runs(self) -> None:
         run = (*EXPERT, "--episodes", "200", "--until-decided", "0.9")
-        self.finished(COMPARE, *run, "--out", "one", "--threads", "1", "--record")
+        output = self.finished(COMPARE, *run, "--out", "one", "--threads", "1", "--record")
         self.finished(COMPARE, *run, "--out", "two", "--threads", "2")
         self.finished(RECOMPUTE, "one/compare.bag", "--out", "again")
         for out in ("two", "again"):
@@ -201,6 +297,18 @@ class UntilDecided(GapCase):
         self.assertLess(metrics["episodes"], 200)
         self.assertEqual(self.load("one", "status.json")["episodes"], metrics["episodes"])
 
+        # What holds in a stopped run leads; the rest is left out.
+        self.assertLess(output.index("decided after"), output.index("Does the skill transfer?"))
+        table = output[output.index("decided after") :]
+        self.assertEqual(table.count("["), 2, "the sequence in the answer and in its line")
+        shown = re.search(r"\[([\d.]+) %, ([\d.]+) %\]", table)
+        assert shown
+        for end, text in zip(decision["transfer_sequence"], shown.groups()):
+            self.assertAlmostEqual(float(text), 100 * end, delta=0.51)
+        self.assertNotIn("McNemar", table)
+        for name in ("metrics.json", "statistics.json"):
+            self.assertEqual(self.intervals(self.load("one", name)), [None], name)
+
         # The episodes themselves are those of a run of that length.
         self.finished(COMPARE, *EXPERT, "--episodes", str(metrics["episodes"]), "--out", "as-long")
         name = "episodes.csv"
@@ -208,6 +316,16 @@ class UntilDecided(GapCase):
             (self.folder / "as-long" / name).read_bytes(),
             (self.folder / "one" / name).read_bytes(),
         )
+
+    def intervals(self, content: Any) -> List[Any]:
+        """The different intervals and p-values that a file has."""
+        found: List[Any] = []
+        for key, value in content.items() if isinstance(content, dict) else ():
+            if re.search(r"(^|_)interval(_|$)|_p$|_beats_null$", key):
+                found += [] if value in found else [value]
+            else:
+                found += [one for one in self.intervals(value) if one not in found]
+        return found
 
     def test_says_when_the_episodes_do_not_decide(self) -> None:
         output = self.finished(
@@ -283,7 +401,9 @@ class Contrast(GapCase):
             self.assertEqual(figure["p"], same["p"], key)
             if figure["p"] is not None:
                 self.assertLessEqual(figure["adjusted_p"], same["adjusted_p"], "a larger family")
-        self.assertIn("engine_reanchored_5_anchor_position_error_m", pair[0]["figures"])
+        error = pair[0]["figures"]["engine_reanchored_5_anchor_position_error_m"]
+        self.assertNotEqual(error["difference"], 0.0)
+        self.assertEqual([error[key] for key in ("interval", "p", "decided_after")], [None] * 3)
         (self.folder / "sweep/rows/000/metrics.json").unlink()
         self.assertIn("row 0 of 3 has not finished", self.refused(CONTRAST, "sweep"))
 

@@ -65,7 +65,7 @@ class Memory(LimitCase):
                 out = f"out-{megabytes}"
                 run = ("--policy", "expert", "--episodes", "1000", "--threads", "100")
                 process = self.shell(f"ulimit -v {megabytes}000", COMPARE, *run, "--out", out)
-                self.assert_finished_or_fault(process, out)
+                self.assertFalse(self.assert_finished_or_fault(process, out))
 
 
 class Files(LimitCase):

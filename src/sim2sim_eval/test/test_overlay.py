@@ -7,6 +7,7 @@ import shlex
 import shutil
 import socket
 import subprocess
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -44,7 +45,7 @@ class Overlay(CommandCase):
             "cmake_minimum_required(VERSION 3.18)\nproject(pusht_planned)\n"
             "find_package(catkin REQUIRED COMPONENTS pusht_task)\ncatkin_package()\n"
         )
-        python = [f"-D{name}_EXECUTABLE=/usr/bin/python3" for name in ("PYTHON", "Python3")]
+        python = [f"-D{name}_EXECUTABLE={sys.executable}" for name in ("PYTHON", "Python3")]
         command = ["catkin_make", "--directory", str(cls.workspace), "-DCATKIN_ENABLE_TESTING=OFF"]
         build = subprocess.run(
             [*command, *python], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True

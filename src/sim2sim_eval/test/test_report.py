@@ -25,7 +25,7 @@ from selenium.webdriver.chrome.service import Service  # type: ignore[import]
 from selenium.webdriver.support.wait import WebDriverWait  # type: ignore[import]
 from pusht_task.palette import DARK, LIGHT
 from sim2sim_report.results import METRICS_FORMAT
-from sim2sim_report.words import transfer_percent
+from sim2sim_report.words import times, transfer_percent
 
 from command_case import CommandCase, catches, executable, until
 
@@ -33,13 +33,14 @@ ATTRIBUTE = executable("sim2sim_eval", "attribute")
 COMPARE = executable("sim2sim_eval", "compare")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
 REPORT = executable("sim2sim_eval", "report")
+MATRIX = executable("sim2sim_eval", "matrix")
 SWEEP = executable("sim2sim_eval", "sweep")
 EPISODES = 30
 WALL_OUTSIDE = 0.41  # m, the edge of the picture
 ON_TABLE = 0.39  # m, in which the pusher is seen whole
 SIZES = ((1366, 768), (1920, 1080), (390, 844))  # a laptop, a screen, a phone
 A4_WIDTH = 718  # px between margins
-PAGES = ("run", "runs", "sweep", "ladder")
+PAGES = ("run", "runs", "sweep", "ladder", "policies")
 logging.getLogger("selenium").setLevel(logging.WARNING)
 logging.getLogger("urllib3").setLevel(logging.WARNING)
 NUMBER = r"[+-]?\d+\.\d{3,4}"
@@ -55,6 +56,15 @@ def program(name: str) -> str:
     path = shutil.which(name)
     assert path, f"{name} is not installed"
     return path
+
+
+POLICIES = """
+policies: [{files: bc, group: trained}, {files: expert, group: expert}]
+episodes: 20
+floor: false
+engine: [two_mass, chipmunk]
+"""
+EXPECTED = "the expert is better: {more: expert, less: trained, in: mujoco, side: above}"
 
 
 def answer_of(run: Path) -> str:
@@ -126,6 +136,45 @@ class Content(ReportCase):
         )
         assert cells
         self.assertEqual(cells.groups(), counts.groups())
+
+    def test_doubts_name_their_horizon(self) -> None:
+        position, angle = (
+            f"engine_replay_early_{name}_divergence" for name in ("position", "angle")
+        )
+        changed: Dict[str, Any] = {
+            f"{position}_beats_null": True,
+            f"{position}_minus_null_interval_m": [-0.02, -0.01],
+            f"{angle}_beats_null": False,
+            f"{angle}_minus_null_interval_rad": [0.03, 0.29],
+            "mean_pos_divergence_beats_null": None,
+            "mean_pos_divergence_minus_null_interval_m": None,
+            "mean_ang_divergence_beats_null": False,
+            "mean_ang_divergence_minus_null_interval_rad": [-0.1, 0.3],
+        }
+        self.change(self.copy() / "metrics.json", **changed)
+        doubt = r"\([!?]\) In \w+, over [^<]+ that tee\."
+        of_whole = [
+            "(?) In position, over the whole episode, there are too few episodes to compare it "
+            "with that tee.",
+            "(!) In angle, over the whole episode, it is not shown to be nearer than that tee.",
+        ]
+        self.assertEqual(
+            re.findall(doubt, html.unescape(self.report("copy"))),
+            ["(!) In angle, over the first 2 s, it is farther away than that tee.", *of_whole],
+        )
+        changed = {
+            f"{key}_{figure}": value
+            for key, unit in ((position, "m"), (angle, "rad"))
+            for figure, value in (
+                ("episodes", 0),
+                ("beats_null", None),
+                (f"minus_null_interval_{unit}", None),
+            )
+        }
+        self.change(self.folder / "copy" / "metrics.json", **changed)
+        self.assertEqual(
+            re.findall(doubt, html.unescape(self.report("copy"))), of_whole, "none lasts 2 s"
+        )
 
     def test_is_one_file_with_the_same_bytes_again(self) -> None:
         page = self.report(str(self.run_folder))
@@ -246,12 +295,10 @@ class Content(ReportCase):
         (self.folder / "base.yaml").write_text(
             "{policy: expert, episodes: 24, horizon: 60, reanchor: [5, 20], rows: [{}]}"
         )
-        for words in (
+        self.run_all(
             (SWEEP, "base.yaml", "--out", "base"),
             (ATTRIBUTE, "ladder", "--baseline", "base/rows/000"),
-        ):
-            process = self.run_command(*words)
-            self.assertEqual(process.returncode, 0, process.stderr)
+        )
         page = html.unescape(self.report("ladder", "--images", "images"))
         self.assertIn("What closes the gap in position: ", page)
         gaps = json.loads((self.folder / "ladder" / "attribution.json").read_text())["gaps"]
@@ -281,6 +328,31 @@ class Content(ReportCase):
             self.assert_one_line(process, 2, "report")
             self.assertIn("attribution.json", process.stderr)
 
+    def test_matrix(self) -> None:
+        """The figures of the terminal, for each policy and simulator."""
+        self.write("policies.yaml", POLICIES.encode())
+        self.write("expected.yaml", EXPECTED.encode())
+        printed = self.run_all(
+            (SWEEP, "policies.yaml", "--out", "policies"),
+            (MATRIX, "policies", "--hypotheses", "expected.yaml"),
+        )
+        page = html.unescape(self.report("policies", "--images", "images")).replace("\u00a0", " ")
+        cells = re.findall(r"\d\.\d\d \[\d\.\d\d, \d\.\d\d\]", printed)
+        self.assertEqual(len(cells), 6)
+        for cell in cells:
+            self.assertIn(f">{cell}<", page)
+        for transfer in re.findall(r"\d+ % \[\d+, \d+\]", printed):
+            self.assertIn(f"<br>{transfer}<", page)
+        self.assertIn("<td>the expert is better</td>", page)
+        drawn = {f"{name}.{kind}" for name in ("matrix", "rankings") for kind in ("png", "pdf")}
+        self.assertEqual(self.files("images"), drawn)
+        matrix = self.folder / "policies" / "matrix.json"
+        for damage in (b"", b"[1]", b'{"format": 99}', b'{"format": 1}'):
+            matrix.write_bytes(damage)
+            process = self.run_command(REPORT, "policies", "--out", "no.html")
+            self.assert_one_line(process, 2, "report")
+            self.assertIn("matrix.json", process.stderr)
+
     def test_text_of_others_is_text(self) -> None:
         folder = self.copy()
         evil = '</script><img src=x onerror="alert(1)"> $\\x$'
@@ -300,6 +372,10 @@ class Content(ReportCase):
         printed = [transfer_percent(share) for share in (0.5, 0.4996, 0.496, 0.494, 0.8999, 1.1)]
         self.assertEqual(printed, ["50 %", "49.96 %", "49.6 %", "49 %", "89.99 %", "110 %"])
 
+    def test_multiples_have_two_digits_and_no_exponent(self) -> None:
+        self.assertEqual(times(99.6, [2e-5, 416.0]), "100 times [0.00002, 420]")
+        self.assertEqual(times(1.26, None), "1.3 times")
+
     def test_rare_runs(self) -> None:
         """Each with what its page must say."""
         (self.folder / "starts.csv").write_text(
@@ -308,7 +384,8 @@ class Content(ReportCase):
         runs = {
             "--smoke": "The policy is untrained",
             "--policy fresh-untrained --episodes 20": "The policy is untrained",
-            "--policy expert --episodes 1 --starts starts.csv": "(?) In position there are too few",
+            "--policy expert --episodes 1 --starts starts.csv": "(?) In position, over the whole "
+            "episode, there are too few",
             "--episodes 20 --no-floor --reanchor 1,5": "made in 5 steps",
             "--until-decided 0.8999 --episodes 60": "does not keep 89.99 % of the success",
             "--reference two_mass --policy expert --episodes 20": "two-mass engine",
@@ -574,6 +651,8 @@ class Browser(ReportCase):
             "{policy: expert, episodes: 20, grid: {block_damp: [2, 20], pusher_mass: [1, 4]}}"
         )
         (cls.made.folder / "ladder.yaml").write_text(LADDER)
+        (cls.made.folder / "policies.yaml").write_text(POLICIES)
+        (cls.made.folder / "expected.yaml").write_text(EXPECTED)
         sizes = ("--episodes", str(EPISODES))
         for words in (
             (COMPARE, *sizes, "--engine", "chipmunk", "--out", "other"),
@@ -584,6 +663,9 @@ class Browser(ReportCase):
             (SWEEP, "ladder.yaml", "--out", "ladder"),
             (ATTRIBUTE, "ladder"),
             (REPORT, "ladder", "--out", "ladder.html"),
+            (SWEEP, "policies.yaml", "--out", "policies"),
+            (MATRIX, "policies", "--hypotheses", "expected.yaml"),
+            (REPORT, "policies", "--out", "policies.html"),
         ):
             process = cls.made.run_command(*words)
             assert process.returncode == 0, process.stderr
@@ -611,7 +693,7 @@ class Browser(ReportCase):
         return self.browser.execute_script(script, *arguments)
 
     def pusher_on(self, canvas: str) -> Tuple[float, float]:
-        """Where the pusher is drawn [m]: the middle of the pixels of its colour, without arrow."""
+        """Where the pusher is drawn [m]: the middle of the pixels of its color, without arrow."""
         x, y, edge = self.run_script(
             """
             const canvas = document.querySelector(arguments[0]);
@@ -653,7 +735,7 @@ class Browser(ReportCase):
                         const player = window.players.run0;
                         player.show(arguments[0]);
                         player.seek(arguments[1]);
-                        // Without what else has the pusher's colour.
+                        // Without what else has the pusher's color.
                         for (const view of Object.values(player.views)) {
                           view.tee = () => {};
                           view.path = () => {};
@@ -765,6 +847,43 @@ class Browser(ReportCase):
         ascending = self.run_script(head + column)
         self.assertEqual(ascending, sorted(before, key=float))
         self.assertEqual(self.run_script(head + column), sorted(before, key=float, reverse=True))
+
+    def test_matrix_sorts_and_shows_the_episodes_of_a_cell(self) -> None:
+        self.open(page="policies")
+        rows = "[...document.querySelectorAll('.matrix tbody tr')]"
+        names = f"return {rows}.map((row) => row.cells[0].textContent)"
+        head = "document.querySelectorAll('.matrix thead button')[2].click();"
+        self.assertEqual(self.run_script(names), ["bc", "expert"])
+        self.assertEqual(
+            self.run_script(head + names), ["expert", "bc"], "the best in MuJoCo first"
+        )
+        self.assertEqual(self.run_script(head + names), ["bc", "expert"])
+        self.run_script(
+            'document.querySelector(\'[data-policy="0"][data-simulator="1"] button\').click()'
+        )
+        matrix = json.loads((self.made.folder / "policies" / "matrix.json").read_text())
+        here, there = (
+            matrix["policies"][0]["cells"][simulator]["success_by_episode"] for simulator in (0, 1)
+        )
+        counts = {
+            "both": sum(a + b == "11" for a, b in zip(here, there)),
+            "two-mass engine only": sum(a + b == "01" for a, b in zip(here, there)),
+            "MuJoCo only": sum(a + b == "10" for a, b in zip(here, there)),
+            "neither": sum(a + b == "00" for a, b in zip(here, there)),
+        }
+        self.assertEqual(
+            [
+                e.text
+                for e in self.browser.find_elements("css selector", ".matrix-episodes .keys span")
+            ],
+            [f"{name}: {count}" for name, count in counts.items()],
+        )
+        marks = self.browser.find_elements("css selector", ".marks-of-episodes i")
+        self.assertEqual(len(marks), 20)
+        lost = [mark for mark in marks if mark.get_attribute("class") == "only_reference_succeeds"]
+        self.assertEqual(len(lost), counts["MuJoCo only"])
+        command = self.browser.find_element("css selector", ".matrix-episodes pre").text
+        self.assertEqual(command, "rosrun sim2sim_eval report policies/rows/000")
 
     def test_path_leads_to_its_episode(self) -> None:
         self.open()

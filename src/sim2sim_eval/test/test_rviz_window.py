@@ -62,7 +62,7 @@ class FillScreen(unittest.TestCase):
             width -= settings["Panels"][0]["Width"]
         for old, new in zip(views(before), views(after)):
             with self.subTest(new["Name"]):
-                shown = [new["Scale"] * metres for metres in rviz_window.VIEWS[new["Name"]]]
+                shown = [new["Scale"] * meters for meters in rviz_window.VIEWS[new["Name"]]]
                 self.assertLessEqual(shown[0], width)
                 self.assertLessEqual(shown[1], height)
                 used = max(shown[0] / width, shown[1] / height)

@@ -19,6 +19,7 @@ import torch
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import]
 from matplotlib.figure import Figure  # type: ignore[import]
 from sim2sim_eval.command import rosrun
+from sim2sim_report.convergence import FIRST_2_S, WHOLE, read_convergence
 from sim2sim_report.curves import read_curves
 from sim2sim_report.results import METRICS_FORMAT
 from sim2sim_report.suite import Suite
@@ -86,8 +87,8 @@ class Rows(SweepCase):
         plan = "{policy: expert, seed: 3, episodes: 4, rows: [{block_damp: 20}, {pusher_mass: 2}]}"
         results = self.finished("out", plan=plan)
         rows = {"rows/000": ["--block_damp", "20"], "rows/001": ["--pusher_mass", "2"]}
-        for row, knobs in rows.items():
-            command = [COMPARE, "--policy", "expert", "--seed", "3", "--episodes", "4", *knobs]
+        for row, parameters in rows.items():
+            command = [COMPARE, "--policy", "expert", "--seed", "3", "--episodes", "4", *parameters]
             self.run_command(*command, "--out", row)
             self.assertEqual(self.result_bytes(row), self.result_bytes("out/" + row))
         self.assertEqual(set(self.load("out", "sweep.json")), {"sweep", "rows"})
@@ -115,8 +116,14 @@ class Rows(SweepCase):
 
     def test_every_figure_has_its_columns(self) -> None:
         rows = "[{block_damp: 20}, {pusher_mass: 2}]"
-        plan = f"{{policy: expert, episodes: 20, reanchor: [5], rows: {rows}}}"
+        variants = "model_variants: [cone=elliptic], closed_variants: [timestep=0.005]"
+        plan = f"{{policy: expert, episodes: 20, reanchor: [5], {variants}, rows: {rows}}}"
         table = self.finished("out", plan=plan)["sweep.csv"].decode().splitlines()
+        for name in (
+            "mean_pos_divergence_over_variants",
+            "closed_variant_timestep=0.005_success_difference",
+        ):
+            self.assertIn(f",{name},{name}_low,{name}_high,", table[0])
         for cells, row in zip(csv.DictReader(table), ["rows/000", "rows/001"], strict=True):
             metrics = self.load("out/" + row, "metrics.json")
             for key in [
@@ -127,7 +134,7 @@ class Rows(SweepCase):
                 found = [cells[figure + end] for end in ("", "_low", "_high")]
                 self.assertEqual([float(cell) if cell else None for cell in found], wanted, key)
 
-    def test_grid_has_every_combination_the_last_knob_fastest(self) -> None:
+    def test_grid_has_every_combination_the_last_parameter_fastest(self) -> None:
         self.finished("out")
         rows = [row["knobs"] for row in self.load("out", "sweep.json")["rows"]]
         self.assertEqual(
@@ -135,7 +142,7 @@ class Rows(SweepCase):
             [(6.0, 4.0), (6.0, 1.5), (20.0, 4.0), (20.0, 1.5)],
         )
         successes = [row["mj_successes"] for row in self.load("out", "sweep.json")["rows"]]
-        self.assertEqual(len(set(successes)), 1, "the reference knows no knobs")
+        self.assertEqual(len(set(successes)), 1, "the reference knows no parameters of the engine")
         self.assertGreater(successes[0], 0)
 
     def test_bytes_do_not_depend_on_threads_cache_or_shards(self) -> None:
@@ -189,7 +196,7 @@ class Rows(SweepCase):
         self.assertEqual(process.returncode, 0, process.stderr)
         self.assertTrue((self.folder / "out" / "sweep.png").read_bytes().startswith(b"\x89PNG"))
         self.finished("flat", plan="{policy: expert, episodes: 2, horizon: 5, rows: [{}]}")
-        self.assertIn("no knob", self.refused(2, self.run_command(PLOT, "flat"), "plot_sweep"))
+        self.assertIn("no parameter", self.refused(2, self.run_command(PLOT, "flat"), "plot_sweep"))
         self.refused(2, self.run_command(PLOT, "none"), "plot_sweep")
 
     def test_plot_leaves_what_is_there(self) -> None:
@@ -301,6 +308,47 @@ class Rows(SweepCase):
             drawn = (self.folder / "plot.svg").read_text()
             for text in texts:
                 self.assertIn(f"<!-- {text} -->", drawn)
+
+    def test_plot_of_convergence(self) -> None:
+        plan = """
+            policy: expert
+            episodes: 10
+            horizon: 60
+            timestep: 0.005
+            engine: rigid_body
+            model_variants: [timestep=0.01, timestep=0.002, cone=elliptic]
+            grid: {substep: [0.01, 0.002]}
+        """
+        self.finished("out", plan=plan)
+        process = self.run_command(PLOT, "out", "--convergence", "--out", "plot.svg")
+        self.assertEqual((process.returncode, process.stderr), (0, ""))
+        drawn = (self.folder / "plot.svg").read_text()
+        for text in (
+            "divergence from MuJoCo with timestep 0.005, in replays of its actions (policy expert)",
+            "MuJoCo, timestep: mean",
+            "MuJoCo, timestep: median",
+            "rigid-body engine, substep: mean",
+            "timestep, substep [s]",
+            "0.002",
+        ):
+            self.assertIn(f"<!-- {text} -->", drawn)
+        self.assertNotIn("cone", drawn)
+
+        variants, rows = read_convergence(self.folder / "out").lines
+        self.assertEqual([point.value for point in variants.points], [0.002, 0.01])
+        statistics = self.load("out/rows/001", "statistics.json")["rollouts"]
+        for line, rollout in ((variants, "variant_timestep=0.002"), (rows, "engine_replay")):
+            for component, unit in (("position", "m"), ("angle", "rad")):
+                figures = statistics[rollout][f"mean_{component}_divergence_{unit}"]
+                for suffix, key in (("", "mean"), ("_median", "median")):
+                    found = line.points[0].figure(WHOLE, component, unit, suffix)
+                    self.assertAlmostEqual(found, figures[key], delta=1e-6, msg=rollout)
+                early = statistics[rollout][f"early_{component}_divergence_{unit}"]["mean"]
+                self.assertEqual(line.points[0].figure(FIRST_2_S, component, unit), early)
+
+        self.finished("words", plan="{policy: expert, episodes: 2, engine: [two_mass, chipmunk]}")
+        process = self.run_command(PLOT, "words", "--convergence")
+        self.assertIn("0 numeric parameters", self.refused(2, process, "plot_sweep"))
 
 
 class Resuming(SweepCase):
@@ -775,7 +823,7 @@ class BadPlans(SweepCase):
             "episodes: 010\nrows: [{}]": "'010' must be a decimal integer",
             "engine: bullet\nrows: [{}]": "line 1: simulator 'bullet': unknown",
             "reference: 6\nrows: [{}]": "line 1: simulator '6': unknown",
-            "engine: []": "line 1, engine: must be a kind of simulator, or a list of kinds",
+            "engine: []": "line 1, engine: must be a simulator, or a list of simulators",
             "engine: [chipmunk, chipmunk]": "must appear only once",
             "engine: [two_mass, chipmunk]\ngrid: {block_damp: [1]}": "unknown; known: ",
             "reference_parameters: 5\nrows: [{}]": "line 1, reference_parameters: must map",
@@ -810,7 +858,7 @@ class Faults(SweepCase):
         left: List[Path] = list((self.folder / "out").rglob("*.part"))
         self.assertEqual(left, [])
 
-    def test_knob_that_lets_the_engine_fly_apart(self) -> None:
+    def test_parameter_that_lets_the_engine_fly_apart(self) -> None:
         policy = self.charging_policy()
         grid = "grid: {baumgarte: [40, 10, 20]}"
         plan = f"{{policy: {policy}, first_episode: 3, episodes: 1, {grid}}}"

@@ -40,8 +40,12 @@ Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pus
           std::make_unique<pusht::SimulatorLanes>(std::move(replay))};
 }
 
-Flight::Flight(Protocol protocol, const Worlds& worlds, pusht::Policy& policy)
-    : protocol_(std::move(protocol)), worlds_(worlds), policy_(policy), episodes_(worlds[kEngineClosed]->lanes()) {}
+Flight::Flight(Protocol protocol, const Worlds& worlds, pusht::Policy& policy, const VariantWorlds& variants)
+    : protocol_(std::move(protocol)),
+      worlds_(worlds),
+      policy_(policy),
+      variants_(variants),
+      episodes_(worlds[kEngineClosed]->lanes()) {}
 
 bool Flight::full() const {
   return std::all_of(episodes_.begin(), episodes_.end(), [](const auto& episode) { return episode.has_value(); });
@@ -141,7 +145,9 @@ void Flight::probe(Episode& episode, std::size_t lane, const std::function<void(
       continue;
     }
     const Probe& probe = probes[i];
-    pusht::BatchSimulator& world = *worlds_[probe.world == ProbedWorld::kReference ? kReferenceClosed : kEngineReplay];
+    const bool in_variant = probe.world == ProbedWorld::kVariant;
+    pusht::BatchSimulator& world =
+        in_variant ? variantOf(probe) : *worlds_[probe.isOfReference() ? kReferenceClosed : kEngineReplay];
     int step = 0;
     const auto before_step = [&](int next) {
       step = next;
@@ -149,14 +155,38 @@ void Flight::probe(Episode& episode, std::size_t lane, const std::function<void(
     };
     located(protocol_, index, probe.name, step, [&] {
       const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-      episode.recordProbe(i, runProbe(probe, protocol_.initialState(index), reference, world, lane, before_step));
+      episode.recordProbe(i, probe.closed ? drive(world, index, before_step)
+                                          : runProbe(probe, protocol_.initialState(index), reference, world,
+                                                     in_variant ? 0 : lane, before_step));
     });
   }
 }
 
+pusht::BatchSimulator& Flight::variantOf(const Probe& probe) const {
+  const std::vector<std::string> names = variantsOf(protocol_);
+  return *variants_.at(static_cast<std::size_t>(std::find(names.begin(), names.end(), probe.variant) - names.begin()));
+}
+
+/// Lets the policy drive the only lane of a model variant.
+pusht::Trace Flight::drive(pusht::BatchSimulator& world, int index, const std::function<void(int)>& before_step) const {
+  world.reset(0, protocol_.initialState(index));
+  pusht::Rollout rollout(world.state(0), policy_.begin());
+  while (!rollout.finished(protocol_.horizon)) {
+    before_step(rollout.steps());
+    const std::array<pusht::Policy::Query, 1> query = {rollout.query()};
+    std::array<pusht::Action, 1> action{};
+    policy_.act(query, action);
+    requireFinite(action.front());
+    world.step(std::array<std::optional<pusht::Action>, 1>{action.front()});
+    rollout.record(action.front(), world.state(0));
+  }
+  return rollout.trace();
+}
+
 Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy,
                    CachedTraces cached) {
-  Flight flight(protocol, worlds, policy);
+  const VariantWorlds none;
+  Flight flight(protocol, worlds, policy, none);
   flight.begin(index, std::move(cached));
   std::vector<Episode> landed = flight.land();
   while (landed.empty()) {

@@ -2,18 +2,38 @@
 #include "sim2sim_protocol/probes.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
-#include <sstream>
+#include <regex>
 #include <utility>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/split.hpp"
 
 namespace sim2sim {
 namespace {
 
 constexpr const char* kReanchored = "engine_reanchored_";
+constexpr const char* kVariant = "variant_";
+constexpr const char* kClosedVariant = "closed_variant_";
+
+/// What follows `beginning` in `text`; empty if it begins otherwise.
+std::string restAfter(const std::string& beginning, const std::string& text) {
+  return text.rfind(beginning, 0) == 0 ? text.substr(beginning.size()) : "";
+}
+
+std::vector<std::string> splitAtCommas(const std::string& text) {
+  return text.empty() ? std::vector<std::string>() : pusht::split(text, ',');
+}
+
+void addOnce(const char* option, const std::string& entry, Probe&& probe, std::vector<Probe>& probes) {
+  if (std::find(probes.begin(), probes.end(), probe) != probes.end()) {
+    throw pusht::InvalidInput(std::string(option) + " " + entry + ": is named twice");
+  }
+  probes.push_back(std::move(probe));
+}
 
 }  // namespace
 
@@ -31,22 +51,44 @@ Probe stateResetReplay(int every) {
   return {kReanchored + std::to_string(every), ProbedWorld::kEngine, 0.0, every};
 }
 
-std::vector<Probe> probesOf(bool floor, const std::vector<int>& reanchor) {
-  std::vector<Probe> probes = floor ? floorProbes() : std::vector<Probe>();
-  for (const int every : reanchor) {
-    Probe probe = stateResetReplay(every);
-    if (std::find(probes.begin(), probes.end(), probe) != probes.end()) {
-      throw pusht::InvalidInput("reanchor " + std::to_string(every) + ": is named twice");
-    }
-    probes.push_back(std::move(probe));
+Probe modelVariant(const std::string& variant, bool closed) {
+  static const std::regex settings("[A-Za-z_]\\w*=[\\w.+-]+(:[A-Za-z_]\\w*=[\\w.+-]+)*");
+  constexpr std::size_t kLongest = 200;  // [bytes] it becomes the name of a file
+  if (variant.size() > kLongest || !std::regex_match(variant, settings)) {
+    throw pusht::InvalidInput("model variant '" + variant + "': must be NAME=VALUE, or several joined by ':'");
   }
+  return {(closed ? kClosedVariant : kVariant) + variant, ProbedWorld::kVariant, 0.0, 0, variant, closed};
+}
+
+std::vector<Probe> probesOf(const RunOptions& options) {
+  std::vector<Probe> probes = options.floor ? floorProbes() : std::vector<Probe>();
+  for (const int every : options.reanchor) {
+    addOnce("reanchor", std::to_string(every), stateResetReplay(every), probes);
+  }
+  const auto add_variants = [&](const char* option, const std::vector<std::string>& variants, bool closed) {
+    for (const std::string& variant : variants) {
+      if (variant != kDefaultVariants) {
+        addOnce(option, variant, modelVariant(variant, closed), probes);
+      }
+    }
+  };
+  add_variants("model_variants", options.model_variants, false);
+  add_variants("closed_variants", options.closed_variants, true);
   return probes;
+}
+
+std::vector<std::string> variantsOf(const RunOptions& options) {
+  std::vector<std::string> variants = options.model_variants;
+  std::copy_if(options.closed_variants.begin(), options.closed_variants.end(), std::back_inserter(variants),
+               [&](const std::string& variant) {
+                 return std::find(variants.begin(), variants.end(), variant) == variants.end();
+               });
+  return variants;
 }
 
 std::vector<int> reanchorFrom(const std::string& text) {
   std::vector<int> steps;
-  std::istringstream list(text.empty() ? text : text + ",");  // so that an empty last one is seen
-  for (std::string number; std::getline(list, number, ',');) {
+  for (const std::string& number : splitAtCommas(text)) {
     const std::optional<int> every = pusht::decimal<int>(number);
     if (!every) {
       throw pusht::InvalidInput("reanchor '" + text + "': must be numbers of control steps like 1,5,20");
@@ -56,18 +98,32 @@ std::vector<int> reanchorFrom(const std::string& text) {
   return steps;
 }
 
+std::vector<std::string> modelVariantsFrom(const std::string& text) {
+  std::vector<std::string> variants = splitAtCommas(text);
+  for (const std::string& variant : variants) {
+    if (variant != kDefaultVariants) {
+      modelVariant(variant, false);  // throws if it is none
+    }
+  }
+  return variants;
+}
+
 Probe probeFrom(const std::string& name) {
   for (const Probe& probe : floorProbes()) {
     if (probe.name == name) {
       return probe;
     }
   }
-  const bool is_reanchored = name.rfind(kReanchored, 0) == 0;
-  const auto every = is_reanchored ? pusht::decimal<int>(name.substr(std::string(kReanchored).size())) : std::nullopt;
-  if (!every) {
-    throw pusht::InvalidInput("probe '" + name + "': must be floor_1e-9, floor_1e-6 or " + kReanchored + "K");
+  if (const auto every = pusht::decimal<int>(restAfter(kReanchored, name))) {
+    return stateResetReplay(*every);
   }
-  return stateResetReplay(*every);
+  for (const bool closed : {false, true}) {
+    if (const std::string variant = restAfter(closed ? kClosedVariant : kVariant, name); !variant.empty()) {
+      return modelVariant(variant, closed);
+    }
+  }
+  throw pusht::InvalidInput("probe '" + name + "': must be floor_1e-9, floor_1e-6, " + kReanchored + "K, " + kVariant +
+                            "NAME=VALUE or " + kClosedVariant + "NAME=VALUE");
 }
 
 pusht::Trace runProbe(const Probe& probe, const pusht::WorldState& initial_state, const pusht::Trace& reference,

@@ -76,7 +76,7 @@ bool Protocol::has(std::size_t rollout, Scope scope) const {
       rollout < kModeCount ? std::nullopt : std::optional(probes().at(rollout - kModeCount));
   switch (scope) {
     case Scope::kModes:
-      return !probe;
+      return !probe || probe->closed;
     case Scope::kCompared:
       return rollout != kReferenceClosed;
     case Scope::kClosed:

@@ -20,29 +20,39 @@ std::size_t commonSteps(const RolloutView& view) {
   return std::min(statesOf(view).size(), view.reference.states.size());
 }
 
-/// Over the first kEarlySteps, if both have them.
-Divergence earlyDivergence(const RolloutView& view) {
-  constexpr std::size_t kCount = kEarlySteps + 1;
-  if (commonSteps(view) < kCount) {
-    return kNoDivergence;
-  }
-  Divergence sum;
-  for (std::size_t k = 0; k < kCount; ++k) {
-    sum += divergence(view.reference.states[k], statesOf(view)[k]);
-  }
-  return sum / kCount;
+/// Number of states up to a horizon [control steps]; 0 if either rollout is shorter.
+std::size_t statesWithin(const RolloutView& view, int horizon) {
+  const auto count = static_cast<std::size_t>(horizon) + 1;
+  return commonSteps(view) < count ? 0 : count;
 }
 
-Divergence nullDivergence(const RolloutView& view) {
+/// Over the steps up to a horizon, if both have them.
+Divergence earlyDivergence(const RolloutView& view, int horizon) {
+  const std::size_t count = statesWithin(view, horizon);
+  Divergence sum;
+  for (std::size_t k = 0; k < count; ++k) {
+    sum += divergence(view.reference.states[k], statesOf(view)[k]);
+  }
+  return count == 0 ? kNoDivergence : sum / count;
+}
+
+/// Over the first `count` states.
+Divergence nullDivergence(const RolloutView& view, std::size_t count) {
   Divergence sum;
   std::size_t rest = 0;  // where the tee that does not move is
-  for (std::size_t k = 0; k < commonSteps(view); ++k) {
+  for (std::size_t k = 0; k < count; ++k) {
     sum += divergence(view.reference.states[k], view.reference.states[rest]);
     if (view.reset_every > 0 && k % static_cast<std::size_t>(view.reset_every) == 0) {
       rest = k;
     }
   }
-  return sum / commonSteps(view);
+  return count == 0 ? kNoDivergence : sum / count;
+}
+
+Divergence nullDivergence(const RolloutView& view) { return nullDivergence(view, commonSteps(view)); }
+
+Divergence earlyNullDivergence(const RolloutView& view, int horizon) {
+  return nullDivergence(view, statesWithin(view, horizon));
 }
 
 /// Divergence of the replay minus that of the closed loop.
@@ -80,11 +90,23 @@ double meanAngleDivergence(const RolloutView& view) {
   return meanDivergence(view.reference, view.rollout.trace()).angle;
 }
 
-double earlyPositionDivergence(const RolloutView& view) { return earlyDivergence(view).position; }
-double earlyAngleDivergence(const RolloutView& view) { return earlyDivergence(view).angle; }
+double earlyPositionDivergence(const RolloutView& view) { return earlyDivergence(view, kEarlySteps).position; }
+double earlyAngleDivergence(const RolloutView& view) { return earlyDivergence(view, kEarlySteps).angle; }
+double fiveSecondsPositionDivergence(const RolloutView& view) {
+  return earlyDivergence(view, kFiveSecondSteps).position;
+}
+double fiveSecondsAngleDivergence(const RolloutView& view) { return earlyDivergence(view, kFiveSecondSteps).angle; }
 
 double nullPositionDivergence(const RolloutView& view) { return nullDivergence(view).position; }
 double nullAngleDivergence(const RolloutView& view) { return nullDivergence(view).angle; }
+double earlyNullPositionDivergence(const RolloutView& view) { return earlyNullDivergence(view, kEarlySteps).position; }
+double earlyNullAngleDivergence(const RolloutView& view) { return earlyNullDivergence(view, kEarlySteps).angle; }
+double fiveSecondsNullPositionDivergence(const RolloutView& view) {
+  return earlyNullDivergence(view, kFiveSecondSteps).position;
+}
+double fiveSecondsNullAngleDivergence(const RolloutView& view) {
+  return earlyNullDivergence(view, kFiveSecondSteps).angle;
+}
 
 double growthRateOf(const RolloutView& view) { return growthRate(view.reference, view.rollout.trace()); }
 

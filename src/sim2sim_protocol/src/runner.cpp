@@ -23,7 +23,7 @@ CachedTraces cachedTraces(const Protocol& protocol, int episode, const Reference
   const std::string key = protocol.initialStateKey(episode);
   CachedTraces cached{references.find(key, kReferenceRollout), {}};
   for (const Probe& probe : protocol.probes()) {
-    cached.probes.push_back(probe.world == ProbedWorld::kReference ? references.find(key, probe.name) : std::nullopt);
+    cached.probes.push_back(probe.isOfReference() ? references.find(key, probe.name) : std::nullopt);
   }
   return cached;
 }
@@ -33,7 +33,7 @@ void keep(const Protocol& protocol, const Episode& episode, const ReferenceCache
   const std::string key = protocol.initialStateKey(episode.index());
   const std::vector<Probe> probes = protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    if (probes[i].world == ProbedWorld::kReference) {
+    if (probes[i].isOfReference()) {
       references.keep(key, probes[i].name, episode.probe(i).value());
     }
   }
@@ -64,11 +64,18 @@ class EpisodeQueue {
     return std::exchange(next_begun_, after(next_begun_));
   }
 
+  /// Lets waitForEpisode() return.
+  void open() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    open_ = true;
+    changed_.notify_all();
+  }
+
   /// Waits until take() has an episode; returns false if there will be none. Only for a thread without an episode in
   /// flight: the episode that the buffer waits for is then in flight in another thread.
   bool waitForEpisode() {
     std::unique_lock<std::mutex> lock(mutex_);
-    changed_.wait(lock, [this] { return ended_ || next_begun_ > last_ || !isFull(); });
+    changed_.wait(lock, [this] { return ended_ || (open_ && (next_begun_ > last_ || !isFull())); });
     return !ended_ && next_begun_ <= last_;
   }
 
@@ -116,6 +123,7 @@ class EpisodeQueue {
   std::condition_variable changed_;
   int next_begun_;
   int next_delivered_;
+  bool open_ = false;
   bool ended_ = false;
   std::map<int, Episode> buffer_;
 };
@@ -128,7 +136,8 @@ void work(const Protocol& protocol, const WorkerFactory& factory, int lanes, con
   }
   const Worlds worlds = factory.make_worlds(lanes);
   const auto policy = factory.make_policy();
-  Flight flight(protocol, worlds, *policy);
+  const VariantWorlds variants = factory.make_variants ? factory.make_variants() : VariantWorlds();
+  Flight flight(protocol, worlds, *policy, variants);
   while (!stop() && !queue.ended()) {
     while (!flight.full()) {
       const std::optional<int> index = queue.take();
@@ -178,7 +187,11 @@ void runProtocol(const Protocol& protocol, const WorkerFactory& factory, int thr
     queue.end();
     throw pusht::RuntimeFault("cannot start thread " + std::to_string(others.size() + 2) + " of " +
                               std::to_string(threads) + ": " + error.what() + "; ask for fewer threads");
+  } catch (...) {
+    queue.end();
+    throw;
   }
+  queue.open();   // no thread uses memory while another one may fail to start for the lack of it
   work_or_end();  // if it throws, the destructors of the others wait for their ends
   for (std::future<void>& other : others) {
     other.get();

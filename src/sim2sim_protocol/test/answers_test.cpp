@@ -93,7 +93,7 @@ TEST(Answer, OfSeveralEnginesNamesThem) {
 
 TEST(Answer, OfOneFigureAmongManyHasHolmsP) {
   EXPECT_THAT(answer({damped(6, 100, 5, 0.08), damped(20, 100, 3, 0.08)}),
-              HasSubstr("success is not shown to change (+0.140 [0.017, 0.261], after Holm p 0.4130)"));
+              HasSubstr("success is not shown to change (+0.140 [0.017, 0.261], after Holm p 0.5231)"));
 }
 
 TEST(Answer, OfFewEpisodesSaysThatTheyAreTooFew) {

@@ -205,7 +205,7 @@ TEST(CauseIn, IsTheSameInAMirror) {
   }
 }
 
-/// The inner faces are at 0.39 m: the pusher's centre is at 0.375 then.
+/// The inner faces are at 0.39 m: the pusher's center is at 0.375 then.
 TEST(CauseIn, IsTheWallWheneverOneIsTouched) {
   const WorldState open = world({0.3, 0.2});
   for (const double turn : {0.0, kPi / 2.0, kPi, -kPi / 2.0}) {
@@ -326,7 +326,7 @@ TEST(FirstDivergenceOf, SaysWhoWasTheFirst) {
   }
 }
 
-TEST(FirstDivergenceOf, SaysWhoWasTheFirstInABoundBelowOneMillimetre) {
+TEST(FirstDivergenceOf, SaysWhoWasTheFirstInABoundBelowOneMillimeter) {
   Trace other = teeAt({0.0, 0.0002});
   EXPECT_EQ(firstDivergenceOf(resting(other), other, {0.0001, 0.1})->first, FirstBody::kTee);
   other.states[1].pusher_position.x() += 0.0002;

@@ -110,6 +110,15 @@ TEST(Headline, ARunThatEndsWhenItIsDecidedHasTheIntervalThatHoldsThen) {
          "Cannot say yet: with this policy the two-mass engine keeps 100 % [0 or more] of MuJoCo's success.");
 }
 
+/// A run may be decided before its tenth episode.
+TEST(Headline, ARunThatEndsWhenItIsDecidedHasAnAnswerFromTheFirstEpisodeOn) {
+  RunConfiguration configuration = configurationOf("two-mass engine", 1000);
+  EXPECT_NE(headlineOf(configuration, {0, 9, 0, 0}).answer.find("9 episodes can say nothing"), std::string::npos);
+  configuration.protocol.until_decided = 0.9;
+  EXPECT_NE(headlineOf(configuration, {0, 9, 0, 0}).answer.find("keeps 0 % [0, "), std::string::npos);
+  EXPECT_NE(headlineOf(configuration, {0, 0, 0, 9}).answer.find("9 episodes can say nothing"), std::string::npos);
+}
+
 TEST(Headline, TellsTwoOfOneKindApartByTheirRoles) {
   expect(headline("MuJoCo", {950, 0, 0, 50}), "transfers",
          "Yes: with this policy the engine keeps 100 % [100, 100] of the reference's success.");

@@ -88,6 +88,25 @@ TEST(Metrics, HaveTheCoursesNamesOfTheReferenceWhereItIsMujoco) {
   }
 }
 
+/// Closed loops diverge by their own actions, too; the replays of the variants do not.
+TEST(Metrics, CompareTheReplayAloneWithReplaysOfModelVariants) {
+  RunConfiguration configuration = bareConfiguration();
+  configuration.protocol.model_variants = {"timestep=0.005"};
+  std::vector<EpisodeResult> episodes = episodesWith(20, 12, 1);
+  for (EpisodeResult& episode : episodes) {
+    episode.rollouts.push_back(episode.rollouts[kEngineReplay]);
+  }
+  const nlohmann::json json = metrics(configuration, summarize(configuration.protocol, episodes));
+  EXPECT_EQ(json.at("mean_pos_divergence_over_variants"), 1.0);
+  EXPECT_EQ(json.at("mean_pos_divergence_over_variants_interval").size(), 2U);
+  int multiples = 0;
+  for (const auto& [key, value] : json.items()) {
+    multiples += key.find("_over_variants") != std::string::npos ? 1 : 0;
+    EXPECT_FALSE(key.rfind("engine_closed_", 0) == 0 && key.find("_over_variants") != std::string::npos) << key;
+  }
+  EXPECT_EQ(multiples, 12) << "six divergences with their intervals";
+}
+
 TEST(Decision, HasTheShareAsItWasGiven) {
   EXPECT_THAT(decisionText(TransferBet(0.4999), 0.4999), HasSubstr("does the engine keep 49.99 % of"));
   EXPECT_THAT(decisionText(TransferBet(0.5), 0.5), HasSubstr("does the engine keep 50 % of"));

@@ -438,18 +438,26 @@ TEST(Probes, TheNullModelRestsWhereItWasPutLast) {
   }
 }
 
-TEST(Probes, EarlyDivergenceIsOfEpisodesThatLastLongEnough) {
-  for (const int horizon : {kEarlySteps - 1, kEarlySteps, kEarlySteps + 10}) {
+/// The tees go straight: after k steps they are k times as far apart as after one.
+TEST(Probes, DivergenceOverAHorizonIsOfEpisodesThatLastLongEnough) {
+  for (const int horizon :
+       {kEarlySteps - 1, kEarlySteps, kFiveSecondSteps - 1, kFiveSecondSteps, kFiveSecondSteps + 10}) {
     Protocol protocol;
     protocol.episodes = 1;
     protocol.horizon = horizon;
     const EpisodeResult episode = run(protocol, {ledWorlds(0.02, 0.01), idlePolicy}).front();
-    const double early = episode.rollouts[kEngineReplay].at("early_position_divergence");
-    if (horizon < kEarlySteps) {
-      EXPECT_TRUE(std::isnan(early));
-    } else {
-      EXPECT_NEAR(early, 0.01 * pusht::kControlStep * kEarlySteps / 2.0, 1e-12) << horizon;
-    }
+    const auto expect_mean = [&](const char* quantity, int steps, double speed) {
+      const double mean = episode.rollouts[kEngineReplay].at(quantity);
+      if (horizon < steps) {
+        EXPECT_TRUE(std::isnan(mean)) << quantity;
+      } else {
+        EXPECT_NEAR(mean, speed * pusht::kControlStep * steps / 2.0, 1e-12) << quantity << " of " << horizon;
+      }
+    };
+    expect_mean("early_position_divergence", kEarlySteps, 0.01);
+    expect_mean("early_5s_position_divergence", kFiveSecondSteps, 0.01);
+    expect_mean("early_null_position_divergence", kEarlySteps, 0.02);
+    expect_mean("early_5s_null_position_divergence", kFiveSecondSteps, 0.02);
   }
 }
 
@@ -476,24 +484,67 @@ TEST(Probes, TheFloorIsTheReferenceFromAMovedStart) {
   runProtocol(protocol, {sameEngines, expert}, 1, nullptr, deliver, kNeverStop);
 }
 
+/// Tees on one line: a variant's tee moves with its own speed, in closed loop until its own success.
+TEST(Probes, AModelVariantIsTheReferenceWithAnotherModel) {
+  Protocol protocol;
+  protocol.episodes = 3;
+  protocol.horizon = 12;
+  protocol.floor = false;
+  protocol.model_variants = {"speed=0.03", "speed=0.02"};
+  protocol.closed_variants = {"speed=0.02"};
+  const auto make_variants = [] {
+    VariantWorlds worlds;
+    worlds.push_back(ledLanes(1, [](const auto& /*state*/) { return 0.03; }));
+    worlds.push_back(ledLanes(1, [](const auto& /*state*/) { return 0.02; }));
+    return worlds;
+  };
+  for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.04, 0.01), idlePolicy, make_variants})) {
+    ASSERT_EQ(episode.rollouts.size(), kModeCount + 3U);
+    const double mean_time = 6.0 * pusht::kControlStep;
+    EXPECT_NEAR(episode.rollouts[kModeCount].at("mean_position_divergence"), 0.01 * mean_time, 1e-12);
+    EXPECT_NEAR(episode.rollouts[kModeCount + 1].at("mean_position_divergence"), 0.02 * mean_time, 1e-12);
+    const RolloutResult& closed = episode.rollouts[kModeCount + 2];
+    EXPECT_NEAR(closed.at("mean_position_divergence"), 0.02 * mean_time, 1e-12);
+    EXPECT_FALSE(std::isnan(closed.at("final_position_error"))) << "a closed loop has an end of its own";
+    EXPECT_TRUE(std::isnan(episode.rollouts[kModeCount].at("final_position_error")));
+  }
+}
+
 TEST(Probes, AreKnownByName) {
-  for (const Probe& probe : probesOf(true, {1, 20, 300})) {
+  RunOptions options;
+  options.reanchor = {1, 20, 300};
+  options.model_variants = {"timestep=0.005", "cone=elliptic:impratio=1e+06"};
+  options.closed_variants = {kDefaultVariants, "timestep=0.005"};
+  const std::vector<Probe> probes = probesOf(options);
+  ASSERT_EQ(probes.size(), 8U);
+  EXPECT_EQ(probes[6].name, "variant_cone=elliptic:impratio=1e+06");
+  EXPECT_EQ(probes[7].name, "closed_variant_timestep=0.005");
+  for (const Probe& probe : probes) {
     const Probe found = probeFrom(probe.name);
     EXPECT_EQ(found, probe);
     EXPECT_EQ(found.reset_every, probe.reset_every);
     EXPECT_EQ(found.tee_offset, probe.tee_offset);
+    EXPECT_EQ(found.variant, probe.variant);
+    EXPECT_EQ(found.closed, probe.closed);
   }
   EXPECT_EQ(reanchorFrom("1,5,20"), (std::vector<int>{1, 5, 20}));
   EXPECT_TRUE(reanchorFrom("").empty());
-  for (const char* name : {"floor_1e-7", "engine_reanchored_", "engine_reanchored_0", "engine_reanchored_05", ""}) {
+  for (const char* name : {"floor_1e-7", "engine_reanchored_", "engine_reanchored_0", "engine_reanchored_05", "",
+                           "variant_", "variant_default", "closed_variant_cone", "variant_a=b,c=d"}) {
     EXPECT_THROW(probeFrom(name), pusht::InvalidInput) << name;
   }
   for (const char* list : {"1,x", "1,,5", "1,5,", "1.5", " 1"}) {
     EXPECT_THROW(reanchorFrom(list), pusht::InvalidInput) << list;
   }
-  EXPECT_THROW(probesOf(true, {0}), pusht::InvalidInput);
-  EXPECT_THROW(probesOf(true, {301}), pusht::InvalidInput);
-  EXPECT_THROW(probesOf(true, {5, 5}), pusht::InvalidInput);
+  for (const std::vector<int>& every : {std::vector{0}, std::vector{301}, std::vector{5, 5}}) {
+    options.reanchor = every;
+    EXPECT_THROW(probesOf(options), pusht::InvalidInput) << every.front();
+  }
+  for (const char* list : {"timestep", "a=b,", "a=b/c", "a=b c", "=b", "a=b:"}) {
+    EXPECT_THROW(modelVariantsFrom(list), pusht::InvalidInput) << list;
+  }
+  EXPECT_EQ(modelVariantsFrom("default,a=1:b=x"), (std::vector<std::string>{"default", "a=1:b=x"}));
+  EXPECT_TRUE(modelVariantsFrom("").empty());
 }
 
 TEST(Protocol, RefusesWhatItCannotRun) {

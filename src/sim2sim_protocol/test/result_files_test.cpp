@@ -60,6 +60,7 @@ TEST(ReferenceCachePattern, FollowsFromTheProbes) {
   for (const Probe& probe : floorProbes()) {
     EXPECT_TRUE(std::regex_match("10007." + probe.name, pattern)) << probe.name;
   }
+  EXPECT_TRUE(std::regex_match("10007." + modelVariant("cone=elliptic:impratio=1e+06", true).name, pattern));
   EXPECT_FALSE(std::regex_match("10007." + stateResetReplay(5).name, pattern)) << "is no rollout of the reference";
   EXPECT_FALSE(std::regex_match("notes.reference", pattern));
 }

@@ -34,6 +34,8 @@ inline std::vector<EpisodeResult> episodesWith(int total, int reference, int eng
     for (RolloutResult& rollout : episode.rollouts) {
       rollout.at("final_position_error") = 0.0;
       rollout.at("final_angle_error") = 0.0;
+      rollout.at("null_position_divergence") = 0.2;
+      rollout.at("null_angle_divergence") = 1.0;
     }
     episode.rollouts[kReferenceClosed].success = i < reference;
     episode.rollouts[kEngineClosed].success = i < engine;

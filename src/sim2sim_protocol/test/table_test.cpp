@@ -4,11 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "run_episodes.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
+#include "sim2sim_protocol/results/text.hpp"
 
 namespace sim2sim {
 namespace {
@@ -75,13 +77,112 @@ TEST(Table, SaysIfTheReferenceDoesNotSeeTheSmallestShift) {
 
 TEST(Table, GivesNoIntervalBelowTheFewestEpisodes) {
   const RunConfiguration configuration = bareConfiguration();
-  const Summary few = summarize(bare(), episodesWith(kFewestEpisodes - 1, 5, 3));
+  const Summary few = summarize(bare(), episodesWith(kFewestPairs - 1, 5, 3));
   EXPECT_FALSE(few.mean(kEngineReplay, "mean_position_divergence").interval);
   EXPECT_TRUE(metrics(configuration, few).at("mean_pos_divergence_interval_m").is_null());
-  EXPECT_THAT(table(configuration, few), HasSubstr("most need 10 episodes"));
-  const Summary enough = summarize(bare(), episodesWith(kFewestEpisodes, 5, 3));
+  EXPECT_THAT(table(configuration, few), HasSubstr("most need 10 episodes, divergences and differences 20"));
+  const Summary enough = summarize(bare(), episodesWith(kFewestPairs, 5, 3));
   EXPECT_TRUE(enough.mean(kEngineReplay, "mean_position_divergence").interval);
   EXPECT_GT(enough.mean(kEngineReplay, "mean_position_divergence").interval->low, 0.0);
+}
+
+TEST(Table, SaysIfFewEpisodesCarryAMean) {
+  std::vector<EpisodeResult> episodes = episodesAgainstNull(-0.05);
+  EXPECT_THAT(table(bareConfiguration(), summarize(bare(), episodes)), Not(HasSubstr("carry")));
+  for (EpisodeResult& episode : episodes) {  // two of 40 are 4 m of 4.38 m, 91 %
+    episode.rollouts[kEngineReplay].at("mean_position_divergence") = episode.index < 2 ? 2.0 : 0.01;
+  }
+  EXPECT_THAT(table(bareConfiguration(), summarize(bare(), episodes)),
+              HasSubstr("\n    largest 5 % carry   91 % of the mean "));
+  episodes.resize(19);
+  EXPECT_THAT(table(bareConfiguration(), summarize(bare(), episodes)), Not(HasSubstr("carry"))) << "too few to say";
+}
+
+/// A horizon has the episodes that last so long, and its own null model.
+TEST(Table, LeadsWithTheHorizonThatEpisodesHaveInCommon) {
+  std::vector<EpisodeResult> episodes = episodesAgainstNull(-0.05);
+  const auto text = [&] { return table(bareConfiguration(), summarize(bare(), episodes)); };
+  EXPECT_THAT(text(), Not(HasSubstr("first 2 s"))) << "no episode lasts as long";
+  for (EpisodeResult& episode : episodes) {
+    RolloutResult& replay = episode.rollouts[kEngineReplay];
+    for (const char* horizon : {"early_", "early_5s_"}) {
+      if (horizon == std::string("early_") || episode.index < 30) {
+        replay.at(std::string(horizon) + "position_divergence") = 0.02 + 1e-4 * episode.index;
+        replay.at(std::string(horizon) + "angle_divergence") = 0.2;
+        replay.at(std::string(horizon) + "null_position_divergence") = 0.01;
+        replay.at(std::string(horizon) + "null_angle_divergence") = 0.3 + 0.01 * (episode.index % 2);
+      }
+    }
+  }
+  EXPECT_THAT(text(), HasSubstr("angle\n  first 2 s             0.0220 m ["));
+  EXPECT_THAT(text(), HasSubstr("] (!)"));
+  EXPECT_THAT(text(), HasSubstr("\n    - null model        +0.0120 m ["));
+  EXPECT_THAT(text(), HasSubstr("\n  first 5 s (n 30)      0.0215 m ["));
+  EXPECT_THAT(text(), HasSubstr("\n  whole episode         0.0510 m ["));
+  EXPECT_LT(text().find("first 5 s"), text().find("whole episode"));
+  const nlohmann::json json = metrics(bareConfiguration(), summarize(bare(), episodes));
+  EXPECT_EQ(json.at("engine_replay_early_5s_position_divergence_episodes"), 30);
+  EXPECT_EQ(json.at("engine_replay_early_position_divergence_beats_null"), false);
+  EXPECT_EQ(json.at("engine_replay_early_angle_divergence_beats_null"), true);
+  EXPECT_EQ(json.at("mean_pos_divergence_episodes"), 40);
+}
+
+/// Replays nearer to the reference than its variants over 2 s, farther away over whole episodes, in position.
+std::vector<EpisodeResult> episodesWithVariants(const RunConfiguration& configuration) {
+  std::vector<EpisodeResult> episodes = episodesAgainstNull(-0.05);
+  for (EpisodeResult& episode : episodes) {
+    RolloutResult& replay = episode.rollouts[kEngineReplay];
+    replay.at("early_position_divergence") = 0.001;
+    replay.at("early_angle_divergence") = 0.2 + 0.001 * (episode.index % 2);
+    replay.at("early_null_position_divergence") = 0.01;
+    replay.at("early_null_angle_divergence") = 0.1;
+    RolloutResult variant = replay;
+    variant.success = episode.index < 15;
+    variant.at("mean_position_divergence") = 0.005;
+    variant.at("early_position_divergence") = 0.05;
+    episode.rollouts.resize(configuration.protocol.rolloutNames().size(), variant);
+  }
+  return episodes;
+}
+
+TEST(Table, SaysOverWhichHorizonTheEngineIsFartherThanModelVariants) {
+  RunConfiguration configuration = bareConfiguration();
+  configuration.reference = {"mujoco", "MuJoCo"};
+  configuration.engine = {"two_mass", "two-mass engine"};
+  configuration.protocol.model_variants = {"timestep=0.005", "cone=elliptic:impratio=10.0"};
+  configuration.protocol.closed_variants = {"timestep=0.005"};
+  const std::string text = table(configuration, summarize(configuration.protocol, episodesWithVariants(configuration)));
+  EXPECT_THAT(text, HasSubstr("\nMuJoCo, its variants           position, whole episode         angle, whole episode\n"
+                              "  timestep=0.005               0.0050 m ["));
+  EXPECT_THAT(text, HasSubstr("\n  cone=elliptic:impratio=10.0  0.0050 m ["));
+  EXPECT_THAT(text,
+              HasSubstr("\nIn position, over the first 2 s, the two-mass engine is nearer to MuJoCo than MuJoCo's "
+                        "largest model variant.\n"
+                        "In angle, over the first 2 s, it is not shown whether the two-mass engine is farther "
+                        "from MuJoCo than MuJoCo's largest model variant.\n"
+                        "In position, over the whole episode, the two-mass engine is farther from MuJoCo than "
+                        "MuJoCo's largest model variant.\n"
+                        "In angle, over the whole episode, it is not shown whether the"));
+  EXPECT_THAT(text, HasSubstr("\nMuJoCo, its variants           success, closed loop            less reference\n"
+                              "  timestep=0.005               15  0.375 ["));
+  EXPECT_LT(text.rfind("its variants"), text.find("(!) not shown")) << "footnotes come last";
+}
+
+TEST(Table, HeadsClosedLoopsInModelVariantsAlone) {
+  RunConfiguration configuration = bareConfiguration();
+  configuration.reference = {"mujoco", "MuJoCo"};
+  configuration.protocol.closed_variants = {"timestep=0.005"};
+  const std::string text = table(configuration, summarize(configuration.protocol, episodesWithVariants(configuration)));
+  EXPECT_THAT(text, HasSubstr("\nMuJoCo, its variants    success, closed loop            less reference\n"
+                              "  timestep=0.005        15  0.375 ["));
+  EXPECT_THAT(text, Not(HasSubstr("model variant.")));
+}
+
+TEST(Table, ShowsMultiplesOfTheFloorWithIntervals) {
+  EXPECT_EQ(timesText(68.4, Interval{9.3, 416.0}), "68 times [9.3, 420]");
+  EXPECT_EQ(timesText(99.6, Interval{2e-5, 99.4}), "100 times [0.00002, 99]") << "no exponent";
+  EXPECT_EQ(timesText(1.26, std::nullopt), "1.3 times");
+  EXPECT_EQ(timesText(std::nan(""), std::nullopt), "undefined");
 }
 
 TEST(Table, ShowsRatesWithIntervals) {

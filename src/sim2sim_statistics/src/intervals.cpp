@@ -76,10 +76,10 @@ Interval wilsonInterval(int successes, int trials) {
   const double p = successes / n;
   const double z = boost::math::quantile(boost::math::normal(), kUpperTail);
   const double shrink = 1.0 + z * z / n;
-  const double centre = (p + z * z / (2.0 * n)) / shrink;
+  const double center = (p + z * z / (2.0 * n)) / shrink;
   const double half_width = z / shrink * std::sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n));
   // At the ends of the scale the formula gives 0 or 1 but for rounding.
-  return {successes == 0 ? 0.0 : centre - half_width, successes == trials ? 1.0 : centre + half_width};
+  return {successes == 0 ? 0.0 : center - half_width, successes == trials ? 1.0 : center + half_width};
 }
 
 Estimate meanOf(const std::vector<double>& samples, double limit) {

@@ -70,8 +70,8 @@ double powerOf(double discordant, double difference, int episodes) {
   for (int pairs = first; pairs <= last; ++pairs) {
     rarer = rareEnough(pairs, rarer);
     if (rarer >= 0) {
-      const boost::math::binomial favourable(pairs, 0.5 + 0.5 * difference / discordant);
-      power += pdf(number, pairs) * (cdf(favourable, rarer) + cdf(complement(favourable, pairs - rarer - 1)));
+      const boost::math::binomial favorable(pairs, 0.5 + 0.5 * difference / discordant);
+      power += pdf(number, pairs) * (cdf(favorable, rarer) + cdf(complement(favorable, pairs - rarer - 1)));
     }
   }
   return power;

@@ -13,27 +13,28 @@
 
 #include "coalitions.hpp"
 #include "sim2sim_statistics/common.hpp"
+#include "sim2sim_statistics/tails.hpp"
 
 namespace sim2sim {
 namespace {
 
 /// `of(episode)` of all episodes, as paired differences.
 template <class OfEpisode>
-Difference overEpisodes(const Game& game, const OfEpisode& of) {
+Difference overEpisodes(const Game& game, const std::optional<double>& extreme, const OfEpisode& of) {
   std::vector<double> differences(static_cast<std::size_t>(game.episodes()));
   for (int episode = 0; episode < game.episodes(); ++episode) {
     differences[static_cast<std::size_t>(episode)] = of(episode);
   }
-  return meanDifference(differences);
+  return pairedDifference(differences, extreme);
 }
 
 /// `of(player, episode)` of all episodes, by player.
 template <class OfPlayer>
-std::vector<Difference> ofEveryPlayer(const Game& game, const OfPlayer& of) {
+std::vector<Difference> ofEveryPlayer(const Game& game, const std::optional<double>& extreme, const OfPlayer& of) {
   std::vector<Difference> differences(static_cast<std::size_t>(game.players()));
   for (int player = 0; player < game.players(); ++player) {
     const auto of_player = [&](int episode) { return of(player, episode); };
-    differences[static_cast<std::size_t>(player)] = overEpisodes(game, of_player);
+    differences[static_cast<std::size_t>(player)] = overEpisodes(game, extreme, of_player);
   }
   return differences;
 }
@@ -136,11 +137,18 @@ std::optional<Interval> crossedInterval(double mean, const std::vector<double>& 
   return Interval{mean - half_width, mean + half_width};
 }
 
-Estimate estimateOf(const Contributions& contributions, std::size_t player) {
+bool areCarriedByFew(const std::vector<double>& values, const std::optional<double>& extreme) {
+  return extreme && isCarriedByFew(values, *extreme);
+}
+
+Estimate estimateOf(const Contributions& contributions, std::size_t player, const std::optional<double>& extreme) {
   const std::vector<double> by_episode = column(contributions.by_episode, player);
-  const Difference difference = meanDifference(by_episode);
+  const Difference difference = pairedDifference(by_episode, extreme);
   if (contributions.by_order.empty()) {
     return {difference.value, difference.interval};
+  }
+  if (areCarriedByFew(by_episode, extreme)) {
+    return {difference.value, std::nullopt};
   }
   return {difference.value, crossedInterval(difference.value, by_episode, column(contributions.by_order, player))};
 }
@@ -188,7 +196,8 @@ std::vector<Interval> partIntervals(const Contributions& contributions, const st
 }
 
 /// The parts of shares that have none yet.
-void addParts(const Contributions& contributions, const std::vector<double>& values, std::vector<Share>& shares) {
+void addParts(const Contributions& contributions, const std::vector<double>& values,
+              const std::optional<double>& extreme, std::vector<Share>& shares) {
   const double gap = sumOf(values);
   if (gap <= kSame) {
     return;
@@ -199,23 +208,28 @@ void addParts(const Contributions& contributions, const std::vector<double>& val
   if (std::none_of(shares.begin(), shares.end(), [](const Share& share) { return share.interval.has_value(); })) {
     return;
   }
+  std::vector<double> wholes;  // by episode
+  std::transform(contributions.by_episode.begin(), contributions.by_episode.end(), std::back_inserter(wholes), sumOf);
+  if (areCarriedByFew(wholes, extreme)) {
+    return;
+  }
   const std::vector<Interval> intervals = partIntervals(contributions, values);
   for (std::size_t player = 0; player < intervals.size(); ++player) {
-    if (shares[player].interval) {
+    if (shares[player].interval && !areCarriedByFew(column(contributions.by_episode, player), extreme)) {
       shares[player].part_interval = intervals[player];
     }
   }
 }
 
-std::vector<Share> sharesOf(const Contributions& contributions) {
+std::vector<Share> sharesOf(const Contributions& contributions, const std::optional<double>& extreme) {
   std::vector<Share> shares;
   std::vector<double> values;
   for (std::size_t player = 0; player < contributions.by_episode.front().size(); ++player) {
-    const Estimate estimate = estimateOf(contributions, player);
+    const Estimate estimate = estimateOf(contributions, player, extreme);
     shares.push_back({estimate.value, estimate.interval, std::numeric_limits<double>::quiet_NaN(), std::nullopt});
     values.push_back(estimate.value);
   }
-  addParts(contributions, values, shares);
+  addParts(contributions, values, extreme, shares);
   return shares;
 }
 
@@ -235,33 +249,53 @@ double interactionIn(const Game& game, int episode, int first, int second, const
 
 }  // namespace
 
-std::vector<Share> shares(const Game& game) { return sharesOf(contributionsOf(game)); }
+std::vector<Share> shares(const Game& game, const std::optional<double>& extreme) {
+  return sharesOf(contributionsOf(game), extreme);
+}
 
-std::vector<Interaction> interactions(const Game& game) {
+std::vector<Interaction> interactions(const Game& game, const std::optional<double>& extreme) {
+  const std::optional<double> twice = extreme ? std::optional(2.0 * *extreme) : std::nullopt;
   const std::vector<double> weights = precedences(game.players() - 1);  // the pair counts as one player
   std::vector<Interaction> found;
   for (int first = 0; first < game.players(); ++first) {
     for (int second = first + 1; second < game.players(); ++second) {
       const auto of = [&](int episode) { return interactionIn(game, episode, first, second, weights); };
-      found.push_back({first, second, overEpisodes(game, of)});
+      found.push_back({first, second, overEpisodes(game, twice, of)});
     }
   }
   return found;
 }
 
-std::vector<Difference> alone(const Game& game) {
-  return ofEveryPlayer(
-      game, [&game](int player, int episode) { return game.gap(kNone, episode) - game.gap(only(player), episode); });
+std::vector<Difference> alone(const Game& game, const std::optional<double>& extreme) {
+  return ofEveryPlayer(game, extreme, [&game](int player, int episode) {
+    return game.gap(kNone, episode) - game.gap(only(player), episode);
+  });
 }
 
-std::vector<Difference> leaveOneOut(const Game& game) {
-  return ofEveryPlayer(game, [&game, all = game.all()](int player, int episode) {
+std::vector<Difference> leaveOneOut(const Game& game, const std::optional<double>& extreme) {
+  return ofEveryPlayer(game, extreme, [&game, all = game.all()](int player, int episode) {
     return game.gap(all ^ only(player), episode) - game.gap(all, episode);
   });
 }
 
-std::vector<Share> sampledShares(const std::vector<Order>& orders,
-                                 const std::map<Coalition, std::vector<double>>& gaps) {
+std::vector<Difference> stepsAlong(const Game& game, const Order& order, const std::optional<double>& extreme) {
+  if (requireOrders({order}) != game.players()) {
+    refuse("number of players in an order", order.size(), "that of the game");
+  }
+  std::vector<Difference> steps;
+  Coalition before = kNone;
+  for (const int player : order) {
+    const Coalition after = before | only(player);
+    steps.push_back(overEpisodes(game, extreme, [&game, before, after](int episode) {
+      return game.gap(before, episode) - game.gap(after, episode);
+    }));
+    before = after;
+  }
+  return steps;
+}
+
+std::vector<Share> sampledShares(const std::vector<Order>& orders, const std::map<Coalition, std::vector<double>>& gaps,
+                                 const std::optional<double>& extreme) {
   const int players = requireOrders(orders);
   for (const Coalition on : coalitionsAlong(orders)) {
     const auto played = gaps.find(on);
@@ -270,7 +304,7 @@ std::vector<Share> sampledShares(const std::vector<Order>& orders,
     }
     requireGaps(on, played->second, gaps.at(kNone).size());
   }
-  return sharesOf(contributionsOf(players, orders, gaps));
+  return sharesOf(contributionsOf(players, orders, gaps), extreme);
 }
 
 }  // namespace sim2sim

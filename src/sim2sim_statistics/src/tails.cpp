@@ -34,6 +34,12 @@ void requireAtLeastZero(const std::vector<double>& samples) {
   }
 }
 
+void requireConfidence(double confidence) {
+  if (!(confidence > 0.0 && confidence < 1.0)) {
+    refuse("confidence", confidence, "above 0 and below 1");
+  }
+}
+
 std::vector<double> sizesOf(std::vector<double> samples) {
   for (double& sample : samples) {
     if (!std::isfinite(sample)) {
@@ -198,7 +204,8 @@ std::optional<Interval> tailMeanInterval(const std::vector<double>& samples, dou
 }
 
 std::optional<Interval> tailRatioInterval(const std::vector<double>& numerators,
-                                          const std::vector<double>& denominators, double extreme) {
+                                          const std::vector<double>& denominators, double extreme, double confidence) {
+  requireConfidence(confidence);
   if (numerators.size() != denominators.size()) {
     refuse("number of denominators", denominators.size(), "that of the numerators");
   }
@@ -212,14 +219,31 @@ std::optional<Interval> tailRatioInterval(const std::vector<double>& numerators,
   constexpr double kFarthest = 40.0;  // of the logarithm, far beyond what any number of pairs could tell from infinity
   const Residuals lower = ofRatio(numerators, denominators, 0.0, largestOf(denominators, extreme));
   const Residuals upper = ofRatio(numerators, denominators, largestOf(numerators, extreme), 0.0);
-  return Interval{std::exp(endOf(lower, seen, seen - kFarthest)), std::exp(endOf(upper, seen, seen + kFarthest))};
+  return Interval{std::exp(endOf(lower, seen, seen - kFarthest, confidence)),
+                  std::exp(endOf(upper, seen, seen + kFarthest, confidence))};
+}
+
+std::optional<Interval> tailRatioToLargest(const std::vector<double>& numerators,
+                                           const std::vector<std::vector<double>>& denominators, double extreme) {
+  if (denominators.empty()) {
+    refuse("number of lists of denominators", 0, "at least 1");
+  }
+  const double confidence = 1.0 - (1.0 - kConfidence) / static_cast<double>(denominators.size());
+  std::optional<Interval> least;
+  for (const std::vector<double>& denominator : denominators) {
+    const std::optional<Interval> ratio = tailRatioInterval(numerators, denominator, extreme, confidence);
+    if (!ratio) {
+      return std::nullopt;
+    }
+    const Interval so_far = least.value_or(*ratio);
+    least = Interval{std::min(so_far.low, ratio->low), std::min(so_far.high, ratio->high)};
+  }
+  return least;
 }
 
 Difference tailDifference(const std::vector<double>& differences, double extreme, double confidence) {
   requireAtLeastZero("extreme", extreme);
-  if (!(confidence > 0.0 && confidence < 1.0)) {
-    refuse("confidence", confidence, "above 0 and below 1");
-  }
+  requireConfidence(confidence);
   const double size = largestOf(sizesOf(differences), extreme);
   if (differences.empty()) {
     return {};
@@ -236,6 +260,13 @@ Difference tailDifference(const std::vector<double>& differences, double extreme
   const double p = 2.0 * std::min(normalCdf(signedRoot(lower(0.0))), normalCdf(-signedRoot(upper(0.0))));
   return {mean, Interval{endOf(lower, mean, -size, confidence), endOf(upper, mean, size, confidence)},
           std::min(1.0, p)};
+}
+
+Difference pairedDifference(const std::vector<double>& differences, const std::optional<double>& extreme) {
+  const auto [least, greatest] = std::minmax_element(differences.begin(), differences.end());
+  const bool has_spread = least != differences.end() && *greatest - *least > kSame;
+  return extreme && has_spread && isCarriedByFew(differences, *extreme) ? tailDifference(differences, *extreme)
+                                                                        : meanDifference(differences);
 }
 
 }  // namespace sim2sim

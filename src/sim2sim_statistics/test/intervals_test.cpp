@@ -101,10 +101,10 @@ TEST(MeanOf, IsStudentsTOnTheLogarithm) {
 
 /// The ends are as far from the mean as each other, as factors; and another unit changes nothing but the unit.
 TEST(MeanOf, IsAFactorInAnyUnit) {
-  const Estimate metres = meanOf(kTwelve);
-  EXPECT_NEAR(metres.interval->low * metres.interval->high, metres.value * metres.value, 1e-15);
-  const Estimate millimetres = meanOf(scaled(kTwelve, 1000.0));
-  expectNear(millimetres.interval, 1000.0 * metres.interval->low, 1000.0 * metres.interval->high);
+  const Estimate meters = meanOf(kTwelve);
+  EXPECT_NEAR(meters.interval->low * meters.interval->high, meters.value * meters.value, 1e-15);
+  const Estimate millimeters = meanOf(scaled(kTwelve, 1000.0));
+  expectNear(millimeters.interval, 1000.0 * meters.interval->low, 1000.0 * meters.interval->high);
 }
 
 TEST(MeanOf, StaysWithinItsRange) {

@@ -31,7 +31,7 @@ std::string outputOfExample() {
 
 TEST(Readme, ShowsTheExampleAndItsOutput) {
   const std::string source = read("examples/two_policies.cpp");
-  const std::string shown = source.substr(source.find('\n') + 1);  // without the licence
+  const std::string shown = source.substr(source.find('\n') + 1);  // without the license
   EXPECT_THAT(read("README.md"), testing::HasSubstr("```cpp\n" + shown + "```\n"));
   const std::string output = outputOfExample();
   EXPECT_THAT(output, testing::HasSubstr("new - old"));

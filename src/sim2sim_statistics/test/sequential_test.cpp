@@ -24,7 +24,7 @@ struct Probabilities {
   double second_only;
 };
 
-/// The two-mass engine against MuJoCo, at the default knob (docs/statistics.md).
+/// The two-mass engine against MuJoCo, at the default parameters (docs/statistics.md).
 constexpr Probabilities kDefault = {0.1240, 0.4885, 0.0661};
 
 std::mt19937_64 randomWalk(std::uint64_t seed) { return std::mt19937_64(seed); }

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "sim2sim_statistics/common.hpp"
+#include "sim2sim_statistics/tails.hpp"
 
 namespace sim2sim {
 namespace {
@@ -294,6 +295,54 @@ TEST(PartInterval, CoversTheTruth) {
   EXPECT_NEAR(static_cast<double>(covered) / kRepetitions, 0.94, 4.0 * std::sqrt(0.94 * 0.06 / kRepetitions));
 }
 
+/// Two players in 40 episodes, in each fourth of which the first removes 0.1 and the second half of that.
+Gaps fewLargeGaps() {
+  Gaps gaps(4, std::vector<double>(40, 0.0));
+  for (std::size_t episode = 0; episode < 40; episode += 4) {
+    gaps[0][episode] = 0.15;
+    gaps[1][episode] = 0.05;
+    gaps[2][episode] = 0.10;
+  }
+  return gaps;
+}
+
+/// Gaps of which few are large: Gaffke's interval, by the extreme that is given, and none of a part.
+TEST(Shares, OfFewLargeGapsHaveTheIntervalThatHolds) {
+  const Gaps gaps = fewLargeGaps();
+  const Share plain = shares({2, gaps}).front();
+  EXPECT_TRUE(plain.part_interval);
+  const Share share = shares({2, gaps}, 0.2).front();
+  EXPECT_EQ(share.value, plain.value);
+  EXPECT_EQ(share.part, plain.part);
+  std::vector<double> removed(40, 0.0);
+  for (std::size_t episode = 0; episode < removed.size(); episode += 4) {
+    removed[episode] = 0.1;
+  }
+  const Interval expected = tailDifference(removed, 0.2).interval.value();
+  EXPECT_NEAR(share.interval->low, expected.low, 1e-12);
+  EXPECT_NEAR(share.interval->high, expected.high, 1e-12);
+  EXPECT_GT(share.interval->high, plain.interval->high);
+  EXPECT_FALSE(share.part_interval);
+  EXPECT_NEAR(alone({2, gaps}, 0.2)[0].interval->high, expected.high, 1e-12);
+  EXPECT_NEAR(leaveOneOut({2, gaps}, 0.2)[0].interval->high, expected.high, 1e-12);
+}
+
+/// An interaction in an unseen episode is up to twice as large as a gap there.
+TEST(Interactions, OfFewLargeGapsHaveTheIntervalThatHolds) {
+  const Gaps gaps = randomGaps(2, 40, 17);
+  std::vector<double> pairs(40);
+  double sizes = 0.0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    pairs[i] = gaps[1][i] + gaps[2][i] - gaps[0][i] - gaps[3][i];
+    sizes += std::abs(pairs[i]);
+  }
+  const double extreme = sizes / 12.0;  // eight of it are fewer than all sizes, sixteen are more
+  const Interval expected = tailDifference(pairs, 2.0 * extreme).interval.value();
+  const Interval found = interactions({2, gaps}, extreme).front().value.interval.value();
+  EXPECT_NEAR(found.low, expected.low, 1e-9);
+  EXPECT_NEAR(found.high, expected.high, 1e-9);
+}
+
 /// Share of players that remove something only together, in closed form: 1 / (t - 1) for each two of the t that are
 /// needed.
 TEST(Interactions, OfPlayersThatNeedEachOther) {
@@ -464,6 +513,20 @@ TEST(SampledShares, OfPairsAreExactWithOneOrder) {
 }
 
 /// Where the order does not matter, episodes are all that is sampled; where all episodes are the same, it is orders.
+TEST(Effects, AlongAnOrderAreTheStepsOfTheStaircase) {
+  const Gaps gaps = randomGaps(3, 25, 12);
+  const Game game(3, gaps);
+  const Order order = {2, 0, 1};
+  const std::vector<Difference> steps = stepsAlong(game, order);
+  const std::vector<double> stairs = staircase(game, order);
+  ASSERT_EQ(steps.size(), 3U);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    EXPECT_NEAR(steps[i].value, stairs[i] - stairs[i + 1], 1e-13);
+  }
+  expectDifference(steps[1], gaps[0b101], gaps[0b100]);
+  expectRefusal([&] { return stepsAlong(game, {1, 0}); }, "number of players in an order 2: must be that of the game");
+}
+
 TEST(SampledShares, HaveStudentsIntervalOfASingleSample) {
   std::vector<double> samples(20);
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -480,6 +543,10 @@ TEST(SampledShares, HaveStudentsIntervalOfASingleSample) {
   EXPECT_NEAR(by_episode.interval->low, meanDifference(samples).interval->low, 1e-12);
   EXPECT_NEAR(by_episode.interval->high, meanDifference(samples).interval->high, 1e-12);
   EXPECT_FALSE(sampledShares(orders, additive)[1].interval);
+  expectSame(sampledShares(orders, additive, 1.0)[0].interval, by_episode.interval);
+  const Share unsure = sampledShares(orders, additive, 100.0)[0];  // all are less than eight of these
+  EXPECT_EQ(unsure.value, by_episode.value);
+  EXPECT_FALSE(unsure.interval || unsure.part_interval);
 
   SomeGaps constant;
   std::vector<double> removed;

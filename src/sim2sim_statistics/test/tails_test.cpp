@@ -127,8 +127,8 @@ TEST(TailMeanInterval, IsThatOfWeightsDrawnAtRandom) {
 
 TEST(TailMeanInterval, DependsNeitherOnUnitNorOnOrder) {
   const Interval interval = *tailMeanInterval(kFewPart, kExtreme);
-  const Interval millimetres = *tailMeanInterval(multiplied(kFewPart, 1000.0), 1000.0 * kExtreme);
-  expectNear(millimetres, {1000.0 * interval.low, 1000.0 * interval.high}, 1e-9);
+  const Interval millimeters = *tailMeanInterval(multiplied(kFewPart, 1000.0), 1000.0 * kExtreme);
+  expectNear(millimeters, {1000.0 * interval.low, 1000.0 * interval.high}, 1e-9);
   expectNear(*tailMeanInterval({kFewPart.rbegin(), kFewPart.rend()}, kExtreme), interval, 1e-9);
 }
 
@@ -234,6 +234,25 @@ TEST(TailRatioInterval, HasNoneOfTooLittle) {
   EXPECT_THROW(tailRatioInterval(ones, multiplied(ones, -1.0), kExtreme), std::domain_error);
 }
 
+TEST(TailRatioToLargest, IsTheLeastOfTheCorrectedRatios) {
+  std::vector<double> tenth = kOthers;
+  std::for_each(tenth.begin(), tenth.end(), [](double& sample) { sample *= 0.1; });
+  const Interval alone = tailRatioToLargest(kFewPart, {kOthers}, kExtreme).value();
+  const Interval ratio = tailRatioInterval(kFewPart, kOthers, kExtreme).value();
+  EXPECT_EQ(alone.low, ratio.low);
+  EXPECT_EQ(alone.high, ratio.high);
+
+  const Interval of_two = tailRatioToLargest(kFewPart, {tenth, kOthers}, kExtreme).value();
+  const Interval corrected = tailRatioInterval(kFewPart, kOthers, kExtreme, 0.975).value();
+  EXPECT_LE(of_two.low, corrected.low);
+  EXPECT_EQ(of_two.high, corrected.high) << "the other ratio is ten times as large";
+  EXPECT_LT(corrected.low, ratio.low);
+  EXPECT_GT(corrected.high, ratio.high);
+
+  EXPECT_FALSE(tailRatioToLargest(kFewPart, {kOthers, std::vector<double>(20, 0.0)}, kExtreme)) << "a mean is 0";
+  EXPECT_THROW(tailRatioToLargest(kFewPart, {}, kExtreme), std::domain_error);
+}
+
 TEST(TailDifference, LeavesTwoAndAHalfPercentBeyondEitherEnd) {
   const std::vector<double> differences = differencesOf(kFewPart, kOthers);
   const Difference difference = tailDifference(differences, kExtreme);
@@ -282,6 +301,25 @@ TEST(TailDifference, HasNoneOfTooLittle) {
   EXPECT_EQ(zeros.p, 1.0);
   EXPECT_THROW(tailDifference({kNotANumber}, kExtreme), std::domain_error);
   EXPECT_THROW(tailDifference({0.1}, kExtreme, 1.0), std::domain_error);
+}
+
+TEST(PairedDifference, IsTheMethodThatHolds) {
+  const std::vector<double> few = differencesOf(kFewPart, kOthers);
+  const Difference of_few = pairedDifference(few, kExtreme);
+  expectNear(*of_few.interval, *tailDifference(few, kExtreme).interval, 0.0);
+  EXPECT_EQ(of_few.p, tailDifference(few, kExtreme).p);
+  EXPECT_EQ(pairedDifference(few, std::nullopt).p, meanDifference(few).p);
+  std::vector<double> even(40, 0.05);
+  even.front() = 0.04;
+  expectNear(*pairedDifference(even, kExtreme).interval, *meanDifference(even).interval, 0.0);
+  EXPECT_GT(pairedDifference(even, 1.0).interval->high, 2.0 * meanDifference(even).interval->high) << "one unseen";
+}
+
+TEST(PairedDifference, WithoutAnyHasNoInterval) {
+  const Difference tie = pairedDifference(std::vector<double>(20, 0.0), kExtreme);
+  EXPECT_FALSE(tie.interval);
+  EXPECT_EQ(tie.p, 1.0);
+  EXPECT_TRUE(std::isnan(pairedDifference({}, kExtreme).value));
 }
 
 TEST(IsCarriedByFew, LooksAtTheLargestAndAtTheUnseen) {

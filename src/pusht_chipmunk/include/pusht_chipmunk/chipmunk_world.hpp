@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "pusht_task/constants.hpp"
 #include "pusht_task/simulator.hpp"
 
 namespace pusht {
@@ -13,11 +14,13 @@ namespace pusht {
 /// Version of the library, e.g. "7.0.3".
 std::string chipmunkVersion();
 
-/// What Chipmunk can be told of its solver. The task's masses, forces and frictions are those of pusht_task.
+/// What Chipmunk can be told of its solver and its steps. The task's masses, forces and frictions are those of
+/// pusht_task.
 struct ChipmunkParameters {
   int iterations = 30;           ///< of the contact solver in a substep
   double collision_slop = 1e-4;  ///< [m] overlap that is left alone
   double overlap_left = 0.0018;  ///< [-] share of an overlap that is left after a second
+  double substep = kSubstep;     ///< [s] a value of substepDescriptor()
 };
 
 namespace chipmunk {
@@ -35,9 +38,9 @@ class ChipmunkWorld : public Simulator {
   static constexpr double kStartTolerance = 1e-12;  ///< [m, rad, m/s, rad/s]
 
   explicit ChipmunkWorld(const ChipmunkParameters& parameters = {});
-  /// Builds its scene with `make_scene` at every reset; a test gives scenes with errors.
+  /// Builds its scene, of this substep [s], with `make_scene` at every reset; a test gives scenes with errors.
   using MakeScene = std::function<std::unique_ptr<chipmunk::Scene>()>;
-  explicit ChipmunkWorld(MakeScene make_scene);
+  explicit ChipmunkWorld(MakeScene make_scene, double substep = kSubstep);
   ~ChipmunkWorld() override;
 
  private:
@@ -47,6 +50,7 @@ class ChipmunkWorld : public Simulator {
   WorldState doState() const override;
 
   MakeScene make_scene_;
+  int substeps_;  ///< in a control step
   std::unique_ptr<chipmunk::Scene> scene_;
 };
 

@@ -9,6 +9,7 @@
 ///     static Model modelOf(const Parameters&);   // throws InvalidInput if a parameter is out of range
 ///     static Bodies bodiesOf(const WorldState&);  // bodies of a fresh world that starts there
 ///     static WorldState stateOf(const Bodies&);
+///     static int substepsOf(const Model&);        // number of substeps in a control step
 ///     // One substep in which the pusher is to move with velocity `command` [m/s].
 ///     static void substep(const Model&, const Eigen::Vector2d& command, Bodies&);
 ///   };
@@ -17,7 +18,6 @@
 /// (two_mass_engine.hpp): the provenance names the libraries whose code decides.
 #pragma once
 
-#include "pusht_task/constants.hpp"
 #include "pusht_task/simulator.hpp"
 
 namespace pusht {
@@ -64,7 +64,8 @@ WorldState PlanarSimulator<Physics>::doState() const {
 template <class Physics>
 void PlanarSimulator<Physics>::doStep(const Action& action) {
   const Eigen::Vector2d command(action[0], action[1]);
-  for (int i = 0; i < kSubstepsPerControlStep; ++i) {
+  const int substeps = Physics::substepsOf(model_);
+  for (int i = 0; i < substeps; ++i) {
     Physics::substep(model_, command, bodies_);
   }
 }

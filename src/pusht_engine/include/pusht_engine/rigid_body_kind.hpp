@@ -6,8 +6,9 @@
 
 namespace pusht {
 
-/// Kind "rigid_body". Its parameters are the switches, and `preset`, which sets those that are not set by name:
-/// `faithful` (all on, the default), `shaped` (only the tee's shape and inertia are on) or `simple` (all off).
+/// Kind "rigid_body". Its parameters are the switches, `preset`, which sets those that are not set by name (`faithful`:
+/// all on, the default; `shaped`: only the tee's shape and inertia are on; `simple`: all off), and the length of a
+/// substep.
 const SimulatorKind& rigidBodyKind();
 
 }  // namespace pusht

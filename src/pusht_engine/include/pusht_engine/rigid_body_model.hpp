@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Parameters of the rigid-body engine: ten modelling choices, each the two-mass engine's or MuJoCo's, and the numbers
+/// Parameters of the rigid-body engine: ten modeling choices, each the two-mass engine's or MuJoCo's, and the numbers
 /// that follow from them. docs/ladder.md has the table of the switches and the formula behind each.
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace pusht {
 
-/// Switches, one for each modelling choice: faithful (true: MuJoCo's in this scene) or simple (false: the two-mass
-/// engine's).
+/// Length of a substep, and switches, one for each modeling choice: faithful (true: MuJoCo's in this scene) or simple
+/// (false: the two-mass engine's).
 struct RigidBodyParameters {
   bool servo = true;
   bool pusher_inertia = true;
@@ -23,6 +23,7 @@ struct RigidBodyParameters {
   bool softness = true;
   bool walls = true;
   bool narrow_phase = true;
+  double substep = kSubstep;  ///< [s] a value of substepDescriptor()
 };
 
 namespace rigid_body {
@@ -82,6 +83,7 @@ enum Coordinate : std::size_t { kTeeX, kTeeY, kTeeYaw, kPusherX, kPusherY, kCoor
 /// Constants of a substep.
 struct Model {
   RigidBodyParameters switches;
+  double substep;  ///< [s]
 
   double tee_mass;          ///< [kg]
   double tee_moment;        ///< [kg m^2] about the tee's origin

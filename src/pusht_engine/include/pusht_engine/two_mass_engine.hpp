@@ -7,6 +7,7 @@
 
 #include "pusht_engine/planar_simulator.hpp"
 #include "pusht_engine/two_mass_dynamics.hpp"
+#include "pusht_task/constants.hpp"
 #include "pusht_task/parameters.hpp"
 
 namespace pusht {
@@ -73,6 +74,7 @@ struct TwoMassPhysics {
   /// Bodies with the link at rest length.
   static Bodies bodiesOf(const WorldState& state);
   static WorldState stateOf(const Bodies& bodies);
+  static int substepsOf(const Model&) { return kSubstepsPerControlStep; }
   static void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies);
 };
 

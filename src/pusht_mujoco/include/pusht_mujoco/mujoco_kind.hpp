@@ -6,7 +6,7 @@
 
 namespace pusht {
 
-/// "mujoco". Its parameter is the scene.
+/// "mujoco". Its parameters are the scene, the numerics, and the physical numbers of the task.
 const SimulatorKind& mujocoKind();
 
 }  // namespace pusht

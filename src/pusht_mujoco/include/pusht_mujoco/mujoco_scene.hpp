@@ -8,6 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "pusht_task/parameters.hpp"
+
 namespace pusht {
 
 /// Deleter for a model of MuJoCo.
@@ -16,7 +18,7 @@ struct DeleteMujocoModel {
 };
 using MujocoModel = std::unique_ptr<mjModel, DeleteMujocoModel>;
 
-/// A compiled MuJoCo model that is known to be PushT. Immutable; shared between threads freely.
+/// Compiled MuJoCo model that is known to be PushT. Immutable; shared between threads freely.
 class MujocoScene {
  public:
   /// The one that comes with the suite; needs no file.
@@ -26,7 +28,11 @@ class MujocoScene {
   /// or with the field, its value and the expected one if it is not this task.
   explicit MujocoScene(const std::filesystem::path& path);
 
+  /// `scene` with another modeling; `parameters` are those of the kind `mujoco`.
+  MujocoScene(const MujocoScene& scene, const ParameterSet& parameters);
+
   const mjModel& model() const { return *model_; }
+  int substepsPerControlStep() const;
   const std::string& sha256() const { return sha256_; }
 
  private:

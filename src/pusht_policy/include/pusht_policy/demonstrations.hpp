@@ -5,7 +5,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "pusht_task/policy.hpp"
 #include "pusht_task/simulator.hpp"
@@ -13,6 +17,7 @@
 namespace pusht {
 
 constexpr const char* kDemonstrationOriginTopic = "/demonstration/origin";  ///< std_msgs/String: JSON; once
+constexpr const char* kDemonstrationWorldTopic = "/demonstration/world";    ///< pusht_msgs/DemonstrationWorld
 constexpr const char* kDemonstrationStepTopic = "/demonstration/step";      ///< pusht_msgs/DemonstrationStep
 constexpr const char* kDemonstrationEndTopic = "/demonstration/end";        ///< pusht_msgs/DemonstrationEnd
 
@@ -20,10 +25,24 @@ constexpr const char* kDemonstrationEndTopic = "/demonstration/end";        ///<
 struct DemonstrationPlan {
   std::uint64_t seed = 0;  ///< demonstration i starts from spawn seed + i
   int episodes = 500;
+  /// Standard deviation of the normal noise on each axis of the actions that the world takes [m/s]; the bag has the
+  /// demonstrator's own. So it shows how to recover. Source: M. Laskey et al., "DART: Noise Injection for Robust
+  /// Imitation Learning" (2017), there with a deviation that is fitted to the learner.
+  double action_noise = 0.0;
 
   /// Throws InvalidInput with field, value and rule.
   void validate() const;
 };
+
+/// World of a demonstration.
+struct DemonstrationWorld {
+  std::shared_ptr<Simulator> world;
+  std::string simulator;                                     ///< its kind
+  std::vector<std::pair<std::string, std::string>> drawn{};  ///< names and values of parameters drawn for it
+};
+
+/// World of the demonstration from this spawn seed. It may be that of another demonstration, too.
+using DemonstrationWorlds = std::function<DemonstrationWorld(std::uint64_t seed)>;
 
 /// Counts of recorded demonstrations.
 struct DemonstrationTally {
@@ -32,12 +51,13 @@ struct DemonstrationTally {
   std::int64_t frames = 0;
 };
 
-/// Lets `demonstrator` solve the task in `world` and records every control step into a bag, which appears at `path`
-/// when it is complete. The bag begins with `origin` (demonstrator, simulator), to which its format is added. `report`
-/// is called after every episode; it returns whether to continue. Throws InvalidInput if there is something at `path`,
-/// RuntimeFault if `report` returned false or the bag cannot be written.
-DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, Simulator& world, Policy& demonstrator,
-                                        const nlohmann::json& origin, const std::filesystem::path& path,
+/// Lets `demonstrator` solve the task in the `worlds` and records every control step into a bag, which appears at
+/// `path` when it is complete. The bag begins with `origin` (demonstrator, simulators), to which its format and the
+/// noise are added. `report` is called after every episode; it returns whether to continue. Throws InvalidInput if
+/// there is something at `path`, RuntimeFault if `report` returned false or the bag cannot be written.
+DemonstrationTally recordDemonstrations(const DemonstrationPlan& plan, const DemonstrationWorlds& worlds,
+                                        Policy& demonstrator, const nlohmann::json& origin,
+                                        const std::filesystem::path& path,
                                         const std::function<bool(const DemonstrationTally&)>& report);
 
 }  // namespace pusht

@@ -15,6 +15,8 @@
 namespace pusht {
 
 constexpr const char* kShippedPolicy = "bc";
+/// Checkpoint that kShippedPolicy names, in this package's share.
+constexpr const char* kShippedCheckpoint = "policies/bc_policy.ts.pt";
 constexpr const char* kExpertPolicy = "expert";
 constexpr const char* kUntrainedPolicy = "fresh-untrained";
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Behaviour cloning of a PushT policy from recorded demonstrations."""
+"""Behavior cloning of a PushT policy from recorded demonstrations."""

@@ -99,8 +99,8 @@ def _origin(path: Path, bag: Any) -> Optional[Dict[str, Any]]:
             raise Error(f"{path}: {ORIGIN_TOPIC}: {error}; it must be JSON") from None
         if not isinstance(origin, dict):
             raise Error(f"{path}: {ORIGIN_TOPIC} is {message.data}; it must be a JSON object")
-        numbered = {"format": 1, **origin}  # the first format had no number
-        require_format(f"{path}: {ORIGIN_TOPIC}", numbered, DEMONSTRATION_FORMAT)
+        if origin.get("format", 1) != 1:  # the first format lacks only what training does not read
+            require_format(f"{path}: {ORIGIN_TOPIC}", origin, DEMONSTRATION_FORMAT)
         return origin
     return None
 

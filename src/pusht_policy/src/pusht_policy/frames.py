@@ -36,7 +36,7 @@ class Frames:
 
 
 @dataclass(frozen=True)
-class NormalisedFrames:
+class NormalizedFrames:
     """Frames as the network sees them: inputs in [-1, 1], targets mapped likewise."""
 
     inputs: Tensor  # float32 [n, 10]
@@ -51,7 +51,7 @@ def frames_of(demonstrations: Sequence[Demonstration]) -> Frames:
     )
 
 
-def normalised_frames(frames: Frames, model: Policy) -> NormalisedFrames:
+def normalized_frames(frames: Frames, model: Policy) -> NormalizedFrames:
     """Frames mapped by the ranges that the model has."""
     inputs = normalised(frames.observations, model.obs_min, model.obs_range).clamp(-1.0, 1.0)
-    return NormalisedFrames(inputs, normalised(frames.actions, model.act_min, model.act_range))
+    return NormalizedFrames(inputs, normalised(frames.actions, model.act_min, model.act_range))

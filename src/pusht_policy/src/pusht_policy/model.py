@@ -21,7 +21,8 @@ def minimum_and_range(values: Tensor) -> Tuple[Tensor, Tensor]:
 
 
 def normalised(values: Tensor, minimum: Tensor, value_range: Tensor) -> Tensor:
-    """Maps [minimum, minimum + value_range] to [-1, 1]. The order of operations is fixed."""
+    """Maps [minimum, minimum + value_range] to [-1, 1]. The order of operations is fixed, and so
+    is the spelling of the name: it is in every archive."""
     return (values - minimum) * 2 / value_range - 1
 
 

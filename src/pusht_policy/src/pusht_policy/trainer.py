@@ -5,14 +5,14 @@ import io
 import math
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Sequence
+from typing import Any, Callable, Dict, List, Optional, Sequence
 
 import torch
 from torch import nn
 
 from pusht_policy.demonstrations import Demonstration, sha256_of_frames
 from pusht_policy.formats import STATE_FORMAT
-from pusht_policy.frames import NormalisedFrames, frames_of, normalised_frames, split
+from pusht_policy.frames import NormalizedFrames, frames_of, normalized_frames, split
 from pusht_policy.model import Policy, minimum_and_range
 from pusht_policy.progress import Progress
 from pusht_policy.recipe import Recipe
@@ -39,8 +39,8 @@ class Trainer:
         torch.manual_seed(recipe.seed)
         self.model = Policy(recipe.hidden, obs_min, obs_range, act_min, act_range)
         self.script = torch.jit.script(self.model)  # shares the weights; reads model.py only now
-        self.train_frames = normalised_frames(frames, self.model)
-        self.validation_frames = normalised_frames(frames_of(validation_part), self.model)
+        self.train_frames = normalized_frames(frames, self.model)
+        self.validation_frames = normalized_frames(frames_of(validation_part), self.model)
         self.optimizer = torch.optim.Adam(self.model.parameters(), lr=recipe.learning_rate)
         self.scheduler = torch.optim.lr_scheduler.CosineAnnealingLR(
             self.optimizer, T_max=recipe.epochs
@@ -50,10 +50,16 @@ class Trainer:
         self.validation_loss = math.nan  # after the last epoch
         self.history: List[Dict[str, float]] = []
 
-    def run(self, state_path: Path, stop_requested: Callable[[], bool]) -> None:
-        """Trains up to the last epoch; saves the state now and then and when told to stop."""
+    def run(
+        self,
+        state_path: Path,
+        stop_requested: Callable[[], bool],
+        until: Optional[int] = None,  # epochs that are then done; None: all
+    ) -> None:
+        """Trains; saves the state now and then and when told to stop."""
+        epochs = self.recipe.epochs if until is None else until
         progress = Progress(self.epoch, self.recipe.epochs)
-        while self.epoch < self.recipe.epochs:
+        while self.epoch < epochs:
             if stop_requested():
                 self.save(state_path)
                 progress.close()
@@ -63,7 +69,7 @@ class Trainer:
                     ExitCode.RUNTIME_FAULT,
                 )
             self._run_epoch()
-            if self.epoch % STATE_INTERVAL == 0 or self.epoch == self.recipe.epochs:
+            if self.epoch % STATE_INTERVAL == 0 or self.epoch == epochs:
                 self.save(state_path)
             progress.show(self.epoch, self.train_loss, self.validation_loss)
         progress.close()
@@ -112,8 +118,8 @@ class Trainer:
         self.history = state["history"]
         say(f"resumed after epoch {self.epoch}")
 
-    def provenance(self) -> Dict[str, Any]:
-        """The `training` part of the provenance of a finished run."""
+    def recipe_provenance(self) -> Dict[str, Any]:
+        """What the recipe says in a provenance."""
         hidden = "-".join(str(size) for size in self.recipe.hidden)
         inputs = self.train_frames.inputs.shape[1]
         outputs = self.train_frames.targets.shape[1]
@@ -129,6 +135,14 @@ class Trainer:
             "threads": self.recipe.threads,
             "flush_denormal": True,
             "validation_fraction": self.recipe.validation_fraction,
+        }
+
+    def provenance(self) -> Dict[str, Any]:
+        """The `training` part of the provenance, after the epochs that are done."""
+        early = {} if self.epoch == self.recipe.epochs else {"after_epochs": self.epoch}
+        return {
+            **self.recipe_provenance(),
+            **early,
             "train_frames": len(self.train_frames.inputs),
             "validation_frames": len(self.validation_frames.inputs),
             "final_train_loss": self._loss_over(self.train_frames),
@@ -162,8 +176,8 @@ class Trainer:
         if self.epoch % HISTORY_INTERVAL == 0:
             self.history.append({"epoch": self.epoch, "loss": self.validation_loss})
 
-    def _loss_over(self, frames: NormalisedFrames) -> float:
-        """Mean squared error in normalised action space over all frames."""
+    def _loss_over(self, frames: NormalizedFrames) -> float:
+        """Mean squared error in normalized action space over all frames."""
         with torch.no_grad():
             return float(nn.functional.mse_loss(self.model.net(frames.inputs), frames.targets))
 

@@ -46,11 +46,14 @@ struct ParameterDescriptor {
   /// Presets of a text's words. The parameters that they set must default to the values of the default word.
   std::vector<Preset> presets{};
 
+  /// Numbers that a real may be, between `least` and `greatest`; empty: any number in the range.
+  std::vector<double> numbers{};
+
   /// "real", "integer", "boolean" or "text".
   const char* type() const;
 
-  /// Values that it takes, in words: "from 0.0 to 100.0 [1/s]", "at least 1", "true or false", "one of: a, b". Empty:
-  /// every value of its type.
+  /// Values that it takes, in words: "from 0.0 to 100.0 [1/s]", "at least 1", "true or false", "one of: a, b".
+  /// Empty: every value of its type.
   std::string range() const;
 
   /// Value of `text`; an integer is a real, too. Throws InvalidInput with name, text and rule if it is no value that

@@ -39,13 +39,14 @@ struct SimulatorKind {
   /// Loads a model with these values. Throws InvalidInput with parameter, value and rule for values that exclude each
   /// other or a file that is not valid; BadDependency for a file or library that is missing.
   std::function<SimulatorModel(const ParameterSet&)> load;
+  /// Default model variants: the same physics by other numerics, such as "timestep=0.005" or, with several parameters,
+  /// "cone=elliptic:impratio=10.0". They tell how far the kind is from itself.
+  std::vector<std::string> variants{};
 
   ParameterSet defaults() const { return ParameterSet(parameters); }
 };
 
-/// Value of SimulatorModel::make_lanes for a kind that has no batch of its own: single worlds that step one after the
-/// other.
-std::function<std::unique_ptr<BatchSimulator>(int lanes)> lanesOf(
-    const std::function<std::unique_ptr<Simulator>()>& make_world);
+/// Model of a kind that has no batch of its own: the worlds of a batch are single ones, which step one after the other.
+SimulatorModel modelOfWorlds(ParameterSet parameters, std::function<std::unique_ptr<Simulator>()> make_world);
 
 }  // namespace pusht

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <pcg_random.hpp>
+#include <string>
 
 #include "pusht_task/types.hpp"
 
@@ -16,10 +17,17 @@ class NumpyGenerator {
  public:
   explicit NumpyGenerator(std::uint64_t seed);
 
+  /// Named stream of a seed: streams of other purposes share no numbers with it, nor does NumpyGenerator(seed). It is
+  /// `Generator(PCG64([seed % 2**32, seed >> 32, p % 2**32, p >> 32]))`; p is the first half of the MD5 of `purpose`.
+  NumpyGenerator(std::uint64_t seed, const std::string& purpose);
+
   /// The next double in [0, 1).
   double random();
   /// The next double in [low, high).
   double uniform(double low, double high);
+
+  /// Source of random bits for the distributions of a library, such as boost::random.
+  pcg64& bits() { return engine_; }
 
  private:
   pcg64 engine_;

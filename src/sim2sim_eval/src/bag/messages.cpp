@@ -49,8 +49,9 @@ pusht_msgs::SuccessRate toMessage(const SuccessRate& rate, int trials) {
   message.successes = static_cast<std::uint32_t>(rate.successes);
   message.trials = static_cast<std::uint32_t>(trials);
   message.rate = rate.rate;
-  message.low = rate.interval.low;
-  message.high = rate.interval.high;
+  const Interval interval = rate.interval.value_or(Interval{kNan, kNan});
+  message.low = interval.low;
+  message.high = interval.high;
   if (trials > 0) {
     message.text = std::to_string(rate.successes) + "/" + std::to_string(trials) + "  " + shareText(rate);
   }
@@ -75,7 +76,7 @@ pusht_msgs::Mean toMessage(const std::string& name, const char* unit, const Esti
 /// Summary before the first episode has finished.
 Summary noSummary(const Protocol& protocol) {
   Summary none;
-  none.reference = none.engine = {0, kNan, {kNan, kNan}};
+  none.reference = none.engine = {0, kNan, std::nullopt};
   none.means.resize(protocol.rolloutNames().size());
   return none;
 }

@@ -8,6 +8,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/policy.hpp"
+#include "pusht_task/rollout.hpp"
 #include "sim2sim_protocol/flight.hpp"
 
 namespace sim2sim {
@@ -43,6 +44,19 @@ class RecordedPolicy : public pusht::Policy {
   const RecordedEpisode& record_;
   mutable std::size_t begun_ = 0;
 };
+
+/// A closed loop of these states. A bag has no actions of probes, and no quantity reads them.
+pusht::Trace closedLoopOf(const std::vector<pusht::WorldState>& states) {
+  return {states, std::vector<pusht::Action>(states.empty() ? 0 : states.size() - 1)};
+}
+
+/// Throws BadDependency if a closed loop ends neither by success nor at the horizon.
+void requireEnd(const std::string& mode, int episode, const pusht::Trace& trace, int horizon) {
+  if (trace.states.empty() || !pusht::Rollout(trace).finished(horizon)) {
+    throw pusht::BadDependency("episode " + std::to_string(episode) + ", " + mode + ": " +
+                               std::to_string(trace.steps()) + " steps are recorded, but the rollout must go on");
+  }
+}
 
 }  // namespace
 
@@ -82,13 +96,18 @@ Episode rebuildEpisode(const Protocol& protocol, int index, const RecordedEpisod
   const std::vector<Probe> probes = protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const auto states = i < record.probes.size() ? record.probes[i] : std::vector<pusht::WorldState>();
-    cached.probes.emplace_back(pusht::Trace{states, record.modes[kReferenceClosed].actions});
+    cached.probes.emplace_back(probes[i].closed ? closedLoopOf(states)
+                                                : pusht::Trace{states, record.modes[kReferenceClosed].actions});
   }
   Episode episode = runEpisode(protocol, index, worlds, policy, std::move(cached));
   for (const Mode mode : kModes) {
     require_steps(modeName(mode), record.modes.at(mode).steps(), episode.rollout(mode).trace().steps());
   }
   for (std::size_t i = 0; i < probes.size(); ++i) {
+    if (probes[i].closed) {
+      requireEnd(probes[i].name, index, *episode.probe(i), protocol.horizon);
+      continue;
+    }
     const std::size_t states = episode.rollout(kReferenceClosed).trace().states.size();
     require_steps(probes[i].name, episode.probe(i)->states.size(), states);
   }

@@ -50,6 +50,16 @@ void declareOption(CLI::App& app, const std::string& name, std::vector<int>& val
       ->default_str(kUsual);
 }
 
+void declareOption(CLI::App& app, const std::string& name, std::vector<std::string>& value,
+                   const std::string& meaning) {
+  app.add_option_function<std::string>(
+         "--" + name,
+         [&value](const std::string& text) { value = modelVariantsFrom(text.empty() ? kDefaultVariants : text); },
+         meaning)
+      ->expected(0, 1)
+      ->default_str(kDefaultVariants);
+}
+
 }  // namespace
 
 void BatchOptions::declare(CLI::App& app) {

@@ -23,6 +23,7 @@
 #include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/model_variants.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/run.hpp"
@@ -85,13 +86,18 @@ void requireNewStarts(const fs::path& path, const Protocol& protocol, bool goes_
   }
 }
 
-/// Declares each parameter of a kind of the course as an option of its own; none if the kind cannot be loaded.
-void declareShortForms(CLI::App& app, const std::string& kind, std::vector<std::string>& parameters) {
+/// Declares parameters of a kind of the course as options of their own, those in `names` or all; none if the kind
+/// cannot be loaded.
+void declareShortForms(CLI::App& app, const std::string& kind, const std::set<std::string>& names,
+                       std::vector<std::string>& parameters) {
   const pusht::SimulatorKind* const known = pusht::SimulatorKinds::installed().find(kind);
   if (known == nullptr) {
     return;  // why, is said when it is chosen
   }
   for (const pusht::ParameterDescriptor& parameter : known->parameters) {
+    if (!names.empty() && names.count(parameter.name) == 0) {
+      continue;
+    }
     const std::string unit = parameter.unit.empty() ? "" : " [" + parameter.unit + "]";
     const bool is_real = std::holds_alternative<double>(parameter.default_value);
     app.add_option_function<std::string>(
@@ -134,8 +140,8 @@ void CompareOptions::declare(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--set-reference", reference_parameters, "NAME=VALUE: a parameter of the reference; may be repeated")
       ->allow_extra_args(false);
-  declareShortForms(app, kCourseEngine, engine_parameters);
-  declareShortForms(app, kCourseReference, reference_parameters);
+  declareShortForms(app, kCourseEngine, {}, engine_parameters);
+  declareShortForms(app, kCourseReference, {"scene"}, reference_parameters);
   app.add_flag("--smoke", smoke, "short fixed run of an untrained policy, whatever --policy says: 2 episodes, 40 steps")
       ->excludes(require)
       ->excludes(allow);
@@ -163,6 +169,7 @@ void compare(const CompareOptions& options) {
       givenInitialStates(options.starts, configuration.protocol.first_episode, configuration.protocol.episodes);
   const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_parameters);
   const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_parameters);
+  nameVariants(reference.kind, reference.parameters, configuration.protocol);
   std::error_code ignored;
   if (!options.write_starts.empty() &&
       fs::weakly_canonical(options.write_starts, ignored) == fs::weakly_canonical(options.out, ignored)) {
@@ -178,7 +185,7 @@ void compare(const CompareOptions& options) {
   const LoadedRun loaded = loadFor(folder, [&] {
     const std::string policy = options.smoke ? pusht::kUntrainedPolicy : options.policy;
     return LoadedRun({policy, options.require_policy, configuration.protocol.seed, options.allow_untrained}, reference,
-                     {chosen_engine});
+                     {chosen_engine}, configuration.protocol);
   });
   folder.refuseInputs(loaded.reference().inputs());
   folder.refuseInputs(engine.inputs());

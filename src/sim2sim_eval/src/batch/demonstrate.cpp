@@ -2,13 +2,15 @@
 #include "sim2sim_eval/batch/demonstrate.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "pusht_policy/scripted_expert.hpp"
+#include "pusht_task/joined.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
-#include "sim2sim_eval/batch/simulators.hpp"
+#include "sim2sim_eval/batch/demonstration_simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 
@@ -17,22 +19,32 @@ namespace sim2sim {
 void DemonstrateOptions::declare(CLI::App& app) {
   app.add_option("--seed", plan.seed, "spawn seed of the first demonstration")->check(decimalInteger());
   app.add_option("--episodes", plan.episodes, "number of demonstrations")->check(decimalInteger());
+  app.add_option("--simulator", simulators,
+                 "kind of simulator: " + pusht::joined(pusht::SimulatorKinds::installed().names()) +
+                     "; with parameters: KIND:NAME=VALUE:NAME=VALUE; may be repeated: simulators take turns")
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  app.add_option("--set,--draw", settings,
+                 "NAME=VALUE: a parameter of the simulator, or NAME=LEAST..GREATEST, as in friction=0.5..1.5: one that "
+                 "is drawn for each demonstration; may be repeated")
+      ->allow_extra_args(false);
+  app.add_option("--action-noise", plan.action_noise,
+                 "standard deviation of the noise on each axis of the actions that the world takes [m/s]; the bag has "
+                 "the actions without it")
+      ->check(decimalReal())
+      ->capture_default_str();
   app.add_option("--out", out, "the bag to write")->check(notEmpty());
 }
 
 void demonstrate(const DemonstrateOptions& options) {
-  const LoadedSimulator mujoco(chooseSimulator("mujoco", {}));
-  const auto world = mujoco.model.make_world();
+  DemonstrationSimulators simulators(options.simulators, options.settings);
   pusht::ScriptedExpert expert;
   ProgressBar bar("demonstrations", options.plan.episodes);
-  nlohmann::json software = buildAndMachine();
-  software["mujoco"] = mujoco.kind.version;
-  const nlohmann::json origin = {{"demonstrator", "scripted expert"},
-                                 {"simulator", mujoco.kind.name},
-                                 {"scene", mujoco.model.provenance.at("scene").at("sha256")},
-                                 {"software", software}};
-  const pusht::DemonstrationTally tally =
-      pusht::recordDemonstrations(options.plan, *world, expert, origin, options.out, [&](const auto& so_far) {
+  const nlohmann::json origin = {
+      {"demonstrator", "scripted expert"}, {"simulators", simulators.description()}, {"software", buildAndMachine()}};
+  const pusht::DemonstrationTally tally = pusht::recordDemonstrations(
+      options.plan, [&](std::uint64_t seed) { return simulators.worldOf(seed); }, expert, origin, options.out,
+      [&](const auto& so_far) {
         bar.advance(std::to_string(so_far.successes) + " solved");
         return !interrupted();
       });

@@ -4,6 +4,7 @@
 #include "pusht_task/ros/installed_file.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/flight.hpp"
+#include "sim2sim_protocol/model_variants.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 
 namespace sim2sim {
@@ -24,9 +25,10 @@ nlohmann::json codeOf(const std::vector<const pusht::SimulatorKind*>& kinds, con
 }  // namespace
 
 LoadedRun::LoadedRun(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
-                     const std::vector<SimulatorChoice>& engines)
+                     const std::vector<SimulatorChoice>& engines, const RunOptions& options)
     : reference_(reference),
-      policy_(pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", "policies/bc_policy.ts.pt"))) {
+      variants_(loadVariants(reference_.kind, reference_.model.parameters, options)),
+      policy_(pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint))) {
   std::vector<const pusht::SimulatorKind*> kinds = {&reference_.kind};
   reference_code_ = codeOf(kinds, policy_);
   for (const SimulatorChoice& engine : engines) {
@@ -41,7 +43,7 @@ WorkerFactory LoadedRun::workerFactory(const LoadedSimulator& engine) const {
                             make_engine = engine.model.make_lanes](int lanes) {
     return Worlds{make_reference(lanes), make_engine(lanes), make_engine(lanes)};
   };
-  return {make_worlds, policy_.make};
+  return {make_worlds, policy_.make, [variants = variants_] { return worldsOf(variants); }};
 }
 
 nlohmann::ordered_json LoadedRun::provenance(const RunConfiguration& configuration,

@@ -10,6 +10,7 @@
 #include "pusht_task/error.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/shard.hpp"
+#include "sim2sim_eval/batch/sweep_description.hpp"
 #include "sim2sim_eval/batch/sweep_folder.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
@@ -20,17 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-/// The run that a row of the sweep is that `description` describes. Throws json::exception if it describes none,
-/// InvalidInput as Protocol::validate().
-RunConfiguration rowOf(const json& description, std::size_t row) {
-  RunConfiguration configuration;
-  configuration.protocol = protocolFrom(description);
-  configuration.policy = description.at("policy");
-  configuration.reference = simulatorFrom(description.at("inputs").at("reference"));
-  configuration.engine = simulatorFrom(description.at("rows").at(row));
-  return configuration;
-}
 
 /// Which shard a sweep is; it is then described as the whole. Throws BadDependency if it is none.
 Shard takeShard(SweepOnDisk& sweep) {
@@ -100,18 +90,11 @@ Shards requireShards(const std::vector<std::string>& folders) {
 }
 
 /// The runs that the rows are. Throws BadDependency if the description is not as it was written.
-std::vector<RunConfiguration> rowsOf(const Shards& shards) {
+std::vector<RunConfiguration> checkedRows(const Shards& shards) {
   const std::string name =
       "shard " + shards.folders.begin()->second.string() + ": its sweep.json must be as it was written: ";
   try {
-    std::vector<RunConfiguration> rows;
-    for (std::size_t row = 0; row < shards.description.at("rows").size(); ++row) {
-      rows.push_back(rowOf(shards.description, row));
-    }
-    if (rows.empty()) {
-      throw pusht::InvalidInput("there are no rows");
-    }
-    return rows;
+    return rowsOf(shards.description);
   } catch (const json::exception& error) {
     throw pusht::BadDependency(name + error.what());
   } catch (const pusht::InvalidInput& error) {
@@ -148,7 +131,7 @@ void merge(const MergeOptions& options) {
     folder.refuseInputs(inputsOf(shard));
   }
   const Shards shards = requireShards(options.shards);
-  const std::vector<RunConfiguration> rows = rowsOf(shards);
+  const std::vector<RunConfiguration> rows = checkedRows(shards);
   loadFor(folder, [&] {  // damaged rows are found before anything is replaced
     for (std::size_t row = 0; row < rows.size(); ++row) {
       requireNotInterrupted("while " + rowText(row, rows.size()) + " was checked");
@@ -162,7 +145,9 @@ void merge(const MergeOptions& options) {
       folder.keep(row, rows[row], SweepRow(rows[row], joinRow(shards, rows[row], row)));
     }
   });
-  warn(doubtAboutPolicy(folder.rows().front(), shards.provenance));
+  if (shards.description.contains("policy")) {  // of several policies, each has its row in a matrix
+    warn(doubtAboutPolicy(folder.rows().front(), shards.provenance));
+  }
 }
 
 }  // namespace sim2sim

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <sstream>
 #include <utility>
@@ -11,9 +13,11 @@
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 #include "sim2sim_statistics/planning.hpp"
+#include "sim2sim_statistics/ranking.hpp"
 
 namespace sim2sim {
 namespace {
@@ -52,7 +56,7 @@ std::vector<PlannedDifference> plannedDifferences(const PlanQuestions& questions
   if (other) {
     success("success, other - pilot", pairsOf(pilot.episodes, kEngineClosed, other->episodes, kEngineClosed));
   }
-  for (std::size_t k = 0; k < kDivergencePairs.size(); ++k) {
+  for (std::size_t k = 0; k < kWholeEpisodePairs; ++k) {
     const FigureIndex divergence{kEngineReplay, quantityIndex(kDivergencePairs[k].divergence)};
     const FigureIndex null_model{kEngineReplay, quantityIndex(kDivergencePairs[k].null_model)};
     const auto spread = [&](const std::string& text, const std::vector<double>& differences) {
@@ -93,16 +97,36 @@ std::string neededText(const PlannedDifference& planned) {
   return significant(*planned.wanted) + ": " + (episodes ? std::to_string(*episodes) + " episodes" : "none suffice");
 }
 
+/// Number of policies that show that a ranking is preserved, as text.
+std::string policiesText(double tau) {
+  if (tau >= 1.0) {
+    return std::to_string(kFewestPolicies);
+  }
+  const std::optional<int> policies = tau > 0.0 ? policiesForKendall(tau) : std::nullopt;
+  return policies ? std::to_string(*policies) : "none suffice";
+}
+
 void requirePositive(const std::string& name, const std::optional<double>& difference) {
   if (difference && !(*difference > 0.0)) {
     throw pusht::InvalidInput(name + " " + significant(*difference) + ": must be above 0");
   }
 }
 
+void requireNoQuestions(const PlanOptions& options) {
+  const PlanQuestions& questions = options.questions;
+  if (!options.other.empty() || questions.success || questions.position || questions.angle) {
+    throw pusht::InvalidInput("pilot " + options.pilot +
+                              ": is a sweep over policies; other, --success, --position and --angle need a run");
+  }
+}
+
 }  // namespace
 
 void PlanOptions::declare(CLI::App& app) {
-  app.add_option("pilot", pilot, "folder of a run")->required()->check(notEmpty());
+  app.add_option("pilot", pilot,
+                 "folder of a run; or of a sweep over policies, to plan how many a comparison of rankings takes")
+      ->required()
+      ->check(notEmpty());
   app.add_option("other", other, "folder of a second run over the same episodes, to plan a contrast")
       ->check(notEmpty());
   app.add_option("--episodes", questions.episodes, "numbers of episodes: N,N,...")
@@ -135,7 +159,25 @@ std::string planTable(const PlanQuestions& questions, const RunResults& pilot, c
   return table.str();
 }
 
+std::string policiesTable(const Matrix& pilot) {
+  std::vector<std::vector<std::string>> rows = {{"here", "there", "Kendall's tau", "policies"}};
+  for (const MatrixRanking& ranking : pilot.rankings) {
+    const double tau = ranking.comparison.kendall.value;
+    rows.push_back({pilot.simulators[ranking.reference].name, pilot.simulators[ranking.test].name,
+                    std::isnan(tau) ? "none" : significant(tau), policiesText(tau)});
+  }
+  return aligned(rows) +
+         "(so many policies show in 80 % of sweeps, at 5 %, that the ranking here is preserved there; tau as among "
+         "the " +
+         std::to_string(pilot.policies.size()) + " policies)\n";
+}
+
 void plan(const PlanOptions& options) {
+  if (std::filesystem::exists(std::filesystem::path(options.pilot) / kSweepFile)) {
+    requireNoQuestions(options);
+    std::cout << policiesTable(readMatrix(options.pilot, {}, [] { requireNotInterrupted(); })) << std::flush;
+    return;
+  }
   requirePositive("success", options.questions.success);
   requirePositive("position", options.questions.position);
   requirePositive("angle", options.questions.angle);

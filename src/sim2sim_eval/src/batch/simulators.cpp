@@ -5,6 +5,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/ros/simulator_kinds.hpp"
+#include "pusht_task/split.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 
 namespace sim2sim {
@@ -26,6 +27,36 @@ SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::
     choice.parameters.set(name, setting.substr(equals + 1));
   }
   return choice;
+}
+
+SimulatorChoice simulatorFromText(const std::string& text) {
+  const std::vector<std::string> parts = pusht::split(text, ':');
+  return chooseSimulator(parts.front(), {parts.begin() + 1, parts.end()});
+}
+
+bool operator==(const SimulatorChoice& a, const SimulatorChoice& b) {
+  return &a.kind.get() == &b.kind.get() && a.parameters == b.parameters;
+}
+
+std::string textOf(const SimulatorChoice& simulator) {
+  pusht::ParameterSet without_settings = simulator.kind.get().defaults();
+  std::string text = simulator.kind.get().name;
+  const auto add = [&](const pusht::Parameter& parameter) {
+    const std::string value = pusht::textOf(parameter.value);
+    without_settings.set(parameter.name(), value);
+    text.append(":").append(parameter.name()).append("=").append(value);
+  };
+  for (const pusht::Parameter& parameter : simulator.parameters) {  // presets first: they set others
+    if (!parameter.descriptor.presets.empty() && !parameter.isDefault()) {
+      add(parameter);
+    }
+  }
+  for (const pusht::Parameter& parameter : simulator.parameters) {
+    if (parameter.value != without_settings.at(parameter.name()).value) {
+      add(parameter);
+    }
+  }
+  return text;
 }
 
 SimulatorRecord LoadedSimulator::record() const {

@@ -11,16 +11,17 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/shard.hpp"
+#include "sim2sim_eval/batch/sweep_description.hpp"
 #include "sim2sim_eval/batch/sweep_folder.hpp"
 #include "sim2sim_eval/batch/sweep_plan.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/model_variants.hpp"
 #include "sim2sim_protocol/protocol.hpp"
-#include "sim2sim_protocol/results/attribution.hpp"
-#include "sim2sim_protocol/results/attribution_files.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
 #include "sim2sim_protocol/results/table.hpp"
@@ -32,43 +33,14 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// All rows as they run, whatever their engine.
-RunConfiguration sweepConfiguration(const Protocol& protocol, const LoadedRun& loaded) {
-  RunConfiguration configuration;
-  configuration.protocol = protocol;
-  configuration.policy = loaded.policyName();
-  configuration.reference = loaded.reference().record();
-  return configuration;
-}
-
-/// The run that a row is.
-RunConfiguration rowConfiguration(const Protocol& protocol, const LoadedRun& loaded, const LoadedSimulator& engine) {
-  RunConfiguration configuration = sweepConfiguration(protocol, loaded);
-  configuration.engine = engine.record();
-  return configuration;
-}
-
-/// Description of a sweep for sweep.json: all that decides it, equal for all its shards. `engines`: records by row.
-json descriptionOf(const SweepPlan& plan, const LoadedRun& loaded, const json& engines) {
-  json description = describe(sweepConfiguration(plan.protocol, loaded));
-  for (const char* of_a_row : {"engine_simulator", "knobs", "simulators", "config_hash"}) {
-    description.erase(of_a_row);
-  }
-  description["inputs"] = loaded.identity();
-  description["rows"] = engines;
-  if (plan.sample) {
-    description["permutations"] = toJson(*plan.sample);
-  }
-  return description;
-}
-
 /// Names of parameters that have more than one value, which tell the rows apart. All names for a single row.
-std::vector<std::string> varyingParameters(const std::vector<SimulatorChoice>& rows) {
+std::vector<std::string> varyingParameters(const std::vector<PlannedRow>& rows) {
   std::vector<std::string> varying;
-  for (const SimulatorChoice& row : rows) {
-    for (const pusht::Parameter& parameter : row.parameters) {
-      const bool varies = std::any_of(rows.begin(), rows.end(), [&](const SimulatorChoice& other) {
-        return &other.kind.get() == &row.kind.get() && other.parameters.at(parameter.name()).value != parameter.value;
+  for (const PlannedRow& row : rows) {
+    for (const pusht::Parameter& parameter : row.engine.parameters) {
+      const bool varies = std::any_of(rows.begin(), rows.end(), [&](const PlannedRow& other) {
+        return &other.engine.kind.get() == &row.engine.kind.get() &&
+               other.engine.parameters.at(parameter.name()).value != parameter.value;
       });
       const bool is_new = std::find(varying.begin(), varying.end(), parameter.name()) == varying.end();
       if (is_new && (varies || rows.size() == 1)) {
@@ -79,9 +51,9 @@ std::vector<std::string> varyingParameters(const std::vector<SimulatorChoice>& r
   return varying;
 }
 
-bool hasSeveralKinds(const std::vector<SimulatorChoice>& rows) {
+bool hasSeveralKinds(const std::vector<PlannedRow>& rows) {
   return std::any_of(rows.begin(), rows.end(),
-                     [&](const SimulatorChoice& row) { return &row.kind.get() != &rows.front().kind.get(); });
+                     [&](const PlannedRow& row) { return &row.engine.kind.get() != &rows.front().engine.kind.get(); });
 }
 
 void printRow(const RunConfiguration& configuration, const std::string& parameters, const Summary& summary) {
@@ -93,8 +65,8 @@ void printRow(const RunConfiguration& configuration, const std::string& paramete
 /// Runs one row after the other.
 class Sweeper {
  public:
-  Sweeper(const SweepOptions& options, const SweepPlan& plan, const Protocol& protocol, const LoadedRun& loaded,
-          SweepFolder& folder)
+  Sweeper(const SweepOptions& options, const SweepPlan& plan, const Protocol& protocol,
+          const std::vector<LoadedRun>& loaded, SweepFolder& folder)
       : options_(options),
         plan_(plan),
         protocol_(protocol),
@@ -105,47 +77,58 @@ class Sweeper {
 
   /// Throws RuntimeFault if it is interrupted, or at the end if there were rows that failed.
   void run() {
-    const auto cached = options_.batch.references(loaded_, protocol_);
-    if (!cached) {
+    const bool keeps_references = options_.batch.references(loaded_.front(), protocol_).has_value();
+    if (!keeps_references) {
       folder_.removeReference();  // of an attempt that was cut short, perhaps in the midst of a file
     }
-    const ReferenceCache references =
-        cached ? *cached : ReferenceCache(folder_.referencePath(), loaded_.referenceKey(protocol_));
     std::size_t failures = 0;
     std::string first_failure;
     for (std::size_t index = 0; index < plan_.rows.size(); ++index) {
       try {
-        finishRow(index, references);
+        finishRow(index);
       } catch (const pusht::SimulationFault& fault) {  // other parameters may do better
         first_failure = ++failures == 1 ? fault.what() : first_failure;
+      }
+      if (!keeps_references && failures == 0 && isLastOfPolicy(index)) {
+        folder_.removeReference();
       }
     }
     if (failures > 0) {
       throw pusht::RuntimeFault(std::to_string(failures) + " of " + std::to_string(plan_.rows.size()) +
                                 " rows failed, first " + first_failure);
     }
-    if (!cached) {
-      folder_.removeReference();
-    }
   }
 
  private:
-  void finishRow(std::size_t index, const ReferenceCache& references) {
-    const LoadedSimulator engine(plan_.rows[index]);
-    const RunConfiguration configuration = rowConfiguration(protocol_, loaded_, engine);
+  bool isLastOfPolicy(std::size_t index) const {
+    return index + 1 == plan_.rows.size() || plan_.rows[index + 1].policy != plan_.rows[index].policy;
+  }
+
+  const LoadedRun& runOf(std::size_t index) const { return loaded_[plan_.rows[index].policy]; }
+
+  ReferenceCache referencesOf(std::size_t index) const {
+    const LoadedRun& run = runOf(index);
+    return options_.batch.references(run, protocol_)
+        .value_or(ReferenceCache(folder_.referencePath(), run.referenceKey(protocol_)));
+  }
+
+  void finishRow(std::size_t index) {
+    const LoadedSimulator engine(plan_.rows[index].engine);
+    const RunConfiguration configuration = rowConfiguration(protocol_, runOf(index), engine);
     std::optional<SweepRow> row = readRow(folder_.path(), index, configuration);
     if (row) {
       bar_.skip(protocol_.episodes);
       folder_.resume(index, row->metrics);
     } else {
-      row.emplace(configuration, runRow(index, engine, configuration, references));
+      row.emplace(configuration, runRow(index, engine, configuration));
       folder_.keep(index, configuration, *row);
     }
     printRow(configuration, parametersText(index), row->summary);
   }
 
   std::vector<EpisodeResult> runRow(std::size_t index, const LoadedSimulator& engine,
-                                    const RunConfiguration& configuration, const ReferenceCache& references) {
+                                    const RunConfiguration& configuration) {
+    const ReferenceCache references = referencesOf(index);
     Journal journal = folder_.journal(index, configuration);
     std::vector<EpisodeResult> episodes(protocol_.episodes);
     int finished = 0;
@@ -164,7 +147,7 @@ class Sweeper {
       bar_.advance(rowText(index, plan_.rows.size()));
     };
     try {
-      runProtocol(protocol_, loaded_.workerFactory(engine), options_.batch.threadCount(), &references, deliver,
+      runProtocol(protocol_, runOf(index).workerFactory(engine), options_.batch.threadCount(), &references, deliver,
                   interrupted, journal.keptIndices());
     } catch (pusht::Error& error) {
       if (dynamic_cast<const pusht::SimulationFault*>(&error) != nullptr) {
@@ -184,11 +167,14 @@ class Sweeper {
     return episodes;
   }
 
-  /// "block_damp 2.0"; with the kind in front if there are several
+  /// "block_damp 2.0"; in front the policy if the plan lists policies, and the kind if there are several
   std::string parametersText(std::size_t index) const {
-    const SimulatorChoice& row = plan_.rows[index];
-    std::string text = hasSeveralKinds(plan_.rows) ? row.kind.get().name : "";
-    for (const pusht::Parameter& parameter : row.parameters) {
+    const SimulatorChoice& engine = plan_.rows[index].engine;
+    std::string text = plan_.lists_policies ? runOf(index).policyName() : "";
+    if (hasSeveralKinds(plan_.rows)) {
+      text += (text.empty() ? "" : ", ") + engine.kind.get().name;
+    }
+    for (const pusht::Parameter& parameter : engine.parameters) {
       if (std::find(varying_.begin(), varying_.end(), parameter.name()) != varying_.end()) {
         text += (text.empty() ? "" : ", ") + parameter.name() + " " + pusht::textOf(parameter.value);
       }
@@ -199,16 +185,51 @@ class Sweeper {
   const SweepOptions& options_;
   const SweepPlan& plan_;
   const Protocol& protocol_;
-  const LoadedRun& loaded_;
+  const std::vector<LoadedRun>& loaded_;  // by policy of the plan
   SweepFolder& folder_;
   std::vector<std::string> varying_;
   ProgressBar bar_;
 };
 
+/// Names the default model variants. Throws InvalidInput as sim2sim::nameVariants(), or if they are not the same for
+/// all references.
+void nameVariants(SweepPlan& plan) {
+  const Protocol asked = plan.protocol;
+  for (const PlannedPolicy& policy : plan.policies) {
+    Protocol named = asked;
+    nameVariants(policy.reference.kind, policy.reference.parameters, named);
+    if (&policy == &plan.policies.front()) {
+      plan.protocol = named;
+    }
+    if (variantsOf(named) != variantsOf(plan.protocol)) {
+      throw pusht::InvalidInput("model variants: of policy " + policy.policy + " they would be " +
+                                pusht::joined(variantsOf(named)) + ", of the first one " +
+                                pusht::joined(variantsOf(plan.protocol)) + "; must be the same, so name them");
+    }
+  }
+}
+
+/// All policies of a plan, each with its reference.
+std::vector<LoadedRun> loadAll(const SweepPlan& plan) {
+  std::vector<LoadedRun> loaded;
+  for (std::size_t i = 0; i < plan.policies.size(); ++i) {
+    std::vector<SimulatorChoice> engines;
+    for (const PlannedRow& row : plan.rows) {
+      if (row.policy == i) {
+        engines.push_back(row.engine);
+      }
+    }
+    const PlannedPolicy& planned = plan.policies[i];
+    loaded.emplace_back(pusht::PolicyChoice{planned.policy, true, plan.protocol.seed}, planned.reference, engines,
+                        plan.protocol);
+  }
+  return loaded;
+}
+
 }  // namespace
 
 void SweepOptions::declare(CLI::App& app) {
-  app.add_option("plan", plan, "YAML file: policy, seed, episodes, and a grid or a list of knob settings")
+  app.add_option("plan", plan, "YAML file: policies, seed, episodes, and a grid or a list of parameter settings")
       ->required()
       ->check(notEmpty());
   app.add_option("--episodes", episodes, "number of episodes, instead of the plan's")
@@ -228,38 +249,35 @@ void sweep(const SweepOptions& options) {
     plan.protocol.episodes = options.episodes;
     plan.protocol.validate();
   }
+  nameVariants(plan);
   plan.protocol.initial_states = givenInitialStates(plan.starts, plan.protocol.first_episode, plan.protocol.episodes);
   const Shard shard = options.shard.empty() ? Shard() : Shard::from(options.shard);
   const Protocol protocol = shard.share(plan.protocol);
   SweepFolder folder(options.out, options.overwrite, "sweep");
-  folder.refuseInputs({{"plan", options.plan},
-                       {"policy", plan.policy},
-                       {"starts", plan.starts},
-                       {"reference cache", options.batch.reference_cache}});
-  const LoadedRun loaded = loadFor(folder, [&] {
-    return LoadedRun({plan.policy, true, plan.protocol.seed}, plan.reference, plan.rows);
-  });
-  folder.refuseInputs(loaded.reference().inputs());
-  json engines = json::array();
-  for (const SimulatorChoice& row : plan.rows) {
-    const LoadedSimulator engine(row);
-    folder.refuseInputs(engine.inputs());
-    engines.push_back(json(toJson(engine.record())));
+  std::vector<Input> inputs = {
+      {"plan", options.plan}, {"starts", plan.starts}, {"reference cache", options.batch.reference_cache}};
+  for (const PlannedPolicy& policy : plan.policies) {
+    inputs.push_back({"policy", policy.policy});
   }
-  const LoadedSimulator first(plan.rows.front());
-
-  json description = descriptionOf(plan, loaded, engines);
+  folder.refuseInputs(inputs);
+  const std::vector<LoadedRun> loaded = loadFor(folder, [&] { return loadAll(plan); });
+  for (const LoadedRun& run : loaded) {
+    folder.refuseInputs(run.reference().inputs());
+  }
+  std::vector<SimulatorRecord> engines;
+  for (const PlannedRow& row : plan.rows) {
+    const LoadedSimulator engine(row.engine);
+    folder.refuseInputs(engine.inputs());
+    engines.push_back(engine.record());
+  }
+  json description = describe(plan, loaded, engines);
   if (!options.shard.empty()) {
     description["shard"] = shard.text();
   }
-  json origin = loaded.provenance(rowConfiguration(protocol, loaded, first), first);
-  origin["format"] = description.at("format");
-  for (const char* of_a_row : {"configuration", "engine"}) {
-    origin.erase(of_a_row);
-  }
+  const json origin = provenanceOf(plan, protocol, loaded);
   folder.begin(description, origin);
   withStatus(folder, [&] { Sweeper(options, plan, protocol, loaded, folder).run(); });
-  if (options.shard.empty()) {  // the other shards may have the successes
+  if (options.shard.empty() && !plan.lists_policies) {  // the other shards may have the successes
     warn(doubtAboutPolicy(folder.rows().front(), origin));
   }
 }

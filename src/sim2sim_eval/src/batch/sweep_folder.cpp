@@ -12,6 +12,7 @@
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/statistics.hpp"
+#include "sim2sim_protocol/results/text.hpp"
 
 namespace sim2sim {
 namespace {
@@ -32,14 +33,15 @@ json parsedFile(const fs::path& path, const std::string& what) {
 /// A cell of sweep.csv.
 std::string csvCell(const json& value) {
   return value.is_number_float() ? pusht::shortestText(value.get<double>())
-         : value.is_string()     ? value.get<std::string>()
+         : value.is_string()     ? csvText(value.get<std::string>())
          : value.is_null()       ? ""
                                  : value.dump();
 }
 
 using Columns = std::vector<std::pair<std::string, json>>;
 
-/// Names of columns that tell the rows apart: the kind of engine, if there are several, and all parameters of a row.
+/// Names of columns that tell the rows apart: policy, kind of reference and kind of engine, where there are several,
+/// and all parameters of a row.
 std::vector<std::string> parameterNames(const std::vector<json>& rows) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
@@ -47,10 +49,9 @@ std::vector<std::string> parameterNames(const std::vector<json>& rows) {
       names.push_back(name);
     }
   };
-  for (const json& row : rows) {
-    if (row.at("engine_simulator") != rows.front().at("engine_simulator")) {
-      names.insert(names.begin(), "engine_simulator");
-      break;
+  for (const char* name : {"policy", "reference_simulator", "engine_simulator"}) {
+    if (std::any_of(rows.begin(), rows.end(), [&](const json& row) { return row.at(name) != rows.front().at(name); })) {
+      names.emplace_back(name);
     }
   }
   for (const json& row : rows) {
@@ -61,8 +62,9 @@ std::vector<std::string> parameterNames(const std::vector<json>& rows) {
   return names;
 }
 
-/// The columns of sweep.csv after the row's number: each a name and a value of the row's metrics.
-Columns columns(const json& metrics, const std::vector<std::string>& parameters) {
+/// The columns of sweep.csv after the row's number: each a name and a value of the row's metrics. `reference` begins
+/// the names of the reference's.
+Columns columns(const json& metrics, const std::vector<std::string>& parameters, const std::string& reference) {
   Columns columns;
   for (const std::string& name : parameters) {
     columns.emplace_back(name, metrics.contains(name) ? metrics.at(name) : metrics.at("knobs").value(name, json()));
@@ -76,7 +78,6 @@ Columns columns(const json& metrics, const std::vector<std::string>& parameters)
       columns.emplace_back(name + "_high", bounds.is_null() ? json() : bounds.at(1));
     }
   };
-  const std::string reference = metrics.contains("mj_successes") ? "mj" : "reference";
   add(reference + "_successes");
   add(reference + "_success_rate", reference + "_success_interval");
   add("engine_successes");
@@ -100,9 +101,20 @@ Columns columns(const json& metrics, const std::vector<std::string>& parameters)
         const std::string value = interval + unit;
         add(value, interval.append("interval_").append(unit));
       }
-      for (const char* figure : {"_share_of_null", "_over_floor", "_beats_null"}) {
-        add(name + figure);
+      add(name + "_episodes");
+      add(name + "_share_of_null");
+      add(name + "_over_floor", name + "_over_floor_interval");
+      add(name + "_beats_null");
+      add(name + "_share_of_largest");
+      if (metrics.contains(name + "_over_variants")) {
+        add(name + "_over_variants", name + "_over_variants_interval");
       }
+    }
+  }
+  for (const std::string& rollout : rollouts) {
+    if (metrics.contains(rollout + "_success_difference")) {  // a closed loop in a model variant
+      add(rollout + "_success_rate", rollout + "_success_interval");
+      add(rollout + "_success_difference", rollout + "_success_difference_interval");
     }
   }
   add("parted");
@@ -114,11 +126,13 @@ Columns columns(const json& metrics, const std::vector<std::string>& parameters)
 
 std::string sweepCsv(const std::vector<json>& rows) {
   const std::vector<std::string> parameters = parameterNames(rows);
+  const bool only_mujoco =
+      std::all_of(rows.begin(), rows.end(), [](const json& row) { return row.contains("mj_successes"); });
   std::string csv;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::string head = "row";
     std::string line = rows[i].at("row").dump();
-    for (const auto& [name, value] : columns(rows[i], parameters)) {
+    for (const auto& [name, value] : columns(rows[i], parameters, only_mujoco ? "mj" : "reference")) {
       head.append(",").append(name);
       line.append(",").append(csvCell(value));
     }

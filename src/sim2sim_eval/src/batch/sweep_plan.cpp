@@ -9,6 +9,8 @@
 #include <set>
 #include <utility>
 
+#include "plan_policies.hpp"
+#include "plan_values.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
@@ -20,43 +22,6 @@ namespace sim2sim {
 namespace {
 
 constexpr std::size_t kMostRows = 100'000;
-
-/// "line 3, block_damp"
-std::string locationOf(const YAML::Node& node, const std::string& key) {
-  return "line " + std::to_string(node.Mark().line + 1) + ", " + key;
-}
-
-[[noreturn]] void refuse(const YAML::Node& node, const std::string& key, const std::string& rule) {
-  throw pusht::InvalidInput(locationOf(node, key) + ": " + rule);
-}
-
-std::string textAt(const YAML::Node& node, const std::string& key) {
-  if (!node.IsScalar()) {
-    refuse(node, key, "must be a single value");
-  }
-  return node.Scalar();
-}
-
-template <class Integer>
-Integer integerAt(const YAML::Node& node, const std::string& key) {
-  const std::string text = textAt(node, key);
-  const std::optional<Integer> value = pusht::decimal<Integer>(text);
-  if (!value) {
-    refuse(node, key, "'" + text + "' must be a decimal integer in range");
-  }
-  return *value;
-}
-
-/// Calls check(); what it refuses is in the line of `node`.
-template <class Check>
-void inLineOf(const YAML::Node& node, Check check) {
-  try {
-    pusht::asInput(check);
-  } catch (pusht::InvalidInput& error) {
-    error.addContext("line " + std::to_string(node.Mark().line + 1));
-    throw;
-  }
-}
 
 void setParameter(SimulatorChoice& row, const YAML::Node& key, const YAML::Node& value) {
   const std::string name = textAt(key, "parameter");
@@ -72,17 +37,6 @@ void requireLoads(const YAML::Node& node, const SimulatorChoice& row) {
 void requireRowLimit(const YAML::Node& node, const std::string& key, std::size_t rows) {
   if (rows > kMostRows) {
     refuse(node, key, "must give at most " + std::to_string(kMostRows) + " rows");
-  }
-}
-
-/// Throws InvalidInput for a key that appears twice; YAML itself would take the last.
-void requireDistinctKeys(const YAML::Node& map) {
-  std::set<std::string> seen;
-  for (const auto& entry : map) {
-    const std::string key = textAt(entry.first, "key");
-    if (!seen.insert(key).second) {
-      refuse(entry.first, key, "must appear only once");
-    }
   }
 }
 
@@ -179,27 +133,12 @@ std::vector<SimulatorChoice> rowsOfSample(const SimulatorChoice& engine, const Y
   return rows;
 }
 
-std::string textOf(const SimulatorChoice& row) {
-  std::string text = row.kind.get().name;
-  for (const pusht::Parameter& parameter : row.parameters) {
-    text += ", " + parameter.name() + " " + pusht::textOf(parameter.value);
-  }
-  return text;
-}
-
 void requireEachOnce(const std::vector<SimulatorChoice>& rows) {
-  std::set<std::string> seen;
-  for (const SimulatorChoice& row : rows) {
-    if (!seen.insert(textOf(row)).second) {
-      throw pusht::InvalidInput("rows: " + textOf(row) + " must appear only once");
+  for (auto row = rows.begin(); row != rows.end(); ++row) {
+    if (std::find(rows.begin(), row, *row) != row) {
+      throw pusht::InvalidInput("rows: " + textOf(*row) + " must appear only once");
     }
   }
-}
-
-SimulatorChoice simulatorAt(const YAML::Node& node, const std::string& key) {
-  std::optional<SimulatorChoice> choice;
-  inLineOf(node, [&] { choice = chooseSimulator(textAt(node, key), {}); });
-  return *choice;
 }
 
 /// The parameters of the reference that are keys of a plan too: those of the course's.
@@ -213,9 +152,21 @@ std::vector<std::string> shortForms() {
   return names;
 }
 
-SimulatorChoice referenceIn(const YAML::Node& root) {
-  SimulatorChoice reference = root["reference"].IsDefined() ? simulatorAt(root["reference"], "reference")
-                                                            : chooseSimulator(kCourseReference, {});
+/// Reference of all policies; none: each has its home. Throws InvalidInput if a key gives parameters to homes.
+std::optional<SimulatorChoice> referenceIn(const YAML::Node& root) {
+  const YAML::Node simulator = root["reference"];
+  if (simulator.IsDefined() && textAt(simulator, "reference") == kHome) {
+    std::vector<std::string> keys = shortForms();
+    keys.emplace_back("reference_parameters");
+    for (const std::string& key : keys) {
+      if (const YAML::Node node = root[key]; node.IsDefined()) {
+        refuse(node, key, "must not be there if the reference is each policy's home");
+      }
+    }
+    return std::nullopt;
+  }
+  SimulatorChoice reference =
+      simulator.IsDefined() ? simulatorAt(simulator, "reference") : chooseSimulator(kCourseReference, {});
   if (const YAML::Node parameters = root["reference_parameters"]; parameters.IsDefined()) {
     if (!parameters.IsMap()) {
       refuse(parameters, "reference_parameters", "must map parameters to values");
@@ -238,7 +189,7 @@ SimulatorChoice referenceIn(const YAML::Node& root) {
   return reference;
 }
 
-/// Engines in the order of the plan, each with its defaults.
+/// Engines in the order of the plan.
 std::vector<SimulatorChoice> enginesIn(const YAML::Node& root) {
   const YAML::Node node = root["engine"];
   if (!node.IsDefined()) {
@@ -248,15 +199,16 @@ std::vector<SimulatorChoice> enginesIn(const YAML::Node& root) {
     return {simulatorAt(node, "engine")};
   }
   if (node.size() == 0) {
-    refuse(node, "engine", "must be a kind of simulator, or a list of kinds");
+    refuse(node, "engine", "must be a simulator, or a list of simulators");
   }
   std::vector<SimulatorChoice> engines;
-  for (const YAML::Node& kind : node) {
-    engines.push_back(simulatorAt(kind, "engine"));
+  for (const YAML::Node& engine : node) {
+    engines.push_back(simulatorAt(engine, "engine"));
   }
   return engines;
 }
 
+/// Engines of the rows, each with its parameters.
 std::vector<SimulatorChoice> rowsIn(const YAML::Node& root, const std::optional<OrderSample>& sample) {
   const YAML::Node grid = root["grid"];
   const YAML::Node list = root["rows"];
@@ -266,8 +218,8 @@ std::vector<SimulatorChoice> rowsIn(const YAML::Node& root, const std::optional<
   if (ways > 1) {
     throw pusht::InvalidInput("must have either grid, rows or permutations");
   }
-  if (ways == 0 && engines.size() == 1) {
-    throw pusht::InvalidInput("must have grid, rows, permutations, or a list of engines");
+  if (ways == 0 && engines.size() == 1 && !root["policies"].IsDefined()) {
+    throw pusht::InvalidInput("must have grid, rows, permutations, or a list of engines or policies");
   }
   if (sample && engines.size() > 1) {
     throw pusht::InvalidInput("permutations: must be of one engine");
@@ -317,7 +269,20 @@ void take(const YAML::Node& node, const std::string& key, std::vector<int>& valu
   for (const YAML::Node& every : node) {
     value.push_back(integerAt<int>(every, key));
   }
-  inLineOf(node, [&] { probesOf(false, value); });
+  RunOptions asked;
+  asked.reanchor = value;
+  inLineOf(node, [&] { probesOf(asked); });
+}
+
+void take(const YAML::Node& node, const std::string& key, std::vector<std::string>& value) {
+  if (!node.IsSequence()) {
+    refuse(node, key, "must be a list of model variants");
+  }
+  std::vector<std::string> variants;
+  for (const YAML::Node& variant : node) {
+    variants.push_back(textAt(variant, key));
+  }
+  inLineOf(node, [&] { value = modelVariantsFrom(pusht::joined(variants, ",")); });
 }
 
 /// The options that the plan names, and a number of episodes that fits the file of initial states.
@@ -333,12 +298,46 @@ Protocol protocolIn(const YAML::Node& root, const std::filesystem::path& starts)
   return protocol;
 }
 
+std::vector<PlannedPolicy> plannedPolicies(const YAML::Node& root) {
+  const std::optional<SimulatorChoice> reference = referenceIn(root);
+  const YAML::Node one = root["policy"];
+  if (const YAML::Node list = root["policies"]; list.IsDefined()) {
+    if (one.IsDefined()) {
+      refuse(one, "policy", "must not be there beside policies");
+    }
+    return policiesIn(list, reference);
+  }
+  const std::string policy = one.IsDefined() ? textAt(one, "policy") : pusht::kShippedPolicy;
+  std::optional<SimulatorChoice> home = reference;
+  if (!home) {
+    inLineOf(root["reference"], [&] { home = homeOfPolicy(policy); });
+  }
+  return {{policy, "", *home}};
+}
+
+/// Rows of all policies. Listed policies have none in their references: a matrix has their success there already.
+std::vector<PlannedRow> crossed(const SweepPlan& plan, const std::vector<SimulatorChoice>& engines) {
+  std::vector<PlannedRow> rows;
+  for (std::size_t policy = 0; policy < plan.policies.size(); ++policy) {
+    for (const SimulatorChoice& engine : engines) {
+      if (!plan.lists_policies || !(engine == plan.policies[policy].reference)) {
+        rows.push_back({policy, engine});
+      }
+    }
+  }
+  if (rows.empty() || rows.size() > kMostRows) {
+    throw pusht::InvalidInput("must give from 1 to " + std::to_string(kMostRows) + " rows, gives " +
+                              std::to_string(rows.size()));
+  }
+  return rows;
+}
+
 SweepPlan planFrom(const YAML::Node& root) {
   if (!root.IsMap()) {
     throw pusht::InvalidInput("must map keys to values");
   }
   requireDistinctKeys(root);
-  std::vector<std::string> keys = {"policy", "reference", "reference_parameters", "engine", "starts"};
+  std::vector<std::string> keys = {"policy", "policies", "reference", "reference_parameters", "engine", "starts"};
   forEachOption([&](const auto& option) {
     if (option.in_plan) {
       keys.emplace_back(option.name);
@@ -357,10 +356,11 @@ SweepPlan planFrom(const YAML::Node& root) {
   if (const YAML::Node permutations = root["permutations"]; permutations.IsDefined()) {
     sample = sampleIn(permutations);
   }
-  SweepPlan plan{Protocol(), pusht::kShippedPolicy, "", referenceIn(root), rowsIn(root, sample), sample};
-  if (const YAML::Node policy = root["policy"]; policy.IsDefined()) {
-    plan.policy = textAt(policy, "policy");
-  }
+  SweepPlan plan;
+  plan.lists_policies = root["policies"].IsDefined();
+  plan.policies = plannedPolicies(root);
+  plan.rows = crossed(plan, rowsIn(root, sample));
+  plan.sample = sample;
   if (const YAML::Node starts = root["starts"]; starts.IsDefined()) {
     plan.starts = textAt(starts, "starts");
   }
@@ -370,21 +370,6 @@ SweepPlan planFrom(const YAML::Node& root) {
 
 }  // namespace
 
-SweepPlan readSweepPlan(const std::filesystem::path& path) {
-  const std::string text = pusht::readFile(path, "sweep");
-  try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) {
-      throw pusht::InvalidInput("must be one YAML document");
-    }
-    return planFrom(documents.empty() ? YAML::Node() : documents.front());
-  } catch (const YAML::Exception& error) {
-    throw pusht::InvalidInput("sweep " + path.string() + ": line " + std::to_string(error.mark.line + 1) +
-                              ": must be YAML: " + error.msg);
-  } catch (pusht::Error& error) {
-    error.addContext("sweep " + path.string());
-    throw;
-  }
-}
+SweepPlan readSweepPlan(const std::filesystem::path& path) { return fromYaml(path, "sweep", planFrom); }
 
 }  // namespace sim2sim

@@ -18,7 +18,7 @@ namespace {
 Result successResult(const SuccessRate& rate, int episodes) {
   return {
       "success " + std::to_string(rate.successes) + "/" + std::to_string(episodes) + " = " + fixedText(rate.rate, 2),
-      "95% interval " + bracketed(rate.interval, 2)};
+      rate.interval ? "95% interval " + bracketed(*rate.interval, 2) : ""};
 }
 
 Result divergenceResult(const Summary& summary) {

@@ -153,6 +153,7 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   connectFirst(nodes, options);
 
   requirePolicy(request, nodes);
+  const VariantWorlds variants = variantWorldsOf(request.protocol, nodes);
   const RunConfiguration configuration = configurationOf(request, nodes);
   const nlohmann::ordered_json provenance = runProvenance(configuration, nodes);
   folder.refuseInputs(inputsOf(request, nodes));
@@ -167,7 +168,7 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   broadcast_.begin(configuration, pictureOf(configuration, nodes), std::move(bag), nodes.stamps().now());
   summary_is_ours_ = true;
   broadcast_.publishConfiguration(configurationMessage(provenance, names, nodes.stamps().now()));
-  runLive(configuration.protocol, nodes, pacer_, *this, options);
+  runLive(configuration.protocol, nodes, variants, pacer_, *this, options);
   broadcast_.end();
   const nlohmann::json metrics = run_->finish(std::cout, faults_survived_);
   ROS_INFO_STREAM("finished, all is well: results in " << folder_.string() << (parameters_.exit ? kEndOfLaunch : ""));

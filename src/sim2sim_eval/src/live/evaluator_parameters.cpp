@@ -30,6 +30,9 @@ void take(pusht::ParameterReader& parameters, const char* name, bool& value) { v
 void take(pusht::ParameterReader& parameters, const char* name, std::vector<int>& value) {
   value = reanchorFrom(optionalText(parameters, name, kNone));
 }
+void take(pusht::ParameterReader& parameters, const char* name, std::vector<std::string>& value) {
+  value = modelVariantsFrom(optionalText(parameters, name, kNone));
+}
 // 0 stands for none.
 void take(pusht::ParameterReader& parameters, const char* name, std::optional<double>& value) {
   const double given = parameters.real(name, value.value_or(0.0));

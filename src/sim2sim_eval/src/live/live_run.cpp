@@ -80,11 +80,11 @@ Episode fly(Flight& flight, const Episode& under_way, LiveNodes& nodes, Pacer& p
 }
 
 /// Whether the run needs further episodes.
-bool runEpisode(const Protocol& protocol, int index, LiveNodes& nodes, Pacer& pacer, LiveObserver& observer,
-                const std::function<bool()>& stop) {
+bool runEpisode(const Protocol& protocol, int index, LiveNodes& nodes, const VariantWorlds& variants, Pacer& pacer,
+                LiveObserver& observer, const std::function<bool()>& stop) {
   nodes.announce(index, protocol.horizon);
   nodes.stamps().advance();
-  Flight flight(protocol, nodes.worlds(), nodes.policy());
+  Flight flight(protocol, nodes.worlds(), nodes.policy(), variants);
   const Episode& under_way = flight.begin(index);
   observer.onStep(under_way, nodes.stamps().now());
   const Episode episode = [&] {
@@ -122,8 +122,8 @@ void connectFirst(LiveNodes& nodes, const LiveOptions& options) {
   }
 }
 
-void runLive(const Protocol& protocol, LiveNodes& nodes, Pacer& pacer, LiveObserver& observer,
-             const LiveOptions& options) {
+void runLive(const Protocol& protocol, LiveNodes& nodes, const VariantWorlds& variants, Pacer& pacer,
+             LiveObserver& observer, const LiveOptions& options) {
   const std::function<bool()>& stop = options.wait.stop;
   bool lost = false;  // a node
   int faults = 0;     // in this episode
@@ -134,7 +134,7 @@ void runLive(const Protocol& protocol, LiveNodes& nodes, Pacer& pacer, LiveObser
         lost = false;
         observer.onRecovery();
       }
-      if (!runEpisode(protocol, index, nodes, pacer, observer, stop)) {
+      if (!runEpisode(protocol, index, nodes, variants, pacer, observer, stop)) {
         return;
       }
       ++index;

@@ -33,6 +33,7 @@ pusht::ParameterValue parameterValue(const std::vector<int>& list) {
                  [](int value) { return std::to_string(value); });
   return pusht::joined(numbers, ",");
 }
+pusht::ParameterValue parameterValue(const std::vector<std::string>& list) { return pusht::joined(list, ","); }
 
 template <class Value>
 std::string textOf(const Value& value) {
@@ -75,6 +76,9 @@ void read(const pusht::ParameterDescriptor& option, const std::string& text, std
 void read(const pusht::ParameterDescriptor& /*option*/, const std::string& text, std::vector<int>& list) {
   list = reanchorFrom(text == kNoValue ? "" : text);
 }
+void read(const pusht::ParameterDescriptor& /*option*/, const std::string& text, std::vector<std::string>& list) {
+  list = modelVariantsFrom(text == kNoValue ? "" : text);
+}
 
 bool has(const pusht::Parameters& parameters, const std::string& name) {
   return std::any_of(parameters.begin(), parameters.end(),
@@ -94,7 +98,8 @@ pusht_msgs::RunOptions describe(const RunOptions& options) {
 
 bool names(const pusht_msgs::CompareGoal& goal, const std::string& name) {
   bool named = has(goal.options, name);
-  forEachOption([&](const auto& option) { named = named || (option.name == name && !option.of(goal).empty()); });
+  forEachField<pusht_msgs::CompareGoal>(
+      [&](const auto& option) { named = named || (option.name == name && !option.of(goal).empty()); });
   return named;
 }
 
@@ -106,15 +111,16 @@ void setNamed(RunOptions& options, const pusht_msgs::CompareGoal& goal) {
     if (std::find(known.begin(), known.end(), named.name) == known.end()) {
       throw pusht::InvalidInput("option '" + named.name + "': unknown; known: " + pusht::joined(known));
     }
-    forEachOption([&](const auto& option) {
-      if (option.name != named.name) {
-        return;
-      }
-      if (!option.of(goal).empty()) {
+    forEachField<pusht_msgs::CompareGoal>([&](const auto& option) {
+      if (option.name == named.name && !option.of(goal).empty()) {
         throw pusht::InvalidInput("option " + named.name + " " + named.value +
                                   ": must be set once, by name or in the field of that name");
       }
-      read(descriptorOf(option), named.value, option.of(options));
+    });
+    forEachOption([&](const auto& option) {
+      if (option.name == named.name) {
+        read(descriptorOf(option), named.value, option.of(options));
+      }
     });
   }
 }

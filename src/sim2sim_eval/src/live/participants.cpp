@@ -6,7 +6,11 @@
 #include <string>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
+#include "sim2sim_protocol/model_variants.hpp"
+#include "sim2sim_protocol/probes.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 
 namespace sim2sim {
@@ -33,6 +37,27 @@ void requirePolicy(const LiveRequest& request, const LiveNodes& nodes) {
     throw pusht::InvalidInput("policy " + request.policy + ": " + request.services.policy + " serves " + name +
                               "; name no policy if its node is started elsewhere, or this one");
   }
+}
+
+VariantWorlds variantWorldsOf(RunOptions& protocol, const LiveNodes& nodes) {
+  const std::vector<std::string> asked = variantsOf(protocol);
+  if (asked.empty()) {
+    return {};
+  }
+  const pusht_msgs::DescribeResponse& node = nodes.describe(kReferenceClosed);
+  const pusht::SimulatorKind* const kind = pusht::SimulatorKinds::installed().find(node.name);
+  if (kind == nullptr || kind->version != node.version) {
+    throw pusht::BadDependency("model variants " + pusht::joined(asked) + ": the reference is " + node.name + " " +
+                               node.version + ", but here " +
+                               (kind == nullptr ? "no such kind is installed" : "version " + kind->version + " is") +
+                               "; variants run in the evaluator's process, with the reference's own kind");
+  }
+  pusht::ParameterSet parameters = kind->defaults();
+  for (const pusht_msgs::Parameter& parameter : node.parameters) {
+    parameters.set(parameter.name, parameter.value);
+  }
+  nameVariants(*kind, parameters, protocol);
+  return worldsOf(loadVariants(*kind, parameters, protocol));
 }
 
 RunConfiguration configurationOf(const LiveRequest& request, const LiveNodes& nodes) {

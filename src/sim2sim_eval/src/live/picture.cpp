@@ -175,7 +175,7 @@ const pusht::WorldState& stateOf(const Episode& episode, Mode mode) {
   return episode.rollout(mode).trace().states.back();
 }
 
-/// The colour of the marks at the target: that of the world once its tee is near enough.
+/// The color of the marks at the target: that of the world once its tee is near enough.
 std_msgs::ColorRGBA markColor(Mode mode, const Episode& episode) {
   const pusht::Rollout& rollout = episode.rollout(mode);
   return rollout.error().inTolerance() || rollout.success() ? colorOf(mode) : color(kDim);

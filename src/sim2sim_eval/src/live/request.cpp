@@ -11,7 +11,9 @@
 #include <type_traits>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
 #include "sim2sim_eval/live/named_options.hpp"
+#include "sim2sim_protocol/probes.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
 
 namespace sim2sim {
@@ -140,7 +142,8 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   set_world("reference_namespace", kReferenceClosed, goal.reference_namespace);
   set_world("engine_namespace", kEngineClosed, goal.engine_namespace);
   set_world("replay_namespace", kEngineReplay, goal.replay_namespace);
-  forEachOption([&](const auto& option) { set(option.name, option.of(request.protocol), option.of(goal)); });
+  forEachField<pusht_msgs::CompareGoal>(
+      [&](const auto& option) { set(option.name, option.of(request.protocol), option.of(goal)); });
   setNamed(request.protocol, goal);
   request.protocol.probes();  // throws if there are none such
   forEachLiveField([&](const char* name, const auto& of) { set(name, of(request), of(goal)); });
@@ -160,7 +163,10 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
 
 pusht_msgs::CompareGoal goalOf(const RunOptions& options) {
   pusht_msgs::CompareGoal goal;
-  forEachOption([&](const auto& option) { write(option.of(options), option.of(goal)); });
+  forEachField<pusht_msgs::CompareGoal>([&](const auto& option) { write(option.of(options), option.of(goal)); });
+  const auto values = describe(options).values;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(goal.options),
+               [&](const pusht_msgs::Parameter& value) { return !names(goal, value.name); });
   return goal;
 }
 

@@ -25,7 +25,7 @@ constexpr double kGrid = 0.06;    // [m] to which the edges of a region are roun
 constexpr double kMargin = 0.01;  // [m] around what is to be seen
 constexpr double kNear = 0.15;    // [m] from the origin of its tee: a pusher is part of what happens
 constexpr double kOutlineWidth = 0.006;
-constexpr float kBeginning = 0.25F;  // share of the colour where a way begins
+constexpr float kBeginning = 0.25F;  // share of the color where a way begins
 constexpr int kCirclePoints = 24;
 
 /// The smallest rectangle around points, none of which counts as further out than the walls.

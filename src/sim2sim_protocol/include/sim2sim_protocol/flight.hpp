@@ -21,6 +21,9 @@ namespace sim2sim {
 /// Simulators in which episodes run: one for each mode, with a lane for each episode in flight.
 using Worlds = std::array<std::unique_ptr<pusht::BatchSimulator>, kModeCount>;
 
+/// Worlds of the model variants, in the order of variantsOf(); each has one lane.
+using VariantWorlds = std::vector<std::unique_ptr<pusht::BatchSimulator>>;
+
 /// Worlds of one lane, from three single simulators.
 Worlds worldsOf(std::unique_ptr<pusht::Simulator> reference, std::unique_ptr<pusht::Simulator> engine,
                 std::unique_ptr<pusht::Simulator> replay);
@@ -35,8 +38,9 @@ struct CachedTraces {
 /// an episode does not depend on the others.
 class Flight {
  public:
-  /// `worlds` and `policy` must outlive the flight, which alone drives them.
-  Flight(Protocol protocol, const Worlds& worlds, pusht::Policy& policy);
+  /// `worlds`, `policy` and `variants`, one for each model variant of the protocol, must outlive the flight, which
+  /// alone drives them.
+  Flight(Protocol protocol, const Worlds& worlds, pusht::Policy& policy, const VariantWorlds& variants);
 
   bool full() const;
   bool empty() const;
@@ -59,17 +63,21 @@ class Flight {
   bool goesOn(Mode mode, std::size_t lane) const { return episodes_[lane] && episodes_[lane]->goesOn(mode); }
   void advance(Mode mode, std::size_t& next_answer);
   void probe(Episode& episode, std::size_t lane, const std::function<void()>& watch) const;
+  pusht::BatchSimulator& variantOf(const Probe& probe) const;
+  pusht::Trace drive(pusht::BatchSimulator& world, int index, const std::function<void(int)>& before_step) const;
 
   Protocol protocol_;
   const Worlds& worlds_;
   pusht::Policy& policy_;
+  const VariantWorlds& variants_;
   std::vector<std::optional<Episode>> episodes_;  // by lane
   std::vector<pusht::Policy::Query> queries_;     // of the closed loops, by mode and lane
   std::vector<pusht::Action> answers_;
   std::vector<std::optional<pusht::Action>> actions_;  // of one mode, by lane
 };
 
-/// Runs one episode to its end, in the first lane of `worlds`. Throws as Flight.
+/// Runs one episode to its end, in the first lane of `worlds`; `protocol` has no model variants but those that are
+/// cached. Throws as Flight.
 Episode runEpisode(const Protocol& protocol, int index, const Worlds& worlds, pusht::Policy& policy,
                    CachedTraces cached = {});
 

@@ -42,7 +42,7 @@ struct Protocol : RunOptions {
   int lastEpisode() const { return first_episode + episodes - 1; }
 
   /// Probes of every episode, in the order in which they are run. Throws InvalidInput as probesOf().
-  std::vector<Probe> probes() const { return probesOf(floor, reanchor); }
+  std::vector<Probe> probes() const { return probesOf(*this); }
 
   /// Largest divergence at which a rollout still counts as following the reference.
   Bound bound() const { return {bound_position, bound_angle}; }

@@ -38,12 +38,25 @@ double meanAngleDivergence(const RolloutView& view);
 double earlyPositionDivergence(const RolloutView& view);
 /// [rad] Difference from the reference's yaw, over the steps of earlyPositionDivergence(); in [0, pi].
 double earlyAngleDivergence(const RolloutView& view);
+/// [m] Distance from the reference's tee over the first kFiveSecondSteps; NaN as for earlyPositionDivergence().
+double fiveSecondsPositionDivergence(const RolloutView& view);
+/// [rad] Difference from the reference's yaw over the first kFiveSecondSteps, likewise; in [0, pi].
+double fiveSecondsAngleDivergence(const RolloutView& view);
 /// [m] Mean divergence of the null model over the steps that both have: a tee that stays where it started, or where it
 /// was last reset to the reference's state.
 double nullPositionDivergence(const RolloutView& view);
 /// [rad] Mean divergence of the null model's yaw.
 double nullAngleDivergence(const RolloutView& view);
+/// [m] Mean divergence of the null model over the steps of earlyPositionDivergence().
+double earlyNullPositionDivergence(const RolloutView& view);
+/// [rad] Mean divergence of the null model's yaw over these steps.
+double earlyNullAngleDivergence(const RolloutView& view);
+/// [m] Mean divergence of the null model over the steps of fiveSecondsPositionDivergence().
+double fiveSecondsNullPositionDivergence(const RolloutView& view);
+/// [rad] Mean divergence of the null model's yaw over these steps.
+double fiveSecondsNullAngleDivergence(const RolloutView& view);
 /// [m] Divergence just before a reset to the reference's state, mean over the resets: the error of `reset_every` steps.
+/// It has no interval: a null model at the anchors is not measured, and the one over all steps is too small for it.
 double anchorPositionError(const RolloutView& view);
 /// [rad] Divergence of the yaw just before a reset, likewise.
 double anchorAngleError(const RolloutView& view);
@@ -59,15 +72,20 @@ double growthRateOf(const RolloutView& view);
 
 /// [control steps] Horizon that nearly all episodes have in common: 2 s.
 constexpr int kEarlySteps = 20;
+/// [control steps] Horizon of 5 s, which most episodes have.
+constexpr int kFiveSecondSteps = 50;
 
 /// Rollouts that have a quantity.
 enum class Scope {
-  kModes,       ///< the three modes, not the probes
+  kModes,       ///< the three modes and closed loops in model variants
   kCompared,    ///< all but the reference itself
   kClosed,      ///< the engine in closed loop
   kStateReset,  ///< state-reset replays
   kFloor,       ///< the reference from an initial state moved by 1e-6 m
 };
+
+/// Value of Quantity::null_model where a divergence has a null model that is not measured.
+inline constexpr const char* kUnmeasured = "";
 
 /// Description of a quantity.
 struct Quantity {
@@ -76,9 +94,15 @@ struct Quantity {
   Scope scope;        ///< rollouts that have it
   double least;       ///< smallest possible value
   double limit;       ///< largest possible value
-  const char* label;  ///< name of its line in the printed table; null: no line
+  const char* label;  ///< heading in the printed table, of a mean over whole episodes; null: none
   double (*compute)(const RolloutView& view);
   const char* course_key;  ///< course's key in metrics.json of the mean over the replays; null: none
+  /// Quantity of the null model, a tee that never moves, of which a divergence has the multiple or the difference; its
+  /// mean is the `extreme` of the intervals (sim2sim_statistics/tails.hpp). Null: not a divergence.
+  const char* null_model = nullptr;
+
+  /// Whether its means and differences may have intervals: not those of a divergence without a measured null model.
+  constexpr bool hasIntervals() const { return null_model == nullptr || *null_model != '\0'; }
 };
 
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();
@@ -87,23 +111,37 @@ inline constexpr std::array kQuantities = {
     Quantity{"final_position_error", "m", Scope::kModes, 0.0, kUnlimited, nullptr, finalPositionError, nullptr},
     Quantity{"final_angle_error", "rad", Scope::kModes, 0.0, pusht::kPi, nullptr, finalAngleError, nullptr},
     Quantity{"mean_position_divergence", "m", Scope::kCompared, 0.0, kUnlimited, "position", meanPositionDivergence,
-             "mean_pos_divergence"},
+             "mean_pos_divergence", "null_position_divergence"},
     Quantity{"mean_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, "angle", meanAngleDivergence,
-             "mean_ang_divergence"},
+             "mean_ang_divergence", "null_angle_divergence"},
     Quantity{"early_position_divergence", "m", Scope::kCompared, 0.0, kUnlimited, nullptr, earlyPositionDivergence,
-             nullptr},
-    Quantity{"early_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, nullptr, earlyAngleDivergence,
-             nullptr},
+             nullptr, "early_null_position_divergence"},
+    Quantity{"early_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, nullptr, earlyAngleDivergence, nullptr,
+             "early_null_angle_divergence"},
     Quantity{"null_position_divergence", "m", Scope::kCompared, 0.0, kUnlimited, nullptr, nullPositionDivergence,
              nullptr},
     Quantity{"null_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, nullptr, nullAngleDivergence, nullptr},
     Quantity{"absorbed_position_divergence", "m", Scope::kClosed, -kUnlimited, kUnlimited, nullptr,
-             absorbedPositionDivergence, nullptr},
+             absorbedPositionDivergence, nullptr, "null_position_divergence"},
     Quantity{"absorbed_angle_divergence", "rad", Scope::kClosed, -pusht::kPi, pusht::kPi, nullptr,
-             absorbedAngleDivergence, nullptr},
-    Quantity{"anchor_position_error", "m", Scope::kStateReset, 0.0, kUnlimited, nullptr, anchorPositionError, nullptr},
-    Quantity{"anchor_angle_error", "rad", Scope::kStateReset, 0.0, pusht::kPi, nullptr, anchorAngleError, nullptr},
+             absorbedAngleDivergence, nullptr, "null_angle_divergence"},
+    Quantity{"anchor_position_error", "m", Scope::kStateReset, 0.0, kUnlimited, nullptr, anchorPositionError, nullptr,
+             kUnmeasured},
+    Quantity{"anchor_angle_error", "rad", Scope::kStateReset, 0.0, pusht::kPi, nullptr, anchorAngleError, nullptr,
+             kUnmeasured},
     Quantity{"growth_rate", "per_step", Scope::kFloor, -kUnlimited, kUnlimited, nullptr, growthRateOf, nullptr},
+    Quantity{"early_5s_position_divergence", "m", Scope::kCompared, 0.0, kUnlimited, nullptr,
+             fiveSecondsPositionDivergence, nullptr, "early_5s_null_position_divergence"},
+    Quantity{"early_5s_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, nullptr, fiveSecondsAngleDivergence,
+             nullptr, "early_5s_null_angle_divergence"},
+    Quantity{"early_null_position_divergence", "m", Scope::kCompared, 0.0, kUnlimited, nullptr,
+             earlyNullPositionDivergence, nullptr},
+    Quantity{"early_null_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, nullptr, earlyNullAngleDivergence,
+             nullptr},
+    Quantity{"early_5s_null_position_divergence", "m", Scope::kCompared, 0.0, kUnlimited, nullptr,
+             fiveSecondsNullPositionDivergence, nullptr},
+    Quantity{"early_5s_null_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, nullptr,
+             fiveSecondsNullAngleDivergence, nullptr},
 };
 
 /// Value of each of kQuantities, in its unit; NaN if there is none.

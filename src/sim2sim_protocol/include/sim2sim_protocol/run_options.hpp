@@ -25,8 +25,10 @@ struct RunOptions {
   double bound_position = pusht::kPositionTolerance;  ///< [m]
   double bound_angle = pusht::kAngleTolerance;        ///< [rad]
   bool floor = true;
-  std::vector<int> reanchor{};            ///< [control steps] between resets; an entry for each state-reset replay
-  std::optional<double> until_decided{};  ///< [-] share of the reference's success; none: all episodes are run
+  std::vector<int> reanchor{};                 ///< [control steps] between resets; an entry for each state-reset replay
+  std::vector<std::string> model_variants{};   ///< as modelVariantsFrom(); a replay for each
+  std::vector<std::string> closed_variants{};  ///< likewise; a closed loop for each
+  std::optional<double> until_decided{};       ///< [-] share of the reference's success; none: all episodes are run
 };
 
 /// Whether an option decides what the reference does from a given initial state.
@@ -49,10 +51,10 @@ struct OptionRange {
 };
 
 /// Description of an option. `of(o)` is its value in a RunOptions, or in any other class with a member of its name,
-/// such as the goal of a live run.
+/// such as the goal of a live run; with a class that has none, `of` is not invocable.
 template <class Access>
 struct RunOption {
-  const char* name;     ///< parameter, field of the goal and key of the plan; with dashes on the command line
+  const char* name;     ///< parameter, field or name in a goal, key of the plan; with dashes on the command line
   const char* unit;     ///< empty: none
   const char* meaning;  ///< a phrase for people
   Decides decides;
@@ -79,33 +81,41 @@ void forEachOption(const Function& function) {
   };
   constexpr double kLastFirstEpisode = 1e9;
   constexpr double kMostEpisodes = 1e6;
-  each(
-      "seed", "", "episode i starts from spawn seed 10000 + seed + i", Decides::kRest, Written::kAlways, true,
-      [](auto& o) -> auto& { return o.seed; });
+  each("seed", "", "episode i starts from spawn seed 10000 + seed + i", Decides::kRest, Written::kAlways, true,
+       [](auto& o) -> decltype((o.seed)) { return o.seed; });
   each("first_episode", "", "index of the first episode", Decides::kRest, Written::kAlways, true,
-       [](auto& o) -> auto& { return o.first_episode; }, {0.0, kLastFirstEpisode});
+       [](auto& o) -> decltype((o.first_episode)) { return o.first_episode; }, {0.0, kLastFirstEpisode});
   each("episodes", "", "number of episodes; without it as many as --starts has, if these are fewer than the default",
-       Decides::kRest, Written::kAlways, true, [](auto& o) -> auto& { return o.episodes; }, {1.0, kMostEpisodes});
+       Decides::kRest, Written::kAlways, true, [](auto& o) -> decltype((o.episodes)) { return o.episodes; },
+       {1.0, kMostEpisodes});
   each("horizon", "control steps", "the longest that an episode lasts", Decides::kReference, Written::kAlways, true,
-       [](auto& o) -> auto& { return o.horizon; }, {1.0, pusht::kHorizon});
-  each(
-      "floor", "",
-      "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to",
-      Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.floor; });
-  each(
-      "reanchor", "",
-      "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: 1,5,20",
-      Decides::kRest, Written::kElsewhere, true, [](auto& o) -> auto& { return o.reanchor; });
-  each(
-      "bound_position", "m", "beyond it a rollout has parted from the reference", Decides::kRest, Written::kElsewhere,
-      true, [](auto& o) -> auto& { return o.bound_position; });
-  each(
-      "bound_angle", "rad", "the same for the yaw", Decides::kRest, Written::kElsewhere, true,
-      [](auto& o) -> auto& { return o.bound_angle; });
+       [](auto& o) -> decltype((o.horizon)) { return o.horizon; }, {1.0, pusht::kHorizon});
+  each("floor", "",
+       "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to",
+       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> decltype((o.floor)) { return o.floor; });
+  each("reanchor", "",
+       "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: 1,5,20",
+       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> decltype((o.reanchor)) { return o.reanchor; });
+  each("model_variants", "",
+       "VARIANT,...: also replay the reference with other numerics, such as timestep=0.005,cone=elliptic:impratio=10; "
+       "without VARIANT: the default ones of its kind",
+       Decides::kRest, Written::kElsewhere, true,
+       [](auto& o) -> decltype((o.model_variants)) { return o.model_variants; });
+  each("closed_variants", "",
+       "VARIANT,...: the policy drives these, too: how much success changes over them; without VARIANT: the default "
+       "ones "
+       "of its kind",
+       Decides::kRest, Written::kElsewhere, true,
+       [](auto& o) -> decltype((o.closed_variants)) { return o.closed_variants; });
+  each("bound_position", "m", "beyond it a rollout has diverged from the reference", Decides::kRest,
+       Written::kElsewhere, true, [](auto& o) -> decltype((o.bound_position)) { return o.bound_position; });
+  each("bound_angle", "rad", "beyond it in yaw, a rollout has diverged from the reference", Decides::kRest,
+       Written::kElsewhere, true, [](auto& o) -> decltype((o.bound_angle)) { return o.bound_angle; });
   each("until_decided", "",
        "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 to 1; "
        "--episodes is then the most that it may take",
-       Decides::kRest, Written::kIfChanged, false, [](auto& o) -> auto& { return o.until_decided; }, {0.0, 1.0});
+       Decides::kRest, Written::kIfChanged, false,
+       [](auto& o) -> decltype((o.until_decided)) { return o.until_decided; }, {0.0, 1.0});
 }
 
 bool operator==(const RunOptions& a, const RunOptions& b);

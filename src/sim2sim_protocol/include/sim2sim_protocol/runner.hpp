@@ -23,10 +23,11 @@ constexpr int kEpisodesInFlight = 8;
 /// 0.2 MB. Waiting is rare: episodes that end early overtake a long one by fewer than this, mostly.
 constexpr int kEpisodesHeld = 8 * kEpisodesInFlight;
 
-/// Factories for each thread's own worlds and policy. Both are called in the thread that uses the result.
+/// Factories for each thread's own worlds and policy. They are called in the thread that uses the result.
 struct WorkerFactory {
   std::function<Worlds(int lanes)> make_worlds;
   std::function<std::unique_ptr<pusht::Policy>()> make_policy;
+  std::function<VariantWorlds()> make_variants{};  ///< empty: the protocol has no model variants
 };
 
 /// Runs the episodes of `protocol` in `threads` >= 1 threads, without those in `finished`. Results depend neither on

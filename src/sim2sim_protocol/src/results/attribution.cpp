@@ -145,9 +145,10 @@ struct Measure {
 std::vector<Measure> measuresOf(const Protocol& protocol) {
   std::vector<Measure> measures;
   const auto add = [&](std::size_t rollout, const std::string& how) {
-    for (const DivergencePair& pair : kDivergencePairs) {
+    for (std::size_t i = 0; i < kWholeEpisodePairs; ++i) {
+      const DivergencePair& pair = kDivergencePairs[i];
       const Quantity& quantity = kQuantities[quantityIndex(pair.divergence)];
-      const bool is_position = &pair == kDivergencePairs.data();
+      const bool is_position = i == 0;
       measures.push_back({metricName(protocol.rolloutNames()[rollout], quantity),
                           (is_position ? "position, " : "angle, ") + how, std::string(quantity.unit), rollout,
                           pair.divergence, pair.null_model});
@@ -200,8 +201,7 @@ Estimate meanOfGap(const RunResults& run, const Measure& measure) {
     const PairTable table = pairsOf(run.episodes, kReferenceClosed, run.episodes, kEngineClosed);
     return {-table.difference(), std::nullopt};
   }
-  const std::size_t quantity = quantityIndex(measure.quantity);
-  return meanOf(samplesOf(run.episodes, measure.rollout, quantity), kQuantities[quantity]);
+  return meanOf(run.episodes, {measure.rollout, quantityIndex(measure.quantity)});
 }
 
 /// Attribution of one gap. Without `orders`, also the figures that need all combinations.
@@ -214,31 +214,34 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
   const auto mean = [](const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
   };
+  // The null model follows from the reference's trace alone, so it is the same in every row.
+  const RunResults& any = runs.begin()->second;
+  const std::optional<double> extreme =
+      measure.quantity == nullptr ? std::nullopt
+                                  : extremeOf(any.episodes, {measure.rollout, quantityIndex(measure.quantity)});
   AttributedGap result{
       measure.name, measure.title, measure.unit, mean(gaps.begin()->second), mean(gaps.rbegin()->second), {}};
   if (orders.empty()) {
     std::vector<std::vector<double>> all;
     std::transform(gaps.begin(), gaps.end(), std::back_inserter(all), [](const auto& entry) { return entry.second; });
     const Game game(switches, all);
-    result.shares = shares(game);
+    result.shares = shares(game, extreme);
     for (Coalition on = 0; on <= game.all(); ++on) {
       result.gaps.push_back(game.meanGap(on));
     }
-    result.alone = alone(game);
-    result.leave_one_out = leaveOneOut(game);
-    result.interactions = interactions(game);
+    result.alone = alone(game, extreme);
+    result.leave_one_out = leaveOneOut(game, extreme);
+    result.interactions = interactions(game, extreme);
     result.best_order = bestOrder(game);
     result.staircase = staircase(game, result.best_order);
+    result.steps = stepsAlong(game, result.best_order, extreme);
   } else {
-    result.shares = sampledShares(orders, gaps);
+    result.shares = sampledShares(orders, gaps, extreme);
   }
   if (measure.quantity != nullptr) {
-    const RunResults& any = runs.begin()->second;
-    const std::size_t quantity = quantityIndex(measure.quantity);
-    const std::size_t null_model = quantityIndex(measure.null_model);
-    result.null_model = meanOf(samplesOf(any.episodes, measure.rollout, null_model), kQuantities[null_model]);
+    result.null_model = meanOf(any.episodes, {measure.rollout, quantityIndex(measure.null_model)});
     if (const std::optional<std::size_t> floor = floorOf(any.protocol); floor && measure.rollout == kEngineReplay) {
-      result.floor = meanOf(samplesOf(any.episodes, *floor, quantity), kQuantities[quantity]);
+      result.floor = meanOf(any.episodes, {*floor, quantityIndex(measure.quantity)});
     }
   }
   return result;

@@ -58,6 +58,8 @@ json gapJson(const AttributedGap& gap, const std::vector<std::string>& switches)
   for (const int player : gap.best_order) {
     order.push_back(switches[static_cast<std::size_t>(player)]);
   }
+  json steps = json::array();
+  std::transform(gap.steps.begin(), gap.steps.end(), std::back_inserter(steps), figureJson<Difference>);
   return {{"title", gap.title},
           {"unit", gap.unit},
           {"all_off", readable(gap.all_off)},
@@ -67,6 +69,7 @@ json gapJson(const AttributedGap& gap, const std::vector<std::string>& switches)
           {"interactions", pairs},
           {"best_order", order},
           {"staircase", readableAll(gap.staircase)},
+          {"staircase_steps", steps},
           {"null_model", figureJson(gap.null_model)},
           {"baseline", figureJson(gap.baseline)},
           {"floor", figureJson(gap.floor)}};

@@ -18,6 +18,7 @@
 #include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
+#include "sim2sim_statistics/tails.hpp"
 
 namespace sim2sim {
 namespace {
@@ -55,19 +56,33 @@ bool sameReference(const EpisodeResult& a, const EpisodeResult& b) {
          one.at("final_angle_error") == other.at("final_angle_error");
 }
 
+/// The larger of the two runs' extremes; none if either has none.
+std::optional<double> extremeOf(const RunResults& one, const RunResults& other, const FigureIndex& figure) {
+  const std::optional<double> first = extremeOf(one.episodes, figure);
+  const std::optional<double> second = extremeOf(other.episodes, figure);
+  return first && second ? std::max(first, second) : std::nullopt;
+}
+
 ContrastRow rowOf(const RunResults& baseline, const RunResults& other, std::size_t rollout, std::size_t quantity) {
   const FigureIndex place{rollout, quantity};
   const std::vector<double> differences = differencesOf(other.episodes, place, baseline.episodes, place);
+  const std::optional<double> extreme = extremeOf(baseline, other, place);
+  Difference difference = pairedDifference(differences, extreme);
   DifferenceSequence watched;
   for (const double difference : differences) {
     watched.add(difference);
   }
+  bool is_decidable = !extreme || !isCarriedByFew(differences, *extreme);
+  if (!kQuantities[quantity].hasIntervals()) {  // whether few episodes carry it is not known
+    difference = {difference.value, std::nullopt, std::nullopt};
+    is_decidable = false;
+  }
   return {metricName(baseline.protocol.rolloutNames()[rollout], kQuantities[quantity]),
           kQuantities[quantity].unit,
           static_cast<int>(differences.size()),
-          meanDifference(differences),
+          difference,
           {},
-          watched.decidedAfter()};
+          is_decidable ? watched.decidedAfter() : std::nullopt};
 }
 
 Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
@@ -305,7 +320,8 @@ std::string table(const RunResults& baseline, const std::vector<RunResults>& oth
   }
   return text + "(in brackets " + pusht::fixedText(100.0 * kConfidence, 0) +
          " % intervals of each difference alone; Holm: p corrected for the number of figures above; * at most 0.05; "
-         "decided after: so many\nepisodes, if this figure alone had been watched after each)\n";
+         "decided after: so many\nepisodes, if this figure alone had been watched after each; none where few episodes "
+         "carry the difference)\n";
 }
 
 }  // namespace sim2sim

@@ -103,7 +103,9 @@ std::string transferNumber(const RunConfiguration& configuration, double share) 
 
 Headline headlineOf(const RunConfiguration& configuration, const PairTable& successes) {
   const int episodes = successes.pairs();
-  if (episodes < kFewestEpisodes) {
+  const int reference_successes = successes.both + successes.first_only;
+  const bool has_sequence = configuration.protocol.until_decided && reference_successes > 0;  // holds from the first on
+  if (episodes < kFewestEpisodes && !has_sequence) {
     return tooFew(episodes);
   }
   const bool same_title = configuration.engine.title == configuration.reference.title;
@@ -112,7 +114,6 @@ Headline headlineOf(const RunConfiguration& configuration, const PairTable& succ
   const bool partial = !configuration.protocol.until_decided && episodes < configuration.protocol.episodes;
   const std::string count =
       partial ? " (" + std::to_string(episodes) + " of " + counted(configuration.protocol.episodes) + ")." : ".";
-  const int reference_successes = successes.both + successes.first_only;
   if (reference_successes == 0) {
     const std::string words = "Nothing to transfer";
     return {TransferVerdict::kNothingToTransfer, kQuestion,

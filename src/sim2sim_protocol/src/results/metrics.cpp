@@ -16,6 +16,8 @@ using pusht::roundToMicro;
 
 namespace {
 
+json orNull(const std::optional<double>& figure) { return figure ? json(*figure) : json(); }
+
 bool isOfCourse(std::size_t rollout, std::size_t quantity) {
   return rollout == kEngineReplay && kQuantities[quantity].course_key != nullptr;
 }
@@ -27,20 +29,41 @@ json outcomes(const Outcomes& outcomes) {
           {"neither_succeeds", outcomes.table.neither},
           {"success_difference", readableJson(outcomes.table.difference())},
           {"success_difference_interval", readableJson(outcomes.difference_interval)},
-          {"success_difference_p", outcomes.p},
-          {"success_difference_exact_p", outcomes.p_exact}};
+          {"success_difference_p", orNull(outcomes.p)},
+          {"success_difference_exact_p", orNull(outcomes.p_exact)}};
 }
 
 /// The keys of metrics.json that say how to read a mean divergence.
 json baseline(const std::string& name, const std::string& unit, const BaselineComparison& baseline) {
   const std::optional<bool> beats_null = baseline.beatsNull();
-  return {{name + "_median_" + unit, readableJson(baseline.median.value)},
+  return {{name + "_episodes", baseline.episodes},
+          {name + "_median_" + unit, readableJson(baseline.median.value)},
           {name + "_median_interval_" + unit, readableJson(baseline.median.interval)},
           {name + "_minus_null_" + unit, readableJson(baseline.minus_null.value)},
           {name + "_minus_null_interval_" + unit, readableJson(baseline.minus_null.interval)},
           {name + "_share_of_null", readableJson(baseline.share_of_null)},
           {name + "_over_floor", readableJson(baseline.over_floor)},
+          {name + "_over_floor_interval", readableJson(baseline.over_floor_interval)},
+          {name + "_share_of_largest", readableJson(baseline.share_of_largest)},
           {name + "_beats_null", beats_null ? json(*beats_null) : json()}};
+}
+
+/// The keys of metrics.json that compare a mean divergence with those of the model variants.
+json overVariants(const std::string& name, const BaselineComparison& baseline) {
+  return {{name + "_over_variants", readableJson(baseline.over_variants)},
+          {name + "_over_variants_interval", readableJson(baseline.over_variants_interval)}};
+}
+
+/// The keys of metrics.json of a closed loop in a model variant.
+json closedVariant(const std::string& name, const ClosedVariant& variant) {
+  const PairTable& table = variant.outcomes.table;
+  return {{name + "_successes", variant.success.successes},
+          {name + "_success_rate", readableJson(variant.success.rate)},
+          {name + "_success_interval", readableJson(variant.success.interval)},
+          {name + "_agreement", readableJson((table.both + table.neither) / static_cast<double>(table.pairs()))},
+          {name + "_success_difference", readableJson(table.difference())},
+          {name + "_success_difference_interval", readableJson(variant.outcomes.difference_interval)},
+          {name + "_success_difference_adjusted_p", orNull(variant.adjusted_p)}};
 }
 
 }  // namespace
@@ -83,6 +106,15 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
       const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
       metrics.update(baseline(metricName(rollouts[rollout], quantity), quantity.unit, summary.baselines[rollout][i]));
     }
+  }
+  if (!configuration.protocol.model_variants.empty()) {
+    for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
+      const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
+      metrics.update(overVariants(metricName(modeName(kEngineReplay), quantity), summary.baselines[kEngineReplay][i]));
+    }
+  }
+  for (const ClosedVariant& variant : summary.closed_variants) {
+    metrics.update(closedVariant(rollouts[variant.rollout], variant));
   }
   const FirstDivergences& first_divergences = summary.first_divergences;
   metrics["parted"] = first_divergences.parted;

@@ -96,7 +96,7 @@ nlohmann::json Run::finish(std::ostream& out, int faults_survived) {
       << (protocol.initial_states ? "starts " + protocol.initial_states->hash()
                                   : "seed " + std::to_string(protocol.seed))
       << ", horizon " << configuration_.protocol.horizon << " control steps\n"
-      << table(configuration_, summary) << (bet_ ? decisionText(*bet_, *configuration_.protocol.until_decided) : "")
+      << (bet_ ? decisionText(*bet_, *configuration_.protocol.until_decided) : "") << table(configuration_, summary)
       << "results: " << folder_.path().string() << "\n"
       << "config_hash: " << configurationHash(configuration_) << std::endl;
   nlohmann::json metrics = sim2sim::metrics(configuration_, summary);

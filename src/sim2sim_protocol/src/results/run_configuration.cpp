@@ -62,7 +62,9 @@ void setProbes(const std::vector<std::string>& names, Protocol& protocol) {
   protocol.floor = false;
   for (const std::string& name : names) {
     const Probe probe = probeFrom(name);
-    if (probe.reset_every > 0) {
+    if (probe.world == ProbedWorld::kVariant) {
+      (probe.closed ? protocol.closed_variants : protocol.model_variants).push_back(probe.variant);
+    } else if (probe.reset_every > 0) {
       protocol.reanchor.push_back(probe.reset_every);
     } else {
       protocol.floor = true;

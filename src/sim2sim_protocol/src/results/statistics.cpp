@@ -22,13 +22,14 @@ using nlohmann::json;
 
 constexpr std::array kShownQuantiles = {0.05, 0.25, 0.75, 0.95};
 
-/// Distribution of the samples of a quantity.
-json distribution(std::vector<double> samples, const Quantity& quantity) {
+/// Distribution of a figure.
+json distribution(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure) {
+  std::vector<double> samples = samplesOf(episodes, figure);
   json figures = {{"episodes", samples.size()}};
   if (samples.empty()) {
     return figures;
   }
-  const Estimate mean = meanOf(samples, quantity);
+  const Estimate mean = meanOf(episodes, figure);
   std::sort(samples.begin(), samples.end());
   const Estimate median = medianOf(samples);
   figures["mean"] = readableJson(mean.value);
@@ -40,6 +41,17 @@ json distribution(std::vector<double> samples, const Quantity& quantity) {
     figures["quantiles"][pusht::shortestText(probability)] = readableJson(quantileOf(samples, probability));
   }
   return figures;
+}
+
+/// Takes out the intervals, wherever they are: they hold for one number of episodes that was chosen before.
+void removeIntervals(json& figures) {
+  for (const auto& [key, value] : figures.items()) {
+    if (key == "interval" || key == "mean_interval" || key == "median_interval") {
+      value = json();
+    } else if (value.is_object()) {
+      removeIntervals(value);
+    }
+  }
 }
 
 }  // namespace
@@ -54,10 +66,13 @@ nlohmann::json statistics(const RunConfiguration& configuration, const std::vect
   const std::vector<std::string> rollouts = protocol.rolloutNames();
   forEachQuantity(protocol, [&](std::size_t rollout, std::size_t i) {
     const std::string name = std::string(kQuantities[i].name) + "_" + kQuantities[i].unit;
-    statistics["rollouts"][rollouts[rollout]][name] = distribution(samplesOf(episodes, rollout, i), kQuantities[i]);
+    statistics["rollouts"][rollouts[rollout]][name] = distribution(episodes, {rollout, i});
   });
   for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
     statistics["rollouts"][rollouts[rollout]]["parting"] = toJson(firstDivergencesOf(episodes, rollout));
+  }
+  if (protocol.until_decided) {
+    removeIntervals(statistics["rollouts"]);
   }
   return statistics;
 }

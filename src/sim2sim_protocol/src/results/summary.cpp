@@ -5,6 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
+
+#include "sim2sim_statistics/common.hpp"
+#include "sim2sim_statistics/tails.hpp"
 
 namespace sim2sim {
 namespace {
@@ -33,16 +37,18 @@ int unmovedFloors(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   }));
 }
 
-SuccessRate successRate(const std::vector<EpisodeResult>& episodes, Mode mode) {
+SuccessRate successRate(const std::vector<EpisodeResult>& episodes, std::size_t rollout) {
   const auto successes =
-      static_cast<int>(std::count_if(episodes.begin(), episodes.end(),
-                                     [mode](const EpisodeResult& episode) { return episode.rollouts[mode].success; }));
+      static_cast<int>(std::count_if(episodes.begin(), episodes.end(), [rollout](const EpisodeResult& episode) {
+        return episode.rollouts[rollout].success;
+      }));
   const auto trials = static_cast<int>(episodes.size());
   return {successes, static_cast<double>(successes) / trials, wilsonInterval(successes, trials)};
 }
 
-Outcomes outcomesOf(const std::vector<EpisodeResult>& episodes) {
-  const PairTable table = pairsOf(episodes, kReferenceClosed, episodes, kEngineClosed);
+/// Successes of a closed loop beside those of the reference.
+Outcomes outcomesOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout) {
+  const PairTable table = pairsOf(episodes, kReferenceClosed, episodes, rollout);
   Outcomes outcomes;
   outcomes.table = table;
   outcomes.difference_interval = tangoInterval(table);
@@ -56,18 +62,134 @@ Outcomes outcomesOf(const std::vector<EpisodeResult>& episodes) {
   return outcomes;
 }
 
+/// Rollouts of the model variants: the replays, or the closed loops.
+std::vector<std::size_t> variantRollouts(const Protocol& protocol, bool closed) {
+  std::vector<std::size_t> rollouts;
+  const std::vector<Probe> probes = protocol.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    if (probes[i].world == ProbedWorld::kVariant && probes[i].closed == closed) {
+      rollouts.push_back(kModeCount + i);
+    }
+  }
+  return rollouts;
+}
+
+std::vector<ClosedVariant> closedVariants(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
+  std::vector<ClosedVariant> variants;
+  std::vector<double> p;
+  for (const std::size_t rollout : variantRollouts(protocol, true)) {
+    variants.push_back({rollout, successRate(episodes, rollout), outcomesOf(episodes, rollout)});
+    p.push_back(*variants.back().outcomes.p);
+  }
+  const std::vector<double> adjusted = holm(p);
+  for (std::size_t i = 0; i < variants.size(); ++i) {
+    variants[i].adjusted_p = adjusted[i];
+  }
+  return variants;
+}
+
 double ratio(double a, double b) { return b > 0.0 ? a / b : kNoRatio; }
 
-/// `floor` is the place of the floor's rollout, if there is one.
-BaselineComparison comparisonOf(const std::vector<EpisodeResult>& episodes, const Summary& summary, std::size_t rollout,
-                                const DivergencePair& pair, std::optional<std::size_t> floor) {
-  const std::size_t divergence = quantityIndex(pair.divergence);
-  const std::size_t null_model = quantityIndex(pair.null_model);
-  const double mean = summary.means[rollout][divergence].value;
-  return {medianOf(samplesOf(episodes, rollout, divergence)),
-          meanDifference(differencesOf(episodes, {rollout, divergence}, episodes, {rollout, null_model})),
-          ratio(mean, summary.means[rollout][null_model].value),
-          floor ? ratio(mean, summary.means[*floor][divergence].value) : kNoRatio};
+double meanOfAll(const std::vector<double>& samples) { return sumOf(samples) / static_cast<double>(samples.size()); }
+
+/// Ratio of the means of two rollouts, with its interval.
+struct Multiple {
+  double value = kNoRatio;
+  std::optional<Interval> interval{};
+};
+
+/// Values of a quantity in several rollouts, of the episodes that have all of them.
+std::vector<std::vector<double>> commonSamples(const std::vector<EpisodeResult>& episodes,
+                                               const std::vector<std::size_t>& rollouts, std::size_t quantity) {
+  std::vector<std::vector<double>> samples(rollouts.size());
+  for (const EpisodeResult& episode : episodes) {
+    const auto value = [&](std::size_t rollout) { return episode.rollouts[rollout].quantities[quantity]; };
+    if (std::none_of(rollouts.begin(), rollouts.end(),
+                     [&](std::size_t rollout) { return std::isnan(value(rollout)); })) {
+      for (std::size_t i = 0; i < rollouts.size(); ++i) {
+        samples[i].push_back(value(rollouts[i]));
+      }
+    }
+  }
+  return samples;
+}
+
+/// Multiple of the largest of several baselines; of none if there are none.
+Multiple multipleOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure,
+                    const std::vector<std::size_t>& baselines) {
+  std::vector<std::size_t> rollouts = baselines;
+  rollouts.push_back(figure.rollout);
+  std::vector<std::vector<double>> samples = commonSamples(episodes, rollouts, figure.quantity);
+  const std::vector<double> numerators = std::move(samples.back());
+  samples.pop_back();
+  Multiple multiple;
+  std::optional<double> extreme = extremeOf(episodes, figure);
+  for (std::size_t i = 0; i < baselines.size(); ++i) {
+    multiple.value = std::fmin(multiple.value, ratio(meanOfAll(numerators), meanOfAll(samples[i])));
+    extreme = std::max(extreme, extremeOf(episodes, {baselines[i], figure.quantity}));
+  }
+  const bool is_a_baseline = std::find(baselines.begin(), baselines.end(), figure.rollout) != baselines.end();
+  if (!baselines.empty() && !is_a_baseline && extreme) {
+    multiple.interval = tailRatioToLargest(numerators, samples, *extreme);
+  }
+  return multiple;
+}
+
+/// `floor` is the rollout of the floor, if there is one; `variants` are those of the model variants' replays.
+BaselineComparison comparisonOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout,
+                                const DivergencePair& pair, std::optional<std::size_t> floor,
+                                const std::vector<std::size_t>& variants) {
+  const FigureIndex figure{rollout, quantityIndex(pair.divergence)};
+  const FigureIndex null_model{rollout, quantityIndex(pair.null_model)};
+  const std::vector<double> samples = samplesOf(episodes, figure);
+  BaselineComparison comparison;
+  comparison.episodes = static_cast<int>(samples.size());
+  comparison.median = medianOf(samples);
+  comparison.minus_null =
+      pairedDifference(differencesOf(episodes, figure, episodes, null_model), extremeOf(episodes, figure));
+  comparison.share_of_null = ratio(meanOfAll(samples), meanOfAll(samplesOf(episodes, null_model)));
+  comparison.share_of_largest = shareOfLargest(samples);
+  if (floor) {
+    const Multiple multiple = multipleOf(episodes, figure, {*floor});
+    comparison.over_floor = multiple.value;
+    comparison.over_floor_interval = multiple.interval;
+  }
+  const Multiple multiple = multipleOf(episodes, figure, variants);
+  comparison.over_variants = multiple.value;
+  comparison.over_variants_interval = multiple.interval;
+  return comparison;
+}
+
+void removeFixedLengthFigures(Outcomes& outcomes) {
+  outcomes.difference_interval.reset();
+  outcomes.p.reset();
+  outcomes.p_exact.reset();
+  outcomes.transfer_interval.reset();
+}
+
+/// Takes out what holds for one number of episodes that was chosen before.
+void removeFixedLengthFigures(Summary& summary) {
+  summary.reference.interval.reset();
+  summary.engine.interval.reset();
+  removeFixedLengthFigures(summary.outcomes);
+  for (Summary::Means& means : summary.means) {
+    for (Estimate& mean : means) {
+      mean.interval.reset();
+    }
+  }
+  for (Summary::Baselines& baselines : summary.baselines) {
+    for (BaselineComparison& baseline : baselines) {
+      baseline.median.interval.reset();
+      baseline.minus_null = {baseline.minus_null.value, std::nullopt, std::nullopt};
+      baseline.over_floor_interval.reset();
+      baseline.over_variants_interval.reset();
+    }
+  }
+  for (ClosedVariant& variant : summary.closed_variants) {
+    variant.success.interval.reset();
+    removeFixedLengthFigures(variant.outcomes);
+    variant.adjusted_p.reset();
+  }
 }
 
 }  // namespace
@@ -99,30 +221,52 @@ std::optional<bool> BaselineComparison::beatsNull() const {
   return minus_null.interval ? std::optional(minus_null.interval->high < 0.0) : std::nullopt;
 }
 
-std::vector<double> samplesOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout, std::size_t quantity) {
+bool BaselineComparison::isMostlyOfLargest() const {
+  constexpr double kMost = 0.5;
+  return episodes >= kFewestOfTail && share_of_largest > kMost;
+}
+
+std::vector<double> samplesOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure) {
   std::vector<double> samples;
   samples.reserve(episodes.size());
   for (const EpisodeResult& episode : episodes) {
-    if (const double sample = episode.rollouts[rollout].quantities[quantity]; !std::isnan(sample)) {
+    if (const double sample = episode.rollouts[figure.rollout].quantities[figure.quantity]; !std::isnan(sample)) {
       samples.push_back(sample);
     }
   }
   return samples;
 }
 
-Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity) {
+std::optional<double> extremeOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure) {
+  const Quantity& quantity = kQuantities[figure.quantity];
+  if (quantity.null_model == nullptr || !quantity.hasIntervals()) {
+    return std::nullopt;
+  }
+  const std::vector<double> samples = samplesOf(episodes, {figure.rollout, quantityIndex(quantity.null_model)});
+  return samples.empty() ? std::nullopt : std::optional(meanOfAll(samples));
+}
+
+Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity, const std::optional<double>& extreme) {
   if (samples.empty()) {
     return {};
   }
   if (quantity.least == 0.0) {
-    return meanOf(samples, quantity.limit);
+    Estimate mean = meanOf(samples, quantity.limit);
+    if (quantity.null_model != nullptr) {
+      mean.interval = extreme ? tailMeanInterval(samples, *extreme) : std::nullopt;
+    }
+    return mean;
   }
-  Difference mean = meanDifference(samples);
-  if (mean.interval) {  // Student's t knows no range
+  Difference mean = pairedDifference(samples, extreme);
+  if (mean.interval) {  // the method knows no range
     mean.interval->low = std::max(mean.interval->low, quantity.least);
     mean.interval->high = std::min(mean.interval->high, quantity.limit);
   }
   return {mean.value, mean.interval};
+}
+
+Estimate meanOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure) {
+  return meanOf(samplesOf(episodes, figure), kQuantities[figure.quantity], extremeOf(episodes, figure));
 }
 
 Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
@@ -130,25 +274,29 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   summary.episodes = static_cast<int>(episodes.size());
   summary.reference = successRate(episodes, kReferenceClosed);
   summary.engine = successRate(episodes, kEngineClosed);
-  summary.outcomes = outcomesOf(episodes);
+  summary.outcomes = outcomesOf(episodes, kEngineClosed);
   summary.means.resize(episodes.front().rollouts.size());
   for (std::size_t rollout = 0; rollout < summary.means.size(); ++rollout) {
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-      const std::vector<double> samples = samplesOf(episodes, rollout, i);
-      summary.means[rollout][i] = meanOf(samples, kQuantities[i]);
+      summary.means[rollout][i] = meanOf(episodes, {rollout, i});
     }
   }
   summary.baselines.resize(summary.means.size());
   const std::optional<std::size_t> floor = widestFloor(protocol);
+  const std::vector<std::size_t> variants = variantRollouts(protocol, false);
   for (std::size_t rollout = kReferenceClosed + 1; rollout < summary.means.size(); ++rollout) {
     for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
-      summary.baselines[rollout][i] = comparisonOf(episodes, summary, rollout, kDivergencePairs[i], floor);
+      summary.baselines[rollout][i] = comparisonOf(episodes, rollout, kDivergencePairs[i], floor, variants);
     }
   }
+  summary.closed_variants = closedVariants(protocol, episodes);
   summary.first_divergences = firstDivergencesOf(episodes, kEngineReplay);
   if (floor) {
     summary.floor = firstDivergencesOf(episodes, *floor);
     summary.unmoved_floors = unmovedFloors(protocol, episodes);
+  }
+  if (protocol.until_decided) {
+    removeFixedLengthFigures(summary);
   }
   return summary;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_protocol/results/table.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -17,23 +18,17 @@ namespace {
 
 using pusht::fixedText;
 
-/// Line of the table.
-std::string line(const std::string& head, const std::string& left, const std::string& right) {
-  constexpr std::size_t kHead = 24;
+constexpr std::size_t kHead = 24;  // width of the first column
+
+/// Line of the table, whose first column has `width`.
+std::string line(const std::string& head, const std::string& left, const std::string& right,
+                 std::size_t width = kHead) {
   constexpr std::size_t kColumn = 32;
-  return padded(head, kHead) + padded(left, kColumn) + right + "\n";
+  return padded(head, width) + padded(left, kColumn) + right + "\n";
 }
 
-/// "1.3 times", "110 times"; "undefined" for NaN
-std::string timesText(double multiple) {
-  if (std::isnan(multiple)) {
-    return "undefined";
-  }
-  constexpr int kDigits = 2;
-  constexpr double kLong = 100.0;  // from here on two digits alone would have an exponent
-  const std::string text = pusht::significantText(readable(multiple), kDigits);
-  return (multiple < kLong ? text : fixedText(pusht::decimal<double>(text).value_or(multiple), 0)) + " times";
-}
+/// "position" or "angle", of a divergence in kDivergencePairs over whole episodes.
+std::string labelOf(std::size_t pair) { return kQuantities[quantityIndex(kDivergencePairs[pair].divergence)].label; }
 
 /// "46 of 50, half by 1.3 s"
 std::string partedText(const FirstDivergences& first_divergences) {
@@ -54,35 +49,72 @@ std::string causeText(const FirstDivergences& first_divergences) {
          std::to_string(first_divergences.causes[static_cast<std::size_t>(cause.cause)]);
 }
 
-std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
-  std::array<std::string, kDivergencePairs.size()> units;
-  std::array<std::string, kDivergencePairs.size()> labels;
-  for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
-    const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
-    units[i] = quantity.unit;
-    labels[i] = quantity.label;
-  }
-  const Summary::Baselines& baselines = summary.baselines[kEngineReplay];
+/// Meaning of the mark (?).
+std::string noComparisonText(const Protocol& protocol) {
+  return protocol.until_decided ? std::string(
+                                      "not compared with that of a tee that never moves: no interval of it "
+                                      "holds in a run that may stop early")
+                                : std::string(kTooFewToCompare) + " it with that of a tee that never moves";
+}
+
+/// Marks that a table has, which are explained below it.
+struct Marks {
+  bool doubt = false;    ///< (!)
+  bool too_few = false;  ///< (?)
+};
+
+/// Lines of the divergences over a horizon; none if no episode lasts that long.
+std::string horizonLines(const Summary& summary, const Horizon& horizon, Marks& marks) {
   constexpr int kDigits = 4;
-  bool any_doubt = false;
-  bool any_too_few = false;
-  const auto mean = [&](std::size_t i) {
-    const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
-    const std::string mark = markOf(summary, quantity.name);
-    any_doubt = any_doubt || mark == markOf(false);
-    any_too_few = any_too_few || mark == markOf(std::nullopt);
-    return cell(printedMean(summary, kEngineReplay, quantityIndex(quantity.name)), units[i]) +
-           doubtMark(summary, quantity.name);
+  const auto both = [&](const std::string& head, const auto& text) {
+    const auto of = [&](std::size_t i) {
+      const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
+      return text(summary.baselines[kEngineReplay][i], quantity);
+    };
+    return line(head, of(horizon.first_pair), of(horizon.first_pair + 1));
   };
-  const auto median = [&](std::size_t i) { return cell(baselines[i].median, units[i]); };
-  const auto minus_null = [&](std::size_t i) {
-    return signedText(baselines[i].minus_null.value, baselines[i].minus_null.interval, units[i], kDigits);
+  const auto mean = [&](const BaselineComparison& baseline, const Quantity& quantity) {
+    const std::string mark = markOf(baseline.beatsNull());
+    marks.doubt = marks.doubt || mark == markOf(false);
+    marks.too_few = marks.too_few || mark == markOf(std::nullopt);
+    return cell(printedMean(summary, kEngineReplay, quantityIndex(quantity.name)), quantity.unit) +
+           (mark.empty() ? "" : " " + mark);
   };
-  const auto over_floor = [&](std::size_t i) { return timesText(baselines[i].over_floor); };
-  std::string lines = line("divergence, open loop", labels[0], labels[1]) + line("  mean", mean(0), mean(1)) +
-                      line("  median", median(0), median(1)) + line("  - null model", minus_null(0), minus_null(1));
-  if (std::isfinite(baselines[0].over_floor)) {
-    lines += line("  / floor (1e-6 m)", over_floor(0), over_floor(1));
+  const auto carried = [](const BaselineComparison& baseline, const Quantity& /*quantity*/) {
+    return baseline.isMostlyOfLargest() ? percent(baseline.share_of_largest) + " of the mean" : "";
+  };
+  const auto median = [](const BaselineComparison& baseline, const Quantity& quantity) {
+    return cell(baseline.median, quantity.unit);
+  };
+  const auto minus_null = [](const BaselineComparison& baseline, const Quantity& quantity) {
+    return signedText(baseline.minus_null.value, baseline.minus_null.interval, quantity.unit, kDigits);
+  };
+  const auto over_floor = [](const BaselineComparison& baseline, const Quantity& /*quantity*/) {
+    return timesText(baseline.over_floor, baseline.over_floor_interval);
+  };
+  const auto over_variants = [](const BaselineComparison& baseline, const Quantity& /*quantity*/) {
+    return timesText(baseline.over_variants, baseline.over_variants_interval);
+  };
+  const BaselineComparison& position = summary.baselines[kEngineReplay][horizon.first_pair];
+  const BaselineComparison& angle = summary.baselines[kEngineReplay][horizon.first_pair + 1];
+  if (position.episodes == 0 && angle.episodes == 0) {
+    return "";
+  }
+  const bool is_whole = horizon.first_pair == 0;
+  const std::string count =
+      position.episodes < summary.episodes ? " (n " + std::to_string(position.episodes) + ")" : "";
+  return both(std::string("  ") + horizon.title + count, mean) +
+         (position.isMostlyOfLargest() || angle.isMostlyOfLargest() ? both("    largest 5 % carry", carried) : "") +
+         (is_whole ? both("    median", median) : "") + both("    - null model", minus_null) +
+         (is_whole && std::isfinite(position.over_floor) ? both("    / floor (1e-6 m)", over_floor) : "") +
+         (std::isfinite(position.over_variants) ? both("    / largest variant", over_variants) : "");
+}
+
+std::string divergenceLines(const Protocol& protocol, const Summary& summary, Marks& marks) {
+  constexpr int kDigits = 4;
+  std::string lines = line("divergence, open loop", labelOf(0), labelOf(1));
+  for (const Horizon& horizon : kHorizons) {
+    lines += horizonLines(summary, horizon, marks);
   }
   if (2 * summary.unmoved_floors > summary.episodes) {
     lines += line("  floor (1e-9 m)",
@@ -107,8 +139,76 @@ std::string divergenceLines(const Protocol& protocol, const Summary& summary) {
                     error("anchor_position_error"), error("anchor_angle_error"));
     }
   }
-  return lines + (any_doubt ? "(!) not shown to be less than that of a tee that never moves\n" : "") +
-         (any_too_few ? std::string("(?) ") + kTooFewToCompare + " it with that of a tee that never moves\n" : "");
+  return lines;
+}
+
+/// Meanings of the marks that a table has.
+std::string footnotes(const Protocol& protocol, const Marks& marks) {
+  return std::string(marks.doubt ? "(!) not shown to be less than that of a tee that never moves\n" : "") +
+         (marks.too_few ? "(?) " + noComparisonText(protocol) + "\n" : "");
+}
+
+/// Side of the reference's model variants on which the engine's divergence is, "farther" or "nearer"; empty if that is
+/// not shown.
+std::string sideOf(const BaselineComparison& baseline) {
+  const std::optional<Interval>& interval = baseline.over_variants_interval;
+  return !interval ? "" : interval->low > 1.0 ? "farther" : interval->high < 1.0 ? "nearer" : "";
+}
+
+/// "In position, over the first 2 s, the two-mass engine is farther from MuJoCo than MuJoCo's largest model variant.",
+/// and the angle likewise; empty if no episode lasts that long.
+std::string sideText(const RunConfiguration& configuration, const Summary& summary, const Horizon& horizon) {
+  const std::string& reference = configuration.reference.title;
+  std::string text;
+  for (std::size_t i = 0; i < kWholeEpisodePairs; ++i) {
+    const BaselineComparison& baseline = summary.baselines[kEngineReplay][horizon.first_pair + i];
+    if (baseline.episodes == 0) {
+      continue;
+    }
+    const std::string side = sideOf(baseline);
+    text.append("In ").append(labelOf(i)).append(", over the ").append(horizon.title).append(", ");
+    text.append(side.empty() ? "it is not shown whether " : "").append("the ").append(configuration.engine.title);
+    text.append(side == "nearer" ? " is nearer to " : " is farther from ").append(reference);
+    text.append(" than ").append(reference).append("'s largest model variant.\n");
+  }
+  return text;
+}
+
+/// Lines on the model variants: how far the reference is from itself, on which side of that the engine is, and how much
+/// success changes.
+std::string variantLines(const RunConfiguration& configuration, const Summary& summary) {
+  const std::vector<Probe> probes = configuration.protocol.probes();
+  const Horizon& whole = kHorizons.back();
+  const std::string head = configuration.reference.title + ", its variants";
+  std::size_t width = std::max(kHead, head.size() + 2);
+  for (const Probe& probe : probes) {
+    width = std::max(width, probe.variant.size() + 4);  // two blanks on each side
+  }
+  std::string lines;
+  if (!configuration.protocol.model_variants.empty()) {
+    const auto over_whole = [&](std::size_t pair) { return labelOf(pair) + ", " + whole.title; };
+    lines += line(head, over_whole(0), over_whole(1), width);
+  }
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    if (probes[i].world == ProbedWorld::kVariant && !probes[i].closed) {
+      const auto mean = [&](std::size_t pair) {
+        const std::size_t quantity = quantityIndex(kDivergencePairs[pair].divergence);
+        return cell(printedMean(summary, kModeCount + i, quantity), kQuantities[quantity].unit);
+      };
+      lines += line("  " + probes[i].variant, mean(0), mean(1), width);
+    }
+  }
+  if (!configuration.protocol.model_variants.empty()) {
+    lines += sideText(configuration, summary, kHorizons.front()) + sideText(configuration, summary, whole);
+  }
+  if (!summary.closed_variants.empty()) {
+    lines += line(head, "success, closed loop", "less reference", width);
+  }
+  for (const ClosedVariant& variant : summary.closed_variants) {
+    lines += line("  " + probes[variant.rollout - kModeCount].variant, cell(variant.success),
+                  signedText(variant.outcomes.table.difference(), variant.outcomes.difference_interval, "", 3), width);
+  }
+  return lines;
 }
 
 }  // namespace
@@ -126,7 +226,7 @@ std::string transferText(const RunConfiguration& configuration, const Outcomes& 
 
 std::string shareText(const SuccessRate& rate) {
   constexpr int kDigits = 3;
-  return fixedText(readable(rate.rate), kDigits) + " " + bracketed(rate.interval, kDigits);
+  return fixedText(readable(rate.rate), kDigits) + (rate.interval ? " " + bracketed(*rate.interval, kDigits) : "");
 }
 
 std::string cell(const SuccessRate& rate) { return std::to_string(rate.successes) + "  " + shareText(rate); }
@@ -164,37 +264,42 @@ std::string divergences(const Summary& summary, const std::string& separator) {
 }
 
 std::string decisionText(const TransferBet& bet, double share) {
-  const std::string known =
-      "\n(the interval of the transfer holds whenever the run stops; the other intervals are those of a run of fixed "
-      "length,\nand hold less often here)\n";
   constexpr int kDigits = 6;
   const std::string success = pusht::significantText(100.0 * share, kDigits) + " % of the reference's success";
   if (bet.verdict() == Verdict::kUndecided) {
     return "not decided after " + std::to_string(bet.counts().pairs()) + " episodes: does the engine keep " + success +
-           "?" + known;
+           "?\n";
   }
   return "decided after " + std::to_string(*bet.decidedAfter()) + " episodes: the engine " +
-         (bet.verdict() == Verdict::kKeeps ? "keeps" : "does not keep") + " " + success + known;
+         (bet.verdict() == Verdict::kKeeps ? "keeps" : "does not keep") + " " + success + "\n";
 }
 
 std::string table(const RunConfiguration& configuration, const Summary& summary) {
   const Outcomes& outcomes = summary.outcomes;
   const PairTable& pairs = outcomes.table;
+  Marks marks;
   std::string table =
       headlineOf(configuration, pairs).text() + "\n" +
       line("", configuration.reference.title + " (reference)", configuration.engine.title) +
       line("success, closed loop", cell(summary.reference), cell(summary.engine)) +
       line("transfer", "", transferText(configuration, outcomes)) +
-      line("engine - reference", "McNemar p " + probabilityText(outcomes.p),
+      line("engine - reference", outcomes.p ? "McNemar p " + probabilityText(*outcomes.p) : "",
            signedText(outcomes.table.difference(), outcomes.difference_interval, "", 3)) +
       line("the same episodes",
            "both " + std::to_string(pairs.both) + ", reference only " + std::to_string(pairs.first_only),
            "engine only " + std::to_string(pairs.second_only) + ", neither " + std::to_string(pairs.neither)) +
-      divergenceLines(configuration.protocol, summary);
-  return table + "(" + std::to_string(summary.episodes) + " episodes; in brackets " +
-         fixedText(100.0 * kConfidence, 0) + " % intervals" +
+      divergenceLines(configuration.protocol, summary, marks) + variantLines(configuration, summary);
+  table += footnotes(configuration.protocol, marks);
+  const std::string count = "(" + std::to_string(summary.episodes) + " episodes; in brackets ";
+  const std::string confidence = fixedText(100.0 * kConfidence, 0) + " % ";
+  if (configuration.protocol.until_decided) {
+    return table + count + "the " + confidence +
+           "interval that holds whenever the run stops; the others do not, and are left out. Null model: a tee that "
+           "never moves.)\n";
+  }
+  return table + count + confidence + "intervals over other initial states, not over other trainings of the policy" +
          (summary.episodes < kFewestPairs ? "; most need " + std::to_string(kFewestEpisodes) +
-                                                " episodes, differences " + std::to_string(kFewestPairs)
+                                                " episodes, divergences and differences " + std::to_string(kFewestPairs)
                                           : "") +
          ". Null model: a tee that never moves.)\n";
 }

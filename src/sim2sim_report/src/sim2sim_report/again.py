@@ -11,6 +11,8 @@ from pusht_task.json_file import Json
 from sim2sim_report.results import Partial, Run
 
 REANCHORED = "engine_reanchored_"  # before the steps between two anchors, in a probe's name
+VARIANT = "variant_"  # before a model variant of the reference, in the name of its replay
+CLOSED_VARIANT = "closed_variant_"  # and of its closed loop
 AnyRun = Union[Run, Partial]
 
 
@@ -43,6 +45,10 @@ def command_of(run: AnyRun) -> str:
     anchors = [p[len(REANCHORED) :] for p in c["probes"] if p.startswith(REANCHORED)]
     if anchors:
         add("reanchor", ",".join(anchors))
+    for option, beginning in (("model_variants", VARIANT), ("closed_variants", CLOSED_VARIANT)):
+        variants = [p[len(beginning) :] for p in c["probes"] if p.startswith(beginning)]
+        if variants:
+            add(option, ",".join(variants))
     if not any(p.startswith("floor_") for p in c["probes"]):
         words.append("floor:=false" if live else "--no-floor")
     add("bound_position", c["bound"]["position_m"])

@@ -16,6 +16,7 @@ from sim2sim_report.figures import (
     NARROW,
     Drawing,
     Figure,
+    legend_above,
     name_rows,
     panels,
     styled,
@@ -131,11 +132,7 @@ def _shares(attribution: Attribution, narrow: bool) -> Any:
     handles = {
         label: handle for axes in shape for handle, label in zip(*axes.get_legend_handles_labels())
     }
-    across = 1 if narrow else 4
-    lines = -(-len(handles) // across)
-    inches = 0.1 + 0.24 * lines
-    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - inches / figure.get_figheight()))
-    figure.legend(handles.values(), handles, loc="upper center", ncols=across)
+    legend_above(figure, handles, 1 if narrow else 4)
     return figure
 
 

@@ -6,9 +6,7 @@ from typing import List, Optional
 from pusht_task.json_file import Json
 
 from sim2sim_report.attribution import Attribution, draw
-from sim2sim_report.words import DIVERGENCE_DIGITS, interval, signed
-
-FEWEST_PAIRS = 20  # episodes, below which shares have no intervals
+from sim2sim_report.words import DIVERGENCE_DIGITS, FEWEST_PAIRS, interval, signed
 
 
 def cause(attribution: Attribution) -> str:

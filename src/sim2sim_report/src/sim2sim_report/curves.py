@@ -117,7 +117,7 @@ def draw_many(axes: Any, panel: Panel, parameter: str, lines: Sequence[Sequence[
         y = [row[panel.value] for row in rows]
         for at, value in zip(x, y):
             values.setdefault(at, []).append(value)
-        name = f"{len(lines)} settings of the other knobs" if number == 0 else None
+        name = f"{len(lines)} settings of the other parameters" if number == 0 else None
         axes.plot(x, y, color=DIM, alpha=0.5, linewidth=1.0, label=name)
     x = sorted(values)
     means = [sum(values[at]) / len(values[at]) for at in x]
@@ -279,7 +279,7 @@ def read_curves(folder: Path, suite: Suite, against: Optional[int] = None) -> Cu
     if not parameters and len(rows) < whole:
         raise Error(f"{folder}: is unfinished: {len(rows)} of {whole} rows; finish it with `sweep`")
     if not parameters:
-        raise Error(f"{folder / name_of('sweep')}: no knob takes more than one value; one must")
+        raise Error(f"{folder / name_of('sweep')}: no parameter takes two values; one must")
     rows, words = with_places(rows, parameters)
     return Curves(rows, whole, parameters, words)
 

@@ -23,6 +23,7 @@ import matplotlib  # type: ignore[import]  # noqa: E402
 matplotlib.use("Agg")
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import]  # noqa: E402
 from matplotlib.figure import Figure  # type: ignore[import]  # noqa: E402
+from matplotlib.patches import Rectangle  # type: ignore[import]  # noqa: E402
 
 MARK = b"sim2sim report"  # in the page and the metadata of images, by which they are known as ours
 NARROW = 4.3  # [in] width of a figure on a phone
@@ -65,7 +66,7 @@ class Drawing:
         return round(self.wide.get_figwidth() * 120)
 
     def svg(self, narrow: bool = False) -> str:
-        """Inline SVG: its colours are those of the page, its ids its own; the same bytes again."""
+        """Inline SVG: its colors are those of the page, its ids its own; the same bytes again."""
         name = f"narrow-{self.name}" if narrow else self.name
         text = io.StringIO()
         style = {**self.style, "svg.fonttype": "none", "svg.hashsalt": name}
@@ -122,7 +123,7 @@ def panels(narrow: bool, width: float, height: float, **options: Any) -> Tuple[A
 
 
 def inline(svg: str, name: str) -> str:
-    """An SVG file as a part of a page: with the page's colours, and ids of its own."""
+    """An SVG file as a part of a page: with the page's colors, and ids of its own."""
     svg = svg[svg.index("<svg") :]
     for color, variable in VARIABLES.items():
         svg = svg.replace(color, variable)
@@ -303,6 +304,20 @@ def _draw_share(
     axes.barh(row, share, height=0.55, color=color, alpha=0.85)
     if interval is not None:
         axes.plot(interval, [row, row], color=INK, linewidth=2.5, solid_capstyle="butt")
+
+
+def box(place: Any, size: Dict[str, float], color: str, opacity: Optional[float]) -> Any:
+    """A rectangle from its lower left corner: filled, or a frame if `opacity` is None."""
+    if opacity is None:
+        return Rectangle(place, fill=False, edgecolor=color, linewidth=2, **size)
+    return Rectangle(place, facecolor=color, alpha=opacity, edgecolor="none", **size)
+
+
+def legend_above(figure: Any, handles: Dict[str, Any], across: int) -> None:
+    """A legend above all panels: handles by label, `across` in a line."""
+    inches = 0.1 + 0.24 * -(-len(handles) // across)
+    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - inches / figure.get_figheight()))
+    figure.legend(handles.values(), handles, loc="upper center", ncols=across)
 
 
 def name_rows(axes: Any, names: Sequence[str]) -> None:

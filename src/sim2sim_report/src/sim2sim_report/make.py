@@ -10,6 +10,8 @@ from sim2sim_report.attribution import draw as draw_attribution
 from sim2sim_report.attribution import is_attributed, read_attribution
 from sim2sim_report.curves import draw as draw_sweep
 from sim2sim_report.figures import MARK, Drawing, draw, draw_rates
+from sim2sim_report.matrix import draw as draw_matrix
+from sim2sim_report.matrix import has_matrix, read_matrix
 from sim2sim_report.page import Page
 from sim2sim_report.results import (
     is_partial,
@@ -46,6 +48,8 @@ def make(
 def _of_sweep(folder: Path, animate: Sequence[int], suite: Suite) -> Tuple[str, List[Drawing]]:
     if animate:
         raise Error(f"{folder}: is a sweep, which has no --animate")
+    if has_matrix(folder):
+        return Page(suite).of_matrix(folder), draw_matrix(read_matrix(folder))
     if is_attributed(folder):
         return Page(suite).of_attribution(folder), draw_attribution(read_attribution(folder))
     return Page(suite).of_sweep(folder), draw_sweep(folder, suite)

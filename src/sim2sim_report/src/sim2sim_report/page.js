@@ -56,16 +56,16 @@ function divergence(a, b) {
   return [Math.hypot(a.tee[0] - b.tee[0], a.tee[1] - b.tee[1]), Math.abs(wrapped(a.yaw - b.yaw))];
 }
 
-// Metres to pixels of a square canvas that shows the table up to `half` metres from the target.
+// Meters to pixels of a square canvas that shows the table up to `half` meters from the target.
 class TableView {
   constructor(canvas, half = geometry.wall + 0.02) {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
     this.half = half;
   }
-  x(metres) { return ((metres + this.half) / (2 * this.half)) * this.canvas.width; }
-  y(metres) { return ((this.half - metres) / (2 * this.half)) * this.canvas.height; }
-  length(metres) { return (metres / (2 * this.half)) * this.canvas.width; }
+  x(meters) { return ((meters + this.half) / (2 * this.half)) * this.canvas.width; }
+  y(meters) { return ((this.half - meters) / (2 * this.half)) * this.canvas.height; }
+  length(meters) { return (meters / (2 * this.half)) * this.canvas.width; }
 
   clear() {
     const inner = geometry.wall;

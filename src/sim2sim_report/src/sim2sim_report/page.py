@@ -15,6 +15,9 @@ from sim2sim_report.animation import GEOMETRY, animated, player, poster
 from sim2sim_report.attribution import read_attribution
 from sim2sim_report.cause import section as attribution_section
 from sim2sim_report.curves import draw as draw_sweep
+from sim2sim_report.matrix import read_matrix
+from sim2sim_report.matrix_tables import headline as matrix_headline
+from sim2sim_report.matrix_tables import section as matrix_section
 from sim2sim_report.results import KINDS, QUESTION, Partial, Run, Traces, read_sweep
 from sim2sim_report.sentences import CAUTION, cautions, parting, sentences, sweep_summary
 from sim2sim_report.suite import Suite
@@ -49,6 +52,9 @@ class Page:
                 colors.css() + (here / "page.css").read_text("utf-8")
             ),
             "script": jinja2.utils.markupsafe.Markup((here / "page.js").read_text("utf-8")),
+            "matrix_script": jinja2.utils.markupsafe.Markup(
+                (here / "matrix.js").read_text("utf-8")
+            ),
             "words": glossary(),
             "geometry": GEOMETRY,
             "kind_names": KIND_NAMES,
@@ -114,6 +120,18 @@ class Page:
             attribution=section,
         )
 
+    def of_matrix(self, folder: Path) -> str:
+        """A sweep over policies of which the matrix is known."""
+        matrix = read_matrix(folder)
+        section = matrix_section(matrix, folder)
+        return self._render(
+            title=f"Policies by simulators, {folder.resolve().name}",
+            question="Does the verdict hold for other policies?",
+            headline=matrix_headline(matrix),
+            caution=[*section["caution"], CAUTION[0]],
+            matrix=section,
+        )
+
     def of_partial(self, partial: Partial) -> str:
         """A run that was interrupted, or failed: its episodes, without figures."""
         status, configuration = partial.status, partial.provenance["configuration"]
@@ -144,7 +162,7 @@ class Page:
         )
 
     def _render(self, **context: Any) -> str:
-        for name in ("rates", "sweep", "attribution", "partial", "unfinished"):
+        for name in ("rates", "sweep", "attribution", "matrix", "partial", "unfinished"):
             context.setdefault(name, None)
         for name in ("answers", "contrasts", "runs"):
             context.setdefault(name, [])
@@ -167,7 +185,7 @@ def _section(run: Run, number: int, traces: Optional[Traces], animate: Sequence[
         "answer": run.answer,
         "sentences": sentences(run),
         "divergences": divergences(run),
-        "has_intervals": run.metrics["mean_pos_divergence_interval_m"] is not None,
+        "has_intervals": run.metrics["mean_pos_divergence_median_interval_m"] is not None,
         "drawings": figures.draw(run, f"run{number}-"),
         "causes_have_intervals": figures.causes_have_intervals(run),
         "parting": parting(run),

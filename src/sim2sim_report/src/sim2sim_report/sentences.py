@@ -22,6 +22,11 @@ from sim2sim_report.words import (
 )
 
 MEANS = (("mean_pos_divergence", "m"), ("mean_ang_divergence", "rad"))  # keys of metrics.json
+EARLY, FIVE_SECONDS = (  # likewise, over the first 2 s and 5 s
+    tuple((f"{REPLAY}_{horizon}_{name}_divergence", unit) for name, unit in COMPONENTS)
+    for horizon in ("early", "early_5s")
+)
+STOPPED = "Nothing that compares a divergence with that tee holds in a run that may stop early."
 UNTRAINED = "fresh-untrained"
 CAUTION = [
     "Neither simulator is the truth. The gap says how far they agree, not which of them is right.",
@@ -34,24 +39,44 @@ def sentences(run: Run) -> List[str]:
     m = run.metrics
     reference, engine = in_sentence(run.title("reference")), in_sentence(run.name)
     difference = interval(m["success_difference_interval"], RATE_DIGITS)
-    mean_position = figure(m, "mean_pos_divergence", "m")
-    mean_angle = figure(m, "mean_ang_divergence", "rad")
-    null_position = figure(m, f"{REPLAY}_null_position_divergence", "m", with_interval=False)
-    null_angle = figure(m, f"{REPLAY}_null_angle_divergence", "rad", with_interval=False)
+    means = " and ".join(figure(m, key, unit) for key, unit in MEANS)
+    nulls = _null_model(m, "null")
     sentences = [
         f"In closed loop, policy {m['policy']} succeeds in {rate(m, 'reference')} of "
         f"{m['episodes']} episodes in {reference} and in {rate(m, 'engine')} of the same episodes "
-        f"in {engine}: {signed(m['success_difference'], RATE_DIGITS)}{difference}, "
-        f"McNemar {probability(m['success_difference_p'])}."
-        # The answer above has the one interval of transfer that holds in a run that was stopped.
-        + ("" if "decision" in m else f" Transfer: {transfer(m)}."),
-        f"Given the exact actions of {reference}, the tee in {engine} is {mean_position} and "
-        f"{mean_angle} from where it is in {reference}, on average over the episode. A tee that "
-        f"never moves would be {null_position} and {null_angle} away.",
+        f"in {engine}: {signed(m['success_difference'], RATE_DIGITS)}{difference}"
+        # The answer above has the one interval that holds in a run that may stop early.
+        + (
+            "."
+            if "decision" in m
+            else f", McNemar {probability(m['success_difference_p'])}. Transfer: {transfer(m)}."
+        ),
+        f"{_over_two_seconds(m, reference, engine)} Over the whole episode it is {means}. A tee "
+        f"that never moves would be {nulls} away.",
     ]
     if "decision" in m:
         sentences.insert(0, _decision(m, engine))
     return sentences + _doubts(m)
+
+
+def _null_model(m: Json, name: str) -> str:
+    """Mean divergences of a tee that never moves: "0.1015 m and 0.8662 rad"."""
+    keys = [(f"{REPLAY}_{name}_{component}_divergence", unit) for component, unit in COMPONENTS]
+    return " and ".join(figure(m, key, unit, with_interval=False) for key, unit in keys)
+
+
+def _over_two_seconds(m: Json, reference: str, engine: str) -> str:
+    """The divergence over the horizon that leads: nearly all episodes have it."""
+    episodes = m[f"{EARLY[0][0]}_episodes"]
+    if episodes == 0:
+        return f"The engine is given the exact actions of {reference}; no episode lasts 2 s."
+    some = "" if episodes == m["episodes"] else f" of the {episodes} episodes that last as long"
+    means = " and ".join(figure(m, key, unit) for key, unit in EARLY)
+    return (
+        f"Given the exact actions of {reference}, the tee in {engine} is {means} from where it is "
+        f"in {reference}, on average over the first 2 s{some}; a tee that never moves would be "
+        f"{_null_model(m, 'early_null')} away."
+    )
 
 
 def _decision(m: Json, engine: str) -> str:
@@ -64,18 +89,24 @@ def _decision(m: Json, engine: str) -> str:
 
 def _doubts(m: Json) -> List[str]:
     """Sentences on what each divergence does not show."""
+    if "decision" in m:
+        return [f"{TOO_FEW} {STOPPED}"]
     doubts = []
-    for (name, _), (key, unit) in zip(COMPONENTS, MEANS):
-        beats = m[f"{key}_beats_null"]
-        ends = m[f"{key}_minus_null_interval_{unit}"]
-        if beats is None:
-            doubts.append(
-                f"{TOO_FEW} In {name} there are too few episodes to compare it with that tee."
-            )
-        elif not beats and ends[0] > 0:
-            doubts.append(f"{NOT_SHOWN} In {name} it is further away than that tee.")
-        elif not beats:
-            doubts.append(f"{NOT_SHOWN} In {name} it is not shown to be nearer than that tee.")
+    for horizon, means in (("the first 2 s", EARLY), ("the whole episode", MEANS)):
+        for (name, _), (key, unit) in zip(COMPONENTS, means):
+            beats = m[f"{key}_beats_null"]
+            ends = m[f"{key}_minus_null_interval_{unit}"]
+            of = f"In {name}, over {horizon},"
+            if m[f"{key}_episodes"] == 0 or beats:
+                continue
+            if beats is None:
+                doubts.append(
+                    f"{TOO_FEW} {of} there are too few episodes to compare it with that tee."
+                )
+            elif ends[0] > 0:
+                doubts.append(f"{NOT_SHOWN} {of} it is farther away than that tee.")
+            else:
+                doubts.append(f"{NOT_SHOWN} {of} it is not shown to be nearer than that tee.")
     return doubts
 
 
@@ -89,12 +120,12 @@ def cautions(runs: Sequence[Json]) -> List[str]:
     elif first["reference_successes"] == 0:
         caution.append(
             f"The policy never succeeds in {reference}. A trained one does: is this the right "
-            "checkpoint, and is its normalisation inside?"
+            "checkpoint, and is its normalization inside?"
         )
     if any("decision" in metrics for metrics in runs):
         caution.append(
-            "The run was to end when it is decided. The answer above holds all the same; the other "
-            "intervals are those of a run of fixed length, and hold less often here."
+            "The run was to end when it is decided. The interval of the answer above holds all the "
+            "same. Other intervals and tests are made for a fixed length, and are left out."
         )
     return caution + CAUTION
 

@@ -70,9 +70,18 @@ def read_rows(folder: Path) -> Tuple[List[Row], int]:
         missing = [key for key in needed if not isinstance(row, dict) or key not in row]
         if missing:
             raise Error(f"{path}: row {number}: no key {missing[0]}; it is needed")
+        for what, of_row in (
+            ("policy", lambda r: r["policy"]),
+            ("reference", lambda r: r["simulators"]["reference"]),
+        ):
+            if of_row(row) != of_row(rows[0]):
+                raise Error(
+                    f"{path}: row {number}: its {what} is not that of row 0; it must be "
+                    "(`matrix` shows sweeps over policies)"
+                )
         first = next(r for r in rows if r["engine_simulator"] == row["engine_simulator"])
         if row["knobs"].keys() != first["knobs"].keys():
-            raise Error(f"{path}: row {number}: must have the knobs of the rows of its engine")
+            raise Error(f"{path}: row {number}: must have the parameters of the rows of its engine")
     try:
         return rows, len(content["sweep"]["rows"])
     except (KeyError, TypeError):

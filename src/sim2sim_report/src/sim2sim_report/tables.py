@@ -2,17 +2,18 @@
 """The rows of a page's tables."""
 
 from pathlib import Path
-from typing import Any, List, Optional, Sequence
+from typing import Any, List, Optional, Sequence, Tuple
 
 from pusht_task.json_file import Json, read_json
 from sim2sim_protocol.result_files import name_of, row_folder
 
-from sim2sim_report.again import REANCHORED
+from sim2sim_report.again import CLOSED_VARIANT, REANCHORED, VARIANT
 from sim2sim_report.figures import COMPONENTS
 from sim2sim_report.results import ENGINE, KINDS, MODES, REFERENCE, Episode, Run
-from sim2sim_report.sentences import MEANS
+from sim2sim_report.sentences import EARLY, FIVE_SECONDS, MEANS
 from sim2sim_report.words import (
     DIVERGENCE_DIGITS,
+    FEWEST_PAIRS,
     RATE_DIGITS,
     figure,
     interval,
@@ -24,6 +25,12 @@ from sim2sim_report.words import (
 )
 
 SIGNIFICANT = 0.05  # after Holm
+MOST = 0.5  # share of a mean that the table of the commands names (isMostlyOfLargest())
+HORIZONS = (  # as in the table of the commands
+    ("first 2 s", EARLY),
+    ("first 5 s", FIVE_SECONDS),
+    ("whole episode", MEANS),
+)
 CONTRASTED = {
     "engine_success_rate": ("success rate", RATE_DIGITS),
     "mean_pos_divergence_m": ("position divergence", DIVERGENCE_DIGITS),
@@ -57,14 +64,27 @@ def divergences(run: Run) -> List[Json]:
     def line(head: str, quantities: Sequence[Any], **style: Any) -> Json:
         return {"head": head, "cells": [figure(m, key, unit, **style) for key, unit in quantities]}
 
-    lines = [{"head": "mean", "cells": _means(m)}]
-    lines.append(line("median", [(f"{key}_median", unit) for key, unit in MEANS]))
-    less_null = [(f"{key}_minus_null", unit) for key, unit in MEANS]
-    lines.append(line("less null model", less_null, with_sign=True))
-    factors = [m[f"{key}_over_floor"] for key, _ in MEANS]
-    if factors[0] is not None:
-        cells = [times(factor) for factor in factors]
-        lines.append({"head": "over the floor (1e-6 m), roughly", "cells": cells})
+    lines = []
+    for title, means in HORIZONS:
+        episodes = m[f"{means[0][0]}_episodes"]
+        if episodes == 0:
+            continue
+        count = "" if episodes == m["episodes"] else f" (n {episodes})"
+        lines.append({"head": title + count, "cells": _means(m, means)})
+        carried = [_carried(m[f"{key}_share_of_largest"]) for key, _ in means]
+        if any(carried) and episodes >= FEWEST_PAIRS:
+            lines.append({"head": "largest 5 % carry", "cells": carried})
+        if means == MEANS:
+            lines.append(line("median", [(f"{key}_median", unit) for key, unit in means]))
+        less_null = [(f"{key}_minus_null", unit) for key, unit in means]
+        lines.append(line("less null model", less_null, with_sign=True))
+        multiples = [f"{key}_over_variants" for key, _ in means]
+        if multiples[0] in m:
+            cells = [times(m[key], m[f"{key}_interval"]) for key in multiples]
+            lines.append({"head": "over the largest model variant", "cells": cells})
+    if m[f"{MEANS[0][0]}_over_floor"] is not None:
+        cells = [times(m[f"{key}_over_floor"], m[f"{key}_over_floor_interval"]) for key, _ in MEANS]
+        lines.append({"head": "over the floor (1e-6 m)", "cells": cells})
     absorbed = [(f"{ENGINE}_absorbed_{name}_divergence", unit) for name, unit in COMPONENTS]
     lines.append(line("less in closed loop", absorbed, with_sign=True))
     for probe in m["probes"]:
@@ -72,12 +92,32 @@ def divergences(run: Run) -> List[Json]:
         if every:
             errors = [(f"{probe}_anchor_{name}_error", unit) for name, unit in COMPONENTS]
             lines.append(line(f"made in {every} step{'' if every == '1' else 's'}", errors))
+        if probe.startswith(VARIANT):
+            own = [(f"{probe}_mean_{name}_divergence", unit) for name, unit in COMPONENTS]
+            lines.append(line(f"reference with {probe[len(VARIANT) :]}, whole episode", own))
+        if probe.startswith(CLOSED_VARIANT):
+            lines.append(_closed_variant(m, probe))
     return lines
 
 
-def _means(metrics: Json) -> List[str]:
-    """The mean divergences, marked where they are not shown to be less than the null model's."""
-    return [figure(metrics, *mean) + mark(metrics[f"{mean[0]}_beats_null"]) for mean in MEANS]
+def _closed_variant(metrics: Json, probe: str) -> Json:
+    """Success of the policy in a model variant of the reference, less that in the reference."""
+    ends = interval(metrics[f"{probe}_success_difference_interval"], RATE_DIGITS)
+    difference = signed(metrics[f"{probe}_success_difference"], RATE_DIGITS) + ends
+    return {
+        "head": f"success with {probe[len(CLOSED_VARIANT) :]}",
+        "cells": [rate(metrics, probe), f"less the reference {difference}"],
+    }
+
+
+def _carried(share: Optional[float]) -> str:
+    """Empty if the largest 5 % of the episodes do not carry most of the mean."""
+    return f"{100 * share:.0f} % of the mean" if share is not None and share > MOST else ""
+
+
+def _means(metrics: Json, means: Sequence[Tuple[str, str]]) -> List[str]:
+    """Mean divergences, marked where they are not shown to be less than the null model's."""
+    return [figure(metrics, *mean) + mark(metrics[f"{mean[0]}_beats_null"]) for mean in means]
 
 
 def parameters(run: Run) -> List[Json]:
@@ -105,7 +145,7 @@ def sweep_row(folder: Path, number: int, row: Json) -> Json:
         "engine": engine["title"],
         "changed": values or "as shipped",
         "success": rate(row, "engine"),
-        "divergences": _means(row),
+        "divergences": _means(row, MEANS),
         "answer": statistics["headline"]["answer"],
     }
 

@@ -2,6 +2,7 @@
 """Numbers as the commands print them, and the words of the glossary."""
 
 import re
+from decimal import Decimal
 from pathlib import Path
 from typing import Dict, List, Optional, Sequence
 
@@ -10,6 +11,7 @@ from pusht_task.error import Error, ExitCode
 from pusht_task.json_file import Json
 
 RATE_DIGITS, DIVERGENCE_DIGITS = 3, 4  # digits in the table that the commands print
+FEWEST_PAIRS = 20  # episodes, below which divergences and differences have no intervals
 NOT_SHOWN, TOO_FEW = "(!)", "(?)"  # marks of a divergence beside that of a tee that never moves
 WORD_BOUNDS = (0.5, 0.9, 1.1)  # transfers at which the words of the headline change
 WORDS = (
@@ -111,9 +113,13 @@ def mark(beats_null: Optional[bool]) -> str:
     return "" if beats_null else " " + NOT_SHOWN
 
 
-def times(factor: Optional[float]) -> str:
-    """Two digits: "1.3 times", "110 times"."""
+def times(factor: Optional[float], ends: Optional[Sequence[float]]) -> str:
+    """Two digits, as the commands print them: "1.3 times", "68 times [9.3, 420]"."""
     if factor is None:
         return "undefined"
-    text = f"{factor:.2g}"
-    return f"{float(text):.0f} times" if "e+" in text else f"{text} times"
+    found = [_multiple(end) for end in ends or []]
+    return f"{_multiple(factor)} times" + (f" [{', '.join(found)}]" if found else "")
+
+
+def _multiple(factor: float) -> str:
+    return f"{Decimal(f'{factor:.2g}'):f}"  # without an exponent

@@ -41,13 +41,26 @@ std::optional<Interval> tailMeanInterval(const std::vector<double>& samples, dou
 
 /// Interval of the ratio of the means of two quantities that are never negative, measured in the same episodes, with
 /// `extreme` >= 0 for both. One more episode has the extreme in the numerator and 0 in the denominator for the upper
-/// end, and the other way round for the lower. None below kFewestOfTail pairs, and none if a mean is 0.
+/// end, and the other way round for the lower. `confidence` is in (0, 1). None below kFewestOfTail pairs, and none if a
+/// mean is 0.
 std::optional<Interval> tailRatioInterval(const std::vector<double>& numerators,
-                                          const std::vector<double>& denominators, double extreme);
+                                          const std::vector<double>& denominators, double extreme,
+                                          double confidence = kConfidence);
+
+/// Interval of the ratio of a mean to the largest of several others, whichever that is in truth; at least one list of
+/// denominators, each paired with the numerators. It is made of the intervals of all ratios, with Bonferroni's
+/// correction: all hold at once, so the least of their ends hold for the least ratio. None where one of these has none.
+std::optional<Interval> tailRatioToLargest(const std::vector<double>& numerators,
+                                           const std::vector<std::vector<double>>& denominators, double extreme);
 
 /// Mean of paired differences, with `extreme` >= 0 for their size at either end; a larger size takes its place.
 /// Interval at any `confidence` in (0, 1) and two-sided p, which agree. Neither below kFewestOfTail differences, and no
 /// interval if all differences and `extreme` are 0; p is then 1.
 Difference tailDifference(const std::vector<double>& differences, double extreme, double confidence = kConfidence);
+
+/// Mean of paired differences by the method that holds for them: tailDifference() where few carry the mean
+/// (isCarriedByFew()), otherwise meanDifference(), also without an `extreme`. Differences that are all equal to within
+/// kSame have no interval.
+Difference pairedDifference(const std::vector<double>& differences, const std::optional<double>& extreme);
 
 }  // namespace sim2sim

@@ -34,7 +34,7 @@ struct WorldColors {
   std_msgs::ColorRGBA target = color(palette::kInk);
 };
 
-// The look of texts, and of the cards that they stand on. Cards have the colour of rviz's background: a pusher may
+// The look of texts, and of the cards that they stand on. Cards have the color of rviz's background: a pusher may
 // leave the table, and passes below them.
 constexpr std::uint32_t kBright = palette::kInk;
 constexpr std::uint32_t kDim = palette::kDim;

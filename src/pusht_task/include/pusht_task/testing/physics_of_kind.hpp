@@ -21,6 +21,7 @@ struct PhysicsOfKind {
       true;                ///< servo and damping of the pusher act at the velocity at a substep's end, not its begin
   double drag_rate = 0.0;  ///< [1/s] of every mass of the tee, explicit; in place of damping
   bool soft_friction = false;  ///< the table's Coulomb friction is MuJoCo's: a tee at rest creeps
+  bool soft_contacts = false;  ///< contacts are MuJoCo's: bodies that press each other overlap
   bool discs = false;          ///< bar and stem are discs; their half-sides are radii
   bool walls = true;
 
@@ -39,6 +40,18 @@ struct PhysicsOfKind {
 
   static constexpr double kLever = 0.06;  ///< [m]
 };
+
+/// MuJoCo's constraints with the defaults of solref and solimp: chapter "Computation" of its documentation.
+namespace mujoco_constraint {
+constexpr double kTimeConstant = 0.02;                               ///< [s] its damping ratio is 1
+constexpr double kImpedance = 0.9;                                   ///< [-] at no violation
+constexpr double kMostImpedance = 0.95;                              ///< [-] from a violation of kWidth on
+constexpr double kWidth = 0.001;                                     ///< [m]
+constexpr double kDamping = 2.0 / (kMostImpedance * kTimeConstant);  ///< [1/s]
+constexpr double kStiffness = 0.25 * kDamping * kDamping;            ///< [1/s^2]
+/// [-] Compliance in units of the inverse inertia.
+constexpr double complianceOf(double impedance) { return (1.0 - impedance) / impedance; }
+}  // namespace mujoco_constraint
 
 /// One axis of the pusher in free space.
 struct PlainPusher {
@@ -90,6 +103,13 @@ struct PlainTee {
   }
 
   void substep(const PhysicsOfKind& physics) {
+    velocity += kSubstep * acceleration(physics, kSubstep);
+    pose += kSubstep * velocity;
+  }
+
+  /// [m/s^2, m/s^2, rad/s^2] Acceleration over a substep of that length [s], with implicit damping. Length 0: at this
+  /// instant, for kinds whose friction with the table is soft or none.
+  Eigen::Vector3d acceleration(const PhysicsOfKind& physics, double substep) const {
     const Physics& p = physics.numbers;
     const Eigen::Vector2d moment = p.tee_first_moment * Eigen::Vector2d(std::sin(pose[2]), -std::cos(pose[2]));
     Eigen::Matrix3d inertia;
@@ -99,31 +119,32 @@ struct PlainTee {
     const Eigen::DiagonalMatrix<double, 3> damping(p.tee_damping, p.tee_damping, p.tee_yaw_damping);
     Eigen::Vector3d force = -(damping * velocity) - physics.drag_rate * (inertia * velocity);
     force.head<2>() += velocity[2] * velocity[2] * moment;  // centrifugal
-    const Eigen::Matrix3d mobility = (inertia + kSubstep * Eigen::Matrix3d(damping)).inverse();
-    force += physics.soft_friction ? softFriction(p, inertia.inverse(), force) : hardFriction(p, mobility, force);
-    velocity += kSubstep * (mobility * force);
-    pose += kSubstep * velocity;
+    const Eigen::Matrix3d mobility = (inertia + substep * Eigen::Matrix3d(damping)).inverse();
+    if (physics.soft_friction) {
+      force += softFriction(p, inertia.inverse(), force);
+    } else if (substep > 0.0) {
+      force += hardFriction(p, mobility, force, substep);
+    }
+    return mobility * force;
   }
 
  private:
-  /// [N, N, N m] Coulomb friction that stops each coordinate in this substep, as far as its limit goes.
-  Eigen::Vector3d hardFriction(const Physics& p, const Eigen::Matrix3d& mobility, const Eigen::Vector3d& force) const {
-    return limitedForce(p, mobility, -velocity / kSubstep - mobility * force);
+  /// [N, N, N m] Coulomb friction that stops each coordinate in this substep [s], as far as its limit goes.
+  Eigen::Vector3d hardFriction(const Physics& p, const Eigen::Matrix3d& mobility, const Eigen::Vector3d& force,
+                               double substep) const {
+    return limitedForce(p, mobility, -velocity / substep - mobility * force);
   }
 
-  /// MuJoCo's: chapter "Computation" of its documentation, with the defaults of solref and solimp, for `frictionloss`.
+  /// MuJoCo's constraint for `frictionloss`.
   Eigen::Vector3d softFriction(const Physics& p, const Eigen::Matrix3d& inverse_inertia,
                                const Eigen::Vector3d& force) const {
-    constexpr double kTimeConstant = 0.02;   // [s]
-    constexpr double kImpedance = 0.9;       // [-] at no violation
-    constexpr double kMostImpedance = 0.95;  // [-]
     const double center = p.centerOfMass();
     const double about_center = p.tee_second_moment - p.tee_mass * center * center;  // [kg m^2]
     const Eigen::Vector3d weight(1.0 / p.tee_mass + center * center / about_center, 1.0 / p.tee_mass,
                                  1.0 / about_center);  // the inverse inertia at yaw 0
-    const Eigen::Vector3d wanted = -2.0 / (kMostImpedance * kTimeConstant) * velocity;
+    const Eigen::Vector3d wanted = -mujoco_constraint::kDamping * velocity;
     Eigen::Matrix3d response = inverse_inertia;
-    response.diagonal() += (1.0 - kImpedance) / kImpedance * weight;
+    response.diagonal() += mujoco_constraint::complianceOf(mujoco_constraint::kImpedance) * weight;
     return limitedForce(p, response, wanted - inverse_inertia * force);
   }
 
@@ -134,9 +155,13 @@ struct PlainTee {
     const Eigen::Vector3d limits(p.tee_friction[0], p.tee_friction[1], p.tee_yaw_friction);
     Eigen::Vector3d force = Eigen::Vector3d::Zero();
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      const Eigen::Vector3d before = force;
       for (Eigen::Index i = 0; i < 3; ++i) {
         const double missing = wanted[i] - response.row(i).dot(force);
         force[i] = std::clamp(force[i] + missing / response(i, i), -limits[i], limits[i]);
+      }
+      if (force == before) {
+        break;
       }
     }
     return force;

@@ -203,10 +203,10 @@ class OwnSimulatorContract(SimulatorContract):
             reason = f"simulator '{kind}': {rule}"
             self.refused(reason, "configure", kind=kind, end_episode=True)
             self.refused(reason, "describe", kind=kind)
-        stray = [Parameter("no_such_knob", "1.0")]
+        stray = [Parameter("no_such_parameter", "1.0")]
         for kind in before.kinds or [before.name]:
             fields = {"kind": kind, "parameters": stray, "end_episode": True}
-            self.refused("no_such_knob", "configure", **fields)
+            self.refused("no_such_parameter", "configure", **fields)
         self.assertEqual(data(self.call("describe")), data(before))
         self.assertEqual(rospy.get_param(self.namespace), told)
         step = self.accepted("step", step=1, action=PUSHES[1])

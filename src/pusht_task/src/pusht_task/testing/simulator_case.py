@@ -76,13 +76,16 @@ class SimulatorCase(ServedCase):
     def number(self) -> Tuple[Parameter, Parameter]:
         """A parameter that is a number but zero, as it is and with another value."""
         description = self.call("describe")
-        types = {known.name: known.type for known in description.parameter_descriptors}
+        descriptors = {known.name: known for known in description.parameter_descriptors}
         for found in description.parameters:
             if re.fullmatch(r"[+-]?\d+(\.\d*)?(e[+-]?\d+)?", found.value):
                 value = float(found.value)
                 if value != 0.0:
-                    whole = types.get(found.name) == "integer"
+                    known = descriptors.get(found.name)
+                    whole = known is not None and known.type == "integer"
                     other = int(found.value) + 1 if whole else 1.01 * value
+                    if known is not None and other > known.greatest:
+                        other = int(known.least) if whole else known.least
                     return found, Parameter(found.name, repr(other))
         self.skipTest(f"{self.namespace} has no parameter that is a number")
 

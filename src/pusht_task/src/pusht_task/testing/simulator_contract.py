@@ -202,7 +202,10 @@ class SimulatorContract(SimulatorCase):
         before = data(self.call("describe"))
         for fields in ({"step": -1}, {"step": 0}):
             self.refused(pattern, "step", HELD, token=token, **fields)
-        change: Dict[str, Any] = {"token": token, "parameters": [Parameter("no_such_knob", "1.0")]}
+        change: Dict[str, Any] = {
+            "token": token,
+            "parameters": [Parameter("no_such_parameter", "1.0")],
+        }
         for end_episode in (False, True):
             self.refused(pattern, "configure", HELD, end_episode=end_episode, **change)
         self.assertEqual(data(self.call("describe")), before)
@@ -361,8 +364,8 @@ class SimulatorContract(SimulatorCase):
 
     def test_configuring_what_is_not_there(self) -> None:
         before = self.call("describe")
-        stray = Parameter("no_such_knob", "1.0")
-        self.refused("no_such_knob", "configure", parameters=[stray], end_episode=True)
+        stray = Parameter("no_such_parameter", "1.0")
+        self.refused("no_such_parameter", "configure", parameters=[stray], end_episode=True)
         self.assertEqual(data(self.call("describe")), data(before))
 
     def test_configuring_bad_values(self) -> None:
@@ -375,8 +378,8 @@ class SimulatorContract(SimulatorCase):
 
     def test_refused_configuration_leaves_the_episode(self) -> None:
         self.accepted("reset")
-        stray = Parameter("no_such_knob", "1.0")
-        self.refused("no_such_knob", "configure", parameters=[stray], end_episode=True)
+        stray = Parameter("no_such_parameter", "1.0")
+        self.refused("no_such_parameter", "configure", parameters=[stray], end_episode=True)
         self.accepted("step")
 
     def test_unknown_kind_is_refused(self) -> None:

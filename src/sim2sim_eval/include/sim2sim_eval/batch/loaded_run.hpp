@@ -17,9 +17,10 @@ namespace sim2sim {
 class LoadedRun {
  public:
   /// `engines` are all engines that the reference is compared with; their libraries are part of the code fingerprint.
-  /// Warns on stderr if another policy runs than was asked for. Throws as SimulatorKind::load and choosePolicy.
+  /// `options` has the names of the model variants (nameVariants()). Warns on stderr if another policy runs than was
+  /// asked for. Throws as SimulatorKind::load and choosePolicy.
   LoadedRun(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
-            const std::vector<SimulatorChoice>& engines);
+            const std::vector<SimulatorChoice>& engines, const RunOptions& options);
 
   /// Name of the policy that runs: as given, or "fresh-untrained".
   const std::string& policyName() const { return policy_.name; }
@@ -40,6 +41,7 @@ class LoadedRun {
 
  private:
   LoadedSimulator reference_;
+  std::vector<pusht::SimulatorModel> variants_;
   pusht::ChosenPolicy policy_;
   nlohmann::json reference_code_;  // fingerprint of the code that decides the bits of the reference's rollouts
   nlohmann::json code_;            // fingerprint of the code that decides the bits of the results

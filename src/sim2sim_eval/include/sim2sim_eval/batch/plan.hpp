@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sim2sim_protocol/results/contrast.hpp"
+#include "sim2sim_protocol/results/matrix.hpp"
 
 namespace CLI {
 class App;
@@ -25,7 +26,7 @@ struct PlanQuestions {
 
 /// Options of the command `plan`.
 struct PlanOptions {
-  std::string pilot;  ///< folder of a finished run; its episodes say how much episodes vary
+  std::string pilot;  ///< folder of a finished run, or of a sweep over policies; it says how much they vary
   std::string other;  ///< folder of a second run over the same episodes, to plan a contrast of the two; empty: none
   PlanQuestions questions;
 
@@ -38,8 +39,12 @@ struct PlanOptions {
 /// no pair of the pilot differs, "none" where not even the largest possible difference is found.
 std::string planTable(const PlanQuestions& questions, const RunResults& pilot, const std::optional<RunResults>& other);
 
-/// Reads the runs and prints planTable(). Throws InvalidInput for a difference that is not above 0, a folder without
-/// results, or two runs that do not pair.
+/// Table for the terminal: for each two simulators the number of policies that shows that a ranking is preserved, if
+/// Kendall's tau is that of `pilot`.
+std::string policiesTable(const Matrix& pilot);
+
+/// Reads the runs and prints planTable(), or the sweep and prints policiesTable(). Throws InvalidInput for a difference
+/// that is not above 0 or asked of a sweep, a folder without results, or two runs that do not pair.
 void plan(const PlanOptions& options);
 
 }  // namespace sim2sim

@@ -22,6 +22,16 @@ struct SimulatorChoice {
 /// ParameterSet::set; InvalidInput for a setting that is none or is given twice.
 SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::string>& settings);
 
+/// Simulator that "KIND" or "KIND:NAME=VALUE:NAME=VALUE" asks for. Throws as chooseSimulator().
+SimulatorChoice simulatorFromText(const std::string& text);
+
+/// Whether kind and values are the same, however they were set.
+bool operator==(const SimulatorChoice& a, const SimulatorChoice& b);
+
+/// Shortest text that simulatorFromText() reads as `simulator`: its kind, presets, and what differs from them. Equal
+/// simulators have equal texts, however they were set.
+std::string textOf(const SimulatorChoice& simulator);
+
 /// A simulator that is ready to run.
 struct LoadedSimulator {
   /// Throws as SimulatorKind::load.

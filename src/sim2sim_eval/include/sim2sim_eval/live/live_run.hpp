@@ -49,9 +49,10 @@ struct LiveOptions {
 /// within the grace after a node was lost.
 void connectFirst(LiveNodes& nodes, const LiveOptions& options);
 
-/// Runs the episodes of `protocol` over connected nodes. The fifth node lost in one episode ends the run.
-/// Throws PeerFault for a node that is lost for good, RuntimeFault when the options' `stop` holds; as Flight otherwise.
-void runLive(const Protocol& protocol, LiveNodes& nodes, Pacer& pacer, LiveObserver& observer,
-             const LiveOptions& options);
+/// Runs the episodes of `protocol` over connected nodes; `variants` are the worlds of its model variants, in process.
+/// The fifth node lost in one episode ends the run. Throws PeerFault for a node that is lost for good, RuntimeFault
+/// when the options' `stop` holds; as Flight otherwise.
+void runLive(const Protocol& protocol, LiveNodes& nodes, const VariantWorlds& variants, Pacer& pacer,
+             LiveObserver& observer, const LiveOptions& options);
 
 }  // namespace sim2sim

@@ -6,6 +6,7 @@
 #include <pusht_msgs/RunOptions.h>
 
 #include <string>
+#include <type_traits>
 
 #include "sim2sim_protocol/run_options.hpp"
 
@@ -14,6 +15,16 @@ namespace sim2sim {
 /// Every option with its descriptor and its value in `options`. A list is a text, "1,5,20" or "none"; a share that may
 /// be absent is a real, 0 where it is.
 pusht_msgs::RunOptions describe(const RunOptions& options);
+
+/// Calls function(option) for each option that a Goal has as a field of its name. It has the others by name alone.
+template <class Goal, class Function>
+void forEachField(const Function& function) {
+  forEachOption([&](const auto& option) {
+    if constexpr (std::is_invocable_v<decltype(option.of), Goal&>) {
+      function(option);
+    }
+  });
+}
 
 /// Whether `goal` says anything of the option `name`: in its field or by name.
 bool names(const pusht_msgs::CompareGoal& goal, const std::string& name);

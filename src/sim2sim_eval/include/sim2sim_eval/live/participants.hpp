@@ -18,6 +18,11 @@ namespace sim2sim {
 /// Throws InvalidInput if `request` names a policy and the policy's node serves another.
 void requirePolicy(const LiveRequest& request, const LiveNodes& nodes);
 
+/// Worlds of the model variants that `protocol` asks for, whose names it then has (nameVariants()). They run in this
+/// process, so the reference's kind must be installed here. Throws BadDependency if it is not, or in another version
+/// than the node's, and as loadVariants().
+VariantWorlds variantWorldsOf(RunOptions& protocol, const LiveNodes& nodes);
+
 /// Configuration of the run: the request, with policy and simulators as the nodes describe them.
 RunConfiguration configurationOf(const LiveRequest& request, const LiveNodes& nodes);
 

@@ -31,6 +31,7 @@ struct AttributedGap {
   std::vector<Interaction> interactions{};  ///< by pair of switches
   Order best_order{};
   std::vector<double> staircase{};  ///< mean gaps along best_order, from all off to all on
+  std::vector<Difference> steps{};  ///< gap that each step of the staircase closes
   // Baselines:
   Estimate null_model{};  ///< gap of a tee that never moves; NaN for success
   Estimate baseline{};    ///< gap of another engine; NaN without one

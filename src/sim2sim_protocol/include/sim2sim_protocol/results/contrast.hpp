@@ -44,7 +44,9 @@ struct ContrastRow {
   int episodes;  ///< number of episodes that have the figure in both runs
   Difference difference;
   std::optional<double> adjusted_p{};  ///< after Holm, over the whole family
-  /// [episodes] after which the sign was decided, if watched after each of them; DifferenceSequence. None: not yet.
+  /// [episodes] after which the sign was decided, if watched after each of them; DifferenceSequence. None: not yet, or
+  /// few episodes carry the difference (isCarriedByFew()), for which that method is not made, or that is not known
+  /// (Quantity::hasIntervals()).
   std::optional<int> decided_after{};
 };
 

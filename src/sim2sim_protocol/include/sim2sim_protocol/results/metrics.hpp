@@ -29,8 +29,7 @@ Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t qu
 std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes);
 
 /// "decision" in metrics.json, for a run that ends when it is decided whether the engine keeps `share` of the
-/// reference's success. "holds_when_stopped" names the intervals that hold whenever the run stops; the others are those
-/// of a run of fixed length and hold less often here.
+/// reference's success. "holds_when_stopped" names the intervals that hold whenever the run stops; the others are null.
 nlohmann::json decision(const TransferBet& bet, double share);
 
 /// Warning that the policy looks untrained or stale, because it never succeeds in the reference; empty otherwise. Only

@@ -49,11 +49,11 @@ struct RunConfiguration {
 /// An option of kIfChanged is there only if it is changed.
 nlohmann::json referenceOptions(const RunOptions& options);
 
-/// First 12 hex digits of the md5 of `episodes|KNOB|...|horizon`, as Python prints them, with the values of the
+/// First 12 hex digits of the md5 of `episodes|PARAMETER|...|horizon`, as Python prints them, with the values of the
 /// course's three parameters, if the engine has them. All other differences from the course follow: `|reference=NAME`,
 /// `|engine=NAME`, and `|ROLE.PARAMETER=VALUE` for each parameter that does not have its default, and
 /// `|starts=HASH` if initial states were given, `|probes=NAME,...` unless these are the floor,
-/// `|bound=METRES,RADIANS` unless it is the task's tolerance, and `|NAME=VALUE` for each option that is written if it
+/// `|bound=METERS,RADIANS` unless it is the task's tolerance, and `|NAME=VALUE` for each option that is written if it
 /// is changed. A smoke run counts as one of the default length, as in the course.
 std::string configurationHash(const RunConfiguration& configuration);
 

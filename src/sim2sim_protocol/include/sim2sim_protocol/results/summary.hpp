@@ -21,7 +21,7 @@ namespace sim2sim {
 struct SuccessRate {
   int successes;
   double rate;
-  Interval interval;
+  std::optional<Interval> interval;  ///< none in a run that may stop early
 };
 
 /// Index of a figure in the results of an episode.
@@ -29,6 +29,21 @@ struct FigureIndex {
   std::size_t rollout;   ///< in EpisodeResult::rollouts
   std::size_t quantity;  ///< in kQuantities
 };
+
+/// Values of a figure, of the episodes that have it.
+std::vector<double> samplesOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure);
+
+/// How far apart one more episode may be in the mean, for the intervals of a divergence: the mean of its null model in
+/// the same rollout. None of a quantity without a measured null model.
+std::optional<double> extremeOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure);
+
+/// Mean of a quantity, with the interval that fits it: Gaffke's for a divergence (tailMeanInterval(); none without
+/// `extreme`), log-t for another quantity that is never negative, pairedDifference() for a signed one. NaN without
+/// samples.
+Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity, const std::optional<double>& extreme);
+
+/// Mean of a figure, with the interval that fits it; NaN if no episode has it.
+Estimate meanOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure);
 
 /// Paired differences of two figures, more - less, of the episodes that have both. The two may be of one run, or of two
 /// runs over the same episodes.
@@ -43,8 +58,8 @@ PairTable pairsOf(const std::vector<EpisodeResult>& first, std::size_t rollout_i
 struct Outcomes {
   PairTable table;                              ///< first: the reference
   std::optional<Interval> difference_interval;  ///< Tango's
-  double p;                                     ///< McNemar's test, mid-p: are the rates equal?
-  double p_exact;
+  std::optional<double> p;                      ///< McNemar's test, mid-p: are the rates equal?
+  std::optional<double> p_exact;
   std::optional<double> transfer;             ///< engine over reference success; none if the reference never succeeds
   std::optional<Interval> transfer_interval;  ///< Tang's
 };
@@ -55,23 +70,62 @@ struct DivergencePair {
   const char* null_model;
 };
 
+/// A divergence with its null model in kQuantities.
+constexpr DivergencePair withNullModel(std::string_view divergence) {
+  const Quantity& quantity = kQuantities[quantityIndex(divergence)];
+  return {quantity.name, quantity.null_model};
+}
+
+/// The divergences of each horizon, position before angle. Those of the whole episode, kWholeEpisodePairs, come first.
 inline constexpr std::array kDivergencePairs = {
-    DivergencePair{"mean_position_divergence", "null_position_divergence"},
-    DivergencePair{"mean_angle_divergence", "null_angle_divergence"},
+    withNullModel("mean_position_divergence"),     withNullModel("mean_angle_divergence"),
+    withNullModel("early_position_divergence"),    withNullModel("early_angle_divergence"),
+    withNullModel("early_5s_position_divergence"), withNullModel("early_5s_angle_divergence"),
 };
+constexpr std::size_t kWholeEpisodePairs = 2;
+
+/// Steps over which divergences are averaged.
+struct Horizon {
+  const char* title;       ///< "first 2 s"
+  std::size_t first_pair;  ///< index in kDivergencePairs of the position; the angle follows
+};
+
+/// Horizons as a table shows them: the one that all episodes have in common leads. A mean over whole episodes mixes how
+/// far the dynamics diverge with how long the episodes are, and that depends on success.
+inline constexpr std::array kHorizons = {Horizon{"first 2 s", 2}, Horizon{"first 5 s", 4}, Horizon{"whole episode", 0}};
 
 /// Comparison of a mean divergence with its baselines, the null model and the floor. NaN if there is none.
 struct BaselineComparison {
+  int episodes = 0;  ///< number of episodes that have the divergence
   Estimate median{};
-  Difference minus_null{};                                          ///< divergence - null model, episode by episode
-  double share_of_null = std::numeric_limits<double>::quiet_NaN();  ///< ratio of the means
-  double over_floor = std::numeric_limits<double>::quiet_NaN();     ///< multiples of the mean of the widest floor
+  Difference minus_null{};                                             ///< divergence - null model, episode by episode
+  double share_of_null = std::numeric_limits<double>::quiet_NaN();     ///< ratio of the means
+  double over_floor = std::numeric_limits<double>::quiet_NaN();        ///< multiples of the mean of the widest floor
+  std::optional<Interval> over_floor_interval{};                       ///< of the floor itself: none
+  double share_of_largest = std::numeric_limits<double>::quiet_NaN();  ///< shareOfLargest() of the divergence
+  /// Multiple of the model variant whose mean is the largest; a variant itself has no interval.
+  double over_variants = std::numeric_limits<double>::quiet_NaN();
+  /// Interval of the multiple, whichever variant is the largest in truth: Bonferroni's over all variants.
+  std::optional<Interval> over_variants_interval{};
+
+  /// Whether the largest 5 % of at least kFewestOfTail episodes make more than half of the mean. Methods change where
+  /// isCarriedByFew() says so, which is earlier.
+  bool isMostlyOfLargest() const;
 
   /// Whether the divergence is shown to be less than the null model's; empty without an interval.
   std::optional<bool> beatsNull() const;
 };
 
-/// Figures of a run.
+/// Success of the policy in a model variant, beside that in the reference.
+struct ClosedVariant {
+  std::size_t rollout;  ///< in EpisodeResult::rollouts
+  SuccessRate success;
+  Outcomes outcomes;                   ///< the variant as the engine; no transfer
+  std::optional<double> adjusted_p{};  ///< Outcomes::p after Holm, over all variants
+};
+
+/// Figures of a run. A run that may stop early has no intervals and no p-values: they hold for one number of episodes
+/// that was chosen before. transferSequence() holds there.
 struct Summary {
   using Means = std::array<Estimate, kQuantities.size()>;
   using Baselines = std::array<BaselineComparison, kDivergencePairs.size()>;
@@ -80,8 +134,9 @@ struct Summary {
   SuccessRate reference{};
   SuccessRate engine{};
   Outcomes outcomes{};
-  std::vector<Means> means;              ///< by rollout, over the episodes that have the quantity; NaN if none has
-  std::vector<Baselines> baselines;      ///< by rollout; NaN for the reference
+  std::vector<Means> means;          ///< by rollout, over the episodes that have the quantity; NaN if none has
+  std::vector<Baselines> baselines;  ///< by rollout; NaN for the reference
+  std::vector<ClosedVariant> closed_variants{};
   FirstDivergences first_divergences{};  ///< those of the replay in open loop
   std::optional<FirstDivergences>
       floor{};             ///< those of the widest floor, of the reference from itself; empty without floors
@@ -94,11 +149,5 @@ struct Summary {
 
 /// Summarizes at least one episode of the protocol, in index order.
 Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& episodes);
-
-/// Mean of a quantity, with the interval that fits its range; NaN without samples.
-Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity);
-
-/// Values of a quantity in one rollout, of the episodes that have it.
-std::vector<double> samplesOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout, std::size_t quantity);
 
 }  // namespace sim2sim

@@ -15,7 +15,7 @@ namespace sim2sim {
 /// Headline and figures of a run, in lines.
 std::string table(const RunConfiguration& configuration, const Summary& summary);
 
-/// decision() in words, below the table.
+/// decision() in words, above the table.
 std::string decisionText(const TransferBet& bet, double share);
 
 /// "37 % [21 %, 61 %]": transfer with the interval that holds, in the digits of transferNumber(). In words where the

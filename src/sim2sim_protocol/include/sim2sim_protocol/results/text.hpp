@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sim2sim_statistics/intervals.hpp"
 
@@ -20,6 +21,9 @@ std::string bracketed(const Interval& interval, int digits);
 /// `text` with blanks behind it up to `width`, at least one blank.
 std::string padded(const std::string& text, std::size_t width);
 
+/// Lines of a table whose columns are as wide as their widest cell. Rows have the same length; there is one.
+std::string aligned(const std::vector<std::vector<std::string>>& rows);
+
 /// Difference as "-0.0240 m [-0.0310, -0.0170]"; "none" for NaN.
 std::string signedText(double value, const std::optional<Interval>& interval, const std::string& unit, int digits);
 
@@ -34,6 +38,12 @@ inline constexpr const char* kTooFewToCompare = "too few episodes to compare";
 /// Mark of a divergence: "(!)" if it is not shown to be less than that of a tee that never moves, empty if it is, "(?)"
 /// if there are too few episodes to say (`beats_null` is empty).
 std::string markOf(const std::optional<bool>& beats_null);
+
+/// Ratio as "1.3 times" or "110 times", with an interval as "68 times [9.3, 420]"; "undefined" for NaN.
+std::string timesText(double multiple, const std::optional<Interval>& interval);
+
+/// Text as a cell of CSV, quoted if need be. Source: RFC 4180.
+std::string csvText(const std::string& text);
 
 /// p-value as "0.0012" or "< 0.0001".
 std::string probabilityText(double p);

@@ -27,11 +27,8 @@ class ToyWorld : public pusht::Simulator {
 };
 
 pusht::SimulatorModel load(const pusht::ParameterSet& parameters) {
-  pusht::SimulatorModel model;
-  model.parameters = parameters;
-  model.make_world = [reach = parameters.get<double>("reach")] { return std::make_unique<ToyWorld>(reach); };
-  model.make_lanes = pusht::lanesOf(model.make_world);
-  return model;
+  return pusht::modelOfWorlds(parameters,
+                              [reach = parameters.get<double>("reach")] { return std::make_unique<ToyWorld>(reach); });
 }
 
 const pusht::SimulatorKind& toyKind() {

@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs the study over policies: demonstrations, trainings, the sweep of every policy in every
+simulator, its matrix, and the ladder of some policies. docs/study/plan.md says why.
+
+Every step keeps what is finished, so a study that was interrupted goes on where it was when it is
+started again, and ends with the same bytes.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, Dict, Iterator, List
+
+import yaml  # type: ignore[import]
+from pusht_task.command import OneLineParser, run_command
+from pusht_task.error import Error, ExitCode
+from pusht_task.files import write_file
+
+from study_findings import write_findings
+
+STUDY = Path(__file__).resolve().parents[1] / "docs" / "study"
+Plan = Dict[str, Any]
+
+
+def ros(work: Path, package: str, command: str, *arguments: object) -> None:
+    """Runs a command that must succeed."""
+    _run(work, package, command, *arguments)
+
+
+def printed(work: Path, package: str, command: str, *arguments: object) -> bytes:
+    """What a command prints that must succeed."""
+    return _run(work, package, command, *arguments, stdout=subprocess.PIPE).stdout
+
+
+def _run(work: Path, *words: object, **options: Any) -> "subprocess.CompletedProcess[bytes]":
+    """Runs a command in the folder of the study, so that its tables name no other folder."""
+    command = ["rosrun", *map(str, words)]
+    process = subprocess.run(command, cwd=work, **options)
+    if process.returncode:
+        text = " ".join(command)
+        raise Error(f"{text}: exit code {process.returncode}", ExitCode.RUNTIME_FAULT)
+    return process
+
+
+def demonstrate(plan: Plan, work: Path) -> None:
+    """A bag for each set of demonstrations."""
+    for name, what in plan["demonstrations"].items():
+        bag = f"{name}.bag"
+        if (work / bag).exists():
+            continue
+        options: List[object] = ["--seed", 0, "--episodes", what.get("episodes", 500)]
+        for simulator in what["simulators"]:
+            options += ["--simulator", simulator]
+        for draw in what.get("draw", []):
+            options += ["--draw", draw]
+        ros(work, "sim2sim_eval", "demonstrate", *options, "--out", bag)
+
+
+def train(plan: Plan, work: Path) -> None:
+    """A policy for each group and seed: GROUP-SEED.ts.pt, and after-EPOCHS-GROUP-SEED.ts.pt."""
+    for name, group in plan["groups"].items():
+        recipe = plan["recipes"][group["recipe"]]
+        options: List[object] = ["--bag", f"{group['demonstrations']}.bag"]
+        options += ["--seed", plan["first_seed"], "--seeds", group["seeds"]]
+        options += ["--epochs", recipe["epochs"], "--hidden", *recipe["hidden"]]
+        for epochs in group.get("also_after", []):
+            options += ["--also-after", epochs]
+        ros(work, "pusht_policy", "train", *options, "--out", f"{name}.ts.pt", "--keep")
+
+
+def policies(plan: Plan) -> Iterator[Dict[str, str]]:
+    """The policies of the sweep, by group: those of one training at several epochs are several."""
+    for name, group in plan["groups"].items():
+        for prefix in ["", *(f"after-{epochs}-" for epochs in group.get("also_after", []))]:
+            yield {
+                "files": f"{prefix}{name}-*.ts.pt",
+                "group": prefix + name,
+                "reference": group["reference"],
+            }
+
+
+def sweep(work: Path, folder: str, plan: Plan) -> None:
+    """Runs a sweep, or what is left of it."""
+    write_file(work / f"{folder}.yaml", yaml.safe_dump(plan, sort_keys=False).encode())
+    ros(work, "sim2sim_eval", "sweep", f"{folder}.yaml", "--out", folder)
+
+
+def sweep_policies(plan: Plan, work: Path) -> None:
+    """Every policy in every simulator."""
+    wanted = {key: plan[key] for key in ("episodes", "first_episode")}
+    engines = {"engine": plan["engines"], "floor": False}
+    sweep(work, "matrix", {"policies": list(policies(plan)), **engines, **wanted})
+
+
+def ladder(plan: Plan, work: Path) -> None:
+    """The cause of the gap for the first policies of some groups."""
+    first = plan["first_seed"]
+    for group in plan["ladder"]["groups"]:
+        for seed in range(first, first + plan["ladder"]["policies"]):
+            folder = f"ladder-{group}-{seed}"
+            wanted = {
+                "policy": f"{group}-{seed}.ts.pt",
+                "episodes": plan["ladder"]["episodes"],
+                "first_episode": plan["first_episode"],
+                "engine": "rigid_body",
+                "floor": False,
+                "grid": {switch: [False, True] for switch in plan["ladder"]["switches"]},
+            }
+            sweep(work, folder, wanted)
+            ros(work, "sim2sim_eval", "attribute", folder, "--overwrite")
+
+
+def matrices(plan: Plan, work: Path, tables: Path) -> None:
+    """The matrix as text, whole and of the groups that differ in one thing."""
+    for name, groups in [*plan["matrices"].items(), ("matrix", [])]:
+        options = [word for group in groups for word in ("--group", group)]
+        if not groups:
+            options = ["--hypotheses", str(STUDY / "hypotheses.yaml")]
+        text = printed(work, "sim2sim_eval", "matrix", "matrix", *options, "--overwrite")
+        write_file(tables / f"{name}.txt", text)
+    write_file(tables / "matrix.csv", (work / "matrix" / "matrix.csv").read_bytes())
+
+
+def smallest(plan: Plan) -> Plan:
+    """The least study in which every hypothesis can be tested: it tests the program, and says
+    nothing."""
+    hypotheses = yaml.safe_load((STUDY / "hypotheses.yaml").read_text()).values()
+    named = {name for h in hypotheses for name in h.get("ranking", [h.get("more"), h.get("less")])}
+    plan["groups"] = {name: plan["groups"][name] for name in plan["groups"] if name in named}
+    for group in plan["groups"].values():
+        group["seeds"] = 1
+    used = {group["demonstrations"] for group in plan["groups"].values()}
+    plan["demonstrations"] = {name: plan["demonstrations"][name] for name in sorted(used)}
+    for what in plan["demonstrations"].values():
+        what["episodes"] = 3
+    for recipe in plan["recipes"].values():
+        recipe.update(hidden=[8, 8])
+    plan["engines"] = plan["engines"][:3]
+    plan["episodes"] = 2
+    plan["matrices"] = {"recipes": ["small-mujoco", "shipped-mujoco"]}
+    plan["ladder"].update(policies=1, episodes=1, switches=plan["ladder"]["switches"][:3])
+    return plan
+
+
+def study(plan: Plan, work: Path, tables: Path) -> None:
+    work.mkdir(parents=True, exist_ok=True)
+    tables.mkdir(parents=True, exist_ok=True)
+    for step in (demonstrate, train, sweep_policies, ladder):
+        step(plan, work)
+    matrices(plan, work, tables)
+    write_findings(plan, work, tables)
+
+
+def main() -> int:
+    parser = OneLineParser(prog="study", description=(__doc__ or "").splitlines()[0])
+    help_work = "bags, policies and sweeps, kept for the next start (default: build/study)"
+    default = STUDY.parents[1] / "build" / "study"
+    parser.add_argument("--work", metavar="DIR", type=Path, default=default, help=help_work)
+    help_tables = "tables and pictures (default: docs/study)"
+    parser.add_argument("--tables", metavar="DIR", type=Path, default=STUDY, help=help_tables)
+    help_smoke = "run the least of everything: it tests this program, and says nothing"
+    parser.add_argument("--smoke", action="store_true", help=help_smoke)
+    options = parser.parse_args()
+    plan = yaml.safe_load((STUDY / "study.yaml").read_text())
+    if options.smoke:
+        plan = smallest(plan)
+    return run_command(
+        "study",
+        lambda: study(plan, options.work.resolve(), options.tables.resolve()),
+        "run the same command again to go on",
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tables and pictures of the study over policies, from its results."""
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, Sequence, Tuple
+
+import numpy as np
+from pusht_task.files import write_file
+from scipy import stats  # type: ignore[import]
+from sim2sim_report.colors import DIM, SERIES
+from sim2sim_report.figures import NARROW, Figure, legend_above, styled
+
+NEAR = (0.1, 0.2)  # [m], [rad]: a failure within these of the goal ends near it
+LADDER_GAPS = ("mean_pos_divergence", "lost_success")
+HOME = "mujoco"
+Plan = Dict[str, Any]
+Row = Dict[str, Any]
+
+
+def write_findings(plan: Plan, work: Path, tables: Path) -> None:
+    """Writes groups.csv, curves.csv and .png, failures.csv, ladder.csv and ladder_ranks.csv."""
+    matrix = json.loads((work / "matrix" / "matrix.json").read_text())
+    groups = list(_group_rows(matrix))
+    curve = list(_curve_rows(plan, groups))
+    _write(tables / "groups.csv", groups)
+    _write(tables / "curves.csv", curve)
+    _write(tables / "failures.csv", _failure_rows(matrix, work))
+    shares = _ladder_shares(plan, work)
+    _write(tables / "ladder.csv", _ladder_rows(shares))
+    _write(tables / "ladder_ranks.csv", _ladder_ranks(shares))
+    drawing = styled("curves", "Success over epochs", lambda narrow: _draw_curves(curve, narrow))
+    write_file(tables / "curves.png", drawing.file("png", "sim2sim study"))
+
+
+def _write(path: Path, rows: Sequence[Row]) -> None:
+    text = io.StringIO()
+    writer = csv.DictWriter(text, rows[0].keys(), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    write_file(path, text.getvalue().encode())
+
+
+def _estimate(name: str, found: Row) -> Row:
+    low, high = found["interval"] or ("", "")
+    return {name: found["value"], f"{name}_low": low, f"{name}_high": high}
+
+
+def _group_rows(matrix: Row) -> Iterator[Row]:
+    """Each group of policies in each simulator."""
+    for group in matrix["groups"]:
+        for simulator, cell in zip(matrix["simulators"], group["cells"]):
+            if cell:
+                yield {
+                    "group": group["group"],
+                    "simulator": simulator["name"],
+                    "policies": cell["policy_count"],
+                    **_estimate("success", cell["success_rate"]),
+                    "between_policies": cell["between_policies"],
+                    **_estimate("transfer", cell["transfer"]),
+                    **_estimate(
+                        "early_position_divergence_m",
+                        cell["divergence"]["early_position_divergence"],
+                    ),
+                }
+
+
+def _curve_rows(plan: Plan, groups: Sequence[Row]) -> Iterator[Row]:
+    """Success of the trainings that have policies after several epochs."""
+    for name, group in plan["groups"].items():
+        epochs = group.get("also_after", [])
+        last = plan["recipes"][group["recipe"]]["epochs"]
+        named = {f"after-{count}-{name}": count for count in epochs}
+        named[name] = last
+        for row in groups:
+            if epochs and row["group"] in named:
+                keys = ("simulator", "policies", "success", "success_low", "success_high")
+                values = {key: row[key] for key in keys}
+                yield {"training": name, "epochs": named[row["group"]], **values}
+
+
+def _draw_curves(rows: Sequence[Row], narrow: bool) -> Any:
+    """A panel for each training, a line for each simulator."""
+    trainings = list(dict.fromkeys(row["training"] for row in rows))
+    simulators = list(dict.fromkeys(row["simulator"] for row in rows))
+    size = (NARROW, 3.4 * len(trainings)) if narrow else (9.8, 4.2)
+    figure = Figure(figsize=size, constrained_layout=True)
+    shape = (len(trainings), 1) if narrow else (1, len(trainings))
+    panels = figure.subplots(*shape, squeeze=False, sharey=True).flat
+    for axes, training in zip(panels, trainings):
+        for simulator, color in zip(simulators, [*SERIES, DIM]):
+            line = [r for r in rows if (r["training"], r["simulator"]) == (training, simulator)]
+            line.sort(key=lambda row: int(row["epochs"]))
+            epochs = [row["epochs"] for row in line]
+            style = "-" if simulator == HOME else "--" if simulator.startswith(HOME) else "-."
+            axes.plot(epochs, [row["success"] for row in line], style, color=color, marker="o")
+            axes.lines[-1].set_label(simulator)
+            for row in line:
+                ends = [row["success_low"], row["success_high"]]
+                if "" not in ends:
+                    axes.plot([row["epochs"]] * 2, ends, color=color, linewidth=1)
+        axes.set_xscale("log")
+        axes.set_xticks([row["epochs"] for row in line], [str(row["epochs"]) for row in line])
+        axes.minorticks_off()
+        axes.set_title(training, fontsize=11)
+        axes.set_xlabel("epochs of training")
+    panels[0].set_ylabel("success rate")
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    legend_above(figure, dict(zip(labels, handles)), 2 if narrow else 4)
+    return figure
+
+
+def _failure_rows(matrix: Row, work: Path) -> List[Row]:
+    """Share of the failures at home that ends near the goal, by group of that home."""
+    home = [simulator["name"] for simulator in matrix["simulators"]].index(HOME)
+    rows = []
+    for group in matrix["groups"]:
+        members = [matrix["policies"][policy] for policy in group["policies"]]
+        if any(policy["reference"] != home for policy in members):
+            continue
+        shares = [_near_share(work / "matrix" / policy["cells"][home]["row"]) for policy in members]
+        rows.append({"group": group["group"], "policies": len(shares), **_mean(shares)})
+    return rows
+
+
+def _near_share(folder: Path) -> float:
+    with (folder / "episodes.csv").open(newline="", encoding="utf-8") as file:
+        failures = [
+            row
+            for row in csv.DictReader(file)
+            if row["mode"] == "reference_closed" and row["success"] == "false"
+        ]
+    near = [
+        float(row["final_position_error_m"]) <= NEAR[0]
+        and float(row["final_angle_error_rad"]) <= NEAR[1]
+        for row in failures
+    ]
+    return float(np.mean(near)) if near else float("nan")
+
+
+def _mean(values: Sequence[float]) -> Row:
+    """Mean over policies with Student's interval, which is about further trainings."""
+    mean = float(np.mean(values))
+    if len(values) < 2:
+        return {"mean": mean, "low": "", "high": ""}
+    half = float(stats.sem(values) * stats.t.ppf(0.975, len(values) - 1))
+    return {"mean": mean, "low": mean - half, "high": mean + half}
+
+
+Shares = Dict[Tuple[str, str], List[Dict[str, float]]]  # by group and gap; a policy each
+
+
+def _ladder_shares(plan: Plan, work: Path) -> Shares:
+    """How much of a gap each switch closes, for each policy of the ladder."""
+    shares: Shares = {}
+    first = plan["first_seed"]
+    for group in plan["ladder"]["groups"]:
+        for seed in range(first, first + plan["ladder"]["policies"]):
+            path = work / f"ladder-{group}-{seed}" / "attribution.csv"
+            with path.open(newline="", encoding="utf-8") as file:
+                rows = list(csv.DictReader(file))
+            for gap in LADDER_GAPS:
+                found = {row["switch"]: float(row["share"]) for row in rows if row["gap"] == gap}
+                of_switches = {s: found[s] for s in plan["ladder"]["switches"]}
+                shares.setdefault((group, gap), []).append(of_switches)
+    return shares
+
+
+def _ladder_rows(shares: Shares) -> List[Row]:
+    return [
+        {"group": group, "gap": gap, "switch": switch, **_mean([s[switch] for s in policies])}
+        for (group, gap), policies in shares.items()
+        for switch in policies[0]
+    ]
+
+
+def _ladder_ranks(shares: Shares) -> List[Row]:
+    """Kendall's W of the switches' shares: 1 if all policies rank them alike. Its p-value is that
+    of Friedman's test of ranks without any order."""
+    rows: List[Row] = []
+    for gap in LADDER_GAPS:
+        for name in ["all", *(group for group, of in shares if of == gap)]:
+            policies = [
+                list(policy.values())
+                for (group, of), found in shares.items()
+                if of == gap and name in ("all", group)
+                for policy in found
+            ]
+            w, p = float("nan"), float("nan")
+            if len(policies) > 1 and len(policies[0]) > 2:
+                chi_square, p = stats.friedmanchisquare(*np.array(policies).T)
+                w = chi_square / (len(policies) * (len(policies[0]) - 1))
+            counted: Row = {"gap": gap, "policies of": name, "policies": len(policies)}
+            rows.append({**counted, "kendall_w": w, "p": p})
+    return rows

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/derived_files.hpp"
+
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "sim2sim_protocol/results/json.hpp"
+
+namespace sim2sim {
+
+DerivedFiles::DerivedFiles(const std::string& what, const std::filesystem::path& folder, const char* json_name,
+                           const char* table_name, bool overwrite)
+    : json_(folder / json_name), table_(folder / table_name) {
+  for (const std::filesystem::path& path : {table_, json_}) {
+    std::error_code ignored;
+    if (!overwrite && std::filesystem::symlink_status(path, ignored).type() != std::filesystem::file_type::not_found) {
+      throw pusht::InvalidInput(what + " " + path.string() + ": is there already; replace it with --overwrite");
+    }
+  }
+}
+
+void DerivedFiles::write(const nlohmann::json& json, const std::string& table) const {
+  pusht::AsideFile new_table(table_);
+  pusht::AsideFile new_json(json_);
+  new_table.write(table, true);
+  new_json.write(jsonText(json), true);
+  new_table.moveIntoPlace();
+  new_json.moveIntoPlace();
+}
+
+}  // namespace sim2sim

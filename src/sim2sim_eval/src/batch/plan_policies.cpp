@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plan_policies.hpp"
+
+#include <glob.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "plan_values.hpp"
+#include "pusht_policy/checkpoint_home.hpp"
+#include "pusht_policy/policy_choice.hpp"
+#include "pusht_task/error.hpp"
+#include "pusht_task/ros/installed_file.hpp"
+
+namespace sim2sim {
+namespace {
+
+/// Names of the files that fit a pattern, in the order of their bytes, whatever the locale.
+std::vector<std::string> filesLike(const std::string& pattern) {
+  glob_t found{};
+  std::vector<std::string> files;
+  if (glob(pattern.c_str(), GLOB_NOSORT, nullptr, &found) == 0) {
+    files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  }
+  globfree(&found);
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<std::string> policiesNamed(const YAML::Node& node, const std::string& key) {
+  const std::string text = textAt(node, key);
+  if (text.find_first_of("*?[") == std::string::npos) {
+    return {text};
+  }
+  std::vector<std::string> files = filesLike(text);
+  if (files.empty()) {
+    refuse(node, key, "no file is named like '" + text + "'; there must be one");
+  }
+  return files;
+}
+
+bool isName(const std::string& policy) {
+  return policy == pusht::kShippedPolicy || policy == pusht::kExpertPolicy || policy == pusht::kUntrainedPolicy;
+}
+
+/// What an entry of the list says of its policies.
+struct ListEntry {
+  std::vector<std::string> policies;
+  std::string group;
+  std::optional<SimulatorChoice> reference;  // none: the home of each
+};
+
+ListEntry entryIn(const YAML::Node& node, const std::optional<SimulatorChoice>& reference) {
+  if (!node.IsMap()) {
+    return {policiesNamed(node, "policies"), "", reference};
+  }
+  requireDistinctKeys(node);
+  ListEntry entry{{}, "", reference};
+  for (const auto& item : node) {
+    const std::string key = textAt(item.first, "key");
+    const YAML::Node& value = item.second;
+    if (key == "files") {
+      entry.policies = policiesNamed(value, key);
+    } else if (key == "group") {
+      entry.group = textAt(value, key);
+    } else if (key == "reference") {
+      entry.reference = textAt(value, key) == kHome ? std::nullopt : std::optional(simulatorAt(value, key));
+    } else {
+      refuse(item.first, key, "there is no such key; there are files, group, reference");
+    }
+  }
+  if (entry.policies.empty()) {
+    refuse(node, "policies", "must have files");
+  }
+  return entry;
+}
+
+}  // namespace
+
+SimulatorChoice homeOfPolicy(const std::string& policy) {
+  if (policy == pusht::kExpertPolicy || policy == pusht::kUntrainedPolicy) {
+    throw pusht::InvalidInput("policy " + policy + ": has no home; name its reference");
+  }
+  const bool is_shipped = policy == pusht::kShippedPolicy;
+  const pusht::CheckpointHome home = pusht::homeOf(
+      is_shipped ? pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint) : std::filesystem::path(policy));
+  return chooseSimulator(home.simulator, home.settings);
+}
+
+std::vector<PlannedPolicy> policiesIn(const YAML::Node& list, const std::optional<SimulatorChoice>& reference) {
+  if (!list.IsSequence() || list.size() == 0) {
+    refuse(list, "policies", "must be a list of policies");
+  }
+  std::vector<PlannedPolicy> policies;
+  std::set<std::string> seen;
+  for (const YAML::Node& node : list) {
+    const ListEntry entry = entryIn(node, reference);
+    for (const std::string& policy : entry.policies) {
+      if (!seen.insert(isName(policy) ? policy : std::filesystem::weakly_canonical(policy).string()).second) {
+        refuse(node, "policies", "'" + policy + "' must appear only once");
+      }
+      std::optional<SimulatorChoice> own = entry.reference;
+      if (!own) {
+        inLineOf(node, [&] { own = homeOfPolicy(policy); });
+      }
+      policies.push_back({policy, entry.group, *own});
+    }
+  }
+  return policies;
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""script/study: the least of everything, from nothing, and after kills."""
+
+import os
+import signal
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+from typing import Any, Dict
+
+import yaml  # type: ignore[import]
+
+from command_case import CommandCase, until
+
+ROOT = Path(__file__).resolve().parents[3]
+STUDY = ROOT / "docs" / "study"
+DEADLINE = 600.0  # s: eight trainings, each a process
+# Files after which a study is killed, in the middle of a step each.
+KILLS = ("small-mujoco_2000-100.ts.pt", "matrix/rows/010/metrics.json")
+
+
+class Study(CommandCase):
+    def start(self, name: str) -> "subprocess.Popen[str]":
+        """The study in a process group of its own, as a shell starts it."""
+        folder = self.folder / name
+        folder.mkdir(exist_ok=True)
+        options = ("--smoke", "--work", str(folder / "work"), "--tables", str(folder / "tables"))
+        return subprocess.Popen(
+            [sys.executable, str(ROOT / "script" / "study.py"), *options],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
+
+    def finish(self, name: str) -> Dict[str, bytes]:
+        """The tables of a study that must end well."""
+        process = self.start(name)
+        output, _ = process.communicate(timeout=DEADLINE)
+        self.assertEqual(process.returncode, 0, output)
+        tables = self.folder / name / "tables"
+        return {path.name: path.read_bytes() for path in tables.iterdir()}
+
+    def kill_after(self, name: str, file: str) -> None:
+        process = self.start(name)
+        try:
+            path = self.folder / name / "work" / file
+            until(lambda: path.exists() or process.poll() is not None)
+            self.assertIsNone(process.poll(), f"ended before {file}")
+        finally:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
+
+    def test_ends_with_the_same_bytes_after_kills(self) -> None:
+        whole = self.finish("whole")
+        csv = ("matrix", "groups", "curves", "failures", "ladder", "ladder_ranks")
+        names = {"matrix.txt", "recipes.txt", "curves.png", *(f"{name}.csv" for name in csv)}
+        self.assertEqual(set(whole), names)
+        self.assertIn(
+            b"H11 the two-mass engine ranks them the other way round:", whole["matrix.txt"]
+        )
+        for file in KILLS:
+            self.kill_after("killed", file)
+        self.assertEqual(self.finish("killed"), whole)
+
+    def test_hypotheses_are_about_what_is_run(self) -> None:
+        plan: Dict[str, Any] = yaml.safe_load((STUDY / "study.yaml").read_text())
+        hypotheses: Dict[str, Any] = yaml.safe_load((STUDY / "hypotheses.yaml").read_text())
+        page = (STUDY / "plan.md").read_text(encoding="utf-8")
+        groups = set(plan["groups"])
+        for name, group in plan["groups"].items():
+            groups |= {f"after-{epochs}-{name}" for epochs in group.get("also_after", [])}
+            self.assertIn(group["demonstrations"], plan["demonstrations"])
+        for name, hypothesis in hypotheses.items():
+            with self.subTest(name):
+                number, words = name.split(" ", 1)
+                self.assertIn(f"| {number} | {words} |", page)
+                named = hypothesis.get("ranking") or [hypothesis["more"], hypothesis["less"]]
+                self.assertLessEqual(set(named), groups)
+        self.assertLessEqual(set(plan["ladder"]["groups"]), groups)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Matrix as files, and as tables for people.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "sim2sim_protocol/results/matrix.hpp"
+
+namespace sim2sim {
+
+/// Content of matrix.json, hypotheses aside.
+nlohmann::json toJson(const Matrix& matrix);
+
+/// Text of matrix.csv: a row for each policy in each simulator.
+std::string toCsv(const Matrix& matrix);
+
+/// Tables for the terminal.
+std::string table(const Matrix& matrix);
+
+}  // namespace sim2sim

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Tables of policies by starts from the cells of a matrix. Private to its calculations.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace sim2sim {
+
+/// Values of policies (rows) by start (columns).
+using Rows = std::vector<std::vector<double>>;
+
+inline std::vector<double> numbersOf(const std::vector<bool>& successes) {
+  return {successes.begin(), successes.end()};
+}
+
+/// Rows without the columns that are NaN in one of them. There must be a row.
+inline Rows withoutGaps(const Rows& rows) {
+  Rows dense(rows.size());
+  for (std::size_t column = 0; column < rows.front().size(); ++column) {
+    if (std::none_of(rows.begin(), rows.end(), [&](const auto& row) { return std::isnan(row[column]); })) {
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        dense[i].push_back(rows[i][column]);
+      }
+    }
+  }
+  return dense;
+}
+
+}  // namespace sim2sim

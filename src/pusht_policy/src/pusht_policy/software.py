@@ -14,6 +14,8 @@ import torch
 from pusht_policy.recipe import Recipe
 from pusht_task.machine import cpu_model
 
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of mallopt(3)
+
 
 def software() -> Dict[str, str]:
     """Versions of what computes the weights, and what they choose their code by."""
@@ -29,7 +31,8 @@ def software() -> Dict[str, str]:
 
 
 def set_up_torch(recipe: Recipe) -> None:
-    """Makes torch deterministic and free of slow denormals. OpenBLAS has its own thread count."""
+    """Makes torch deterministic, free of slow denormals, and keeps what it frees. OpenBLAS has its
+    own thread count."""
     torch.use_deterministic_algorithms(True)
     torch.set_flush_denormal(True)
     torch.set_num_threads(recipe.threads)
@@ -37,6 +40,15 @@ def set_up_torch(recipe: Recipe) -> None:
         set_threads = getattr(ctypes.CDLL(name), "openblas_set_num_threads", None)
         if set_threads is not None:
             set_threads(ctypes.c_int(recipe.threads))
+    _keep_freed_memory()
+
+
+def _keep_freed_memory() -> None:
+    """Tells glibc to keep what is freed: each step of Adam allocates what the last one freed, and
+    returning pages to the system in between costs more than the arithmetic."""
+    libc = ctypes.CDLL(None)
+    for parameter, limit in ((M_TRIM_THRESHOLD, 1 << 30), (M_MMAP_THRESHOLD, 1 << 25)):  # [bytes]
+        libc.mallopt(parameter, limit)
 
 
 def _torch_vectors() -> str:

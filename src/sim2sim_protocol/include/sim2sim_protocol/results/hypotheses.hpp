@@ -42,8 +42,8 @@ struct Hypothesis {
 /// What the sweep says of a hypothesis.
 struct HypothesisResult {
   Hypothesis hypothesis;
-  /// Value of the figure; its interval is over further trainings and starts (sim2sim_statistics/crossed.hpp), that of a ranking over
-  /// further policies and starts (sim2sim_statistics/ranking.hpp). A ranking has no p-value.
+  /// Value of the figure; its interval is over further trainings and starts (sim2sim_statistics/crossed.hpp), that of a
+  /// ranking over further policies and starts (sim2sim_statistics/ranking.hpp). A ranking has no p-value.
   Difference found;
   std::optional<double> adjusted_p{};  ///< after Holm, over all differences of which a sign is expected
   enum class Verdict {

@@ -17,7 +17,7 @@ from pusht_task.command import OneLineParser, run_command
 from pusht_task.error import Error, ExitCode
 from pusht_task.files import write_file
 
-from study_findings import write_findings
+from study_findings import first_policies, write_findings
 
 STUDY = Path(__file__).resolve().parents[1] / "docs" / "study"
 Plan = Dict[str, Any]
@@ -41,6 +41,20 @@ def _run(work: Path, *words: object, **options: Any) -> "subprocess.CompletedPro
         text = " ".join(command)
         raise Error(f"{text}: exit code {process.returncode}", ExitCode.RUNTIME_FAULT)
     return process
+
+
+def keep_plan(plan: Plan, work: Path) -> None:
+    """Writes the plan beside what is made by it. Raises Error if the folder is of another plan."""
+    path = work / "plan.yaml"
+    if not path.exists():
+        write_file(path, yaml.safe_dump(plan, sort_keys=False).encode())
+    kept = yaml.safe_load(path.read_text())
+    for key in {**kept, **plan}:
+        if kept.get(key) != plan.get(key):
+            raise Error(
+                f"{path}: {key} differs from the plan's; a folder is of one plan: "
+                "name another by --work, or delete this one"
+            )
 
 
 def demonstrate(plan: Plan, work: Path) -> None:
@@ -93,33 +107,61 @@ def sweep_policies(plan: Plan, work: Path) -> None:
     sweep(work, "matrix", {"policies": list(policies(plan)), **engines, **wanted})
 
 
+def sweep_variants(plan: Plan, work: Path) -> None:
+    """The first policies of some groups in other discretizations of the reference's model."""
+    variants = plan["variants"]
+    wanted = {
+        "policies": [
+            {
+                "files": f"{name}.ts.pt",
+                "group": group,
+                "reference": plan["groups"][group]["reference"],
+            }
+            for group, name in first_policies(plan, variants)
+        ],
+        "engine": variants["engines"],
+        "floor": False,
+        "episodes": variants["episodes"],
+        "first_episode": plan["first_episode"],
+    }
+    sweep(work, "variants", wanted)
+
+
 def ladder(plan: Plan, work: Path) -> None:
     """The cause of the gap for the first policies of some groups."""
-    first = plan["first_seed"]
-    for group in plan["ladder"]["groups"]:
-        for seed in range(first, first + plan["ladder"]["policies"]):
-            folder = f"ladder-{group}-{seed}"
-            wanted = {
-                "policy": f"{group}-{seed}.ts.pt",
-                "episodes": plan["ladder"]["episodes"],
-                "first_episode": plan["first_episode"],
-                "engine": "rigid_body",
-                "floor": False,
-                "grid": {switch: [False, True] for switch in plan["ladder"]["switches"]},
-            }
-            sweep(work, folder, wanted)
-            ros(work, "sim2sim_eval", "attribute", folder, "--overwrite")
+    for _, name in first_policies(plan, plan["ladder"]):
+        wanted = {
+            "policy": f"{name}.ts.pt",
+            "episodes": plan["ladder"]["episodes"],
+            "first_episode": plan["first_episode"],
+            "engine": "rigid_body",
+            "floor": False,
+            "grid": {switch: [False, True] for switch in plan["ladder"]["switches"]},
+        }
+        sweep(work, f"ladder-{name}", wanted)
+        ros(work, "sim2sim_eval", "attribute", f"ladder-{name}", "--overwrite")
 
 
 def matrices(plan: Plan, work: Path, tables: Path) -> None:
-    """The matrix as text, whole and of the groups that differ in one thing."""
-    for name, groups in [*plan["matrices"].items(), ("matrix", [])]:
-        options = [word for group in groups for word in ("--group", group)]
-        if not groups:
-            options = ["--hypotheses", str(STUDY / "hypotheses.yaml")]
-        text = printed(work, "sim2sim_eval", "matrix", "matrix", *options, "--overwrite")
+    """The matrix as text: of all groups, of those that differ in one thing, of those that are
+    ranked, and of the variants. Its JSON stays in the work folder, for the findings."""
+    hypotheses = ["--hypotheses", str(STUDY / "hypotheses.yaml")]
+    questions = [
+        *((name, "matrix", groups_of(groups)) for name, groups in plan["matrices"].items()),
+        ("rankings", "matrix", groups_of(plan["rankings"])),
+        ("matrix", "matrix", hypotheses),
+        ("variants", "variants", []),
+    ]
+    for name, folder, options in questions:
+        text = printed(work, "sim2sim_eval", "matrix", folder, *options, "--overwrite")
         write_file(tables / f"{name}.txt", text)
+        write_file(work / f"{name}.json", (work / folder / "matrix.json").read_bytes())
     write_file(tables / "matrix.csv", (work / "matrix" / "matrix.csv").read_bytes())
+
+
+def groups_of(names: List[str]) -> List[str]:
+    """The options that ask for these groups."""
+    return [word for name in names for word in ("--group", name)]
 
 
 def smallest(plan: Plan) -> Plan:
@@ -139,6 +181,7 @@ def smallest(plan: Plan) -> Plan:
     plan["engines"] = plan["engines"][:3]
     plan["episodes"] = 2
     plan["matrices"] = {"recipes": ["small-mujoco", "shipped-mujoco"]}
+    plan["variants"].update(policies=1, episodes=1, engines=plan["variants"]["engines"][:1])
     plan["ladder"].update(policies=1, episodes=1, switches=plan["ladder"]["switches"][:3])
     return plan
 
@@ -146,7 +189,8 @@ def smallest(plan: Plan) -> Plan:
 def study(plan: Plan, work: Path, tables: Path) -> None:
     work.mkdir(parents=True, exist_ok=True)
     tables.mkdir(parents=True, exist_ok=True)
-    for step in (demonstrate, train, sweep_policies, ladder):
+    keep_plan(plan, work)
+    for step in (demonstrate, train, sweep_policies, sweep_variants, ladder):
         step(plan, work)
     matrices(plan, work, tables)
     write_findings(plan, work, tables)
@@ -162,6 +206,8 @@ def main() -> int:
     help_smoke = "run the least of everything: it tests this program, and says nothing"
     parser.add_argument("--smoke", action="store_true", help=help_smoke)
     options = parser.parse_args()
+    if options.smoke and (options.work == default or options.tables == STUDY):
+        parser.error("--smoke says nothing: give it folders of its own by --work and --tables")
     plan = yaml.safe_load((STUDY / "study.yaml").read_text())
     if options.smoke:
         plan = smallest(plan)

@@ -5,7 +5,7 @@ import csv
 import io
 import json
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 from pusht_task.files import write_file
@@ -21,18 +21,28 @@ Row = Dict[str, Any]
 
 
 def write_findings(plan: Plan, work: Path, tables: Path) -> None:
-    """Writes groups.csv, curves.csv and .png, failures.csv, ladder.csv and ladder_ranks.csv."""
-    matrix = json.loads((work / "matrix" / "matrix.json").read_text())
+    """Writes groups.csv, curves.csv and .png, failures.csv, rankings.csv, ladder.csv and
+    ladder_ranks.csv."""
+    matrix = json.loads((work / "matrix.json").read_text())
     groups = list(_group_rows(matrix))
     curve = list(_curve_rows(plan, groups))
     _write(tables / "groups.csv", groups)
     _write(tables / "curves.csv", curve)
-    _write(tables / "failures.csv", _failure_rows(matrix, work))
+    _write(tables / "failures.csv", _failure_rows(plan, matrix, work))
+    rankings = json.loads((work / "rankings.json").read_text())
+    _write(tables / "rankings.csv", list(_ranking_rows(rankings)))
     shares = _ladder_shares(plan, work)
     _write(tables / "ladder.csv", _ladder_rows(shares))
     _write(tables / "ladder_ranks.csv", _ladder_ranks(shares))
     drawing = styled("curves", "Success over epochs", lambda narrow: _draw_curves(curve, narrow))
     write_file(tables / "curves.png", drawing.file("png", "sim2sim study"))
+
+
+def first_policies(plan: Plan, part: Row) -> Iterator[Tuple[str, str]]:
+    """The groups of a part of the plan, each with its first policies."""
+    for group in part["groups"]:
+        for seed in range(plan["first_seed"], plan["first_seed"] + part["policies"]):
+            yield group, f"{group}-{seed}"
 
 
 def _write(path: Path, rows: Sequence[Row]) -> None:
@@ -112,20 +122,44 @@ def _draw_curves(rows: Sequence[Row], narrow: bool) -> Any:
     return figure
 
 
-def _failure_rows(matrix: Row, work: Path) -> List[Row]:
-    """Share of the failures at home that ends near the goal, by group of that home."""
+def _ranking_rows(matrix: Row) -> Iterator[Row]:
+    """How far the order of policies in the home holds elsewhere, and from which difference on."""
+    names = [simulator["name"] for simulator in matrix["simulators"]]
+    for ranking in matrix["rankings"]:
+        if names[ranking["reference"]] != HOME:
+            continue
+        of = {"there": names[ranking["test"]], "policies": ranking["policy_count"]}
+        for figure in ("kendall", "spearman", "pearson", "mean_maximum_rank_violation"):
+            yield {**of, "figure": figure, "pairs": "", **_estimate("value", ranking[figure])}
+        for share in ranking["agreement"]:
+            figure = f"better in both, success differs by {share['from']} to {share['to']}"
+            yield {**of, "figure": figure, "pairs": share["pairs"], **_estimate("value", share)}
+
+
+def _failure_rows(plan: Plan, matrix: Row, work: Path) -> List[Row]:
+    """Share of the failures at home that ends near the goal, by group of that home, and the
+    difference of two groups. A policy that never fails has no share."""
     home = [simulator["name"] for simulator in matrix["simulators"]].index(HOME)
     rows = []
+    of_group: Dict[str, List[float]] = {}
     for group in matrix["groups"]:
         members = [matrix["policies"][policy] for policy in group["policies"]]
         if any(policy["reference"] != home for policy in members):
             continue
-        shares = [_near_share(work / "matrix" / policy["cells"][home]["row"]) for policy in members]
-        rows.append({"group": group["group"], "policies": len(shares), **_mean(shares)})
+        found = [_near_share(work / "matrix" / policy["cells"][home]["row"]) for policy in members]
+        shares = [share for share in found if share is not None]
+        if shares:
+            of_group[group["group"]] = shares
+            rows.append({"group": group["group"], "policies": len(shares), **_mean(shares)})
+    more, less = plan["failures"]["more"], plan["failures"]["less"]
+    both = of_group.get(more, []), of_group.get(less, [])
+    if all(both):
+        count = sum(map(len, both))
+        rows.append({"group": f"{more} less {less}", "policies": count, **_difference(*both)})
     return rows
 
 
-def _near_share(folder: Path) -> float:
+def _near_share(folder: Path) -> Optional[float]:
     with (folder / "episodes.csv").open(newline="", encoding="utf-8") as file:
         failures = [
             row
@@ -137,7 +171,7 @@ def _near_share(folder: Path) -> float:
         and float(row["final_angle_error_rad"]) <= NEAR[1]
         for row in failures
     ]
-    return float(np.mean(near)) if near else float("nan")
+    return float(np.mean(near)) if near else None
 
 
 def _mean(values: Sequence[float]) -> Row:
@@ -149,22 +183,32 @@ def _mean(values: Sequence[float]) -> Row:
     return {"mean": mean, "low": mean - half, "high": mean + half}
 
 
+def _difference(more: Sequence[float], less: Sequence[float]) -> Row:
+    """Difference of two means over policies with Welch's interval, about further trainings."""
+    mean = float(np.mean(more) - np.mean(less))
+    if min(len(more), len(less)) < 2:
+        return {"mean": mean, "low": "", "high": ""}
+    parts = [stats.sem(values) ** 2 for values in (more, less)]
+    total = sum(parts)
+    freedom = [part**2 / (len(values) - 1) for part, values in zip(parts, (more, less))]
+    half = 0.0 if total == 0 else np.sqrt(total) * stats.t.ppf(0.975, total**2 / sum(freedom))
+    return {"mean": mean, "low": float(mean - half), "high": float(mean + half)}
+
+
 Shares = Dict[Tuple[str, str], List[Dict[str, float]]]  # by group and gap; a policy each
 
 
 def _ladder_shares(plan: Plan, work: Path) -> Shares:
     """How much of a gap each switch closes, for each policy of the ladder."""
     shares: Shares = {}
-    first = plan["first_seed"]
-    for group in plan["ladder"]["groups"]:
-        for seed in range(first, first + plan["ladder"]["policies"]):
-            path = work / f"ladder-{group}-{seed}" / "attribution.csv"
-            with path.open(newline="", encoding="utf-8") as file:
-                rows = list(csv.DictReader(file))
-            for gap in LADDER_GAPS:
-                found = {row["switch"]: float(row["share"]) for row in rows if row["gap"] == gap}
-                of_switches = {s: found[s] for s in plan["ladder"]["switches"]}
-                shares.setdefault((group, gap), []).append(of_switches)
+    for group, name in first_policies(plan, plan["ladder"]):
+        path = work / f"ladder-{name}" / "attribution.csv"
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        for gap in LADDER_GAPS:
+            found = {row["switch"]: float(row["share"]) for row in rows if row["gap"] == gap}
+            of_switches = {s: found[s] for s in plan["ladder"]["switches"]}
+            shares.setdefault((group, gap), []).append(of_switches)
     return shares
 
 

@@ -56,8 +56,9 @@ class Study(CommandCase):
 
     def test_ends_with_the_same_bytes_after_kills(self) -> None:
         whole = self.finish("whole")
-        csv = ("matrix", "groups", "curves", "failures", "ladder", "ladder_ranks")
-        names = {"matrix.txt", "recipes.txt", "curves.png", *(f"{name}.csv" for name in csv)}
+        csv = ("matrix", "groups", "curves", "failures", "rankings", "ladder", "ladder_ranks")
+        txt = ("matrix", "recipes", "rankings", "variants")
+        names = {"curves.png", *(f"{name}.csv" for name in csv), *(f"{name}.txt" for name in txt)}
         self.assertEqual(set(whole), names)
         self.assertIn(
             b"H11 the two-mass engine ranks them the other way round:", whole["matrix.txt"]
@@ -65,6 +66,22 @@ class Study(CommandCase):
         for file in KILLS:
             self.kill_after("killed", file)
         self.assertEqual(self.finish("killed"), whole)
+
+    def test_a_folder_is_of_one_plan(self) -> None:
+        work = self.folder / "one" / "work"
+        work.mkdir(parents=True)
+        (work / "plan.yaml").write_text("episodes: 7\n")
+        process = self.start("one")
+        output, _ = process.communicate(timeout=DEADLINE)
+        self.assertNotEqual(process.returncode, 0)
+        self.assertIn(f"{work / 'plan.yaml'}: episodes differs from the plan's", output)
+        self.assertEqual([path.name for path in work.iterdir()], ["plan.yaml"])
+
+    def test_smoke_has_folders_of_its_own(self) -> None:
+        command = [sys.executable, str(ROOT / "script" / "study.py"), "--smoke"]
+        process = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
+        self.assertEqual(process.returncode, 2)
+        self.assertIn("--smoke says nothing: give it folders of its own", process.stderr)
 
     def test_hypotheses_are_about_what_is_run(self) -> None:
         plan: Dict[str, Any] = yaml.safe_load((STUDY / "study.yaml").read_text())
@@ -80,7 +97,10 @@ class Study(CommandCase):
                 self.assertIn(f"| {number} | {words} |", page)
                 named = hypothesis.get("ranking") or [hypothesis["more"], hypothesis["less"]]
                 self.assertLessEqual(set(named), groups)
-        self.assertLessEqual(set(plan["ladder"]["groups"]), groups)
+        for part in ("ladder", "variants"):
+            self.assertLessEqual(set(plan[part]["groups"]), groups)
+        self.assertLessEqual(set(plan["rankings"]), groups)
+        self.assertLessEqual(set(plan["failures"].values()), groups)
 
 
 if __name__ == "__main__":

@@ -22,20 +22,62 @@ Row = Dict[str, Any]
 
 def write_findings(plan: Plan, work: Path, tables: Path) -> None:
     """Writes groups.csv, curves.csv and .png, failures.csv, rankings.csv, ladder.csv and
-    ladder_ranks.csv."""
+    ladder_ranks.csv; and figures.json, which has what docs/claims.yaml reads."""
     matrix = json.loads((work / "matrix.json").read_text())
     groups = list(_group_rows(matrix))
     curve = list(_curve_rows(plan, groups))
     _write(tables / "groups.csv", groups)
     _write(tables / "curves.csv", curve)
-    _write(tables / "failures.csv", _failure_rows(plan, matrix, work))
-    rankings = json.loads((work / "rankings.json").read_text())
-    _write(tables / "rankings.csv", list(_ranking_rows(rankings)))
+    failures = _failure_rows(plan, matrix, work)
+    _write(tables / "failures.csv", failures)
+    rankings = list(_ranking_rows(json.loads((work / "rankings.json").read_text())))
+    _write(tables / "rankings.csv", rankings)
     shares = _ladder_shares(plan, work)
-    _write(tables / "ladder.csv", _ladder_rows(shares))
-    _write(tables / "ladder_ranks.csv", _ladder_ranks(shares))
+    ladder = _ladder_rows(shares)
+    ranks = _ladder_ranks(shares)
+    _write(tables / "ladder.csv", ladder)
+    _write(tables / "ladder_ranks.csv", ranks)
+    figures = {
+        "hypotheses": {h["name"].partition(" ")[0]: h for h in matrix["hypotheses"]},
+        "groups": _by(groups, "group", "simulator"),
+        "failures": _by(failures, "group"),
+        "rankings": _by(rankings, "there", "figure"),
+        "ladder": _by(ladder, "gap", "group", "switch"),
+        "ladder_ranks": _by(ranks, "gap", "policies of"),
+        "spread": {name: _spread_of(work / f"{name}.json") for name in plan["matrices"]},
+    }
+    text = json.dumps(figures, indent=1, sort_keys=True) + "\n"
+    write_file(tables / "figures.json", text.encode())
     drawing = styled("curves", "Success over epochs", lambda narrow: _draw_curves(curve, narrow))
     write_file(tables / "curves.png", drawing.file("png", "sim2sim study"))
+
+
+def _by(rows: Sequence[Row], *keys: str) -> Row:
+    """Rows of a table by their keys. An interval stands beside its figure: x_interval of x_low and
+    x_high."""
+    found: Row = {}
+    for row in rows:
+        place = found
+        for key in keys:
+            place = place.setdefault(str(row[key]).replace("/", " "), {})
+        for name, value in row.items():
+            stem, _, end = name.rpartition("_")
+            if name == "high" or end == "high":
+                low = row["low" if name == "high" else f"{stem}_low"]
+                ends = None if "" in (low, value) else [low, value]
+                place[f"{stem}_interval" if stem else "interval"] = ends
+            elif name not in (*keys, "low") and end != "low":
+                place[name] = value
+    return found
+
+
+def _spread_of(path: Path) -> Row:
+    """Shares of the variance of cells, by figure and source."""
+    spreads = json.loads(path.read_text())["spreads"]
+    return {
+        spread["figure"]: {source["source"]: source["share"] for source in spread["sources"]}
+        for spread in spreads
+    }
 
 
 def first_policies(plan: Plan, part: Row) -> Iterator[Tuple[str, str]]:

@@ -56,12 +56,17 @@ class Claim(NamedTuple):
 
 
 class Run(NamedTuple):
-    """Commands, and the claims that rest on their results."""
+    """Commands, or results that are kept, and the claims that rest on them."""
 
     name: str
-    commands: List[str]  # none: no command of the suite repeats it
+    commands: List[str]  # none: no command of the suite repeats it, or the results are kept
+    kept: str  # the folder of kept results, relative to the root of the project; empty: none
     cheap: bool  # takes seconds
     claims: List[Claim]
+
+    @property
+    def is_measured(self) -> bool:
+        return bool(self.commands or self.kept)
 
 
 class Row(NamedTuple):
@@ -84,11 +89,12 @@ def read(path: Path) -> List[Run]:
 
 
 def _run(name: str, entry: Dict[str, Any]) -> Run:
-    _require_keys(name, entry, {"claims"}, {"run", "cheap"})
+    _require_keys(name, entry, {"claims"}, {"run", "kept", "cheap"})
     claims = [_claim(f"{name}.{key}", fields) for key, fields in entry["claims"].items()]
-    run = Run(name, entry.get("run", []), entry.get("cheap", False), claims)
+    kept = entry.get("kept", "")
+    run = Run(name, entry.get("run", []), kept, entry.get("cheap", bool(kept)), claims)
     for claim in claims:
-        count = len(claim.figures) if run.commands else 0
+        count = len(claim.figures) if run.is_measured else 0
         if len(claim.keys) != count:
             raise Error(f"claim {claim.name}: {len(claim.keys)} keys: must be {count}")
     return run
@@ -191,8 +197,8 @@ def check(run: Run, folder: Path) -> Iterator[Row]:
     results = Results(folder)
     for claim in run.claims:
         for i, figure in enumerate(claim.figures):
-            numbers = results.numbers(claim, claim.keys[i]) if run.commands else []
-            yield Row(claim.name, figure, in_form_of(figure, numbers) if run.commands else "")
+            numbers = results.numbers(claim, claim.keys[i]) if run.is_measured else []
+            yield Row(claim.name, figure, in_form_of(figure, numbers) if run.is_measured else "")
         for condition in claim.where:
             key, relation, bound = CONDITION.fullmatch(condition).groups()  # type: ignore
             value = results.numbers(claim, key)[0]
@@ -200,8 +206,10 @@ def check(run: Run, folder: Path) -> Iterator[Row]:
             yield Row(claim.name, condition, condition if holds else f"{key} is {value}")
 
 
-def execute(run: Run, folder: Path) -> Path:
+def execute(run: Run, folder: Path, root: Path) -> Path:
     """The folder of the run's results. They are made if they are not there."""
+    if run.kept:
+        return root / run.kept
     results = folder / run.name
     if results.exists() or not run.commands:
         return results
@@ -264,14 +272,15 @@ def main(arguments: Optional[List[str]] = None) -> int:
 
     def work() -> None:
         runs = chosen(read(options.table), options.names, options.cheap)
+        root = options.table.resolve().parents[1]
         for claim in (claim for run in runs for claim in run.claims):
-            if not stands(claim, options.table.resolve().parents[1]):
+            if not stands(claim, root):
                 rows.append(Row(claim.name, claim.text, f"is not in {claim.document}"))
         with tempfile.TemporaryDirectory() as temporary:
             folder = options.out or Path(temporary)
             folder.mkdir(parents=True, exist_ok=True)
             for run in runs:
-                rows.extend(check(run, execute(run, folder.resolve())))
+                rows.extend(check(run, execute(run, folder.resolve(), root)))
         say(table(rows))
         count = {verdict: 0 for verdict in ("same", "DIFFERS", "measured outside")}
         for row in rows:

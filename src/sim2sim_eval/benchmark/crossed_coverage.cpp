@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,8 @@
 #include "known_truths.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_statistics/crossed.hpp"
+#include "sim2sim_statistics/tails.hpp"
+#include "tail_coverage.hpp"
 
 namespace sim2sim {
 namespace {
@@ -117,13 +121,94 @@ std::vector<Design> designs() {
   return all;
 }
 
-}  // namespace
+/// Divergence of replays: that of a start, times the effects of the policy and of the two together, each of mean 1.
+struct DivergenceDesign {
+  Population starts;
+  double policy;  ///< standard deviation of the logarithm of the policies' effects
+  double chance;  ///< likewise of what is left
+};
 
-void crossed(Simulation& simulation) {
+/// Lognormal effect of mean 1.
+double factor(double sigma, Random& random) { return std::exp(sigma * normal(random) - 0.5 * sigma * sigma); }
+
+/// Divergences of further policies of a recipe, whose mean is `mean` times that of the starts.
+Rows divergencesOf(const DivergenceDesign& design, const std::vector<double>& of_starts, std::size_t policies,
+                   double mean, Random& random) {
+  Rows rows(policies);
+  for (std::vector<double>& row : rows) {
+    const double of_policy = mean * factor(design.policy, random);
+    for (const double of_start : of_starts) {
+      row.push_back(of_start * of_policy * factor(design.chance, random));
+    }
+  }
+  return rows;
+}
+
+/// Answers on the mean of a recipe, and on its difference from another one with as many policies or three fewer; none
+/// where few starts carry a mean, for then `matrix` has no interval.
+Answers<3> ask(const DivergenceDesign& design, const CrossedShape& shape, Random& random) {
+  const std::vector<double> of_starts = drawn(design.starts.draw, static_cast<int>(shape.starts), random);
+  const CrossedTable more(divergencesOf(design, of_starts, shape.policies, 1.0, random));
+  const auto less = [&](std::size_t policies) {
+    return CrossedTable(divergencesOf(design, of_starts, policies, 1.0 - kFurther, random));
+  };
+  const CrossedTable as_many = less(shape.policies);
+  const CrossedTable fewer = less(std::max(kFewestRows, shape.policies - 3));
+  const auto are_even = [](const CrossedTable& table) { return !isCarriedByFew(table.columnMeans(), 0.0); };
+  const auto answer = [](bool is_made, const std::optional<Interval>& interval, double truth) {
+    return is_made ? holds(interval, truth) : std::nullopt;
+  };
+  const double mean = design.starts.mean;
+  const bool is_even = are_even(more);
+  return {answer(is_even, crossedMean(more, {0.0, std::numeric_limits<double>::infinity()}).interval, mean),
+          answer(is_even && are_even(as_many), crossedDifference(more, as_many).interval, kFurther * mean),
+          answer(is_even && are_even(fewer), crossedDifference(more, fewer).interval, kFurther * mean)};
+}
+
+std::vector<DivergenceDesign> divergenceDesigns() {
+  std::vector<DivergenceDesign> all;
+  for (const Population& starts : measuredPositions()) {
+    for (const double policy : {0.02, 0.1}) {
+      all.push_back({starts, policy, 0.5});
+    }
+  }
+  return all;
+}
+
+std::vector<std::string> shapeColumns() {
   std::vector<std::string> columns = {"interval", "population"};
   for (const CrossedShape& shape : kCrossedShapes) {
     columns.push_back(std::to_string(shape.policies) + " x " + std::to_string(shape.starts));
   }
+  return columns;
+}
+
+void crossedDivergences(Simulation& simulation) {
+  printHead("The same of divergences [%]; none where few starts carry the mean in all repetitions", shapeColumns());
+  const std::vector<DivergenceDesign> all = divergenceDesigns();
+  std::vector<std::array<std::array<Proportion, 3>, kCrossedShapes.size()>> shares(all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t j = 0; j < kCrossedShapes.size(); ++j) {
+      shares[i].at(j) = simulation.ask<3>([&](Random& random) { return ask(all[i], kCrossedShapes.at(j), random); });
+    }
+  }
+  const std::array names = {"mean", "difference of recipes", "the same, three policies fewer"};
+  for (std::size_t question = 0; question < names.size(); ++question) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      std::vector<std::string> cells = {names.at(question),
+                                        all[i].starts.name + ", policies " + pusht::fixedText(all[i].policy, 2)};
+      for (const auto& of_shape : shares[i]) {
+        cells.push_back(coverageCell(of_shape.at(question)));
+      }
+      printRow(cells);
+    }
+  }
+}
+
+}  // namespace
+
+void crossed(Simulation& simulation) {
+  const std::vector<std::string> columns = shapeColumns();
   const std::vector<Design> all = designs();
   std::vector<std::array<std::array<Proportion, 4>, kCrossedShapes.size()>> shares(all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -143,6 +228,7 @@ void crossed(Simulation& simulation) {
       printRow(cells);
     }
   }
+  crossedDivergences(simulation);
 }
 
 }  // namespace sim2sim

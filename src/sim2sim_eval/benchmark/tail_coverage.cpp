@@ -225,6 +225,15 @@ std::vector<Line> medians() {
 
 }  // namespace
 
+std::vector<Population> measuredPositions() {
+  std::vector<Population> populations;
+  for (const Source source : {kTwoMass, kChipmunk, kNearest}) {
+    populations.push_back(
+        resampled(kNames.at(source), divergences(all(), kComponents.front(), source), kComponents.front().limit));
+  }
+  return populations;
+}
+
 void tails(Simulation& simulation) {
   print(simulation, "the mean divergence", means());
   print(simulation, "the ratio of mean divergences", ratios());

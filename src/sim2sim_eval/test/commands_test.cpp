@@ -372,6 +372,7 @@ TEST_F(DemonstrateAnywhere, RefusesWhatCannotBeDrawn) {
   EXPECT_THAT(refused({"mujoco", "chipmunk"}, {"cone=elliptic"}),
               HasSubstr("must be with its simulator, as in mujoco:cone=elliptic"));
   EXPECT_THAT(refused({"mujoco", "mujoco"}, {}), HasSubstr("must be named once each"));
+  EXPECT_THAT(refused({"mujoco", "mujoco:timestep=0.01"}, {}), HasSubstr("must be named once each"));
   EXPECT_THAT(refusal([&] { record([](DemonstrateOptions& options) { options.plan.action_noise = 1.5; }); }),
               HasSubstr("action noise 1.5: must be from 0 to 1"));
 }

@@ -149,6 +149,23 @@ class Compared(CommandCase):
         for printed, numbers, expected in cases:
             self.assertEqual(claims.in_form_of(printed, [*numbers]), expected)
 
+    def test_results_that_stand_in_the_project(self) -> None:
+        """A longer program left them there; no command is run."""
+        claim = "keeps: {in: README.md, says: 'keeps {31 %}', file: toy.json, keys: [transfer]}"
+        self.write("README.md", b"The engine keeps 31 %.")
+        (self.folder / "docs").mkdir()
+        self.write("docs/toy.json", b'{"transfer": 0.3104}')
+        table = self.write(
+            "docs/claims.yaml", f"toy:\n  kept: docs\n  claims:\n    {claim}".encode()
+        )
+        program = str(BENCHMARK / "claims.py")
+        process = self.run_command(sys.executable, program, "--table", table, "--cheap")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertIn("1 same, 0 DIFFERS, 0 measured outside", process.stdout)
+        self.write("docs/toy.json", b'{"transfer": 0.33}')
+        process = self.run_command(sys.executable, program, "--table", table, "--cheap")
+        self.assertEqual(process.returncode, 1, process.stderr)
+
     def test_results_are_kept_and_used_again(self) -> None:
         kept = ("--out", str(self.folder / "kept"))
         for content in ('{"transfer": 0.31, "transfer_interval": [0.3, 0.32]}', "{}"):

@@ -58,7 +58,12 @@ class Study(CommandCase):
         whole = self.finish("whole")
         csv = ("matrix", "groups", "curves", "failures", "rankings", "ladder", "ladder_ranks")
         txt = ("matrix", "recipes", "rankings", "variants")
-        names = {"curves.png", *(f"{name}.csv" for name in csv), *(f"{name}.txt" for name in txt)}
+        names = {
+            "curves.png",
+            "figures.json",
+            *(f"{name}.csv" for name in csv),
+            *(f"{name}.txt" for name in txt),
+        }
         self.assertEqual(set(whole), names)
         self.assertIn(
             b"H11 the two-mass engine ranks them the other way round:", whole["matrix.txt"]

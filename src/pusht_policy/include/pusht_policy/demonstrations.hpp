@@ -37,7 +37,7 @@ struct DemonstrationPlan {
 /// World of a demonstration.
 struct DemonstrationWorld {
   std::shared_ptr<Simulator> world;
-  std::string simulator;                                     ///< its kind
+  std::string simulator;                                     ///< as a plan names it: "mujoco:timestep=0.005"
   std::vector<std::pair<std::string, std::string>> drawn{};  ///< names and values of parameters drawn for it
 };
 

@@ -2,7 +2,6 @@
 """Several trainings that differ in their seed, as many at once as the processor has cores for.
 
 Each is a process of its own with the command that trains one, so it has the bits of that command.
-(One network that holds all of them was tried: docs/performance.md has the figures.)
 """
 
 import os
@@ -13,11 +12,8 @@ import threading
 from pathlib import Path
 from typing import IO, Dict, List, Sequence
 
-from pusht_task.command import say
+from pusht_task.command import TIED_TO_PARENT, say
 from pusht_task.error import Error, ExitCode
-
-# A training must not outlive this process: it would hold the folder of its state.
-TIED_TO_PARENT = ["setpriv", "--pdeathsig", "TERM"]
 
 
 def out_of_seed(out: Path, seed: int) -> Path:

@@ -91,7 +91,8 @@ def train(bags: Sequence[Path], targets: Targets, state_dir: Path, recipe: Recip
         for epochs, path in paths.items():
             difference = _difference(path, trainer, epochs)
             if difference is not None and (finished or epochs < trainer.epoch):
-                raise Error(f"{path}: {difference}; delete {targets.out} to train anew")
+                kept = targets.out if finished else state_dir / "state.pt"
+                raise Error(f"{path}: {difference}; delete {kept} to train anew")
             if difference is not None and not _is_begun(path, trainer, epochs):
                 targets.require_new(path)
         if finished:
@@ -130,8 +131,10 @@ def _write_checkpoint(path: Path, trainer: Trainer, demonstrations: Json) -> Non
 
 def _difference(path: Path, trainer: Trainer, epochs: int) -> Optional[str]:
     """What tells a checkpoint from that of this training after so many epochs; None if nothing."""
-    if not path.exists() or not provenance_path(path).exists():
+    if not path.exists():
         return "is not there"
+    if not provenance_path(path).exists():
+        return "has no provenance beside it"
     provenance = read_provenance(path)
     expected, found = provenance["checkpoint"]["sha256"], sha256_of(path)
     if found != expected:

@@ -32,6 +32,10 @@ class OneLineParser(argparse.ArgumentParser):
         sys.exit(ExitCode.INVALID_INPUT)
 
 
+# In front of a command that must not outlive this process.
+TIED_TO_PARENT = ["setpriv", "--pdeathsig", "KILL"]
+
+
 def run_command(name: str, body: Callable[[], None], hint: str = "nothing is written") -> int:
     """Runs the work of a command. Every failure is one line on stderr and an exit code.
 

@@ -84,13 +84,11 @@ DemonstrationSimulators::DemonstrationSimulators(const std::vector<std::string>&
   if (simulators.empty()) {
     throw pusht::InvalidInput("simulators: must be one or more");
   }
-  if (std::set<std::string>(simulators.begin(), simulators.end()).size() < simulators.size()) {
-    throw pusht::InvalidInput("simulators " + pusht::joined(simulators) + ": must be named once each");
-  }
   if (simulators.size() > 1 && !settings.empty()) {
     throw pusht::InvalidInput("setting '" + settings.front() + "': must be with its simulator, as in " +
                               simulators.front() + ":" + settings.front());
   }
+  std::set<std::string> named;  // with what is drawn
   for (const std::string& simulator : simulators) {
     std::vector<std::string> parts = pusht::split(simulator, ':');
     parts.insert(parts.end(), settings.begin(), settings.end());
@@ -104,14 +102,19 @@ DemonstrationSimulators::DemonstrationSimulators(const std::vector<std::string>&
       }
     }
     const SimulatorChoice choice = chooseSimulator(parts.front(), fixed);
-    Entry entry{LoadedSimulator(choice), {}, nullptr};
+    Entry entry{textOf(choice), LoadedSimulator(choice), {}, nullptr};
+    std::string whole = entry.name;
     for (const Setting& range : ranges) {
-      const auto named = [&](const auto& other) { return other.parameter == range.name; };
+      whole += ":" + range.whole;
+      const auto is_drawn = [&](const auto& other) { return other.parameter == range.name; };
       const bool is_set = choice.parameters.at(range.name).set_by_name;
-      if (is_set || std::any_of(entry.draws.begin(), entry.draws.end(), named)) {
+      if (is_set || std::any_of(entry.draws.begin(), entry.draws.end(), is_drawn)) {
         throw pusht::InvalidInput("draw '" + range.whole + "': " + range.name + " must be given once");
       }
       entry.draws.push_back(drawFrom(range, choice.parameters));
+    }
+    if (!named.insert(whole).second) {
+      throw pusht::InvalidInput("simulators " + pusht::joined(simulators) + ": must be named once each");
     }
     entries_.push_back(std::move(entry));
   }
@@ -124,9 +127,9 @@ pusht::DemonstrationWorld DemonstrationSimulators::worldOf(std::uint64_t seed) {
     if (entry.world == nullptr) {
       entry.world = entry.simulator.model.make_world();
     }
-    return {entry.world, kind.name};
+    return {entry.world, entry.name};
   }
-  pusht::DemonstrationWorld world{nullptr, kind.name};
+  pusht::DemonstrationWorld world{nullptr, entry.name};
   pusht::ParameterSet parameters = entry.simulator.model.parameters;
   try {
     for (const Draw& draw : entry.draws) {

@@ -114,9 +114,11 @@ void requirePositive(const std::string& name, const std::optional<double>& diffe
 
 void requireNoQuestions(const PlanOptions& options) {
   const PlanQuestions& questions = options.questions;
-  if (!options.other.empty() || questions.success || questions.position || questions.angle) {
-    throw pusht::InvalidInput("pilot " + options.pilot +
-                              ": is a sweep over policies; other, --success, --position and --angle need a run");
+  const bool asks_episodes = questions.episodes != PlanQuestions{}.episodes;
+  if (!options.other.empty() || asks_episodes || questions.success || questions.position || questions.angle) {
+    throw pusht::InvalidInput(
+        "pilot " + options.pilot +
+        ": is a sweep over policies; other, --episodes, --success, --position and --angle need a run");
   }
 }
 

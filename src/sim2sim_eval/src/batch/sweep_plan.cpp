@@ -319,10 +319,15 @@ std::vector<PlannedPolicy> plannedPolicies(const YAML::Node& root) {
 std::vector<PlannedRow> crossed(const SweepPlan& plan, const std::vector<SimulatorChoice>& engines) {
   std::vector<PlannedRow> rows;
   for (std::size_t policy = 0; policy < plan.policies.size(); ++policy) {
+    const std::size_t before = rows.size();
     for (const SimulatorChoice& engine : engines) {
       if (!plan.lists_policies || !(engine == plan.policies[policy].reference)) {
         rows.push_back({policy, engine});
       }
+    }
+    if (rows.size() == before && plan.policies.size() > 1) {
+      throw pusht::InvalidInput("policy " + plan.policies[policy].policy +
+                                ": must have an engine beside its reference, has none");
     }
   }
   if (rows.empty() || rows.size() > kMostRows) {

@@ -7,6 +7,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "sim2sim_statistics/crossed.hpp"
+#include "sim2sim_statistics/tails.hpp"
+
 namespace sim2sim {
 
 /// Values of policies (rows) by start (columns).
@@ -27,6 +30,11 @@ inline Rows withoutGaps(const Rows& rows) {
     }
   }
   return dense;
+}
+
+/// Whether few starts carry the mean divergence of a group: Student's interval is not made for that.
+inline bool isCarriedByFewStarts(const CrossedTable& divergences) {
+  return isCarriedByFew(divergences.columnMeans(), 0.0);
 }
 
 }  // namespace sim2sim

@@ -37,7 +37,10 @@ const MatrixGroup& groupNamed(const Matrix& matrix, const std::string& name) {
   const auto found = std::find_if(matrix.groups.begin(), matrix.groups.end(),
                                   [&](const MatrixGroup& group) { return group.name == name; });
   if (found == matrix.groups.end()) {
-    refuse("group", name, "is not in the plan");
+    std::vector<std::string> names;
+    std::transform(matrix.groups.begin(), matrix.groups.end(), std::back_inserter(names),
+                   [](const MatrixGroup& group) { return group.name; });
+    refuse("group", name, "must be one of the matrix, " + pusht::joined(names));
   }
   return *found;
 }
@@ -94,12 +97,18 @@ Difference found(const Matrix& matrix, const GroupDifference& difference) {
   rows.insert(rows.end(), others.begin(), others.end());
   const Rows dense = withoutGaps(rows);
   if (dense.front().empty()) {
-    refuse("figure", difference.figure, "no episode has it for all policies");
+    refuse("figure", difference.figure, "must be there for all policies of both groups in some episode, is in none");
   }
   const auto middle = dense.begin() + static_cast<std::ptrdiff_t>(more_count);
   const CrossedTable more(Rows(dense.begin(), middle));
   const CrossedTable less(Rows(middle, dense.end()));
-  return difference.paired ? crossedDifference(more.plus(-1.0, less)) : crossedDifference(more, less);
+  Difference result = difference.paired ? crossedDifference(more.plus(-1.0, less)) : crossedDifference(more, less);
+  const bool is_divergence = difference.figure != kSuccessFigure;
+  if (is_divergence && (isCarriedByFewStarts(more) || isCarriedByFewStarts(less))) {
+    result.interval.reset();
+    result.p.reset();
+  }
+  return result;
 }
 
 Difference found(const Matrix& matrix, const GroupRanking& ranking) {

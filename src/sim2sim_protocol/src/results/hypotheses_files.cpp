@@ -72,7 +72,8 @@ std::string table(const std::vector<HypothesisResult>& hypotheses) {
     return "";
   }
   constexpr int kDigits = 4;
-  std::string text = "\nhypotheses; intervals over further trainings and starts\n";
+  std::string text =
+      "\nhypotheses; intervals over further trainings and starts, those of rankings over further policies and starts\n";
   for (const HypothesisResult& result : hypotheses) {
     const Hypothesis& hypothesis = result.hypothesis;
     text += hypothesis.name + ": " + nameOf(result.verdict, kHypothesisVerdicts) + "\n  " +

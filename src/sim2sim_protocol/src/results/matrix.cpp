@@ -11,6 +11,7 @@
 #include "group_tables.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/joined.hpp"
 #include "pusht_task/split.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
@@ -55,6 +56,18 @@ json descriptionIn(const fs::path& folder) {
     refuse("lists no policies; a plan with the key policies is needed");
   }
   return sweep;
+}
+
+/// Names of the groups that a sweep lists, each once.
+std::string groupsIn(const json& description) {
+  std::vector<std::string> names;
+  for (const json& policy : description.at("policies")) {
+    const std::string name = policy.at("group");
+    if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) {
+      names.push_back(name);
+    }
+  }
+  return names.empty() ? "which has none" : pusht::joined(names);
 }
 
 std::vector<bool> successesOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout) {
@@ -110,7 +123,7 @@ class Reader {
     for (const std::string& group : groups) {
       if (std::none_of(matrix_.policies.begin(), matrix_.policies.end(),
                        [&](const MatrixPolicy& policy) { return policy.group == group; })) {
-        throw pusht::InvalidInput("group " + group + ": is not in the sweep");
+        throw pusht::InvalidInput("group " + group + ": must be one of the sweep's, " + groupsIn(description));
       }
     }
   }
@@ -137,6 +150,7 @@ class Reader {
     }
     cellAt(policy, engine) = engineCell(row, results);
     matrix_.episodes = static_cast<int>(in_reference.size());
+    matrix_.first_episode = results.episodes.front().index;
   }
 
   Matrix finished() {
@@ -167,6 +181,15 @@ class Reader {
   Matrix matrix_{};
   std::vector<std::optional<std::size_t>> places_;  ///< in the matrix, by number in sweep.json; none: not wanted
 };
+
+/// Mean divergence of a group, with an interval where the method is made for it.
+Estimate meanDivergence(const CrossedTable& table) {
+  Estimate mean = crossedMean(table, {0.0, std::numeric_limits<double>::infinity()});
+  if (isCarriedByFewStarts(table)) {
+    mean.interval.reset();
+  }
+  return mean;
+}
 
 std::optional<GroupCell> groupCell(const Matrix& matrix, const std::vector<std::size_t>& members,
                                    std::size_t simulator) {
@@ -200,7 +223,7 @@ std::optional<GroupCell> groupCell(const Matrix& matrix, const std::vector<std::
     cell.transfer = crossedRatio(table, CrossedTable(in_reference));
     for (std::size_t i = 0; i < kMatrixDivergences.size(); ++i) {
       if (const Rows dense = withoutGaps(divergences[i]); !dense.front().empty()) {
-        cell.divergences[i] = crossedMean(CrossedTable(dense), {0.0, std::numeric_limits<double>::infinity()});
+        cell.divergences[i] = meanDivergence(CrossedTable(dense));
       }
     }
   }

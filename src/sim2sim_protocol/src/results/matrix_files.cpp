@@ -10,6 +10,7 @@
 #include <sstream>
 #include <vector>
 
+#include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
@@ -189,6 +190,34 @@ std::string groupTable(const Matrix& matrix) {
          std::to_string(kFewestRows) + " policies)\n" + aligned(rows);
 }
 
+/// Mean divergence of replays of each group in each simulator, a table for each of kMatrixDivergences.
+std::string divergenceTables(const Matrix& matrix) {
+  if (matrix.groups.empty()) {
+    return "";
+  }
+  constexpr int kDigits = 4;
+  std::string text;
+  for (std::size_t i = 0; i < kMatrixDivergences.size(); ++i) {
+    const Quantity& quantity = kQuantities[quantityIndex(kMatrixDivergences[i])];
+    std::vector<std::vector<std::string>> rows = {heading(matrix, "group")};
+    for (const MatrixGroup& group : matrix.groups) {
+      rows.push_back({group.name});
+      for (const std::optional<GroupCell>& cell : group.cells) {
+        const bool is_there = cell && !std::isnan(cell->divergences.at(i).value);
+        rows.back().push_back(!is_there ? "-"
+                                        : pusht::fixedText(readable(cell->divergences.at(i).value), kDigits) +
+                                              (cell->divergences.at(i).interval
+                                                   ? " " + bracketed(*cell->divergences.at(i).interval, kDigits)
+                                                   : ""));
+      }
+    }
+    text += std::string("\n") + quantity.name + " [" + quantity.unit +
+            "] of replays of the reference's actions; intervals likewise (none where few starts carry the mean)\n" +
+            aligned(rows);
+  }
+  return text;
+}
+
 std::string figureText(const Estimate& estimate) {
   return std::isnan(estimate.value) ? "none" : rateText(estimate.value, estimate.interval);
 }
@@ -227,12 +256,17 @@ std::string spreadTable(const Matrix& matrix) {
   for (const SpreadSource& source : kSpreadSources) {
     rows.front().emplace_back(source.name);
   }
+  rows.front().emplace_back("in");
   for (const MatrixSpread& spread : matrix.spreads) {
     const double total = spread.spread.total();
     rows.push_back({spread.figure, pusht::fixedText(readable(std::sqrt(total)), kRateDigits + 2)});
     for (const SpreadSource& source : kSpreadSources) {
       rows.back().push_back(total > 0.0 ? percent(spread.spread.*source.variance / total) : "none");
     }
+    std::vector<std::string> names;
+    std::transform(spread.simulators.begin(), spread.simulators.end(), std::back_inserter(names),
+                   [&](std::size_t simulator) { return matrix.simulators[simulator].name; });
+    rows.back().push_back(pusht::joined(names));
   }
   return "\nwhat makes the cells differ? Shares of the variance, among these groups and simulators\n" + aligned(rows);
 }
@@ -260,9 +294,15 @@ json toJson(const Matrix& matrix) {
   std::transform(matrix.rankings.begin(), matrix.rankings.end(), std::back_inserter(rankings), rankingJson);
   json spreads = json::array();
   std::transform(matrix.spreads.begin(), matrix.spreads.end(), std::back_inserter(spreads), spreadJson);
-  return {{"format", kMatrixFormat},  {"confidence", kConfidence}, {"episodes", matrix.episodes},
-          {"simulators", simulators}, {"policies", policies},      {"groups", groups},
-          {"rankings", rankings},     {"spreads", spreads}};
+  return {{"format", kMatrixFormat},
+          {"confidence", kConfidence},
+          {"episodes", matrix.episodes},
+          {"first_episode", matrix.first_episode},
+          {"simulators", simulators},
+          {"policies", policies},
+          {"groups", groups},
+          {"rankings", rankings},
+          {"spreads", spreads}};
 }
 
 std::string toCsv(const Matrix& matrix) {
@@ -297,7 +337,8 @@ std::string toCsv(const Matrix& matrix) {
 }
 
 std::string table(const Matrix& matrix) {
-  return policyTable(matrix) + groupTable(matrix) + spreadTable(matrix) + rankingTable(matrix);
+  return policyTable(matrix) + groupTable(matrix) + divergenceTables(matrix) + spreadTable(matrix) +
+         rankingTable(matrix);
 }
 
 }  // namespace sim2sim

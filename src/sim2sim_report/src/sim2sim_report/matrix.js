@@ -38,7 +38,7 @@ class MatrixTable {
 
   // The episodes of a policy in a simulator beside the same ones in its reference.
   show(number, simulator) {
-    const { titles, policies, folder } = this.data;
+    const { titles, policies, folder, first } = this.data;
     const policy = policies[number];
     const [there, here] = [policy.won[simulator], policy.won[policy.reference]];
     const kinds = [...there].map((won, episode) => OUTCOMES[`${won}${here[episode]}`]);
@@ -56,7 +56,7 @@ class MatrixTable {
     }
     const marks = element("div", { className: "marks-of-episodes" });
     kinds.forEach((kind, episode) => {
-      marks.append(element("i", { className: kind, title: `episode ${episode}: ${names[kind]}` }));
+      marks.append(element("i", { className: kind, title: `episode ${first + episode}: ${names[kind]}` }));
     });
     const words = element("p", { className: "note", textContent: "A mark for each episode. This shows how they go:" });
     const command = element("pre", { textContent: `rosrun sim2sim_eval report ${folder}/${policy.rows[simulator]}` });

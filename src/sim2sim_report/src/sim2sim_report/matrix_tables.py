@@ -14,21 +14,22 @@ DIFFERENCE_DIGITS = 4
 
 
 def headline(matrix: Matrix) -> str:
-    """What groups keep of their success, in the simulator where it differs most between them."""
+    """What two groups keep of their success where groups differ most, among those with intervals."""
     kept = []
     for column, title in enumerate(matrix.titles):
-        cells = [group["cells"][column] for group in matrix.content["groups"]]
-        shares = [cell["transfer"]["value"] for cell in cells if cell]
-        found = [share for share in shares if share is not None]
+        found = [
+            (group["cells"][column]["transfer"]["value"], group["group"], group["cells"][column])
+            for group in matrix.content["groups"]
+            if group["cells"][column] and group["cells"][column]["transfer"]["interval"]
+        ]
         if len(found) > 1:
-            kept.append((max(found) - min(found), min(found), max(found), title))
+            least, most = (choose(found, key=lambda f: f[:2]) for choose in (min, max))
+            kept.append((most[0] - least[0], title, least, most))
     if not kept:
         return f"{len(matrix.policies)} policies in {len(matrix.titles)} simulators."
-    _, least, most, title = max(kept)
-    return (
-        f"In {title}, groups of policies keep from {100 * least:.0f}\u00a0% to "
-        f"{100 * most:.0f}\u00a0% of their success."
-    )
+    _, title, least, most = max(kept, key=lambda k: k[:2])
+    least_text, most_text = (_transfer(v, c["transfer"]["interval"]) for v, _, c in (least, most))
+    return f"In {title}, {least[1]} keeps {least_text} of its success, {most[1]} {most_text}."
 
 
 def section(matrix: Matrix, folder: Path) -> Json:
@@ -45,6 +46,7 @@ def section(matrix: Matrix, folder: Path) -> Json:
         "policies": [_policy_row(policy) for policy in matrix.policies],
         "episodes_of": {
             "folder": str(folder),
+            "first": content["first_episode"],
             "titles": matrix.titles,
             "policies": [
                 {

@@ -46,6 +46,7 @@ class DemonstrationSimulators {
 
  private:
   struct Entry {
+    std::string name;  // as a plan has it, without what is drawn: "mujoco:timestep=0.005"
     LoadedSimulator simulator;
     std::vector<Draw> draws;
     std::shared_ptr<pusht::Simulator> world;  // for all demonstrations, if nothing is drawn

@@ -8,7 +8,8 @@
 
 namespace sim2sim {
 
-/// Writer of the two files: both appear, or none.
+/// Writer of the two files: both are written aside before the first is moved into place. The JSON is moved last, so it
+/// is there only beside a table of its own.
 class DerivedFiles {
  public:
   /// `what` names them in messages: "attribution". Throws InvalidInput if one of them is there, unless `overwrite`.

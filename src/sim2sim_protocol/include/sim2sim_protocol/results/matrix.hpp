@@ -55,7 +55,8 @@ struct GroupCell {
   Estimate success{};        ///< rate
   Estimate transfer{};       ///< ratio of the mean rates, here over reference; NaN in it, or of several ones
   double between_policies;   ///< standard deviation of the true rates of policies, estimated; NaN below two
-  /// By kMatrixDivergences, over the episodes that are long enough for all policies; NaN likewise.
+  /// By kMatrixDivergences, over the episodes that are long enough for all policies; NaN likewise. No interval where
+  /// few starts carry the mean (isCarriedByFew()), for which the method is not made.
   std::array<Estimate, kMatrixDivergences.size()> divergences{};
 };
 
@@ -84,6 +85,7 @@ struct MatrixSpread {
 /// Matrix of a sweep.
 struct Matrix {
   int episodes;
+  int first_episode;  ///< number of the first of them
   std::vector<MatrixSimulator> simulators;
   std::vector<MatrixPolicy> policies;
   std::vector<std::vector<std::optional<MatrixCell>>> cells;  ///< by policy and simulator; none: not in the plan

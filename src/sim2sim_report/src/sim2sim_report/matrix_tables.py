@@ -14,7 +14,7 @@ DIFFERENCE_DIGITS = 4
 
 
 def headline(matrix: Matrix) -> str:
-    """What two groups keep of their success where groups differ most, among those with intervals."""
+    """What two groups keep of their success where groups differ most; both have intervals."""
     kept = []
     for column, title in enumerate(matrix.titles):
         found = [

@@ -4,6 +4,7 @@
 import csv
 import io
 import json
+import math
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
 
@@ -67,7 +68,8 @@ def _by(rows: Sequence[Row], *keys: str) -> Row:
                 ends = None if "" in (low, value) else [low, value]
                 place[f"{stem}_interval" if stem else "interval"] = ends
             elif name not in (*keys, "low") and end != "low":
-                place[name] = value
+                is_missing = isinstance(value, float) and math.isnan(value)
+                place[name] = None if is_missing else value
     return found
 
 
@@ -89,7 +91,7 @@ def first_policies(plan: Plan, part: Row) -> Iterator[Tuple[str, str]]:
 
 def _write(path: Path, rows: Sequence[Row]) -> None:
     text = io.StringIO()
-    writer = csv.DictWriter(text, rows[0].keys(), lineterminator="\n")
+    writer = csv.DictWriter(text, rows[0].keys() if rows else [], lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
     write_file(path, text.getvalue().encode())

@@ -447,6 +447,16 @@ TEST(Hypotheses, OnARankingRefuseOnePolicyOrOneStart) {
             pusht::testing::kNotRefused);
 }
 
+TEST(Hypotheses, OnARankingRefuseAGroupTwiceOrOneSimulator) {
+  const Matrix matrix = matrixOf({{"all", {1, 2, 3, 4}}});
+  EXPECT_EQ(refusalOfHypothesis(matrix, rankedAlike({"all", "all"}, HypothesisSide::kAbove)),
+            "hypothesis ranking: ranking all, all: must name each group once");
+  Hypothesis alone = rankedAlike({"all"}, HypothesisSide::kAbove);
+  std::get<GroupRanking>(alone.figure).there = std::get<GroupRanking>(alone.figure).here;
+  EXPECT_EQ(refusalOfHypothesis(matrix, alone),
+            "hypothesis ranking: ranking all: must be of two simulators, is of home alone");
+}
+
 TEST(Hypotheses, AreNoneIfNothingIsExpected) { EXPECT_TRUE(test(steps(), {}).empty()); }
 
 }  // namespace

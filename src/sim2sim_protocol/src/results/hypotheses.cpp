@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "group_tables.hpp"
@@ -112,6 +113,12 @@ Difference found(const Matrix& matrix, const GroupDifference& difference) {
 }
 
 Difference found(const Matrix& matrix, const GroupRanking& ranking) {
+  if (ranking.here == ranking.there) {
+    refuse("ranking", pusht::joined(ranking.groups), "must be of two simulators, is of " + ranking.here + " alone");
+  }
+  if (std::set<std::string>(ranking.groups.begin(), ranking.groups.end()).size() < ranking.groups.size()) {
+    refuse("ranking", pusht::joined(ranking.groups), "must name each group once");
+  }
   Rows here;
   Rows there;
   for (const std::string& group : ranking.groups) {

@@ -43,7 +43,8 @@ struct Hypothesis {
 struct HypothesisResult {
   Hypothesis hypothesis;
   /// Value of the figure; its interval is over further trainings and starts (sim2sim_statistics/crossed.hpp), that of a
-  /// ranking over further policies and starts (sim2sim_statistics/ranking.hpp). A ranking has no p-value.
+  /// ranking over further policies and starts (sim2sim_statistics/ranking.hpp). A ranking has no p-value; a difference
+  /// of divergences that few starts carry (isCarriedByFew()) has neither interval nor p-value.
   Difference found;
   std::optional<double> adjusted_p{};  ///< after Holm, over all differences of which a sign is expected
   enum class Verdict {
@@ -54,8 +55,9 @@ struct HypothesisResult {
 };
 
 /// Tests the hypotheses. Throws InvalidInput, naming hypothesis, value and rule, for a group, simulator or figure that
-/// the matrix does not have, a group without a cell there, pairs of groups that differ in size, or a ranking of fewer
-/// than two policies.
+/// the matrix does not have, a group without a cell there, a divergence that no episode has for all policies, pairs of
+/// groups that differ in size, or a ranking of one simulator with itself, of a group that is named twice, or of fewer
+/// than two policies or episodes.
 std::vector<HypothesisResult> test(const Matrix& matrix, const std::vector<Hypothesis>& hypotheses);
 
 }  // namespace sim2sim

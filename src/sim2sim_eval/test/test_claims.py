@@ -15,7 +15,8 @@ BENCHMARK = Path(__file__).resolve().parents[1] / "benchmark"
 sys.path.insert(0, str(BENCHMARK))
 import claims  # noqa: E402
 
-DOCUMENTS = ("README.md", "docs/findings.md", "docs/ladder.md")  # every interval is a claim
+# Documents of which every interval is a claim.
+DOCUMENTS = ("README.md", "docs/findings.md", "docs/ladder.md", "docs/study/findings.md")
 INTERVAL = re.compile(r"\[[+-]?\d[^\[\],]*, [+-]?\d[^\[\],]*\]")
 RUNS = claims.read(claims.TABLE)
 TOY = """

@@ -24,6 +24,30 @@ MATRIX = executable("sim2sim_eval", "matrix")
 PLOT = executable("sim2sim_eval", "plot_sweep")
 SHIPPED = Path(rospkg.RosPack().get_path("pusht_policy"), "policies", "bc_policy.ts.pt")
 OF_ROW = ("metrics.json", "episodes.csv")
+OF_MATRIX = ("matrix.json", "matrix.csv")
+
+
+class PartlyRandom(torch.nn.Module):
+    """A policy whose action is replaced by a random one in a share of the steps.
+
+    The draw is a hash of the observation, in whole numbers: an equal observation has an equal
+    action, as a checkpoint must.
+    """
+
+    def __init__(self, policy: torch.nn.Module, share: float) -> None:
+        super().__init__()
+        self.policy = policy
+        self.share = share
+        self.unit = 2.0**-24  # of the observation; a float32 of 0.5 has this resolution
+        self.prime = 2**31 - 1
+        generator = torch.Generator().manual_seed(0)
+        self.register_buffer("key", torch.randint(self.prime, (10, 3), generator=generator))
+
+    def forward(self, obs: torch.Tensor) -> torch.Tensor:
+        whole = (obs / self.unit).to(torch.int64).unsqueeze(2)
+        uniform = (whole * self.key).sum(1) % self.prime / self.prime
+        random = 2.0 * uniform[:, 1:] - 1.0
+        return torch.where(uniform[:, :1] < self.share, random, self.policy(obs))
 
 
 class PolicyCase(CommandCase):
@@ -188,6 +212,8 @@ class Plans(PolicyCase):
             "policies: [none.pt]\nreference: home": "none.pt.provenance.json",
             "policies: [bc]\nreference: home\nscene: a.xml": "line 3, scene: must not be there",
             "policies: [bc]\nengine: mujoco": "must give from 1 to 100000 rows, gives 0",
+            "policies: [bc, {files: expert, reference: chipmunk}]\nengine: mujoco": "policy bc: "
+            "must have an engine beside its reference, has none",
             "policies: [bc]\nengine: 'mujoco:timestep=5'": "line 2: timestep 5.0: must be",
             "policies: [bc, {files: expert, reference: chipmunk}]\nmodel_variants: [default]": ""
             "model variants: of policy expert they would be",
@@ -270,39 +296,58 @@ engine: [two_mass, chipmunk]
         """Checkpoints good-N.ts.pt and bad-N.ts.pt."""
         for seed in range(count):
             self.perturbed(f"good-{seed}.ts.pt", 0.02, seed)
-            self.perturbed(f"bad-{seed}.ts.pt", 2.0, seed)
+            self.perturbed(f"bad-{seed}.ts.pt", 0.5, seed)
 
-    def test_rankings_and_groups_are_counted_from_the_episodes(self) -> None:
-        for seed in range(8):
-            self.perturbed(f"noisy-{seed}.ts.pt", 0.05 * seed, seed)
+    def partly_random(self, count: int) -> None:
+        """Checkpoints random-N.ts.pt, N below `count`, random in N / `count` of the steps."""
+        shipped = torch.jit.load(str(SHIPPED))
+        shutil.copyfile(SHIPPED, self.folder / "random-0.ts.pt")
+        observations = torch.rand(4000, 10, generator=torch.Generator().manual_seed(0)) - 0.5
+        for number in range(1, count):
+            policy = torch.jit.script(PartlyRandom(shipped, number / count).eval())
+            replaced = (policy(observations) != shipped(observations)).any(dim=1)
+            self.assertAlmostEqual(replaced.float().mean().item(), number / count, delta=0.03)
+            policy.save(str(self.folder / f"random-{number}.ts.pt"))
+
+    def rates(self, results: Dict[str, bytes], policies: int, engines: int) -> List[List[float]]:
+        """Success rates by simulator, the reference first, and policy, counted in the episodes."""
+        rates: List[List[float]] = [[] for _ in range(engines + 1)]
+        for row in range(policies * engines):
+            text = results[f"rows/{row:03d}/episodes.csv"].decode().splitlines()
+            episodes = list(csv.DictReader(text))
+            roles = {"engine_closed": 1 + row % engines}
+            if row % engines == 0:
+                roles["reference_closed"] = 0
+            for mode, simulator in roles.items():
+                won = [e["success"] == "true" for e in episodes if e["mode"] == mode]
+                rates[simulator].append(sum(won) / len(won))
+        return rates
+
+    def test_a_planted_ranking_is_found_and_counted_from_the_episodes(self) -> None:
+        """Random actions in 0 to 7/8 of the steps make a policy worse, here and there."""
+        self.partly_random(8)
         plan = (
-            "{policies: [{files: 'noisy-*.ts.pt', group: noisy}], episodes: 24, horizon: 200, "
+            "{policies: [{files: 'random-*.ts.pt', group: random}], episodes: 24, horizon: 200, "
             "engine: [chipmunk, two_mass]}"
         )
         results = self.finished("out", plan)
-        self.matrix("out")
+        text = self.matrix("out")
         content = self.load("out", "matrix.json")
-        rates = {name: [] for name in ("mujoco", "chipmunk", "two_mass")}  # type: Dict[str, Any]
-        for row in range(16):
-            text = results[f"rows/{row:03d}/episodes.csv"].decode().splitlines()
-            episodes = list(csv.DictReader(text))
-            for mode, simulator in (
-                ("reference_closed", "mujoco" if row % 2 == 0 else ""),
-                ("engine_closed", ("chipmunk", "two_mass")[row % 2]),
-            ):
-                if simulator:
-                    won = [e["success"] == "true" for e in episodes if e["mode"] == mode]
-                    rates[simulator].append(sum(won) / 24)
-        names = [simulator["name"] for simulator in content["simulators"]]
-        self.assertEqual(len(content["rankings"]), 6)
-        planned = self.run_command(PLAN_COMMAND, "out")
-        self.assertEqual((planned.returncode, planned.stderr), (0, ""))
-        self.assertEqual(len(planned.stdout.splitlines()), 8, "a heading, six pairs, a legend")
-        refused = self.run_command(PLAN_COMMAND, "out", "--success", "0.1")
-        self.assert_one_line(refused, 2, "plan")
-        self.assertIn("out: is a sweep over policies", refused.stderr)
-        for ranking in content["rankings"]:
-            here, there = rates[names[ranking["reference"]]], rates[names[ranking["test"]]]
+        self.assertEqual(
+            [simulator["name"] for simulator in content["simulators"]],
+            ["mujoco", "chipmunk", "two_mass"],
+        )
+        rates = self.rates(results, policies=8, engines=2)
+        for simulator in (0, 1):
+            self.assertGreater(rates[simulator][0], rates[simulator][-1])
+        rankings = {(r["reference"], r["test"]): r for r in content["rankings"]}
+        self.assertEqual(len(rankings), 6)
+        for pair in ((0, 1), (1, 0)):
+            self.assertEqual(rankings[pair]["verdict"], "preserved")
+            self.assertGreater(rankings[pair]["kendall"]["interval"][0], 0.0)
+        self.assertRegex(text, r"\nmujoco +chipmunk .* preserved\n")
+        for (reference, test), ranking in rankings.items():
+            here, there = rates[reference], rates[test]
             worst = [
                 max(
                     abs(here[i] - here[j]) if (there[i] > there[j]) != (here[i] > here[j]) else 0.0
@@ -314,23 +359,71 @@ engine: [two_mass, chipmunk]
             self.assertAlmostEqual(found, sum(worst) / 8, places=5)
             self.assertEqual(ranking["policy_count"], 8)
         group = content["groups"][0]["cells"]
-        for index, name in enumerate(names):
+        for simulator in range(3):
             self.assertAlmostEqual(
-                group[index]["success_rate"]["value"], sum(rates[name]) / 8, places=5
+                group[simulator]["success_rate"]["value"], sum(rates[simulator]) / 8, places=5
             )
         self.assertAlmostEqual(
-            group[names.index("chipmunk")]["transfer"]["value"],
-            sum(rates["chipmunk"]) / sum(rates["mujoco"]),
-            places=5,
+            group[1]["transfer"]["value"], sum(rates[1]) / sum(rates[0]), places=5
         )
-        self.assertGreater(len(set(rates["mujoco"])), 2, "only then can this test fail")
+        self.assertGreater(len(set(rates[0])), 2, "only then can this test fail")
+        planned = self.run_command(PLAN_COMMAND, "out")
+        self.assertEqual((planned.returncode, planned.stderr), (0, ""))
+        self.assertEqual(len(planned.stdout.splitlines()), 8, "a heading, six pairs, a legend")
+        for question in (("--success", "0.1"), ("--episodes", "7")):
+            refused = self.run_command(PLAN_COMMAND, "out", *question)
+            self.assert_one_line(refused, 2, "plan")
+            self.assertIn("out: is a sweep over policies", refused.stderr)
+
+    def test_a_planted_tie_ends_in_cannot_say(self) -> None:
+        """One checkpoint under eight names; eight whose weights differ by a thousandth."""
+        for number in range(8):
+            shutil.copyfile(SHIPPED, self.folder / f"same-{number}.ts.pt")
+            self.perturbed(f"alike-{number}.ts.pt", 0.001, number)
+        plan = (
+            "{policies: [{files: 'same-*.ts.pt', group: same}, "
+            "{files: 'alike-*.ts.pt', group: alike}], "
+            "episodes: 24, horizon: 200, engine: chipmunk}"
+        )
+        rates = self.rates(self.finished("out", plan), policies=16, engines=1)
+        for simulator in range(2):
+            self.assertEqual(len(set(rates[simulator][:8])), 1)
+            self.assertGreater(len(set(rates[simulator][8:])), 1, "they tie but for chance")
+        for group in ("same", "alike"):
+            with self.subTest(group):
+                text = self.matrix("out", "--group", group, "--overwrite")
+                self.assertRegex(text, r"\nmujoco +chipmunk .* cannot say\n")
+                rankings = self.load("out", "matrix.json")["rankings"]
+                self.assertEqual([r["policy_count"] for r in rankings], [8, 8])
+                self.assertEqual([r["verdict"] for r in rankings], ["cannot say"] * 2)
+
+    def test_a_matrix_of_merged_shards_has_the_bytes_of_the_whole(self) -> None:
+        self.good_and_bad(5)
+        plan = (
+            "{policies: [{files: 'good-*.ts.pt', group: good}, {files: 'bad-*.ts.pt', group: bad}],"
+            " episodes: 21, horizon: 200, engine: chipmunk}"
+        )
+        self.finished("whole", plan)
+        for shard in ("1", "2"):
+            self.finished(f"shard-{shard}", plan, "--shard", f"{shard}/2")
+        self.run_all([MERGE, "shard-1", "shard-2", "--out", "merged"])
+        expected = self.write("e.yaml", b"e: {more: good, less: bad, in: chipmunk, side: above}")
+        of_whole, of_merged = (
+            [self.matrix(out, "--hypotheses", expected)]
+            + [(self.folder / out / name).read_bytes() for name in OF_MATRIX]
+            for out in ("whole", "merged")
+        )
+        self.assertEqual(of_merged, of_whole)
+        content = self.load("whole", "matrix.json")
+        self.assertIsNotNone(content["rankings"][0]["kendall"]["interval"])
+        self.assertIsNotNone(content["groups"][0]["cells"][1]["success_rate"]["interval"])
 
     def test_hypotheses_are_tested(self) -> None:
         """A planted difference is found, its opposite contradicted; a planted tie is not shown."""
         self.good_and_bad(5)
         plan = (
             "{policies: [{files: 'good-*.ts.pt', group: good}, {files: 'bad-*.ts.pt', group: bad}],"
-            " episodes: 30, horizon: 250, engine: [chipmunk]}"
+            " episodes: 30, horizon: 250, engine: [chipmunk, two_mass]}"
         )
         self.finished("out", plan)
         expected = self.write(
@@ -339,7 +432,8 @@ engine: [two_mass, chipmunk]
 better: {more: good, less: bad, in: chipmunk, side: above}
 worse: {more: good, less: bad, in: mujoco, side: below, paired: true}
 same: {more: good, less: good, in: chipmunk, side: above}
-alike: {more: good, less: bad, in: chipmunk, figure: early_position_divergence, within: 1.0}
+alike: {more: good, less: bad, in: two_mass, figure: early_position_divergence, within: 1.0}
+few: {more: good, less: bad, in: chipmunk, figure: early_position_divergence, within: 1.0}
 ranked: {ranking: [good, bad], here: mujoco, there: chipmunk, side: above}
 otherwise: {ranking: [good, bad], here: mujoco, there: chipmunk, side: below}
 """,
@@ -354,6 +448,7 @@ otherwise: {ranking: [good, bad], here: mujoco, there: chipmunk, side: below}
                 "worse": "contradicted",
                 "same": "not shown",
                 "alike": "holds",
+                "few": "not shown",  # few starts carry the mean: no interval
                 "ranked": "holds",
                 "otherwise": "contradicted",
             },
@@ -364,7 +459,8 @@ otherwise: {ranking: [good, bad], here: mujoco, there: chipmunk, side: below}
         self.assertEqual(ranked["interval"], of_all["kendall"]["interval"])
         self.assertIn("hypotheses; intervals over further trainings and starts", text)
         for bad, rule in {
-            "a: {more: good, less: none, in: mujoco, side: above}": "none: is not in the plan",
+            "a: {more: good, less: none, in: mujoco, side: above}": "none: must be one of "
+            "the matrix, ",
             "a: {more: good, less: bad, in: mars, side: above}": "simulator mars: must be one of",
             "a: {more: good, less: bad, in: mujoco, figure: luck, side: above}": "luck: must be",
             "a: {more: good, less: bad, in: mujoco}": "line 1, a: must have either side or within",
@@ -412,7 +508,7 @@ otherwise: {ranking: [good, bad], here: mujoco, there: chipmunk, side: below}
                 self.assertAlmostEqual(sum(shares), 1.0, places=4)
         process = self.run_command(MATRIX, "out", "--group", "none", "--overwrite")
         self.assert_one_line(process, 2, "matrix")
-        self.assertIn("group none: is not in the sweep", process.stderr)
+        self.assertIn("group none: must be one of the sweep's, ", process.stderr)
 
     def test_a_home_with_a_preset_is_one_column(self) -> None:
         process = self.run_command(

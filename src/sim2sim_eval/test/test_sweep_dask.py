@@ -14,6 +14,7 @@ import unittest
 from pathlib import Path
 from typing import Dict, List
 
+import torch
 from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
 
 DEADLINE = 120  # s, for one command
@@ -24,6 +25,15 @@ policy: fresh-untrained
 episodes: 6
 horizon: 40
 grid: {block_damp: [2, 6]}
+"""
+
+POLICIES = """
+policies:
+- expert
+- {{files: "{folder}/small-*.ts.pt", group: small}}
+episodes: 5
+horizon: 150
+engine: [chipmunk, two_mass]
 """
 
 # Instead of rosrun: the first shard tells which worker runs it, and ends only with it.
@@ -55,6 +65,7 @@ def executable(name: str) -> str:
     return found[0]
 
 
+MATRIX = executable("matrix")
 SWEEP = executable("sweep")
 SWEEP_DASK = executable("sweep_dask")
 
@@ -65,13 +76,28 @@ class SweepDask(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name, "results")
         self.hooks = Path(folder.name, "hooks")
-        self.folder.mkdir()
-        self.hooks.mkdir()
+        self.policies = Path(folder.name, "policies")
+        for each in (self.folder, self.hooks, self.policies):
+            each.mkdir()
         self.config(CONFIG)
 
     def test_bytes_are_those_of_a_plain_sweep(self) -> None:
         self.finish(self.start())
         self.assert_plain_bytes()
+
+    def test_policies_in_a_plan(self) -> None:
+        """Results and matrix are those of a plain sweep."""
+        for seed in range(2):
+            self.small_policy(f"small-{seed}.ts.pt", seed)
+        self.config(POLICIES.format(folder=self.policies))
+        self.finish(self.start("--shards", "3"))
+        self.plain_sweep()
+        self.assertEqual(self.result_bytes("out"), self.result_bytes("plain"))
+        of_dask, of_plain = self.matrix("out"), self.matrix("plain")
+        self.assertEqual(of_dask, of_plain)
+        policies = json.loads(of_dask[0])["policies"]
+        self.assertEqual([policy["group"] for policy in policies], ["", "small", "small"])
+        self.assertGreater(policies[0]["cells"][1]["successes"], 0)
 
     def test_worker_that_is_killed(self) -> None:
         started = self.stop_first_shard()
@@ -144,6 +170,11 @@ class SweepDask(unittest.TestCase):
     def config(self, text: str) -> None:
         self.folder.joinpath("sweep.yaml").write_text(text)
 
+    def small_policy(self, name: str, seed: int) -> None:
+        torch.manual_seed(seed)
+        layers = (torch.nn.Linear(10, 8), torch.nn.ReLU(), torch.nn.Linear(8, 2), torch.nn.Tanh())
+        torch.jit.script(torch.nn.Sequential(*layers)).save(str(self.policies / name))
+
     def hook(self, script: str, **values: str) -> None:
         """Puts `script` before rosrun."""
         rosrun = self.hooks / "rosrun"
@@ -208,17 +239,29 @@ class SweepDask(unittest.TestCase):
         self.assertEqual(found, {*names, "sweep.yaml"})
 
     def assert_plain_bytes(self) -> None:
-        plain = self.folder / "plain"
+        self.plain_sweep()
+        self.assertEqual(self.result_bytes("out"), self.result_bytes("plain"))
+        shutil.rmtree(self.folder / "plain")
+
+    def plain_sweep(self) -> None:
+        """Runs the sweep in one process, into the folder plain."""
+        self.run_command(SWEEP, "sweep.yaml", "--out", "plain", "--threads", "1")
+
+    def matrix(self, out: str) -> List[bytes]:
+        """Files of the matrix of a sweep."""
+        self.run_command(MATRIX, out)
+        return [(self.folder / out / name).read_bytes() for name in ("matrix.json", "matrix.csv")]
+
+    def run_command(self, *command: str) -> None:
+        """Runs a command that must succeed."""
         subprocess.run(
-            [SWEEP, "sweep.yaml", "--out", "plain", "--threads", "1"],
+            command,
             cwd=self.folder,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             timeout=DEADLINE,
             check=True,
         )
-        self.assertEqual(self.result_bytes("out"), self.result_bytes("plain"))
-        shutil.rmtree(plain)
 
     def result_bytes(self, out: str) -> Dict[str, bytes]:
         """What the determinism contract covers."""

@@ -10,7 +10,7 @@ started again, and ends with the same bytes.
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, Dict, Iterator, List
+from typing import Any, Dict, Iterator, List, Tuple
 
 import yaml  # type: ignore[import]
 from pusht_task.command import OneLineParser, run_command
@@ -146,7 +146,7 @@ def matrices(plan: Plan, work: Path, tables: Path) -> None:
     """The matrix as text: of all groups, of those that differ in one thing, of those that are
     ranked, and of the variants. Its JSON stays in the work folder, for the findings."""
     hypotheses = ["--hypotheses", str(STUDY / "hypotheses.yaml")]
-    questions = [
+    questions: List[Tuple[str, str, List[str]]] = [
         *((name, "matrix", groups_of(groups)) for name, groups in plan["matrices"].items()),
         ("rankings", "matrix", groups_of(plan["rankings"])),
         ("matrix", "matrix", hypotheses),

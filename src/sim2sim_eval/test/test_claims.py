@@ -43,10 +43,14 @@ class Table(CommandCase):
     def test_every_interval_that_the_documents_print_is_a_claim(self) -> None:
         for document in DOCUMENTS:
             text = claims.plain((claims.ROOT / document).read_text(encoding="utf-8"))
-            for run in RUNS:
-                for claim in run.claims:
-                    if claim.document == document:
-                        text = text.replace(claims.plain(claim.text), "")
+            said = [
+                claims.plain(claim.text)
+                for run in RUNS
+                for claim in run.claims
+                if claim.document == document
+            ]
+            for words in sorted(said, key=len, reverse=True):  # "5 %" is in "65 % [46, 79]"
+                text = text.replace(words, "")
             with self.subTest(document):
                 self.assertEqual(INTERVAL.findall(text), [])
 

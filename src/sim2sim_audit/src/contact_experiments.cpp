@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Shapes by touch, and what contacts do under a push.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "force_sensor.hpp"
+#include "pusht_task/constants.hpp"
+#include "pusht_task/physics.hpp"
+#include "sim2sim_audit/experiments.hpp"
+
+namespace sim2sim {
+namespace {
+
+using pusht::WorldState;
+
+WorldState teeAtYawZero(const Bench& bench) {
+  WorldState scene;
+  scene.tee_position = bench.shift();
+  return scene;
+}
+
+/// [m] Distance from the tee origin along `outward` (body frame), plus `beside` across it, at which the tee is touched.
+double surfaceAt(Bench& bench, const Eigen::Vector2d& beside, const Eigen::Vector2d& outward, double nominal) {
+  constexpr double kDeep = 0.03;   // [m] below the nominal touch: one body inside the other
+  constexpr double kClear = 0.04;  // [m] beyond it
+  const WorldState scene = teeAtYawZero(bench);
+  const auto distance = touchDistance(bench, scene, scene.tee_position + beside, outward, nominal - kDeep,
+                                      nominal + kClear);
+  if (!distance) {
+    throw std::runtime_error("the tee is not touched where it should be");
+  }
+  return *distance;
+}
+
+/// Radius of the pusher from the corner of the bar: on the diagonal a round pusher comes nearer than it comes to the
+/// faces. `end` and `back` are the distances at which it touches these [m].
+double radiusByCorner(Bench& bench, double end, double back) {
+  constexpr double kInside = 0.03;  // [m]
+  const double diagonal = std::sqrt(0.5);
+  const WorldState scene = teeAtYawZero(bench);
+  const Eigen::Vector2d inside = scene.tee_position + Eigen::Vector2d(end - kInside, back - kInside);
+  const auto distance = touchDistance(bench, scene, inside, {diagonal, diagonal}, 0.0, 2.0 * kInside);
+  if (!distance) {
+    throw std::runtime_error("the bar's corner is not touched where it should be");
+  }
+  const double cut = kInside - *distance * diagonal;  // [m] from the square corner, along each axis
+  return cut / (1.0 - diagonal);
+}
+
+/// Sizes and places of bar, stem and pusher, by touching each face and a corner.
+void shapes(Bench& bench, Measurements& found) {
+  const pusht::Physics task;
+  const double radius = task.pusher_radius;
+  constexpr double kAside = 0.045;  // [m] along the bar, clear of the stem
+  const double right = surfaceAt(bench, {0.0, 0.0}, {1.0, 0.0}, task.bar_half_length + radius);
+  const double left = surfaceAt(bench, {0.0, 0.0}, {-1.0, 0.0}, task.bar_half_length + radius);
+  const double back = surfaceAt(bench, {kAside, 0.0}, {0.0, 1.0}, task.bar_half_width + radius);
+  const double front = surfaceAt(bench, {kAside, 0.0}, {0.0, -1.0}, task.bar_half_width + radius);
+  const double end = surfaceAt(bench, {0.0, 0.0}, {0.0, -1.0}, task.stem_offset + task.stem_half_length + radius);
+  constexpr double kAlongStem = -0.08;  // [m]
+  const double stem_right = surfaceAt(bench, {0.0, kAlongStem}, {1.0, 0.0}, task.stem_half_width + radius);
+  const double stem_left = surfaceAt(bench, {0.0, kAlongStem}, {-1.0, 0.0}, task.stem_half_width + radius);
+  const double origin_x = 0.5 * (right - left);
+  const double origin_y = 0.5 * (back - front);
+  found.set(Property::kOriginX, origin_x);
+  found.set(Property::kOriginY, origin_y);
+  const double found_radius = radiusByCorner(bench, right, back);
+  found.set(Property::kPusherRadius, found_radius);
+  found.set(Property::kBarHalfLength, 0.5 * (right + left) - found_radius);
+  found.set(Property::kBarHalfWidth, 0.5 * (back + front) - found_radius);
+  found.set(Property::kStemEnd, end + origin_y - found_radius);
+  found.set(Property::kStemHalfWidth, 0.5 * (stem_right + stem_left) - found_radius);
+  found.set(Property::kStemPlace, 0.5 * (stem_right - stem_left) - origin_x);
+}
+
+/// The pusher behind the stem's end, in touch; a push along +y goes straight through the center of mass.
+WorldState behindTheStem(const Bench& bench, const Measurements& found) {
+  WorldState start = teeAtYawZero(bench);
+  start.tee_position.y() -= 0.1;
+  const double reach = found.need(Property::kStemEnd) - found.need(Property::kOriginY);
+  start.pusher_position =
+      start.tee_position + Eigen::Vector2d(found.need(Property::kOriginX), -reach - found.need(Property::kPusherRadius));
+  return start;
+}
+
+/// Overlap in a steady push.
+void overlap(Bench& bench, Measurements& found) {
+  const WorldState start = behindTheStem(bench, found);
+  const double touching = (start.tee_position - start.pusher_position).norm();
+  const auto states = bench.run(start, std::vector<Eigen::Vector2d>(4, {0.0, 0.6}));
+  found.set(Property::kOverlap, touching - (states.back().tee_position - states.back().pusher_position).norm());
+}
+
+/// How far a tee is thrown by a pusher that hits it and is told to stop.
+void hit(Bench& bench, Measurements& found) {
+  WorldState start = behindTheStem(bench, found);
+  constexpr double kGap = 0.004;  // [m]
+  start.pusher_position.y() -= kGap;
+  start.pusher_velocity.y() = 1.5;
+  const auto states = bench.run(start, std::vector<Eigen::Vector2d>(4, {0.0, 0.0}));
+  found.set(Property::kHit, states.back().tee_position.y() - start.tee_position.y());
+}
+
+/// [-] Friction of the pusher on a face that it presses and is told to slip along, for a scene that gives way nowhere.
+double frictionOnFixedFace(Bench& bench, const Measurements& found, const WorldState& start) {
+  constexpr double kPress = 0.3;  // [m/s] commanded into the face
+  constexpr double kSlip = 0.5;   // [m/s] commanded along it
+  const auto states = bench.run(start, {{-kSlip, kPress}});
+  const double share = ForceSensor(found).gainShare();
+  const Eigen::Vector2d velocity = states.back().pusher_velocity;
+  return (kSlip + velocity.x() / share) / (kPress - velocity.y() / share);
+}
+
+/// The tee in a corner of the walls, and the pusher on the front of its bar.
+WorldState teeInCorner(const Measurements& found) {
+  WorldState start;
+  const double bar_length = found.need(Property::kBarHalfLength);
+  const double bar_width = found.need(Property::kBarHalfWidth);
+  start.tee_position = {-(found.need(Property::kWallLeft) - bar_length), found.need(Property::kWallUp) - bar_width};
+  start.pusher_position =
+      start.tee_position + Eigen::Vector2d(bar_length, -(bar_width + found.need(Property::kPusherRadius)));
+  return start;
+}
+
+/// [-] Friction where no wall holds the tee: the pusher pushes its back off the middle and slips along; the servo is
+/// the force sensor.
+double frictionOnFreeTee(Bench& bench, const Measurements& found) {
+  WorldState start = teeAtYawZero(bench);
+  const double reach = found.need(Property::kBarHalfWidth) + found.need(Property::kOriginY);
+  start.pusher_position = start.tee_position + Eigen::Vector2d(-0.03, reach + found.need(Property::kPusherRadius));
+  const Eigen::Vector2d command(0.45, -0.3);
+  const auto states = bench.run(start, {command});
+  const Eigen::Vector2d impulse = ForceSensor(found).impulse(states[0], states[1], command);
+  const double yaw = 0.5 * pusht::wrapAngle(states[1].tee_yaw - states[0].tee_yaw);
+  const Eigen::Vector2d in_face = Eigen::Rotation2Dd(-yaw) * impulse;
+  return in_face.x() / std::max(1e-9, -in_face.y());
+}
+
+void contactFriction(Bench& bench, Measurements& found) {
+  const bool walls = std::isfinite(found.need(Property::kWallLeft)) && std::isfinite(found.need(Property::kWallUp));
+  found.set(Property::kContactFriction,
+            walls ? frictionOnFixedFace(bench, found, teeInCorner(found)) : frictionOnFreeTee(bench, found));
+}
+
+}  // namespace
+
+std::vector<Experiment> shapeExperiments() {
+  return {{"shapes by touch",
+           {Property::kOriginX, Property::kOriginY, Property::kPusherRadius, Property::kBarHalfLength,
+            Property::kBarHalfWidth, Property::kStemEnd, Property::kStemHalfWidth, Property::kStemPlace},
+           shapes}};
+}
+
+std::vector<Experiment> contactExperiments() {
+  return {{"steady push", {Property::kOverlap}, overlap},
+          {"hit", {Property::kHit}, hit},
+          {"friction", {Property::kContactFriction}, contactFriction}};
+}
+
+}  // namespace sim2sim

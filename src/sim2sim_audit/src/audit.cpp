@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
+#include <exception>
+#include <iterator>
 #include <thread>
 
+#include "pusht_task/constants.hpp"
 #include "pusht_task/physics.hpp"
 #include "sim2sim_audit/experiments.hpp"
 
@@ -52,6 +54,25 @@ Measurements inSi(const Measurements& measured, double common_factor) {
   return result;
 }
 
+/// Mass of the pusher in SI [kg], read as the nearer of two. A free pusher whose servo acts at the velocity at a
+/// substep's begin moves as one with less mass whose servo acts at the velocity at its end; no free motion tells.
+double massRead(double mass, double reference, double common_factor) {
+  const double explicit_servo = mass + pusht::kSubstep * siFactor() / common_factor;
+  return std::abs(explicit_servo - reference) < std::abs(mass - reference) ? explicit_servo : mass;
+}
+
+/// Measurements of `world` in units in which they can be compared with the reference's, which are in SI.
+Measurements comparable(const Measurements& reference, const Measurements& world) {
+  const double factor = commonFactor(reference, world);
+  Measurements result = inSi(world, factor);
+  const auto& mass = result[Property::kPusherMass].value;
+  const auto& of_reference = reference[Property::kPusherMass].value;
+  if (mass && of_reference) {
+    result.set(Property::kPusherMass, massRead(*mass, *of_reference * siFactor(), factor));
+  }
+  return result;
+}
+
 double distance(double a, double b) { return a == b ? 0.0 : std::abs(a - b); }  // infinities may be equal
 
 /// Properties that are held against the start tolerance.
@@ -87,11 +108,12 @@ void setAllowed(Comparison& comparison, const Estimate& reference, const Estimat
 double effectOf(const Comparison& comparison) {
   const PropertyDescription& description = describe(comparison.property);
   const double difference = distance(*comparison.engine, *comparison.reference);
-  if (!std::isfinite(difference)) {
-    return description.effect;  // there is none in one world
-  }
   if (!description.mass_like) {
-    return description.effect * difference;
+    constexpr double kNoWall = 0.01;  // [m] beyond a wall that the tee of a world without it may get in a short replay
+    return description.effect * (std::isfinite(difference) ? difference : kNoWall);
+  }
+  if (!std::isfinite(difference)) {
+    return description.effect;  // a limit that one world does not have
   }
   const double larger = std::max(std::abs(*comparison.engine), std::abs(*comparison.reference));
   return larger > 0.0 ? description.effect * difference / larger : 0.0;
@@ -162,11 +184,11 @@ bool Audit::hasContractErrors() const {
 Audit compare(const Measurements& reference, const Measurements& engine, const std::vector<Measurements>& variants,
               double start_tolerance) {
   const Measurements reference_si = inSi(reference, 1.0);
-  const Measurements engine_si = inSi(engine, commonFactor(reference, engine));
+  const Measurements engine_si = comparable(reference, engine);
   std::vector<Measurements> variants_si;
   variants_si.reserve(variants.size());
   for (const Measurements& variant : variants) {
-    variants_si.push_back(inSi(variant, commonFactor(reference, variant)));
+    variants_si.push_back(comparable(reference, variant));
   }
   Audit result;
   for (const PropertyDescription& description : allProperties()) {

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Shapes by touch, and what contacts do under a push.
 #include <Eigen/Dense>
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "force_sensor.hpp"
@@ -97,55 +93,29 @@ void overlap(Bench& bench, Measurements& found) {
   found.set(Property::kOverlap, touching - (states.back().tee_position - states.back().pusher_position).norm());
 }
 
-/// How far a tee is thrown by a pusher that hits it and is told to stop.
+/// How far a tee is thrown by a pusher that hits it at full speed and withdraws.
 void hit(Bench& bench, Measurements& found) {
   WorldState start = behindTheStem(bench, found);
-  constexpr double kGap = 0.004;  // [m]
-  start.pusher_position.y() -= kGap;
-  start.pusher_velocity.y() = 1.5;
-  const auto states = bench.run(start, std::vector<Eigen::Vector2d>(4, {0.0, 0.0}));
+  constexpr double kRunUp = 0.05;  // [m]
+  start.pusher_position.y() -= kRunUp;
+  const auto states = bench.run(start, {{0.0, 1.0}, {0.0, -1.0}, {0.0, -1.0}});
   found.set(Property::kHit, states.back().tee_position.y() - start.tee_position.y());
 }
 
-/// [-] Friction of the pusher on a face that it presses and is told to slip along, for a scene that gives way nowhere.
-double frictionOnFixedFace(Bench& bench, const Measurements& found, const WorldState& start) {
-  constexpr double kPress = 0.3;  // [m/s] commanded into the face
-  constexpr double kSlip = 0.5;   // [m/s] commanded along it
-  const auto states = bench.run(start, {{-kSlip, kPress}});
-  const double share = ForceSensor(found).gainShare();
-  const Eigen::Vector2d velocity = states.back().pusher_velocity;
-  return (kSlip + velocity.x() / share) / (kPress - velocity.y() / share);
-}
-
-/// The tee in a corner of the walls, and the pusher on the front of its bar.
-WorldState teeInCorner(const Measurements& found) {
-  WorldState start;
-  const double bar_length = found.need(Property::kBarHalfLength);
-  const double bar_width = found.need(Property::kBarHalfWidth);
-  start.tee_position = {-(found.need(Property::kWallLeft) - bar_length), found.need(Property::kWallUp) - bar_width};
-  start.pusher_position =
-      start.tee_position + Eigen::Vector2d(bar_length, -(bar_width + found.need(Property::kPusherRadius)));
-  return start;
-}
-
-/// [-] Friction where no wall holds the tee: the pusher pushes its back off the middle and slips along; the servo is
-/// the force sensor.
-double frictionOnFreeTee(Bench& bench, const Measurements& found) {
+/// The pusher pushes the back of the bar and slips along it: friction over normal force, by the servo as force sensor.
+void contactFriction(Bench& bench, Measurements& found) {
   WorldState start = teeAtYawZero(bench);
   const double reach = found.need(Property::kBarHalfWidth) + found.need(Property::kOriginY);
-  start.pusher_position = start.tee_position + Eigen::Vector2d(-0.03, reach + found.need(Property::kPusherRadius));
-  const Eigen::Vector2d command(0.45, -0.3);
+  start.pusher_position = start.tee_position + Eigen::Vector2d(-0.045, reach + found.need(Property::kPusherRadius));
+  const Eigen::Vector2d command(0.75, -0.3);
   const auto states = bench.run(start, {command});
   const Eigen::Vector2d impulse = ForceSensor(found).impulse(states[0], states[1], command);
   const double yaw = 0.5 * pusht::wrapAngle(states[1].tee_yaw - states[0].tee_yaw);
   const Eigen::Vector2d in_face = Eigen::Rotation2Dd(-yaw) * impulse;
-  return in_face.x() / std::max(1e-9, -in_face.y());
-}
-
-void contactFriction(Bench& bench, Measurements& found) {
-  const bool walls = std::isfinite(found.need(Property::kWallLeft)) && std::isfinite(found.need(Property::kWallUp));
-  found.set(Property::kContactFriction,
-            walls ? frictionOnFixedFace(bench, found, teeInCorner(found)) : frictionOnFreeTee(bench, found));
+  if (!(in_face.y() < 0.0)) {
+    throw std::runtime_error("the pusher does not feel the tee");
+  }
+  found.set(Property::kContactFriction, in_face.x() / -in_face.y());
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ Properties operator+(Properties a, const Properties& b) {
 // Causes of which others follow.
 const Properties kStarts = {P::kRefusedStarts, P::kStartPusherPosition, P::kStartPusherVelocity, P::kStartTeePosition,
                             P::kStartTeeVelocity, P::kStartYaw, P::kStartYawRate};
-const Properties kReports = {P::kNoise, P::kStaleSteps};
+const Properties kReports = {P::kNoise, P::kLeak, P::kStaleSteps};
 const Properties kYaw = {P::kYawGain, P::kYawOffset};
 const Properties kTeeVelocities = {P::kTeeVelocityFactor, P::kTeeVelocityFrame, P::kTeeVelocityPoint,
                                    P::kYawRateFactor};
@@ -76,7 +76,7 @@ std::vector<PropertyDescription> describeAll() {
        "global state that worlds share", {P::kNoise, P::kLeak}},
       {P::kHiddenState, "hidden_state", "one step after a reset to a state in mid-episode", "m", kBook, {1e-4}, false,
        1.0, "state that decides what comes and is not reported",
-       kReports + kStarts + kTime + Properties{P::kFixedPoint, P::kLeak} + kYaw + kTeeVelocities +
+       kReports + kStarts + kTime + Properties{P::kFixedPoint} + kYaw + kTeeVelocities +
            Properties{P::kOriginX, P::kOriginY}},
       {P::kStaleSteps, "stale_steps", "control steps by which the reported state is late", "", kBook, {0.5}, false,
        0.014, "what is read after a step: the state before it", {P::kNoise, P::kStartTeeVelocity, P::kRefusedStarts}},

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <vector>
@@ -59,15 +58,6 @@ std::optional<SlideLaw> slideLaw(Bench& bench, const Eigen::Vector2d& direction)
   }
   const Eigen::Vector2d law = columns.colPivHouseholderQr().solve(losses);
   return SlideLaw{law[0], law[1]};
-}
-
-/// Speeds [m/s] at which a tee of the task slides less than 1 mm in a step, if it has friction.
-SlideLaw needSlideLaw(Bench& bench, const Eigen::Vector2d& direction) {
-  const std::optional<SlideLaw> law = slideLaw(bench, direction);
-  if (!law) {
-    throw std::runtime_error("no slide stays on the table and is still under way after a control step");
-  }
-  return *law;
 }
 
 // All other motions have none: a model is fitted to where they end.
@@ -149,6 +139,7 @@ Eigen::VectorXd differences(const TeeNumbers& numbers, const TeeModelForm& form,
 /// Fit of a form of the model: numbers, their standard errors in units of TeeNumbers::scale(), and what is left over.
 struct Fit {
   TeeNumbers numbers;
+  TeeModelForm form;
   TeeNumbers::Vector errors;
   double residual;  ///< [m] root mean square
 };
@@ -197,7 +188,7 @@ Fit fitFrom(const TeeNumbers& begin, const TeeModelForm& form, const std::vector
       (jacobian.transpose() * jacobian + 1e-15 * Eigen::MatrixXd::Identity(TeeNumbers::kCount, TeeNumbers::kCount))
           .inverse() *
       (rest.squaredNorm() / freedom);
-  return {TeeNumbers::fromVector(numbers), covariance.diagonal().cwiseAbs().cwiseSqrt(),
+  return {TeeNumbers::fromVector(numbers), form, covariance.diagonal().cwiseAbs().cwiseSqrt(),
           std::sqrt(rest.squaredNorm() / static_cast<double>(rest.size()))};
 }
 
@@ -253,56 +244,71 @@ double massOverGain(Bench& bench, const Measurements& found, const SlideLaw& law
   return impulse / taken;
 }
 
-void slides(Bench& bench, Measurements& found) {
-  const SlideLaw along_x = needSlideLaw(bench, {1.0, 0.0});
-  const SlideLaw along_y = needSlideLaw(bench, {0.0, 1.0});
-  const SlideLaw askew = needSlideLaw(bench, {std::sqrt(0.5), std::sqrt(0.5)});
-  const double mass = massOverGain(bench, found, along_y);
-  constexpr double kNoFriction = 0.3;  // [m/s^2] a thirtieth of the task's
-  found.set(Property::kTeeMass, mass);
-  found.set(Property::kTeeDamping, 0.5 * (along_x.damping + along_y.damping) * mass);
-  found.set(Property::kTeeFrictionX, along_x.friction * mass);
-  found.set(Property::kTeeFrictionY, along_y.friction * mass);
-  const double of_axes = 0.5 * (along_x.friction + along_y.friction);
-  if (of_axes < kNoFriction) {
-    found.fail(Property::kFrictionShape, "there is no Coulomb friction");
-  } else {
-    found.set(Property::kFrictionShape, askew.friction / of_axes);
+/// Frictions along x, y and askew: by slides, or where these do not tell, by the fit.
+struct Frictions {
+  SlideLaw along_x;
+  SlideLaw along_y;
+  double shape;  ///< [-] Coulomb friction askew over that along an axis
+};
+
+Frictions frictionsOf(const std::array<std::optional<SlideLaw>, 3>& slides, const Fit& fit) {
+  const TeeNumbers& numbers = fit.numbers;
+  const SlideLaw fit_x = {numbers.damping, std::max(0.0, numbers.friction_x)};
+  const SlideLaw fit_y = {numbers.damping, std::max(0.0, numbers.friction_y)};
+  Frictions frictions = {slides[0].value_or(fit_x), slides[1].value_or(fit_y),
+                         fit.form.disc_friction ? 1.0 : std::sqrt(2.0)};
+  if (slides[0] && slides[1] && slides[2]) {
+    frictions.shape = slides[2]->friction / (0.5 * (slides[0]->friction + slides[1]->friction));
   }
+  return frictions;
 }
 
-/// Numbers that turn: from a fit to a free tee, in units of its mass.
 void freeTee(Bench& bench, Measurements& found) {
-  const std::vector<Observed> all = observeFreeTee(bench);
+  const std::array<std::optional<SlideLaw>, 3> slides = {slideLaw(bench, {1.0, 0.0}), slideLaw(bench, {0.0, 1.0}),
+                                                         slideLaw(bench, {std::sqrt(0.5), std::sqrt(0.5)})};
   TeeNumbers begin = TeeNumbers::ofTask();
-  const double mass = found.need(Property::kTeeMass);
-  begin.damping = found.need(Property::kTeeDamping) / mass;
-  begin.friction = std::max(0.0, found.need(Property::kTeeFrictionY)) / mass;
-  const Fit fit = fitTee(all, begin);
-  const TeeNumbers::Vector errors = fit.errors.cwiseProduct(TeeNumbers::scale());
+  if (slides[0] && slides[1]) {
+    begin.damping = 0.5 * (slides[0]->damping + slides[1]->damping);
+    begin.friction_x = std::max(0.0, slides[0]->friction);
+    begin.friction_y = std::max(0.0, slides[1]->friction);
+  }
+  const Fit fit = fitTee(observeFreeTee(bench), begin);
   constexpr double kSigmas = 3.0;
-  found.set(Property::kCenterOfMass, fit.numbers.center_of_mass, kSigmas * errors[0]);
-  found.set(Property::kTeeMoment, fit.numbers.moment * mass, kSigmas * errors[1] * mass);
-  found.set(Property::kTeeYawDamping, fit.numbers.yaw_damping * mass, kSigmas * errors[3] * mass);
-  found.set(Property::kTeeYawFriction, std::max(0.0, fit.numbers.yaw_friction) * mass, kSigmas * errors[5] * mass);
-  const auto pointOrNone = [&](Property property, double force, double point, double error, const char* none) {
-    force < 1.0 ? found.fail(property, none) : found.set(property, point, kSigmas * error);
-  };
-  pointOrNone(Property::kDampingPoint, fit.numbers.damping, fit.numbers.damping_point, errors[6], "there is no damping");
-  pointOrNone(Property::kFrictionPoint, fit.numbers.friction, fit.numbers.friction_point, errors[7],
-              "there is no Coulomb friction");
+  const TeeNumbers::Vector errors = kSigmas * fit.errors.cwiseProduct(TeeNumbers::scale());
+  const Frictions frictions = frictionsOf(slides, fit);
+  const double damping = 0.5 * (frictions.along_x.damping + frictions.along_y.damping);
+  constexpr double kNone = 0.3;  // [m/s^2] and [1/s] below which a force is none: a thirtieth of the task's
+  const bool has_friction = frictions.along_x.friction + frictions.along_y.friction > 2.0 * kNone;
+  found.set(Property::kCenterOfMass, fit.numbers.center_of_mass, errors[0]);
+  if (has_friction) {
+    found.set(Property::kFrictionShape, frictions.shape);
+    found.set(Property::kFrictionPoint, fit.numbers.friction_point, errors[8]);
+  } else {
+    found.fail(Property::kFrictionShape, "there is no Coulomb friction");
+    found.fail(Property::kFrictionPoint, "there is no Coulomb friction");
+  }
+  if (damping > kNone) {
+    found.set(Property::kDampingPoint, fit.numbers.damping_point, errors[7]);
+  } else {
+    found.fail(Property::kDampingPoint, "there is no damping");
+  }
+  const double mass = massOverGain(bench, found, frictions.along_y);
+  found.set(Property::kTeeMass, mass);
+  found.set(Property::kTeeDamping, damping * mass);
+  found.set(Property::kTeeFrictionX, frictions.along_x.friction * mass);
+  found.set(Property::kTeeFrictionY, frictions.along_y.friction * mass);
+  found.set(Property::kTeeMoment, fit.numbers.moment * mass, errors[1] * mass);
+  found.set(Property::kTeeYawDamping, fit.numbers.yaw_damping * mass, errors[3] * mass);
+  found.set(Property::kTeeYawFriction, std::max(0.0, fit.numbers.yaw_friction) * mass, errors[6] * mass);
 }
 
 }  // namespace
 
 std::vector<Experiment> teeExperiments() {
-  return {{"slides",
-           {Property::kTeeMass, Property::kTeeDamping, Property::kTeeFrictionX, Property::kTeeFrictionY,
-            Property::kFrictionShape},
-           slides},
-          {"free tee",
-           {Property::kCenterOfMass, Property::kTeeMoment, Property::kTeeYawDamping, Property::kTeeYawFriction,
-            Property::kDampingPoint, Property::kFrictionPoint},
+  return {{"free tee",
+           {Property::kTeeMass, Property::kCenterOfMass, Property::kTeeMoment, Property::kTeeDamping,
+            Property::kTeeYawDamping, Property::kTeeFrictionX, Property::kTeeFrictionY, Property::kTeeYawFriction,
+            Property::kFrictionShape, Property::kDampingPoint, Property::kFrictionPoint},
            freeTee}};
 }
 

@@ -29,14 +29,15 @@ Matrix3d jacobianOf(double point, double yaw) {
 
 /// [m/s^2, m/s^2, m^2/s^2] Nearest friction within the limits.
 void limit(Vector3d& friction, const TeeNumbers& numbers, bool disc) {
-  const double most = std::max(0.0, numbers.friction);
+  const double most_x = std::max(0.0, numbers.friction_x);
+  const double most_y = std::max(0.0, numbers.friction_y);
   const double most_yaw = std::max(0.0, numbers.yaw_friction);
   friction[2] = std::clamp(friction[2], -most_yaw, most_yaw);
   if (!disc) {
-    friction[0] = std::clamp(friction[0], -most, most);
-    friction[1] = std::clamp(friction[1], -most, most);
-  } else if (const double size = friction.head<2>().norm(); size > most) {
-    friction.head<2>() *= most / size;
+    friction[0] = std::clamp(friction[0], -most_x, most_x);
+    friction[1] = std::clamp(friction[1], -most_y, most_y);
+  } else if (const double size = friction.head<2>().norm(); size > 0.5 * (most_x + most_y)) {
+    friction.head<2>() *= 0.5 * (most_x + most_y) / size;
   }
 }
 
@@ -107,6 +108,7 @@ TeeNumbers TeeNumbers::ofTask() {
           task.tee_damping / mass,
           task.tee_yaw_damping / mass,
           task.tee_friction[0] / mass,
+          task.tee_friction[1] / mass,
           task.tee_yaw_friction / mass,
           0.0,
           0.0};
@@ -115,20 +117,20 @@ TeeNumbers TeeNumbers::ofTask() {
 TeeNumbers::Vector TeeNumbers::scale() {
   const TeeNumbers task = ofTask();
   Vector scale;
-  scale << task.center_of_mass, task.moment, task.damping, task.yaw_damping, task.friction, task.yaw_friction,
-      task.center_of_mass, task.center_of_mass;
+  scale << task.center_of_mass, task.moment, task.damping, task.yaw_damping, task.friction_x, task.friction_y,
+      task.yaw_friction, task.center_of_mass, task.center_of_mass;
   return scale;
 }
 
 TeeNumbers::Vector TeeNumbers::toVector() const {
   Vector vector;
-  vector << center_of_mass, moment, damping, yaw_damping, friction, yaw_friction, damping_point, friction_point;
+  vector << center_of_mass, moment, damping, yaw_damping, friction_x, friction_y, yaw_friction, damping_point, friction_point;
   return vector.cwiseQuotient(scale());
 }
 
 TeeNumbers TeeNumbers::fromVector(const Vector& vector) {
   const Vector v = vector.cwiseProduct(scale());
-  return {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7]};
+  return {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]};
 }
 
 TeeMotion TeeMotion::of(const pusht::WorldState& state) {

@@ -18,14 +18,15 @@ struct TeeModelForm {
 /// Numbers of a tee, per its mass: no motion of a tee alone shows more. Points are on the body's axis, as distances
 /// from the tee origin along body -y.
 struct TeeNumbers {
-  static constexpr Eigen::Index kCount = 8;
+  static constexpr Eigen::Index kCount = 9;
   using Vector = Eigen::Matrix<double, kCount, 1>;
 
   double center_of_mass;  ///< [m]
   double moment;          ///< [m^2] of inertia about the center of mass
   double damping;         ///< [1/s]
   double yaw_damping;     ///< [m^2/s]
-  double friction;        ///< [m/s^2] Coulomb, per axis or in all
+  double friction_x;      ///< [m/s^2] Coulomb, along each axis of the table; of a disc, its limit is their mean
+  double friction_y;      ///< [m/s^2]
   double yaw_friction;    ///< [m^2/s^2]
   double damping_point;   ///< [m]
   double friction_point;  ///< [m]

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "sim2sim_audit/property.hpp"
 
@@ -16,7 +15,7 @@ namespace sim2sim {
 struct Estimate {
   std::optional<double> value{};
   double uncertainty = 0.0;  ///< in the property's unit, from what the fit left over; 0 for a closed form
-  std::string problem = "not measured";  ///< why there is no value; empty if there is one
+  std::string problem{};  ///< why there is no value; empty if there is one
 };
 
 /// Estimates of all properties of one world.
@@ -24,16 +23,10 @@ class Measurements {
  public:
   const Estimate& operator[](Property property) const { return estimates_[index(property)]; }
 
-  void set(Property property, double value, double uncertainty = 0.0) {
-    estimates_[index(property)] = {value, uncertainty, ""};
-  }
+  /// Sets a value; NaN is a problem and no value.
+  void set(Property property, double value, double uncertainty = 0.0);
   /// States why a property has no value. A value that is there stays.
-  void fail(Property property, std::string problem) {
-    Estimate& estimate = estimates_[index(property)];
-    if (!estimate.value) {
-      estimate.problem = std::move(problem);
-    }
-  }
+  void fail(Property property, std::string problem);
   /// Value of a property that another experiment needs. Throws std::runtime_error that names it if there is none.
   double need(Property property) const;
 

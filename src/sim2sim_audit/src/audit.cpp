@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <exception>
 #include <iterator>
+#include <memory>
 #include <thread>
 
 #include "pusht_task/constants.hpp"
+#include "pusht_task/error.hpp"
 #include "pusht_task/physics.hpp"
 #include "sim2sim_audit/experiments.hpp"
+#include "sim2sim_audit/replay.hpp"
 
 namespace sim2sim {
 namespace {
@@ -151,6 +153,44 @@ void explainAway(std::vector<Comparison>& comparisons) {
   }
 }
 
+/// World with what was measured in it.
+struct Subject {
+  Subject(const AuditedWorld& audited, std::uint64_t seed)
+      : world(audited.make()), bench(*world, audited.has_second ? audited.make : WorldFactory(), seed) {}
+
+  std::unique_ptr<pusht::Simulator> world;
+  Bench bench;
+  Measurements measurements{};
+};
+
+/// Measures each of `subjects` in one thread. measure() throws nothing that a world throws.
+void measureAll(std::vector<Subject>& subjects, int threads) {
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < subjects.size(); i = next++) {
+      subjects[i].measurements = measure(subjects[i].bench);
+    }
+  };
+  std::vector<std::thread> others;
+  for (int i = 1; i < threads; ++i) {
+    others.emplace_back(work);
+  }
+  work();
+  for (std::thread& other : others) {
+    other.join();
+  }
+}
+
+/// [m] Divergence of a policy's replays; none if a world fails in them.
+std::optional<double> divergenceIn(pusht::Simulator& engine, pusht::Simulator& reference, pusht::Policy& policy,
+                                   std::uint64_t seed) {
+  try {
+    return divergenceInReplays(engine, recordEpisodes(reference, policy, seed));
+  } catch (const pusht::RuntimeFault&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 const char* nameOf(Verdict verdict) {
@@ -203,48 +243,29 @@ Audit compare(const Measurements& reference, const Measurements& engine, const s
 }
 
 Audit audit(const AuditedWorld& reference, const AuditedWorld& engine, const std::vector<AuditedWorld>& variants,
-            std::uint64_t seed, int threads) {
-  std::vector<const AuditedWorld*> worlds = {&reference, &engine};
+            std::uint64_t seed, int threads, pusht::Policy* policy) {
+  std::vector<Subject> subjects;
+  subjects.emplace_back(reference, seed);
+  subjects.emplace_back(engine, seed);
   for (const AuditedWorld& variant : variants) {
-    worlds.push_back(&variant);
+    subjects.emplace_back(variant, seed);
   }
-  std::vector<Measurements> measured(worlds.size());
-  std::vector<double> tolerances(worlds.size());
-  std::vector<std::exception_ptr> failures(worlds.size());
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < worlds.size(); i = next++) {
-      try {
-        const auto world = worlds[i]->make();
-        Bench bench(*world, worlds[i]->has_second ? worlds[i]->make : WorldFactory(), seed);
-        tolerances[i] = bench.startTolerance();
-        measured[i] = measure(bench);
-      } catch (...) {
-        failures[i] = std::current_exception();
-      }
-    }
-  };
-  std::vector<std::thread> others;
-  for (int i = 1; i < threads; ++i) {
-    others.emplace_back(work);
+  measureAll(subjects, threads);
+  std::vector<Measurements> of_variants;
+  for (std::size_t i = 2; i < subjects.size(); ++i) {
+    of_variants.push_back(subjects[i].measurements);
   }
-  work();
-  for (std::thread& other : others) {
-    other.join();
-  }
-  for (const std::exception_ptr& failure : failures) {
-    if (failure) {
-      std::rethrow_exception(failure);
-    }
-  }
-  Audit result = compare(measured[0], measured[1], {measured.begin() + 2, measured.end()},
-                         std::max(tolerances[0], tolerances[1]));
+  Audit result = compare(subjects[0].measurements, subjects[1].measurements, of_variants,
+                         std::max(subjects[0].world->startTolerance(), subjects[1].world->startTolerance()));
   result.reference = reference.title;
   result.engine = engine.title;
   for (const AuditedWorld& variant : variants) {
     result.variants.push_back(variant.title);
   }
   result.seed = seed;
+  if (policy != nullptr) {
+    result.divergence = divergenceIn(*subjects[1].world, *subjects[0].world, *policy, seed);
+  }
   return result;
 }
 

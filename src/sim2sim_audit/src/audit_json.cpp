@@ -48,6 +48,7 @@ nlohmann::ordered_json toJson(const Audit& audit) {
                                  {"variants", audit.variants},
                                  {"seed", audit.seed},
                                  {"contract_holds", !audit.hasContractErrors()},
+                                 {"divergence_after_5_steps_m", numberOf(audit.divergence)},
                                  {"findings", nlohmann::ordered_json::array()},
                                  {"properties", nlohmann::ordered_json::array()}};
   for (const Comparison& finding : audit.findings()) {

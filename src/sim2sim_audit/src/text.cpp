@@ -74,6 +74,10 @@ std::string textOf(const Audit& audit) {
           std::to_string(countOf(audit, Verdict::kCannotTell)) + " cannot be told\n";
   text += audit.hasContractErrors() ? "The contract is broken: mend that first, then audit again.\n"
                                     : "No error of the contract.\n";
+  if (audit.divergence) {
+    text += "After 0.5 s of the expert's actions the tees are " + pusht::significantText(1e3 * *audit.divergence, 3) +
+            " mm apart; the effects below are estimated.\n";
+  }
   const std::vector<Comparison> findings = audit.findings();
   for (std::size_t i = 0; i < std::min(kMostFindings, findings.size()); ++i) {
     text += lines(i + 1, findings[i]);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/policy.hpp"
 #include "sim2sim_audit/bench.hpp"
 #include "sim2sim_audit/measurements.hpp"
 
@@ -47,6 +48,8 @@ struct Audit {
   std::vector<std::string> variants;    ///< titles of the reference's model variants
   std::uint64_t seed = 0;
   std::vector<Comparison> comparisons;  ///< of all properties, in their order
+  /// [m] Mean divergence in short replays of a policy in the engine (replay.hpp); none if there were none.
+  std::optional<double> divergence{};
 
   /// Those that differ, the worst first: errors of the contract before physics, then by effect.
   std::vector<Comparison> findings() const;
@@ -58,9 +61,10 @@ struct Audit {
 Audit compare(const Measurements& reference, const Measurements& engine, const std::vector<Measurements>& variants,
               double start_tolerance);
 
-/// Measures all worlds, on up to `threads` threads, and compares. The bytes of the result do not depend on `threads`.
+/// Measures all worlds, on up to `threads` threads, and compares. Where there is a `policy`, its actions in the
+/// reference are replayed in the engine. The bytes of the result do not depend on `threads`.
 Audit audit(const AuditedWorld& reference, const AuditedWorld& engine, const std::vector<AuditedWorld>& variants,
-            std::uint64_t seed, int threads);
+            std::uint64_t seed, int threads, pusht::Policy* policy = nullptr);
 
 /// Likely cause of a finding in words, with what to look at: "acts 1 control step late: ...".
 std::string causeOf(const Comparison& finding);

@@ -47,22 +47,25 @@ std::vector<pusht::WorldState> Bench::run(const pusht::WorldState& start,
 }
 
 bool Bench::isPushedApart(const pusht::WorldState& state) {
+  pusht::WorldState before;
   try {
-    const pusht::WorldState before = reset(state);
-    return distanceBetween(before, step({0.0, 0.0})) > kMotion;
+    before = reset(state);
   } catch (const pusht::SimulationFault&) {
     return true;
   }
+  return distanceBetween(before, step({0.0, 0.0})) > kMotion;
 }
 
 std::optional<double> touchDistance(Bench& bench, const pusht::WorldState& scene, const Eigen::Vector2d& center,
                                     const Eigen::Vector2d& outward, double overlapping, double apart) {
   constexpr double kPrecision = 1e-7;  // [m]
-  const auto is_pushed_at = [&](double distance) {
+  const auto with_pusher_at = [&](double distance) {
     pusht::WorldState state = scene;
     state.pusher_position = center + distance * outward;
-    return bench.isPushedApart(state);
+    return state;
   };
+  const auto is_pushed_at = [&](double distance) { return bench.isPushedApart(with_pusher_at(distance)); };
+  bench.reset(with_pusher_at(apart));  // a world that refuses this start refuses for another reason
   if (is_pushed_at(apart)) {
     throw std::runtime_error("the world moves where nothing touches");
   }

@@ -23,7 +23,9 @@ WorldState teeAtYawZero(const Bench& bench) {
 
 /// [m] Distance from the tee origin along `outward` (body frame), plus `beside` across it, at which the tee is touched.
 double surfaceAt(Bench& bench, const Eigen::Vector2d& beside, const Eigen::Vector2d& outward, double nominal) {
-  constexpr double kDeep = 0.03;   // [m] below the nominal touch: one body inside the other
+  // [m] Below the nominal touch: one body inside the other, and less deep than MuJoCo's bodies are above each other
+  // (30.2 mm), which would be pushed apart up and down, where they cannot move.
+  constexpr double kDeep = 0.029;
   constexpr double kClear = 0.04;  // [m] beyond it
   const WorldState scene = teeAtYawZero(bench);
   const auto distance = touchDistance(bench, scene, scene.tee_position + beside, outward, nominal - kDeep,
@@ -37,7 +39,7 @@ double surfaceAt(Bench& bench, const Eigen::Vector2d& beside, const Eigen::Vecto
 /// Radius of the pusher from the corner of the bar: on the diagonal a round pusher comes nearer than it comes to the
 /// faces. `end` and `back` are the distances at which it touches these [m].
 double radiusByCorner(Bench& bench, double end, double back) {
-  constexpr double kInside = 0.03;  // [m]
+  constexpr double kInside = 0.028;  // [m]
   const double diagonal = std::sqrt(0.5);
   const WorldState scene = teeAtYawZero(bench);
   const Eigen::Vector2d inside = scene.tee_position + Eigen::Vector2d(end - kInside, back - kInside);
@@ -104,9 +106,11 @@ void hit(Bench& bench, Measurements& found) {
 
 /// The pusher pushes the back of the bar and slips along it: friction over normal force, by the servo as force sensor.
 void contactFriction(Bench& bench, Measurements& found) {
+  constexpr double kFrom = -0.034;  // [m] along the bar; half of the way that it slips, so that a round back counts even
+  const pusht::Physics task;
   WorldState start = teeAtYawZero(bench);
-  const double reach = found.need(Property::kBarHalfWidth) + found.need(Property::kOriginY);
-  start.pusher_position = start.tee_position + Eigen::Vector2d(-0.045, reach + found.need(Property::kPusherRadius));
+  const double back = surfaceAt(bench, {kFrom, 0.0}, {0.0, 1.0}, task.bar_half_width + task.pusher_radius);
+  start.pusher_position = start.tee_position + Eigen::Vector2d(kFrom, back);
   const Eigen::Vector2d command(0.75, -0.3);
   const auto states = bench.run(start, {command});
   const Eigen::Vector2d impulse = ForceSensor(found).impulse(states[0], states[1], command);

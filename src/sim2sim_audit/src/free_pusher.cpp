@@ -19,7 +19,8 @@ pusht::WorldState startFor(const Bench& bench, const Eigen::Vector2d& side) {
 }
 
 double travel(Bench& bench, const Eigen::Vector2d& axis, double velocity, double command) {
-  pusht::WorldState start = startFor(bench, velocity < 0.0 ? axis : Eigen::Vector2d(-axis));
+  const bool backwards = command != 0.0 ? command < 0.0 : velocity < 0.0;
+  pusht::WorldState start = startFor(bench, backwards ? axis : Eigen::Vector2d(-axis));
   start.pusher_velocity = velocity * axis;
   const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kTravelSteps, command * axis));
   return (states.back().pusher_position - states.front().pusher_position).dot(axis);

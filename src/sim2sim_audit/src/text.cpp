@@ -13,7 +13,7 @@
 namespace sim2sim {
 namespace {
 
-std::string number(double value) {
+std::string shown(double value) {
   return std::isfinite(value) ? pusht::significantText(value, 4) : std::string("none");
 }
 
@@ -32,8 +32,8 @@ std::string lines(std::size_t rank, const Comparison& finding) {
   const PropertyDescription& description = describe(finding.property);
   constexpr double kMillimeter = 1e-3;
   return std::to_string(rank) + ". " + (isContract(finding.property) ? "[contract] " : "[physics] ") +
-         causeOf(finding) + "\n   " + description.title + ": " + number(*finding.reference) + ", here " +
-         withUnit(number(*finding.engine), description.unit) + "; same would be within " + number(finding.allowed) +
+         causeOf(finding) + "\n   " + description.title + ": " + shown(*finding.reference) + ", here " +
+         withUnit(shown(*finding.engine), description.unit) + "; same would be within " + shown(finding.allowed) +
          " (" + finding.held_against + "). About " + pusht::significantText(finding.effect / kMillimeter, 2) +
          " mm in 0.5 s. Look at: " + description.look_at + "\n";
 }

@@ -27,7 +27,7 @@ class Brittle : public pusht::Simulator {
   using Failure = void (*)(WorldState& state);
 
   Brittle(Breaks breaks, Failure at_reset, Failure at_step)
-      : Simulator("brittle", inner_.startTolerance()), breaks_(breaks), at_reset_(at_reset), at_step_(at_step) {}
+      : Simulator("brittle", pusht::RigidBodyPhysics::kStartTolerance), breaks_(breaks), at_reset_(at_reset), at_step_(at_step) {}
 
  private:
   void doReset(const WorldState& state) override {
@@ -76,14 +76,14 @@ const Comparison& of(const Audit& audit, Property property) {
 TEST(BrokenWorlds, OneThatAnswersNanSaysSoAndTheOthersGoOn) {
   const Audit result = auditOf(doNothing, answerNan);
   EXPECT_EQ(of(result, Property::kTeeMass).verdict, Verdict::kCannotTell);
-  EXPECT_THAT(of(result, Property::kTeeMass).reason, ::testing::HasSubstr("tee_position"));
+  EXPECT_THAT(of(result, Property::kTeeMass).reason, ::testing::HasSubstr("finite numbers"));
   EXPECT_EQ(of(result, Property::kDelay).verdict, Verdict::kSame);
   EXPECT_EQ(of(result, Property::kPusherRadius).verdict, Verdict::kSame);
 }
 
 TEST(BrokenWorlds, OneThatDiesSaysSoAndTheOthersGoOn) {
   const Audit result = auditOf(doNothing, die);
-  EXPECT_EQ(of(result, Property::kTeeMass).reason, "the node has died");
+  EXPECT_THAT(of(result, Property::kTeeMass).reason, ::testing::HasSubstr("the node has died"));
   EXPECT_EQ(of(result, Property::kContactFriction).verdict, Verdict::kSame);
 }
 

@@ -20,7 +20,6 @@
 #include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/model_variants.hpp"
-#include "sim2sim_protocol/probes.hpp"
 
 namespace sim2sim {
 namespace {
@@ -36,20 +35,11 @@ std::string titleOf(const SimulatorChoice& choice) {
 
 AuditedWorld worldOf(const SimulatorChoice& choice) { return {titleOf(choice), LoadedSimulator(choice).model.make_world}; }
 
-/// The reference with other numerics, as its kind lists them; none if it lists none but the reference itself.
+/// The reference with other numerics, as its kind lists them.
 std::vector<AuditedWorld> variantsOf(const SimulatorChoice& reference) {
-  RunOptions options;
-  options.model_variants = {kDefaultVariants};
-  try {
-    nameVariants(reference.kind, reference.parameters, options);
-  } catch (const pusht::InvalidInput&) {
-    return {};
-  }
-  const std::vector<std::string> names = sim2sim::variantsOf(options);
-  const std::vector<pusht::SimulatorModel> models = loadVariants(reference.kind, reference.parameters, options);
   std::vector<AuditedWorld> variants;
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    variants.push_back({names[i], models[i].make_world});
+  for (const LoadedVariant& variant : loadDefaultVariants(reference.kind, reference.parameters)) {
+    variants.push_back({variant.name, variant.model.make_world});
   }
   return variants;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "chipmunk_scene.hpp"
@@ -16,6 +17,7 @@
 #include "pusht_mujoco/mujoco_scene.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/physics.hpp"
+#include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim::testing {
 namespace {
@@ -554,6 +556,12 @@ std::vector<PlantedFault> contactFaults() {
 }
 
 }  // namespace
+
+Measurements measured(const WorldFactory& make, std::uint64_t seed) {
+  const auto world = make();
+  Bench bench(*world, make, seed);
+  return measure(bench);
+}
 
 WorldFactory cleanMujoco() {
   const auto scene = std::make_shared<const pusht::MujocoScene>();

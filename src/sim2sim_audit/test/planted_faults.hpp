@@ -2,7 +2,7 @@
 /// Faults to be planted in worlds of three kinds, each with the properties that name it.
 #pragma once
 
-#include <functional>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,6 +23,9 @@ struct PlantedFault {
 
 /// All faults.
 std::vector<PlantedFault> plantedFaults();
+
+/// What an audit finds in a world.
+Measurements measured(const WorldFactory& make, std::uint64_t seed = 0);
 
 /// Worlds without a fault.
 WorldFactory cleanMujoco();

@@ -21,7 +21,6 @@
 #include "pusht_task/joined.hpp"
 #include "pusht_task/split.hpp"
 #include "sim2sim_audit/audit.hpp"
-#include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim::testing {
 namespace {
@@ -34,12 +33,6 @@ WorldFactory worldOf(const pusht::SimulatorKind& kind, const std::string& settin
     parameters.set(setting.substr(0, equals), setting.substr(equals + 1));
   }
   return kind.load(parameters).make_world;
-}
-
-Measurements measured(const WorldFactory& make, std::uint64_t seed = 0) {
-  const auto world = make();
-  Bench bench(*world, make, seed);
-  return measure(bench);
 }
 
 /// A kind without a fault and its model variants, measured once.

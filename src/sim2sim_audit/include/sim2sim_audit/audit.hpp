@@ -34,9 +34,9 @@ struct Comparison {
   std::optional<double> reference;  ///< in the property's unit; infinity: there is none
   std::optional<double> engine;
   double allowed = 0.0;      ///< greatest difference that is the same, in the property's unit
-  std::string held_against;  ///< what `allowed` is: "model variants", "start tolerance", "resolution", "fit"
+  std::string held_against{};  ///< what `allowed` is: "model variants", "start tolerance", "resolution", "fit"
   double effect = 0.0;       ///< [m] estimated share in the divergence after 5 control steps; 0 unless it differs
-  std::string reason;        ///< why nothing can be told; empty otherwise
+  std::string reason{};      ///< why nothing can be told; empty otherwise
 
   double difference() const { return *engine - *reference; }
 };

@@ -111,7 +111,8 @@ struct PropertyDescription {
   /// Known only up to a factor that is common to all masses and forces, because no motion depends on it.
   bool mass_like;
   /// [m] Mean divergence after 5 control steps of expert replays in the reference, per unit of the difference or, for a
-  /// mass-like property, per relative difference. From effects_test.cpp.
+  /// mass-like property, per relative difference. Guesses of the order of magnitude, to be replaced by what
+  /// effects_test.cpp measures.
   double effect;
   const char* look_at;  ///< where to look if it differs
   /// Properties that decide this one too: where one of them differs, a difference of this one says nothing.

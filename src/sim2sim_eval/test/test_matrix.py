@@ -327,7 +327,7 @@ engine: [two_mass, chipmunk]
         """Random actions in 0 to 7/8 of the steps make a policy worse, here and there."""
         self.partly_random(8)
         plan = (
-            "{policies: [{files: 'random-*.ts.pt', group: random}], episodes: 24, horizon: 200, "
+            "{policies: [{files: 'random-*.ts.pt', group: random}], episodes: 24, horizon: 150, "
             "engine: [chipmunk, two_mass]}"
         )
         results = self.finished("out", plan)

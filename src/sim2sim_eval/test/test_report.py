@@ -321,12 +321,15 @@ class Content(ReportCase):
         kinds = ("png", "pdf")
         drawn = {f"{name}.{kind}" for name in ("shares", "staircase") for kind in kinds}
         self.assertEqual(images, drawn)
-        attribution = self.folder / "ladder" / "attribution.json"
-        for damage in (b"", b"[1]", b'{"format": 2}', b'{"format": 1}'):
-            attribution.write_bytes(damage)
-            process = self.run_command(REPORT, "ladder", "--out", "no.html")
+        self.assert_damage_refused("ladder", "attribution.json")
+
+    def assert_damage_refused(self, folder: str, name: str) -> None:
+        """A result file that is empty, no object, of another format or without its figures."""
+        for damage in (b"", b"[1]", b'{"format": 99}', b'{"format": 1}'):
+            (self.folder / folder / name).write_bytes(damage)
+            process = self.run_command(REPORT, folder, "--out", "no.html")
             self.assert_one_line(process, 2, "report")
-            self.assertIn("attribution.json", process.stderr)
+            self.assertIn(name, process.stderr)
 
     def test_matrix(self) -> None:
         """The figures of the terminal, for each policy and simulator."""
@@ -346,12 +349,7 @@ class Content(ReportCase):
         self.assertIn("<td>the expert is better</td>", page)
         drawn = {f"{name}.{kind}" for name in ("matrix", "rankings") for kind in ("png", "pdf")}
         self.assertEqual(self.files("images"), drawn)
-        matrix = self.folder / "policies" / "matrix.json"
-        for damage in (b"", b"[1]", b'{"format": 99}', b'{"format": 1}'):
-            matrix.write_bytes(damage)
-            process = self.run_command(REPORT, "policies", "--out", "no.html")
-            self.assert_one_line(process, 2, "report")
-            self.assertIn("matrix.json", process.stderr)
+        self.assert_damage_refused("policies", "matrix.json")
 
     def test_text_of_others_is_text(self) -> None:
         folder = self.copy()

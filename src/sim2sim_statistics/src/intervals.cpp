@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "sim2sim_statistics/common.hpp"
+#include "wilson.hpp"
 
 namespace sim2sim {
 namespace {
@@ -72,14 +73,11 @@ Rank medianRank(int n) {
 }  // namespace
 
 Interval wilsonInterval(int successes, int trials) {
-  const double n = trials;
-  const double p = successes / n;
   const double z = boost::math::quantile(boost::math::normal(), kUpperTail);
-  const double shrink = 1.0 + z * z / n;
-  const double center = (p + z * z / (2.0 * n)) / shrink;
-  const double half_width = z / shrink * std::sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n));
+  const double n = trials;
+  const Interval interval = wilson(successes / n, n, z);
   // At the ends of the scale the formula gives 0 or 1 but for rounding.
-  return {successes == 0 ? 0.0 : center - half_width, successes == trials ? 1.0 : center + half_width};
+  return {successes == 0 ? 0.0 : interval.low, successes == trials ? 1.0 : interval.high};
 }
 
 Estimate meanOf(const std::vector<double>& samples, double limit) {

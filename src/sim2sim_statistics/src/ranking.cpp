@@ -4,135 +4,25 @@
 #include <algorithm>
 #include <boost/math/constants/constants.hpp>
 #include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <boost/random/mersenne_twister.hpp>
 #include <boost/random/uniform_int_distribution.hpp>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
+#include "pair_agreement.hpp"
+#include "rank_figures.hpp"
 #include "sim2sim_statistics/common.hpp"
 #include "sim2sim_statistics/planning.hpp"
 
 namespace sim2sim {
 namespace {
 
-constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPi = boost::math::constants::pi<double>();
-
-using Values = std::vector<double>;
-
-double square(double x) { return x * x; }
 
 double normalCritical() {
   static const double z = quantile(boost::math::normal(), 0.5 * (1.0 + kConfidence));
   return z;
-}
-
-double studentsCritical(std::size_t samples) {
-  const boost::math::students_t t(static_cast<double>(samples - 1));
-  return quantile(t, 0.5 * (1.0 + kConfidence));
-}
-
-void requireTwoSides(const Values& first, const Values& second) {
-  if (first.size() < 2) {
-    refuse("number of values", first.size(), "at least 2");
-  }
-  if (second.size() != first.size()) {
-    refuse("number of values", second.size(), "that of the other side, " + std::to_string(first.size()));
-  }
-  for (const Values* values : {&first, &second}) {
-    for (const double value : *values) {
-      if (!std::isfinite(value)) {
-        refuse("value", value, "a finite number");
-      }
-    }
-  }
-}
-
-double averageOf(const Values& values) { return sumOf(values) / static_cast<double>(values.size()); }
-
-/// 1 if a > b, -1 if a < b, and 0 otherwise.
-int order(double a, double b) { return (a > b ? 1 : 0) - (a < b ? 1 : 0); }
-
-bool hasSpread(const Values& values) {
-  return std::any_of(values.begin(), values.end(), [&](double value) { return value != values.front(); });
-}
-
-/// Ranks from 1; ties have the average of theirs.
-Values ranksOf(const Values& values) {
-  Values sorted = values;
-  std::sort(sorted.begin(), sorted.end());
-  Values ranks;
-  for (const double value : values) {
-    const auto [first, last] = std::equal_range(sorted.begin(), sorted.end(), value);
-    ranks.push_back(0.5 * static_cast<double>((first - sorted.begin()) + (last - sorted.begin()) + 1));
-  }
-  return ranks;
-}
-
-/// Correlation of values without a check.
-double correlation(const Values& first, const Values& second) {
-  if (!hasSpread(first) || !hasSpread(second)) {
-    return kNotANumber;
-  }
-  const double mean_of_first = averageOf(first);
-  const double mean_of_second = averageOf(second);
-  double squares_of_first = 0.0;
-  double squares_of_second = 0.0;
-  double products = 0.0;
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    squares_of_first += square(first[i] - mean_of_first);
-    squares_of_second += square(second[i] - mean_of_second);
-    products += (first[i] - mean_of_first) * (second[i] - mean_of_second);
-  }
-  return std::clamp(products / (std::sqrt(squares_of_first) * std::sqrt(squares_of_second)), -1.0, 1.0);
-}
-
-double violation(const Values& test, const Values& reference) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < test.size(); ++i) {
-    double largest = 0.0;
-    for (std::size_t j = 0; j < test.size(); ++j) {
-      if ((test[i] > test[j]) != (reference[i] > reference[j])) {
-        largest = std::max(largest, std::abs(reference[i] - reference[j]));
-      }
-    }
-    sum += largest;
-  }
-  return sum / static_cast<double>(test.size());
-}
-
-/// Success rates of the policies.
-struct PolicyRates {
-  Values reference;
-  Values test;
-
-  /// Rates of all other policies.
-  PolicyRates without(std::size_t policy) const {
-    PolicyRates others = *this;
-    others.reference.erase(others.reference.begin() + static_cast<std::ptrdiff_t>(policy));
-    others.test.erase(others.test.begin() + static_cast<std::ptrdiff_t>(policy));
-    return others;
-  }
-
-  /// Whether no single policy makes the whole spread of one side.
-  bool spreadWithoutAny() const {
-    for (std::size_t policy = 0; policy < test.size(); ++policy) {
-      const PolicyRates others = without(policy);
-      if (!hasSpread(others.reference) || !hasSpread(others.test)) {
-        return false;
-      }
-    }
-    return true;
-  }
-};
-
-/// Jackknife's variance, from the figures without each sample in turn.
-double jackknifeVariance(const Values& left_out) {
-  const auto n = static_cast<double>(left_out.size());
-  return square(n - 1.0) / n * square(standardDeviation(left_out));
 }
 
 // The noise of the starts.
@@ -326,70 +216,6 @@ Interval violationInterval(const PolicyRates& rates, const Attenuation& noise, d
           square(std::max(as_measured, as_corrected) + half_width)};
 }
 
-// Pairs of policies.
-
-/// Agreement of the pairs of one bin, by policy: each pair counts for both of its policies.
-struct Tally {
-  int pairs = 0;
-  double agreeing = 0.0;
-
-  void add(double agreement) {
-    ++pairs;
-    agreeing += agreement;
-  }
-  double share() const { return agreeing / pairs; }
-};
-
-/// Wilson's interval for a share of `n` trials, which need not be whole.
-Interval wilsonOf(double share, double n, double z) {
-  const double center = (share + z * z / (2.0 * n)) / (1.0 + z * z / n);
-  const double half_width = z / (1.0 + z * z / n) * std::sqrt(share * (1.0 - share) / n + z * z / (4.0 * n * n));
-  return {std::max(0.0, center - half_width), std::min(1.0, center + half_width)};
-}
-
-std::optional<Interval> shareInterval(const Tally& all, const std::vector<Tally>& by_policy) {
-  Values left_out;
-  for (const Tally& of_policy : by_policy) {
-    if (of_policy.pairs == all.pairs) {
-      return std::nullopt;  // one policy is in every pair: the others say nothing of each other
-    }
-    if (of_policy.pairs > 0) {
-      left_out.push_back((all.agreeing - of_policy.agreeing) / (all.pairs - of_policy.pairs));
-    }
-  }
-  if (all.pairs < kFewestPairs || left_out.size() < kFewestPolicies) {
-    return std::nullopt;
-  }
-  const double variance = jackknifeVariance(left_out);
-  const double spread = all.share() * (1.0 - all.share());
-  const auto policies = static_cast<double>(left_out.size());
-  // Pairs that share no policy are half as many as the policies.
-  const double independent = variance > 0.0 && spread > 0.0 ? std::min(spread / variance, policies) : 0.5 * policies;
-  return wilsonOf(all.share(), independent, studentsCritical(left_out.size()));
-}
-
-PairAgreement agreementOf(const PolicyRates& rates, double from, double to) {
-  Tally all;
-  std::vector<Tally> by_policy(rates.test.size());
-  for (std::size_t i = 0; i < rates.test.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const double difference = std::abs(rates.reference[i] - rates.reference[j]);
-      if (difference <= kSame || difference < from - kSame || difference >= to - kSame) {
-        continue;
-      }
-      const int product = order(rates.reference[i], rates.reference[j]) * order(rates.test[i], rates.test[j]);
-      const double agreement = 0.5 * (1.0 + product);
-      all.add(agreement);
-      by_policy[i].add(agreement);
-      by_policy[j].add(agreement);
-    }
-  }
-  if (all.pairs == 0) {
-    return {from, to, 0, {}};
-  }
-  return {from, to, all.pairs, {all.share(), shareInterval(all, by_policy)}};
-}
-
 RankingVerdict verdictOf(const std::optional<Interval>& kendall) {
   if (kendall && kendall->low > 0.0) {
     return RankingVerdict::kPreserved;
@@ -409,39 +235,6 @@ void requireSuccesses(const CrossedTable& table) {
 }
 
 }  // namespace
-
-double pearson(const std::vector<double>& first, const std::vector<double>& second) {
-  requireTwoSides(first, second);
-  return correlation(first, second);
-}
-
-double spearman(const std::vector<double>& first, const std::vector<double>& second) {
-  requireTwoSides(first, second);
-  return correlation(ranksOf(first), ranksOf(second));
-}
-
-double kendallTauB(const std::vector<double>& first, const std::vector<double>& second) {
-  requireTwoSides(first, second);
-  double excess = 0.0;
-  double untied_in_first = 0.0;
-  double untied_in_second = 0.0;
-  for (std::size_t i = 0; i < first.size(); ++i) {
-    for (std::size_t j = 0; j < i; ++j) {
-      const int in_first = order(first[i], first[j]);
-      const int in_second = order(second[i], second[j]);
-      excess += in_first * in_second;
-      untied_in_first += std::abs(in_first);
-      untied_in_second += std::abs(in_second);
-    }
-  }
-  const double untied = std::sqrt(untied_in_first) * std::sqrt(untied_in_second);
-  return untied > 0.0 ? std::clamp(excess / untied, -1.0, 1.0) : kNotANumber;
-}
-
-double meanMaximumRankViolation(const std::vector<double>& test, const std::vector<double>& reference) {
-  requireTwoSides(test, reference);
-  return violation(test, reference);
-}
 
 RankingComparison compareRankings(const CrossedTable& reference, const CrossedTable& test, std::uint32_t seed) {
   requireSuccesses(reference);

@@ -6,15 +6,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim2sim_statistics/common.hpp"
+
 namespace sim2sim {
 namespace {
 
 /// Values by policy and simulator.
 using Cells = std::vector<std::vector<double>>;
-
-double meanOf(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
 
 std::vector<double> columnMeansOf(const Cells& cells) {
   std::vector<double> means(cells.front().size(), 0.0);
@@ -79,7 +77,7 @@ class Analysis {
       std::vector<double> beyond_group = cells[policy];
       std::transform(beyond_group.begin(), beyond_group.end(), group_means[groups_[policy]].begin(),
                      beyond_group.begin(), std::minus<>());
-      const double own = meanOf(beyond_group);
+      const double own = averageOf(beyond_group);
       squares.policy += simulator_count_ * own * own / policiesWithinGroups();
       for (const double value : beyond_group) {
         squares.policy_simulator += (value - own) * (value - own) / (policiesWithinGroups() * (simulator_count_ - 1.0));
@@ -92,12 +90,12 @@ class Analysis {
   SourceSquares squaresBetween(const Cells& group_means) const {
     SourceSquares squares;
     const std::vector<double> of_simulators = columnMeansOf(group_means);
-    const double grand = meanOf(of_simulators);
+    const double grand = averageOf(of_simulators);
     for (const double mean : of_simulators) {
       squares.simulator += groupCount() * (mean - grand) * (mean - grand) / (simulator_count_ - 1.0);
     }
     for (const std::vector<double>& row : group_means) {
-      const double of_group = meanOf(row);
+      const double of_group = averageOf(row);
       squares.group += simulator_count_ * (of_group - grand) * (of_group - grand) / (groupCount() - 1.0);
       for (std::size_t i = 0; i < row.size(); ++i) {
         const double beyond = row[i] - of_group - of_simulators[i] + grand;

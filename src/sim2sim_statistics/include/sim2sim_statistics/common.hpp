@@ -39,6 +39,11 @@ template <class Number>
 /// Sum of the values, in their order.
 inline double sumOf(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
+/// Mean of the values, of which there must be some.
+inline double averageOf(const std::vector<double>& values) {
+  return sumOf(values) / static_cast<double>(values.size());
+}
+
 /// Last point at which `holds` is true on the way from `inside`, where it is, to `outside`; `outside` itself if it is
 /// true there too. It must change once in between. The result has `bits` correct bits. Source: bisection.
 template <class Predicate>

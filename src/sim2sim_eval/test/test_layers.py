@@ -24,7 +24,7 @@ class Layers(CommandCase):
         return needed - own - {"libpusht_task.so"} - self.needed("libpusht_task.so")
 
     def test_statistics_protocol_and_results_need_no_ros(self) -> None:
-        for layer in ("statistics", "protocol", "results"):
+        for layer in ("statistics", "audit", "protocol", "results"):
             self.assertEqual(self.foreign(layer), set(), layer)
         self.assertIn("libpusht_task.so", self.needed("libsim2sim_protocol.so"))
 

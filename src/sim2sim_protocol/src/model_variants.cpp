@@ -54,8 +54,8 @@ Variant differentVariantOf(const pusht::SimulatorKind& kind, const pusht::Parame
   return variant;
 }
 
-/// Default variants that are not the reference itself.
-std::vector<Variant> defaultVariants(const pusht::SimulatorKind& kind, const pusht::ParameterSet& reference) {
+/// Default variants that are not the reference itself; there may be none.
+std::vector<Variant> defaultVariantsOrNone(const pusht::SimulatorKind& kind, const pusht::ParameterSet& reference) {
   std::vector<Variant> variants;
   for (const std::string& text : kind.variants) {
     Variant variant = variantOf(kind, reference, text);
@@ -63,6 +63,12 @@ std::vector<Variant> defaultVariants(const pusht::SimulatorKind& kind, const pus
       variants.push_back(std::move(variant));
     }
   }
+  return variants;
+}
+
+/// Default variants that are not the reference itself.
+std::vector<Variant> defaultVariants(const pusht::SimulatorKind& kind, const pusht::ParameterSet& reference) {
+  std::vector<Variant> variants = defaultVariantsOrNone(kind, reference);
   if (variants.empty()) {
     throw pusht::InvalidInput(std::string("model variants ") + kDefaultVariants + ": the reference " + kind.name +
                               " has none" + (kind.variants.empty() ? "" : " but itself") +
@@ -115,6 +121,15 @@ std::vector<pusht::SimulatorModel> loadVariants(const pusht::SimulatorKind& kind
     models.push_back(kind.load(differentVariantOf(kind, parameters, variant).parameters));
   }
   return models;
+}
+
+std::vector<LoadedVariant> loadDefaultVariants(const pusht::SimulatorKind& kind,
+                                               const pusht::ParameterSet& parameters) {
+  std::vector<LoadedVariant> loaded;
+  for (const Variant& variant : defaultVariantsOrNone(kind, parameters)) {
+    loaded.push_back({variant.name, kind.load(variant.parameters)});
+  }
+  return loaded;
 }
 
 VariantWorlds worldsOf(const std::vector<pusht::SimulatorModel>& variants) {

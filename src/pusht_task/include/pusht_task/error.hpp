@@ -16,6 +16,7 @@ enum class ExitCode {
   kInvalidInput = 2,    ///< bad input or configuration
   kBadDependency = 3,   ///< something the run needs is missing or not as expected
   kRuntimeFault = 4,    ///< a peer died, a deadline passed, the disk is full, the run was interrupted
+  kContractError = 5,   ///< an audit found an error of the contract
   kInternalError = 70,  ///< a defect of ours or of a library
 };
 
@@ -49,6 +50,10 @@ struct RuntimeFault : Error {
 /// Failure of a world's physics; other parameters may succeed.
 struct SimulationFault : RuntimeFault {
   using RuntimeFault::RuntimeFault;
+};
+/// Broken contract of a simulator, found by an audit: exit code 5.
+struct ContractError : Error {
+  explicit ContractError(const std::string& message) : Error(ExitCode::kContractError, message) {}
 };
 /// Defect of the suite or of a library: exit code 70.
 struct InternalError : Error {

@@ -23,6 +23,17 @@ void nameVariants(const pusht::SimulatorKind& kind, const pusht::ParameterSet& p
 std::vector<pusht::SimulatorModel> loadVariants(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters,
                                                 const RunOptions& options);
 
+/// Model variant that was loaded.
+struct LoadedVariant {
+  std::string name;  ///< "timestep=0.005"
+  pusht::SimulatorModel model;
+};
+
+/// Default variants of a kind, loaded, but for the reference itself; there may be none. Throws what SimulatorKind::load
+/// throws.
+std::vector<LoadedVariant> loadDefaultVariants(const pusht::SimulatorKind& kind,
+                                               const pusht::ParameterSet& parameters);
+
 /// A world of each variant.
 VariantWorlds worldsOf(const std::vector<pusht::SimulatorModel>& variants);
 

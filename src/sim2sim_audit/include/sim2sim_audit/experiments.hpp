@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Experiments of an audit: scripted resets and steps in one world, each with the properties that it estimates by a
+/// closed form or a fit.
+#pragma once
+
+#include <vector>
+
+#include "sim2sim_audit/bench.hpp"
+#include "sim2sim_audit/measurements.hpp"
+
+namespace sim2sim {
+
+/// Experiment: what it does, and what it estimates.
+struct Experiment {
+  const char* name;
+  std::vector<Property> estimates;
+  /// Fills `measurements`; may read what earlier experiments found. Throws what the world throws, and
+  /// std::runtime_error with the reason where it cannot measure.
+  void (*carryOut)(Bench& bench, Measurements& measurements);
+};
+
+/// All experiments, in the order in which they are carried out.
+const std::vector<Experiment>& allExperiments();
+
+/// Estimates of all properties of a world. An experiment that fails says so in its properties, and the others go on.
+Measurements measure(Bench& bench);
+
+// The experiments, by area.
+std::vector<Experiment> bookkeepingExperiments();
+std::vector<Experiment> frameExperiments();
+std::vector<Experiment> actionExperiments();
+std::vector<Experiment> servoExperiments();
+std::vector<Experiment> shapeExperiments();
+std::vector<Experiment> teeExperiments();
+std::vector<Experiment> contactExperiments();
+std::vector<Experiment> wallExperiments();
+
+}  // namespace sim2sim

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a command does, when, and how far: the pusher alone, in free space.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "free_pusher.hpp"
+#include "pusht_task/constants.hpp"
+#include "sim2sim_audit/experiments.hpp"
+
+namespace sim2sim {
+namespace {
+
+using free_pusher::kAxes;
+using free_pusher::kCommand;
+using pusht::kControlStep;
+
+/// Distance of the last control step of a constant command, and the velocity reported at its end.
+struct Response {
+  Eigen::Vector2d displacement;  ///< [m]
+  Eigen::Vector2d velocity;      ///< [m/s]
+  Eigen::Vector2d whole;         ///< [m] from the start, over kSteps
+};
+constexpr int kSteps = 5;
+
+Response responseFrom(Bench& bench, const pusht::WorldState& start, const Eigen::Vector2d& command) {
+  const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, command));
+  return {states[kSteps].pusher_position - states[kSteps - 1].pusher_position, states[kSteps].pusher_velocity,
+          states[kSteps].pusher_position - states[0].pusher_position};
+}
+
+/// Response from a place around which there is room in every direction: the world may have its own idea of axes.
+Response responseTo(Bench& bench, const Eigen::Vector2d& command) {
+  pusht::WorldState start = free_pusher::startFor(bench, command);
+  start.pusher_position = bench.shift() + Eigen::Vector2d(-0.2, -0.2);
+  return responseFrom(bench, start, command);
+}
+
+/// Length of a control step and unit of the pusher's velocity. Distance in a step over command and reported velocity
+/// over command both tell; where they disagree, the one that is nearer to the command is believed.
+void stepAndVelocity(Bench& bench, Measurements& found) {
+  double by_distance = 0.0;  // [-]
+  double by_velocity = 0.0;
+  for (const Eigen::Vector2d& axis : kAxes) {
+    const Response response = responseTo(bench, kCommand * axis);
+    by_distance += 0.5 * response.displacement.norm() / (kCommand * kControlStep);
+    by_velocity += 0.5 * response.velocity.norm() / kCommand;
+  }
+  const bool distance_is_nearer = std::abs(std::log(by_distance)) <= std::abs(std::log(by_velocity));
+  const double ratio = by_distance / by_velocity;
+  found.set(Property::kControlStep, distance_is_nearer ? kControlStep : kControlStep * ratio);
+  found.set(Property::kPusherVelocityFactor, distance_is_nearer ? 1.0 / ratio : 1.0);
+}
+
+/// Response of the pusher to commands along x and y: which axis, which sign, how far.
+void axes(Bench& bench, Measurements& found) {
+  Eigen::Matrix2d response;
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector2d command = kCommand * kAxes[static_cast<std::size_t>(axis)];
+    response.col(axis) = (responseTo(bench, command).displacement - responseTo(bench, -command).displacement) /
+                         (2.0 * kCommand * found.need(Property::kControlStep));
+  }
+  found.set(Property::kAxesMirror, response.determinant() < 0.0 ? -1.0 : 1.0);
+  found.set(Property::kAxesTurn, std::atan2(response(1, 0), response(0, 0)));
+  found.set(Property::kActionScaleX, response.col(0).norm());
+  found.set(Property::kActionScaleY, response.col(1).norm());
+}
+
+/// Largest command that the pusher still follows, over both axes and signs.
+void limitOfActions(Bench& bench, Measurements& found) {
+  double least = pusht::kActionLimit;
+  for (const Eigen::Vector2d& axis : kAxes) {
+    for (const double sign : {1.0, -1.0}) {
+      const pusht::WorldState start = free_pusher::startFor(bench, -sign * axis);
+      const double small = responseFrom(bench, start, sign * kCommand * axis).displacement.norm();
+      const double full = responseFrom(bench, start, sign * axis).displacement.norm();
+      least = std::min(least, kCommand * full / small);
+    }
+  }
+  found.set(Property::kActionLimit, least);
+}
+
+/// How far a response to a command is behind one without a lag, less the lag of a pusher that coasts: what is left is
+/// no property of a body. And how long one command lasts, from all that it moves the pusher.
+void delayAndHold(Bench& bench, Measurements& found) {
+  const Eigen::Vector2d command = kCommand * kAxes[0];
+  const Response response = responseTo(bench, command);
+  const double per_step = response.displacement.norm();
+  const double step = found.need(Property::kControlStep);
+  const double lag = step * (kSteps - response.whole.norm() / per_step);
+  const double coasting = free_pusher::timeConstant(bench, kAxes[0]) * found.need(Property::kPusherVelocityFactor);
+  found.set(Property::kDelay, lag - coasting - step * found.need(Property::kStaleSteps));
+
+  std::vector<Eigen::Vector2d> pulse(kSteps + 1, Eigen::Vector2d::Zero());
+  pulse.front() = command;
+  const auto states = bench.run(free_pusher::startFor(bench, -command), pulse);
+  found.set(Property::kHold, (states.back().pusher_position - states.front().pusher_position).norm() / per_step);
+}
+
+}  // namespace
+
+std::vector<Experiment> actionExperiments() {
+  return {{"control step", {Property::kControlStep, Property::kPusherVelocityFactor}, stepAndVelocity},
+          {"axes",
+           {Property::kAxesTurn, Property::kAxesMirror, Property::kActionScaleX, Property::kActionScaleY},
+           axes},
+          {"limit of actions", {Property::kActionLimit}, limitOfActions},
+          {"delay", {Property::kDelay, Property::kHold}, delayAndHold}};
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_audit/audit.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <thread>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/error.hpp"
+#include "pusht_task/physics.hpp"
+#include "sim2sim_audit/experiments.hpp"
+#include "sim2sim_audit/replay.hpp"
+
+namespace sim2sim {
+namespace {
+
+/// Common factor of all masses and forces of `world` against the reference: no motion depends on it, so it is taken to
+/// be the one that leaves most of them the same, the median of their ratios.
+double commonFactor(const Measurements& reference, const Measurements& world) {
+  std::vector<double> logarithms;
+  for (const PropertyDescription& description : allProperties()) {
+    const auto& of_reference = reference[description.property].value;
+    const auto& of_world = world[description.property].value;
+    if (!description.mass_like || !of_reference || !of_world) {
+      continue;
+    }
+    const double ratio = *of_world / *of_reference;
+    if (std::isfinite(ratio) && ratio > 0.0) {
+      logarithms.push_back(std::log(ratio));
+    }
+  }
+  if (logarithms.empty()) {
+    return 1.0;
+  }
+  std::sort(logarithms.begin(), logarithms.end());
+  const double low = logarithms[(logarithms.size() - 1) / 2];
+  const double high = logarithms[logarithms.size() / 2];
+  return std::exp(std::abs(low) <= std::abs(high) ? low : high);
+}
+
+/// Factor from units of the servo's gain to SI. The reference's gain is taken to be the task's.
+double siFactor() { return pusht::Physics().servo_gain; }
+
+/// Measurements with masses and forces in SI.
+Measurements inSi(const Measurements& measured, double common_factor) {
+  Measurements result = measured;
+  for (const PropertyDescription& description : allProperties()) {
+    if (const auto& value = measured[description.property].value; value && description.mass_like) {
+      const double factor = siFactor() / common_factor;
+      result.set(description.property, *value * factor, measured[description.property].uncertainty * factor);
+    }
+  }
+  return result;
+}
+
+/// Mass of the pusher in SI [kg], read as the nearer of two. A free pusher whose servo acts at the velocity at a
+/// substep's begin moves as one with less mass whose servo acts at the velocity at its end; no free motion tells.
+double massRead(double mass, double reference, double common_factor) {
+  const double explicit_servo = mass + pusht::kSubstep * siFactor() / common_factor;
+  return std::abs(explicit_servo - reference) < std::abs(mass - reference) ? explicit_servo : mass;
+}
+
+/// Measurements of `world` in units in which they can be compared with the reference's, which are in SI.
+Measurements comparable(const Measurements& reference, const Measurements& world) {
+  const double factor = commonFactor(reference, world);
+  Measurements result = inSi(world, factor);
+  const auto& mass = result[Property::kPusherMass].value;
+  const auto& of_reference = reference[Property::kPusherMass].value;
+  if (mass && of_reference) {
+    result.set(Property::kPusherMass, massRead(*mass, *of_reference * siFactor(), factor));
+  }
+  return result;
+}
+
+double distance(double a, double b) { return a == b ? 0.0 : std::abs(a - b); }  // infinities may be equal
+
+/// Properties that are held against the start tolerance.
+bool isOfStart(Property property) {
+  return property >= Property::kStartPusherPosition && property <= Property::kFixedPoint;
+}
+
+/// Sets how much may differ, and what that is.
+void allow(Comparison& comparison, double amount, const char* what) {
+  if (amount > comparison.allowed || comparison.held_against.empty()) {
+    comparison.allowed = std::max(amount, comparison.allowed);
+    comparison.held_against = what;
+  }
+}
+
+void setAllowed(Comparison& comparison, const Estimate& reference, const Estimate& engine,
+                const std::vector<Measurements>& variants, double start_tolerance) {
+  const Property property = comparison.property;
+  const Resolution& resolution = describe(property).resolution;
+  allow(comparison, std::max(resolution.absolute, resolution.relative * std::abs(*reference.value)), "resolution");
+  if (isOfStart(property)) {
+    allow(comparison, start_tolerance, "start tolerance");
+  }
+  allow(comparison, reference.uncertainty + engine.uncertainty, "fit");
+  for (const Measurements& variant : variants) {
+    if (const auto& value = variant[property].value) {
+      const double spread = distance(*value, *reference.value);
+      allow(comparison, std::isfinite(spread) ? spread : 0.0, "model variants");
+    }
+  }
+}
+
+double effectOf(const Comparison& comparison) {
+  const PropertyDescription& description = describe(comparison.property);
+  const double difference = distance(*comparison.engine, *comparison.reference);
+  if (!description.mass_like) {
+    constexpr double kNoWall = 0.01;  // [m] beyond a wall that the tee of a world without it may get in a short replay
+    return description.effect * (std::isfinite(difference) ? difference : kNoWall);
+  }
+  if (!std::isfinite(difference)) {
+    return description.effect;  // a limit that one world does not have
+  }
+  const double larger = std::max(std::abs(*comparison.engine), std::abs(*comparison.reference));
+  return larger > 0.0 ? description.effect * difference / larger : 0.0;
+}
+
+Comparison compareOne(Property property, const Measurements& reference, const Measurements& engine,
+                      const std::vector<Measurements>& variants, double start_tolerance) {
+  const Estimate& of_reference = reference[property];
+  const Estimate& of_engine = engine[property];
+  Comparison comparison = {property, Verdict::kCannotTell, of_reference.value, of_engine.value};
+  if (!of_reference.value || !of_engine.value) {
+    comparison.reason = !of_engine.value ? of_engine.problem : "in the reference: " + of_reference.problem;
+    return comparison;
+  }
+  setAllowed(comparison, of_reference, of_engine, variants, start_tolerance);
+  const bool same = distance(*comparison.engine, *comparison.reference) <= comparison.allowed;
+  comparison.verdict = same ? Verdict::kSame : Verdict::kDiffers;
+  return comparison;
+}
+
+/// Takes differences back that follow from others.
+void explainAway(std::vector<Comparison>& comparisons) {
+  const std::vector<Comparison> before = comparisons;
+  for (Comparison& comparison : comparisons) {
+    if (comparison.verdict != Verdict::kDiffers) {
+      continue;
+    }
+    for (const Property cause : describe(comparison.property).follows_from) {
+      if (before[static_cast<std::size_t>(cause)].verdict == Verdict::kDiffers) {
+        comparison.verdict = Verdict::kCannotTell;
+        comparison.reason = std::string("may follow from ") + describe(cause).title;
+        break;
+      }
+    }
+  }
+}
+
+/// World with what was measured in it.
+struct Subject {
+  Subject(const AuditedWorld& audited, std::uint64_t seed)
+      : world(audited.make()), bench(*world, audited.has_second ? audited.make : WorldFactory(), seed) {}
+
+  std::unique_ptr<pusht::Simulator> world;
+  Bench bench;
+  Measurements measurements{};
+};
+
+/// Measures each of `subjects` in one thread. measure() throws nothing that a world throws.
+void measureAll(std::vector<Subject>& subjects, int threads) {
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < subjects.size(); i = next++) {
+      subjects[i].measurements = measure(subjects[i].bench);
+    }
+  };
+  std::vector<std::thread> others;
+  for (int i = 1; i < threads; ++i) {
+    others.emplace_back(work);
+  }
+  work();
+  for (std::thread& other : others) {
+    other.join();
+  }
+}
+
+/// [m] Divergence of a policy's replays; none if a world fails in them.
+std::optional<double> divergenceIn(pusht::Simulator& engine, pusht::Simulator& reference, pusht::Policy& policy,
+                                   std::uint64_t seed) {
+  try {
+    return divergenceInReplays(engine, recordEpisodes(reference, policy, seed));
+  } catch (const pusht::RuntimeFault&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+const char* nameOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kSame:
+      return "same";
+    case Verdict::kDiffers:
+      return "differs";
+    case Verdict::kCannotTell:
+      return "cannot tell";
+  }
+  return "";
+}
+
+std::vector<Comparison> Audit::findings() const {
+  std::vector<Comparison> result;
+  std::copy_if(comparisons.begin(), comparisons.end(), std::back_inserter(result),
+               [](const Comparison& comparison) { return comparison.verdict == Verdict::kDiffers; });
+  std::stable_sort(result.begin(), result.end(), [](const Comparison& a, const Comparison& b) {
+    return isContract(a.property) != isContract(b.property) ? isContract(a.property) : a.effect > b.effect;
+  });
+  return result;
+}
+
+bool Audit::hasContractErrors() const {
+  return std::any_of(comparisons.begin(), comparisons.end(), [](const Comparison& comparison) {
+    return comparison.verdict == Verdict::kDiffers && isContract(comparison.property);
+  });
+}
+
+Audit compare(const Measurements& reference, const Measurements& engine, const std::vector<Measurements>& variants,
+              double start_tolerance) {
+  const Measurements reference_si = inSi(reference, 1.0);
+  const Measurements engine_si = comparable(reference, engine);
+  std::vector<Measurements> variants_si;
+  variants_si.reserve(variants.size());
+  for (const Measurements& variant : variants) {
+    variants_si.push_back(comparable(reference, variant));
+  }
+  Audit result;
+  for (const PropertyDescription& description : allProperties()) {
+    result.comparisons.push_back(
+        compareOne(description.property, reference_si, engine_si, variants_si, start_tolerance));
+  }
+  explainAway(result.comparisons);
+  for (Comparison& comparison : result.comparisons) {
+    comparison.effect = comparison.verdict == Verdict::kDiffers ? effectOf(comparison) : 0.0;
+  }
+  return result;
+}
+
+Audit audit(const AuditedWorld& reference, const AuditedWorld& engine, const std::vector<AuditedWorld>& variants,
+            std::uint64_t seed, int threads, pusht::Policy* policy) {
+  std::vector<Subject> subjects;
+  subjects.emplace_back(reference, seed);
+  subjects.emplace_back(engine, seed);
+  for (const AuditedWorld& variant : variants) {
+    subjects.emplace_back(variant, seed);
+  }
+  measureAll(subjects, threads);
+  std::vector<Measurements> of_variants;
+  for (std::size_t i = 2; i < subjects.size(); ++i) {
+    of_variants.push_back(subjects[i].measurements);
+  }
+  Audit result = compare(subjects[0].measurements, subjects[1].measurements, of_variants,
+                         std::max(subjects[0].world->startTolerance(), subjects[1].world->startTolerance()));
+  result.reference = reference.title;
+  result.engine = engine.title;
+  for (const AuditedWorld& variant : variants) {
+    result.variants.push_back(variant.title);
+  }
+  result.seed = seed;
+  if (policy != nullptr) {
+    result.divergence = divergenceIn(*subjects[1].world, *subjects[0].world, *policy, seed);
+  }
+  return result;
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Shapes by touch, and what contacts do under a push.
+#include <Eigen/Dense>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "force_sensor.hpp"
+#include "pusht_task/constants.hpp"
+#include "pusht_task/physics.hpp"
+#include "sim2sim_audit/experiments.hpp"
+
+namespace sim2sim {
+namespace {
+
+using pusht::WorldState;
+
+WorldState teeAtYawZero(const Bench& bench) {
+  WorldState scene;
+  scene.tee_position = bench.shift();
+  return scene;
+}
+
+/// [m] Distance from the tee origin along `outward` (body frame), plus `beside` across it, at which the tee is touched.
+double surfaceAt(Bench& bench, const Eigen::Vector2d& beside, const Eigen::Vector2d& outward, double nominal) {
+  // [m] Below the nominal touch: one body inside the other, and less deep than MuJoCo's bodies are above each other
+  // (30.2 mm), which would be pushed apart up and down, where they cannot move.
+  constexpr double kDeep = 0.029;
+  constexpr double kClear = 0.04;  // [m] beyond it
+  const WorldState scene = teeAtYawZero(bench);
+  const auto distance = touchDistance(bench, scene, scene.tee_position + beside, outward, nominal - kDeep,
+                                      nominal + kClear);
+  if (!distance) {
+    throw std::runtime_error("the tee is not touched where it should be");
+  }
+  return *distance;
+}
+
+/// Radius of the pusher from the corner of the bar: on the diagonal a round pusher comes nearer than it comes to the
+/// faces. `end` and `back` are the distances at which it touches these [m].
+double radiusByCorner(Bench& bench, double end, double back) {
+  constexpr double kInside = 0.028;  // [m]
+  const double diagonal = std::sqrt(0.5);
+  const WorldState scene = teeAtYawZero(bench);
+  const Eigen::Vector2d inside = scene.tee_position + Eigen::Vector2d(end - kInside, back - kInside);
+  const auto distance = touchDistance(bench, scene, inside, {diagonal, diagonal}, 0.0, 2.0 * kInside);
+  if (!distance) {
+    throw std::runtime_error("the bar's corner is not touched where it should be");
+  }
+  const double cut = kInside - *distance * diagonal;  // [m] from the square corner, along each axis
+  return cut / (1.0 - diagonal);
+}
+
+/// Sizes and places of bar, stem and pusher, by touching each face and a corner.
+void shapes(Bench& bench, Measurements& found) {
+  const pusht::Physics task;
+  const double radius = task.pusher_radius;
+  constexpr double kAside = 0.045;  // [m] along the bar, clear of the stem
+  const double right = surfaceAt(bench, {0.0, 0.0}, {1.0, 0.0}, task.bar_half_length + radius);
+  const double left = surfaceAt(bench, {0.0, 0.0}, {-1.0, 0.0}, task.bar_half_length + radius);
+  const double back = surfaceAt(bench, {kAside, 0.0}, {0.0, 1.0}, task.bar_half_width + radius);
+  const double front = surfaceAt(bench, {kAside, 0.0}, {0.0, -1.0}, task.bar_half_width + radius);
+  const double end = surfaceAt(bench, {0.0, 0.0}, {0.0, -1.0}, task.stem_offset + task.stem_half_length + radius);
+  constexpr double kAlongStem = -0.08;  // [m]
+  const double stem_right = surfaceAt(bench, {0.0, kAlongStem}, {1.0, 0.0}, task.stem_half_width + radius);
+  const double stem_left = surfaceAt(bench, {0.0, kAlongStem}, {-1.0, 0.0}, task.stem_half_width + radius);
+  const double origin_x = 0.5 * (right - left);
+  const double origin_y = 0.5 * (back - front);
+  found.set(Property::kOriginX, origin_x);
+  found.set(Property::kOriginY, origin_y);
+  const double found_radius = radiusByCorner(bench, right, back);
+  found.set(Property::kPusherRadius, found_radius);
+  found.set(Property::kBarHalfLength, 0.5 * (right + left) - found_radius);
+  found.set(Property::kBarHalfWidth, 0.5 * (back + front) - found_radius);
+  found.set(Property::kStemEnd, end + origin_y - found_radius);
+  found.set(Property::kStemHalfWidth, 0.5 * (stem_right + stem_left) - found_radius);
+  found.set(Property::kStemPlace, 0.5 * (stem_right - stem_left) - origin_x);
+}
+
+/// The pusher behind the stem's end, in touch; a push along +y goes straight through the center of mass.
+WorldState behindTheStem(const Bench& bench, const Measurements& found) {
+  WorldState start = teeAtYawZero(bench);
+  start.tee_position.y() -= 0.1;
+  const double reach = found.need(Property::kStemEnd) - found.need(Property::kOriginY);
+  start.pusher_position =
+      start.tee_position + Eigen::Vector2d(found.need(Property::kOriginX), -reach - found.need(Property::kPusherRadius));
+  return start;
+}
+
+/// Overlap in a steady push.
+void overlap(Bench& bench, Measurements& found) {
+  const WorldState start = behindTheStem(bench, found);
+  const double touching = (start.tee_position - start.pusher_position).norm();
+  const auto states = bench.run(start, std::vector<Eigen::Vector2d>(4, {0.0, 0.6}));
+  found.set(Property::kOverlap, touching - (states.back().tee_position - states.back().pusher_position).norm());
+}
+
+/// How far a tee is thrown by a pusher that hits it at full speed and withdraws.
+void hit(Bench& bench, Measurements& found) {
+  WorldState start = behindTheStem(bench, found);
+  constexpr double kRunUp = 0.05;  // [m]
+  start.pusher_position.y() -= kRunUp;
+  const auto states = bench.run(start, {{0.0, 1.0}, {0.0, -1.0}, {0.0, -1.0}});
+  found.set(Property::kHit, states.back().tee_position.y() - start.tee_position.y());
+}
+
+/// The pusher pushes the back of the bar and slips along it: friction over normal force, by the servo as force sensor.
+void contactFriction(Bench& bench, Measurements& found) {
+  constexpr double kFrom = -0.034;  // [m] along the bar; half of the way that it slips, so that a round back counts even
+  const pusht::Physics task;
+  WorldState start = teeAtYawZero(bench);
+  const double back = surfaceAt(bench, {kFrom, 0.0}, {0.0, 1.0}, task.bar_half_width + task.pusher_radius);
+  start.pusher_position = start.tee_position + Eigen::Vector2d(kFrom, back);
+  const Eigen::Vector2d command(0.75, -0.3);
+  const auto states = bench.run(start, {command});
+  const Eigen::Vector2d impulse = ForceSensor(found).impulse(states[0], states[1], command);
+  const double yaw = 0.5 * pusht::wrapAngle(states[1].tee_yaw - states[0].tee_yaw);
+  const Eigen::Vector2d in_face = Eigen::Rotation2Dd(-yaw) * impulse;
+  if (!(in_face.y() < 0.0)) {
+    throw std::runtime_error("the pusher does not feel the tee");
+  }
+  found.set(Property::kContactFriction, in_face.x() / -in_face.y());
+}
+
+}  // namespace
+
+std::vector<Experiment> shapeExperiments() {
+  return {{"shapes by touch",
+           {Property::kOriginX, Property::kOriginY, Property::kPusherRadius, Property::kBarHalfLength,
+            Property::kBarHalfWidth, Property::kStemEnd, Property::kStemHalfWidth, Property::kStemPlace},
+           shapes}};
+}
+
+std::vector<Experiment> contactExperiments() {
+  return {{"steady push", {Property::kOverlap}, overlap},
+          {"hit", {Property::kHit}, hit},
+          {"friction", {Property::kContactFriction}, contactFriction}};
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_audit/experiments.hpp"
+
+#include <exception>
+#include <iterator>
+
+namespace sim2sim {
+
+const std::vector<Experiment>& allExperiments() {
+  static const std::vector<Experiment> all = [] {
+    std::vector<Experiment> result;
+    // Shapes come early: later experiments put the pusher where it touches.
+    for (const auto& area : {bookkeepingExperiments, actionExperiments, frameExperiments, servoExperiments,
+                             shapeExperiments, wallExperiments, teeExperiments, contactExperiments}) {
+      const std::vector<Experiment> of_area = area();
+      result.insert(result.end(), of_area.begin(), of_area.end());
+    }
+    return result;
+  }();
+  return all;
+}
+
+Measurements measure(Bench& bench) {
+  Measurements measurements;
+  for (const Experiment& experiment : allExperiments()) {
+    try {
+      experiment.carryOut(bench, measurements);
+    } catch (const std::exception& failure) {
+      for (const Property property : experiment.estimates) {
+        measurements.fail(property, failure.what());
+      }
+    }
+  }
+  return measurements;
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <stdexcept>
+
+#include "sim2sim_audit/property.hpp"
+
+namespace sim2sim {
+namespace {
+
+using P = Property;
+using Properties = std::vector<Property>;
+
+Properties operator+(Properties a, const Properties& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+// Causes of which others follow.
+const Properties kStarts = {P::kRefusedStarts, P::kStartPusherPosition, P::kStartPusherVelocity, P::kStartTeePosition,
+                            P::kStartTeeVelocity, P::kStartYaw, P::kStartYawRate};
+const Properties kReports = {P::kNoise, P::kLeak, P::kStaleSteps};
+const Properties kYaw = {P::kYawGain, P::kYawOffset};
+const Properties kTeeVelocities = {P::kTeeVelocityFactor, P::kTeeVelocityFrame, P::kTeeVelocityPoint,
+                                   P::kYawRateFactor};
+const Properties kTime = {P::kControlStep, P::kDelay, P::kHold};
+const Properties kDirections = {P::kAxesTurn, P::kAxesMirror};
+/// Physics is measured through the contract: where that has errors, mend them and audit again.
+const Properties kContract = kStarts + kReports + kYaw + kTeeVelocities + kTime + kDirections +
+                             Properties{P::kOriginX, P::kOriginY, P::kPusherVelocityFactor, P::kActionScaleX,
+                                        P::kActionScaleY};
+const Properties kPusherForces = {P::kServoGain, P::kServoLimit, P::kPusherDamping, P::kPusherMass};
+const Properties kTeeForces = {P::kTeeMass,      P::kCenterOfMass,   P::kTeeMoment,     P::kTeeDamping,
+                               P::kTeeYawDamping, P::kTeeFrictionX,  P::kTeeFrictionY,  P::kTeeYawFriction,
+                               P::kFrictionShape, P::kDampingPoint,  P::kFrictionPoint};
+const Properties kShapes = {P::kPusherRadius, P::kBarHalfLength, P::kBarHalfWidth,
+                            P::kStemEnd,      P::kStemHalfWidth, P::kStemPlace};
+
+// Resolutions: what the experiments can tell. Those of the task's lengths are what its users can feel.
+constexpr Resolution kExact = {};
+constexpr Resolution kMasses = {0.0, 0.03};
+constexpr Resolution kLengths = {2e-4, 0.0};
+
+std::vector<PropertyDescription> describeAll() {
+  constexpr Area kBook = Area::kBookkeeping;
+  constexpr Area kFrame = Area::kFrames;
+  constexpr Area kAction = Area::kTimeAndAction;
+  constexpr Area kPusher = Area::kPusher;
+  constexpr Area kTee = Area::kTee;
+  constexpr Area kTouch = Area::kContact;
+  constexpr Area kWall = Area::kWalls;
+  const Properties of_starts = {P::kRefusedStarts, P::kNoise};
+  const Properties none;
+  return {
+      {P::kRefusedStarts, "refused_starts", "starts refused, of 12", "", kBook, {0.5}, false, 0.1,
+       "the reset: it must take every pose and velocity on the table", none},
+      {P::kStartPusherPosition, "start_pusher_position", "start round trip, pusher position", "m", kBook, kExact, false,
+       1.0, "the reset and the report of the pusher's position", of_starts},
+      {P::kStartPusherVelocity, "start_pusher_velocity", "start round trip, pusher velocity", "m/s", kBook, kExact,
+       false, 0.01, "the reset and the report of the pusher's velocity", of_starts + Properties{P::kPusherVelocityFactor}},
+      {P::kStartTeePosition, "start_tee_position", "start round trip, tee position", "m", kBook, kExact, false, 1.0,
+       "the reset and the report of the tee's position", of_starts},
+      {P::kStartTeeVelocity, "start_tee_velocity", "start round trip, tee velocity", "m/s", kBook, kExact, false, 0.01,
+       "the reset and the report of the tee's velocity",
+       of_starts + Properties{P::kTeeVelocityFactor, P::kTeeVelocityFrame, P::kTeeVelocityPoint}},
+      {P::kStartYaw, "start_yaw", "start round trip, yaw", "rad", kBook, kExact, false, 0.1,
+       "the reset and the report of the yaw", of_starts},
+      {P::kStartYawRate, "start_yaw_rate", "start round trip, yaw rate", "rad/s", kBook, kExact, false, 0.001,
+       "the reset and the report of the yaw rate", of_starts + Properties{P::kYawRateFactor}},
+      {P::kFixedPoint, "fixed_point", "reset to the reported state", "m, rad, /s", kBook, kExact, false, 1.0,
+       "state(): a reset to what it reports must change nothing", kStarts + Properties{P::kNoise}},
+      {P::kNoise, "noise", "the same episode twice", "m", kBook, kExact, false, 10.0,
+       "random numbers, threads, clocks", none},
+      {P::kLeak, "leak", "the same episode after another one", "m", kBook, kExact, false, 5.0,
+       "the reset: something of the last episode is left (commands, warm starts, contacts)", {P::kNoise}},
+      {P::kSecondWorld, "second_world", "the same episode in another world", "m", kBook, kExact, false, 5.0,
+       "global state that worlds share", {P::kNoise, P::kLeak}},
+      {P::kHiddenState, "hidden_state", "one step after a reset to a state in mid-episode", "m", kBook, {1e-4}, false,
+       1.0, "state that decides what comes and is not reported",
+       kReports + kStarts + kTime + Properties{P::kFixedPoint} + kYaw + kTeeVelocities +
+           Properties{P::kOriginX, P::kOriginY}},
+      {P::kStaleSteps, "stale_steps", "control steps by which the reported state is late", "", kBook, {0.5}, false,
+       0.014, "what is read after a step: the state before it", {P::kNoise, P::kStartTeeVelocity, P::kRefusedStarts}},
+
+      {P::kYawGain, "yaw_gain", "yaw by touch over yaw in the state", "", kFrame, {0.03}, false, 0.03,
+       "unit and sense of the yaw", kReports + Properties{P::kStartYaw, P::kRefusedStarts}},
+      {P::kYawOffset, "yaw_offset", "yaw by touch where the state says 0", "rad", kFrame, {3e-3}, false, 0.05,
+       "zero of the yaw: the stem is along body -y", kReports + Properties{P::kStartYaw, P::kYawGain}},
+      {P::kOriginX, "tee_origin_x", "bar's center from the tee origin, along x", "m", kFrame, kLengths, false, 0.3,
+       "the point whose position is reported: the bar's center", kReports + kYaw},
+      {P::kOriginY, "tee_origin_y", "bar's center from the tee origin, along y", "m", kFrame, kLengths, false, 0.3,
+       "the point whose position is reported: the bar's center, not the center of mass", kReports + kYaw},
+      {P::kPusherVelocityFactor, "pusher_velocity_factor", "pusher's velocity over its finite differences", "", kFrame,
+       {0.02}, false, 0.005, "unit of the pusher's velocity, or what is divided by which time step", kReports},
+      {P::kTeeVelocityFactor, "tee_velocity_factor", "tee's velocity over its finite differences", "", kFrame, {0.03},
+       false, 0.005, "unit of the tee's velocity, or what is divided by which time step",
+       kReports + kYaw + kDirections + Properties{P::kControlStep}},
+      {P::kTeeVelocityFrame, "tee_velocity_frame", "frame of the tee's velocity (0: table, 1: body)", "", kFrame, {0.5},
+       false, 0.01, "axes of the tee's velocity: the table's", kReports + kYaw + kDirections},
+      {P::kTeeVelocityPoint, "tee_velocity_point", "point whose velocity is reported, from the tee origin", "m", kFrame,
+       {3e-3}, false, 0.2, "point of the tee's velocity: the tee origin, not the center of mass",
+       kReports + kYaw + kDirections + Properties{P::kTeeVelocityFrame}},
+      {P::kYawRateFactor, "yaw_rate_factor", "yaw rate over finite differences of the yaw", "", kFrame, {0.03}, false,
+       0.005, "unit and sense of the yaw rate", kReports + kDirections + Properties{P::kControlStep, P::kYawGain}},
+
+      {P::kControlStep, "control_step", "length of a control step", "s", kAction, {1e-3}, false, 0.2,
+       "substeps in a control step, and their length", kReports},
+      {P::kDelay, "delay", "delay of actions", "s", kAction, {2e-3}, false, 0.15,
+       "a queue or a filter between command and servo; a command that is read after the step",
+       kReports + Properties{P::kStartPusherVelocity, P::kControlStep, P::kPusherVelocityFactor}},
+      {P::kHold, "hold", "how long one command lasts, in control steps", "", kAction, {0.02}, false, 0.015,
+       "the command must hold for the whole control step and no longer", kReports},
+      {P::kAxesTurn, "axes_turn", "direction of the answer to a command along x", "rad", kAction, {0.01}, false, 0.02,
+       "order and signs of the action's axes", kReports},
+      {P::kAxesMirror, "axes_mirror", "hand of the answer to commands (1: right, -1: mirrored)", "", kAction, {0.5},
+       false, 0.01, "order and signs of the action's axes", kReports},
+      {P::kActionScaleX, "action_scale_x", "scale of the action along x", "", kAction, {0.01}, false, 0.05,
+       "scaling or unit of the action", kReports + kDirections + kTime + Properties{P::kPusherVelocityFactor, P::kStartPusherVelocity}},
+      {P::kActionScaleY, "action_scale_y", "scale of the action along y", "", kAction, {0.01}, false, 0.05,
+       "scaling or unit of the action", kReports + kDirections + kTime + Properties{P::kPusherVelocityFactor, P::kStartPusherVelocity}},
+      {P::kActionLimit, "action_limit", "largest command that is followed", "m/s", kAction, {0.01}, false, 0.01,
+       "clipping of the action", kReports + kDirections + kTime},
+
+      {P::kServoGain, "servo_gain", "servo gain", "N s/m", kPusher, kMasses, true, 0.004, "gain of the velocity servo",
+       kContract},
+      {P::kServoLimit, "servo_limit", "servo force limit", "N", kPusher, kMasses, true, 0.0005,
+       "force limit of the servo", kContract},
+      {P::kPusherDamping, "pusher_damping", "pusher damping", "N s/m", kPusher, {0.0, 0.1}, true, 0.0005,
+       "damping of the pusher; steady error of its servo", kContract},
+      {P::kPusherMass, "pusher_mass", "pusher mass", "kg", kPusher, kMasses, true, 0.001,
+       "mass of the pusher; the time in which its servo settles", kContract},
+      {P::kOvershoot, "overshoot", "overshoot of the pusher", "", kPusher, {0.01}, false, 0.01,
+       "integral part or underdamping of the servo", kContract + kPusherForces},
+
+      {P::kTeeMass, "tee_mass", "tee mass", "kg", kTee, kMasses, true, 0.001, "mass of the tee", kContract},
+      {P::kCenterOfMass, "center_of_mass", "center of mass, from the tee origin along -y", "m", kTee, {5e-4}, false, 0.05,
+       "center of mass of the tee; masses of bar and stem", kContract},
+      {P::kTeeMoment, "tee_moment", "moment of inertia about the center of mass", "kg m^2", kTee, kMasses, true, 0.001,
+       "moment of inertia: about which point, with the offset of the stem", kContract},
+      {P::kTeeDamping, "tee_damping", "damping of the tee", "N s/m", kTee, kMasses, true, 0.002,
+       "viscous friction of the tee with the table", kContract},
+      {P::kTeeYawDamping, "tee_yaw_damping", "damping of the tee's yaw", "N m s", kTee, kMasses, true, 0.002,
+       "viscous friction of the yaw", kContract},
+      {P::kTeeFrictionX, "tee_friction_x", "Coulomb friction of the tee along x", "N", kTee, kMasses, true, 0.002,
+       "dry friction of the tee with the table", kContract},
+      {P::kTeeFrictionY, "tee_friction_y", "Coulomb friction of the tee along y", "N", kTee, kMasses, true, 0.002,
+       "dry friction of the tee with the table", kContract},
+      {P::kTeeYawFriction, "tee_yaw_friction", "Coulomb friction of the tee's yaw", "N m", kTee, kMasses, true, 0.001,
+       "dry friction of the yaw", kContract},
+      {P::kFrictionShape, "friction_shape", "Coulomb friction at 45 degrees over that along an axis", "", kTee, {0.03},
+       false, 0.002, "a limit for each axis (1.41) or one for all directions (1.00)", kContract},
+      {P::kDampingPoint, "damping_point", "point on which the damping acts, from the tee origin", "m", kTee, {1e-3}, false,
+       0.05, "point of the damping: the tee origin or the center of mass", kContract + Properties{P::kCenterOfMass}},
+      {P::kFrictionPoint, "friction_point", "point on which the Coulomb friction acts, from the tee origin", "m", kTee,
+       {1e-3}, false, 0.05, "point of the friction: the tee origin or the center of mass",
+       kContract + Properties{P::kCenterOfMass}},
+
+      {P::kPusherRadius, "pusher_radius", "pusher radius", "m", kTouch, kLengths, false, 1.0, "radius of the pusher",
+       kContract},
+      {P::kBarHalfLength, "bar_half_length", "half-length of the bar", "m", kTouch, kLengths, false, 0.5,
+       "size of the bar's box", kContract},
+      {P::kBarHalfWidth, "bar_half_width", "half-width of the bar", "m", kTouch, kLengths, false, 1.0,
+       "size of the bar's box", kContract},
+      {P::kStemEnd, "stem_end", "end of the stem, from the bar's center", "m", kTouch, kLengths, false, 0.5,
+       "offset or length of the stem's box, which touch cannot tell apart", kContract},
+      {P::kStemHalfWidth, "stem_half_width", "half-width of the stem", "m", kTouch, kLengths, false, 1.0,
+       "size of the stem's box", kContract},
+      {P::kStemPlace, "stem_place", "middle of the stem, from the bar's", "m", kTouch, kLengths, false, 0.5,
+       "place of the stem's box", kContract},
+      {P::kContactFriction, "contact_friction", "friction between the bodies", "", kTouch, {0.05}, false, 0.002,
+       "coefficient of friction of contacts, and how two of them are combined", kContract},
+      {P::kOverlap, "overlap", "overlap in a steady push", "m", kTouch, {3e-4}, false, 1.0,
+       "softness of contacts", kContract + kPusherForces + kTeeForces + kShapes},
+      {P::kHit, "hit", "how far a hit throws the tee", "m", kTouch, {2e-3}, false, 0.1,
+       "restitution of contacts", kContract + kPusherForces + kTeeForces + kShapes},
+
+      {P::kWallUp, "wall_up", "wall towards +y, for the pusher", "m", kWall, {5e-4}, false, 0.1, "place of the wall", kContract},
+      {P::kWallDown, "wall_down", "wall towards -y, for the pusher", "m", kWall, {5e-4}, false, 0.1, "place of the wall", kContract},
+      {P::kWallRight, "wall_right", "wall towards +x, for the pusher", "m", kWall, {5e-4}, false, 0.1, "place of the wall", kContract},
+      {P::kWallLeft, "wall_left", "wall towards -x, for the pusher", "m", kWall, {5e-4}, false, 0.1, "place of the wall", kContract},
+      {P::kTeeAtWallUp, "tee_wall_up", "wall towards +y, for the tee", "m", kWall, {1.5e-3}, false, 0.05, "collisions of tee and wall",
+       kContract + kPusherForces + kShapes + Properties{P::kWallUp}},
+      {P::kTeeAtWallDown, "tee_wall_down", "wall towards -y, for the tee", "m", kWall, {1.5e-3}, false, 0.05, "collisions of tee and wall",
+       kContract + kPusherForces + kShapes + Properties{P::kWallDown}},
+      {P::kTeeAtWallRight, "tee_wall_right", "wall towards +x, for the tee", "m", kWall, {1.5e-3}, false, 0.05, "collisions of tee and wall",
+       kContract + kPusherForces + kShapes + Properties{P::kWallRight}},
+      {P::kTeeAtWallLeft, "tee_wall_left", "wall towards -x, for the tee", "m", kWall, {1.5e-3}, false, 0.05, "collisions of tee and wall",
+       kContract + kPusherForces + kShapes + Properties{P::kWallLeft}},
+  };
+}
+
+}  // namespace
+
+const char* nameOf(Area area) {
+  switch (area) {
+    case Area::kBookkeeping:
+      return "bookkeeping";
+    case Area::kFrames:
+      return "frames and units";
+    case Area::kTimeAndAction:
+      return "time and action";
+    case Area::kPusher:
+      return "pusher";
+    case Area::kTee:
+      return "tee";
+    case Area::kContact:
+      return "contact";
+    case Area::kWalls:
+      return "walls";
+  }
+  return "";
+}
+
+const std::vector<PropertyDescription>& allProperties() {
+  static const std::vector<PropertyDescription> all = describeAll();
+  return all;
+}
+
+const PropertyDescription& describe(Property property) {
+  return allProperties().at(static_cast<std::size_t>(property));
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tee_model.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/physics.hpp"
+#include "pusht_task/testing/physics_of_kind.hpp"
+
+namespace sim2sim {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// [m] From the tee origin to a point of the body's axis, in table axes.
+Eigen::Vector2d armOf(double point, double yaw) { return point * Eigen::Vector2d(std::sin(yaw), -std::cos(yaw)); }
+
+/// Velocity of a point, and the yaw rate, per velocity of the tee.
+Matrix3d jacobianOf(double point, double yaw) {
+  const Eigen::Vector2d arm = armOf(point, yaw);
+  Matrix3d jacobian = Matrix3d::Identity();
+  jacobian(0, 2) = -arm.y();
+  jacobian(1, 2) = arm.x();
+  return jacobian;
+}
+
+/// [m/s^2, m/s^2, m^2/s^2] Nearest friction within the limits.
+void limit(Vector3d& friction, const TeeNumbers& numbers, bool disc) {
+  const double most_x = std::max(0.0, numbers.friction_x);
+  const double most_y = std::max(0.0, numbers.friction_y);
+  const double most_yaw = std::max(0.0, numbers.yaw_friction);
+  friction[2] = std::clamp(friction[2], -most_yaw, most_yaw);
+  if (!disc) {
+    friction[0] = std::clamp(friction[0], -most_x, most_x);
+    friction[1] = std::clamp(friction[1], -most_y, most_y);
+  } else if (const double size = friction.head<2>().norm(); size > 0.5 * (most_x + most_y)) {
+    friction.head<2>() *= 0.5 * (most_x + most_y) / size;
+  }
+}
+
+/// Friction for which response * friction is `wanted`, as far as its limits go.
+Vector3d frictionFor(const TeeNumbers& numbers, bool disc, const Matrix3d& response, const Vector3d& wanted) {
+  constexpr int kSweeps = 300;
+  constexpr double kConverged = 1e-13;
+  Vector3d friction = Vector3d::Zero();
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    const Vector3d before = friction;
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      friction[i] += (wanted[i] - response.row(i).dot(friction)) / response(i, i);
+      limit(friction, numbers, disc);
+    }
+    if ((friction - before).cwiseAbs().maxCoeff() <= kConverged * (1.0 + friction.cwiseAbs().maxCoeff())) {
+      break;
+    }
+  }
+  return friction;
+}
+
+/// Compliance of MuJoCo's friction, of each coordinate: a share of the inverse inertia at yaw 0.
+Vector3d complianceOf(const TeeNumbers& numbers) {
+  using namespace pusht::testing::mujoco_constraint;
+  const double center = numbers.center_of_mass;
+  const Vector3d weight(1.0 + center * center / numbers.moment, 1.0, 1.0 / numbers.moment);
+  return pusht::testing::mujoco_constraint::complianceOf(kImpedance) * weight;
+}
+
+void substep(const TeeNumbers& numbers, const TeeModelForm& form, double duration, TeeMotion& motion) {
+  const double yaw = motion.pose[2];
+  const Eigen::Vector2d center = armOf(numbers.center_of_mass, yaw);
+  Matrix3d inertia = Matrix3d::Identity();
+  inertia(0, 2) = inertia(2, 0) = -center.y();
+  inertia(1, 2) = inertia(2, 1) = center.x();
+  inertia(2, 2) = numbers.moment + numbers.center_of_mass * numbers.center_of_mass;
+  const Matrix3d at_damping = jacobianOf(numbers.damping_point, yaw);
+  const Matrix3d damping =
+      at_damping.transpose() * Vector3d(numbers.damping, numbers.damping, numbers.yaw_damping).asDiagonal() * at_damping;
+  Vector3d force = -damping * motion.velocity;
+  force.head<2>() += motion.velocity[2] * motion.velocity[2] * center;  // centrifugal
+  Matrix3d by_velocity = -damping;  // derivative of the force
+  by_velocity.topRightCorner<2, 1>() += 2.0 * motion.velocity[2] * center;
+  const Matrix3d mobility = (inertia - duration * by_velocity).inverse();
+  const Matrix3d at_friction = jacobianOf(numbers.friction_point, yaw);
+  const Vector3d slip = at_friction * motion.velocity;
+  Vector3d friction;
+  if (form.soft_friction) {
+    const Matrix3d free = inertia.inverse();
+    Matrix3d response = at_friction * free * at_friction.transpose();
+    response.diagonal() += complianceOf(numbers);
+    friction = frictionFor(numbers, form.disc_friction, response,
+                           -pusht::testing::mujoco_constraint::kDamping * slip - at_friction * (free * force));
+  } else {
+    friction = frictionFor(numbers, form.disc_friction, at_friction * mobility * at_friction.transpose(),
+                           -slip / duration - at_friction * (mobility * force));
+  }
+  motion.velocity += duration * (mobility * (force + at_friction.transpose() * friction));
+  motion.pose += duration * motion.velocity;
+}
+
+}  // namespace
+
+TeeNumbers TeeNumbers::ofTask() {
+  const pusht::Physics task;
+  const double mass = task.tee_mass;
+  const double center = task.centerOfMass();
+  return {center,
+          task.tee_second_moment / mass - center * center,
+          task.tee_damping / mass,
+          task.tee_yaw_damping / mass,
+          task.tee_friction[0] / mass,
+          task.tee_friction[1] / mass,
+          task.tee_yaw_friction / mass,
+          0.0,
+          0.0};
+}
+
+TeeNumbers::Vector TeeNumbers::scale() {
+  const TeeNumbers task = ofTask();
+  Vector scale;
+  scale << task.center_of_mass, task.moment, task.damping, task.yaw_damping, task.friction_x, task.friction_y,
+      task.yaw_friction, task.center_of_mass, task.center_of_mass;
+  return scale;
+}
+
+TeeNumbers::Vector TeeNumbers::toVector() const {
+  Vector vector;
+  vector << center_of_mass, moment, damping, yaw_damping, friction_x, friction_y, yaw_friction, damping_point, friction_point;
+  return vector.cwiseQuotient(scale());
+}
+
+TeeNumbers TeeNumbers::fromVector(const Vector& vector) {
+  const Vector v = vector.cwiseProduct(scale());
+  return {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]};
+}
+
+TeeMotion TeeMotion::of(const pusht::WorldState& state) {
+  return {{state.tee_position.x(), state.tee_position.y(), state.tee_yaw},
+          {state.tee_velocity.x(), state.tee_velocity.y(), state.tee_yaw_rate}};
+}
+
+TeeMotion controlStep(const TeeNumbers& numbers, const TeeModelForm& form, TeeMotion motion) {
+  for (int i = 0; i < form.substeps; ++i) {
+    substep(numbers, form, pusht::kControlStep / form.substeps, motion);
+  }
+  return motion;
+}
+
+}  // namespace sim2sim

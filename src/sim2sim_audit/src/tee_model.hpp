@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The tee alone on its table as a few numbers, to be fitted to what a world's tee does.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "pusht_task/types.hpp"
+
+namespace sim2sim {
+
+/// Parts of the model that are no numbers.
+struct TeeModelForm {
+  bool soft_friction = true;   ///< friction at rest gives way as MuJoCo's constraints do; else it holds
+  bool disc_friction = false;  ///< one limit in every direction; else one along each axis of the table
+  int substeps = 10;           ///< in a control step, with damping implicit
+};
+
+/// Numbers of a tee, per its mass: no motion of a tee alone shows more. Points are on the body's axis, as distances
+/// from the tee origin along body -y.
+struct TeeNumbers {
+  static constexpr Eigen::Index kCount = 9;
+  using Vector = Eigen::Matrix<double, kCount, 1>;
+
+  double center_of_mass;  ///< [m]
+  double moment;          ///< [m^2] of inertia about the center of mass
+  double damping;         ///< [1/s]
+  double yaw_damping;     ///< [m^2/s]
+  double friction_x;      ///< [m/s^2] Coulomb, along each axis of the table; of a disc, its limit is their mean
+  double friction_y;      ///< [m/s^2]
+  double yaw_friction;    ///< [m^2/s^2]
+  double damping_point;   ///< [m]
+  double friction_point;  ///< [m]
+
+  /// Numbers of the task.
+  static TeeNumbers ofTask();
+
+  /// As multiples of typical ones, for a solver.
+  Vector toVector() const;
+  static TeeNumbers fromVector(const Vector& vector);
+  /// Typical numbers, in the order of the vector.
+  static Vector scale();
+};
+
+/// Pose and velocity of a tee.
+struct TeeMotion {
+  Eigen::Vector3d pose;      ///< [m, m, rad] the yaw is not wrapped
+  Eigen::Vector3d velocity;  ///< per second
+
+  static TeeMotion of(const pusht::WorldState& state);
+};
+
+/// Motion a control step later. Newton and Euler about the tee origin; friction by Gauss-Seidel. As MuJoCo's, with the
+/// integrator `implicit`: constraints see the inertia alone, and the damping of a substep acts at its end.
+TeeMotion controlStep(const TeeNumbers& numbers, const TeeModelForm& form, TeeMotion motion);
+
+}  // namespace sim2sim

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "pusht_task/clipped.hpp"
+#include "pusht_task/joined.hpp"
+#include "pusht_task/numbers.hpp"
+#include "sim2sim_audit/audit.hpp"
+
+namespace sim2sim {
+namespace {
+
+std::string shown(double value) {
+  return std::isfinite(value) ? pusht::significantText(value, 4) : std::string("none");
+}
+
+std::string withUnit(const std::string& text, const char* unit) {
+  return unit[0] == '\0' ? text : text + " " + unit;
+}
+
+std::size_t countOf(const Audit& audit, Verdict verdict) {
+  return static_cast<std::size_t>(
+      std::count_if(audit.comparisons.begin(), audit.comparisons.end(),
+                    [&](const Comparison& comparison) { return comparison.verdict == verdict; }));
+}
+
+/// Two lines of a finding.
+std::string lines(std::size_t rank, const Comparison& finding) {
+  const PropertyDescription& description = describe(finding.property);
+  constexpr double kMillimeter = 1e-3;
+  return std::to_string(rank) + ". " + (isContract(finding.property) ? "[contract] " : "[physics] ") +
+         causeOf(finding) + "\n   " + description.title + ": " + shown(*finding.reference) + ", here " +
+         withUnit(shown(*finding.engine), description.unit) + "; same would be within " + shown(finding.allowed) +
+         " (" + finding.held_against + "). About " + pusht::significantText(finding.effect / kMillimeter, 2) +
+         " mm in 0.5 s. Look at: " + description.look_at + "\n";
+}
+
+/// What cannot be told, by reason.
+std::string undecided(const Audit& audit) {
+  std::vector<std::string> reasons;  // in order of appearance
+  std::map<std::string, std::vector<std::string>> titles;
+  for (const Comparison& comparison : audit.comparisons) {
+    if (comparison.verdict == Verdict::kCannotTell) {
+      if (titles.count(comparison.reason) == 0) {
+        reasons.push_back(comparison.reason);
+      }
+      titles[comparison.reason].emplace_back(describe(comparison.property).title);
+    }
+  }
+  constexpr std::size_t kMostReasons = 6;
+  constexpr std::size_t kLongest = 220;  // bytes
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMostReasons, reasons.size()); ++i) {
+    text += "cannot tell (" + pusht::clipped(reasons[i], kLongest) + "): " +
+            pusht::clipped(pusht::joined(titles[reasons[i]]), kLongest) + "\n";
+  }
+  if (reasons.size() > kMostReasons) {
+    text += "and for " + std::to_string(reasons.size() - kMostReasons) + " other reasons\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string textOf(const Audit& audit) {
+  constexpr std::size_t kMostFindings = 12;
+  std::string text = "audit of " + audit.engine + " against " + audit.reference + ", seed " +
+                     std::to_string(audit.seed) + "\n";
+  text += std::to_string(countOf(audit, Verdict::kSame)) + " properties are the same, " +
+          std::to_string(countOf(audit, Verdict::kDiffers)) + " differ, " +
+          std::to_string(countOf(audit, Verdict::kCannotTell)) + " cannot be told\n";
+  text += audit.hasContractErrors() ? "The contract is broken: mend that first, then audit again.\n"
+                                    : "No error of the contract.\n";
+  if (audit.divergence) {
+    text += "After 0.5 s of the expert's actions the tees are " + pusht::significantText(1e3 * *audit.divergence, 3) +
+            " mm apart; the effects below are estimated.\n";
+  }
+  const std::vector<Comparison> findings = audit.findings();
+  for (std::size_t i = 0; i < std::min(kMostFindings, findings.size()); ++i) {
+    text += lines(i + 1, findings[i]);
+  }
+  if (findings.size() > kMostFindings) {
+    text += "and " + std::to_string(findings.size() - kMostFindings) + " more\n";
+  }
+  return text + undecided(audit);
+}
+
+}  // namespace sim2sim

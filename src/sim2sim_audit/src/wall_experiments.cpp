@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Places of the walls, for the pusher and for the tee.
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "pusht_task/constants.hpp"
+#include "sim2sim_audit/experiments.hpp"
+
+namespace sim2sim {
+namespace {
+
+struct Wall {
+  Eigen::Vector2d outward;
+  Property for_pusher;
+  Property for_tee;
+};
+
+const std::array<Wall, 4>& walls() {
+  static const std::array<Wall, 4> all = {{{{0.0, 1.0}, Property::kWallUp, Property::kTeeAtWallUp},
+                                           {{0.0, -1.0}, Property::kWallDown, Property::kTeeAtWallDown},
+                                           {{1.0, 0.0}, Property::kWallRight, Property::kTeeAtWallRight},
+                                           {{-1.0, 0.0}, Property::kWallLeft, Property::kTeeAtWallLeft}}};
+  return all;
+}
+
+void wallsByTouch(Bench& bench, Measurements& found) {
+  constexpr double kInWall = pusht::kWallInnerFace + 0.5 * pusht::dynamics::kWallThickness;
+  constexpr double kClear = 0.1;  // [m]
+  pusht::WorldState scene;
+  for (const Wall& wall : walls()) {
+    const Eigen::Vector2d beside(-wall.outward.y(), wall.outward.x());
+    scene.tee_position = 0.15 * beside - 0.1 * wall.outward;
+    const auto distance = touchDistance(bench, scene, -0.2 * beside, wall.outward, kInWall, kInWall - kClear);
+    found.set(wall.for_pusher, distance ? *distance + found.need(Property::kPusherRadius)
+                                        : std::numeric_limits<double>::infinity());
+  }
+}
+
+/// The pusher pushes the tee against each wall, back of the bar first, until nothing moves.
+void wallsByTee(Bench& bench, Measurements& found) {
+  constexpr int kSteps = 8;
+  constexpr double kApproach = 0.04;  // [m]
+  const double back = found.need(Property::kBarHalfWidth) + found.need(Property::kOriginY);
+  const double reach =
+      found.need(Property::kStemEnd) - found.need(Property::kOriginY) + found.need(Property::kPusherRadius);
+  for (const Wall& wall : walls()) {
+    pusht::WorldState start;
+    const Eigen::Vector2d beside(-wall.outward.y(), wall.outward.x());
+    start.tee_yaw = pusht::wrapAngle(std::atan2(wall.outward.y(), wall.outward.x()) - 0.5 * pusht::kPi);
+    start.tee_position = (pusht::kWallInnerFace - back - kApproach) * wall.outward + 0.1 * beside;
+    start.pusher_position = start.tee_position - reach * wall.outward - found.need(Property::kOriginX) * beside;
+    const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, 0.3 * wall.outward));
+    const double place = states.back().tee_position.dot(wall.outward) + back;
+    constexpr double kBeyond = 0.02;  // [m] nothing that gives way is pushed so far into a wall
+    found.set(wall.for_tee,
+              place > pusht::kWallInnerFace + kBeyond ? std::numeric_limits<double>::infinity() : place);
+  }
+}
+
+}  // namespace
+
+std::vector<Experiment> wallExperiments() {
+  return {{"walls by touch",
+           {Property::kWallUp, Property::kWallDown, Property::kWallRight, Property::kWallLeft},
+           wallsByTouch},
+          {"walls by the tee",
+           {Property::kTeeAtWallUp, Property::kTeeAtWallDown, Property::kTeeAtWallRight, Property::kTeeAtWallLeft},
+           wallsByTee}};
+}
+
+}  // namespace sim2sim

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whether estimated effects are of the right size: against the divergence that faults make in replays in MuJoCo.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "planted_faults.hpp"
+#include "pusht_task/testing/golden.hpp"
+#include "sim2sim_audit/audit.hpp"
+#include "sim2sim_audit/replay.hpp"
+
+namespace sim2sim::testing {
+namespace {
+
+/// The scripted expert's episodes of the golden vectors, as MuJoCo without a fault runs them.
+std::vector<RecordedEpisode> expertEpisodes() {
+  constexpr std::size_t kEpisodes = 10;
+  const auto world = cleanMujoco()();
+  std::vector<RecordedEpisode> episodes;
+  for (const auto& golden : pusht::testing::loadGolden("expert_actions.json", "cases")) {
+    world->reset(pusht::testing::worldPose(golden.at("start_tee_xyyaw_pusher_xy")));
+    RecordedEpisode episode = {{world->state()}, {}};
+    for (const auto& action : golden.at("actions")) {
+      episode.actions.push_back(pusht::testing::action(action));
+      world->step(episode.actions.back());
+      episode.states.push_back(world->state());
+    }
+    episodes.push_back(episode);
+    if (episodes.size() == kEpisodes) {
+      break;
+    }
+  }
+  return episodes;
+}
+
+/// The table of effects is made from what this prints: divergence per unit of the difference.
+TEST(Effects, AreOfTheRightSize) {
+  const std::vector<RecordedEpisode> episodes = expertEpisodes();
+  const Measurements clean = measured(cleanMujoco());
+  for (const PlantedFault& fault : plantedFaults()) {
+    if (!fault.in_mujoco) {
+      continue;
+    }
+    const double divergence = divergenceInReplays(*fault.in_mujoco(), episodes);
+    const std::vector<Comparison> findings = compare(clean, measured(fault.in_mujoco), {}, 1e-12).findings();
+    ASSERT_FALSE(findings.empty()) << fault.name;
+    const Comparison& first = findings.front();
+    const double per_unit = divergence / (first.effect / describe(first.property).effect);
+    RecordProperty(std::string("effect_") + describe(first.property).key, std::to_string(per_unit));
+    std::printf("%-40s %-24s divergence %9.3g m, estimated %9.3g m, per unit %9.3g\n", fault.name.c_str(),
+                describe(first.property).key, divergence, first.effect, per_unit);
+    constexpr double kSize = 1e-4;    // [m] smaller ones need no order
+    constexpr double kFactor = 10.0;  // an order of magnitude either way
+    if (isContract(first.property) || divergence < kSize) {
+      continue;
+    }
+    EXPECT_LT(first.effect, kFactor * divergence) << fault.name;
+    EXPECT_GT(first.effect, divergence / kFactor) << fault.name;
+  }
+}
+
+}  // namespace
+}  // namespace sim2sim::testing

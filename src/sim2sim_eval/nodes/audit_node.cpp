@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Audit of two worlds that are nodes.
+#include <ros/init.h>
+
+#include "pusht_task/ros/node.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/live/audit_nodes.hpp"
+
+int main(int argc, char** argv) {
+  sim2sim::catchInterruptsAside("audit");
+  return pusht::runNode(argc, argv, "audit", pusht::NoMaster::kFail, sim2sim::auditNodes,
+                        ros::init_options::NoSigintHandler);
+}

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Frames and units, found by touching the tee and by comparing velocities with finite differences.
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "pusht_task/constants.hpp"
@@ -42,57 +44,107 @@ void yaw(Bench& bench, Measurements& found) {
   found.set(Property::kYawOffset, 0.5 * (plus + minus));
 }
 
-/// Moment at which the tee turns and moves: pose, finite differences over the steps around, reported velocities.
+/// Two control steps of a tee that moves: what it moved by, and what it should have by the velocities reported at their
+/// begin, middle and end (Simpson's rule).
 struct Sample {
-  double yaw;                ///< [rad]
-  Eigen::Vector2d velocity;  ///< [m/s] by finite differences
-  double yaw_rate;           ///< [rad/s] by finite differences
-  Eigen::Vector2d reported;
-  double reported_yaw_rate;
+  Eigen::Vector2d displacement;   ///< [m]
+  double turn;                    ///< [rad]
+  Eigen::Vector2d turn_of_point;  ///< [-] displacement of a point on body -y against the origin, per distance from it
+  Eigen::Vector2d by_velocity;    ///< [m] velocities read in the table's axes
+  Eigen::Vector2d by_body_velocity;  ///< [m] velocities read in the tee's axes
+  double by_yaw_rate;             ///< [rad]
 };
 
-/// The tee while the pusher pushes it gently at the end of its bar, or straight on at the stem's end.
-std::vector<Sample> pushedTee(Bench& bench) {
-  struct Push {
-    double yaw;            // [rad]
-    Eigen::Vector2d from;  // [m] of the pusher, in the body frame
+Eigen::Vector2d bodyDown(double yaw) { return {std::sin(yaw), -std::cos(yaw)}; }
+
+Sample sampleOf(const WorldState& begin, const WorldState& middle, const WorldState& end) {
+  Sample sample = {end.tee_position - begin.tee_position,
+                   pusht::wrapAngle(end.tee_yaw - middle.tee_yaw) + pusht::wrapAngle(middle.tee_yaw - begin.tee_yaw),
+                   bodyDown(end.tee_yaw) - bodyDown(begin.tee_yaw),
+                   Eigen::Vector2d::Zero(),
+                   Eigen::Vector2d::Zero(),
+                   0.0};
+  const auto add = [&](const WorldState& state, double weight) {
+    const double span = weight * pusht::kControlStep / 3.0;
+    sample.by_velocity += span * state.tee_velocity;
+    sample.by_body_velocity += span * (Eigen::Rotation2Dd(state.tee_yaw) * state.tee_velocity);
+    sample.by_yaw_rate += span * state.tee_yaw_rate;
   };
-  constexpr double kSpeed = 0.15;  // [m/s]
-  constexpr int kSteps = 6;
-  std::vector<Sample> samples;
-  for (const Push& push : {Push{0.9, {0.045, -0.0305}}, Push{-2.1, {-0.045, -0.0305}}, Push{1.6, {0.0, -0.1205}}}) {
-    WorldState start = teeAt(bench, push.yaw);
-    const Eigen::Rotation2Dd turn(push.yaw);
-    start.pusher_position = start.tee_position + turn * push.from;
-    const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, kSpeed * (turn * Eigen::Vector2d(0, 1))));
-    for (std::size_t i = 2; i + 1 < states.size(); ++i) {
-      const double span = 2.0 * pusht::kControlStep;
-      samples.push_back({states[i].tee_yaw, (states[i + 1].tee_position - states[i - 1].tee_position) / span,
-                         pusht::wrapAngle(states[i + 1].tee_yaw - states[i - 1].tee_yaw) / span,
-                         states[i].tee_velocity, states[i].tee_yaw_rate});
+  add(begin, 1.0);
+  add(middle, 4.0);
+  add(end, 1.0);
+  return sample;
+}
+
+/// [-] How much the motion of two control steps changes between them. The poses alone say so.
+double changeIn(const WorldState& begin, const WorldState& middle, const WorldState& end) {
+  const auto moved = [](const WorldState& from, const WorldState& to) {
+    const Eigen::Vector2d way = to.tee_position - from.tee_position;
+    return Eigen::Vector3d(way.x(), way.y(), pusht::kStemOffset * pusht::wrapAngle(to.tee_yaw - from.tee_yaw));
+  };
+  const Eigen::Vector3d first = moved(begin, middle);
+  return (moved(middle, end) - first).norm() / first.norm();
+}
+
+/// The steadiest of the samples of a push: in the others contacts begin, end or chatter, of which velocities at three
+/// moments say little.
+std::vector<Sample> steadiest(const std::vector<WorldState>& states) {
+  constexpr std::size_t kSamples = 3;
+  std::vector<std::pair<double, std::size_t>> by_change;
+  for (std::size_t i = 1; i + 2 < states.size(); ++i) {
+    if (const double change = changeIn(states[i], states[i + 1], states[i + 2]); std::isfinite(change)) {
+      by_change.emplace_back(change, i);
     }
+  }
+  std::sort(by_change.begin(), by_change.end());
+  std::vector<Sample> samples;
+  for (std::size_t rank = 0; rank < std::min(kSamples, by_change.size()); ++rank) {
+    const std::size_t i = by_change[rank].second;
+    samples.push_back(sampleOf(states[i], states[i + 1], states[i + 2]));
   }
   return samples;
 }
 
-/// Reading of the reported velocities: of which point, and how many times the finite differences.
+/// The tee while the pusher pushes it gently beside the middle of its bar, or straight on at the stem's end.
+std::vector<Sample> pushedTee(Bench& bench) {
+  struct Push {
+    double yaw;                 // [rad]
+    Eigen::Vector2d from;       // [m] of the pusher, in the body frame
+    Eigen::Vector2d direction;  // in the body frame
+  };
+  constexpr double kSpeed = 0.15;  // [m/s]
+  constexpr int kSteps = 12;
+  std::vector<Sample> samples;
+  const Eigen::Vector2d up(0.0, 1.0);
+  for (const Push& push :
+       {Push{0.9, {0.035, 0.0335}, -up}, Push{-2.1, {-0.035, 0.0335}, -up}, Push{1.6, {0.0, -0.1205}, up}}) {
+    WorldState start = teeAt(bench, push.yaw);
+    const Eigen::Rotation2Dd turn(push.yaw);
+    start.pusher_position = start.tee_position + turn * push.from;
+    const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, kSpeed * (turn * push.direction)));
+    const std::vector<Sample> of_push = steadiest(states);
+    samples.insert(samples.end(), of_push.begin(), of_push.end());
+  }
+  return samples;
+}
+
+/// Reading of the reported velocities: of which point, and how many times what the poses say.
 struct Reading {
   double factor;
   double point;  ///< [m] from the tee origin along body -y
   double residual;
 };
 
-/// Least-squares reading. `in_body_axes`: the reported velocity is turned into the table frame first.
+/// Least-squares reading. `in_body_axes`: the reported velocities are taken to be in the tee's axes.
 Reading readingOf(const std::vector<Sample>& samples, bool in_body_axes) {
   Eigen::MatrixXd columns(2 * static_cast<Eigen::Index>(samples.size()), 2);
   Eigen::VectorXd values(columns.rows());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Sample& sample = samples[i];
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(i);
-    const Eigen::Rotation2Dd turn(in_body_axes ? sample.yaw : 0.0);
-    columns.block<2, 1>(row, 0) = sample.velocity;
-    columns.block<2, 1>(row, 1) = sample.yaw_rate * Eigen::Vector2d(std::cos(sample.yaw), std::sin(sample.yaw));
-    values.segment<2>(row) = turn * sample.reported;
+    columns.block<2, 1>(row, 0) = sample.displacement;
+    columns.block<2, 1>(row, 1) = sample.turn_of_point;
+    values.segment<2>(row) = in_body_axes ? sample.by_body_velocity : sample.by_velocity;
   }
   const Eigen::Vector2d solution = columns.colPivHouseholderQr().solve(values);
   return {solution[0], solution[1] / solution[0], (columns * solution - values).norm()};
@@ -107,10 +159,10 @@ void teeVelocities(Bench& bench, Measurements& found) {
   double products = 0.0;
   double squares = 0.0;
   for (const Sample& sample : samples) {
-    products += sample.reported_yaw_rate * sample.yaw_rate;
-    squares += sample.yaw_rate * sample.yaw_rate;
+    products += sample.by_yaw_rate * sample.turn;
+    squares += sample.turn * sample.turn;
   }
-  if (squares < 1e-3) {
+  if (squares < 1e-4) {
     throw std::runtime_error("the tee does not turn when it is pushed");
   }
   found.set(Property::kTeeVelocityFrame, table ? 0.0 : 1.0);

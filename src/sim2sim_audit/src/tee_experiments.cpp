@@ -198,14 +198,14 @@ Fit fitTee(const std::vector<Observed>& all, const TeeNumbers& begin) {
   std::optional<Fit> best;
   for (const int substeps : {10, 20}) {
     for (const bool disc : {false, true}) {
-      for (const bool soft : {true, false}) {
+      for (const TeeIntegrator integrator : {TeeIntegrator::kJoints, TeeIntegrator::kBody}) {
         for (const double side : {1.0, -1.0}) {
           if (best && best->residual < kExact) {
             return *best;
           }
           TeeNumbers from = begin;
           from.center_of_mass *= side;
-          const Fit fit = fitFrom(from, {soft, disc, substeps}, all);
+          const Fit fit = fitFrom(from, {integrator, disc, substeps}, all);
           if (!best || fit.residual < best->residual) {
             best = fit;
           }

@@ -67,36 +67,70 @@ Vector3d complianceOf(const TeeNumbers& numbers) {
   return pusht::testing::mujoco_constraint::complianceOf(kImpedance) * weight;
 }
 
-void substep(const TeeNumbers& numbers, const TeeModelForm& form, double duration, TeeMotion& motion) {
+/// Inertia per mass about the tee origin: of the tee, or of one with more mass at some place.
+Matrix3d inertiaOf(double mass, const Eigen::Vector2d& first_moment, double second_moment) {
+  Matrix3d inertia = mass * Matrix3d::Identity();
+  inertia(0, 2) = inertia(2, 0) = -first_moment.y();
+  inertia(1, 2) = inertia(2, 1) = first_moment.x();
+  inertia(2, 2) = second_moment;
+  return inertia;
+}
+
+/// Damping per mass: force on the tee origin per velocity of it.
+Matrix3d dampingOf(const TeeNumbers& numbers, double yaw) {
+  const Matrix3d at_point = jacobianOf(numbers.damping_point, yaw);
+  return at_point.transpose() * Vector3d(numbers.damping, numbers.damping, numbers.yaw_damping).asDiagonal() * at_point;
+}
+
+/// Constraints see the inertia alone; the derivative of all forces by velocities acts at the end of the substep.
+void substepOfJoints(const TeeNumbers& numbers, bool disc, double duration, TeeMotion& motion) {
   const double yaw = motion.pose[2];
+  const double yaw_rate = motion.velocity[2];
   const Eigen::Vector2d center = armOf(numbers.center_of_mass, yaw);
-  Matrix3d inertia = Matrix3d::Identity();
-  inertia(0, 2) = inertia(2, 0) = -center.y();
-  inertia(1, 2) = inertia(2, 1) = center.x();
-  inertia(2, 2) = numbers.moment + numbers.center_of_mass * numbers.center_of_mass;
-  const Matrix3d at_damping = jacobianOf(numbers.damping_point, yaw);
-  const Matrix3d damping =
-      at_damping.transpose() * Vector3d(numbers.damping, numbers.damping, numbers.yaw_damping).asDiagonal() * at_damping;
+  const Matrix3d inertia =
+      inertiaOf(1.0, center, numbers.moment + numbers.center_of_mass * numbers.center_of_mass);
+  const Matrix3d damping = dampingOf(numbers, yaw);
   Vector3d force = -damping * motion.velocity;
-  force.head<2>() += motion.velocity[2] * motion.velocity[2] * center;  // centrifugal
-  Matrix3d by_velocity = -damping;  // derivative of the force
-  by_velocity.topRightCorner<2, 1>() += 2.0 * motion.velocity[2] * center;
-  const Matrix3d mobility = (inertia - duration * by_velocity).inverse();
+  force.head<2>() += yaw_rate * yaw_rate * center;  // centrifugal
+  Matrix3d by_velocity = -damping;                  // derivative of the force
+  by_velocity.topRightCorner<2, 1>() += 2.0 * yaw_rate * center;
   const Matrix3d at_friction = jacobianOf(numbers.friction_point, yaw);
+  const Matrix3d free = inertia.inverse();
+  Matrix3d response = at_friction * free * at_friction.transpose();
+  response.diagonal() += complianceOf(numbers);
   const Vector3d slip = at_friction * motion.velocity;
-  Vector3d friction;
-  if (form.soft_friction) {
-    const Matrix3d free = inertia.inverse();
-    Matrix3d response = at_friction * free * at_friction.transpose();
-    response.diagonal() += complianceOf(numbers);
-    friction = frictionFor(numbers, form.disc_friction, response,
-                           -pusht::testing::mujoco_constraint::kDamping * slip - at_friction * (free * force));
-  } else {
-    friction = frictionFor(numbers, form.disc_friction, at_friction * mobility * at_friction.transpose(),
-                           -slip / duration - at_friction * (mobility * force));
-  }
-  motion.velocity += duration * (mobility * (force + at_friction.transpose() * friction));
+  const Vector3d friction =
+      frictionFor(numbers, disc, response,
+                  -pusht::testing::mujoco_constraint::kDamping * slip - at_friction * (free * force));
+  motion.velocity +=
+      duration * ((inertia - duration * by_velocity).inverse() * (force + at_friction.transpose() * friction));
   motion.pose += duration * motion.velocity;
+}
+
+/// Implicit damping is damping at the substep's begin of a tee that is heavier by what it takes in a substep. The
+/// center of that tee moves straight on, and the tee turns about it.
+void substepOfBody(const TeeNumbers& numbers, bool disc, double duration, TeeMotion& motion) {
+  const double yaw = motion.pose[2];
+  const double added = duration * numbers.damping;
+  const double mass = 1.0 + added;
+  const double center_of_all = (numbers.center_of_mass + added * numbers.damping_point) / mass;  // [m] along -y
+  const double second_moment = numbers.moment + numbers.center_of_mass * numbers.center_of_mass +
+                               duration * numbers.yaw_damping + added * numbers.damping_point * numbers.damping_point;
+  const Eigen::Vector2d arm = armOf(center_of_all, yaw);
+  const Matrix3d mobility = inertiaOf(mass, mass * arm, second_moment).inverse();
+  const Matrix3d at_friction = jacobianOf(numbers.friction_point, yaw);
+  const Vector3d damped = motion.velocity - duration * (mobility * (dampingOf(numbers, yaw) * motion.velocity));
+  const Vector3d friction = frictionFor(numbers, disc, at_friction * mobility * at_friction.transpose(),
+                                        -at_friction * damped / duration);
+  const Vector3d velocity = damped + duration * (mobility * (at_friction.transpose() * friction));
+  // Of the center, whose velocity does not change when the tee turns.
+  const Eigen::Vector2d of_center = velocity.head<2>() + velocity[2] * Eigen::Vector2d(-arm.y(), arm.x());
+  const double turned = yaw + duration * velocity[2];
+  const Eigen::Vector2d new_arm = armOf(center_of_all, turned);
+  motion.pose.head<2>() += arm + duration * of_center - new_arm;
+  motion.pose[2] = turned;
+  motion.velocity.head<2>() = of_center - velocity[2] * Eigen::Vector2d(-new_arm.y(), new_arm.x());
+  motion.velocity[2] = velocity[2];
 }
 
 }  // namespace
@@ -141,8 +175,9 @@ TeeMotion TeeMotion::of(const pusht::WorldState& state) {
 }
 
 TeeMotion controlStep(const TeeNumbers& numbers, const TeeModelForm& form, TeeMotion motion) {
+  const auto substep = form.integrator == TeeIntegrator::kJoints ? substepOfJoints : substepOfBody;
   for (int i = 0; i < form.substeps; ++i) {
-    substep(numbers, form, pusht::kControlStep / form.substeps, motion);
+    substep(numbers, form.disc_friction, pusht::kControlStep / form.substeps, motion);
   }
   return motion;
 }

@@ -8,9 +8,15 @@
 
 namespace sim2sim {
 
+/// How an engine computes the motion of a tee.
+enum class TeeIntegrator {
+  kJoints,  ///< as MuJoCo with `implicit`: velocities of the origin; friction at rest gives way as its constraints do
+  kBody     ///< as engines of rigid bodies do: velocities of the center of mass; friction at rest holds
+};
+
 /// Parts of the model that are no numbers.
 struct TeeModelForm {
-  bool soft_friction = true;   ///< friction at rest gives way as MuJoCo's constraints do; else it holds
+  TeeIntegrator integrator = TeeIntegrator::kJoints;
   bool disc_friction = false;  ///< one limit in every direction; else one along each axis of the table
   int substeps = 10;           ///< in a control step, with damping implicit
 };
@@ -49,8 +55,7 @@ struct TeeMotion {
   static TeeMotion of(const pusht::WorldState& state);
 };
 
-/// Motion a control step later. Newton and Euler about the tee origin; friction by Gauss-Seidel. As MuJoCo's, with the
-/// integrator `implicit`: constraints see the inertia alone, and the damping of a substep acts at its end.
+/// Motion a control step later: Newton and Euler, friction by Gauss-Seidel. The damping of a substep acts at its end.
 TeeMotion controlStep(const TeeNumbers& numbers, const TeeModelForm& form, TeeMotion motion);
 
 }  // namespace sim2sim

@@ -102,12 +102,11 @@ void delayAndHold(Bench& bench, Measurements& found) {
 }  // namespace
 
 std::vector<Experiment> actionExperiments() {
-  return {{"control step", {Property::kControlStep, Property::kPusherVelocityFactor}, stepAndVelocity},
-          {"axes",
-           {Property::kAxesTurn, Property::kAxesMirror, Property::kActionScaleX, Property::kActionScaleY},
-           axes},
-          {"limit of actions", {Property::kActionLimit}, limitOfActions},
-          {"delay", {Property::kDelay, Property::kHold}, delayAndHold}};
+  return {
+      {"control step", {Property::kControlStep, Property::kPusherVelocityFactor}, stepAndVelocity},
+      {"axes", {Property::kAxesTurn, Property::kAxesMirror, Property::kActionScaleX, Property::kActionScaleY}, axes},
+      {"limit of actions", {Property::kActionLimit}, limitOfActions},
+      {"delay", {Property::kDelay, Property::kHold}, delayAndHold}};
 }
 
 }  // namespace sim2sim

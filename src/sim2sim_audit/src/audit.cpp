@@ -17,28 +17,41 @@
 namespace sim2sim {
 namespace {
 
+/// [-] Ratio of a mass or force to the reference's; none unless both worlds have one.
+std::optional<double> ratioOf(Property property, const Measurements& reference, const Measurements& world) {
+  const auto& of_reference = reference[property].value;
+  const auto& of_world = world[property].value;
+  if (!describe(property).mass_like || !of_reference || !of_world) {
+    return std::nullopt;
+  }
+  const double ratio = *of_world / *of_reference;
+  return std::isfinite(ratio) && ratio > 0.0 ? std::optional(ratio) : std::nullopt;
+}
+
 /// Common factor of all masses and forces of `world` against the reference: no motion depends on it, so it is taken to
-/// be the one that leaves most of them the same, the median of their ratios.
+/// be the one that leaves most of them the same, and of several such the one that leaves the tee's mass the same.
 double commonFactor(const Measurements& reference, const Measurements& world) {
-  std::vector<double> logarithms;
+  std::vector<Property> properties = {Property::kTeeMass};  // first, so that it wins where others are no better
   for (const PropertyDescription& description : allProperties()) {
-    const auto& of_reference = reference[description.property].value;
-    const auto& of_world = world[description.property].value;
-    if (!description.mass_like || !of_reference || !of_world) {
+    properties.push_back(description.property);
+  }
+  double best = 1.0;
+  int most = 0;
+  for (const Property candidate : properties) {
+    const std::optional<double> factor = ratioOf(candidate, reference, world);
+    if (!factor) {
       continue;
     }
-    const double ratio = *of_world / *of_reference;
-    if (std::isfinite(ratio) && ratio > 0.0) {
-      logarithms.push_back(std::log(ratio));
+    const auto same = std::count_if(properties.begin() + 1, properties.end(), [&](Property property) {
+      const std::optional<double> ratio = ratioOf(property, reference, world);
+      return ratio && std::abs(*ratio / *factor - 1.0) <= describe(property).resolution.relative;
+    });
+    if (same > most) {
+      most = static_cast<int>(same);
+      best = *factor;
     }
   }
-  if (logarithms.empty()) {
-    return 1.0;
-  }
-  std::sort(logarithms.begin(), logarithms.end());
-  const double low = logarithms[(logarithms.size() - 1) / 2];
-  const double high = logarithms[logarithms.size() / 2];
-  return std::exp(std::abs(low) <= std::abs(high) ? low : high);
+  return best;
 }
 
 /// Factor from units of the servo's gain to SI. The reference's gain is taken to be the task's.
@@ -90,7 +103,7 @@ void allow(Comparison& comparison, double amount, const char* what) {
   }
 }
 
-void setAllowed(Comparison& comparison, const Estimate& reference, const Estimate& engine,
+void setAllowed(Comparison& comparison, const Measurement& reference, const Measurement& engine,
                 const std::vector<Measurements>& variants, double start_tolerance) {
   const Property property = comparison.property;
   const Resolution& resolution = describe(property).resolution;
@@ -123,8 +136,8 @@ double effectOf(const Comparison& comparison) {
 
 Comparison compareOne(Property property, const Measurements& reference, const Measurements& engine,
                       const std::vector<Measurements>& variants, double start_tolerance) {
-  const Estimate& of_reference = reference[property];
-  const Estimate& of_engine = engine[property];
+  const Measurement& of_reference = reference[property];
+  const Measurement& of_engine = engine[property];
   Comparison comparison = {property, Verdict::kCannotTell, of_reference.value, of_engine.value};
   if (!of_reference.value || !of_engine.value) {
     comparison.reason = !of_engine.value ? of_engine.problem : "in the reference: " + of_reference.problem;

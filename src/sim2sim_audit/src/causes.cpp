@@ -111,7 +111,8 @@ std::string difference(const Comparison& finding) {
   }
   const bool is_length = std::string(description.unit) == "m";
   const double shown = is_length ? 1e3 * finding.difference() : finding.difference();
-  return std::string(description.title) + " is off by " + number(shown) + (is_length ? " mm" : std::string(" ") + description.unit);
+  return std::string(description.title) + " is off by " + number(shown) +
+         (is_length ? " mm" : std::string(" ") + description.unit);
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ double surfaceAt(Bench& bench, const Eigen::Vector2d& beside, const Eigen::Vecto
   constexpr double kDeep = 0.029;
   constexpr double kClear = 0.04;  // [m] beyond it
   const WorldState scene = teeAtYawZero(bench);
-  const auto distance = touchDistance(bench, scene, scene.tee_position + beside, outward, nominal - kDeep,
-                                      nominal + kClear);
+  const auto distance =
+      touchDistance(bench, scene, scene.tee_position + beside, outward, nominal - kDeep, nominal + kClear);
   if (!distance) {
     throw std::runtime_error("the tee is not touched where it should be");
   }
@@ -82,8 +82,8 @@ WorldState behindTheStem(const Bench& bench, const Measurements& found) {
   WorldState start = teeAtYawZero(bench);
   start.tee_position.y() -= 0.1;
   const double reach = found.need(Property::kStemEnd) - found.need(Property::kOriginY);
-  start.pusher_position =
-      start.tee_position + Eigen::Vector2d(found.need(Property::kOriginX), -reach - found.need(Property::kPusherRadius));
+  start.pusher_position = start.tee_position +
+                          Eigen::Vector2d(found.need(Property::kOriginX), -reach - found.need(Property::kPusherRadius));
   return start;
 }
 
@@ -104,22 +104,39 @@ void hit(Bench& bench, Measurements& found) {
   found.set(Property::kHit, states.back().tee_position.y() - start.tee_position.y());
 }
 
-/// The pusher pushes the back of the bar and slips along it: friction over normal force, by the servo as force sensor.
-void contactFriction(Bench& bench, Measurements& found) {
-  constexpr double kFrom = -0.034;  // [m] along the bar; half of the way that it slips, so that a round back counts even
+/// Where along the bar's back a push begins, and what it did.
+struct SlippingPush {
+  double slip;              ///< [m] along the bar, of the pusher
+  Eigen::Vector2d impulse;  ///< [m] over the gain, that the contact took, in the axes of the bar
+};
+
+/// The pusher pushes the back of the bar from `from` [m] along it, and slips.
+SlippingPush slippingPush(Bench& bench, const Measurements& found, double from) {
   const pusht::Physics task;
   WorldState start = teeAtYawZero(bench);
-  const double back = surfaceAt(bench, {kFrom, 0.0}, {0.0, 1.0}, task.bar_half_width + task.pusher_radius);
-  start.pusher_position = start.tee_position + Eigen::Vector2d(kFrom, back);
+  const double back = surfaceAt(bench, {from, 0.0}, {0.0, 1.0}, task.bar_half_width + task.pusher_radius);
+  start.pusher_position = start.tee_position + Eigen::Vector2d(from, back);
   const Eigen::Vector2d command(0.75, -0.3);
   const auto states = bench.run(start, {command});
+  const Eigen::Rotation2Dd to_body(-states[1].tee_yaw);
+  const double to = (to_body * (states[1].pusher_position - states[1].tee_position)).x();
   const Eigen::Vector2d impulse = ForceSensor(found).impulse(states[0], states[1], command);
-  const double yaw = 0.5 * pusht::wrapAngle(states[1].tee_yaw - states[0].tee_yaw);
-  const Eigen::Vector2d in_face = Eigen::Rotation2Dd(-yaw) * impulse;
-  if (!(in_face.y() < 0.0)) {
+  return {to - from, Eigen::Rotation2Dd(-0.5 * states[1].tee_yaw) * impulse};
+}
+
+/// Friction over normal force of a pusher that slips along the bar's back, by the servo as force sensor. It begins as
+/// far on one side of the middle as it ends on the other, so that a round back counts even.
+void contactFriction(Bench& bench, Measurements& found) {
+  constexpr int kRefinements = 4;
+  double from = 0.0;
+  for (int i = 0; i < kRefinements; ++i) {
+    from = -0.5 * slippingPush(bench, found, from).slip;
+  }
+  const Eigen::Vector2d impulse = slippingPush(bench, found, from).impulse;
+  if (!(impulse.y() < 0.0)) {
     throw std::runtime_error("the pusher does not feel the tee");
   }
-  found.set(Property::kContactFriction, in_face.x() / -in_face.y());
+  found.set(Property::kContactFriction, impulse.x() / -impulse.y());
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ struct Sample {
   Eigen::Vector2d turn_of_point;  ///< [-] displacement of a point on body -y against the origin, per distance from it
   Eigen::Vector2d by_velocity;    ///< [m] velocities read in the table's axes
   Eigen::Vector2d by_body_velocity;  ///< [m] velocities read in the tee's axes
-  double by_yaw_rate;             ///< [rad]
+  double by_yaw_rate;                ///< [rad]
 };
 
 Eigen::Vector2d bodyDown(double yaw) { return {std::sin(yaw), -std::cos(yaw)}; }
@@ -112,31 +112,42 @@ std::vector<Sample> pushedTee(Bench& bench) {
     Eigen::Vector2d from;       // [m] of the pusher, in the body frame
     Eigen::Vector2d direction;  // in the body frame
   };
-  constexpr double kSpeed = 0.15;  // [m/s]
-  constexpr int kSteps = 12;
-  std::vector<Sample> samples;
+  constexpr double kWay = 0.12;  // [m] that the pusher takes
   const Eigen::Vector2d up(0.0, 1.0);
+  std::vector<Sample> samples;
   for (const Push& push :
        {Push{0.9, {0.035, 0.0335}, -up}, Push{-2.1, {-0.035, 0.0335}, -up}, Push{1.6, {0.0, -0.1205}, up}}) {
-    WorldState start = teeAt(bench, push.yaw);
-    const Eigen::Rotation2Dd turn(push.yaw);
-    start.pusher_position = start.tee_position + turn * push.from;
-    const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, kSpeed * (turn * push.direction)));
-    const std::vector<Sample> of_push = steadiest(states);
-    samples.insert(samples.end(), of_push.begin(), of_push.end());
+    for (const double speed : {0.1, 0.15, 0.2}) {  // [m/s]
+      WorldState start = teeAt(bench, push.yaw);
+      const Eigen::Rotation2Dd turn(push.yaw);
+      start.pusher_position = start.tee_position + turn * push.from;
+      const auto steps = static_cast<std::size_t>(kWay / (speed * pusht::kControlStep));
+      const std::vector<Sample> of_push =
+          steadiest(bench.run(start, std::vector<Eigen::Vector2d>(steps, speed * (turn * push.direction))));
+      samples.insert(samples.end(), of_push.begin(), of_push.end());
+    }
   }
   return samples;
 }
 
-/// Reading of the reported velocities: of which point, and how many times what the poses say.
-struct Reading {
-  double factor;
-  double point;  ///< [m] from the tee origin along body -y
+/// Least-squares solution with standard errors from what is left over.
+struct Solution {
+  Eigen::VectorXd values;
+  Eigen::VectorXd errors;
   double residual;
 };
 
-/// Least-squares reading. `in_body_axes`: the reported velocities are taken to be in the tee's axes.
-Reading readingOf(const std::vector<Sample>& samples, bool in_body_axes) {
+Solution solve(const Eigen::MatrixXd& columns, const Eigen::VectorXd& wanted) {
+  const Eigen::VectorXd values = columns.colPivHouseholderQr().solve(wanted);
+  const double residual = (columns * values - wanted).norm();
+  const double variance = residual * residual / static_cast<double>(columns.rows() - columns.cols());
+  const Eigen::MatrixXd inverse = (columns.transpose() * columns).inverse();
+  return {values, (variance * inverse.diagonal()).cwiseSqrt(), residual};
+}
+
+/// Factor of the reported velocities, and factor times the distance of their point from the tee origin along body -y
+/// [m]. `in_body_axes`: the reported velocities are taken to be in the tee's axes.
+Solution readingOf(const std::vector<Sample>& samples, bool in_body_axes) {
   Eigen::MatrixXd columns(2 * static_cast<Eigen::Index>(samples.size()), 2);
   Eigen::VectorXd values(columns.rows());
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -146,29 +157,37 @@ Reading readingOf(const std::vector<Sample>& samples, bool in_body_axes) {
     columns.block<2, 1>(row, 1) = sample.turn_of_point;
     values.segment<2>(row) = in_body_axes ? sample.by_body_velocity : sample.by_velocity;
   }
-  const Eigen::Vector2d solution = columns.colPivHouseholderQr().solve(values);
-  return {solution[0], solution[1] / solution[0], (columns * solution - values).norm()};
+  return solve(columns, values);
+}
+
+/// Factor of the reported yaw rates.
+Solution yawRateOf(const std::vector<Sample>& samples) {
+  Eigen::MatrixXd turns(static_cast<Eigen::Index>(samples.size()), 1);
+  Eigen::VectorXd by_rate(turns.rows());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    turns(static_cast<Eigen::Index>(i), 0) = samples[i].turn;
+    by_rate[static_cast<Eigen::Index>(i)] = samples[i].by_yaw_rate;
+  }
+  constexpr double kLeast = 1e-2;  // [rad]
+  if (turns.norm() < kLeast) {
+    throw std::runtime_error("the tee does not turn when it is pushed");
+  }
+  return solve(turns, by_rate);
 }
 
 void teeVelocities(Bench& bench, Measurements& found) {
+  constexpr double kSigmas = 3.0;
   const std::vector<Sample> samples = pushedTee(bench);
-  const Reading in_table = readingOf(samples, false);
-  const Reading in_body = readingOf(samples, true);
+  const Solution yaw_rate = yawRateOf(samples);
+  const Solution in_table = readingOf(samples, false);
+  const Solution in_body = readingOf(samples, true);
   const bool table = in_table.residual <= in_body.residual;
-  const Reading& reading = table ? in_table : in_body;
-  double products = 0.0;
-  double squares = 0.0;
-  for (const Sample& sample : samples) {
-    products += sample.by_yaw_rate * sample.turn;
-    squares += sample.turn * sample.turn;
-  }
-  if (squares < 1e-4) {
-    throw std::runtime_error("the tee does not turn when it is pushed");
-  }
+  const Solution& reading = table ? in_table : in_body;
+  const double factor = reading.values[0];
   found.set(Property::kTeeVelocityFrame, table ? 0.0 : 1.0);
-  found.set(Property::kTeeVelocityFactor, reading.factor);
-  found.set(Property::kTeeVelocityPoint, reading.point);
-  found.set(Property::kYawRateFactor, products / squares);
+  found.set(Property::kTeeVelocityFactor, factor, kSigmas * reading.errors[0]);
+  found.set(Property::kTeeVelocityPoint, reading.values[1] / factor, kSigmas * reading.errors[1] / std::abs(factor));
+  found.set(Property::kYawRateFactor, yaw_rate.values[0], kSigmas * yaw_rate.errors[0]);
 }
 
 }  // namespace

@@ -16,14 +16,14 @@ void Measurements::set(Property property, double value, double uncertainty) {
 }
 
 void Measurements::fail(Property property, std::string problem) {
-  Estimate& estimate = estimates_[index(property)];
+  Measurement& estimate = estimates_[index(property)];
   if (!estimate.value && estimate.problem.empty()) {
     estimate.problem = std::move(problem);
   }
 }
 
 double Measurements::need(Property property) const {
-  const Estimate& estimate = (*this)[property];
+  const Measurement& estimate = (*this)[property];
   if (!estimate.value) {
     throw std::runtime_error(std::string("needs ") + describe(property).title + ": " + estimate.problem);
   }

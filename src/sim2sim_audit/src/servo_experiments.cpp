@@ -91,10 +91,9 @@ void overshoot(Bench& bench, Measurements& found) {
 }  // namespace
 
 std::vector<Experiment> servoExperiments() {
-  return {{"servo",
-           {Property::kServoGain, Property::kServoLimit, Property::kPusherDamping, Property::kPusherMass},
-           servo},
-          {"overshoot", {Property::kOvershoot}, overshoot}};
+  return {
+      {"servo", {Property::kServoGain, Property::kServoLimit, Property::kPusherDamping, Property::kPusherMass}, servo},
+      {"overshoot", {Property::kOvershoot}, overshoot}};
 }
 
 }  // namespace sim2sim

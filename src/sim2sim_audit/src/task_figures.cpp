@@ -16,9 +16,9 @@ void setContract(Measurements& figures) {
       figures.set(description.property, 0.0);
     }
   }
-  for (const Property factor : {Property::kYawGain, Property::kPusherVelocityFactor, Property::kTeeVelocityFactor,
-                                Property::kYawRateFactor, Property::kHold, Property::kAxesMirror,
-                                Property::kActionScaleX, Property::kActionScaleY}) {
+  for (const Property factor :
+       {Property::kYawGain, Property::kPusherVelocityFactor, Property::kTeeVelocityFactor, Property::kYawRateFactor,
+        Property::kHold, Property::kAxesMirror, Property::kActionScaleX, Property::kActionScaleY}) {
     figures.set(factor, 1.0);
   }
   figures.set(Property::kControlStep, pusht::kControlStep);
@@ -55,9 +55,9 @@ void setShapes(const pusht::Physics& physics, Measurements& figures) {
   figures.set(Property::kStemHalfWidth, physics.stem_half_width);
   figures.set(Property::kStemPlace, 0.0);
   figures.set(Property::kContactFriction, physics.contact_friction);
-  for (const Property wall : {Property::kWallUp, Property::kWallDown, Property::kWallRight, Property::kWallLeft,
-                              Property::kTeeAtWallUp, Property::kTeeAtWallDown, Property::kTeeAtWallRight,
-                              Property::kTeeAtWallLeft}) {
+  for (const Property wall :
+       {Property::kWallUp, Property::kWallDown, Property::kWallRight, Property::kWallLeft, Property::kTeeAtWallUp,
+        Property::kTeeAtWallDown, Property::kTeeAtWallRight, Property::kTeeAtWallLeft}) {
     figures.set(wall, physics.wall_inner_face);
   }
 }

@@ -82,25 +82,26 @@ Matrix3d dampingOf(const TeeNumbers& numbers, double yaw) {
   return at_point.transpose() * Vector3d(numbers.damping, numbers.damping, numbers.yaw_damping).asDiagonal() * at_point;
 }
 
-/// Constraints see the inertia alone; the derivative of all forces by velocities acts at the end of the substep.
-void substepOfJoints(const TeeNumbers& numbers, bool disc, double duration, TeeMotion& motion) {
+/// Constraints see the inertia alone.
+void substepOfJoints(const TeeNumbers& numbers, const TeeModelForm& form, double duration, TeeMotion& motion) {
   const double yaw = motion.pose[2];
   const double yaw_rate = motion.velocity[2];
   const Eigen::Vector2d center = armOf(numbers.center_of_mass, yaw);
-  const Matrix3d inertia =
-      inertiaOf(1.0, center, numbers.moment + numbers.center_of_mass * numbers.center_of_mass);
+  const Matrix3d inertia = inertiaOf(1.0, center, numbers.moment + numbers.center_of_mass * numbers.center_of_mass);
   const Matrix3d damping = dampingOf(numbers, yaw);
   Vector3d force = -damping * motion.velocity;
   force.head<2>() += yaw_rate * yaw_rate * center;  // centrifugal
-  Matrix3d by_velocity = -damping;                  // derivative of the force
-  by_velocity.topRightCorner<2, 1>() += 2.0 * yaw_rate * center;
+  Matrix3d by_velocity = -damping;                  // derivative of what acts at the end of the substep
+  if (form.integrator == TeeIntegrator::kImplicitJoints) {
+    by_velocity.topRightCorner<2, 1>() += 2.0 * yaw_rate * center;
+  }
   const Matrix3d at_friction = jacobianOf(numbers.friction_point, yaw);
   const Matrix3d free = inertia.inverse();
   Matrix3d response = at_friction * free * at_friction.transpose();
   response.diagonal() += complianceOf(numbers);
   const Vector3d slip = at_friction * motion.velocity;
   const Vector3d friction =
-      frictionFor(numbers, disc, response,
+      frictionFor(numbers, form.disc_friction, response,
                   -pusht::testing::mujoco_constraint::kDamping * slip - at_friction * (free * force));
   motion.velocity +=
       duration * ((inertia - duration * by_velocity).inverse() * (force + at_friction.transpose() * friction));
@@ -109,7 +110,7 @@ void substepOfJoints(const TeeNumbers& numbers, bool disc, double duration, TeeM
 
 /// Implicit damping is damping at the substep's begin of a tee that is heavier by what it takes in a substep. The
 /// center of that tee moves straight on, and the tee turns about it.
-void substepOfBody(const TeeNumbers& numbers, bool disc, double duration, TeeMotion& motion) {
+void substepOfBody(const TeeNumbers& numbers, const TeeModelForm& form, double duration, TeeMotion& motion) {
   const double yaw = motion.pose[2];
   const double added = duration * numbers.damping;
   const double mass = 1.0 + added;
@@ -120,7 +121,7 @@ void substepOfBody(const TeeNumbers& numbers, bool disc, double duration, TeeMot
   const Matrix3d mobility = inertiaOf(mass, mass * arm, second_moment).inverse();
   const Matrix3d at_friction = jacobianOf(numbers.friction_point, yaw);
   const Vector3d damped = motion.velocity - duration * (mobility * (dampingOf(numbers, yaw) * motion.velocity));
-  const Vector3d friction = frictionFor(numbers, disc, at_friction * mobility * at_friction.transpose(),
+  const Vector3d friction = frictionFor(numbers, form.disc_friction, at_friction * mobility * at_friction.transpose(),
                                         -at_friction * damped / duration);
   const Vector3d velocity = damped + duration * (mobility * (at_friction.transpose() * friction));
   // Of the center, whose velocity does not change when the tee turns.
@@ -160,7 +161,8 @@ TeeNumbers::Vector TeeNumbers::scale() {
 
 TeeNumbers::Vector TeeNumbers::toVector() const {
   Vector vector;
-  vector << center_of_mass, moment, damping, yaw_damping, friction_x, friction_y, yaw_friction, damping_point, friction_point;
+  vector << center_of_mass, moment, damping, yaw_damping, friction_x, friction_y, yaw_friction, damping_point,
+      friction_point;
   return vector.cwiseQuotient(scale());
 }
 
@@ -175,9 +177,9 @@ TeeMotion TeeMotion::of(const pusht::WorldState& state) {
 }
 
 TeeMotion controlStep(const TeeNumbers& numbers, const TeeModelForm& form, TeeMotion motion) {
-  const auto substep = form.integrator == TeeIntegrator::kJoints ? substepOfJoints : substepOfBody;
+  const auto substep = form.integrator == TeeIntegrator::kBody ? substepOfBody : substepOfJoints;
   for (int i = 0; i < form.substeps; ++i) {
-    substep(numbers, form.disc_friction, pusht::kControlStep / form.substeps, motion);
+    substep(numbers, form, pusht::kControlStep / form.substeps, motion);
   }
   return motion;
 }

@@ -8,17 +8,18 @@
 
 namespace sim2sim {
 
-/// How an engine computes the motion of a tee.
+/// How an engine computes the motion of a tee. Damping acts at the end of a substep in all of them.
 enum class TeeIntegrator {
-  kJoints,  ///< as MuJoCo with `implicit`: velocities of the origin; friction at rest gives way as its constraints do
-  kBody     ///< as engines of rigid bodies do: velocities of the center of mass; friction at rest holds
+  kJoints,          ///< velocities of the origin; friction at rest gives way as MuJoCo's constraints do
+  kImplicitJoints,  ///< the same, with centrifugal forces at the end of the substep, as MuJoCo's `implicit`
+  kBody             ///< velocities of the center of mass, as engines of rigid bodies do; friction at rest holds
 };
 
 /// Parts of the model that are no numbers.
 struct TeeModelForm {
-  TeeIntegrator integrator = TeeIntegrator::kJoints;
+  TeeIntegrator integrator = TeeIntegrator::kImplicitJoints;
   bool disc_friction = false;  ///< one limit in every direction; else one along each axis of the table
-  int substeps = 10;           ///< in a control step, with damping implicit
+  int substeps = 10;           ///< in a control step
 };
 
 /// Numbers of a tee, per its mass: no motion of a tee alone shows more. Points are on the body's axis, as distances
@@ -55,7 +56,7 @@ struct TeeMotion {
   static TeeMotion of(const pusht::WorldState& state);
 };
 
-/// Motion a control step later: Newton and Euler, friction by Gauss-Seidel. The damping of a substep acts at its end.
+/// Motion a control step later: Newton and Euler, friction by Gauss-Seidel.
 TeeMotion controlStep(const TeeNumbers& numbers, const TeeModelForm& form, TeeMotion motion);
 
 }  // namespace sim2sim

@@ -17,9 +17,7 @@ std::string shown(double value) {
   return std::isfinite(value) ? pusht::significantText(value, 4) : std::string("none");
 }
 
-std::string withUnit(const std::string& text, const char* unit) {
-  return unit[0] == '\0' ? text : text + " " + unit;
-}
+std::string withUnit(const std::string& text, const char* unit) { return unit[0] == '\0' ? text : text + " " + unit; }
 
 std::size_t countOf(const Audit& audit, Verdict verdict) {
   return static_cast<std::size_t>(
@@ -54,8 +52,8 @@ std::string undecided(const Audit& audit) {
   constexpr std::size_t kLongest = 220;  // bytes
   std::string text;
   for (std::size_t i = 0; i < std::min(kMostReasons, reasons.size()); ++i) {
-    text += "cannot tell (" + pusht::clipped(reasons[i], kLongest) + "): " +
-            pusht::clipped(pusht::joined(titles[reasons[i]]), kLongest) + "\n";
+    text += "cannot tell (" + pusht::clipped(reasons[i], kLongest) +
+            "): " + pusht::clipped(pusht::joined(titles[reasons[i]]), kLongest) + "\n";
   }
   if (reasons.size() > kMostReasons) {
     text += "and for " + std::to_string(reasons.size() - kMostReasons) + " other reasons\n";
@@ -67,8 +65,8 @@ std::string undecided(const Audit& audit) {
 
 std::string textOf(const Audit& audit) {
   constexpr std::size_t kMostFindings = 12;
-  std::string text = "audit of " + audit.engine + " against " + audit.reference + ", seed " +
-                     std::to_string(audit.seed) + "\n";
+  std::string text =
+      "audit of " + audit.engine + " against " + audit.reference + ", seed " + std::to_string(audit.seed) + "\n";
   text += std::to_string(countOf(audit, Verdict::kSame)) + " properties are the same, " +
           std::to_string(countOf(audit, Verdict::kDiffers)) + " differ, " +
           std::to_string(countOf(audit, Verdict::kCannotTell)) + " cannot be told\n";

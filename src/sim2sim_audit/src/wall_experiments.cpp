@@ -32,8 +32,8 @@ void wallsByTouch(Bench& bench, Measurements& found) {
     const Eigen::Vector2d beside(-wall.outward.y(), wall.outward.x());
     scene.tee_position = 0.15 * beside - 0.1 * wall.outward;
     const auto distance = touchDistance(bench, scene, -0.2 * beside, wall.outward, kInWall, kInWall - kClear);
-    found.set(wall.for_pusher, distance ? *distance + found.need(Property::kPusherRadius)
-                                        : std::numeric_limits<double>::infinity());
+    found.set(wall.for_pusher,
+              distance ? *distance + found.need(Property::kPusherRadius) : std::numeric_limits<double>::infinity());
   }
 }
 
@@ -53,8 +53,7 @@ void wallsByTee(Bench& bench, Measurements& found) {
     const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, 0.3 * wall.outward));
     const double place = states.back().tee_position.dot(wall.outward) + back;
     constexpr double kBeyond = 0.02;  // [m] nothing that gives way is pushed so far into a wall
-    found.set(wall.for_tee,
-              place > pusht::kWallInnerFace + kBeyond ? std::numeric_limits<double>::infinity() : place);
+    found.set(wall.for_tee, place > pusht::kWallInnerFace + kBeyond ? std::numeric_limits<double>::infinity() : place);
   }
 }
 

@@ -29,12 +29,12 @@ void PrintTo(const Declared& declared, std::ostream* out) {  // NOLINT(readabili
 
 /// The two-mass engine: two discs and point masses, drag on both, a servo that knows no force, no frictions, no walls.
 const std::vector<Property> kOfTwoMass = {
-    Property::kServoGain,      Property::kServoLimit,     Property::kPusherDamping,  Property::kPusherMass,
-    Property::kTeeMass,        Property::kTeeMoment,      Property::kTeeDamping,     Property::kTeeYawDamping,
-    Property::kTeeFrictionX,   Property::kTeeFrictionY,   Property::kTeeYawFriction, Property::kDampingPoint,
-    Property::kCenterOfMass,   Property::kPusherRadius,   Property::kBarHalfLength,  Property::kBarHalfWidth,
-    Property::kStemEnd,        Property::kStemHalfWidth,  Property::kContactFriction, Property::kWallUp,
-    Property::kWallDown,       Property::kWallRight,      Property::kWallLeft,       Property::kHiddenState};
+    Property::kServoGain,    Property::kServoLimit,    Property::kPusherDamping,   Property::kPusherMass,
+    Property::kTeeMass,      Property::kTeeMoment,     Property::kTeeDamping,      Property::kTeeYawDamping,
+    Property::kTeeFrictionX, Property::kTeeFrictionY,  Property::kTeeYawFriction,  Property::kDampingPoint,
+    Property::kCenterOfMass, Property::kPusherRadius,  Property::kBarHalfLength,   Property::kBarHalfWidth,
+    Property::kStemEnd,      Property::kStemHalfWidth, Property::kContactFriction, Property::kWallUp,
+    Property::kWallDown,     Property::kWallRight,     Property::kWallLeft,        Property::kHiddenState};
 
 class AgainstTask : public ::testing::TestWithParam<Declared> {};
 
@@ -42,7 +42,8 @@ TEST_P(AgainstTask, DiffersWhereItsKindSaysSo) {
   const pusht::SimulatorKind& kind = GetParam().kind();
   const Audit audit = auditAgainstTask({kind.title, kind.load(kind.defaults()).make_world}, 0);
   for (const Comparison& finding : audit.findings()) {
-    EXPECT_THAT(GetParam().differences, ::testing::Contains(finding.property)) << causeOf(finding) << "\n" << textOf(audit);
+    EXPECT_THAT(GetParam().differences, ::testing::Contains(finding.property)) << causeOf(finding) << "\n"
+                                                                               << textOf(audit);
   }
 }
 

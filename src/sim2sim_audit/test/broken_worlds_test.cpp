@@ -27,7 +27,10 @@ class Brittle : public pusht::Simulator {
   using Failure = void (*)(WorldState& state);
 
   Brittle(Breaks breaks, Failure at_reset, Failure at_step)
-      : Simulator("brittle", pusht::RigidBodyPhysics::kStartTolerance), breaks_(breaks), at_reset_(at_reset), at_step_(at_step) {}
+      : Simulator("brittle", pusht::RigidBodyPhysics::kStartTolerance),
+        breaks_(breaks),
+        at_reset_(at_reset),
+        at_step_(at_step) {}
 
  private:
   void doReset(const WorldState& state) override {

@@ -20,13 +20,13 @@ struct InterfaceFault {
   using OfState = std::function<pusht::WorldState(const pusht::WorldState&)>;
   using OfAction = std::function<pusht::Action(const pusht::Action&)>;
 
-  OfState start = [](const pusht::WorldState& state) { return state; };   ///< requested start to that of the inner world
+  OfState start = [](const pusht::WorldState& state) { return state; };  ///< requested start to that of the inner world
   OfState report = [](const pusht::WorldState& state) { return state; };  ///< state of the inner world to the reported
   OfAction command = [](const pusht::Action& action) { return action; };
-  int delay = 0;        ///< [control steps] by which commands are late
-  bool stale = false;   ///< reports the state before the last step
-  double leak = 0.0;    ///< [-] share of the last episode's last command that is added to the first one of the next
-  double noise = 0.0;   ///< [m] greatest error of each reported position, after steps
+  int delay = 0;       ///< [control steps] by which commands are late
+  bool stale = false;  ///< reports the state before the last step
+  double leak = 0.0;   ///< [-] share of the last episode's last command that is added to the first one of the next
+  double noise = 0.0;  ///< [m] greatest error of each reported position, after steps
 };
 
 /// A world with such an error.

@@ -184,9 +184,18 @@ void shiftCenterOf(Physics& physics, double along_minus_y) {
 
 /// Friction and damping at the center of mass, as engines have them ready-made.
 struct DragAtTheCenter : pusht::chipmunk::Scene {
-  using Scene::Scene;
+  explicit DragAtTheCenter(const pusht::ChipmunkParameters& parameters) : Scene(parameters, moved(parameters)) {}
+
+  /// The mass that makes the damping implicit sits where the damping acts.
+  static Physics moved(const pusht::ChipmunkParameters& parameters) {
+    Physics physics;
+    const double added = parameters.substep * physics.tee_damping;  // [kg]
+    physics.tee_first_moment += added * pusht::kCenterOfMassOffset;
+    physics.tee_second_moment += added * pusht::kCenterOfMassOffset * pusht::kCenterOfMassOffset;
+    return physics;
+  }
   void addDryFriction() override {
-    const cpVect center = cpv(0.0, -physics().centerOfMass());
+    const cpVect center = cpv(0.0, -pusht::kCenterOfMassOffset);
     const double far = 1000.0;  // [m]
     addFriction(cpGrooveJointNew(table(), tee(), cpv(0.0, -far), cpv(0.0, far), center), physics().tee_friction[0]);
     addFriction(cpGrooveJointNew(table(), tee(), cpv(-far, 0.0), cpv(far, 0.0), center), physics().tee_friction[1]);
@@ -403,19 +412,26 @@ std::vector<PlantedFault> interfaceFaults() {
       atTheInterface("delay of one step", {P::kDelay}, late),
       atTheInterface("delay of two steps", {P::kDelay}, very_late),
       atTheInterface("stale state", {P::kStaleSteps}, stale),
-      atTheInterface("action times 0.9", {P::kActionScaleX, P::kActionScaleY},
-                     ofCommands([](const A& a) { return A{0.9F * a[0], 0.9F * a[1]}; })),
-      atTheInterface("action times 0.9 along y", {P::kActionScaleY},
-                     ofCommands([](const A& a) { return A{a[0], 0.9F * a[1]}; })),
-      atTheInterface("axes of the action swapped", of_axes, ofCommands([](const A& a) { return A{a[1], a[0]}; })),
-      atTheInterface("y of the action mirrored", of_axes, ofCommands([](const A& a) { return A{a[0], -a[1]}; })),
+      atTheInterface("action times 0.9", {P::kActionScaleX, P::kActionScaleY}, ofCommands([](const A& a) {
+                       return A{0.9F * a[0], 0.9F * a[1]};
+                     })),
+      atTheInterface("action times 0.9 along y", {P::kActionScaleY}, ofCommands([](const A& a) {
+                       return A{a[0], 0.9F * a[1]};
+                     })),
+      atTheInterface("axes of the action swapped", of_axes, ofCommands([](const A& a) {
+                       return A{a[1], a[0]};
+                     })),
+      atTheInterface("y of the action mirrored", of_axes, ofCommands([](const A& a) {
+                       return A{a[0], -a[1]};
+                     })),
       atTheInterface("clip at 0.9", {P::kActionLimit}, ofCommands([](const A& a) {
                        return A{std::max(-0.9F, std::min(0.9F, a[0])), std::max(-0.9F, std::min(0.9F, a[1]))};
                      })),
       atTheInterface("sense of the yaw", {P::kYawGain}, both(yawTimes(-1.0), yawTimes(-1.0))),
       atTheInterface("yaw off by 0.1", {P::kYawOffset}, both(yawPlus(-0.1), yawPlus(0.1))),
       atTheInterface("yaw in degrees", {P::kYawGain}, both(yawTimes(degree), yawTimes(1.0 / degree))),
-      atTheInterface("origin at the center of mass", {P::kOriginY}, both(placeOf(-kCenterOfMass), placeOf(kCenterOfMass))),
+      atTheInterface("origin at the center of mass", {P::kOriginY},
+                     both(placeOf(-kCenterOfMass), placeOf(kCenterOfMass))),
       atTheInterface("velocity of the center of mass", {P::kTeeVelocityPoint},
                      both(velocityOf(-kCenterOfMass), velocityOf(kCenterOfMass))),
       atTheInterface("velocity in body axes", {P::kTeeVelocityFrame}, both(velocityTurned(1.0), velocityTurned(-1.0))),
@@ -447,16 +463,31 @@ std::vector<PlantedFault> pusherFaults() {
   using pusht::kPusherX;
   using pusht::kPusherY;
   return {
-      {"servo gain times 0.7", {P::kServoGain}, mujocoWith(scaledGain(0.7)),
-       chipmunkWith(scaled(&Physics::servo_gain, 0.7)), rigidWith(rigidServo(0.7, 1.0))},
-      {"servo gain times 1.2", {P::kServoGain}, mujocoWith(scaledGain(1.2)),
-       chipmunkWith(scaled(&Physics::servo_gain, 1.2)), rigidWith(rigidServo(1.2, 1.0))},
-      {"servo damping times 4", {P::kPusherDamping}, mujocoWith(scaledDamping({kPusherX, kPusherY}, 4.0)),
-       chipmunkWith(scaled(&Physics::pusher_damping, 4.0)), rigidWith(rigidServo(1.0, 4.0))},
-      {"servo limit times 0.7", {P::kServoLimit}, mujocoWith(scaledLimit(0.7)),
-       chipmunkWith(scaled(&Physics::servo_limit, 0.7)), rigidWith(scaled(&RigidModel::servo_limit, 0.7))},
-      {"pusher mass times 1.5", {P::kPusherMass}, mujocoWith(scaledMass("pusher", 1.5, true)),
-       chipmunkWith(scaled(&Physics::pusher_mass, 1.5)), rigidWith(scaled(&RigidModel::pusher_mass, 1.5))},
+      {"servo gain times 0.7",
+       {P::kServoGain},
+       mujocoWith(scaledGain(0.7)),
+       chipmunkWith(scaled(&Physics::servo_gain, 0.7)),
+       rigidWith(rigidServo(0.7, 1.0))},
+      {"servo gain times 1.2",
+       {P::kServoGain},
+       mujocoWith(scaledGain(1.2)),
+       chipmunkWith(scaled(&Physics::servo_gain, 1.2)),
+       rigidWith(rigidServo(1.2, 1.0))},
+      {"servo damping times 4",
+       {P::kPusherDamping},
+       mujocoWith(scaledDamping({kPusherX, kPusherY}, 4.0)),
+       chipmunkWith(scaled(&Physics::pusher_damping, 4.0)),
+       rigidWith(rigidServo(1.0, 4.0))},
+      {"servo limit times 0.7",
+       {P::kServoLimit},
+       mujocoWith(scaledLimit(0.7)),
+       chipmunkWith(scaled(&Physics::servo_limit, 0.7)),
+       rigidWith(scaled(&RigidModel::servo_limit, 0.7))},
+      {"pusher mass times 1.5",
+       {P::kPusherMass},
+       mujocoWith(scaledMass("pusher", 1.5, true)),
+       chipmunkWith(scaled(&Physics::pusher_mass, 1.5)),
+       rigidWith(scaled(&RigidModel::pusher_mass, 1.5))},
   };
 }
 
@@ -479,7 +510,9 @@ std::vector<PlantedFault> teeFaults() {
   };
   const std::vector<Property> of_friction = {P::kTeeFrictionX, P::kTeeFrictionY, P::kTeeYawFriction};
   return {
-      {"tee mass times 1.3", {P::kTeeMass}, mujocoWith(scaledMass("tee", 1.3, false)),
+      {"tee mass times 1.3",
+       {P::kTeeMass},
+       mujocoWith(scaledMass("tee", 1.3, false)),
        chipmunkWith([](Physics& physics) {
          const double center = physics.centerOfMass();
          const double moment = physics.tee_second_moment - physics.tee_mass * center * center;
@@ -491,33 +524,50 @@ std::vector<PlantedFault> teeFaults() {
          model.tee_moment += 0.3 * model.tee_mass * pusht::kCenterOfMassOffset * pusht::kCenterOfMassOffset;
          model.tee_mass *= 1.3;
        })},
-      {"moment times 1.3", {P::kTeeMoment}, mujocoWith([](mjModel& m) { scaleMoment(m, 1.3); }),
+      {"moment times 1.3",
+       {P::kTeeMoment},
+       mujocoWith([](mjModel& m) { scaleMoment(m, 1.3); }),
        chipmunkWith([](Physics& p) { scaleMomentAboutCenter(p, 1.3); }),
        rigidWith([](RigidModel& m) { scaleRigidMoment(m, 1.3); })},
-      {"moment without the stem's offset", {P::kTeeMoment},
+      {"moment without the stem's offset",
+       {P::kTeeMoment},
        mujocoWith([](mjModel& m) { scaleMoment(m, momentWithoutOffset()); }),
        chipmunkWith([](Physics& p) { scaleMomentAboutCenter(p, momentWithoutOffset()); }),
        rigidWith([](RigidModel& m) { scaleRigidMoment(m, momentWithoutOffset()); })},
-      {"center of mass off by 5 mm", {P::kCenterOfMass}, mujocoWith([](mjModel& m) { shiftCenter(m, 0.005); }),
-       chipmunkWith([](Physics& p) { shiftCenterOf(p, -0.005); }), {}},
-      {"center of mass on the wrong side", {P::kCenterOfMass},
+      {"center of mass off by 5 mm",
+       {P::kCenterOfMass},
+       mujocoWith([](mjModel& m) { shiftCenter(m, 0.005); }),
+       chipmunkWith([](Physics& p) { shiftCenterOf(p, -0.005); }),
+       {}},
+      {"center of mass on the wrong side",
+       {P::kCenterOfMass},
        mujocoWith([](mjModel& m) { shiftCenter(m, 2.0 * pusht::kCenterOfMassOffset); }),
-       chipmunkWith([](Physics& p) { shiftCenterOf(p, -2.0 * p.centerOfMass()); }), {}},
+       chipmunkWith([](Physics& p) { shiftCenterOf(p, -2.0 * p.centerOfMass()); }),
+       {}},
       {"drag at the center of mass", {P::kDampingPoint, P::kFrictionPoint}, {}, chipmunkOf<DragAtTheCenter>(), {}},
-      {"drag missing", {P::kTeeDamping, P::kTeeYawDamping}, mujocoWith(scaledDamping({kTeeX, kTeeY, kTeeYaw}, 0.0)),
-       chipmunkWith([](Physics& p) { p.tee_damping = p.tee_yaw_damping = 0.0; }), rigidWith([](RigidModel& m) {
-         m.tee_damping = m.tee_yaw_damping = 0.0;
-       })},
-      {"damping times 1.3", {P::kTeeDamping}, mujocoWith(scaledDamping({kTeeX, kTeeY}, 1.3)),
-       chipmunkWith(scaled(&Physics::tee_damping, 1.3)), rigidWith(scaled(&RigidModel::tee_damping, 1.3))},
-      {"yaw damping times 1.3", {P::kTeeYawDamping}, mujocoWith(scaledDamping({kTeeYaw}, 1.3)),
-       chipmunkWith(scaled(&Physics::tee_yaw_damping, 1.3)), rigidWith(scaled(&RigidModel::tee_yaw_damping, 1.3))},
+      {"drag missing",
+       {P::kTeeDamping, P::kTeeYawDamping},
+       mujocoWith(scaledDamping({kTeeX, kTeeY, kTeeYaw}, 0.0)),
+       chipmunkWith([](Physics& p) { p.tee_damping = p.tee_yaw_damping = 0.0; }),
+       rigidWith([](RigidModel& m) { m.tee_damping = m.tee_yaw_damping = 0.0; })},
+      {"damping times 1.3",
+       {P::kTeeDamping},
+       mujocoWith(scaledDamping({kTeeX, kTeeY}, 1.3)),
+       chipmunkWith(scaled(&Physics::tee_damping, 1.3)),
+       rigidWith(scaled(&RigidModel::tee_damping, 1.3))},
+      {"yaw damping times 1.3",
+       {P::kTeeYawDamping},
+       mujocoWith(scaledDamping({kTeeYaw}, 1.3)),
+       chipmunkWith(scaled(&Physics::tee_yaw_damping, 1.3)),
+       rigidWith(scaled(&RigidModel::tee_yaw_damping, 1.3))},
       {"dry friction of a disc", {P::kFrictionShape}, {}, chipmunkOf<FrictionOfADisc>(), {}},
       {"dry friction doubled", of_friction, mujocoWith(scaledFriction({kTeeX, kTeeY, kTeeYaw}, 2.0)),
        chipmunkWith(friction(2.0)), rigidWith(rigid_friction(2.0))},
       {"dry friction missing", of_friction, mujocoWith(scaledFriction({kTeeX, kTeeY, kTeeYaw}, 0.0)),
        chipmunkWith(friction(0.0)), rigidWith(rigid_friction(0.0))},
-      {"yaw friction 100 times too small", {P::kTeeYawFriction}, mujocoWith(scaledFriction({kTeeYaw}, 0.01)),
+      {"yaw friction 100 times too small",
+       {P::kTeeYawFriction},
+       mujocoWith(scaledFriction({kTeeYaw}, 0.01)),
        chipmunkWith(scaled(&Physics::tee_yaw_friction, 0.01)),
        rigidWith([](RigidModel& m) { m.coulomb_limit[pusht::rigid_body::kTeeYaw] *= 0.01; })},
   };
@@ -532,27 +582,45 @@ std::vector<PlantedFault> contactFaults() {
     };
   };
   return {
-      {"contact friction 0.5", {P::kContactFriction}, mujocoWith(friction(0.5)),
-       chipmunkWith(scaled(&Physics::contact_friction, std::sqrt(0.5))), {}},
-      {"contact friction missing", {P::kContactFriction}, mujocoWith(friction(0.0)),
+      {"contact friction 0.5",
+       {P::kContactFriction},
+       mujocoWith(friction(0.5)),
+       chipmunkWith(scaled(&Physics::contact_friction, std::sqrt(0.5))),
+       {}},
+      {"contact friction missing",
+       {P::kContactFriction},
+       mujocoWith(friction(0.0)),
        chipmunkWith(scaled(&Physics::contact_friction, 0.0)),
        rigidWith([](RigidModel& m) { m.switches.friction = false; })},
-      {"pusher radius + 1 mm", {P::kPusherRadius}, mujocoWith([](mjModel& m) {
+      {"pusher radius + 1 mm",
+       {P::kPusherRadius},
+       mujocoWith([](mjModel& m) {
          m.geom_size[3 * geomOf(m, "pusher")] += 1e-3;
          m.geom_rbound[geomOf(m, "pusher")] += 1e-3;
        }),
-       chipmunkWith([](Physics& p) { p.pusher_radius += 1e-3; }), {}},
-      {"stem offset + 2 mm", {P::kStemEnd}, mujocoWith([](mjModel& m) { moveGeom(m, "stem", 1, -2e-3); }),
-       chipmunkWith([](Physics& p) { p.stem_offset += 2e-3; }), {}},
-      {"bar 2 mm longer at both ends", {P::kBarHalfLength}, mujocoWith([](mjModel& m) {
+       chipmunkWith([](Physics& p) { p.pusher_radius += 1e-3; }),
+       {}},
+      {"stem offset + 2 mm",
+       {P::kStemEnd},
+       mujocoWith([](mjModel& m) { moveGeom(m, "stem", 1, -2e-3); }),
+       chipmunkWith([](Physics& p) { p.stem_offset += 2e-3; }),
+       {}},
+      {"bar 2 mm longer at both ends",
+       {P::kBarHalfLength},
+       mujocoWith([](mjModel& m) {
          m.geom_size[3 * geomOf(m, "bar")] += 2e-3;
          m.geom_rbound[geomOf(m, "bar")] += 2e-3;
        }),
-       chipmunkWith([](Physics& p) { p.bar_half_length += 2e-3; }), {}},
-      {"a wall off by 5 mm", {P::kWallRight}, mujocoWith([](mjModel& m) { moveGeom(m, "wall_x_plus", 0, 5e-3); }),
-       chipmunkOf<WallTooFar>(), {}},
-      {"no walls", {P::kWallUp, P::kWallDown, P::kWallRight, P::kWallLeft}, {}, {},
-       rigidWith([](RigidModel& m) { m.switches.walls = false; })},
+       chipmunkWith([](Physics& p) { p.bar_half_length += 2e-3; }),
+       {}},
+      {"a wall off by 5 mm",
+       {P::kWallRight},
+       mujocoWith([](mjModel& m) { moveGeom(m, "wall_x_plus", 0, 5e-3); }),
+       chipmunkOf<WallTooFar>(),
+       {}},
+      {"no walls", {P::kWallUp, P::kWallDown, P::kWallRight, P::kWallLeft}, {}, {}, rigidWith([](RigidModel& m) {
+         m.switches.walls = false;
+       })},
   };
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whether an audit tells the truth: faults are planted in worlds of three kinds, and it must name them; where there is
 // none, it must find none.
+#include "planted_faults.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +15,6 @@
 #include <string>
 #include <vector>
 
-#include "planted_faults.hpp"
 #include "pusht_chipmunk/chipmunk_kind.hpp"
 #include "pusht_engine/rigid_body_kind.hpp"
 #include "pusht_engine/two_mass_kind.hpp"
@@ -37,7 +38,8 @@ WorldFactory worldOf(const pusht::SimulatorKind& kind, const std::string& settin
 
 /// A kind without a fault and its model variants, measured once.
 struct Clean {
-  explicit Clean(const pusht::SimulatorKind& kind, std::uint64_t seed = 0) : measurements(measured(worldOf(kind), seed)) {
+  explicit Clean(const pusht::SimulatorKind& kind, std::uint64_t seed = 0)
+      : measurements(measured(worldOf(kind), seed)) {
     for (const std::string& variant : kind.variants) {
       variants.push_back(measured(worldOf(kind, variant), seed));
     }
@@ -139,7 +141,8 @@ TEST(PlantedFaults, AreNamed) {
   EXPECT_GE(plantedFaults().size(), 30U);
   EXPECT_EQ(table.missed, 0) << table.text;
   EXPECT_GE(table.first, 0.95 * table.planted) << table.text;
-  EXPECT_NE(documentation().find(table.text), std::string::npos) << "docs/audit.md must have this table:\n" << table.text;
+  EXPECT_NE(documentation().find(table.text), std::string::npos) << "docs/audit.md must have this table:\n"
+                                                                 << table.text;
 }
 
 /// Pairs that are the same, over seeds.

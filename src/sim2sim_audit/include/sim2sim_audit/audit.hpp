@@ -33,19 +33,19 @@ struct Comparison {
   Verdict verdict;
   std::optional<double> reference;  ///< in the property's unit; infinity: there is none
   std::optional<double> engine;
-  double allowed = 0.0;      ///< greatest difference that is the same, in the property's unit
+  double allowed = 0.0;        ///< greatest difference that is the same, in the property's unit
   std::string held_against{};  ///< what `allowed` is: "model variants", "start tolerance", "resolution", "fit"
-  double effect = 0.0;       ///< [m] estimated share in the divergence after 5 control steps; 0 unless it differs
-  std::string reason{};      ///< why nothing can be told; empty otherwise
+  double effect = 0.0;         ///< [m] estimated share in the divergence after 5 control steps; 0 unless it differs
+  std::string reason{};        ///< why nothing can be told; empty otherwise
 
   double difference() const { return *engine - *reference; }
 };
 
 /// Result of an audit.
 struct Audit {
-  std::string reference;                ///< title
-  std::string engine;                   ///< title
-  std::vector<std::string> variants;    ///< titles of the reference's model variants
+  std::string reference;              ///< title
+  std::string engine;                 ///< title
+  std::vector<std::string> variants;  ///< titles of the reference's model variants
   std::uint64_t seed = 0;
   std::vector<Comparison> comparisons;  ///< of all properties, in their order
   /// [m] Mean divergence in short replays of a policy in the engine (replay.hpp); none if there were none.

@@ -11,17 +11,17 @@
 
 namespace sim2sim {
 
-/// Estimate of one property. Infinity stands for "there is none", such as a wall or a limit.
-struct Estimate {
+/// What was measured of one property. Infinity stands for "there is none", such as a wall or a limit.
+struct Measurement {
   std::optional<double> value{};
   double uncertainty = 0.0;  ///< in the property's unit, from what the fit left over; 0 for a closed form
-  std::string problem{};  ///< why there is no value; empty if there is one
+  std::string problem{};     ///< why there is no value; empty if there is one
 };
 
 /// Estimates of all properties of one world.
 class Measurements {
  public:
-  const Estimate& operator[](Property property) const { return estimates_[index(property)]; }
+  const Measurement& operator[](Property property) const { return estimates_[index(property)]; }
 
   /// Sets a value; NaN is a problem and no value.
   void set(Property property, double value, double uncertainty = 0.0);
@@ -33,7 +33,7 @@ class Measurements {
  private:
   static std::size_t index(Property property) { return static_cast<std::size_t>(property); }
 
-  std::array<Estimate, kPropertyCount> estimates_{};
+  std::array<Measurement, kPropertyCount> estimates_{};
 };
 
 }  // namespace sim2sim

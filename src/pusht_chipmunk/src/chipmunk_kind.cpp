@@ -38,7 +38,8 @@ const SimulatorKind& chipmunkKind() {
       {"libchipmunk.so"},
       ChipmunkWorld::kStartTolerance,
       load,
-      {"substep=0.005"}};
+      {"substep=0.005"},
+      {"overlap"}};  // its contacts are Chipmunk's own
   return kind;
 }
 

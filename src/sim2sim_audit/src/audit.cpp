@@ -223,19 +223,18 @@ std::vector<Comparison> Audit::findings() const {
   std::copy_if(comparisons.begin(), comparisons.end(), std::back_inserter(result),
                [](const Comparison& comparison) { return comparison.verdict == Verdict::kDiffers; });
   std::stable_sort(result.begin(), result.end(), [](const Comparison& a, const Comparison& b) {
-    return isContract(a.property) != isContract(b.property) ? isContract(a.property) : a.effect > b.effect;
+    return a.isContractError() != b.isContractError() ? a.isContractError() : a.effect > b.effect;
   });
   return result;
 }
 
 bool Audit::hasContractErrors() const {
-  return std::any_of(comparisons.begin(), comparisons.end(), [](const Comparison& comparison) {
-    return comparison.verdict == Verdict::kDiffers && isContract(comparison.property);
-  });
+  return std::any_of(comparisons.begin(), comparisons.end(),
+                     [](const Comparison& comparison) { return comparison.isContractError(); });
 }
 
 Audit compare(const Measurements& reference, const Measurements& engine, const std::vector<Measurements>& variants,
-              double start_tolerance) {
+              double start_tolerance, const std::vector<std::string>& departures) {
   const Measurements reference_si = inSi(reference, 1.0);
   const Measurements engine_si = comparable(reference, engine);
   std::vector<Measurements> variants_si;
@@ -251,6 +250,7 @@ Audit compare(const Measurements& reference, const Measurements& engine, const s
   explainAway(result.comparisons);
   for (Comparison& comparison : result.comparisons) {
     comparison.effect = comparison.verdict == Verdict::kDiffers ? effectOf(comparison) : 0.0;
+    comparison.is_declared = std::count(departures.begin(), departures.end(), describe(comparison.property).key) > 0;
   }
   return result;
 }
@@ -268,8 +268,11 @@ Audit audit(const AuditedWorld& reference, const AuditedWorld& engine, const std
   for (std::size_t i = 2; i < subjects.size(); ++i) {
     of_variants.push_back(subjects[i].measurements);
   }
-  Audit result = compare(subjects[0].measurements, subjects[1].measurements, of_variants,
-                         std::max(subjects[0].world->startTolerance(), subjects[1].world->startTolerance()));
+  std::vector<std::string> departures = reference.departures;
+  departures.insert(departures.end(), engine.departures.begin(), engine.departures.end());
+  Audit result =
+      compare(subjects[0].measurements, subjects[1].measurements, of_variants,
+              std::max(subjects[0].world->startTolerance(), subjects[1].world->startTolerance()), departures);
   result.reference = reference.title;
   result.engine = engine.title;
   for (const AuditedWorld& variant : variants) {

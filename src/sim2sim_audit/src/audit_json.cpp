@@ -21,6 +21,7 @@ nlohmann::ordered_json toJson(const Comparison& comparison) {
                                  {"unit", description.unit},
                                  {"area", nameOf(description.area)},
                                  {"contract", isContract(comparison.property)},
+                                 {"declared", comparison.is_declared},
                                  {"verdict", nameOf(comparison.verdict)},
                                  {"reference", numberOf(comparison.reference)},
                                  {"engine", numberOf(comparison.engine)}};

@@ -25,15 +25,20 @@ std::size_t countOf(const Audit& audit, Verdict verdict) {
                     [&](const Comparison& comparison) { return comparison.verdict == verdict; }));
 }
 
+std::string labelOf(const Comparison& finding) {
+  const std::string declared = finding.is_declared ? ", declared" : "";
+  return (isContract(finding.property) ? "[contract" : "[physics") + declared + "] ";
+}
+
 /// Two lines of a finding.
 std::string lines(std::size_t rank, const Comparison& finding) {
   const PropertyDescription& description = describe(finding.property);
   constexpr double kMillimeter = 1e-3;
-  return std::to_string(rank) + ". " + (isContract(finding.property) ? "[contract] " : "[physics] ") +
-         causeOf(finding) + "\n   " + description.title + ": " + shown(*finding.reference) + ", here " +
-         withUnit(shown(*finding.engine), description.unit) + "; same would be within " + shown(finding.allowed) +
-         " (" + finding.held_against + "). About " + pusht::significantText(finding.effect / kMillimeter, 2) +
-         " mm in 0.5 s. Look at: " + description.look_at + "\n";
+  return std::to_string(rank) + ". " + labelOf(finding) + causeOf(finding) + "\n   " + description.title + ": " +
+         shown(*finding.reference) + ", here " + withUnit(shown(*finding.engine), description.unit) +
+         "; same would be within " + shown(finding.allowed) + " (" + finding.held_against + "). About " +
+         pusht::significantText(finding.effect / kMillimeter, 2) + " mm in 0.5 s. Look at: " + description.look_at +
+         "\n";
 }
 
 /// What cannot be told, by reason.

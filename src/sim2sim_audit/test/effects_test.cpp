@@ -15,10 +15,10 @@
 namespace sim2sim::testing {
 namespace {
 
-/// The scripted expert's episodes of the golden vectors, as MuJoCo without a fault runs them.
-std::vector<RecordedEpisode> expertEpisodes() {
+/// The scripted expert's episodes of the golden vectors, as a world without a fault runs them.
+std::vector<RecordedEpisode> expertEpisodes(const WorldFactory& clean) {
   constexpr std::size_t kEpisodes = 10;
-  const auto world = cleanMujoco()();
+  const auto world = clean();
   std::vector<RecordedEpisode> episodes;
   for (const auto& golden : pusht::testing::loadGolden("expert_actions.json", "cases")) {
     world->reset(pusht::testing::worldPose(golden.at("start_tee_xyyaw_pusher_xy")));
@@ -36,20 +36,30 @@ std::vector<RecordedEpisode> expertEpisodes() {
   return episodes;
 }
 
+/// A kind without a fault: what it measures, and the expert's episodes in it.
+struct CleanKind {
+  explicit CleanKind(const WorldFactory& make) : measurements(measured(make)), episodes(expertEpisodes(make)) {}
+
+  Measurements measurements;
+  std::vector<RecordedEpisode> episodes;
+};
+
 /// The table of effects is made from what this prints: divergence per unit of the difference.
 TEST(Effects, AreOfTheRightSize) {
-  const std::vector<RecordedEpisode> episodes = expertEpisodes();
-  const Measurements clean = measured(cleanMujoco());
+  const CleanKind mujoco(cleanMujoco());
+  const CleanKind chipmunk(cleanChipmunk());
   for (const PlantedFault& fault : plantedFaults()) {
-    if (!fault.in_mujoco) {
+    const bool in_mujoco = static_cast<bool>(fault.in_mujoco);
+    const WorldFactory& faulty = in_mujoco ? fault.in_mujoco : fault.in_chipmunk;
+    if (!faulty) {
       continue;
     }
-    const double divergence = divergenceInReplays(*fault.in_mujoco(), episodes);
-    const std::vector<Comparison> findings = compare(clean, measured(fault.in_mujoco), {}, 1e-12).findings();
+    const CleanKind& clean = in_mujoco ? mujoco : chipmunk;
+    const double divergence = divergenceInReplays(*faulty(), clean.episodes);
+    const std::vector<Comparison> findings = compare(clean.measurements, measured(faulty), {}, 1e-12).findings();
     ASSERT_FALSE(findings.empty()) << fault.name;
     const Comparison& first = findings.front();
     const double per_unit = divergence / (first.effect / describe(first.property).effect);
-    RecordProperty(std::string("effect_") + describe(first.property).key, std::to_string(per_unit));
     std::printf("%-40s %-24s divergence %9.3g m, estimated %9.3g m, per unit %9.3g\n", fault.name.c_str(),
                 describe(first.property).key, divergence, first.effect, per_unit);
     constexpr double kSize = 1e-4;    // [m] smaller ones need no order

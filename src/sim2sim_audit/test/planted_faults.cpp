@@ -589,7 +589,7 @@ std::vector<PlantedFault> contactFaults() {
        {}},
       {"contact friction missing",
        {P::kContactFriction},
-       mujocoWith(friction(0.0)),
+       mujocoWith(friction(1e-3)),
        chipmunkWith(scaled(&Physics::contact_friction, 0.0)),
        rigidWith([](RigidModel& m) { m.switches.friction = false; })},
       {"pusher radius + 1 mm",

@@ -42,6 +42,9 @@ struct SimulatorKind {
   /// Default model variants: the same physics by other numerics, such as "timestep=0.005" or, with several parameters,
   /// "cone=elliptic:impratio=10.0". They tell how far the kind is from itself.
   std::vector<std::string> variants{};
+  /// What worlds with default parameters do otherwise than the task on purpose: keys of properties of an audit, such as
+  /// "tee_friction_x".
+  std::vector<std::string> departures{};
 
   ParameterSet defaults() const { return ParameterSet(parameters); }
 };

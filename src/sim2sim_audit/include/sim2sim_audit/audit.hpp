@@ -19,6 +19,8 @@ struct AuditedWorld {
   std::string title;  ///< for people: "MuJoCo"
   WorldFactory make;
   bool has_second = true;  ///< whether `make` can be called again for a second world
+  /// What its kind does otherwise than the task on purpose: keys of properties.
+  std::vector<std::string> departures{};
 };
 
 /// What a comparison of a property says.
@@ -37,7 +39,10 @@ struct Comparison {
   std::string held_against{};  ///< what `allowed` is: "model variants", "start tolerance", "resolution", "fit"
   double effect = 0.0;         ///< [m] estimated share in the divergence after 5 control steps; 0 unless it differs
   std::string reason{};        ///< why nothing can be told; empty otherwise
+  bool is_declared = false;    ///< whether a kind of one of the worlds says that it does so on purpose
 
+  /// Whether it is an error: a difference in the contract that is not declared.
+  bool isContractError() const { return verdict == Verdict::kDiffers && isContract(property) && !is_declared; }
   double difference() const { return *engine - *reference; }
 };
 
@@ -51,15 +56,16 @@ struct Audit {
   /// [m] Mean divergence in short replays of a policy in the engine (replay.hpp); none if there were none.
   std::optional<double> divergence{};
 
-  /// Those that differ, the worst first: errors of the contract before physics, then by effect.
+  /// Those that differ, the worst first: errors of the contract, then the others by effect.
   std::vector<Comparison> findings() const;
-  /// Whether a finding is an error of the contract.
+  /// Whether a finding is an error of the contract. What a kind declares is none.
   bool hasContractErrors() const;
 };
 
-/// Compares what was measured in two worlds. `variants` are the reference's model variants.
+/// Compares what was measured in two worlds. `variants` are the reference's model variants; `departures` the keys of
+/// properties in which one of the worlds differs from the task on purpose.
 Audit compare(const Measurements& reference, const Measurements& engine, const std::vector<Measurements>& variants,
-              double start_tolerance);
+              double start_tolerance, const std::vector<std::string>& departures = {});
 
 /// Measures all worlds, on up to `threads` threads, and compares. Where there is a `policy`, its actions in the
 /// reference are replayed in the engine. The bytes of the result do not depend on `threads`.

@@ -110,9 +110,9 @@ struct PropertyDescription {
   Resolution resolution;
   /// Known only up to a factor that is common to all masses and forces, because no motion depends on it.
   bool mass_like;
-  /// [m] Mean divergence after 5 control steps of expert replays in the reference, per unit of the difference or, for a
-  /// mass-like property, per relative difference. Guesses of the order of magnitude, to be replaced by what
-  /// effects_test.cpp measures.
+  /// [m] Mean divergence after 5 control steps of expert replays, per unit of the difference or, for a mass-like
+  /// property, per relative difference: measured by effects_test.cpp where a fault of this property can be planted,
+  /// and of its neighbours' size elsewhere.
   double effect;
   const char* look_at;  ///< where to look if it differs
   /// Properties that decide this one too: where one of them differs, a difference of this one says nothing.

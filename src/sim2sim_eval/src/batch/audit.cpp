@@ -33,7 +33,9 @@ std::string titleOf(const SimulatorChoice& choice) {
   return text == kind.name ? kind.title : text;
 }
 
-AuditedWorld worldOf(const SimulatorChoice& choice) { return {titleOf(choice), LoadedSimulator(choice).model.make_world}; }
+AuditedWorld worldOf(const SimulatorChoice& choice) {
+  return {titleOf(choice), LoadedSimulator(choice).model.make_world, true, choice.kind.departures};
+}
 
 /// The reference with other numerics, as its kind lists them.
 std::vector<AuditedWorld> variantsOf(const SimulatorChoice& reference) {

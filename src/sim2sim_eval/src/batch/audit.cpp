@@ -34,7 +34,7 @@ std::string titleOf(const SimulatorChoice& choice) {
 }
 
 AuditedWorld worldOf(const SimulatorChoice& choice) {
-  return {titleOf(choice), LoadedSimulator(choice).model.make_world, true, choice.kind.departures};
+  return {titleOf(choice), LoadedSimulator(choice).model.make_world, true, choice.kind.get().departures};
 }
 
 /// The reference with other numerics, as its kind lists them.

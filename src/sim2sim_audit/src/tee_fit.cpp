@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tee_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "pusht_task/constants.hpp"
+
+namespace sim2sim {
+namespace {
+
+using pusht::WorldState;
+
+/// Motion of a free tee: its start, and its poses after each control step.
+struct Observed {
+  TeeMotion start;
+  std::vector<Eigen::Vector3d> poses;
+};
+
+/// Starts at which the tee slides along, across and askew, turns about its origin, about another point, and both.
+std::vector<WorldState> freeStarts(const Bench& bench) {
+  struct Motion {
+    double yaw;
+    Eigen::Vector3d velocity;  // in the body frame [m/s, m/s, rad/s]
+  };
+  const std::array<Motion, 14> motions = {{{0.0, {0.0, 1.0, 0.0}},
+                                           {0.5 * pusht::kPi, {0.0, 3.0, 0.0}},
+                                           {0.0, {0.6, 0.0, 0.0}},
+                                           {0.7, {1.0, 0.0, 0.0}},
+                                           {-2.0, {-3.0, 0.0, 0.0}},
+                                           {0.0, {0.0, 0.0, 1.0}},
+                                           {0.4, {0.0, 0.0, -3.0}},
+                                           {-1.0, {0.0, 0.0, 5.0}},
+                                           {1.0, {-0.1, 0.0, 4.0}},
+                                           {-0.5, {0.3, 0.0, -5.0}},
+                                           {-2.6, {2.0, 1.0, 3.0}},
+                                           {0.8, {-1.0, 2.0, -5.0}},
+                                           {-1.4, {4.0, -3.0, 4.0}},
+                                           {0.2, {0.2, 0.2, 1.0}}}};
+  std::vector<WorldState> starts;
+  for (const Motion& motion : motions) {
+    WorldState start;
+    start.tee_yaw = motion.yaw;
+    start.tee_velocity = Eigen::Rotation2Dd(motion.yaw) * motion.velocity.head<2>();
+    start.tee_yaw_rate = motion.velocity[2];
+    start.tee_position = bench.shift() - 0.03 * start.tee_velocity;
+    start.pusher_position = {0.36, 0.36};
+    starts.push_back(start);
+  }
+  return starts;
+}
+
+/// What the world's tee does from these starts, as long as it stays clear of walls and pusher.
+std::vector<Observed> observeFreeTee(Bench& bench) {
+  constexpr int kSteps = 2;
+  constexpr double kClear = 0.21;  // [m] from the middle: no corner reaches the walls
+  std::vector<Observed> all;
+  for (const WorldState& start : freeStarts(bench)) {
+    if (getenv("SLOW") && std::abs(start.tee_yaw_rate) > atof(getenv("SLOW"))) continue;
+    const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, {0.0, 0.0}));
+    Observed observed = {TeeMotion::of(states.front()), {}};
+    for (std::size_t i = 1; i < states.size() && states[i].tee_position.norm() < kClear; ++i) {
+      observed.poses.push_back(TeeMotion::of(states[i]).pose);
+    }
+    if (!observed.poses.empty()) {
+      all.push_back(observed);
+    }
+  }
+  return all;
+}
+
+/// [m] Differences of model and world, yaws at the tee's size.
+Eigen::VectorXd differences(const TeeNumbers& numbers, const TeeModelForm& form, const std::vector<Observed>& all) {
+  std::vector<double> result;
+  for (const Observed& observed : all) {
+    TeeMotion motion = observed.start;
+    for (const Eigen::Vector3d& pose : observed.poses) {
+      motion = controlStep(numbers, form, motion);
+      result.push_back(motion.pose[0] - pose[0]);
+      result.push_back(motion.pose[1] - pose[1]);
+      result.push_back(pusht::kStemOffset * pusht::wrapAngle(motion.pose[2] - pose[2]));
+    }
+  }
+  return Eigen::Map<const Eigen::VectorXd>(result.data(), static_cast<Eigen::Index>(result.size()));
+}
+
+/// Fit by Levenberg and Marquardt from `begin`.
+TeeFit fitFrom(const TeeNumbers& begin, const TeeModelForm& form, const std::vector<Observed>& all) {
+  constexpr int kIterations = 40;
+  constexpr double kStep = 1e-6;
+  constexpr double kDone = 1e-10;  // relative
+  using Vector = TeeNumbers::Vector;
+  Vector numbers = begin.toVector();
+  Eigen::VectorXd rest = differences(begin, form, all);
+  Eigen::MatrixXd jacobian(rest.size(), TeeNumbers::kCount);
+  double damping = 1e-3;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    for (Eigen::Index i = 0; i < TeeNumbers::kCount; ++i) {
+      Vector moved = numbers;
+      moved[i] += kStep;
+      jacobian.col(i) = (differences(TeeNumbers::fromVector(moved), form, all) - rest) / kStep;
+    }
+    const Eigen::Matrix<double, TeeNumbers::kCount, TeeNumbers::kCount> normal = jacobian.transpose() * jacobian;
+    const Vector gradient = jacobian.transpose() * rest;
+    bool better = false;
+    double gained = 0.0;
+    for (int attempt = 0; attempt < 8 && !better; ++attempt) {
+      auto damped = normal;
+      damped.diagonal() *= 1.0 + damping;
+      damped.diagonal().array() += 1e-15;
+      Vector candidate = numbers - damped.ldlt().solve(gradient);
+      candidate[1] = std::max(candidate[1], 0.01);                      // a moment is above 0
+      candidate.segment<3>(4) = candidate.segment<3>(4).cwiseMax(0.0);  // frictions, whose slope at 0 is that above it
+      const Eigen::VectorXd candidate_rest = differences(TeeNumbers::fromVector(candidate), form, all);
+      better = candidate_rest.squaredNorm() < rest.squaredNorm();
+      if (better) {
+        gained = 1.0 - candidate_rest.squaredNorm() / rest.squaredNorm();
+        numbers = candidate;
+        rest = candidate_rest;
+      }
+      damping *= better ? 0.2 : 5.0;
+    }
+    if (!better || gained < kDone) {
+      break;
+    }
+  }
+  constexpr double kSmallestError = 1e-6;  // [m] an exact fit of numbers that no motion tells apart is none
+  const double freedom = std::max<double>(1.0, static_cast<double>(rest.size() - TeeNumbers::kCount));
+  const Eigen::MatrixXd covariance =
+      (jacobian.transpose() * jacobian + 1e-15 * Eigen::MatrixXd::Identity(TeeNumbers::kCount, TeeNumbers::kCount))
+          .inverse() *
+      std::max(rest.squaredNorm() / freedom, kSmallestError * kSmallestError);
+  return {TeeNumbers::fromVector(numbers), form,
+          covariance.diagonal().cwiseAbs().cwiseSqrt().cwiseProduct(TeeNumbers::scale()),
+          std::sqrt(rest.squaredNorm() / static_cast<double>(rest.size()))};
+}
+
+}  // namespace
+
+TeeFit fitFreeTee(Bench& bench, const TeeNumbers& begin, bool disc) {
+  const std::vector<Observed> all = observeFreeTee(bench);
+  if (all.empty()) {
+    throw std::runtime_error("a free tee does not stay on the table");
+  }
+  constexpr double kExact = 1e-6;  // [m] another form cannot be nearer
+  TeeFit best = fitFrom(begin, {TeeIntegrator::kImplicitJoints, disc, 10}, all);
+  const auto consider = [&](const TeeModelForm& form) {
+    const TeeFit fit = fitFrom(form.substeps == best.form.substeps ? begin : best.numbers, form, all);
+    const bool is_better = fit.residual < best.residual;
+    best = is_better ? fit : best;
+    return is_better;
+  };
+  for (const TeeIntegrator integrator : {TeeIntegrator::kJoints, TeeIntegrator::kBody}) {
+    if (best.residual > kExact) {
+      consider({integrator, disc, 10});
+    }
+  }
+  // Engines take substeps of 10, 5, 2 or 1 ms.
+  for (const int substeps : {20, 50, 100}) {
+    if (best.residual < kExact || !consider({best.form.integrator, disc, substeps})) {
+      break;
+    }
+  }
+  return best;
+}
+
+}  // namespace sim2sim

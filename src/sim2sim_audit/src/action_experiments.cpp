@@ -38,20 +38,57 @@ Response responseTo(Bench& bench, const Eigen::Vector2d& command) {
   return responseFrom(bench, start, command);
 }
 
-/// Length of a control step and unit of the pusher's velocity. Distance in a step over command and reported velocity
-/// over command both tell; where they disagree, the one that is nearer to the command is believed.
+/// Length of a control step, unit of the pusher's velocity, and share of a step for which the command holds. Distance
+/// in a step over command and reported velocity over command tell. Where they disagree, the one that is near the
+/// command is believed; where neither is, the command does not hold. A velocity counts as far as it has the direction
+/// of the motion.
 void stepAndVelocity(Bench& bench, Measurements& found) {
   double by_distance = 0.0;  // [-]
   double by_velocity = 0.0;
   for (const Eigen::Vector2d& axis : kAxes) {
     const Response response = responseTo(bench, kCommand * axis);
     by_distance += 0.5 * response.displacement.norm() / (kCommand * kControlStep);
-    by_velocity += 0.5 * response.velocity.norm() / kCommand;
+    by_velocity += 0.5 * response.velocity.dot(response.displacement.normalized()) / kCommand;
   }
-  const bool distance_is_nearer = std::abs(std::log(by_distance)) <= std::abs(std::log(by_velocity));
-  const double ratio = by_distance / by_velocity;
-  found.set(Property::kControlStep, distance_is_nearer ? kControlStep : kControlStep * ratio);
-  found.set(Property::kPusherVelocityFactor, distance_is_nearer ? 1.0 / ratio : 1.0);
+  constexpr double kDisagreement = 0.05;  // [-]
+  constexpr double kNear = 0.8;           // [-] of the command
+  const double ratio = by_velocity / by_distance;
+  const bool velocity_is_nearer =
+      by_velocity > 0.0 && std::abs(std::log(by_velocity)) < std::abs(std::log(by_distance));
+  const bool holds = std::max(by_distance, by_velocity) > kNear || std::abs(ratio - 1.0) < kDisagreement;
+  found.set(Property::kControlStep, holds && velocity_is_nearer ? kControlStep / ratio : kControlStep);
+  found.set(Property::kPusherVelocityFactor, holds && !velocity_is_nearer ? ratio : 1.0);
+  if (!holds) {
+    found.set(Property::kHold, by_distance);
+  }
+}
+
+/// A command is a velocity: a pusher that has taken one up goes on as fast. One so small that a pusher which it
+/// accelerates stays on the table.
+void steadiness(Bench& bench, Measurements& found) {
+  constexpr double kSmall = 0.02;  // [m/s]
+  constexpr int kLong = 7;         // control steps
+  const auto states =
+      bench.run(free_pusher::startFor(bench, -kAxes[0]), std::vector<Eigen::Vector2d>(kLong, kSmall * kAxes[0]));
+  const auto step = [&](int i) { return (states[i].pusher_position - states[i - 1].pusher_position).norm(); };
+  const double last = step(kLong);
+  found.set(Property::kSpeedGain, last > 0.0 ? (last - step(kLong - 1)) / last : 0.0);
+}
+
+/// A pusher and a tee at rest stay where they are.
+void rest(Bench& bench, Measurements& found) {
+  constexpr int kRestSteps = 3;
+  const auto states =
+      bench.run(free_pusher::startFor(bench, kAxes[0]), std::vector<Eigen::Vector2d>(kRestSteps, {0.0, 0.0}));
+  found.set(Property::kRestMotion, distanceBetween(states.front(), states.back()));
+}
+
+/// A small command moves the pusher in proportion.
+void smallCommand(Bench& bench, Measurements& found) {
+  constexpr double kSmall = 0.02;  // [m/s]
+  const double small = responseTo(bench, kSmall * kAxes[0]).displacement.norm();
+  const double usual = responseTo(bench, kCommand * kAxes[0]).displacement.norm();
+  found.set(Property::kSmallCommand, small / usual * kCommand / kSmall);
 }
 
 /// Response of the pusher to commands along x and y: which axis, which sign, how far.
@@ -96,7 +133,9 @@ void delayAndHold(Bench& bench, Measurements& found) {
   std::vector<Eigen::Vector2d> pulse(kSteps + 1, Eigen::Vector2d::Zero());
   pulse.front() = command;
   const auto states = bench.run(free_pusher::startFor(bench, -command), pulse);
-  found.set(Property::kHold, (states.back().pusher_position - states.front().pusher_position).norm() / per_step);
+  if (!found[Property::kHold].value) {
+    found.set(Property::kHold, (states.back().pusher_position - states.front().pusher_position).norm() / per_step);
+  }
 }
 
 }  // namespace
@@ -105,6 +144,9 @@ std::vector<Experiment> actionExperiments() {
   return {
       {"control step", {Property::kControlStep, Property::kPusherVelocityFactor}, stepAndVelocity},
       {"axes", {Property::kAxesTurn, Property::kAxesMirror, Property::kActionScaleX, Property::kActionScaleY}, axes},
+      {"steadiness", {Property::kSpeedGain}, steadiness},
+      {"rest", {Property::kRestMotion}, rest},
+      {"small command", {Property::kSmallCommand}, smallCommand},
       {"limit of actions", {Property::kActionLimit}, limitOfActions},
       {"delay", {Property::kDelay, Property::kHold}, delayAndHold}};
 }

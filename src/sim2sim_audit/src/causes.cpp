@@ -150,6 +150,12 @@ std::string causeOf(const Comparison& finding) {
       return "a command along x counts " + number(engine) + " times";
     case Property::kActionScaleY:
       return "a command along y counts " + number(engine) + " times";
+    case Property::kRestMotion:
+      return "bodies at rest move by " + number(1e3 * engine) + " mm without a command";
+    case Property::kSpeedGain:
+      return "a constant command does not give a constant speed: " + number(100.0 * engine) + " % more in each step";
+    case Property::kSmallCommand:
+      return "a small command counts " + number(engine) + " times, compared with a large one";
     case Property::kActionLimit:
       return "commands above " + number(engine) + " m/s are clipped";
     case Property::kStaleSteps:

@@ -95,13 +95,16 @@ void overlap(Bench& bench, Measurements& found) {
   found.set(Property::kOverlap, touching - (states.back().tee_position - states.back().pusher_position).norm());
 }
 
-/// How far a tee is thrown by a pusher that hits it at full speed and withdraws.
+/// How far a tee that is thrown at a pusher rebounds from it.
 void hit(Bench& bench, Measurements& found) {
+  constexpr double kGap = 0.001;  // [m]
+  constexpr double kSpeed = 0.5;  // [m/s] so slow that bodies are not deep in each other after a substep
   WorldState start = behindTheStem(bench, found);
-  constexpr double kRunUp = 0.05;  // [m]
-  start.pusher_position.y() -= kRunUp;
-  const auto states = bench.run(start, {{0.0, 1.0}, {0.0, -1.0}, {0.0, -1.0}});
-  found.set(Property::kHit, states.back().tee_position.y() - start.tee_position.y());
+  const double touching = (start.tee_position - start.pusher_position).norm();
+  start.tee_position.y() += kGap;
+  start.tee_velocity = {0.0, -kSpeed};
+  const WorldState end = bench.run(start, {{0.0, 0.0}}).back();
+  found.set(Property::kHit, (end.tee_position - end.pusher_position).norm() - touching);
 }
 
 /// Where along the bar's back a push begins, and what it did.

@@ -175,8 +175,12 @@ Solution yawRateOf(const std::vector<Sample>& samples) {
   return solve(turns, by_rate);
 }
 
+/// Three standard errors, but not so many that a reading which fits nothing is the same as all.
+double uncertaintyOf(double standard_error, double most) { return std::min(3.0 * standard_error, most); }
+
 void teeVelocities(Bench& bench, Measurements& found) {
-  constexpr double kSigmas = 3.0;
+  constexpr double kOfFactor = 0.1;  // [-]
+  constexpr double kOfPoint = 5e-3;  // [m]
   const std::vector<Sample> samples = pushedTee(bench);
   const Solution yaw_rate = yawRateOf(samples);
   const Solution in_table = readingOf(samples, false);
@@ -185,9 +189,10 @@ void teeVelocities(Bench& bench, Measurements& found) {
   const Solution& reading = table ? in_table : in_body;
   const double factor = reading.values[0];
   found.set(Property::kTeeVelocityFrame, table ? 0.0 : 1.0);
-  found.set(Property::kTeeVelocityFactor, factor, kSigmas * reading.errors[0]);
-  found.set(Property::kTeeVelocityPoint, reading.values[1] / factor, kSigmas * reading.errors[1] / std::abs(factor));
-  found.set(Property::kYawRateFactor, yaw_rate.values[0], kSigmas * yaw_rate.errors[0]);
+  found.set(Property::kTeeVelocityFactor, factor, uncertaintyOf(reading.errors[0], kOfFactor));
+  found.set(Property::kTeeVelocityPoint, reading.values[1] / factor,
+            uncertaintyOf(reading.errors[1] / std::abs(factor), kOfPoint));
+  found.set(Property::kYawRateFactor, yaw_rate.values[0], uncertaintyOf(yaw_rate.errors[0], kOfFactor));
 }
 
 }  // namespace

@@ -16,9 +16,9 @@ void setContract(Measurements& figures) {
       figures.set(description.property, 0.0);
     }
   }
-  for (const Property factor :
-       {Property::kYawGain, Property::kPusherVelocityFactor, Property::kTeeVelocityFactor, Property::kYawRateFactor,
-        Property::kHold, Property::kAxesMirror, Property::kActionScaleX, Property::kActionScaleY}) {
+  for (const Property factor : {Property::kYawGain, Property::kPusherVelocityFactor, Property::kTeeVelocityFactor,
+                                Property::kYawRateFactor, Property::kHold, Property::kAxesMirror,
+                                Property::kActionScaleX, Property::kActionScaleY, Property::kSmallCommand}) {
     figures.set(factor, 1.0);
   }
   figures.set(Property::kControlStep, pusht::kControlStep);

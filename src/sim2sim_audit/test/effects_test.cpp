@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdio>
-#include <iostream>
 #include <string>
 #include <vector>
 
@@ -75,8 +74,3 @@ TEST(Effects, AreOfTheRightSize) {
 
 }  // namespace
 }  // namespace sim2sim::testing
-TEST(Zz, Zz) {
-  using namespace sim2sim; using namespace sim2sim::testing;
-  const Measurements clean = measured(cleanChipmunk());
-  for (const auto& fault : plantedFaults()) if (fault.name=="drag at the center of mass") { const Audit a = compare(clean, measured(fault.in_chipmunk), {}, 1e-12); std::cout << textOf(a); for (auto& c: a.comparisons) if (describe(c.property).area==Area::kTee) std::cout<<describe(c.property).key<<" "<<c.reference.value_or(-1)<<" "<<c.engine.value_or(-1)<<" "<<c.allowed<<" "<<c.held_against<<"\n"; }
-}

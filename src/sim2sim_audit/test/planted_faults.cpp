@@ -116,8 +116,12 @@ void moveGeom(mjModel& model, const char* name, int axis, double distance) {
 /// A world of MuJoCo that counts its own substeps.
 class MujocoOfSubsteps : public pusht::Simulator {
  public:
-  explicit MujocoOfSubsteps(int substeps)
-      : Simulator("", pusht::MujocoWorld::kStartTolerance), substeps_(substeps), data_(mj_makeData(&scene_.model())) {}
+  /// `held`: substeps after which the command becomes 0.
+  explicit MujocoOfSubsteps(int substeps, int held = pusht::kSubstepsPerControlStep)
+      : Simulator("", pusht::MujocoWorld::kStartTolerance),
+        substeps_(substeps),
+        held_(held),
+        data_(mj_makeData(&scene_.model())) {}
 
  private:
   struct DeleteData {
@@ -137,6 +141,9 @@ class MujocoOfSubsteps : public pusht::Simulator {
   void doStep(const pusht::Action& action) override {
     std::copy(action.begin(), action.end(), data_->ctrl);
     for (int i = 0; i < substeps_; ++i) {
+      if (i == held_) {
+        mju_zero(data_->ctrl, scene_.model().nu);
+      }
       mj_step(&scene_.model(), data_.get());
     }
   }
@@ -148,6 +155,7 @@ class MujocoOfSubsteps : public pusht::Simulator {
 
   pusht::MujocoScene scene_;
   int substeps_;
+  int held_;
   std::unique_ptr<mjData, DeleteData> data_;
 };
 
@@ -217,6 +225,18 @@ struct FrictionOfADisc : pusht::chipmunk::Scene {
   }
 };
 
+/// Contacts that give half of the velocity back.
+struct Bouncing : pusht::chipmunk::Scene {
+  using Scene::Scene;
+  void applyForces(const cpVect& command) override {
+    const auto set = [](cpShape* shape, void* /*none*/) {
+      cpShapeSetElasticity(shape, std::sqrt(0.5));  // Chipmunk multiplies those of two shapes
+    };
+    cpSpaceEachShape(cpBodyGetSpace(tee()), set, nullptr);
+    Scene::applyForces(command);
+  }
+};
+
 /// One wall 5 mm too far out.
 struct WallTooFar : pusht::chipmunk::Scene {
   using Scene::Scene;
@@ -242,8 +262,9 @@ WorldFactory chipmunkOf() {
 /// A world of Chipmunk that counts its own substeps.
 class ChipmunkOfSubsteps : public pusht::Simulator {
  public:
-  explicit ChipmunkOfSubsteps(int substeps)
-      : Simulator("", pusht::ChipmunkWorld::kStartTolerance), substeps_(substeps) {}
+  /// `held`: substeps after which the command becomes 0.
+  explicit ChipmunkOfSubsteps(int substeps, int held = pusht::kSubstepsPerControlStep)
+      : Simulator("", pusht::ChipmunkWorld::kStartTolerance), substeps_(substeps), held_(held) {}
 
  private:
   void doReset(const WorldState& state) override {
@@ -252,12 +273,13 @@ class ChipmunkOfSubsteps : public pusht::Simulator {
   }
   void doStep(const pusht::Action& action) override {
     for (int i = 0; i < substeps_; ++i) {
-      scene_->substep(cpv(action[0], action[1]));
+      scene_->substep(i < held_ ? cpv(action[0], action[1]) : cpvzero);
     }
   }
   WorldState doState() const override { return scene_->state(); }
 
   int substeps_;
+  int held_;
   std::unique_ptr<pusht::chipmunk::Scene> scene_;
 };
 
@@ -377,6 +399,11 @@ InterfaceFault::OfState velocityTurned(double times_yaw) {
   };
 }
 
+WorldState pusherVelocitySwapped(WorldState state) {
+  std::swap(state.pusher_velocity.x(), state.pusher_velocity.y());
+  return state;
+}
+
 /// The tee's position and velocity along other axes: a world in which the table is elsewhere.
 InterfaceFault::OfState tableMoved(const Eigen::Vector2d& by) {
   return [by](WorldState state) {
@@ -427,6 +454,14 @@ std::vector<PlantedFault> interfaceFaults() {
       atTheInterface("clip at 0.9", {P::kActionLimit}, ofCommands([](const A& a) {
                        return A{std::max(-0.9F, std::min(0.9F, a[0])), std::max(-0.9F, std::min(0.9F, a[1]))};
                      })),
+      atTheInterface("action off by 0.05 along x", {P::kRestMotion}, ofCommands([](const A& a) {
+                       return A{a[0] + 0.05F, a[1]};
+                     })),
+      atTheInterface("dead band of 0.03", {P::kSmallCommand}, ofCommands([](const A& a) {
+                       return A{std::abs(a[0]) < 0.03F ? 0.0F : a[0], std::abs(a[1]) < 0.03F ? 0.0F : a[1]};
+                     })),
+      atTheInterface("axes of the pusher's velocity swapped", {P::kPusherVelocityFactor},
+                     both(pusherVelocitySwapped, pusherVelocitySwapped)),
       atTheInterface("sense of the yaw", {P::kYawGain}, both(yawTimes(-1.0), yawTimes(-1.0))),
       atTheInterface("yaw off by 0.1", {P::kYawOffset}, both(yawPlus(-0.1), yawPlus(0.1))),
       atTheInterface("yaw in degrees", {P::kYawGain}, both(yawTimes(degree), yawTimes(1.0 / degree))),
@@ -456,6 +491,11 @@ std::vector<PlantedFault> timeFaults() {
                       [=] { return std::make_unique<ChipmunkOfSubsteps>(substeps); },
                       rigidWith([](RigidModel&) {}, substeps)});
   }
+  faults.push_back({"command held for 5 of 10 substeps",
+                    {P::kHold},
+                    [] { return std::make_unique<MujocoOfSubsteps>(10, 5); },
+                    [] { return std::make_unique<ChipmunkOfSubsteps>(10, 5); },
+                    {}});
   return faults;
 }
 
@@ -483,6 +523,23 @@ std::vector<PlantedFault> pusherFaults() {
        mujocoWith(scaledLimit(0.7)),
        chipmunkWith(scaled(&Physics::servo_limit, 0.7)),
        rigidWith(scaled(&RigidModel::servo_limit, 0.7))},
+      {"a force in place of a servo: 20 N per unit",
+       {P::kSpeedGain},
+       mujocoWith([](mjModel& model) {
+         for (int actuator = 0; actuator < model.nu; ++actuator) {
+           model.actuator_biasprm[mjNBIAS * actuator + 2] = 0.0;
+         }
+       }),
+       {},
+       {}},
+      {"dry friction of the pusher, 1 N",
+       {P::kSmallCommand},
+       mujocoWith([](mjModel& model) {
+         model.dof_frictionloss[kPusherX] = 1.0;
+         model.dof_frictionloss[kPusherY] = 1.0;
+       }),
+       {},
+       {}},
       {"pusher mass times 1.5",
        {P::kPusherMass},
        mujocoWith(scaledMass("pusher", 1.5, true)),
@@ -592,6 +649,7 @@ std::vector<PlantedFault> contactFaults() {
        mujocoWith(friction(1e-3)),
        chipmunkWith(scaled(&Physics::contact_friction, 0.0)),
        rigidWith([](RigidModel& m) { m.switches.friction = false; })},
+      {"restitution 0.5", {P::kHit, P::kHiddenState}, {}, chipmunkOf<Bouncing>(), {}},
       {"pusher radius + 1 mm",
        {P::kPusherRadius},
        mujocoWith([](mjModel& m) {

@@ -38,12 +38,15 @@ enum class Property : std::size_t {
   kYawRateFactor,
   // Time and actions.
   kControlStep,
+  kRestMotion,
+  kSpeedGain,
   kDelay,
   kHold,
   kAxesTurn,
   kAxesMirror,
   kActionScaleX,
   kActionScaleY,
+  kSmallCommand,
   kActionLimit,
   // Pusher.
   kServoGain,

@@ -128,7 +128,7 @@ double distanceOf(const std::vector<WorldState>& a, const std::vector<WorldState
   return largest;
 }
 
-/// The same episode again and again, after itself, after another one, in another world.
+/// Repeats one episode, after itself, after another one, in another world.
 void repetition(Bench& bench, Measurements& found) {
   const Script script = pushingScript(bench);
   run(bench, otherScript(bench));

@@ -53,7 +53,8 @@ std::vector<PropertyDescription> describeAll() {
   constexpr Area kWall = Area::kWalls;
   const Properties of_starts = {P::kRefusedStarts, P::kNoise};
   const Properties none;
-  // clang-format off: a row is a property.
+  // A row is a property.
+  // clang-format off
   return {
       {P::kRefusedStarts, "refused_starts", "starts refused, of 12", "", kBook, {0.5}, false, 0.1,
        "the reset: it must take every pose and velocity on the table", none},

@@ -124,7 +124,7 @@ void substepOfBody(const TeeNumbers& numbers, const TeeModelForm& form, double d
   const Vector3d friction = frictionFor(numbers, form.disc_friction, at_friction * mobility * at_friction.transpose(),
                                         -at_friction * damped / duration);
   const Vector3d velocity = damped + duration * (mobility * (at_friction.transpose() * friction));
-  // Of the center, whose velocity does not change when the tee turns.
+  // The center's velocity does not change when the tee turns.
   const Eigen::Vector2d of_center = velocity.head<2>() + velocity[2] * Eigen::Vector2d(-arm.y(), arm.x());
   const double turned = yaw + duration * velocity[2];
   const Eigen::Vector2d new_arm = armOf(center_of_all, turned);

@@ -41,7 +41,7 @@ struct TeeNumbers {
   /// Numbers of the task.
   static TeeNumbers ofTask();
 
-  /// As multiples of typical ones, for a solver.
+  /// Multiples of typical numbers, for a solver.
   Vector toVector() const;
   static TeeNumbers fromVector(const Vector& vector);
   /// Typical numbers, in the order of the vector.

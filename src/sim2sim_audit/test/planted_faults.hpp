@@ -21,6 +21,9 @@ struct PlantedFault {
   WorldFactory in_rigid_body;
 };
 
+/// Faults at the interface: what a world makes of starts, states and commands.
+std::vector<PlantedFault> interfaceFaults();
+
 /// All faults.
 std::vector<PlantedFault> plantedFaults();
 

@@ -56,7 +56,7 @@ struct Audit {
   /// [m] Mean divergence in short replays of a policy in the engine (replay.hpp); none if there were none.
   std::optional<double> divergence{};
 
-  /// Those that differ, the worst first: errors of the contract, then the others by effect.
+  /// Differences, the worst first: errors of the contract, then the others by effect.
   std::vector<Comparison> findings() const;
   /// Whether a finding is an error of the contract. What a kind declares is none.
   bool hasContractErrors() const;

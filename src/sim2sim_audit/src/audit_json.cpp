@@ -43,8 +43,7 @@ nlohmann::ordered_json toJson(const Comparison& comparison) {
 }  // namespace
 
 nlohmann::ordered_json toJson(const Audit& audit) {
-  nlohmann::ordered_json json = {{"format", kAuditFormat},
-                                 {"reference", audit.reference},
+  nlohmann::ordered_json json = {{"reference", audit.reference},
                                  {"engine", audit.engine},
                                  {"variants", audit.variants},
                                  {"seed", audit.seed},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Work of the commands plan, recompute, contrast, attribute and demonstrate, without their command lines.
+// Work of the commands plan, recompute, contrast, attribute, demonstrate and audit, without their command lines.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pusht_msgs/DemonstrationStep.h>
@@ -22,6 +22,7 @@
 #include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
 #include "sim2sim_eval/batch/attribute.hpp"
+#include "sim2sim_eval/batch/audited_pair.hpp"
 #include "sim2sim_eval/batch/contrast.hpp"
 #include "sim2sim_eval/batch/demonstrate.hpp"
 #include "sim2sim_eval/batch/plan.hpp"
@@ -375,6 +376,17 @@ TEST_F(DemonstrateAnywhere, RefusesWhatCannotBeDrawn) {
   EXPECT_THAT(refused({"mujoco", "mujoco:timestep=0.01"}, {}), HasSubstr("must be named once each"));
   EXPECT_THAT(refusal([&] { record([](DemonstrateOptions& options) { options.plan.action_noise = 1.5; }); }),
               HasSubstr("action noise 1.5: must be from 0 to 1"));
+}
+
+TEST(AuditCommand, NamesKindsPresetsAndWhatDiffersFromThem) {
+  const LoadedSimulator reference(chooseSimulator("two_mass", {"block_damp=20"}));
+  const LoadedSimulator engine(chooseSimulator("rigid_body", {"preset=simple", "drag=true"}));
+  EXPECT_EQ(auditCommand(reference, engine),
+            "rosrun sim2sim_eval audit --reference two_mass --set-reference block_damp=20.0 --engine rigid_body --set "
+            "preset=simple --set drag=true");
+  EXPECT_EQ(auditCommand(engine, LoadedSimulator(chooseSimulator("two_mass", {"block_damp=6"}))),
+            "rosrun sim2sim_eval audit --reference rigid_body --set-reference preset=simple --set-reference drag=true "
+            "--engine two_mass");
 }
 
 }  // namespace

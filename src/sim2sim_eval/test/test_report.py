@@ -30,6 +30,7 @@ from sim2sim_report.words import times, transfer_percent
 from command_case import CommandCase, catches, executable, until
 
 ATTRIBUTE = executable("sim2sim_eval", "attribute")
+AUDIT = executable("sim2sim_eval", "audit")
 COMPARE = executable("sim2sim_eval", "compare")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
 REPORT = executable("sim2sim_eval", "report")
@@ -40,7 +41,7 @@ WALL_OUTSIDE = 0.41  # m, the edge of the picture
 ON_TABLE = 0.39  # m, in which the pusher is seen whole
 SIZES = ((1366, 768), (1920, 1080), (390, 844))  # a laptop, a screen, a phone
 A4_WIDTH = 718  # px between margins
-PAGES = ("run", "runs", "sweep", "ladder", "policies")
+PAGES = ("run", "runs", "sweep", "ladder", "policies", "audited")
 logging.getLogger("selenium").setLevel(logging.WARNING)
 logging.getLogger("urllib3").setLevel(logging.WARNING)
 NUMBER = r"[+-]?\d+\.\d{3,4}"
@@ -71,6 +72,46 @@ def answer_of(run: Path) -> str:
     """What the headline of a run answers."""
     statistics = json.loads((run / "statistics.json").read_text())
     return str(statistics["headline"]["answer"])
+
+
+PLANTED: Dict[str, Dict[str, Any]] = {  # findings of an audit, by property
+    "delay": {
+        "reference": 0.0,
+        "engine": 0.1,
+        "difference": 0.1,
+        "allowed": 0.002,
+        "held_against": "resolution",
+        "estimated_effect_m": 0.0123,
+        "cause": "acts 1 control step late: 0.1 s between a command and the first motion",
+        "look_at": "the order in which a command is taken & a step is made",
+    },
+    "wall_up": {
+        "reference": 0.4500001,
+        "engine": "none",
+        "difference": "none",
+        "allowed": 1.23456e-05,
+        "held_against": "model variants",
+        "estimated_effect_m": 0.00256,
+        "cause": "there is no wall towards +y",
+        "look_at": "places of the walls",
+    },
+}
+
+
+def plant(path: Path, *planted: str) -> None:
+    """Makes an audit find these, the first as its worst, and otherwise what physics it has found."""
+    audit = json.loads(path.read_text())
+    by_key = {found["property"]: found for found in audit["properties"]}
+    for key in audit["findings"]:
+        if by_key[key]["contract"]:
+            by_key[key]["verdict"] = "same"
+    for key in planted:
+        by_key[key].pop("reason", None)
+        by_key[key].update(PLANTED[key], verdict="differs")
+    others = [key for key, found in by_key.items() if found["verdict"] == "differs"]
+    audit["findings"] = [*planted, *(key for key in others if key not in planted)]
+    audit["contract_holds"] = "delay" not in planted
+    path.write_text(json.dumps(audit))
 
 
 class ReportCase(CommandCase):
@@ -430,6 +471,138 @@ class Content(ReportCase):
         self.made_again(words)
 
 
+class Audited(ReportCase):
+    """The section of an audit."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        super().setUpClass()
+        process = cls.made.run_command(AUDIT, "--out", "run/audit.json")
+        assert process.returncode in (0, 5), process.stderr
+
+    def setUp(self) -> None:
+        super().setUp()
+        self.audit_path = self.copy() / "audit.json"
+        self.plant("delay", "wall_up")
+
+    def plant(self, *planted: str) -> None:
+        plant(self.audit_path, *planted)
+        self.audit = json.loads(self.audit_path.read_text())
+
+    def refused(self) -> str:
+        process = self.run_command(REPORT, "copy", "--out", "no.html")
+        self.assert_one_line(process, 2, "report")
+        self.assertFalse((self.folder / "no.html").exists())
+        self.assertIn("copy/audit.json: ", process.stderr)
+        return process.stderr
+
+    def section(self) -> str:
+        page = self.report("copy")
+        found = re.search(r'<section class="card audit">.*?</section>', page, re.DOTALL)
+        assert found
+        return html.unescape(found[0])
+
+    def test_shows_every_finding_and_every_property(self) -> None:
+        section = self.section()
+        by_key = {found["property"]: found for found in self.audit["properties"]}
+        self.assertEqual(self.audit["findings"][:2], ["delay", "wall_up"])
+        rows = re.findall(r"<tr><td class=\"number\">\d+</td>.*?</tr>", section)
+        self.assertEqual(len(rows), len(self.audit["findings"]))
+        for rank, (key, row) in enumerate(zip(self.audit["findings"], rows), 1):
+            with self.subTest(key):
+                finding = by_key[key]
+                self.assertIn(f">{rank}<", row)
+                self.assertIn("contract<" if finding["contract"] else "physics<", row)
+                for name in ("cause", "look_at", "title", "held_against"):
+                    self.assertIn(finding[name], row)
+                for name in ("reference", "engine", "allowed"):
+                    value = finding[name]
+                    text = value if value == "none" else f"{value:.4g} {finding['unit']}".strip()
+                    self.assertIn(f">{text}<", row)
+                self.assertIn(f">{1e3 * finding['estimated_effect_m']:.2g} mm<", row)
+        folded = section[section.index("<details>") : section.index("</details>")]
+        for found in self.audit["properties"]:
+            self.assertIn(f">{found['title']}</td><td>{found['verdict']}</td>", folded)
+            self.assertIn(found.get("reason", found.get("held_against")), folded)
+        for verdict, words in (("same", "are the same"), ("differs", "differ")):
+            count = sum(found["verdict"] == verdict for found in self.audit["properties"])
+            self.assertIn(f"{count} {'properties ' * (verdict == 'same')}{words}", section)
+
+    def test_broken_contract_is_a_caution(self) -> None:
+        page = html.unescape(self.report("copy"))
+        self.assertIn("<b>The contract is broken: 1 error.</b>", page)
+        said = "The audit says that the contract is broken (delay of actions). Every figure"
+        self.assertIn(said, page[: page.index("See it")])
+        self.plant("wall_up")
+        page = self.report("copy")
+        self.assertIn("<b>No error of the contract.</b>", page)
+        self.assertNotIn("contract is broken", page)
+
+    def test_part_of_a_run_has_it(self) -> None:
+        folder = self.folder / "copy"
+        for name in ("metrics.json", "traces.npy", "compare.bag"):
+            (folder / name).unlink()
+        self.change(folder / "status.json", episodes_finished=EPISODES, episodes=2000, exit_code=4)
+        self.assertIn("acts 1 control step late", self.section())
+
+    def test_run_without_one_has_no_section(self) -> None:
+        self.audit_path.unlink()
+        page = self.report("copy")
+        self.assertNotIn("<h2>Audit</h2>", page)
+
+    def test_several_runs_have_their_own(self) -> None:
+        plant(self.copy("other") / "audit.json", "wall_up")
+        page = self.report("copy", "other")
+        self.assertEqual(page.count("<h2>Audit</h2>"), 2)
+        self.assertEqual(page.count("acts 1 control step late"), 1)
+
+    def test_another_pair_is_refused_by_name(self) -> None:
+        for arguments, pair in (
+            (("--set", "block_damp=20"), "two_mass with block_damp 20.0 against mujoco"),
+            (("--engine", "mujoco"), "mujoco against mujoco"),
+            (("--against", "task"), "two_mass against the task"),
+        ):
+            with self.subTest(pair):
+                process = self.run_command(
+                    *(AUDIT, "--out", "copy/audit.json", "--overwrite", *arguments)
+                )
+                self.assertIn(process.returncode, (0, 5), process.stderr)
+                wanted = f"is of {pair}: must be of the run's two_mass against mujoco; "
+                self.assertIn(wanted, self.refused())
+
+    def test_damaged(self) -> None:
+        text = self.audit_path.read_text()
+        foreign = {**self.audit, "format": 99}
+        contradicts = {**self.audit, "contract_holds": not self.audit["contract_holds"]}
+        for damage in (
+            *("", "[1]", text[: len(text) // 2], '{"format": 99}', '{"format": 1}'),
+            *(json.dumps(foreign), json.dumps(contradicts)),
+            text.replace('"verdict"', '"other"'),
+            text.replace('"look_at"', '"other"'),
+            text.replace('"simulators"', '"other"'),
+            text.replace('"differs"', '"is other"'),
+            json.dumps({**self.audit, "findings": ["nothing"]}),
+            json.dumps({**self.audit, "findings": 7}),
+            json.dumps({**self.audit, "properties": {}}),
+            text.replace('"allowed": ', '"allowed": [], "was": '),
+            text.replace('"seed": 0', '"seed": NaN'),
+        ):
+            with self.subTest(damage[:60]):
+                self.assertNotEqual(damage, text)
+                self.audit_path.write_text(damage)
+                self.refused()
+
+    def test_text_of_others_is_text(self) -> None:
+        evil = '</script><img src=x onerror="alert(1)">'
+        for found in self.audit["properties"]:
+            if found["property"] == "wall_up":
+                found.update(cause=evil, look_at=evil, title=evil, unit=evil, area=evil)
+        self.audit_path.write_text(json.dumps(self.audit))
+        page = self.report("copy")
+        self.assertNotIn("<img", page)
+        self.assertGreater(page.count("onerror"), 5, "it is shown, as text")
+
+
 class Refusals(ReportCase):
     another_format = f"format {METRICS_FORMAT - 1}: must be {METRICS_FORMAT}"
 
@@ -667,6 +840,12 @@ class Browser(ReportCase):
         ):
             process = cls.made.run_command(*words)
             assert process.returncode == 0, process.stderr
+        shutil.copytree(cls.run_folder, cls.made.folder / "audited")
+        process = cls.made.run_command(AUDIT, "--out", "audited/audit.json")
+        assert process.returncode in (0, 5), process.stderr
+        plant(cls.made.folder / "audited" / "audit.json", *PLANTED)
+        process = cls.made.run_command(REPORT, "audited", "--out", "audited.html")
+        assert process.returncode == 0, process.stderr
         options = Options()
         options.binary_location = program("chromium")
         for argument in (

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 /// "format" in the first line of a file.
 std::string formatText() { return "reference rollout " + std::to_string(kRolloutFormat); }
 
-constexpr std::size_t kKeyDigits = 16;  // of the hash that names the folder of a key
+constexpr std::size_t kKeyDigits = 16;  // of the hash that names what is kept under a key
 
 /// The numbers of a state, in the order in which they are kept.
 using StateNumbers = std::array<double, 10>;
@@ -61,8 +61,10 @@ std::size_t byteCount(std::size_t steps) { return (steps + 1) * sizeof(StateNumb
 
 }  // namespace
 
+std::string keptName(const nlohmann::json& key) { return pusht::sha256(key.dump()).substr(0, kKeyDigits); }
+
 ReferenceCache::ReferenceCache(const fs::path& folder, nlohmann::json key) : key_(std::move(key)) {
-  folder_ = folder / pusht::sha256(key_.dump()).substr(0, kKeyDigits);
+  folder_ = folder / keptName(key_);
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) {

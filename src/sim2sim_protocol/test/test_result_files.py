@@ -13,6 +13,7 @@ SOURCES = Path(__file__).resolve().parents[2]
 KEYS = (
     *("metrics", "statistics", "episodes", "bands", "journal", "bag", "traces", "sweep"),
     *("sweep_table", "attribution", "attribution_table", "report", "provenance", "status"),
+    "audit",
 )
 
 

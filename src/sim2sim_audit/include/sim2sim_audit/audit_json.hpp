@@ -8,10 +8,7 @@
 
 namespace sim2sim {
 
-/// Number of the layout of toJson().
-constexpr int kAuditFormat = 1;
-
-/// Content of audit.json: who was audited, whether the contract holds, the keys of the findings, the worst first, and
+/// Audit as JSON: who was audited, whether the contract holds, the keys of the findings, the worst first, and
 /// every property with its values, verdict and what it was held against. "none" stands for infinity.
 nlohmann::ordered_json toJson(const Audit& audit);
 

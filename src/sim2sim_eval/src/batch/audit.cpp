@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "sim2sim_audit/audit.hpp"
 #include "sim2sim_audit/audit_json.hpp"
 #include "sim2sim_audit/task_figures.hpp"
+#include "sim2sim_eval/batch/audited_pair.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
@@ -27,31 +29,45 @@ namespace {
 constexpr const char* kTask = "task";
 
 /// Title of a simulator, or, where it has parameters of its own, the text that asks for it.
-std::string titleOf(const SimulatorChoice& choice) {
-  const pusht::SimulatorKind& kind = choice.kind;
-  const std::string text = textOf(choice);
-  return text == kind.name ? kind.title : text;
+std::string titleOf(const LoadedSimulator& simulator) {
+  const std::string text = textOf({simulator.kind, simulator.model.parameters});
+  return text == simulator.kind.name ? simulator.kind.title : text;
 }
 
-AuditedWorld worldOf(const SimulatorChoice& choice) {
-  return {titleOf(choice), LoadedSimulator(choice).model.make_world, true, choice.kind.get().departures};
+AuditedWorld worldOf(const LoadedSimulator& simulator) {
+  return {titleOf(simulator), simulator.model.make_world, true, simulator.kind.departures};
 }
 
 /// The reference with other numerics, as its kind lists them.
-std::vector<AuditedWorld> variantsOf(const SimulatorChoice& reference) {
+std::vector<AuditedWorld> variantsOf(const LoadedSimulator& reference) {
   std::vector<AuditedWorld> variants;
-  for (const LoadedVariant& variant : loadDefaultVariants(reference.kind, reference.parameters)) {
+  for (const LoadedVariant& variant : loadDefaultVariants(reference.kind, reference.model.parameters)) {
     variants.push_back({variant.name, variant.model.make_world});
   }
   return variants;
 }
 
-Audit auditAgainstReference(const AuditOptions& options, const SimulatorChoice& engine) {
-  const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_parameters);
+Audit auditAgainstReference(const AuditOptions& options, const LoadedSimulator& reference,
+                            const LoadedSimulator& engine) {
   BatchOptions batch;
   batch.threads = options.threads;
   pusht::ScriptedExpert expert;
   return audit(worldOf(reference), worldOf(engine), variantsOf(reference), options.seed, batch.threadCount(), &expert);
+}
+
+/// Keeps the verdict for `compare`. An audit says the same where nothing can be written, so that is a warning.
+void keepVerdict(const Audit& audit, const KeptVerdict& kept) {
+  std::vector<std::string> contract_errors;
+  for (const Comparison& finding : audit.findings()) {
+    if (isContract(finding.property)) {
+      contract_errors.emplace_back(describe(finding.property).title);
+    }
+  }
+  try {
+    kept.keep(contract_errors);
+  } catch (const pusht::RuntimeFault& fault) {
+    warn(std::string("the verdict is not kept, so compare will not know it: ") + fault.what());
+  }
 }
 
 }  // namespace
@@ -83,14 +99,21 @@ void auditSimulators(const AuditOptions& options) {
   if (!options.overwrite) {
     requireNewFile("audit", options.out);
   }
-  const SimulatorChoice engine = chooseSimulator(options.engine, options.engine_parameters);
-  const Audit result = options.against.empty()
-                           ? auditAgainstReference(options, engine)
-                           : auditAgainstTask(worldOf(engine), options.seed);
+  const LoadedSimulator engine(chooseSimulator(options.engine, options.engine_parameters));
+  std::optional<LoadedSimulator> reference;
+  if (options.against.empty()) {
+    reference.emplace(chooseSimulator(options.reference, options.reference_parameters));
+  }
+  const Audit result =
+      reference ? auditAgainstReference(options, *reference, engine) : auditAgainstTask(worldOf(engine), options.seed);
   requireNotInterrupted();
   std::cout << textOf(result);
   if (!options.out.empty()) {
-    pusht::writeFile(options.out, toJson(result).dump(2) + "\n");
+    const auto record = reference ? std::optional(reference->record()) : std::nullopt;
+    pusht::writeFile(options.out, auditText(toJson(result), record, engine.record()));
+  }
+  if (reference) {
+    keepVerdict(result, keptVerdict(*reference, engine));
   }
   if (result.hasContractErrors()) {
     throw pusht::ContractError("the contract is broken: " + causeOf(result.findings().front()));

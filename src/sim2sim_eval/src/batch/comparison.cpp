@@ -18,6 +18,7 @@
 #include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
+#include "sim2sim_eval/batch/audited_pair.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
@@ -193,6 +194,7 @@ void compare(const CompareOptions& options) {
   configuration.engine = engine.record();
   configuration.policy = loaded.policyName();
   const auto references = options.batch.references(loaded, configuration.protocol);
+  const std::string audit_note = auditNote(loaded.reference(), engine);
 
   const nlohmann::ordered_json origin = loaded.provenance(configuration, engine);
   nlohmann::json identity = {
@@ -263,7 +265,9 @@ void compare(const CompareOptions& options) {
     run.abandon(std::cout, failure);
     throw;
   }
-  warn(doubtAboutPolicy(run.finish(std::cout), origin));
+  const nlohmann::json metrics = run.finish(std::cout);
+  std::cout << audit_note << std::flush;
+  warn(doubtAboutPolicy(metrics, origin));
 }
 
 }  // namespace sim2sim

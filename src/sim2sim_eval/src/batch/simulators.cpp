@@ -38,13 +38,13 @@ bool operator==(const SimulatorChoice& a, const SimulatorChoice& b) {
   return &a.kind.get() == &b.kind.get() && a.parameters == b.parameters;
 }
 
-std::string textOf(const SimulatorChoice& simulator) {
+std::vector<std::string> settingsOf(const SimulatorChoice& simulator) {
   pusht::ParameterSet without_settings = simulator.kind.get().defaults();
-  std::string text = simulator.kind.get().name;
+  std::vector<std::string> settings;
   const auto add = [&](const pusht::Parameter& parameter) {
     const std::string value = pusht::textOf(parameter.value);
     without_settings.set(parameter.name(), value);
-    text.append(":").append(parameter.name()).append("=").append(value);
+    settings.push_back(std::string(parameter.name()).append("=").append(value));
   };
   for (const pusht::Parameter& parameter : simulator.parameters) {  // presets first: they set others
     if (!parameter.descriptor.presets.empty() && !parameter.isDefault()) {
@@ -55,6 +55,14 @@ std::string textOf(const SimulatorChoice& simulator) {
     if (parameter.value != without_settings.at(parameter.name()).value) {
       add(parameter);
     }
+  }
+  return settings;
+}
+
+std::string textOf(const SimulatorChoice& simulator) {
+  std::string text = simulator.kind.get().name;
+  for (const std::string& setting : settingsOf(simulator)) {
+    text.append(":").append(setting);
   }
   return text;
 }

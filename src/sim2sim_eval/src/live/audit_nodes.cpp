@@ -21,8 +21,10 @@
 #include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_audit/audit.hpp"
 #include "sim2sim_audit/audit_json.hpp"
+#include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/model_variants.hpp"
+#include "sim2sim_protocol/results/audit_files.hpp"
 
 namespace sim2sim {
 namespace {
@@ -102,14 +104,16 @@ pusht::ExitCode auditNodes() {
   reader.refuseUnknown();
   WorldNode reference(parameters.reference, parameters);
   WorldNode engine(parameters.engine, parameters);
+  const SimulatorRecord reference_record = recordOf(reference.description());
+  const SimulatorRecord engine_record = recordOf(engine.description());
   constexpr int kThreads = 2;
   pusht::ScriptedExpert expert;
-  const Audit result = audit(reference.world(), engine.world(), variantsOf(reference.description()), parameters.seed,
-                             kThreads, &expert);
+  const Audit result =
+      audit(reference.world(), engine.world(), variantsOf(reference.description()), parameters.seed, kThreads, &expert);
   requireNotInterrupted();
   std::cout << textOf(result) << std::flush;
   if (!parameters.out.empty()) {
-    pusht::writeFile(parameters.out, toJson(result).dump(2) + "\n");
+    pusht::writeFile(parameters.out, auditText(toJson(result), reference_record, engine_record));
   }
   if (result.hasContractErrors()) {
     throw pusht::ContractError("the contract is broken: " + causeOf(result.findings().front()));

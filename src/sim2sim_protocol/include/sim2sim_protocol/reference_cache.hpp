@@ -11,6 +11,9 @@
 
 namespace sim2sim {
 
+/// Name under which what depends on `key` is kept on disk: the first 16 hex digits of its hash.
+std::string keptName(const nlohmann::json& key);
+
 /// Name in the cache of the closed loop in the reference; probes have their own names.
 inline constexpr const char* kReferenceRollout = "reference";
 

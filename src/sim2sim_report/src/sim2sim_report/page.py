@@ -9,7 +9,7 @@ import jinja2
 from pusht_task.error import Error
 from pusht_task.json_file import Json
 
-from sim2sim_report import colors, figures
+from sim2sim_report import audit, colors, figures
 from sim2sim_report.again import command_of, notes_on_command, suggested_attribution
 from sim2sim_report.animation import GEOMETRY, animated, player, poster
 from sim2sim_report.attribution import read_attribution
@@ -68,18 +68,20 @@ class Page:
         compared = self.suite.contrast(folders) if len(runs) > 1 else {}
         engines = runs[0].name if len(runs) == 1 else f"{len(runs)} engines, pair by pair"
         answers = [{"name": run.name, "answer": run.answer} for run in runs]
+        audits = [audit.section(run.folder, run.metrics["simulators"]) for run in runs]
+        broken = [line for found in audits for line in audit.caution(found)]
         return self._render(
             title=f"{runs[0].title('reference')} to {engines}",
             question=compared["headline"]["question"] if compared else runs[0].question,
             headline=compared["headline"]["answer"] if compared else runs[0].answer,
             answers=answers if len(runs) > 1 else [],
-            caution=cautions([run.metrics for run in runs]),
+            caution=broken + cautions([run.metrics for run in runs]),
             rates=figures.draw_rates(runs),
             contrasts=[contrast_rows(c) for c in compared.get("contrasts", [])],
             baseline=runs[0].name,
             runs=[
-                _section(run, number, shown, animate)
-                for number, (run, shown) in enumerate(zip(runs, traces))
+                {**_section(run, number, shown, animate), "audit": found}
+                for number, (run, shown, found) in enumerate(zip(runs, traces, audits))
             ],
         )
 
@@ -136,12 +138,14 @@ class Page:
         """A run that was interrupted, or failed: its episodes, without figures."""
         status, configuration = partial.status, partial.provenance["configuration"]
         count = f"{len(partial.episodes)} of {status['episodes']} episodes"
+        audited = audit.section(partial.folder, configuration["simulators"])
         return self._render(
             title=f"{partial.title('reference')} to {partial.title('engine')}",
             question=QUESTION,
             headline="Cannot say yet: the run has not finished.",
             unfinished=f"{count}; {status['reason']}",
             caution=[
+                *audit.caution(audited),
                 "A part of a run has no figures here: which episodes have finished may hang on how "
                 "long they are.",
                 *CAUTION,
@@ -151,6 +155,7 @@ class Page:
                 "policy": configuration["policy"],
                 "reference": partial.title("reference"),
                 "engine": partial.title("engine"),
+                "audit": audited,
                 "counts": partial.counts,
                 "episodes": len(partial.episodes),
                 "table": [episode_row(e) for e in partial.episodes],

@@ -44,9 +44,10 @@ struct CompareOptions {
   void declare(CLI::App& app);
 };
 
-/// Runs the protocol, writes the results folder and prints the table. An unfinished run in the folder is continued; its
-/// results have the bytes of a run in one piece. Throws InvalidInput for bad options, BadDependency for a policy or
-/// model that does not load, SimulationFault or RuntimeFault during the run; finished episodes are kept then.
+/// Runs the protocol, writes the results folder, and prints the table and auditNote(). An unfinished run in the folder
+/// is continued; its results have the bytes of a run in one piece. Throws InvalidInput for bad options, BadDependency
+/// for a policy or model that does not load, SimulationFault or RuntimeFault during the run; finished episodes are kept
+/// then.
 void compare(const CompareOptions& options);
 
 }  // namespace sim2sim

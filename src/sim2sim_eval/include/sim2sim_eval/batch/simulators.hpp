@@ -28,6 +28,9 @@ SimulatorChoice simulatorFromText(const std::string& text);
 /// Whether kind and values are the same, however they were set.
 bool operator==(const SimulatorChoice& a, const SimulatorChoice& b);
 
+/// Fewest settings with which chooseSimulator() makes `simulator` from its kind: presets, and what differs from them.
+std::vector<std::string> settingsOf(const SimulatorChoice& simulator);
+
 /// Shortest text that simulatorFromText() reads as `simulator`: its kind, presets, and what differs from them. Equal
 /// simulators have equal texts, however they were set.
 std::string textOf(const SimulatorChoice& simulator);

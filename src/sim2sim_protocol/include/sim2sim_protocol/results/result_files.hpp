@@ -47,6 +47,8 @@ inline constexpr int kJournalFormat = resultFile("journal").format;
 inline constexpr int kAttributionFormat = resultFile("attribution").format;
 inline constexpr int kMatrixFormat = resultFile("matrix").format;
 inline constexpr int kContrastFormat = resultFile("contrast").format;
+inline constexpr int kAuditFormat = resultFile("audit").format;
+inline constexpr int kVerdictFormat = resultFile("verdict").format;
 inline constexpr int kRolloutFormat = resultFile("rollout").format;
 inline constexpr int kStatusFormat = resultFile("status").format;
 

@@ -24,7 +24,7 @@ Measurements measure(Bench& bench) {
   Measurements measurements;
   for (const Experiment& experiment : allExperiments()) {
     try {
-      experiment.carryOut(bench, measurements);
+      experiment.carry_out(bench, measurements);
     } catch (const std::exception& failure) {
       for (const Property property : experiment.estimates) {
         measurements.fail(property, failure.what());

@@ -16,7 +16,7 @@ struct Experiment {
   std::vector<Property> estimates;
   /// Fills `measurements`; may read what earlier experiments found. Throws what the world throws, and
   /// std::runtime_error with the reason where it cannot measure.
-  void (*carryOut)(Bench& bench, Measurements& measurements);
+  void (*carry_out)(Bench& bench, Measurements& measurements);
 };
 
 /// All experiments, in the order in which they are carried out.

@@ -166,6 +166,15 @@ void explainAway(std::vector<Comparison>& comparisons) {
   }
 }
 
+void requireKeys(const std::vector<std::string>& departures) {
+  const auto& known = allProperties();
+  for (const std::string& key : departures) {
+    if (std::none_of(known.begin(), known.end(), [&](const PropertyDescription& one) { return one.key == key; })) {
+      throw pusht::InvalidInput("departure '" + key + "' of a kind: must be the key of a property of an audit");
+    }
+  }
+}
+
 /// World with what was measured in it.
 struct Subject {
   Subject(const AuditedWorld& audited, std::uint64_t seed)
@@ -235,6 +244,7 @@ bool Audit::hasContractErrors() const {
 
 Audit compare(const Measurements& reference, const Measurements& engine, const std::vector<Measurements>& variants,
               double start_tolerance, const std::vector<std::string>& departures) {
+  requireKeys(departures);
   const Measurements reference_si = inSi(reference, 1.0);
   const Measurements engine_si = comparable(reference, engine);
   std::vector<Measurements> variants_si;

@@ -10,6 +10,7 @@
 #include "pusht_engine/rigid_body_kind.hpp"
 #include "pusht_engine/two_mass_kind.hpp"
 #include "pusht_mujoco/mujoco_kind.hpp"
+#include "pusht_task/error.hpp"
 #include "sim2sim_audit/task_figures.hpp"
 
 namespace sim2sim::testing {
@@ -43,6 +44,12 @@ TEST_P(AgainstTask, HasTheDeparturesThatItsKindDeclares) {
     ASSERT_NE(declared, audit.comparisons.end()) << departure;
     EXPECT_NE(declared->verdict, Verdict::kSame) << departure;
   }
+}
+
+TEST(Departures, AreKeysOfProperties) {
+  const Measurements task = figuresOf({});
+  EXPECT_THAT([&] { compare(task, task, {}, 0.0, {"tee_frictoin_x"}); },
+              ::testing::ThrowsMessage<pusht::InvalidInput>(::testing::HasSubstr("departure 'tee_frictoin_x'")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, AgainstTask,

@@ -4,6 +4,7 @@
 
 import hashlib
 import json
+import re
 import shlex
 import unittest
 from pathlib import Path
@@ -44,6 +45,18 @@ class Audits(CommandCase):
     def test_against_the_task(self) -> None:
         audit = self.audit("--engine", "chipmunk", "--against", "task")
         self.assertEqual((audit["reference"], audit["findings"]), ("the task", []))
+
+    def test_every_kind_differs_from_the_task_only_where_it_says_so(self) -> None:
+        """Those of other packages too: a new kind is held to the task by being installed."""
+        kinds = re.search(r"kind of simulator: (.+)", self.run_command(AUDIT, "--help").stdout)
+        assert kinds is not None
+        names = re.findall(r"\w+", kinds[1])
+        self.assertLessEqual({"chipmunk", "mujoco", "rigid_body", "two_mass"}, set(names))
+        for name in names:
+            with self.subTest(name):
+                audit = self.audit("--engine", name, "--against", "task")
+                differs = [p for p in audit["properties"] if p["verdict"] == "differs"]
+                self.assertEqual([p["property"] for p in differs if not p["declared"]], [])
 
     def test_one_screen(self) -> None:
         process = self.run_command(AUDIT)

@@ -63,7 +63,7 @@ struct Audit {
 };
 
 /// Compares what was measured in two worlds. `variants` are the reference's model variants; `departures` the keys of
-/// properties in which one of the worlds differs from the task on purpose.
+/// properties in which one of the worlds differs from the task on purpose. Throws InvalidInput for an unknown key.
 Audit compare(const Measurements& reference, const Measurements& engine, const std::vector<Measurements>& variants,
               double start_tolerance, const std::vector<std::string>& departures = {});
 

@@ -73,7 +73,7 @@ def _section(audit: Json) -> Json:
     counts = {verdict: 0 for verdict in VERDICTS}
     for found in audit["properties"]:
         counts[found["verdict"]] += 1
-    broken = [str(finding["title"]) for finding in findings if finding["contract"]]
+    broken = [str(finding["title"]) for finding in findings if _is_error(finding)]
     if audit["contract_holds"] != (not broken):
         raise ValueError("contract_holds does not fit the findings")
     divergence = audit["divergence_after_5_steps_m"]
@@ -91,10 +91,17 @@ def _section(audit: Json) -> Json:
     }
 
 
+def _is_error(finding: Json) -> bool:
+    """Whether it breaks the contract: what a kind declares that it does on purpose does not."""
+    return bool(finding["contract"]) and not finding["declared"]
+
+
 def _finding(finding: Json) -> Json:
+    kind = "contract" if finding["contract"] else "physics"
     return {
         **_property(finding),
-        "kind": "contract" if finding["contract"] else "physics",
+        "label": f"{kind}, declared" if finding["declared"] else kind,
+        "is_error": _is_error(finding),
         "cause": str(finding["cause"]),
         "effect": f"{1e3 * finding['estimated_effect_m']:.2g} mm",
         "look_at": str(finding["look_at"]),

@@ -101,7 +101,7 @@ PLANTED: Dict[str, Dict[str, Any]] = {  # findings of an audit, by property
 
 
 def plant(path: Path, *planted: str) -> None:
-    """Makes an audit find these, the first as its worst, and otherwise what physics it has found."""
+    """Makes an audit find these, the first as its worst, and else what physics it has found."""
     audit = json.loads(path.read_text())
     by_key = {found["property"]: found for found in audit["properties"]}
     for key in audit["findings"]:

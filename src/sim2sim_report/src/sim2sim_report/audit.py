@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The audit of a run's simulators, as the command `audit` has written it, for the page of the run."""
+"""The audit of a run's simulators, as `audit` has written it, for the page of the run."""
 
 from pathlib import Path
 from typing import Any, List, Optional
@@ -124,7 +124,7 @@ def _property(found: Json) -> Json:
 
 
 def _value(value: Any, unit: str) -> str:
-    """A value with its unit; "none" stands for an infinite one, a dash for one that is not known."""
+    """A value with its unit; "none" stands for infinity, a dash for what is not known."""
     if value is None:
         return "-"
     if value == "none":

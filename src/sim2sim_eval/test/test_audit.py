@@ -184,7 +184,7 @@ class Notes(CommandCase):
         text = self.kept().read_text()
         for damaged, said in (
             (text[:20], "must be an"),
-            (text.replace("audit verdict 1", "audit verdict 99"), "another version of the suite"),
+            (text.replace("audit verdict 1", "audit verdict 99"), 'format "audit verdict 99"'),
             (text.replace('"contract_errors": []', '"contract_errors": ["noise"]'), "is damaged"),
             (text.replace('"mujoco"', '"other"'), "belongs to another pair"),
         ):

@@ -76,6 +76,7 @@ def answer_of(run: Path) -> str:
 
 PLANTED: Dict[str, Dict[str, Any]] = {  # findings of an audit, by property
     "delay": {
+        "declared": False,
         "reference": 0.0,
         "engine": 0.1,
         "difference": 0.1,
@@ -86,6 +87,7 @@ PLANTED: Dict[str, Dict[str, Any]] = {  # findings of an audit, by property
         "look_at": "the order in which a command is taken & a step is made",
     },
     "wall_up": {
+        "declared": True,
         "reference": 0.4500001,
         "engine": "none",
         "difference": "none",
@@ -99,7 +101,7 @@ PLANTED: Dict[str, Dict[str, Any]] = {  # findings of an audit, by property
 
 
 def plant(path: Path, *planted: str) -> None:
-    """Makes an audit find these, the first as its worst, and otherwise what physics it has found."""
+    """Makes an audit find these, the first as its worst, and else what physics it has found."""
     audit = json.loads(path.read_text())
     by_key = {found["property"]: found for found in audit["properties"]}
     for key in audit["findings"]:
@@ -512,7 +514,8 @@ class Audited(ReportCase):
             with self.subTest(key):
                 finding = by_key[key]
                 self.assertIn(f">{rank}<", row)
-                self.assertIn("contract<" if finding["contract"] else "physics<", row)
+                kind = "contract" if finding["contract"] else "physics"
+                self.assertIn(f">{kind}{', declared' * finding['declared']}<", row)
                 for name in ("cause", "look_at", "title", "held_against"):
                     self.assertIn(finding[name], row)
                 for name in ("reference", "engine", "allowed"):
@@ -533,6 +536,11 @@ class Audited(ReportCase):
         self.assertIn("<b>The contract is broken: 1 error.</b>", page)
         said = "The audit says that the contract is broken (delay of actions). Every figure"
         self.assertIn(said, page[: page.index("See it")])
+        declared = self.audit_path.read_text().replace('"declared": false', '"declared": true')
+        self.audit_path.write_text(
+            declared.replace('"contract_holds": false', '"contract_holds": true')
+        )
+        self.assertIn("<b>No error of the contract.</b>", self.report("copy"), "on purpose")
         self.plant("wall_up")
         page = self.report("copy")
         self.assertIn("<b>No error of the contract.</b>", page)

@@ -59,7 +59,7 @@ Audit auditAgainstReference(const AuditOptions& options, const LoadedSimulator& 
 void keepVerdict(const Audit& audit, const KeptVerdict& kept) {
   std::vector<std::string> contract_errors;
   for (const Comparison& finding : audit.findings()) {
-    if (isContract(finding.property)) {
+    if (finding.isContractError()) {
       contract_errors.emplace_back(describe(finding.property).title);
     }
   }

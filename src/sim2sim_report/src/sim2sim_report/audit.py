@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The audit of a run's simulators, as the command `audit` has written it, for the page of the run."""
+"""The audit of a run's simulators, as `audit` has written it, for the page of the run."""
 
 from pathlib import Path
 from typing import Any, List, Optional
@@ -73,7 +73,7 @@ def _section(audit: Json) -> Json:
     counts = {verdict: 0 for verdict in VERDICTS}
     for found in audit["properties"]:
         counts[found["verdict"]] += 1
-    broken = [str(finding["title"]) for finding in findings if finding["contract"]]
+    broken = [str(finding["title"]) for finding in findings if _is_error(finding)]
     if audit["contract_holds"] != (not broken):
         raise ValueError("contract_holds does not fit the findings")
     divergence = audit["divergence_after_5_steps_m"]
@@ -91,10 +91,17 @@ def _section(audit: Json) -> Json:
     }
 
 
+def _is_error(finding: Json) -> bool:
+    """Whether it breaks the contract: what a kind declares that it does on purpose does not."""
+    return bool(finding["contract"]) and not finding["declared"]
+
+
 def _finding(finding: Json) -> Json:
+    kind = "contract" if finding["contract"] else "physics"
     return {
         **_property(finding),
-        "kind": "contract" if finding["contract"] else "physics",
+        "label": f"{kind}, declared" if finding["declared"] else kind,
+        "is_error": _is_error(finding),
         "cause": str(finding["cause"]),
         "effect": f"{1e3 * finding['estimated_effect_m']:.2g} mm",
         "look_at": str(finding["look_at"]),
@@ -117,7 +124,7 @@ def _property(found: Json) -> Json:
 
 
 def _value(value: Any, unit: str) -> str:
-    """A value with its unit; "none" stands for an infinite one, a dash for one that is not known."""
+    """A value with its unit; "none" stands for infinity, a dash for what is not known."""
     if value is None:
         return "-"
     if value == "none":

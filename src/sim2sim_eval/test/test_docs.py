@@ -21,7 +21,7 @@ import rosservice  # type: ignore[import]
 import yaml  # type: ignore[import]
 
 from command_case import CommandCase, executable, until
-from live_support import CALLER, DEADLINE, LiveCase, Process, free_port
+from live_support import CALLER, DEADLINE, LiveCase, OwnMaster, Process, free_port
 
 PACKAGES = Path(rospkg.RosPack().get_path("sim2sim_eval")).parent
 ROOT = PACKAGES.parent
@@ -160,20 +160,6 @@ class Pasted(LiveCase):
         self.check(DOCS / "findings.md", 4, "damp/sweep.png", "variants/sweep.json")
 
 
-class OwnMaster(LiveCase):
-    """Nodes of a master that only this test knows."""
-
-    def use_own_master(self) -> str:
-        """URI of the master that is to be started."""
-        uri = f"http://127.0.0.1:{free_port()}"
-        self.environment = {
-            "ROS_MASTER_URI": uri,
-            "ROS_IP": "127.0.0.1",
-            "ROS_HOME": str(self.folder / "ros"),
-        }
-        return uri
-
-
 class ByHand(OwnMaster):
     """What a README shows of a node, called of one."""
 
@@ -218,10 +204,7 @@ class Nodes(OwnMaster):
 
     def setUp(self) -> None:
         super().setUp()
-        uri = self.use_own_master()
-        core = Process(self, "roscore", "-p", uri.split(":")[-1], environment=self.environment)
-        core.line(r"started core service \[/rosout\]")
-        self.master = rosgraph.Master(CALLER, master_uri=uri)
+        self.master = rosgraph.Master(CALLER, master_uri=self.start_master())
 
     def run_node(self, package: str, node: str, *arguments: str) -> Process:
         command = (executable(package, node), "__name:=node", *arguments)

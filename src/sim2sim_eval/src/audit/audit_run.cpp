@@ -15,6 +15,7 @@
 #include "sim2sim_audit/task_figures.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/model_variants.hpp"
+#include "sim2sim_protocol/results/audit_files.hpp"
 
 namespace sim2sim {
 namespace {
@@ -45,19 +46,23 @@ class Interruptible : public pusht::Simulator {
   std::unique_ptr<pusht::Simulator> world_;
 };
 
-AuditedWorld interruptible(const AuditedWorld& world) {
-  return {world.title, [make = world.make] { return std::make_unique<Interruptible>(make()); }};
+AuditedWorld interruptible(AuditedWorld world) {
+  world.make = [make = world.make] { return std::make_unique<Interruptible>(make()); };
+  return world;
+}
+
+AuditedWorld worldOf(const AuditedSimulator& simulator) {
+  return interruptible({titleOf(simulator.record), simulator.make, simulator.departures});
 }
 
 Audit auditOf(const AuditRun& run) {
-  const AuditedWorld engine = interruptible(run.engine);
   if (!run.reference) {
-    return auditAgainstTask(engine, run.seed);
+    return auditAgainstTask(worldOf(run.engine), run.seed);
   }
   std::vector<AuditedWorld> variants;
   std::transform(run.variants.begin(), run.variants.end(), std::back_inserter(variants), interruptible);
   pusht::ScriptedExpert expert;
-  return audit(interruptible(*run.reference), engine, variants, run.seed, run.threads, &expert);
+  return audit(worldOf(*run.reference), worldOf(run.engine), variants, run.seed, run.threads, &expert);
 }
 
 }  // namespace
@@ -76,11 +81,15 @@ Audit carryOut(const AuditRun& run) {
   return result;
 }
 
-void report(const Audit& audit, const std::filesystem::path& out) {
+void report(const AuditRun& run, const Audit& audit, const std::filesystem::path& out) {
   std::cout << textOf(audit) << std::flush;
   if (!out.empty()) {
-    pusht::writeFile(out, toJson(audit).dump(2) + "\n");
+    const auto reference = run.reference ? std::optional(run.reference->record) : std::nullopt;
+    pusht::writeFile(out, auditText(toJson(audit), reference, run.engine.record));
   }
+}
+
+void requireContract(const Audit& audit) {
   if (audit.hasContractErrors()) {
     throw pusht::ContractError("the contract is broken: " + causeOf(audit.findings().front()));
   }

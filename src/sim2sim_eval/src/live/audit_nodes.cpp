@@ -99,7 +99,8 @@ class WorldNode {
 
   const pusht_msgs::DescribeResponse& description() const { return description_; }
 
-  AuditedWorld world();
+  /// The node as a simulator of an audit. It must outlive that.
+  AuditedSimulator simulator();
 
   /// The node's world, made anew. Throws as Peer::connect() and ServedSimulator.
   std::unique_ptr<pusht::ServedSimulator> open() {
@@ -203,17 +204,23 @@ class NodeWorld : public pusht::Simulator {
   std::unique_ptr<pusht::ServedSimulator> world_;
 };
 
-AuditedWorld WorldNode::world() {
-  return {titleOf(recordOf(description_)), [this] { return std::make_unique<NodeWorld>(*this); }};
+/// Kind of a node, if it is installed here in that version; else null.
+const pusht::SimulatorKind* kindOf(const pusht_msgs::DescribeResponse& node) {
+  const pusht::SimulatorKind* const kind = pusht::SimulatorKinds::installed().find(node.name);
+  return kind != nullptr && kind->version == node.version ? kind : nullptr;
 }
 
-/// Model variants of a reference, in this process; none if its kind is not installed here in that version.
+AuditedSimulator WorldNode::simulator() {
+  const pusht::SimulatorKind* const kind = kindOf(description_);
+  return {recordOf(description_), [this] { return std::make_unique<NodeWorld>(*this); },
+          kind == nullptr ? std::vector<std::string>() : kind->departures};
+}
+
+/// Model variants of a node, in this process; none if its kind is not known here.
 std::vector<AuditedWorld> variantsOfNode(const pusht_msgs::DescribeResponse& reference) {
-  const pusht::SimulatorKind* const kind = pusht::SimulatorKinds::installed().find(reference.name);
-  if (kind == nullptr || kind->version != reference.version) {
-    return {};
-  }
-  return variantsOf(*kind, pusht::merged(kind->defaults(), reference.parameters));
+  const pusht::SimulatorKind* const kind = kindOf(reference);
+  return kind == nullptr ? std::vector<AuditedWorld>()
+                         : variantsOf(*kind, pusht::merged(kind->defaults(), reference.parameters));
 }
 
 void requireTwoNodes(const WorldNode& reference, const WorldNode& engine, const AuditParameters& parameters) {
@@ -229,21 +236,22 @@ void auditNodes(const AuditParameters& parameters) {
   std::optional<WorldNode> reference;
   if (!parameters.against_task) {
     reference.emplace(parameters.reference, parameters);
-    run.reference = reference->world();
+    run.reference = reference->simulator();
     run.variants = variantsOfNode(reference->description());
   }
   WorldNode engine(parameters.engine, parameters);
   if (reference) {
     requireTwoNodes(*reference, engine, parameters);
   }
-  run.engine = engine.world();
+  run.engine = engine.simulator();
   run.seed = parameters.seed;
   run.threads = kThreads;
   const Audit result = carryOut(run);
   if (!ros::ok()) {
     throw pusht::RuntimeFault("shut down before the audit was done");
   }
-  report(result, parameters.out);
+  report(run, result, parameters.out);
+  requireContract(result);
   engine.requireNeverLost();
   if (reference) {
     reference->requireNeverLost();

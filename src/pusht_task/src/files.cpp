@@ -56,6 +56,13 @@ std::string digest(const EVP_MD* algorithm, const std::string& bytes) {
 
 }  // namespace
 
+void requireNewFile(const std::string& what, const fs::path& path) {
+  std::error_code ignored;
+  if (!path.empty() && fs::symlink_status(path, ignored).type() != fs::file_type::not_found) {
+    throw InvalidInput(what + " " + path.string() + ": is there already; name a new file");
+  }
+}
+
 std::string readFile(const fs::path& path, const std::string& what) {
   std::error_code error;
   std::ifstream file;

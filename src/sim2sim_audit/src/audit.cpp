@@ -178,7 +178,7 @@ void requireKeys(const std::vector<std::string>& departures) {
 /// World with what was measured in it.
 struct Subject {
   Subject(const AuditedWorld& audited, std::uint64_t seed)
-      : world(audited.make()), bench(*world, audited.has_second ? audited.make : WorldFactory(), seed) {}
+      : world(audited.make()), bench(*world, audited.make, seed) {}
 
   std::unique_ptr<pusht::Simulator> world;
   Bench bench;

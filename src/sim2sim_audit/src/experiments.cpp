@@ -5,6 +5,22 @@
 #include <iterator>
 
 namespace sim2sim {
+namespace {
+
+/// Carries `experiment` out; if it fails, its properties say so. Throws WorldLost.
+void carryOut(const Experiment& experiment, Bench& bench, Measurements& measurements) {
+  try {
+    experiment.carry_out(bench, measurements);
+  } catch (const WorldLost&) {
+    throw;
+  } catch (const std::exception& failure) {
+    for (const Property property : experiment.estimates) {
+      measurements.fail(property, failure.what());
+    }
+  }
+}
+
+}  // namespace
 
 const std::vector<Experiment>& allExperiments() {
   static const std::vector<Experiment> all = [] {
@@ -22,13 +38,13 @@ const std::vector<Experiment>& allExperiments() {
 
 Measurements measure(Bench& bench) {
   Measurements measurements;
-  for (const Experiment& experiment : allExperiments()) {
-    try {
-      experiment.carry_out(bench, measurements);
-    } catch (const std::exception& failure) {
-      for (const Property property : experiment.estimates) {
-        measurements.fail(property, failure.what());
-      }
+  try {
+    for (const Experiment& experiment : allExperiments()) {
+      carryOut(experiment, bench, measurements);
+    }
+  } catch (const WorldLost& loss) {
+    for (const PropertyDescription& description : allProperties()) {
+      measurements.fail(description.property, loss.what());
     }
   }
   return measurements;

@@ -9,11 +9,11 @@
 namespace sim2sim {
 namespace {
 
-RecordedEpisode recordEpisode(pusht::Simulator& world, pusht::Policy& policy, const pusht::WorldState& start) {
+EpisodeToReplay recordEpisode(pusht::Simulator& world, pusht::Policy& policy, const pusht::WorldState& start) {
   constexpr int kSteps = 50;
   const auto memory = policy.begin();
   world.reset(start);
-  RecordedEpisode episode = {{world.state()}, {}};
+  EpisodeToReplay episode = {{world.state()}, {}};
   for (int step = 0; step < kSteps; ++step) {
     const pusht::Policy::Query query = {pusht::observe(episode.states.back()), memory.get()};
     pusht::Action action{};
@@ -27,20 +27,20 @@ RecordedEpisode recordEpisode(pusht::Simulator& world, pusht::Policy& policy, co
 
 }  // namespace
 
-std::vector<RecordedEpisode> recordEpisodes(pusht::Simulator& world, pusht::Policy& policy, std::uint64_t seed) {
+std::vector<EpisodeToReplay> recordEpisodes(pusht::Simulator& world, pusht::Policy& policy, std::uint64_t seed) {
   constexpr std::uint64_t kEpisodes = 8;
-  std::vector<RecordedEpisode> episodes;
+  std::vector<EpisodeToReplay> episodes;
   for (std::uint64_t i = 0; i < kEpisodes; ++i) {
     episodes.push_back(recordEpisode(world, policy, pusht::spawn(pusht::kFirstSpawnSeed + seed + i)));
   }
   return episodes;
 }
 
-double divergenceInReplays(pusht::Simulator& world, const std::vector<RecordedEpisode>& episodes) {
+double divergenceInReplays(pusht::Simulator& world, const std::vector<EpisodeToReplay>& episodes) {
   constexpr std::size_t kSteps = kReplaySteps;
   double sum = 0.0;
   int count = 0;
-  for (const RecordedEpisode& episode : episodes) {
+  for (const EpisodeToReplay& episode : episodes) {
     for (std::size_t anchor = 0; anchor + kSteps <= episode.actions.size(); anchor += kSteps) {
       world.reset(episode.states[anchor]);
       for (std::size_t step = anchor; step < anchor + kSteps; ++step) {

@@ -77,7 +77,7 @@ Measurements figuresOf(const pusht::Physics& physics) {
 
 Audit auditAgainstTask(const AuditedWorld& world, std::uint64_t seed) {
   const auto simulator = world.make();
-  Bench bench(*simulator, world.has_second ? world.make : WorldFactory(), seed);
+  Bench bench(*simulator, world.make, seed);
   Audit result = compare(figuresOf({}), measure(bench), {}, bench.startTolerance(), world.departures);
   result.reference = kTaskTitle;
   result.engine = world.title;

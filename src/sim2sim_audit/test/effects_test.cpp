@@ -16,13 +16,13 @@ namespace sim2sim::testing {
 namespace {
 
 /// The scripted expert's episodes of the golden vectors, as a world without a fault runs them.
-std::vector<RecordedEpisode> expertEpisodes(const WorldFactory& clean) {
+std::vector<EpisodeToReplay> expertEpisodes(const WorldFactory& clean) {
   constexpr std::size_t kEpisodes = 10;
   const auto world = clean();
-  std::vector<RecordedEpisode> episodes;
+  std::vector<EpisodeToReplay> episodes;
   for (const auto& golden : pusht::testing::loadGolden("expert_actions.json", "cases")) {
     world->reset(pusht::testing::worldPose(golden.at("start_tee_xyyaw_pusher_xy")));
-    RecordedEpisode episode = {{world->state()}, {}};
+    EpisodeToReplay episode = {{world->state()}, {}};
     for (const auto& action : golden.at("actions")) {
       episode.actions.push_back(pusht::testing::action(action));
       world->step(episode.actions.back());
@@ -41,7 +41,7 @@ struct CleanKind {
   explicit CleanKind(const WorldFactory& make) : measurements(measured(make)), episodes(expertEpisodes(make)) {}
 
   Measurements measurements;
-  std::vector<RecordedEpisode> episodes;
+  std::vector<EpisodeToReplay> episodes;
 };
 
 /// The table of effects is made from what this prints: divergence per unit of the difference.

@@ -295,6 +295,30 @@ class Launch(Process):
         return status_of(self.out)
 
 
+class OwnMaster(LiveCase):
+    """Nodes of a master that only this test knows."""
+
+    environment: Dict[str, str]
+
+    def use_own_master(self) -> str:
+        """URI of the master that is to be started."""
+        uri = f"http://127.0.0.1:{free_port()}"
+        self.environment = {
+            "ROS_MASTER_URI": uri,
+            "ROS_IP": "127.0.0.1",
+            "ROS_HOME": str(self.folder / "ros"),
+            "PWD": str(self.folder),
+        }
+        return uri
+
+    def start_master(self) -> str:
+        """URI of a master that runs."""
+        uri = self.use_own_master()
+        core = Process(self, "roscore", "-p", uri.split(":")[-1], environment=self.environment)
+        core.line(r"started core service \[/rosout\]")
+        return uri
+
+
 def text_of(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 

@@ -21,7 +21,7 @@ import rosservice  # type: ignore[import]
 import yaml  # type: ignore[import]
 
 from command_case import CommandCase, executable, until
-from live_support import CALLER, DEADLINE, LiveCase, Process, free_port
+from live_support import CALLER, DEADLINE, LiveCase, OwnMaster, Process, free_port
 
 PACKAGES = Path(rospkg.RosPack().get_path("sim2sim_eval")).parent
 ROOT = PACKAGES.parent
@@ -160,20 +160,6 @@ class Pasted(LiveCase):
         self.check(DOCS / "findings.md", 4, "damp/sweep.png", "variants/sweep.json")
 
 
-class OwnMaster(LiveCase):
-    """Nodes of a master that only this test knows."""
-
-    def use_own_master(self) -> str:
-        """URI of the master that is to be started."""
-        uri = f"http://127.0.0.1:{free_port()}"
-        self.environment = {
-            "ROS_MASTER_URI": uri,
-            "ROS_IP": "127.0.0.1",
-            "ROS_HOME": str(self.folder / "ros"),
-        }
-        return uri
-
-
 class ByHand(OwnMaster):
     """What a README shows of a node, called of one."""
 
@@ -210,6 +196,59 @@ class ByHand(OwnMaster):
                 self.assertIn("success: True", self.call(call))
 
 
+class WorkedExample(OwnMaster):
+    """Of the audit: a node with two mistakes, which are found and mended one after the other."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        text = (DOCS / "audit.md").read_text(encoding="utf-8")
+        (section,) = re.findall(r"^## Worked example\n(.*?)^## ", text, re.M | re.S)
+        blocks = BLOCK.findall(section)
+        self.mistakes = [block for language, block in blocks if language == "diff"]
+        shown = [block for language, block in blocks if language == "console"]
+        self.audits = [next(commands(block)) for block in shown]
+        self.master = rosgraph.Master(CALLER, master_uri=self.start_master())
+
+    def with_mistakes(self, mistakes: List[str]) -> str:
+        """The example with these lines changed."""
+        path = PACKAGES / "sim2sim_eval" / "examples" / "quasi_static_simulator"
+        text = path.read_text(encoding="utf-8")
+        for hunk in re.split(r"^@@.*\n", "".join(mistakes), flags=re.M)[1:]:
+            right, wrong = (
+                "".join(line[1:] for line in hunk.splitlines(True) if line[0] == sign)
+                for sign in "-+"
+            )
+            self.assertEqual(text.count(right), 1, right)
+            text = text.replace(right, wrong)
+        return text
+
+    def served(self) -> bool:
+        _, _, services = self.master.getSystemState()
+        return "/engine/describe" in dict(services)
+
+    def audited(self, program: str, command: str) -> str:
+        """What an audit of a simulator prints."""
+        (self.folder / "mine.py").write_text(program)
+        node = ("/usr/bin/python3", "mine.py", "__name:=engine")
+        process = Process(self, *node, environment=self.environment)
+        until(self.served)
+        audit = self.run_command("bash", "-c", command, environment=self.environment)
+        process.interrupt()
+        process.ended(DEADLINE)
+        return audit.stdout + audit.stderr
+
+    def test_two_mistakes(self) -> None:
+        self.assertEqual((len(self.mistakes), len(self.audits)), (2, 3))
+        found = []
+        for stage, (command, shown) in enumerate(self.audits):
+            with self.subTest(stage):
+                printed = self.audited(self.with_mistakes(self.mistakes[stage:]), command)
+                if not re.fullmatch(pattern_of(shown), printed):
+                    self.assertEqual(printed, "\n".join(shown))
+                found += re.findall(r"^1\. (.*?)[: ]", printed, re.M)
+        self.assertEqual(found, ["[contract]", "[contract]", "[physics]"])
+
+
 class Nodes(OwnMaster):
     """Lists of topics, services, actions and private parameters in READMEs, against the nodes."""
 
@@ -218,10 +257,7 @@ class Nodes(OwnMaster):
 
     def setUp(self) -> None:
         super().setUp()
-        uri = self.use_own_master()
-        core = Process(self, "roscore", "-p", uri.split(":")[-1], environment=self.environment)
-        core.line(r"started core service \[/rosout\]")
-        self.master = rosgraph.Master(CALLER, master_uri=uri)
+        self.master = rosgraph.Master(CALLER, master_uri=self.start_master())
 
     def run_node(self, package: str, node: str, *arguments: str) -> Process:
         command = (executable(package, node), "__name:=node", *arguments)
@@ -297,6 +333,12 @@ class Nodes(OwnMaster):
         numbers = {name: value for name, value in numbers.items() if not isinstance(value, str)}
         self.assertGreaterEqual(len(numbers), 10)
         self.assertEqual({name: yaml.safe_load(defaults[name]) for name in numbers}, numbers)
+
+    def test_audit(self) -> None:
+        offers, defaults = self.listed("sim2sim_eval", "audit_node")
+        self.assertEqual(set(defaults), self.refused("sim2sim_eval", "audit_node"))
+        self.run_node("sim2sim_eval", "audit_node")
+        self.assertEqual(self.offered("get_loggers"), offers)
 
     def test_replay(self) -> None:
         bag = ("--policy", "expert", "--episodes", "1", "--record", "--out", "recorded")

@@ -11,6 +11,9 @@ namespace pusht {
 /// The bytes of `path`. Throws InvalidInput, naming `what` and the path, if it cannot be read.
 std::string readFile(const std::filesystem::path& path, const std::string& what);
 
+/// Throws InvalidInput, with `what` in front, if there is something at `path`. An empty path passes.
+void requireNewFile(const std::string& what, const std::filesystem::path& path);
+
 /// A file that is written beside its `path` until it is complete. It is new: what lies under its name already is
 /// neither written to nor followed.
 class AsideFile {

@@ -189,6 +189,14 @@ std::string ParameterReader::text(const std::string& key, const std::string& fal
   return value == nullptr ? fallback : textIn(*value);
 }
 
+std::string ParameterReader::optionalText(const std::string& key, const std::string& absent) {
+  const std::string value = text(key, absent);
+  if (value.empty()) {
+    throw InvalidInput(key + " '': must not be empty; leave it out, or say " + absent);
+  }
+  return value == absent ? "" : value;
+}
+
 std::string ParameterReader::services(const std::string& key, const std::string& fallback) {
   return serviceName("parameter " + namespace_ + "/" + key, text(key, fallback));
 }

@@ -3,6 +3,7 @@
 
 #include <ros/console.h>
 #include <ros/master.h>
+#include <ros/service.h>
 #include <ros/service_manager.h>
 
 #include <gsl/util>
@@ -101,6 +102,10 @@ void Peer::connect(const Wait& wait) {
     if (may_live) {
       last_sign = std::chrono::steady_clock::now();
     } else if (!wait.respawn && std::chrono::steady_clock::now() - last_sign > kDeadOrNever) {
+      if (ros::service::exists(service, false)) {  // takes connections, and refuses each call
+        throw InvalidInput(service + ": the service of the node at " + owner_ +
+                           " is of another type than pusht_msgs/Describe: is it a node of another task?");
+      }
       throw NodeMissing(service + ": the master knows a node at " + owner_ + ", but nothing answers there: it has died",
                         services_);
     }

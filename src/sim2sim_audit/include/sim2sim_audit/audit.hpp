@@ -17,8 +17,7 @@ namespace sim2sim {
 /// World to be audited, by its maker. Each world is measured by one thread.
 struct AuditedWorld {
   std::string title;  ///< for people: "MuJoCo"
-  WorldFactory make;
-  bool has_second = true;  ///< whether `make` can be called again for a second world
+  WorldFactory make;  ///< called once more for a second world
   /// What its kind does otherwise than the task on purpose: keys of properties.
   std::vector<std::string> departures{};
 };

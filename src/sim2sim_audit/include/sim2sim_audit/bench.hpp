@@ -9,11 +9,17 @@
 #include <optional>
 #include <vector>
 
+#include "pusht_task/error.hpp"
 #include "pusht_task/simulator.hpp"
 
 namespace sim2sim {
 
-/// Maker of worlds of one model; null where no further world can be had, as over nodes.
+/// Error: the world is gone for good, as a node that has died. No further experiment is carried out in it.
+struct WorldLost : pusht::RuntimeFault {
+  using RuntimeFault::RuntimeFault;
+};
+
+/// Maker of worlds of one model. Over nodes a second world takes the place of the first until it is destroyed.
 using WorldFactory = std::function<std::unique_ptr<pusht::Simulator>()>;
 
 /// One world under experiment.

@@ -22,7 +22,8 @@ struct Experiment {
 /// All experiments, in the order in which they are carried out.
 const std::vector<Experiment>& allExperiments();
 
-/// Estimates of all properties of a world. An experiment that fails says so in its properties, and the others go on.
+/// Estimates of all properties of a world. An experiment that fails says so in its properties, and the others go on,
+/// unless it throws WorldLost: then all properties without a value say so.
 Measurements measure(Bench& bench);
 
 // The experiments, by area.

@@ -15,15 +15,15 @@ namespace sim2sim {
 constexpr int kReplaySteps = 5;
 
 /// States and actions of an episode; one more state than actions.
-struct RecordedEpisode {
+struct EpisodeToReplay {
   std::vector<pusht::WorldState> states;
   std::vector<pusht::Action> actions;
 };
 
 /// Episodes of `policy` in `world`, from the spawns of `seed`. Throws what the world throws.
-std::vector<RecordedEpisode> recordEpisodes(pusht::Simulator& world, pusht::Policy& policy, std::uint64_t seed);
+std::vector<EpisodeToReplay> recordEpisodes(pusht::Simulator& world, pusht::Policy& policy, std::uint64_t seed);
 
 /// [m] Mean distance of the tee from where it was in the recordings, kReplaySteps after each reset to a recorded state.
-double divergenceInReplays(pusht::Simulator& world, const std::vector<RecordedEpisode>& episodes);
+double divergenceInReplays(pusht::Simulator& world, const std::vector<EpisodeToReplay>& episodes);
 
 }  // namespace sim2sim

@@ -117,13 +117,6 @@ int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
   }
 }
 
-void requireNewFile(const std::string& what, const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (!path.empty() && std::filesystem::symlink_status(path, ignored).type() != std::filesystem::file_type::not_found) {
-    throw pusht::InvalidInput(what + " " + path.string() + ": is there already; name a new file");
-  }
-}
-
 CLI::Validator notEmpty() {
   return {[](const std::string& text) -> std::string { return text.empty() ? "'': must not be empty" : ""; }, ""};
 }

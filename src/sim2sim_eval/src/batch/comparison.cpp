@@ -83,7 +83,7 @@ void requireNewStarts(const fs::path& path, const Protocol& protocol, bool goes_
   const bool written_before = goes_on && fs::is_regular_file(fs::symlink_status(path, ignored)) &&
                               pusht::readFile(path, "write_starts") == startsOf(protocol);
   if (!written_before) {
-    requireNewFile("write_starts", path);
+    pusht::requireNewFile("write_starts", path);
   }
 }
 

@@ -41,7 +41,7 @@ std::vector<RunResults> runsToContrast(const ContrastOptions& options) {
 }
 
 void contrast(const ContrastOptions& options) {
-  requireNewFile("out", options.out);
+  pusht::requireNewFile("out", options.out);
   std::vector<RunResults> runs = runsToContrast(options);
   const RunResults baseline = runs.front();
   runs.erase(runs.begin());

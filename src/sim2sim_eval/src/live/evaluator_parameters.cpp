@@ -11,16 +11,6 @@ constexpr double kFullSpeed = 0.0;
 constexpr const char* kAuto = "auto";
 constexpr const char* kNone = "none";
 
-/// A text that may be left out: the word `absent` says so, too. An empty one is refused: it may be a variable of a
-/// shell that is not set.
-std::string optionalText(pusht::ParameterReader& parameters, const std::string& key, const std::string& absent) {
-  const std::string text = parameters.text(key, absent);
-  if (text.empty()) {
-    throw pusht::InvalidInput(key + " '': must not be empty; leave it out, or say " + absent);
-  }
-  return text == absent ? "" : text;
-}
-
 void take(pusht::ParameterReader& parameters, const char* name, int& value) { value = parameters.integer(name, value); }
 void take(pusht::ParameterReader& parameters, const char* name, std::uint64_t& value) {
   value = parameters.seed(name, value);
@@ -28,10 +18,10 @@ void take(pusht::ParameterReader& parameters, const char* name, std::uint64_t& v
 void take(pusht::ParameterReader& parameters, const char* name, double& value) { value = parameters.real(name, value); }
 void take(pusht::ParameterReader& parameters, const char* name, bool& value) { value = parameters.flag(name, value); }
 void take(pusht::ParameterReader& parameters, const char* name, std::vector<int>& value) {
-  value = reanchorFrom(optionalText(parameters, name, kNone));
+  value = reanchorFrom(parameters.optionalText(name, kNone));
 }
 void take(pusht::ParameterReader& parameters, const char* name, std::vector<std::string>& value) {
-  value = modelVariantsFrom(optionalText(parameters, name, kNone));
+  value = modelVariantsFrom(parameters.optionalText(name, kNone));
 }
 // 0 stands for none.
 void take(pusht::ParameterReader& parameters, const char* name, std::optional<double>& value) {
@@ -42,11 +32,11 @@ void take(pusht::ParameterReader& parameters, const char* name, std::optional<do
 }  // namespace
 
 std::string EvaluatorParameters::outOf(pusht::ParameterReader& parameters) {
-  return optionalText(parameters, "out", kAuto);
+  return parameters.optionalText("out", kAuto);
 }
 
 std::string EvaluatorParameters::statusFileOf(pusht::ParameterReader& parameters) {
-  return optionalText(parameters, "status_file", kNone);
+  return parameters.optionalText("status_file", kNone);
 }
 
 EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters) {
@@ -56,7 +46,7 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
                              parameters.services("engine_namespace", "engine"),
                              parameters.services("replay_namespace", "engine_replay")};
   request.services.policy = parameters.services("policy_namespace", "policy");
-  request.policy = optionalText(parameters, "policy", kAuto);
+  request.policy = parameters.optionalText("policy", kAuto);
   forEachOption([&](const auto& option) { take(parameters, option.name, option.of(request.protocol)); });
   request.smoke = parameters.flag("smoke", request.smoke);
   if (request.smoke) {
@@ -68,11 +58,11 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   take(parameters, "rate", request.rate);
   take(parameters, "record", request.record);
   take(parameters, "overwrite", request.overwrite);
-  request.starts = optionalText(parameters, "starts", kNone);
+  request.starts = parameters.optionalText("starts", kNone);
   request.out = outOf(parameters);
-  const auto values = [&](const std::string& key) { return parametersFrom(key, optionalText(parameters, key, kNone)); };
-  request.simulators = {{optionalText(parameters, "reference", kAuto), values("reference_parameters")},
-                        {optionalText(parameters, "engine", kAuto), values("engine_parameters")}};
+  const auto values = [&](const std::string& key) { return parametersFrom(key, parameters.optionalText(key, kNone)); };
+  request.simulators = {{parameters.optionalText("reference", kAuto), values("reference_parameters")},
+                        {parameters.optionalText("engine", kAuto), values("engine_parameters")}};
   loaded.start = parameters.flag("start", loaded.start);
   loaded.exit = parameters.flag("exit", loaded.exit) && !loaded.headless.empty();
   loaded.respawn = parameters.flag("respawn", loaded.respawn);

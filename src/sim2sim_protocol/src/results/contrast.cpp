@@ -168,14 +168,7 @@ std::string listed(const std::vector<int>& episodes) {
 
 }  // namespace
 
-std::string RunResults::title() const {
-  const SimulatorRecord engine = simulatorFrom(metrics.at("simulators").at("engine"));
-  std::string title = engine.title;
-  for (const std::string& name : engine.changed) {
-    title.append(", ").append(name).append(" ").append(engine.parameters.at(name).dump());
-  }
-  return title;
-}
+std::string RunResults::title() const { return titleOf(simulatorFrom(metrics.at("simulators").at("engine"))); }
 
 const json& RunResults::engine() const { return metrics.at("simulators").at("engine"); }
 

@@ -124,6 +124,14 @@ void SimulatorRecord::add(const std::string& parameter, const pusht::ParameterVa
   }
 }
 
+std::string titleOf(const SimulatorRecord& simulator) {
+  std::string title = simulator.title;
+  for (const std::string& name : simulator.changed) {
+    title.append(", ").append(name).append(" ").append(simulator.parameters.at(name).dump());
+  }
+  return title;
+}
+
 ordered_json toJson(const SimulatorRecord& simulator) {
   return {{"name", simulator.name},
           {"title", simulator.title},

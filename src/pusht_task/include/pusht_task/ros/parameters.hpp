@@ -59,6 +59,9 @@ class ParameterReader {
   explicit ParameterReader(const ros::NodeHandle& private_handle);
 
   std::string text(const std::string& key, const std::string& fallback);
+  /// A text that may be left out: empty if it is, or if it is the word `absent`. An empty one is refused: it may be a
+  /// variable of a shell that is not set.
+  std::string optionalText(const std::string& key, const std::string& absent);
   /// Namespace of services; throws as serviceName().
   std::string services(const std::string& key, const std::string& fallback);
   bool flag(const std::string& key, bool fallback);

@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -18,9 +17,6 @@ namespace sim2sim {
 /// Body of a command's main(): parses the command line into `app`, catches signals (catchInterrupts), runs `body`, and
 /// returns the exit code. Every failure becomes one line on stderr and the exit code of its kind.
 int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
-
-/// Throws InvalidInput, with `what` in front, if there is something at `path`. An empty path passes.
-void requireNewFile(const std::string& what, const std::filesystem::path& path);
 
 /// Validator that refuses "". A shell leaves it for an unset variable, and it must not count as an option left out.
 CLI::Validator notEmpty();

@@ -30,6 +30,9 @@ struct SimulatorRecord {
            const nlohmann::json& provenance);
 };
 
+/// Title with the parameters that do not have their default: "two-mass engine, block_damp 20.0".
+std::string titleOf(const SimulatorRecord& simulator);
+
 /// Simulator as JSON: the entries of "simulators" in a description.
 nlohmann::ordered_json toJson(const SimulatorRecord& simulator);
 

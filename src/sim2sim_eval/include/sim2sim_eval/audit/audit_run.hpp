@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Audits as the command `audit` and the node `audit` carry them out.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pusht_task/simulator_kind.hpp"
+#include "sim2sim_audit/audit.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+
+namespace sim2sim {
+
+/// Word for the task in place of a reference.
+constexpr const char* kAgainstTask = "task";
+
+/// Simulator of an audit, in this process or a node.
+struct AuditedSimulator {
+  SimulatorRecord record;
+  WorldFactory make;
+  std::vector<std::string> departures{};  ///< those of its kind
+};
+
+/// Simulators of an audit, and how it is carried out.
+struct AuditRun {
+  std::optional<AuditedSimulator> reference;  ///< none: the task's own figures
+  AuditedSimulator engine;
+  std::vector<AuditedWorld> variants{};  ///< model variants of the reference
+  std::uint64_t seed = 0;
+  int threads = 1;
+};
+
+/// Model variants of a reference, as its kind lists them. Throws what SimulatorKind::load throws.
+std::vector<AuditedWorld> variantsOf(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters);
+
+/// Carries the audit out. Once the process is interrupted no world is asked any more. Throws RuntimeFault then.
+Audit carryOut(const AuditRun& run);
+
+/// Prints the audit, and writes it into the file `out`, unless that is empty.
+void report(const AuditRun& run, const Audit& audit, const std::filesystem::path& out);
+
+/// Throws ContractError with the worst finding if the contract is broken.
+void requireContract(const Audit& audit);
+
+}  // namespace sim2sim

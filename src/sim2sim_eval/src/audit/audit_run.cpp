@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/audit/audit_run.hpp"
+
+#include <algorithm>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "pusht_policy/scripted_expert.hpp"
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "sim2sim_audit/audit_json.hpp"
+#include "sim2sim_audit/task_figures.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_protocol/model_variants.hpp"
+#include "sim2sim_protocol/results/audit_files.hpp"
+
+namespace sim2sim {
+namespace {
+
+/// World that is lost once the process is interrupted, so that no further experiment begins.
+class Interruptible : public pusht::Simulator {
+ public:
+  explicit Interruptible(std::unique_ptr<pusht::Simulator> world)
+      : Simulator("", world->startTolerance()), world_(std::move(world)) {}
+
+ private:
+  void doReset(const pusht::WorldState& state) override {
+    requireGoingOn();
+    world_->reset(state);
+  }
+  void doStep(const pusht::Action& action) override {
+    requireGoingOn();
+    world_->step(action);
+  }
+  pusht::WorldState doState() const override { return world_->state(); }
+
+  static void requireGoingOn() {
+    if (interrupted()) {
+      throw WorldLost("interrupted");
+    }
+  }
+
+  std::unique_ptr<pusht::Simulator> world_;
+};
+
+AuditedWorld interruptible(AuditedWorld world) {
+  world.make = [make = world.make] { return std::make_unique<Interruptible>(make()); };
+  return world;
+}
+
+AuditedWorld worldOf(const AuditedSimulator& simulator) {
+  return interruptible({titleOf(simulator.record), simulator.make, simulator.departures});
+}
+
+Audit auditOf(const AuditRun& run) {
+  if (!run.reference) {
+    return auditAgainstTask(worldOf(run.engine), run.seed);
+  }
+  std::vector<AuditedWorld> variants;
+  std::transform(run.variants.begin(), run.variants.end(), std::back_inserter(variants), interruptible);
+  pusht::ScriptedExpert expert;
+  return audit(worldOf(*run.reference), worldOf(run.engine), variants, run.seed, run.threads, &expert);
+}
+
+}  // namespace
+
+std::vector<AuditedWorld> variantsOf(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters) {
+  std::vector<AuditedWorld> variants;
+  for (const LoadedVariant& variant : loadDefaultVariants(kind, parameters)) {
+    variants.push_back({variant.name, variant.model.make_world});
+  }
+  return variants;
+}
+
+Audit carryOut(const AuditRun& run) {
+  Audit result = auditOf(run);
+  requireNotInterrupted();
+  return result;
+}
+
+void report(const AuditRun& run, const Audit& audit, const std::filesystem::path& out) {
+  std::cout << textOf(audit) << std::flush;
+  if (!out.empty()) {
+    const auto reference = run.reference ? std::optional(run.reference->record) : std::nullopt;
+    pusht::writeFile(out, auditText(toJson(audit), reference, run.engine.record));
+  }
+}
+
+void requireContract(const Audit& audit) {
+  if (audit.hasContractErrors()) {
+    throw pusht::ContractError("the contract is broken: " + causeOf(audit.findings().front()));
+  }
+}
+
+}  // namespace sim2sim

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "free_pusher.hpp"
 #include "pusht_task/constants.hpp"
+#include "pusht_task/physics.hpp"
 #include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim {
@@ -34,7 +36,7 @@ Response responseFrom(Bench& bench, const pusht::WorldState& start, const Eigen:
 /// Response from a place around which there is room in every direction: the world may have its own idea of axes.
 Response responseTo(Bench& bench, const Eigen::Vector2d& command) {
   pusht::WorldState start = free_pusher::startFor(bench, command);
-  start.pusher_position = bench.shift() + Eigen::Vector2d(-0.2, -0.2);
+  start.pusher_position = bench.shift() + Eigen::Vector2d(-0.1, -0.1);
   return responseFrom(bench, start, command);
 }
 
@@ -52,9 +54,10 @@ void stepAndVelocity(Bench& bench, Measurements& found) {
   }
   constexpr double kDisagreement = 0.05;  // [-]
   constexpr double kNear = 0.8;           // [-] of the command
+  const pusht::Physics task;
+  const double steady = task.servo_gain / (task.servo_gain + task.pusher_damping);
   const double ratio = by_velocity / by_distance;
-  const bool velocity_is_nearer =
-      by_velocity > 0.0 && std::abs(std::log(by_velocity)) < std::abs(std::log(by_distance));
+  const bool velocity_is_nearer = std::abs(by_velocity - steady) < std::abs(by_distance - steady);
   const bool holds = std::max(by_distance, by_velocity) > kNear || std::abs(ratio - 1.0) < kDisagreement;
   found.set(Property::kControlStep, holds && velocity_is_nearer ? kControlStep / ratio : kControlStep);
   found.set(Property::kPusherVelocityFactor, holds && !velocity_is_nearer ? ratio : 1.0);
@@ -83,12 +86,16 @@ void rest(Bench& bench, Measurements& found) {
   found.set(Property::kRestMotion, distanceBetween(states.front(), states.back()));
 }
 
-/// A small command moves the pusher in proportion.
+/// A small command moves the pusher in proportion, along either axis.
 void smallCommand(Bench& bench, Measurements& found) {
   constexpr double kSmall = 0.02;  // [m/s]
-  const double small = responseTo(bench, kSmall * kAxes[0]).displacement.norm();
-  const double usual = responseTo(bench, kCommand * kAxes[0]).displacement.norm();
-  found.set(Property::kSmallCommand, small / usual * kCommand / kSmall);
+  double least = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector2d& axis : kAxes) {
+    const double small = responseTo(bench, kSmall * axis).displacement.norm();
+    const double usual = responseTo(bench, kCommand * axis).displacement.norm();
+    least = std::min(least, small / usual * kCommand / kSmall);
+  }
+  found.set(Property::kSmallCommand, least);
 }
 
 /// Response of the pusher to commands along x and y: which axis, which sign, how far.
@@ -100,19 +107,28 @@ void axes(Bench& bench, Measurements& found) {
                          (2.0 * kCommand * found.need(Property::kControlStep));
   }
   found.set(Property::kAxesMirror, response.determinant() < 0.0 ? -1.0 : 1.0);
-  found.set(Property::kAxesTurn, std::atan2(response(1, 0), response(0, 0)));
+  const double hand = response.determinant() < 0.0 ? -1.0 : 1.0;
+  const double of_x = std::atan2(response(1, 0), response(0, 0));
+  const double of_y = std::atan2(-hand * response(0, 1), hand * response(1, 1));
+  found.set(Property::kAxesTurn, std::abs(of_x) > std::abs(of_y) ? of_x : of_y);
   found.set(Property::kActionScaleX, response.col(0).norm());
   found.set(Property::kActionScaleY, response.col(1).norm());
 }
 
-/// Largest command that the pusher still follows, over both axes and signs.
+/// Largest command along an axis that the pusher still follows, over axes, diagonals and signs: each axis has its own
+/// limit.
 void limitOfActions(Bench& bench, Measurements& found) {
   double least = pusht::kActionLimit;
-  for (const Eigen::Vector2d& axis : kAxes) {
+  for (const Eigen::Vector2d& direction :
+       {Eigen::Vector2d(1.0, 0.0), Eigen::Vector2d(0.0, 1.0), Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(1.0, -1.0)}) {
     for (const double sign : {1.0, -1.0}) {
-      const pusht::WorldState start = free_pusher::startFor(bench, -sign * axis);
-      const double small = responseFrom(bench, start, sign * kCommand * axis).displacement.norm();
-      const double full = responseFrom(bench, start, sign * axis).displacement.norm();
+      pusht::WorldState start = free_pusher::startFor(bench, -sign * direction);
+      if (direction.x() * direction.y() != 0.0) {
+        start.tee_position = 0.2 * Eigen::Vector2d(direction.y(), -direction.x());
+        start.pusher_position = bench.shift() - 0.25 * sign * direction;
+      }
+      const double small = responseFrom(bench, start, sign * kCommand * direction).displacement.norm();
+      const double full = responseFrom(bench, start, sign * direction).displacement.norm();
       least = std::min(least, kCommand * full / small);
     }
   }
@@ -122,14 +138,20 @@ void limitOfActions(Bench& bench, Measurements& found) {
 /// How far a response to a command is behind one without a lag, less the lag of a pusher that coasts: what is left is
 /// no property of a body. And how long one command lasts, from all that it moves the pusher.
 void delayAndHold(Bench& bench, Measurements& found) {
-  const Eigen::Vector2d command = kCommand * kAxes[0];
-  const Response response = responseTo(bench, command);
-  const double per_step = response.displacement.norm();
   const double step = found.need(Property::kControlStep);
-  const double lag = step * (kSteps - response.whole.norm() / per_step);
-  const double coasting = free_pusher::timeConstant(bench, kAxes[0]) * found.need(Property::kPusherVelocityFactor);
-  found.set(Property::kDelay, lag - coasting - step * found.need(Property::kStaleSteps));
+  double latest = 0.0;    // [s]
+  double per_step = 0.0;  // [m]
+  for (const Eigen::Vector2d& axis : kAxes) {
+    const Response response = responseTo(bench, kCommand * axis);
+    per_step = response.displacement.norm();
+    const double lag = step * (kSteps - response.whole.norm() / per_step);
+    const double coasting = free_pusher::timeConstant(bench, axis) * found.need(Property::kPusherVelocityFactor);
+    const double delay = lag - coasting - step * found.need(Property::kStaleSteps);
+    latest = std::abs(delay) > std::abs(latest) ? delay : latest;
+  }
+  found.set(Property::kDelay, latest);
 
+  const Eigen::Vector2d command = kCommand * kAxes[1];
   std::vector<Eigen::Vector2d> pulse(kSteps + 1, Eigen::Vector2d::Zero());
   pulse.front() = command;
   const auto states = bench.run(free_pusher::startFor(bench, -command), pulse);
@@ -142,7 +164,7 @@ void delayAndHold(Bench& bench, Measurements& found) {
 
 std::vector<Experiment> actionExperiments() {
   return {
-      {"control step", {Property::kControlStep, Property::kPusherVelocityFactor}, stepAndVelocity},
+      {"control step", {Property::kControlStep, Property::kPusherVelocityFactor, Property::kHold}, stepAndVelocity},
       {"axes", {Property::kAxesTurn, Property::kAxesMirror, Property::kActionScaleX, Property::kActionScaleY}, axes},
       {"steadiness", {Property::kSpeedGain}, steadiness},
       {"rest", {Property::kRestMotion}, rest},

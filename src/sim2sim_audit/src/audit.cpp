@@ -149,20 +149,29 @@ Comparison compareOne(Property property, const Measurements& reference, const Me
   return comparison;
 }
 
-/// Takes differences back that follow from others.
+/// Cause in `comparisons` from which a difference of `property` may follow; none if there is none.
+std::optional<Property> causeIn(const std::vector<Comparison>& comparisons, Property property) {
+  for (const Property cause : describe(property).follows_from) {
+    if (comparisons[static_cast<std::size_t>(cause)].verdict == Verdict::kDiffers) {
+      return cause;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Takes differences back that follow from others, and names the one from which all of them follow.
 void explainAway(std::vector<Comparison>& comparisons) {
   const std::vector<Comparison> before = comparisons;
   for (Comparison& comparison : comparisons) {
-    if (comparison.verdict != Verdict::kDiffers) {
+    std::optional<Property> cause = causeIn(before, comparison.property);
+    if (comparison.verdict != Verdict::kDiffers || !cause) {
       continue;
     }
-    for (const Property cause : describe(comparison.property).follows_from) {
-      if (before[static_cast<std::size_t>(cause)].verdict == Verdict::kDiffers) {
-        comparison.verdict = Verdict::kCannotTell;
-        comparison.reason = std::string("may follow from ") + describe(cause).title;
-        break;
-      }
+    for (auto earlier = cause; earlier; earlier = causeIn(before, *earlier)) {
+      cause = earlier;
     }
+    comparison.verdict = Verdict::kCannotTell;
+    comparison.reason = std::string("may follow from ") + describe(*cause).title;
   }
 }
 
@@ -177,8 +186,7 @@ void requireKeys(const std::vector<std::string>& departures) {
 
 /// World with what was measured in it.
 struct Subject {
-  Subject(const AuditedWorld& audited, std::uint64_t seed)
-      : world(audited.make()), bench(*world, audited.make, seed) {}
+  Subject(const AuditedWorld& audited, std::uint64_t seed) : world(audited.make()), bench(*world, audited.make, seed) {}
 
   std::unique_ptr<pusht::Simulator> world;
   Bench bench;

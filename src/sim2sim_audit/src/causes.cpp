@@ -137,7 +137,8 @@ std::string causeOf(const Comparison& finding) {
     case Property::kYawRateFactor:
       return "the yaw rate is " + number(engine) + " times what the yaws say";
     case Property::kTeeVelocityFrame:
-      return "the tee's velocity is in its own axes, not in the table's";
+      return isNear(engine, 1.0, 0.5) ? "the tee's velocity is in its own axes, not in the table's"
+                                      : "the tee's velocity is in axes that are neither the table's nor its own";
     case Property::kControlStep:
       return causeOfControlStep(engine);
     case Property::kHold:

@@ -22,26 +22,60 @@ WorldState teeAt(const Bench& bench, double yaw) {
   return scene;
 }
 
-/// [rad] Yaw that the stem has, for a yaw that the world was told: from the middle between its two sides.
-double yawByTouch(Bench& bench, double yaw) {
-  constexpr double kFree = 0.075;  // [m] beside the stem
-  const WorldState scene = teeAt(bench, yaw);
-  const Eigen::Vector2d middle = scene.tee_position - Eigen::Vector2d(0.0, pusht::kStemOffset);
-  const auto right = touchDistance(bench, scene, middle, {1.0, 0.0}, 0.0, kFree);
-  const auto left = touchDistance(bench, scene, middle, {-1.0, 0.0}, 0.0, kFree);
-  if (!right || !left) {
-    throw std::runtime_error("the stem is not where the yaw puts it");
+/// [rad] Direction of the stem, to a twelfth of a turn: on this circle about the tee origin the pusher touches nothing
+/// else.
+double stemByTouch(Bench& bench, const WorldState& scene) {
+  constexpr double kCircle = 0.09;  // [m]
+  constexpr int kDirections = 24;
+  Eigen::Vector2d touched = Eigen::Vector2d::Zero();
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = 2.0 * pusht::kPi * i / kDirections;
+    WorldState state = scene;
+    const Eigen::Vector2d outward(std::cos(angle), std::sin(angle));
+    state.pusher_position = scene.tee_position + kCircle * outward;
+    touched += bench.isPushedApart(state) ? outward : Eigen::Vector2d::Zero();
   }
-  return std::atan2(0.5 * (*right - *left), pusht::kStemOffset);
+  constexpr double kLeast = 0.5;  // of a direction
+  if (touched.norm() < kLeast) {
+    throw std::runtime_error("the tee has no stem");
+  }
+  return std::atan2(touched.y(), touched.x()) + 0.5 * pusht::kPi;  // of a yaw at which the stem is there
+}
+
+/// [rad] Yaw that the tee has, for a yaw that the world was told: which way the stem goes, and how steep the back of
+/// the bar is; of a bar with a round back, where the middles of stem and bar are. Where the tee origin is does not
+/// matter.
+double yawByTouch(Bench& bench, double yaw) {
+  constexpr double kAside = 0.04;  // [m] along the bar, on either side
+  constexpr double kDown = pusht::kStemOffset;
+  constexpr double kInside = 1e-3;  // [m]
+  constexpr double kFree = 0.1;
+  const WorldState scene = teeAt(bench, yaw);
+  const Eigen::Rotation2Dd turn(stemByTouch(bench, scene));
+  const auto surface = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& outward) {
+    const auto distance = touchDistance(bench, scene, scene.tee_position + turn * from, turn * outward, kInside, kFree);
+    if (!distance) {
+      throw std::runtime_error("the bar is not where the stem says");
+    }
+    return *distance;
+  };
+  const auto back = [&](double along) { return surface({along, 0.0}, {0.0, 1.0}); };
+  const auto middle = [&](double down) {
+    return 0.5 * (surface({0.0, -down}, {1.0, 0.0}) - surface({0.0, -down}, {-1.0, 0.0}));
+  };
+  const double right = back(kAside);
+  const double left = back(-kAside);
+  constexpr double kRound = 3e-3;  // [m]
+  const double more = back(0.0) - 0.5 * (right + left) > kRound ? std::atan2(middle(kDown) - middle(0.0), kDown)
+                                                                : std::atan2(right - left, 2.0 * kAside);
+  return pusht::wrapAngle(turn.angle() + more);
 }
 
 /// Unit, sense and zero of the yaw.
 void yaw(Bench& bench, Measurements& found) {
-  constexpr double kYaw = 0.15;  // [rad] so small that the stem is found even where the yaw has the other sense
-  const double plus = yawByTouch(bench, kYaw);
-  const double minus = yawByTouch(bench, -kYaw);
-  found.set(Property::kYawGain, (plus - minus) / (2.0 * kYaw));
-  found.set(Property::kYawOffset, 0.5 * (plus + minus));
+  constexpr double kYaw = 0.15;  // [rad]
+  found.set(Property::kYawOffset, yawByTouch(bench, 0.0));
+  found.set(Property::kYawGain, pusht::wrapAngle(yawByTouch(bench, kYaw) - yawByTouch(bench, -kYaw)) / (2.0 * kYaw));
 }
 
 /// Two control steps of a tee that moves: what it moved by, and what it should have by the velocities reported at their
@@ -135,6 +169,7 @@ struct Solution {
   Eigen::VectorXd values;
   Eigen::VectorXd errors;
   double residual;
+  double size;  ///< of what was wanted
 };
 
 Solution solve(const Eigen::MatrixXd& columns, const Eigen::VectorXd& wanted) {
@@ -142,7 +177,7 @@ Solution solve(const Eigen::MatrixXd& columns, const Eigen::VectorXd& wanted) {
   const double residual = (columns * values - wanted).norm();
   const double variance = residual * residual / static_cast<double>(columns.rows() - columns.cols());
   const Eigen::MatrixXd inverse = (columns.transpose() * columns).inverse();
-  return {values, (variance * inverse.diagonal()).cwiseSqrt(), residual};
+  return {values, (variance * inverse.diagonal()).cwiseSqrt(), residual, wanted.norm()};
 }
 
 /// Factor of the reported velocities, and factor times the distance of their point from the tee origin along body -y
@@ -158,6 +193,19 @@ Solution readingOf(const std::vector<Sample>& samples, bool in_body_axes) {
     values.segment<2>(row) = in_body_axes ? sample.by_body_velocity : sample.by_velocity;
   }
   return solve(columns, values);
+}
+
+/// [-] What is left of the reported velocities if they may be any linear map of the true ones.
+double leftOfAnyMap(const std::vector<Sample>& samples) {
+  const auto count = static_cast<Eigen::Index>(samples.size());
+  Eigen::MatrixXd columns(count, 4);
+  Eigen::MatrixXd values(count, 2);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    columns.row(row) << samples[i].displacement.transpose(), samples[i].turn_of_point.transpose();
+    values.row(row) = samples[i].by_velocity.transpose();
+  }
+  return (columns * columns.colPivHouseholderQr().solve(values) - values).norm() / values.norm();
 }
 
 /// Factor of the reported yaw rates.
@@ -187,6 +235,14 @@ void teeVelocities(Bench& bench, Measurements& found) {
   const Solution in_body = readingOf(samples, true);
   const bool table = in_table.residual <= in_body.residual;
   const Solution& reading = table ? in_table : in_body;
+  constexpr double kFits = 0.15;  // [-]
+  if (reading.residual > kFits * reading.size) {
+    if (leftOfAnyMap(samples) > kFits) {
+      throw std::runtime_error("reported velocities do not fit the motion in any axes");
+    }
+    found.set(Property::kTeeVelocityFrame, 2.0);
+    return;
+  }
   const double factor = reading.values[0];
   found.set(Property::kTeeVelocityFrame, table ? 0.0 : 1.0);
   found.set(Property::kTeeVelocityFactor, factor, uncertaintyOf(reading.errors[0], kOfFactor));

@@ -11,6 +11,7 @@ pusht::WorldState startFor(const Bench& bench, const Eigen::Vector2d& side) {
   constexpr double kLane = -0.24;       // [m] of the other coordinate; the tee is in the opposite corner
   pusht::WorldState start;
   start.tee_position = {0.2, 0.25};
+  start.tee_yaw = 0.5;  // what is in the tee's axes is not in the table's
   const bool along_x = std::abs(side.x()) > std::abs(side.y());
   const double place = kFromMiddle * (along_x ? side.x() : side.y()) / side.norm();
   start.pusher_position = along_x ? Eigen::Vector2d(place, kLane) : Eigen::Vector2d(kLane, place);
@@ -27,7 +28,7 @@ double travel(Bench& bench, const Eigen::Vector2d& axis, double velocity, double
 }
 
 double timeConstant(Bench& bench, const Eigen::Vector2d& axis) {
-  constexpr double kVelocity = 0.5;  // [m/s]
+  constexpr double kVelocity = 0.1;  // [m/s] within a servo limit of a fifteenth of the task's
   return travel(bench, axis, kVelocity, 0.0) / kVelocity;
 }
 

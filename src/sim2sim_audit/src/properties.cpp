@@ -27,9 +27,9 @@ const Properties kMotion = {P::kRestMotion, P::kSpeedGain};  // a command is a v
 const Properties kTime = kMotion + Properties{P::kControlStep, P::kDelay, P::kHold};
 const Properties kDirections = {P::kAxesTurn, P::kAxesMirror};
 /// Physics is measured through the contract: where that has errors, mend them and audit again.
-const Properties kContract =
-    kStarts + kReports + kYaw + kTeeVelocities + kTime + kDirections +
-    Properties{P::kOriginX, P::kOriginY, P::kPusherVelocityFactor, P::kActionScaleX, P::kActionScaleY};
+const Properties kContract = kStarts + kReports + kYaw + kTeeVelocities + kTime + kDirections +
+                             Properties{P::kOriginX,      P::kOriginY,      P::kPusherVelocityFactor, P::kActionScaleX,
+                                        P::kActionScaleY, P::kSmallCommand, P::kActionLimit};
 const Properties kPusherForces = {P::kServoGain, P::kServoLimit, P::kPusherDamping, P::kPusherMass};
 const Properties kTeeForces = {P::kTeeMass,       P::kCenterOfMass, P::kTeeMoment,    P::kTeeDamping,
                                P::kTeeYawDamping, P::kTeeFrictionX, P::kTeeFrictionY, P::kTeeYawFriction,
@@ -99,7 +99,8 @@ std::vector<PropertyDescription> describeAll() {
       {P::kTeeVelocityFactor, "tee_velocity_factor", "tee's velocity over its finite differences", "", kFrame, {0.03},
        false, 0.001, "unit of the tee's velocity, or what is divided by which time step",
        kReports + kYaw + kDirections + kTime},
-      {P::kTeeVelocityFrame, "tee_velocity_frame", "frame of the tee's velocity (0: table, 1: body)", "", kFrame,
+      {P::kTeeVelocityFrame, "tee_velocity_frame", "axes of the tee's velocity (0: the table's, 1: its own, 2: others)",
+       "", kFrame,
        {0.5}, false, 0.0002, "axes of the tee's velocity: the table's", kReports + kYaw + kDirections + kTime},
       {P::kTeeVelocityPoint, "tee_velocity_point", "point whose velocity is reported, from the tee origin", "m",
        kFrame, {3e-3}, false, 0.003, "point of the tee's velocity: the tee origin, not the center of mass",

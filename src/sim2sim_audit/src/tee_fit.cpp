@@ -60,7 +60,6 @@ std::vector<Observed> observeFreeTee(Bench& bench) {
   constexpr double kClear = 0.21;  // [m] from the middle: no corner reaches the walls
   std::vector<Observed> all;
   for (const WorldState& start : freeStarts(bench)) {
-    if (getenv("SLOW") && std::abs(start.tee_yaw_rate) > atof(getenv("SLOW"))) continue;
     const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, {0.0, 0.0}));
     Observed observed = {TeeMotion::of(states.front()), {}};
     for (std::size_t i = 1; i < states.size() && states[i].tee_position.norm() < kClear; ++i) {

@@ -26,8 +26,7 @@ class AgainstTask : public ::testing::TestWithParam<const pusht::SimulatorKind& 
 std::string nameOfKind(const ::testing::TestParamInfo<AgainstTask::ParamType>& info) { return info.param().name; }
 
 TEST_P(AgainstTask, DiffersOnlyWhereItsKindSaysSo) {
-  const Audit audit =
-      auditAgainstTask({kind_.title, kind_.load(kind_.defaults()).make_world, true, kind_.departures}, 0);
+  const Audit audit = auditAgainstTask({kind_.title, kind_.load(kind_.defaults()).make_world, kind_.departures}, 0);
   for (const Comparison& finding : audit.findings()) {
     EXPECT_TRUE(finding.is_declared) << causeOf(finding) << "\n" << textOf(audit);
   }
@@ -36,8 +35,7 @@ TEST_P(AgainstTask, DiffersOnlyWhereItsKindSaysSo) {
 
 /// A departure that the kind does not have, or that no audit knows, is no departure.
 TEST_P(AgainstTask, HasTheDeparturesThatItsKindDeclares) {
-  const Audit audit =
-      auditAgainstTask({kind_.title, kind_.load(kind_.defaults()).make_world, true, kind_.departures}, 0);
+  const Audit audit = auditAgainstTask({kind_.title, kind_.load(kind_.defaults()).make_world, kind_.departures}, 0);
   for (const std::string& departure : kind_.departures) {
     const auto declared = std::find_if(audit.comparisons.begin(), audit.comparisons.end(),
                                        [&](const Comparison& one) { return describe(one.property).key == departure; });

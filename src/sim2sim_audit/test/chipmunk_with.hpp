@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 
 #include "chipmunk_scene.hpp"
@@ -119,7 +120,7 @@ inline WorldFactory chipmunkOf() {
 class ChipmunkOfSubsteps : public pusht::Simulator {
  public:
   /// `held`: substeps after which the command becomes 0.
-  explicit ChipmunkOfSubsteps(int substeps, int held = pusht::kSubstepsPerControlStep)
+  explicit ChipmunkOfSubsteps(int substeps, int held = std::numeric_limits<int>::max())
       : Simulator("", pusht::ChipmunkWorld::kStartTolerance), substeps_(substeps), held_(held) {}
 
  private:

@@ -8,6 +8,7 @@
 #include <array>
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -99,7 +100,7 @@ inline void moveGeom(mjModel& model, const char* name, int axis, double distance
 class MujocoOfSubsteps : public pusht::Simulator {
  public:
   /// `held`: substeps after which the command becomes 0.
-  explicit MujocoOfSubsteps(int substeps, int held = pusht::kSubstepsPerControlStep)
+  explicit MujocoOfSubsteps(int substeps, int held = std::numeric_limits<int>::max())
       : Simulator("", pusht::MujocoWorld::kStartTolerance),
         substeps_(substeps),
         held_(held),

@@ -14,16 +14,19 @@ from scipy import stats  # type: ignore[import]
 from sim2sim_report.colors import DIM, SERIES
 from sim2sim_report.figures import NARROW, Figure, legend_above, styled
 
+from study_conduct import HOME, conduct_runs, policy_conduct
+
 NEAR = (0.1, 0.2)  # [m], [rad]: a failure within these of the goal ends near it
 LADDER_GAPS = ("mean_pos_divergence", "lost_success")
-HOME = "mujoco"
+SIGNIFICANT = 0.05  # after Holm
 Plan = Dict[str, Any]
 Row = Dict[str, Any]
 
 
 def write_findings(plan: Plan, work: Path, tables: Path) -> None:
-    """Writes groups.csv, curves.csv and .png, failures.csv, rankings.csv, ladder.csv and
-    ladder_ranks.csv; and figures.json, which has what docs/claims.yaml reads."""
+    """Writes groups.csv, curves.csv and .png, failures.csv, rankings.csv, ladder.csv,
+    ladder_ranks.csv, conduct.csv and predictions.csv; and figures.json, which has what
+    docs/claims.yaml reads."""
     matrix = json.loads((work / "matrix.json").read_text())
     groups = list(_group_rows(matrix))
     curve = list(_curve_rows(plan, groups))
@@ -38,6 +41,11 @@ def write_findings(plan: Plan, work: Path, tables: Path) -> None:
     ranks = _ladder_ranks(shares)
     _write(tables / "ladder.csv", ladder)
     _write(tables / "ladder_ranks.csv", ranks)
+    explored, tested = _conduct(plan, work)
+    conduct = [*_conduct_rows("explored", explored), *_conduct_rows("tested", tested)]
+    predictions = _prediction_rows(plan["conduct"]["predictions"], tested)
+    _write(tables / "conduct.csv", conduct)
+    _write(tables / "predictions.csv", predictions)
     figures = {
         "hypotheses": {h["name"].partition(" ")[0]: h for h in matrix["hypotheses"]},
         "groups": _by(groups, "group", "simulator"),
@@ -45,6 +53,8 @@ def write_findings(plan: Plan, work: Path, tables: Path) -> None:
         "rankings": _by(rankings, "there", "figure"),
         "ladder": _by(ladder, "gap", "group", "switch"),
         "ladder_ranks": _by(ranks, "gap", "policies of"),
+        "conduct": _by(conduct, "trainings", "group", "simulator", "figure"),
+        "predictions": _by(predictions, "prediction"),
         "spread": {name: _spread_of(work / f"{name}.json") for name in plan["matrices"]},
     }
     text = json.dumps(figures, indent=1, sort_keys=True) + "\n"
@@ -283,3 +293,61 @@ def _ladder_ranks(shares: Shares) -> List[Row]:
             counted: Row = {"gap": gap, "policies of": name, "policies": len(policies)}
             rows.append({**counted, "kendall_w": w, "p": p})
     return rows
+
+
+Conduct = Dict[Tuple[str, str, str], List[float]]  # by group, simulator, figure; a training each
+
+
+def _conduct(plan: Plan, work: Path) -> Tuple[Conduct, Conduct]:
+    """What policies do, of the trainings that were explored, and of those that the predictions are
+    tested on."""
+    explored: Conduct = {}
+    tested: Conduct = {}
+    part = plan["conduct"]
+    for group, seed, name in conduct_runs(plan):
+        conduct = explored if seed < plan["first_seed"] + part["explored"] else tested
+        found = policy_conduct(work / "conduct" / name, part["engine"])
+        for (simulator, figure), value in found.items():
+            conduct.setdefault((group, simulator, figure), []).append(value)
+    return explored, tested
+
+
+def _conduct_rows(trainings: str, conduct: Conduct) -> Iterator[Row]:
+    for (group, simulator, figure), values in conduct.items():
+        names = {"trainings": trainings, "group": group, "simulator": simulator, "figure": figure}
+        yield {**names, "policies": len(values), **_mean(values)}
+
+
+def _prediction_rows(predictions: Row, conduct: Conduct) -> List[Row]:
+    """The difference of two groups that each prediction is about, and its verdict after Holm."""
+    rows: List[Row] = []
+    for name, asked in predictions.items():
+        more, less = (conduct[asked[s], asked["in"], asked["figure"]] for s in ("more", "less"))
+        enough = min(len(more), len(less)) > 1
+        p = float("nan")
+        if asked.get("paired"):  # the same trainings
+            found = _mean(np.subtract(more, less))
+            p = float(stats.ttest_rel(more, less).pvalue) if enough else p
+        else:
+            found = _difference(more, less)
+            p = float(stats.ttest_ind(more, less, equal_var=False).pvalue) if enough else p
+        of = {"prediction": name.partition(" ")[0], "says": name.partition(" ")[2]}
+        side = {"side": asked["side"], "policies": len(more) + len(less)}
+        rows.append({**of, **side, **found, "p": p})
+    for row, adjusted in zip(rows, _holm([row["p"] for row in rows])):
+        is_expected = (row["mean"] > 0.0) == (row["side"] == "above")
+        verdict = "holds" if is_expected else "contradicted"
+        row["adjusted_p"] = adjusted
+        row["verdict"] = verdict if adjusted < SIGNIFICANT else "not shown"
+    return rows
+
+
+def _holm(p: Sequence[float]) -> List[float]:
+    """Adjusted p-values. One that is NaN, of what cannot be tested, counts as 1."""
+    known = [1.0 if math.isnan(value) else value for value in p]
+    adjusted = list(known)
+    most = 0.0
+    for rank, index in enumerate(sorted(range(len(known)), key=lambda i: known[i])):
+        most = max(most, min(1.0, (len(known) - rank) * known[index]))
+        adjusted[index] = most
+    return adjusted

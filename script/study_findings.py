@@ -25,8 +25,8 @@ Row = Dict[str, Any]
 
 def write_findings(plan: Plan, work: Path, tables: Path) -> None:
     """Writes groups.csv, curves.csv and .png, failures.csv, rankings.csv, ladder.csv,
-    ladder_ranks.csv, conduct.csv and predictions.csv; and figures.json, which has what
-    docs/claims.yaml reads."""
+    ladder_ranks.csv, variants.csv, conduct.csv and predictions.csv; and figures.json, which has
+    what docs/claims.yaml reads."""
     matrix = json.loads((work / "matrix.json").read_text())
     groups = list(_group_rows(matrix))
     curve = list(_curve_rows(plan, groups))
@@ -41,6 +41,8 @@ def write_findings(plan: Plan, work: Path, tables: Path) -> None:
     ranks = _ladder_ranks(shares)
     _write(tables / "ladder.csv", ladder)
     _write(tables / "ladder_ranks.csv", ranks)
+    variants = list(_variant_rows(json.loads((work / "variants.json").read_text())))
+    _write(tables / "variants.csv", variants)
     explored, tested = _conduct(plan, work)
     conduct = [*_conduct_rows("explored", explored), *_conduct_rows("tested", tested)]
     predictions = _prediction_rows(plan["conduct"]["predictions"], tested)
@@ -53,6 +55,7 @@ def write_findings(plan: Plan, work: Path, tables: Path) -> None:
         "rankings": _by(rankings, "there", "figure"),
         "ladder": _by(ladder, "gap", "group", "switch"),
         "ladder_ranks": _by(ranks, "gap", "policies of"),
+        "variants": _by(variants, "simulator", "figure", "policies of"),
         "conduct": _by(conduct, "trainings", "group", "simulator", "figure"),
         "predictions": _by(predictions, "prediction"),
         "spread": {name: _spread_of(work / f"{name}.json") for name in plan["matrices"]},
@@ -267,11 +270,15 @@ def _ladder_shares(plan: Plan, work: Path) -> Shares:
 
 
 def _ladder_rows(shares: Shares) -> List[Row]:
-    return [
-        {"group": group, "gap": gap, "switch": switch, **_mean([s[switch] for s in policies])}
-        for (group, gap), policies in shares.items()
-        for switch in policies[0]
-    ]
+    """Mean share of each switch over the policies of a group, and of all switches: the gap."""
+    rows: List[Row] = []
+    for (group, gap), policies in shares.items():
+        for switch in policies[0]:
+            found = _mean([policy[switch] for policy in policies])
+            rows.append({"group": group, "gap": gap, "switch": switch, **found})
+        gaps = [sum(policy.values()) for policy in policies]
+        rows.append({"group": group, "gap": gap, "switch": "all", **_mean(gaps)})
+    return rows
 
 
 def _ladder_ranks(shares: Shares) -> List[Row]:
@@ -293,6 +300,30 @@ def _ladder_ranks(shares: Shares) -> List[Row]:
             counted: Row = {"gap": gap, "policies of": name, "policies": len(policies)}
             rows.append({**counted, "kendall_w": w, "p": p})
     return rows
+
+
+def _variant_rows(matrix: Row) -> Iterator[Row]:
+    """How much success differs from that in the home, and in how many episodes the outcome is the
+    same, for policies of all groups and of each."""
+    names = [simulator["name"] for simulator in matrix["simulators"]]
+    home = names.index(HOME)
+    for there, name in enumerate(names):
+        if there == home:
+            continue
+        differences: Dict[str, List[float]] = {"all": []}
+        alike: Dict[str, List[float]] = {"all": []}
+        for policy in matrix["policies"]:
+            won, won_home = (
+                np.array(list(policy["cells"][s]["success_by_episode"])) == "1"
+                for s in (there, home)
+            )
+            for group in ("all", policy["group"]):
+                differences.setdefault(group, []).append(float(won.mean() - won_home.mean()))
+                alike.setdefault(group, []).append(float(np.mean(won == won_home)))
+        for figure, found in (("success_difference", differences), ("alike", alike)):
+            for group, values in found.items():
+                of = {"simulator": name, "figure": figure, "policies of": group}
+                yield {**of, "policies": len(values), **_mean(values)}
 
 
 Conduct = Dict[Tuple[str, str, str], List[float]]  # by group, simulator, figure; a training each

@@ -89,6 +89,19 @@ def ladder(*policies: Sequence[float]) -> List[Dict[str, float]]:
     return [dict(zip("abcdefgh", shares)) for shares in policies]
 
 
+class LadderRows(FindingsCase):
+    def test_shares_are_means_over_policies_and_all_are_the_gap(self) -> None:
+        policies = ladder([0.25, 0.5], [0.75, 0.5])
+        rows = findings._ladder_rows({("g", POSITION): policies, ("h", LOST): policies[:1]})
+        named = [(row.pop("group"), row.pop("gap"), row.pop("switch")) for row in rows]
+        of = [("g", POSITION), ("h", LOST)]
+        self.assertEqual(named, [(*key, switch) for key in of for switch in ("a", "b", "all")])
+        self.assert_interval(rows[0], 0.5, T[1] * 0.25)
+        self.assert_interval(rows[1], 0.5, 0.0)
+        self.assert_interval(rows[2], 1.0, T[1] * 0.25)
+        self.assertEqual(rows[5], {"mean": 0.75, "low": "", "high": ""})
+
+
 class LadderRanks(unittest.TestCase):
     def assert_rank(self, row: Dict[str, Any], name: str, count: int, w: float, p: float) -> None:
         self.assertEqual(row["policies of"], name)
@@ -385,6 +398,31 @@ class RankingRows(unittest.TestCase):
         self.assertEqual([row["there"] for row in rows], 6 * ["two_mass"] + 6 * ["chipmunk"])
         self.assertEqual(rows[6]["value"], 0.3)
         self.assertEqual({row["policies"] for row in rows}, {9})
+
+
+class VariantRows(FindingsCase):
+    def test_success_is_held_against_that_at_home(self) -> None:
+        # Differences of success: 0, 0.5 and 0.25; outcomes alike: 0.5, 0.5 and 0.75.
+        outcomes = (("a", "1010", "1001"), ("a", "1100", "0000"), ("b", "1111", "0111"))
+        matrix = {
+            "simulators": [{"name": "elliptic"}, {"name": findings.HOME}],
+            "policies": [
+                {"group": group, "cells": [{"success_by_episode": s} for s in cells]}
+                for group, *cells in outcomes
+            ],
+        }
+        rows = {(r.pop("figure"), r.pop("policies of")): r for r in findings._variant_rows(matrix)}
+        for key, count, mean, half in (
+            (("success_difference", "all"), 3, 0.25, T[2] * math.sqrt(1 / 48)),
+            (("success_difference", "a"), 2, 0.25, T[1] * 0.25),
+            (("alike", "all"), 3, 7 / 12, T[2] / 12),
+            (("alike", "a"), 2, 0.5, 0.0),
+        ):
+            row = rows.pop(key)
+            self.assertEqual((row.pop("simulator"), row.pop("policies")), ("elliptic", count))
+            self.assert_interval(row, mean, half)
+        self.assertEqual(rows["success_difference", "b"]["mean"], 0.25)
+        self.assertEqual(set(rows), {("success_difference", "b"), ("alike", "b")})
 
 
 class FailureCase(FindingsCase):

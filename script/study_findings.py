@@ -270,14 +270,26 @@ def _ladder_shares(plan: Plan, work: Path) -> Shares:
 
 
 def _ladder_rows(shares: Shares) -> List[Row]:
-    """Mean share of each switch over the policies of a group, and of all switches: the gap."""
+    """Mean share of each switch over the policies of a group, and of all switches, which is the
+    gap; and what each group's is beyond that of the group before."""
+    columns = {
+        key: {
+            **{switch: [policy[switch] for policy in policies] for switch in policies[0]},
+            "all": [sum(policy.values()) for policy in policies],
+        }
+        for key, policies in shares.items()
+    }
     rows: List[Row] = []
-    for (group, gap), policies in shares.items():
-        for switch in policies[0]:
-            found = _mean([policy[switch] for policy in policies])
-            rows.append({"group": group, "gap": gap, "switch": switch, **found})
-        gaps = [sum(policy.values()) for policy in policies]
-        rows.append({"group": group, "gap": gap, "switch": "all", **_mean(gaps)})
+    for (group, gap), column in columns.items():
+        for switch, values in column.items():
+            rows.append({"group": group, "gap": gap, "switch": switch, **_mean(values)})
+    for gap in dict.fromkeys(gap for _, gap in columns):
+        groups = [group for group, of in columns if of == gap]
+        for less, more in zip(groups, groups[1:]):
+            for switch, values in columns[more, gap].items():
+                found = _difference(values, columns[less, gap][switch])
+                name = f"{more} less {less}"
+                rows.append({"group": name, "gap": gap, "switch": switch, **found})
     return rows
 
 

@@ -101,6 +101,18 @@ class LadderRows(FindingsCase):
         self.assert_interval(rows[2], 1.0, T[1] * 0.25)
         self.assertEqual(rows[5], {"mean": 0.75, "low": "", "high": ""})
 
+    def test_groups_are_held_against_each_other(self) -> None:
+        shares = {
+            ("g", POSITION): ladder([0.25, 0.5], [0.75, 0.5]),
+            ("g", LOST): ladder([0.0, 0.0]),
+            ("h", POSITION): ladder([1.0, -1.0], [1.0, 0.0]),
+        }
+        rows = findings._ladder_rows(shares)[9:]
+        named = [(row.pop("group"), row.pop("gap"), row.pop("switch")) for row in rows]
+        self.assertEqual(named, [("h less g", POSITION, s) for s in ("a", "b", "all")])
+        self.assert_interval(rows[0], 0.5, T[1] * 0.25)
+        self.assert_interval(rows[1], -1.0, T[1] * 0.5)
+
 
 class LadderRanks(unittest.TestCase):
     def assert_rank(self, row: Dict[str, Any], name: str, count: int, w: float, p: float) -> None:

@@ -252,6 +252,13 @@ def _difference(more: Sequence[float], less: Sequence[float]) -> Row:
     return {"mean": mean, "low": float(mean - half), "high": float(mean + half)}
 
 
+def _difference_p(more: Sequence[float], less: Sequence[float]) -> float:
+    """p of no difference, after Welch; NaN where it has no interval, or no spread."""
+    if min(len(more), len(less)) < 2 or max(np.ptp(more), np.ptp(less)) == 0.0:
+        return math.nan
+    return float(stats.ttest_ind(more, less, equal_var=False).pvalue)
+
+
 Shares = Dict[Tuple[str, str], List[Dict[str, float]]]  # by group and gap; a policy each
 
 
@@ -283,14 +290,22 @@ def _ladder_rows(shares: Shares) -> List[Row]:
     for (group, gap), column in columns.items():
         for switch, values in column.items():
             rows.append({"group": group, "gap": gap, "switch": switch, **_mean(values)})
+    compared: List[Row] = []
     for gap in dict.fromkeys(gap for _, gap in columns):
         groups = [group for group, of in columns if of == gap]
         for less, more in zip(groups, groups[1:]):
             for switch, values in columns[more, gap].items():
                 found = _difference(values, columns[less, gap][switch])
-                name = f"{more} less {less}"
-                rows.append({"group": name, "gap": gap, "switch": switch, **found})
-    return rows
+                p = _difference_p(values, columns[less, gap][switch])
+                named = {"group": f"{more} less {less}", "gap": gap, "switch": switch}
+                compared.append({**named, **found, "p": p})
+    switches = [row for row in compared if row["switch"] != "all"]
+    for row, adjusted in zip(switches, _holm([row["p"] for row in switches])):
+        row["adjusted_p"] = adjusted
+    return [
+        {**row, **{key: row.get(key, "") for key in ("p", "adjusted_p")}}
+        for row in [*rows, *compared]
+    ]
 
 
 def _ladder_ranks(shares: Shares) -> List[Row]:
@@ -366,14 +381,12 @@ def _prediction_rows(predictions: Row, conduct: Conduct) -> List[Row]:
     rows: List[Row] = []
     for name, asked in predictions.items():
         more, less = (conduct[asked[s], asked["in"], asked["figure"]] for s in ("more", "less"))
-        enough = min(len(more), len(less)) > 1
-        p = float("nan")
         if asked.get("paired"):  # the same trainings
             found = _mean(np.subtract(more, less))
-            p = float(stats.ttest_rel(more, less).pvalue) if enough else p
+            p = float(stats.ttest_rel(more, less).pvalue) if len(more) > 1 else math.nan
         else:
             found = _difference(more, less)
-            p = float(stats.ttest_ind(more, less, equal_var=False).pvalue) if enough else p
+            p = _difference_p(more, less)
         of = {"prediction": name.partition(" ")[0], "says": name.partition(" ")[2]}
         side = {"side": asked["side"], "policies": len(more) + len(less)}
         rows.append({**of, **side, **found, "p": p})

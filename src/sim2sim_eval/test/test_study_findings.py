@@ -93,6 +93,7 @@ class LadderRows(FindingsCase):
     def test_shares_are_means_over_policies_and_all_are_the_gap(self) -> None:
         policies = ladder([0.25, 0.5], [0.75, 0.5])
         rows = findings._ladder_rows({("g", POSITION): policies, ("h", LOST): policies[:1]})
+        self.assertEqual({(row.pop("p"), row.pop("adjusted_p")) for row in rows}, {("", "")})
         named = [(row.pop("group"), row.pop("gap"), row.pop("switch")) for row in rows]
         of = [("g", POSITION), ("h", LOST)]
         self.assertEqual(named, [(*key, switch) for key in of for switch in ("a", "b", "all")])
@@ -103,15 +104,25 @@ class LadderRows(FindingsCase):
 
     def test_groups_are_held_against_each_other(self) -> None:
         shares = {
-            ("g", POSITION): ladder([0.25, 0.5], [0.75, 0.5]),
+            ("g", POSITION): ladder([0.25, 0.5], [0.75, 1.0]),
             ("g", LOST): ladder([0.0, 0.0]),
-            ("h", POSITION): ladder([1.0, -1.0], [1.0, 0.0]),
+            ("h", POSITION): ladder([1.25, 0.0], [1.75, 0.5]),
         }
         rows = findings._ladder_rows(shares)[9:]
         named = [(row.pop("group"), row.pop("gap"), row.pop("switch")) for row in rows]
         self.assertEqual(named, [("h less g", POSITION, s) for s in ("a", "b", "all")])
-        self.assert_interval(rows[0], 0.5, T[1] * 0.25)
-        self.assert_interval(rows[1], -1.0, T[1] * 0.5)
+        # Variances 1 / 8 each: standard error sqrt(1 / 8), 2 degrees of freedom, with which the
+        # p of t is 1 - t / sqrt(2 + t^2): t is sqrt(8) and -sqrt(2).
+        p = [row.pop("p") for row in rows][:2]
+        self.assertAlmostEqual(p[0], 1 - math.sqrt(0.8))
+        self.assertAlmostEqual(p[1], 1 - math.sqrt(0.5))
+        adjusted = [row.pop("adjusted_p") for row in rows]  # of the switches, not of their sum
+        self.assertAlmostEqual(adjusted[0], 2 * p[0])
+        self.assertAlmostEqual(adjusted[1], p[1])
+        self.assertEqual(adjusted[2], "")
+        self.assert_interval(rows[0], 1.0, T[2] * math.sqrt(1 / 8))
+        self.assert_interval(rows[1], -0.5, T[2] * math.sqrt(1 / 8))
+        self.assertAlmostEqual(rows[2]["mean"], 0.5)
 
 
 class LadderRanks(unittest.TestCase):

@@ -382,7 +382,7 @@ def _prediction_rows(predictions: Row, conduct: Conduct) -> List[Row]:
     for name, asked in predictions.items():
         more, less = (conduct[asked[s], asked["in"], asked["figure"]] for s in ("more", "less"))
         if asked.get("paired"):  # the same trainings
-            found = _mean(np.subtract(more, less))
+            found = _mean([a - b for a, b in zip(more, less)])
             p = float(stats.ttest_rel(more, less).pvalue) if len(more) > 1 else math.nan
         else:
             found = _difference(more, less)

@@ -60,8 +60,10 @@ class Study(CommandCase):
 
     def test_ends_with_the_same_bytes_after_kills(self) -> None:
         whole = self.finish("whole")
-        csv = ("matrix", "groups", "curves", "failures", "rankings", "ladder", "ladder_ranks")
-        csv += ("variants", "conduct", "predictions")
+        csv = [
+            *("matrix", "groups", "curves", "failures", "rankings", "ladder", "ladder_ranks"),
+            *("variants", "conduct", "predictions"),
+        ]
         txt = ("matrix", "recipes", "rankings", "variants")
         names = {
             "curves.png",

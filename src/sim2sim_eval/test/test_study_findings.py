@@ -330,7 +330,7 @@ class Predictions(FindingsCase):
     A, B, C = [6.0, 7, 8, 9, 10], [1.0, 2, 3, 4, 5], [6.0, 7, 8, 9, 11]
 
     def row(self, more: Sequence[float], less: Sequence[float], **asked: Any) -> Dict[str, Any]:
-        found = {("more", "two_mass", "contact"): more, ("less", "two_mass", "contact"): less}
+        found = {(s, "two_mass", "contact"): [*v] for s, v in (("more", more), ("less", less))}
         of = {"figure": "contact", "in": "two_mass", "more": "more", "less": "less", **asked}
         rows = findings._prediction_rows({"P1 all is well": of}, found)
         self.assertEqual(len(rows), 1)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs the study over policies: demonstrations, trainings, the sweep of every policy in every
-simulator, its matrix, and the ladder of some policies. docs/study/plan.md says why.
+simulator, its matrix, and the ladder and the conduct of some policies. docs/study/plan.md says why.
 
 Every step keeps what is finished, so a study that was interrupted goes on where it was when it is
 started again, and ends with the same bytes.
@@ -17,6 +17,7 @@ from pusht_task.command import OneLineParser, run_command
 from pusht_task.error import Error, ExitCode
 from pusht_task.files import write_file
 
+from study_conduct import SLOWER, conduct_runs, is_whole, write_slower
 from study_findings import first_policies, write_findings
 
 STUDY = Path(__file__).resolve().parents[1] / "docs" / "study"
@@ -142,6 +143,24 @@ def ladder(plan: Plan, work: Path) -> None:
         ros(work, "sim2sim_eval", "attribute", f"ladder-{name}", "--overwrite")
 
 
+def conduct(plan: Plan, work: Path) -> None:
+    """Traces of policies at home and in an engine; of some of them slowed down, too."""
+    part = plan["conduct"]
+    (work / "conduct").mkdir(exist_ok=True)
+    wanted = ["--engine", part["engine"], "--no-floor", "--traces"]
+    wanted += ["--episodes", part["episodes"], "--first-episode", plan["first_episode"]]
+    for group, seed, name in conduct_runs(plan):
+        if is_whole(work / "conduct" / name):
+            continue
+        policy = f"{name}.ts.pt"
+        if group.startswith(SLOWER):
+            policy = f"conduct/{name}.ts.pt"
+            original = work / f"{part['slower']['group']}-{seed}.ts.pt"
+            write_slower(original, work / policy, part["slower"]["factor"])
+        out = ["--overwrite", "--out", f"conduct/{name}"]
+        ros(work, "sim2sim_eval", "compare", "--policy", policy, *wanted, *out)
+
+
 def matrices(plan: Plan, work: Path, tables: Path) -> None:
     """The matrix as text: of all groups, of those that differ in one thing, of those that are
     ranked, and of the variants. Its JSON stays in the work folder, for the findings."""
@@ -183,6 +202,7 @@ def smallest(plan: Plan) -> Plan:
     plan["matrices"] = {"recipes": ["small-mujoco", "shipped-mujoco"]}
     plan["variants"].update(policies=1, episodes=1, engines=plan["variants"]["engines"][:1])
     plan["ladder"].update(policies=1, episodes=1, switches=plan["ladder"]["switches"][:3])
+    plan["conduct"].update(episodes=1, explored=0)
     return plan
 
 
@@ -190,7 +210,7 @@ def study(plan: Plan, work: Path, tables: Path) -> None:
     work.mkdir(parents=True, exist_ok=True)
     tables.mkdir(parents=True, exist_ok=True)
     keep_plan(plan, work)
-    for step in (demonstrate, train, sweep_policies, sweep_variants, ladder):
+    for step in (demonstrate, train, sweep_policies, sweep_variants, ladder, conduct):
         step(plan, work)
     matrices(plan, work, tables)
     write_findings(plan, work, tables)

@@ -14,16 +14,19 @@ from scipy import stats  # type: ignore[import]
 from sim2sim_report.colors import DIM, SERIES
 from sim2sim_report.figures import NARROW, Figure, legend_above, styled
 
+from study_conduct import HOME, conduct_runs, policy_conduct
+
 NEAR = (0.1, 0.2)  # [m], [rad]: a failure within these of the goal ends near it
 LADDER_GAPS = ("mean_pos_divergence", "lost_success")
-HOME = "mujoco"
+SIGNIFICANT = 0.05  # after Holm
 Plan = Dict[str, Any]
 Row = Dict[str, Any]
 
 
 def write_findings(plan: Plan, work: Path, tables: Path) -> None:
-    """Writes groups.csv, curves.csv and .png, failures.csv, rankings.csv, ladder.csv and
-    ladder_ranks.csv; and figures.json, which has what docs/claims.yaml reads."""
+    """Writes groups.csv, curves.csv and .png, failures.csv, rankings.csv, ladder.csv,
+    ladder_ranks.csv, variants.csv, conduct.csv and predictions.csv; and figures.json, which has
+    what docs/claims.yaml reads."""
     matrix = json.loads((work / "matrix.json").read_text())
     groups = list(_group_rows(matrix))
     curve = list(_curve_rows(plan, groups))
@@ -38,6 +41,13 @@ def write_findings(plan: Plan, work: Path, tables: Path) -> None:
     ranks = _ladder_ranks(shares)
     _write(tables / "ladder.csv", ladder)
     _write(tables / "ladder_ranks.csv", ranks)
+    variants = list(_variant_rows(json.loads((work / "variants.json").read_text())))
+    _write(tables / "variants.csv", variants)
+    explored, tested = _conduct(plan, work)
+    conduct = [*_conduct_rows("explored", explored), *_conduct_rows("tested", tested)]
+    predictions = _prediction_rows(plan["conduct"]["predictions"], tested)
+    _write(tables / "conduct.csv", conduct)
+    _write(tables / "predictions.csv", predictions)
     figures = {
         "hypotheses": {h["name"].partition(" ")[0]: h for h in matrix["hypotheses"]},
         "groups": _by(groups, "group", "simulator"),
@@ -45,6 +55,9 @@ def write_findings(plan: Plan, work: Path, tables: Path) -> None:
         "rankings": _by(rankings, "there", "figure"),
         "ladder": _by(ladder, "gap", "group", "switch"),
         "ladder_ranks": _by(ranks, "gap", "policies of"),
+        "variants": _by(variants, "simulator", "figure", "policies of"),
+        "conduct": _by(conduct, "trainings", "group", "simulator", "figure"),
+        "predictions": _by(predictions, "prediction"),
         "spread": {name: _spread_of(work / f"{name}.json") for name in plan["matrices"]},
     }
     text = json.dumps(figures, indent=1, sort_keys=True) + "\n"
@@ -239,6 +252,13 @@ def _difference(more: Sequence[float], less: Sequence[float]) -> Row:
     return {"mean": mean, "low": float(mean - half), "high": float(mean + half)}
 
 
+def _difference_p(more: Sequence[float], less: Sequence[float]) -> float:
+    """p of no difference, after Welch; NaN where it has no interval, or no spread."""
+    if min(len(more), len(less)) < 2 or max(np.ptp(more), np.ptp(less)) == 0.0:
+        return math.nan
+    return float(stats.ttest_ind(more, less, equal_var=False).pvalue)
+
+
 Shares = Dict[Tuple[str, str], List[Dict[str, float]]]  # by group and gap; a policy each
 
 
@@ -257,10 +277,34 @@ def _ladder_shares(plan: Plan, work: Path) -> Shares:
 
 
 def _ladder_rows(shares: Shares) -> List[Row]:
+    """Mean share of each switch over the policies of a group, and of all switches, which is the
+    gap; and what each group's is beyond that of the group before."""
+    columns = {
+        key: {
+            **{switch: [policy[switch] for policy in policies] for switch in policies[0]},
+            "all": [sum(policy.values()) for policy in policies],
+        }
+        for key, policies in shares.items()
+    }
+    rows: List[Row] = []
+    for (group, gap), column in columns.items():
+        for switch, values in column.items():
+            rows.append({"group": group, "gap": gap, "switch": switch, **_mean(values)})
+    compared: List[Row] = []
+    for gap in dict.fromkeys(gap for _, gap in columns):
+        groups = [group for group, of in columns if of == gap]
+        for less, more in zip(groups, groups[1:]):
+            for switch, values in columns[more, gap].items():
+                found = _difference(values, columns[less, gap][switch])
+                p = _difference_p(values, columns[less, gap][switch])
+                named = {"group": f"{more} less {less}", "gap": gap, "switch": switch}
+                compared.append({**named, **found, "p": p})
+    switches = [row for row in compared if row["switch"] != "all"]
+    for row, adjusted in zip(switches, _holm([row["p"] for row in switches])):
+        row["adjusted_p"] = adjusted
     return [
-        {"group": group, "gap": gap, "switch": switch, **_mean([s[switch] for s in policies])}
-        for (group, gap), policies in shares.items()
-        for switch in policies[0]
+        {**row, **{key: row.get(key, "") for key in ("p", "adjusted_p")}}
+        for row in [*rows, *compared]
     ]
 
 
@@ -283,3 +327,83 @@ def _ladder_ranks(shares: Shares) -> List[Row]:
             counted: Row = {"gap": gap, "policies of": name, "policies": len(policies)}
             rows.append({**counted, "kendall_w": w, "p": p})
     return rows
+
+
+def _variant_rows(matrix: Row) -> Iterator[Row]:
+    """How much success differs from that in the home, and in how many episodes the outcome is the
+    same, for policies of all groups and of each."""
+    names = [simulator["name"] for simulator in matrix["simulators"]]
+    home = names.index(HOME)
+    for there, name in enumerate(names):
+        if there == home:
+            continue
+        differences: Dict[str, List[float]] = {"all": []}
+        alike: Dict[str, List[float]] = {"all": []}
+        for policy in matrix["policies"]:
+            won, won_home = (
+                np.array(list(policy["cells"][s]["success_by_episode"])) == "1"
+                for s in (there, home)
+            )
+            for group in ("all", policy["group"]):
+                differences.setdefault(group, []).append(float(won.mean() - won_home.mean()))
+                alike.setdefault(group, []).append(float(np.mean(won == won_home)))
+        for figure, found in (("success_difference", differences), ("alike", alike)):
+            for group, values in found.items():
+                of = {"simulator": name, "figure": figure, "policies of": group}
+                yield {**of, "policies": len(values), **_mean(values)}
+
+
+Conduct = Dict[Tuple[str, str, str], List[float]]  # by group, simulator, figure; a training each
+
+
+def _conduct(plan: Plan, work: Path) -> Tuple[Conduct, Conduct]:
+    """What policies do, of the trainings that were explored, and of those that the predictions are
+    tested on."""
+    explored: Conduct = {}
+    tested: Conduct = {}
+    part = plan["conduct"]
+    for group, seed, name in conduct_runs(plan):
+        conduct = explored if seed < plan["first_seed"] + part["explored"] else tested
+        found = policy_conduct(work / "conduct" / name, part["engine"])
+        for (simulator, figure), value in found.items():
+            conduct.setdefault((group, simulator, figure), []).append(value)
+    return explored, tested
+
+
+def _conduct_rows(trainings: str, conduct: Conduct) -> Iterator[Row]:
+    for (group, simulator, figure), values in conduct.items():
+        names = {"trainings": trainings, "group": group, "simulator": simulator, "figure": figure}
+        yield {**names, "policies": len(values), **_mean(values)}
+
+
+def _prediction_rows(predictions: Row, conduct: Conduct) -> List[Row]:
+    """The difference of two groups that each prediction is about, and its verdict after Holm."""
+    rows: List[Row] = []
+    for name, asked in predictions.items():
+        more, less = (conduct[asked[s], asked["in"], asked["figure"]] for s in ("more", "less"))
+        if asked.get("paired"):  # the same trainings
+            found = _mean([a - b for a, b in zip(more, less)])
+            p = float(stats.ttest_rel(more, less).pvalue) if len(more) > 1 else math.nan
+        else:
+            found = _difference(more, less)
+            p = _difference_p(more, less)
+        of = {"prediction": name.partition(" ")[0], "says": name.partition(" ")[2]}
+        side = {"side": asked["side"], "policies": len(more) + len(less)}
+        rows.append({**of, **side, **found, "p": p})
+    for row, adjusted in zip(rows, _holm([row["p"] for row in rows])):
+        is_expected = (row["mean"] > 0.0) == (row["side"] == "above")
+        verdict = "holds" if is_expected else "contradicted"
+        row["adjusted_p"] = adjusted
+        row["verdict"] = verdict if adjusted < SIGNIFICANT else "not shown"
+    return rows
+
+
+def _holm(p: Sequence[float]) -> List[float]:
+    """Adjusted p-values. One that is NaN, of what cannot be tested, counts as 1."""
+    known = [1.0 if math.isnan(value) else value for value in p]
+    adjusted = list(known)
+    most = 0.0
+    for rank, index in enumerate(sorted(range(len(known)), key=lambda i: known[i])):
+        most = max(most, min(1.0, (len(known) - rank) * known[index]))
+        adjusted[index] = most
+    return adjusted

@@ -18,7 +18,11 @@ ROOT = Path(__file__).resolve().parents[3]
 STUDY = ROOT / "docs" / "study"
 DEADLINE = 600.0  # s: eight trainings, each a process
 # Files after which a study is killed, in the middle of a step each.
-KILLS = ("small-mujoco_2000-100.ts.pt", "matrix/rows/010/metrics.json")
+KILLS = (
+    "small-mujoco_2000-100.ts.pt",
+    "matrix/rows/010/metrics.json",
+    "conduct/small-mujoco-100/metrics.json",
+)
 
 
 class Study(CommandCase):
@@ -56,7 +60,10 @@ class Study(CommandCase):
 
     def test_ends_with_the_same_bytes_after_kills(self) -> None:
         whole = self.finish("whole")
-        csv = ("matrix", "groups", "curves", "failures", "rankings", "ladder", "ladder_ranks")
+        csv = [
+            *("matrix", "groups", "curves", "failures", "rankings", "ladder", "ladder_ranks"),
+            *("variants", "conduct", "predictions"),
+        ]
         txt = ("matrix", "recipes", "rankings", "variants")
         names = {
             "curves.png",
@@ -106,6 +113,20 @@ class Study(CommandCase):
             self.assertLessEqual(set(plan[part]["groups"]), groups)
         self.assertLessEqual(set(plan["rankings"]), groups)
         self.assertLessEqual(set(plan["failures"].values()), groups)
+        self.assertLessEqual(set(plan["conduct"]["groups"]), groups)
+        self.assertIn(plan["conduct"]["slower"]["group"], groups)
+
+    def test_predictions_are_about_what_is_measured(self) -> None:
+        plan: Dict[str, Any] = yaml.safe_load((STUDY / "study.yaml").read_text())["conduct"]
+        page = (STUDY / "plan.md").read_text(encoding="utf-8")
+        groups = {*plan["groups"], f"slower-{plan['slower']['group']}"}
+        for name, prediction in plan["predictions"].items():
+            with self.subTest(name):
+                number, words = name.split(" ", 1)
+                self.assertIn(f"| {number} | {words} |", page)
+                self.assertLessEqual({prediction["more"], prediction["less"]}, groups)
+                self.assertIn(prediction["in"], ("mujoco", plan["engine"]))
+                self.assertIn(f"| {prediction['side']} 0 |", page)
 
 
 if __name__ == "__main__":

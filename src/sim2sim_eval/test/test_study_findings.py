@@ -9,9 +9,12 @@ import unittest
 from pathlib import Path
 from typing import Any, Dict, List, Sequence, Tuple
 
+import numpy as np
+from pusht_task import task
 from scipy import stats  # type: ignore[import]
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "script"))
+import study_conduct as conduct  # noqa: E402
 import study_findings as findings  # noqa: E402
 
 # Student's t from a printed table: 97.5 %, by degrees of freedom.
@@ -86,6 +89,42 @@ def ladder(*policies: Sequence[float]) -> List[Dict[str, float]]:
     return [dict(zip("abcdefgh", shares)) for shares in policies]
 
 
+class LadderRows(FindingsCase):
+    def test_shares_are_means_over_policies_and_all_are_the_gap(self) -> None:
+        policies = ladder([0.25, 0.5], [0.75, 0.5])
+        rows = findings._ladder_rows({("g", POSITION): policies, ("h", LOST): policies[:1]})
+        self.assertEqual({(row.pop("p"), row.pop("adjusted_p")) for row in rows}, {("", "")})
+        named = [(row.pop("group"), row.pop("gap"), row.pop("switch")) for row in rows]
+        of = [("g", POSITION), ("h", LOST)]
+        self.assertEqual(named, [(*key, switch) for key in of for switch in ("a", "b", "all")])
+        self.assert_interval(rows[0], 0.5, T[1] * 0.25)
+        self.assert_interval(rows[1], 0.5, 0.0)
+        self.assert_interval(rows[2], 1.0, T[1] * 0.25)
+        self.assertEqual(rows[5], {"mean": 0.75, "low": "", "high": ""})
+
+    def test_groups_are_held_against_each_other(self) -> None:
+        shares = {
+            ("g", POSITION): ladder([0.25, 0.5], [0.75, 1.0]),
+            ("g", LOST): ladder([0.0, 0.0]),
+            ("h", POSITION): ladder([1.25, 0.0], [1.75, 0.5]),
+        }
+        rows = findings._ladder_rows(shares)[9:]
+        named = [(row.pop("group"), row.pop("gap"), row.pop("switch")) for row in rows]
+        self.assertEqual(named, [("h less g", POSITION, s) for s in ("a", "b", "all")])
+        # Variances 1 / 8 each: standard error sqrt(1 / 8), 2 degrees of freedom, with which the
+        # p of t is 1 - t / sqrt(2 + t^2): t is sqrt(8) and -sqrt(2).
+        p = [row.pop("p") for row in rows][:2]
+        self.assertAlmostEqual(p[0], 1 - math.sqrt(0.8))
+        self.assertAlmostEqual(p[1], 1 - math.sqrt(0.5))
+        adjusted = [row.pop("adjusted_p") for row in rows]  # of the switches, not of their sum
+        self.assertAlmostEqual(adjusted[0], 2 * p[0])
+        self.assertAlmostEqual(adjusted[1], p[1])
+        self.assertEqual(adjusted[2], "")
+        self.assert_interval(rows[0], 1.0, T[2] * math.sqrt(1 / 8))
+        self.assert_interval(rows[1], -0.5, T[2] * math.sqrt(1 / 8))
+        self.assertAlmostEqual(rows[2]["mean"], 0.5)
+
+
 class LadderRanks(unittest.TestCase):
     def assert_rank(self, row: Dict[str, Any], name: str, count: int, w: float, p: float) -> None:
         self.assertEqual(row["policies of"], name)
@@ -138,6 +177,212 @@ class LadderRanks(unittest.TestCase):
                 self.assertTrue(math.isnan(row["p"]))
 
 
+TRACE = [("episode", "<i4"), ("mode", "S16"), ("step", "<i4")]
+TRACE += [(name, "<f8") for name in ("pusher_x", "pusher_y", "tee_x", "tee_y", "tee_yaw")]
+TRACE += [(name, "<f4") for name in ("action_x", "action_y")]
+Point = Tuple[float, float]
+
+
+def trace(pushers: Sequence[Point], actions: Sequence[Point] = (), **fields: Any) -> Any:
+    """States with the pusher at points of the tee's frame [m]. The tee lies anywhere."""
+    x, y, yaw = 0.1, -0.2, 2.5
+    records = np.zeros(len(pushers), dtype=TRACE)
+    records["step"] = np.arange(len(pushers))
+    records["tee_x"], records["tee_y"], records["tee_yaw"] = x, y, yaw
+    along, across = np.array(pushers).T
+    records["pusher_x"] = x + math.cos(yaw) * along - math.sin(yaw) * across
+    records["pusher_y"] = y + math.sin(yaw) * along + math.cos(yaw) * across
+    records["action_x"] = records["action_y"] = math.nan
+    for i, action in enumerate(actions):
+        records["action_x"][i], records["action_y"][i] = action
+    for name, value in fields.items():
+        records[name] = value
+    return records
+
+
+class Gap(unittest.TestCase):
+    def assert_gap(self, gap: Any, point: Point, expected: float) -> None:
+        with self.subTest(point):
+            self.assertAlmostEqual(float(gap(trace([point]))[0]), expected)
+
+    def test_boxes(self) -> None:
+        radius = task.PUSHER_RADIUS
+        self.assert_gap(conduct.box_gap, (0.04, 0.015 + radius + 0.002), 0.002)  # above the bar
+        self.assert_gap(conduct.box_gap, (-0.06 - radius - 0.003, 0.0), 0.003)  # beside it
+        self.assert_gap(conduct.box_gap, (0.06 + 0.03, 0.015 + 0.04), 0.05 - radius)  # off a corner
+        self.assert_gap(conduct.box_gap, (0.0, -0.105 - radius - 0.004), 0.004)  # below the stem
+        self.assert_gap(conduct.box_gap, (0.015 + radius, -0.08), 0.0)  # touches its side
+        self.assert_gap(conduct.box_gap, (0.0, 0.01), -0.005 - radius)  # inside the bar
+
+    def test_discs(self) -> None:
+        radius = task.PUSHER_RADIUS
+        self.assert_gap(conduct.disc_gap, (0.0, 0.032 + radius + 0.002), 0.002)
+        self.assert_gap(conduct.disc_gap, (0.03, 0.04), 0.05 - 0.032 - radius)
+        self.assert_gap(conduct.disc_gap, (0.026 + radius + 0.003, -0.06), 0.003)
+        self.assert_gap(conduct.disc_gap, (0.0, -0.06 - 0.026), -radius)  # center on the stem's rim
+
+
+FAR_OFF, AT_BOX, AT_DISC = (0.3, 0.3), (0.0, 0.0309), (0.0, 0.0479)  # gaps of 0.9 mm
+
+
+class Conduct(FindingsCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def test_contact_is_the_share_of_the_ends_of_steps(self) -> None:
+        # Of four control steps the first and the last end in contact; the initial state is no end.
+        states = trace([AT_BOX, AT_BOX, FAR_OFF, FAR_OFF, AT_BOX])
+        self.assertEqual(conduct.contact(states, conduct.box_gap), 0.5)
+        self.assertEqual(conduct.contact(trace([AT_BOX, FAR_OFF]), conduct.box_gap), 0.0)
+        # The tee's shape is that of the simulator; 1.1 mm are no contact.
+        self.assertEqual(conduct.contact(trace(2 * [AT_DISC]), conduct.box_gap), 0.0)
+        self.assertEqual(conduct.contact(trace(2 * [AT_DISC]), conduct.disc_gap), 1.0)
+        self.assertEqual(conduct.contact(trace(2 * [(0.0, 0.0311)]), conduct.box_gap), 0.0)
+
+    def test_sharpness_is_the_mean_change_of_the_action(self) -> None:
+        # Changes of 0.5, 0 and 0.25 m/s.
+        actions = [(0.3, 0.0), (0.0, 0.4), (0.0, 0.4), (0.25, 0.4)]
+        self.assertAlmostEqual(conduct.sharpness(trace(5 * [FAR_OFF], actions)), 0.25)
+
+    def test_only_the_first_five_seconds_count(self) -> None:
+        self.assertEqual(conduct.STEPS * task.CONTROL_STEP, 5.0)
+        pushers = [FAR_OFF] + 25 * [AT_BOX] + 25 * [FAR_OFF] + 50 * [AT_BOX]
+        actions = 50 * [(0.5, 0.0)] + 25 * [(0.0, 0.0), (1.0, 0.0)]
+        self.assertEqual(conduct.contact(trace(pushers), conduct.box_gap), 0.5)
+        self.assertEqual(conduct.sharpness(trace(pushers, actions)), 0.0)
+        actions[49] = (0.5, 0.49)  # the last of them; 49 changes
+        self.assertAlmostEqual(conduct.sharpness(trace(pushers, actions)), 0.01)
+
+    def run_of(self, name: str, changes: Sequence[float]) -> Path:
+        """A run of an episode for each change, won at home from the second on. Its policy changes
+        its action once: at home by as much, in the engine by twice."""
+        folder = self.folder / name
+        folder.mkdir(parents=True)
+        records, rows = [], []
+        for i, change in enumerate(changes):
+            for mode, factor in (
+                ("reference_closed", 1),
+                ("engine_closed", 2),
+                ("engine_replay", 9),
+            ):
+                pushers = [FAR_OFF, FAR_OFF, AT_DISC if factor == 2 else AT_BOX]
+                actions = [(0.0, 0.0), (0.0, factor * change)]
+                records.append(trace(pushers, actions, episode=i, mode=mode.encode()))
+                rows.append((mode, "true" if i and factor == 1 else "false", 0.0, 0.0))
+        np.save(folder / "traces.npy", np.concatenate(records))
+        lines = [",".join(map(str, (i // 3, *row))) for i, row in enumerate(rows)]
+        (folder / "episodes.csv").write_text("\n".join([HEADING, *lines]) + "\n")
+        return folder
+
+    def test_conduct_of_a_policy_is_a_mean_over_episodes(self) -> None:
+        found = conduct.policy_conduct(self.run_of("run", [0.125, 0.25, 0.0, 0.125]), "two_mass")
+        expected = {
+            ("mujoco", "contact"): 0.5,
+            ("mujoco", "sharpness"): 0.125,
+            ("mujoco", "success"): 0.75,
+            ("two_mass", "contact"): 0.5,
+            ("two_mass", "sharpness"): 0.25,
+            ("two_mass", "success"): 0.0,
+        }
+        self.assertEqual(found, expected)
+
+    def test_explored_trainings_are_kept_apart(self) -> None:
+        plan = {
+            "first_seed": 100,
+            "groups": {"small": {"seeds": 3}, "big": {"seeds": 2}},
+            "conduct": {
+                "groups": ["small", "after-60-big"],
+                "slower": {"group": "big", "factor": 0.5},
+                "engine": "two_mass",
+                "explored": 1,
+            },
+        }
+        names = [name for _, _, name in conduct.conduct_runs(plan)]
+        expected = ["small-100", "small-101", "small-102", "after-60-big-100", "after-60-big-101"]
+        self.assertEqual(names, [*expected, "slower-big-100", "slower-big-101"])
+        for i, name in enumerate(names):
+            self.run_of(f"conduct/{name}", [i / 8])
+        explored, tested = findings._conduct(plan, self.folder)
+        self.assertEqual(explored["small", "two_mass", "sharpness"], [0.0])
+        self.assertEqual(tested["small", "two_mass", "sharpness"], [0.25, 0.5])
+        self.assertEqual(tested["slower-big", "mujoco", "sharpness"], [0.75])
+
+    def test_slower_policy(self) -> None:
+        import torch  # here, as it takes seconds
+
+        class Double(torch.nn.Module):  # type: ignore[misc]
+            def forward(self, observations: torch.Tensor) -> torch.Tensor:
+                return observations[:, :2] * 2.0
+
+        policy, slower = self.folder / "policy.pt", self.folder / "slower.pt"
+        torch.jit.save(torch.jit.script(Double()), str(policy))
+        conduct.write_slower(policy, slower, 0.75)
+        observations = torch.tensor([[0.25, -0.5, 9.0], [4.0, -0.125, 9.0]])
+        actions = torch.jit.load(str(slower))(observations)
+        self.assertEqual(
+            actions.tolist(), [[0.375, -0.75], [0.75, -0.1875]]
+        )  # clipped, then slower
+
+
+class Predictions(FindingsCase):
+    A, B, C = [6.0, 7, 8, 9, 10], [1.0, 2, 3, 4, 5], [6.0, 7, 8, 9, 11]
+
+    def row(self, more: Sequence[float], less: Sequence[float], **asked: Any) -> Dict[str, Any]:
+        found = {(s, "two_mass", "contact"): [*v] for s, v in (("more", more), ("less", less))}
+        of = {"figure": "contact", "in": "two_mass", "more": "more", "less": "less", **asked}
+        rows = findings._prediction_rows({"P1 all is well": of}, found)
+        self.assertEqual(len(rows), 1)
+        self.assertEqual((rows[0]["prediction"], rows[0]["says"]), ("P1", "all is well"))
+        return rows[0]
+
+    def test_groups_of_other_trainings_have_welchs_interval(self) -> None:
+        row = self.row(self.A, self.B, side="above")
+        self.assert_interval({key: row[key] for key in ("mean", "low", "high")}, 5.0, T[8])
+        self.assertAlmostEqual(row["p"], 2 * stats.t.sf(5.0, 8))
+        self.assertEqual(row["verdict"], "holds")
+
+    def test_the_same_trainings_have_the_interval_of_their_differences(self) -> None:
+        # Differences 5, 5, 5, 5, 6: variance 0.2, standard error 0.2.
+        row = self.row(self.C, self.B, side="above", paired=True)
+        self.assert_interval({key: row[key] for key in ("mean", "low", "high")}, 5.2, T[4] * 0.2)
+        self.assertAlmostEqual(row["p"], 2 * stats.t.sf(26.0, 4))
+
+    def test_verdicts(self) -> None:
+        for more, less, side, verdict in (
+            (self.A, self.B, "above", "holds"),
+            (self.A, self.B, "below", "contradicted"),
+            (self.B, self.A, "below", "holds"),
+            (self.A, self.C, "below", "not shown"),
+            ([1.0], [2.0], "below", "not shown"),
+        ):
+            with self.subTest((more, less, side)):
+                self.assertEqual(self.row(more, less, side=side)["verdict"], verdict)
+
+    def test_many_predictions_count(self) -> None:
+        """One that is significant alone is not shown beside seven others."""
+        found = {
+            ("more", "two_mass", "contact"): [1.0, 2.0, 3.0, 4.0, 5.0],
+            ("less", "two_mass", "contact"): [-1.5, -0.5, 0.5, 1.5, 2.5],
+        }
+        asked = {"figure": "contact", "in": "two_mass", "more": "more", "less": "less"}
+        for count, verdict in ((1, "holds"), (8, "not shown")):
+            of = {f"P{i} x": {**asked, "side": "above"} for i in range(count)}
+            rows = findings._prediction_rows(of, found)
+            self.assertLess(rows[0]["p"], 0.05)
+            self.assertEqual([row["verdict"] for row in rows], count * [verdict])
+
+    def test_holm(self) -> None:
+        for p, expected in (
+            ([0.01, 0.04, 0.03], [0.03, 0.06, 0.06]),
+            ([0.5, 0.6], [1.0, 1.0]),
+            ([math.nan, 0.01], [1.0, 0.02]),
+        ):
+            for found, value in zip(findings._holm(p), expected):
+                self.assertAlmostEqual(found, value)
+
+
 class RankingRows(unittest.TestCase):
     def ranking(self, reference: int, test: int, kendall: float) -> Dict[str, Any]:
         return {
@@ -176,6 +421,31 @@ class RankingRows(unittest.TestCase):
         self.assertEqual([row["there"] for row in rows], 6 * ["two_mass"] + 6 * ["chipmunk"])
         self.assertEqual(rows[6]["value"], 0.3)
         self.assertEqual({row["policies"] for row in rows}, {9})
+
+
+class VariantRows(FindingsCase):
+    def test_success_is_held_against_that_at_home(self) -> None:
+        # Differences of success: 0, 0.5 and 0.25; outcomes alike: 0.5, 0.5 and 0.75.
+        outcomes = (("a", "1010", "1001"), ("a", "1100", "0000"), ("b", "1111", "0111"))
+        matrix = {
+            "simulators": [{"name": "elliptic"}, {"name": findings.HOME}],
+            "policies": [
+                {"group": group, "cells": [{"success_by_episode": s} for s in cells]}
+                for group, *cells in outcomes
+            ],
+        }
+        rows = {(r.pop("figure"), r.pop("policies of")): r for r in findings._variant_rows(matrix)}
+        for key, count, mean, half in (
+            (("success_difference", "all"), 3, 0.25, T[2] * math.sqrt(1 / 48)),
+            (("success_difference", "a"), 2, 0.25, T[1] * 0.25),
+            (("alike", "all"), 3, 7 / 12, T[2] / 12),
+            (("alike", "a"), 2, 0.5, 0.0),
+        ):
+            row = rows.pop(key)
+            self.assertEqual((row.pop("simulator"), row.pop("policies")), ("elliptic", count))
+            self.assert_interval(row, mean, half)
+        self.assertEqual(rows["success_difference", "b"]["mean"], 0.25)
+        self.assertEqual(set(rows), {("success_difference", "b"), ("alike", "b")})
 
 
 class FailureCase(FindingsCase):

@@ -192,7 +192,7 @@ std::vector<PlantedFault> contactFaults() {
        mujocoWith(friction(1e-3)),
        chipmunkWith(scaled(&Physics::contact_friction, 0.0)),
        rigidWith([](RigidModel& m) { m.switches.friction = false; })},
-      {"restitution 0.5", {P::kHit, P::kHiddenState}, {}, chipmunkOf<Bouncing>(), {}},
+      {"restitution 0.5", {P::kHit}, {}, chipmunkOf<Bouncing>(), {}},
       {"pusher radius + 1 mm",
        {P::kPusherRadius},
        mujocoWith([](mjModel& m) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_eval/batch/audit.hpp"
+
 #include <CLI/CLI.hpp>
 
-#include "sim2sim_eval/batch/audit.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 
 int main(int argc, char** argv) {

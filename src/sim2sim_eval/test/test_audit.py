@@ -47,7 +47,7 @@ class Audits(CommandCase):
         self.assertEqual((audit["reference"], audit["findings"]), ("the task", []))
 
     def test_every_kind_differs_from_the_task_only_where_it_says_so(self) -> None:
-        """Those of other packages too: a new kind is held to the task by being installed."""
+        """A kind is held to the task by being installed, whichever package it is of."""
         kinds = re.search(r"kind of simulator: (.+)", self.run_command(AUDIT, "--help").stdout)
         assert kinds is not None
         names = re.findall(r"\w+", kinds[1])

@@ -197,7 +197,7 @@ class ByHand(OwnMaster):
 
 
 class WorkedExample(OwnMaster):
-    """Of the audit: a node with two mistakes, which are found and mended one after the other."""
+    """Audit of a node with two mistakes that are found and mended one after the other."""
 
     def setUp(self) -> None:
         super().setUp()

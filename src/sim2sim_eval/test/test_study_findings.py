@@ -232,7 +232,7 @@ class Conduct(FindingsCase):
         self.folder = Path(folder.name)
 
     def test_contact_is_the_share_of_the_ends_of_steps(self) -> None:
-        # Of four control steps the first and the last end in contact; the initial state is no end.
+        # The first and the last of four control steps end in contact; the initial state is no end.
         states = trace([AT_BOX, AT_BOX, FAR_OFF, FAR_OFF, AT_BOX])
         self.assertEqual(conduct.contact(states, conduct.box_gap), 0.5)
         self.assertEqual(conduct.contact(trace([AT_BOX, FAR_OFF]), conduct.box_gap), 0.0)

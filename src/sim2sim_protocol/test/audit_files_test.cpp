@@ -100,7 +100,10 @@ TEST(AuditText, NamesBothSimulatorsAsARunDoes) {
   EXPECT_EQ(written.at("seed"), 3);
   EXPECT_EQ(written.at("simulators").at("reference"), toJson(reference));
   EXPECT_EQ(written.at("simulators").at("engine"), toJson(engine));
-  EXPECT_TRUE(nlohmann::json::parse(auditText(nlohmann::ordered_json::object(), std::nullopt, engine)).at("simulators").at("reference").is_null());
+  EXPECT_TRUE(nlohmann::json::parse(auditText(nlohmann::ordered_json::object(), std::nullopt, engine))
+                  .at("simulators")
+                  .at("reference")
+                  .is_null());
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ std::vector<PlantedFault> pusherFaults() {
        }),
        {},
        {}},
-      {"dry friction of the pusher, 1 N",
+      {"Coulomb friction of the pusher, 1 N",
        {P::kSmallCommand},
        mujocoWith([](mjModel& model) {
          model.dof_frictionloss[kPusherX] = 1.0;
@@ -160,10 +160,10 @@ std::vector<PlantedFault> teeFaults() {
        mujocoWith(scaledDamping({kTeeYaw}, 1.3)),
        chipmunkWith(scaled(&Physics::tee_yaw_damping, 1.3)),
        rigidWith(scaled(&RigidModel::tee_yaw_damping, 1.3))},
-      {"dry friction of a disc", {P::kFrictionShape}, {}, chipmunkOf<FrictionOfADisc>(), {}},
-      {"dry friction doubled", of_friction, mujocoWith(scaledFriction({kTeeX, kTeeY, kTeeYaw}, 2.0)),
+      {"Coulomb friction of a disc", {P::kFrictionShape}, {}, chipmunkOf<FrictionOfADisc>(), {}},
+      {"Coulomb friction doubled", of_friction, mujocoWith(scaledFriction({kTeeX, kTeeY, kTeeYaw}, 2.0)),
        chipmunkWith(friction(2.0)), rigidWith(rigid_friction(2.0))},
-      {"dry friction missing", of_friction, mujocoWith(scaledFriction({kTeeX, kTeeY, kTeeYaw}, 0.0)),
+      {"Coulomb friction missing", of_friction, mujocoWith(scaledFriction({kTeeX, kTeeY, kTeeYaw}, 0.0)),
        chipmunkWith(friction(0.0)), rigidWith(rigid_friction(0.0))},
       {"yaw friction 100 times too small",
        {P::kTeeYawFriction},

@@ -138,21 +138,21 @@ Comparison compareOne(Property property, const Measurements& reference, const Me
                       const std::vector<Measurements>& variants, double start_tolerance) {
   const Measurement& of_reference = reference[property];
   const Measurement& of_engine = engine[property];
-  Comparison comparison = {property, Verdict::kCannotTell, of_reference.value, of_engine.value};
+  Comparison comparison = {property, PropertyVerdict::kCannotTell, of_reference.value, of_engine.value};
   if (!of_reference.value || !of_engine.value) {
     comparison.reason = !of_engine.value ? of_engine.problem : "in the reference: " + of_reference.problem;
     return comparison;
   }
   setAllowed(comparison, of_reference, of_engine, variants, start_tolerance);
   const bool same = distance(*comparison.engine, *comparison.reference) <= comparison.allowed;
-  comparison.verdict = same ? Verdict::kSame : Verdict::kDiffers;
+  comparison.verdict = same ? PropertyVerdict::kSame : PropertyVerdict::kDiffers;
   return comparison;
 }
 
 /// Cause in `comparisons` from which a difference of `property` may follow; none if there is none.
 std::optional<Property> causeIn(const std::vector<Comparison>& comparisons, Property property) {
   for (const Property cause : describe(property).follows_from) {
-    if (comparisons[static_cast<std::size_t>(cause)].verdict == Verdict::kDiffers) {
+    if (comparisons[static_cast<std::size_t>(cause)].verdict == PropertyVerdict::kDiffers) {
       return cause;
     }
   }
@@ -164,13 +164,13 @@ void explainAway(std::vector<Comparison>& comparisons) {
   const std::vector<Comparison> before = comparisons;
   for (Comparison& comparison : comparisons) {
     std::optional<Property> cause = causeIn(before, comparison.property);
-    if (comparison.verdict != Verdict::kDiffers || !cause) {
+    if (comparison.verdict != PropertyVerdict::kDiffers || !cause) {
       continue;
     }
     for (auto earlier = cause; earlier; earlier = causeIn(before, *earlier)) {
       cause = earlier;
     }
-    comparison.verdict = Verdict::kCannotTell;
+    comparison.verdict = PropertyVerdict::kCannotTell;
     comparison.reason = std::string("may follow from ") + describe(*cause).title;
   }
 }
@@ -223,13 +223,13 @@ std::optional<double> divergenceIn(pusht::Simulator& engine, pusht::Simulator& r
 
 }  // namespace
 
-const char* nameOf(Verdict verdict) {
+const char* nameOf(PropertyVerdict verdict) {
   switch (verdict) {
-    case Verdict::kSame:
+    case PropertyVerdict::kSame:
       return "same";
-    case Verdict::kDiffers:
+    case PropertyVerdict::kDiffers:
       return "differs";
-    case Verdict::kCannotTell:
+    case PropertyVerdict::kCannotTell:
       return "cannot tell";
   }
   return "";
@@ -238,7 +238,7 @@ const char* nameOf(Verdict verdict) {
 std::vector<Comparison> Audit::findings() const {
   std::vector<Comparison> result;
   std::copy_if(comparisons.begin(), comparisons.end(), std::back_inserter(result),
-               [](const Comparison& comparison) { return comparison.verdict == Verdict::kDiffers; });
+               [](const Comparison& comparison) { return comparison.verdict == PropertyVerdict::kDiffers; });
   std::stable_sort(result.begin(), result.end(), [](const Comparison& a, const Comparison& b) {
     return a.isContractError() != b.isContractError() ? a.isContractError() : a.effect > b.effect;
   });
@@ -267,7 +267,7 @@ Audit compare(const Measurements& reference, const Measurements& engine, const s
   }
   explainAway(result.comparisons);
   for (Comparison& comparison : result.comparisons) {
-    comparison.effect = comparison.verdict == Verdict::kDiffers ? effectOf(comparison) : 0.0;
+    comparison.effect = comparison.verdict == PropertyVerdict::kDiffers ? effectOf(comparison) : 0.0;
     comparison.is_declared = std::count(departures.begin(), departures.end(), describe(comparison.property).key) > 0;
   }
   return result;

@@ -25,14 +25,14 @@ nlohmann::ordered_json toJson(const Comparison& comparison) {
                                  {"verdict", nameOf(comparison.verdict)},
                                  {"reference", numberOf(comparison.reference)},
                                  {"engine", numberOf(comparison.engine)}};
-  if (comparison.verdict == Verdict::kCannotTell) {
+  if (comparison.verdict == PropertyVerdict::kCannotTell) {
     json["reason"] = comparison.reason;
     return json;
   }
   json["difference"] = numberOf(*comparison.engine == *comparison.reference ? 0.0 : comparison.difference());
   json["allowed"] = comparison.allowed;
   json["held_against"] = comparison.held_against;
-  if (comparison.verdict == Verdict::kDiffers) {
+  if (comparison.verdict == PropertyVerdict::kDiffers) {
     json["estimated_effect_m"] = comparison.effect;
     json["cause"] = causeOf(comparison);
     json["look_at"] = description.look_at;

@@ -19,7 +19,7 @@ std::string shown(double value) {
 
 std::string withUnit(const std::string& text, const char* unit) { return unit[0] == '\0' ? text : text + " " + unit; }
 
-std::size_t countOf(const Audit& audit, Verdict verdict) {
+std::size_t countOf(const Audit& audit, PropertyVerdict verdict) {
   return static_cast<std::size_t>(
       std::count_if(audit.comparisons.begin(), audit.comparisons.end(),
                     [&](const Comparison& comparison) { return comparison.verdict == verdict; }));
@@ -46,7 +46,7 @@ std::string undecided(const Audit& audit) {
   std::vector<std::string> reasons;  // in order of appearance
   std::map<std::string, std::vector<std::string>> titles;
   for (const Comparison& comparison : audit.comparisons) {
-    if (comparison.verdict == Verdict::kCannotTell) {
+    if (comparison.verdict == PropertyVerdict::kCannotTell) {
       if (titles.count(comparison.reason) == 0) {
         reasons.push_back(comparison.reason);
       }
@@ -72,9 +72,9 @@ std::string textOf(const Audit& audit) {
   constexpr std::size_t kMostFindings = 12;
   std::string text =
       "audit of " + audit.engine + " against " + audit.reference + ", seed " + std::to_string(audit.seed) + "\n";
-  text += std::to_string(countOf(audit, Verdict::kSame)) + " properties are the same, " +
-          std::to_string(countOf(audit, Verdict::kDiffers)) + " differ, " +
-          std::to_string(countOf(audit, Verdict::kCannotTell)) + " cannot be told\n";
+  text += std::to_string(countOf(audit, PropertyVerdict::kSame)) + " properties are the same, " +
+          std::to_string(countOf(audit, PropertyVerdict::kDiffers)) + " differ, " +
+          std::to_string(countOf(audit, PropertyVerdict::kCannotTell)) + " cannot be told\n";
   text += audit.hasContractErrors() ? "The contract is broken: mend that first, then audit again.\n"
                                     : "No error of the contract.\n";
   if (audit.divergence) {

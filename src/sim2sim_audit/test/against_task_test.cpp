@@ -40,7 +40,7 @@ TEST_P(AgainstTask, HasTheDeparturesThatItsKindDeclares) {
     const auto declared = std::find_if(audit.comparisons.begin(), audit.comparisons.end(),
                                        [&](const Comparison& one) { return describe(one.property).key == departure; });
     ASSERT_NE(declared, audit.comparisons.end()) << departure;
-    EXPECT_NE(declared->verdict, Verdict::kSame) << departure;
+    EXPECT_NE(declared->verdict, PropertyVerdict::kSame) << departure;
   }
 }
 

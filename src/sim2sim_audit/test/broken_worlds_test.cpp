@@ -78,21 +78,21 @@ const Comparison& of(const Audit& audit, Property property) {
 
 TEST(BrokenWorlds, OneThatAnswersNanSaysSoAndTheOthersGoOn) {
   const Audit result = auditOf(doNothing, answerNan);
-  EXPECT_EQ(of(result, Property::kTeeMass).verdict, Verdict::kCannotTell);
+  EXPECT_EQ(of(result, Property::kTeeMass).verdict, PropertyVerdict::kCannotTell);
   EXPECT_THAT(of(result, Property::kTeeMass).reason, ::testing::HasSubstr("finite numbers"));
-  EXPECT_EQ(of(result, Property::kDelay).verdict, Verdict::kSame);
-  EXPECT_EQ(of(result, Property::kPusherRadius).verdict, Verdict::kSame);
+  EXPECT_EQ(of(result, Property::kDelay).verdict, PropertyVerdict::kSame);
+  EXPECT_EQ(of(result, Property::kPusherRadius).verdict, PropertyVerdict::kSame);
 }
 
 TEST(BrokenWorlds, OneThatDiesSaysSoAndTheOthersGoOn) {
   const Audit result = auditOf(doNothing, die);
   EXPECT_THAT(of(result, Property::kTeeMass).reason, ::testing::HasSubstr("the node has died"));
-  EXPECT_EQ(of(result, Property::kContactFriction).verdict, Verdict::kSame);
+  EXPECT_EQ(of(result, Property::kContactFriction).verdict, PropertyVerdict::kSame);
 }
 
 TEST(BrokenWorlds, OneThatRefusesStartsIsFoundOut) {
   const Audit result = auditOf(startElsewhere, doNothing);
-  EXPECT_EQ(of(result, Property::kRefusedStarts).verdict, Verdict::kDiffers);
+  EXPECT_EQ(of(result, Property::kRefusedStarts).verdict, PropertyVerdict::kDiffers);
   EXPECT_TRUE(result.hasContractErrors());
 }
 

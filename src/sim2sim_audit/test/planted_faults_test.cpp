@@ -57,6 +57,7 @@ struct Clean {
 
 std::vector<std::string> keysOf(const std::vector<Comparison>& findings) {
   std::vector<std::string> keys;
+  keys.reserve(findings.size());
   for (const Comparison& finding : findings) {
     keys.emplace_back(describe(finding.property).key);
   }
@@ -65,6 +66,7 @@ std::vector<std::string> keysOf(const std::vector<Comparison>& findings) {
 
 std::vector<std::string> keysOf(const std::vector<Property>& properties) {
   std::vector<std::string> keys;
+  keys.reserve(properties.size());
   for (const Property property : properties) {
     keys.emplace_back(describe(property).key);
   }

@@ -23,15 +23,15 @@ struct AuditedWorld {
 };
 
 /// What a comparison of a property says.
-enum class Verdict { kSame, kDiffers, kCannotTell };
+enum class PropertyVerdict { kSame, kDiffers, kCannotTell };
 
 /// "same", "differs", "cannot tell".
-const char* nameOf(Verdict verdict);
+const char* nameOf(PropertyVerdict verdict);
 
 /// Comparison of one property.
 struct Comparison {
   Property property;
-  Verdict verdict;
+  PropertyVerdict verdict;
   std::optional<double> reference;  ///< in the property's unit; infinity: there is none
   std::optional<double> engine;
   double allowed = 0.0;        ///< greatest difference that is the same, in the property's unit
@@ -41,7 +41,7 @@ struct Comparison {
   bool is_declared = false;    ///< whether a kind of one of the worlds says that it does so on purpose
 
   /// Whether it is an error: a difference in the contract that is not declared.
-  bool isContractError() const { return verdict == Verdict::kDiffers && isContract(property) && !is_declared; }
+  bool isContractError() const { return verdict == PropertyVerdict::kDiffers && isContract(property) && !is_declared; }
   double difference() const { return *engine - *reference; }
 };
 

@@ -2,11 +2,13 @@
 // Likely causes of findings, in words.
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/physics.hpp"
 #include "sim2sim_audit/audit.hpp"
+#include "sim2sim_audit/task_figures.hpp"
 
 namespace sim2sim {
 namespace {
@@ -115,9 +117,8 @@ std::string difference(const Comparison& finding) {
          (is_length ? " mm" : std::string(" ") + description.unit);
 }
 
-}  // namespace
-
-std::string causeOf(const Comparison& finding) {
+/// Cause of what the engine does.
+std::string causeInEngine(const Comparison& finding) {
   const double engine = *finding.engine;
   switch (finding.property) {
     case Property::kDelay:
@@ -182,6 +183,24 @@ std::string causeOf(const Comparison& finding) {
       break;
   }
   return describe(finding.property).mass_like ? ratio(finding) : difference(finding);
+}
+
+/// Whether the reference has the error and the engine does as the task says.
+bool isOfReference(const Comparison& finding) {
+  const auto& task = figuresOf({})[finding.property].value;
+  return isContract(finding.property) && task &&
+         std::abs(*finding.engine - *task) < std::abs(*finding.reference - *task);
+}
+
+}  // namespace
+
+std::string causeOf(const Comparison& finding) {
+  if (!isOfReference(finding)) {
+    return causeInEngine(finding);
+  }
+  Comparison swapped = finding;
+  std::swap(swapped.reference, swapped.engine);
+  return "in the reference: " + causeInEngine(swapped);
 }
 
 }  // namespace sim2sim

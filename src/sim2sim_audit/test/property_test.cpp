@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "sim2sim_audit/audit.hpp"
 #include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim {
@@ -50,6 +51,13 @@ TEST(Properties, AreAllEstimated) {
     estimated.insert(experiment.estimates.begin(), experiment.estimates.end());
   }
   EXPECT_EQ(estimated.size(), kPropertyCount);
+}
+
+TEST(Causes, SayWhichOfTheTwoWorldsHasTheError) {
+  const Comparison in_engine = {Property::kDelay, PropertyVerdict::kDiffers, 0.0, 0.1};
+  const Comparison in_reference = {Property::kDelay, PropertyVerdict::kDiffers, 0.1, 0.0};
+  EXPECT_THAT(causeOf(in_engine), ::testing::StartsWith("acts 1 control step late"));
+  EXPECT_THAT(causeOf(in_reference), ::testing::StartsWith("in the reference: acts 1 control step late"));
 }
 
 }  // namespace

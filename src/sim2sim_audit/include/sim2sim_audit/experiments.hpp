@@ -26,14 +26,21 @@ const std::vector<Experiment>& allExperiments();
 /// unless it throws WorldLost: then all properties without a value say so.
 Measurements measure(Bench& bench);
 
-// The experiments, by area.
+/// Experiments on starts, repetition, hidden and stale state.
 std::vector<Experiment> bookkeepingExperiments();
+/// Experiments on the yaw, and on axes, point and unit of velocities.
 std::vector<Experiment> frameExperiments();
+/// Experiments on what a command does, when, and how far.
 std::vector<Experiment> actionExperiments();
+/// Experiments on the pusher's servo.
 std::vector<Experiment> servoExperiments();
+/// Experiments on sizes and places of the bodies, by touch.
 std::vector<Experiment> shapeExperiments();
+/// Experiments on the tee alone on its table, and on its mass and moment.
 std::vector<Experiment> teeExperiments();
+/// Experiments on contacts of pusher and tee.
 std::vector<Experiment> contactExperiments();
+/// Experiments on the places of the walls.
 std::vector<Experiment> wallExperiments();
 
 }  // namespace sim2sim

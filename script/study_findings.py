@@ -14,6 +14,7 @@ from scipy import stats  # type: ignore[import]
 from sim2sim_report.colors import DIM, SERIES
 from sim2sim_report.figures import NARROW, Figure, legend_above, styled
 
+import study_statistics as statistics
 from study_conduct import HOME, conduct_runs, policy_conduct
 
 NEAR = (0.1, 0.2)  # [m], [rad]: a failure within these of the goal ends near it
@@ -207,12 +208,16 @@ def _failure_rows(plan: Plan, matrix: Row, work: Path) -> List[Row]:
         shares = [share for share in found if share is not None]
         if shares:
             of_group[group["group"]] = shares
-            rows.append({"group": group["group"], "policies": len(shares), **_mean(shares)})
+            rows.append(
+                {"group": group["group"], "policies": len(shares), **statistics.mean(shares)}
+            )
     more, less = plan["failures"]["more"], plan["failures"]["less"]
     both = of_group.get(more, []), of_group.get(less, [])
     if all(both):
         count = sum(map(len, both))
-        rows.append({"group": f"{more} less {less}", "policies": count, **_difference(*both)})
+        rows.append(
+            {"group": f"{more} less {less}", "policies": count, **statistics.difference(*both)}
+        )
     return rows
 
 
@@ -229,34 +234,6 @@ def _near_share(folder: Path) -> Optional[float]:
         for row in failures
     ]
     return float(np.mean(near)) if near else None
-
-
-def _mean(values: Sequence[float]) -> Row:
-    """Mean over policies with Student's interval, which is about further trainings."""
-    mean = float(np.mean(values))
-    if len(values) < 2:
-        return {"mean": mean, "low": "", "high": ""}
-    half = float(stats.sem(values) * stats.t.ppf(0.975, len(values) - 1))
-    return {"mean": mean, "low": mean - half, "high": mean + half}
-
-
-def _difference(more: Sequence[float], less: Sequence[float]) -> Row:
-    """Difference of two means over policies with Welch's interval, about further trainings."""
-    mean = float(np.mean(more) - np.mean(less))
-    if min(len(more), len(less)) < 2:
-        return {"mean": mean, "low": "", "high": ""}
-    parts = [stats.sem(values) ** 2 for values in (more, less)]
-    total = sum(parts)
-    freedom = [part**2 / (len(values) - 1) for part, values in zip(parts, (more, less))]
-    half = 0.0 if total == 0 else np.sqrt(total) * stats.t.ppf(0.975, total**2 / sum(freedom))
-    return {"mean": mean, "low": float(mean - half), "high": float(mean + half)}
-
-
-def _difference_p(more: Sequence[float], less: Sequence[float]) -> float:
-    """p of no difference, after Welch; NaN where it has no interval, or no spread."""
-    if min(len(more), len(less)) < 2 or max(np.ptp(more), np.ptp(less)) == 0.0:
-        return math.nan
-    return float(stats.ttest_ind(more, less, equal_var=False).pvalue)
 
 
 Shares = Dict[Tuple[str, str], List[Dict[str, float]]]  # by group and gap; a policy each
@@ -289,18 +266,18 @@ def _ladder_rows(shares: Shares) -> List[Row]:
     rows: List[Row] = []
     for (group, gap), column in columns.items():
         for switch, values in column.items():
-            rows.append({"group": group, "gap": gap, "switch": switch, **_mean(values)})
+            rows.append({"group": group, "gap": gap, "switch": switch, **statistics.mean(values)})
     compared: List[Row] = []
     for gap in dict.fromkeys(gap for _, gap in columns):
         groups = [group for group, of in columns if of == gap]
         for less, more in zip(groups, groups[1:]):
             for switch, values in columns[more, gap].items():
-                found = _difference(values, columns[less, gap][switch])
-                p = _difference_p(values, columns[less, gap][switch])
+                found = statistics.difference(values, columns[less, gap][switch])
+                p = statistics.difference_p(values, columns[less, gap][switch])
                 named = {"group": f"{more} less {less}", "gap": gap, "switch": switch}
                 compared.append({**named, **found, "p": p})
     switches = [row for row in compared if row["switch"] != "all"]
-    for row, adjusted in zip(switches, _holm([row["p"] for row in switches])):
+    for row, adjusted in zip(switches, statistics.holm([row["p"] for row in switches])):
         row["adjusted_p"] = adjusted
     return [
         {**row, **{key: row.get(key, "") for key in ("p", "adjusted_p")}}
@@ -350,7 +327,7 @@ def _variant_rows(matrix: Row) -> Iterator[Row]:
         for figure, found in (("success_difference", differences), ("alike", alike)):
             for group, values in found.items():
                 of = {"simulator": name, "figure": figure, "policies of": group}
-                yield {**of, "policies": len(values), **_mean(values)}
+                yield {**of, "policies": len(values), **statistics.mean(values)}
 
 
 Conduct = Dict[Tuple[str, str, str], List[float]]  # by group, simulator, figure; a training each
@@ -373,7 +350,7 @@ def _conduct(plan: Plan, work: Path) -> Tuple[Conduct, Conduct]:
 def _conduct_rows(trainings: str, conduct: Conduct) -> Iterator[Row]:
     for (group, simulator, figure), values in conduct.items():
         names = {"trainings": trainings, "group": group, "simulator": simulator, "figure": figure}
-        yield {**names, "policies": len(values), **_mean(values)}
+        yield {**names, "policies": len(values), **statistics.mean(values)}
 
 
 def _prediction_rows(predictions: Row, conduct: Conduct) -> List[Row]:
@@ -382,28 +359,17 @@ def _prediction_rows(predictions: Row, conduct: Conduct) -> List[Row]:
     for name, asked in predictions.items():
         more, less = (conduct[asked[s], asked["in"], asked["figure"]] for s in ("more", "less"))
         if asked.get("paired"):  # the same trainings
-            found = _mean([a - b for a, b in zip(more, less)])
+            found = statistics.mean([a - b for a, b in zip(more, less)])
             p = float(stats.ttest_rel(more, less).pvalue) if len(more) > 1 else math.nan
         else:
-            found = _difference(more, less)
-            p = _difference_p(more, less)
+            found = statistics.difference(more, less)
+            p = statistics.difference_p(more, less)
         of = {"prediction": name.partition(" ")[0], "says": name.partition(" ")[2]}
         side = {"side": asked["side"], "policies": len(more) + len(less)}
         rows.append({**of, **side, **found, "p": p})
-    for row, adjusted in zip(rows, _holm([row["p"] for row in rows])):
+    for row, adjusted in zip(rows, statistics.holm([row["p"] for row in rows])):
         is_expected = (row["mean"] > 0.0) == (row["side"] == "above")
         verdict = "holds" if is_expected else "contradicted"
         row["adjusted_p"] = adjusted
         row["verdict"] = verdict if adjusted < SIGNIFICANT else "not shown"
     return rows
-
-
-def _holm(p: Sequence[float]) -> List[float]:
-    """Adjusted p-values. One that is NaN, of what cannot be tested, counts as 1."""
-    known = [1.0 if math.isnan(value) else value for value in p]
-    adjusted = list(known)
-    most = 0.0
-    for rank, index in enumerate(sorted(range(len(known)), key=lambda i: known[i])):
-        most = max(most, min(1.0, (len(known) - rank) * known[index]))
-        adjusted[index] = most
-    return adjusted

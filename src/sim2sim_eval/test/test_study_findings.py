@@ -16,6 +16,7 @@ from scipy import stats  # type: ignore[import]
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "script"))
 import study_conduct as conduct  # noqa: E402
 import study_findings as findings  # noqa: E402
+import study_statistics as statistics  # noqa: E402
 
 # Student's t from a printed table: 97.5 %, by degrees of freedom.
 T = {1: 12.7062, 2: 4.30265, 4: 2.77645, 8: 2.30600}
@@ -44,44 +45,44 @@ class FindingsCase(unittest.TestCase):
 class Mean(FindingsCase):
     def test_interval_is_students(self) -> None:
         # Variance 2.5, so the standard error is sqrt(2.5 / 5), with 4 degrees of freedom.
-        self.assert_interval(findings._mean([1, 2, 3, 4, 5]), 3.0, T[4] * math.sqrt(0.5))
-        self.assert_interval(findings._mean([0.25, 0.75]), 0.5, T[1] * 0.25)
-        self.assert_interval(findings._mean([0.5, 0.5, 0.5]), 0.5, 0.0)
+        self.assert_interval(statistics.mean([1, 2, 3, 4, 5]), 3.0, T[4] * math.sqrt(0.5))
+        self.assert_interval(statistics.mean([0.25, 0.75]), 0.5, T[1] * 0.25)
+        self.assert_interval(statistics.mean([0.5, 0.5, 0.5]), 0.5, 0.0)
 
     def test_one_value_has_no_interval(self) -> None:
-        self.assertEqual(findings._mean([0.25]), {"mean": 0.25, "low": "", "high": ""})
+        self.assertEqual(statistics.mean([0.25]), {"mean": 0.25, "low": "", "high": ""})
 
 
 class Difference(FindingsCase):
     def test_interval_is_welchs(self) -> None:
         # Variances 2.5 each: standard error sqrt(2.5 / 5 + 2.5 / 5) = 1, 8 degrees of freedom.
-        self.assert_interval(findings._difference([6, 7, 8, 9, 10], [1, 2, 3, 4, 5]), 5.0, T[8])
-        self.assert_interval(findings._difference([1, 2, 3, 4, 5], [6, 7, 8, 9, 10]), -5.0, T[8])
+        self.assert_interval(statistics.difference([6, 7, 8, 9, 10], [1, 2, 3, 4, 5]), 5.0, T[8])
+        self.assert_interval(statistics.difference([1, 2, 3, 4, 5], [6, 7, 8, 9, 10]), -5.0, T[8])
         # A group without spread adds no degree of freedom: 4, where a pooled variance has 5.
         for more, less, mean in (
             ([1.0, 2.0, 3.0, 4.0, 5.0], [2.0, 2.0], 1.0),
             ([2.0, 2.0], [1.0, 2.0, 3.0, 4.0, 5.0], -1.0),
         ):
-            self.assert_interval(findings._difference(more, less), mean, T[4] * math.sqrt(0.5))
+            self.assert_interval(statistics.difference(more, less), mean, T[4] * math.sqrt(0.5))
 
     def test_degrees_of_freedom_are_satterthwaites(self) -> None:
         # Squared standard errors 10 / 5 = 2 and 3.5 / 6 = 7 / 12, so the degrees of freedom are
         # (31 / 12)^2 / (4 / 4 + (7 / 12)^2 / 5) = 6.248, of which no table has t. Welch's test of
         # a difference at an end of the interval has p = 0.05.
         more, less = [6.0, 8.0, 10.0, 12.0, 14.0], [3.0, 4.0, 5.0, 6.0, 7.0, 8.0]
-        found = findings._difference(more, less)
+        found = statistics.difference(more, less)
         self.assert_interval(found, 4.5, 3.8953)
         for end in (found["low"], found["high"]):
             shifted = [value - end for value in more]
             self.assertAlmostEqual(stats.ttest_ind(shifted, less, equal_var=False).pvalue, 0.05)
 
     def test_groups_without_any_spread_have_a_point(self) -> None:
-        self.assert_interval(findings._difference([1.0, 1.0], [0.25, 0.25]), 0.75, 0.0)
+        self.assert_interval(statistics.difference([1.0, 1.0], [0.25, 0.25]), 0.75, 0.0)
 
     def test_one_value_on_a_side_has_no_interval(self) -> None:
         expected = {"mean": 1.5, "low": "", "high": ""}
-        self.assertEqual(findings._difference([3.0], [1.0, 2.0]), expected)
-        self.assertEqual(findings._difference([3.0, 4.0], [2.0]), expected)
+        self.assertEqual(statistics.difference([3.0], [1.0, 2.0]), expected)
+        self.assertEqual(statistics.difference([3.0, 4.0], [2.0]), expected)
 
 
 def ladder(*policies: Sequence[float]) -> List[Dict[str, float]]:
@@ -379,7 +380,7 @@ class Predictions(FindingsCase):
             ([0.5, 0.6], [1.0, 1.0]),
             ([math.nan, 0.01], [1.0, 0.02]),
         ):
-            for found, value in zip(findings._holm(p), expected):
+            for found, value in zip(statistics.holm(p), expected):
                 self.assertAlmostEqual(found, value)
 
 

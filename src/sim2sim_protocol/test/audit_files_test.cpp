@@ -22,11 +22,11 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Optional;
 
-const nlohmann::json kKey = {{"engine", "one"}};
+const nlohmann::json kPair = {{"engine", "one"}};
 
 class KeptVerdictTest : public ::testing::Test {
  protected:
-  fs::path file(const nlohmann::json& key = kKey) const { return audits() / (keptName(key) + ".json"); }
+  fs::path file(const nlohmann::json& key = kPair) const { return audits() / (keptName(key) + ".json"); }
   fs::path audits() const { return folder_.path() / "results" / "audits"; }
 
   /// What find() says of the file after a change to its text.
@@ -44,13 +44,13 @@ class KeptVerdictTest : public ::testing::Test {
   }
 
   pusht::testing::TemporaryFolder folder_;
-  KeptVerdict verdict_{audits(), kKey};
+  KeptVerdict verdict_{audits(), kPair};
 };
 
 TEST_F(KeptVerdictTest, IsThatOfTheLastAuditOfThePair) {
   EXPECT_FALSE(verdict_.find());
   verdict_.keep({"delay of actions", "noise"});
-  EXPECT_THAT(KeptVerdict(audits(), kKey).find(), Optional(ElementsAre("delay of actions", "noise")));
+  EXPECT_THAT(KeptVerdict(audits(), kPair).find(), Optional(ElementsAre("delay of actions", "noise")));
   EXPECT_FALSE(KeptVerdict(audits(), {{"engine", "another"}}).find());
   verdict_.keep({});
   EXPECT_THAT(verdict_.find(), Optional(IsEmpty()));
@@ -89,7 +89,7 @@ TEST_F(KeptVerdictTest, ThatCannotBeWrittenIsAFault) {
   EXPECT_THROW(verdict_.keep({}), pusht::RuntimeFault);
   EXPECT_THROW(verdict_.find(), pusht::BadDependency);
   pusht::writeFile(folder_.path() / "file", "");
-  EXPECT_THROW(KeptVerdict(folder_.path() / "file" / "audits", kKey).keep({}), pusht::RuntimeFault);
+  EXPECT_THROW(KeptVerdict(folder_.path() / "file" / "audits", kPair).keep({}), pusht::RuntimeFault);
 }
 
 TEST(AuditText, NamesBothSimulatorsAsARunDoes) {

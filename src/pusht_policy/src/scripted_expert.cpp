@@ -194,7 +194,10 @@ Vector2d command(const View& view, Stroke& stroke) {
 
 }  // namespace
 
-std::unique_ptr<Policy::Memory> ScriptedExpert::begin() const { return std::make_unique<Stroke>(); }
+std::unique_ptr<Policy::Memory> ScriptedExpert::begin(const Beginning& beginning) const {
+  requireExecutable(beginning, 1);
+  return std::make_unique<Stroke>();
+}
 
 void ScriptedExpert::act(Span<const Query> queries, Span<Action> actions) {
   for (std::size_t i = 0; i < queries.size(); ++i) {

@@ -31,7 +31,7 @@ TEST(ScriptedExpert, AgreesWithTheRecordedExpertUpToItsNoise) {
   double squares = 0.0;
   int count = 0;
   for (const auto& golden : testing::loadGolden("expert_actions.json", "cases")) {
-    const auto memory = expert.begin();
+    const auto memory = expert.begin({});
     WorldState state = testing::worldPose(golden.at("start_tee_xyyaw_pusher_xy"));
     for (std::size_t step = 0; step < golden.at("actions").size(); ++step) {
       const Action recorded = testing::action(golden.at("actions").at(step));
@@ -51,7 +51,7 @@ TEST(ScriptedExpert, AgreesWithTheRecordedExpertUpToItsNoise) {
 
 TEST(ScriptedExpert, RestsWhenTheTeeIsThere) {
   ScriptedExpert expert;
-  const auto memory = expert.begin();
+  const auto memory = expert.begin({});
   WorldState state;
   state.tee_position = {0.01, -0.02};
   state.tee_yaw = 0.15;
@@ -66,8 +66,8 @@ TEST(ScriptedExpert, RowsAreIndependent) {
   std::vector<Action> alone;
   for (const auto& golden : testing::loadGolden("expert_actions.json", "cases")) {
     const WorldState state = testing::worldPose(golden.at("tee_xyyaw_pusher_xy").at(10));
-    alone.push_back(commandAt(expert, state, expert.begin().get()));
-    memories.push_back(expert.begin());
+    alone.push_back(commandAt(expert, state, expert.begin({}).get()));
+    memories.push_back(expert.begin({}));
     queries.push_back({observe(state), memories.back().get()});
   }
   std::vector<Action> together(queries.size());

@@ -34,7 +34,7 @@ void advance(Rollout& rollout, Simulator& world, const Action& action) {
 }
 
 Rollout runClosedLoop(Simulator& world, const WorldState& start, Policy& policy, int horizon) {
-  Rollout rollout = begin(world, start, policy.begin());
+  Rollout rollout = begin(world, start, policy.begin({}));
   while (!rollout.finished(horizon)) {
     const Policy::Query query = rollout.query();
     Action action{};

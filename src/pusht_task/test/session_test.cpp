@@ -453,7 +453,7 @@ TEST(SimulatorStarts, WithParametersThatTheKindRefuses) {
 /// Answers with how often the rollout has asked.
 class Counting : public Policy {
  public:
-  std::unique_ptr<Memory> begin() const override { return std::make_unique<Count>(); }
+  std::unique_ptr<Memory> begin(const Beginning& /*unused*/) const override { return std::make_unique<Count>(); }
   void act(Span<const Query> queries, Span<Action> actions) override {
     if (fails) {
       throw RuntimeFault("broken on purpose");

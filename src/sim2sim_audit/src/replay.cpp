@@ -11,7 +11,7 @@ namespace {
 
 EpisodeToReplay recordEpisode(pusht::Simulator& world, pusht::Policy& policy, const pusht::WorldState& start) {
   constexpr int kSteps = 50;
-  const auto memory = policy.begin();
+  const auto memory = policy.begin({});
   world.reset(start);
   EpisodeToReplay episode = {{world.state()}, {}};
   for (int step = 0; step < kSteps; ++step) {

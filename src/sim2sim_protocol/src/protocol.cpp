@@ -46,6 +46,11 @@ void Protocol::validate() const {
     throw pusht::InvalidInput("until_decided " + pusht::shortestText(*until_decided) +
                               ": must be above 0 and at most 1");
   }
+  if (episodes % repeats != 0 || first_episode % repeats != 0) {
+    throw pusht::InvalidInput("repeats " + std::to_string(repeats) + ": must divide episodes " +
+                              std::to_string(episodes) + " and first_episode " + std::to_string(first_episode) +
+                              ", because a start has that many episodes, one after the other");
+  }
   const auto end = static_cast<std::uint64_t>(first_episode) + static_cast<std::uint64_t>(episodes);
   if (seed > std::numeric_limits<std::uint64_t>::max() - pusht::kFirstSpawnSeed - end) {
     throw pusht::InvalidInput("seed " + std::to_string(seed) +
@@ -55,11 +60,11 @@ void Protocol::validate() const {
 
 std::optional<std::uint64_t> Protocol::spawnSeed(int episode) const {
   return initial_states ? std::nullopt
-                        : std::optional(pusht::kFirstSpawnSeed + seed + static_cast<std::uint64_t>(episode));
+                        : std::optional(pusht::kFirstSpawnSeed + seed + static_cast<std::uint64_t>(episode / repeats));
 }
 
 pusht::WorldState Protocol::initialState(int episode) const {
-  return initial_states ? initial_states->at(episode) : pusht::spawn(*spawnSeed(episode));
+  return initial_states ? initial_states->at(episode / repeats) : pusht::spawn(*spawnSeed(episode));
 }
 
 std::vector<std::string> Protocol::rolloutNames() const {
@@ -90,7 +95,18 @@ bool Protocol::has(std::size_t rollout, Scope scope) const {
 }
 
 std::string Protocol::initialStateKey(int episode) const {
-  return initial_states ? initial_states->keyOf(episode) : std::to_string(*spawnSeed(episode));
+  return initial_states ? initial_states->keyOf(episode / repeats) : std::to_string(*spawnSeed(episode));
+}
+
+std::string Protocol::cacheKey(int episode) const {
+  const std::string start = initialStateKey(episode);
+  return repeat(episode) == 0 ? start : start + "#" + std::to_string(repeat(episode));
+}
+
+pusht::Beginning Protocol::beginning(int episode, pusht::Side side) const {
+  const bool apart = independent_noise && side == pusht::Side::kEngine;
+  pusht::NumpyGenerator seeds(noise_seed, "rollout " + cacheKey(episode) + (apart ? " of the engine" : ""));
+  return {seeds.bits()(), execute, side};
 }
 
 Protocol smokeRun(Protocol protocol) {

@@ -20,7 +20,7 @@ namespace {
 
 /// Traces of an episode that the cache has.
 CachedTraces cachedTraces(const Protocol& protocol, int episode, const ReferenceCache& references) {
-  const std::string key = protocol.initialStateKey(episode);
+  const std::string key = protocol.cacheKey(episode);
   CachedTraces cached{references.find(key, kReferenceRollout), {}};
   for (const Probe& probe : protocol.probes()) {
     cached.probes.push_back(probe.isOfReference() ? references.find(key, probe.name) : std::nullopt);
@@ -30,7 +30,7 @@ CachedTraces cachedTraces(const Protocol& protocol, int episode, const Reference
 
 /// Adds to the cache what an episode has of the reference alone.
 void keep(const Protocol& protocol, const Episode& episode, const ReferenceCache& references) {
-  const std::string key = protocol.initialStateKey(episode.index());
+  const std::string key = protocol.cacheKey(episode.index());
   const std::vector<Probe> probes = protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     if (probes[i].isOfReference()) {

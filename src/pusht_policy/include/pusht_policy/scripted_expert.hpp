@@ -13,7 +13,7 @@ namespace pusht {
 /// under way.
 class ScriptedExpert : public Policy {
  public:
-  std::unique_ptr<Memory> begin() const override;
+  std::unique_ptr<Memory> begin(const Beginning& beginning) const override;
   void act(Span<const Query> queries, Span<Action> actions) override;
 };
 

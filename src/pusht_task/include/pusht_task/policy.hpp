@@ -2,11 +2,22 @@
 /// Interface of a policy.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "pusht_task/types.hpp"
 
 namespace pusht {
+
+/// Side of a comparison that a closed loop is on.
+enum class Side { kReference, kEngine };
+
+/// What a policy is told of a rollout that begins.
+struct Beginning {
+  std::uint64_t seed = 0;  ///< of the rollout's random numbers; a stream of them is NumpyGenerator(seed, PURPOSE)
+  int execute = 0;         ///< actions of each answer that are executed; 0: as many as the policy itself says
+  Side side = Side::kReference;
+};
 
 /// Map from observations to actions, for many rollouts at a time. Rows are independent: an action does not depend on
 /// the other rows or on their number.
@@ -32,11 +43,16 @@ class Policy {
   Policy& operator=(const Policy&) = delete;
   virtual ~Policy() = default;
 
-  /// Memory at the beginning of a rollout; null for a policy without memory.
-  virtual std::unique_ptr<Memory> begin() const { return nullptr; }
+  /// Memory at the beginning of a rollout; null for a policy without memory. All that is random in the rollout comes
+  /// from the seed of `beginning`. Throws InvalidInput if more actions are to be executed than an answer has.
+  virtual std::unique_ptr<Memory> begin(const Beginning& beginning) const;
 
   /// Fills actions[i] for queries[i]; both have the same size. Not to be called from two threads at once.
   virtual void act(Span<const Query> queries, Span<Action> actions) = 0;
+
+ protected:
+  /// Throws InvalidInput if more actions are to be executed than the `answered` ones of an answer.
+  static void requireExecutable(const Beginning& beginning, int answered);
 };
 
 }  // namespace pusht

@@ -21,7 +21,7 @@ constexpr std::uint64_t kLately = 1'000;  // requests
 }  // namespace
 
 PolicySession::PolicySession(PolicyModel model)
-    : model_(std::move(model)), instance_id_(newInstanceId()), has_memory_(model_.policy->begin() != nullptr) {}
+    : model_(std::move(model)), instance_id_(newInstanceId()), has_memory_(model_.policy->begin({}) != nullptr) {}
 
 pusht_msgs::ActResponse PolicySession::act(const pusht_msgs::ActRequest& request) {
   pusht_msgs::ActResponse response;
@@ -96,12 +96,16 @@ void PolicySession::require(const pusht_msgs::ActRequest& request) const {
 Policy::Query PolicySession::begun(const pusht_msgs::Query& query) {
   Observation observation{};
   std::copy(query.observation.begin(), query.observation.end(), observation.begin());
+  std::unique_ptr<Policy::Memory> memory;
+  if (query.step == 0) {
+    memory = model_.policy->begin({query.seed, static_cast<int>(query.execute)});
+  }
   if (!has_memory_) {
     return {observation, nullptr};
   }
   if (query.step == 0) {
     Remembered& rollout = rollouts_[query.rollout];
-    rollout.memory = model_.policy->begin();
+    rollout.memory = std::move(memory);
     rollout.step = -1;
   }
   return {observation, rollouts_.at(query.rollout).memory.get()};

@@ -9,9 +9,10 @@ namespace pusht {
 namespace {
 
 struct ServedRollout : Policy::Memory {
-  explicit ServedRollout(std::uint64_t index) : id(index) {}
+  ServedRollout(std::uint64_t index, const Beginning& of) : id(index), beginning(of) {}
 
   std::uint64_t id;
+  Beginning beginning;
   std::uint32_t next_step = 0;
 };
 
@@ -19,7 +20,9 @@ struct ServedRollout : Policy::Memory {
 
 ServedPolicy::ServedPolicy(const Peer& peer) : act_(peer, "act") {}
 
-std::unique_ptr<Policy::Memory> ServedPolicy::begin() const { return std::make_unique<ServedRollout>(ids_.next()); }
+std::unique_ptr<Policy::Memory> ServedPolicy::begin(const Beginning& beginning) const {
+  return std::make_unique<ServedRollout>(ids_.next(), beginning);
+}
 
 void ServedPolicy::act(Span<const Query> queries, Span<Action> actions) {
   if (queries.empty()) {
@@ -31,6 +34,8 @@ void ServedPolicy::act(Span<const Query> queries, Span<Action> actions) {
     const auto& rollout = static_cast<const ServedRollout&>(*queries[row].memory);
     request.queries[row].rollout = rollout.id;
     request.queries[row].step = rollout.next_step;
+    request.queries[row].seed = rollout.beginning.seed;
+    request.queries[row].execute = static_cast<std::uint32_t>(rollout.beginning.execute);
     std::copy(queries[row].observation.begin(), queries[row].observation.end(),
               request.queries[row].observation.begin());
   }

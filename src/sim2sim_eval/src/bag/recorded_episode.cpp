@@ -24,7 +24,9 @@ class RecordedPolicy : public pusht::Policy {
   explicit RecordedPolicy(const RecordedEpisode& record) : record_(record) {}
 
   /// Closed loops are begun in the order of their modes.
-  std::unique_ptr<Memory> begin() const override { return std::make_unique<Cursor>(record_.modes.at(begun_++)); }
+  std::unique_ptr<Memory> begin(const pusht::Beginning& /*unused*/) const override {
+    return std::make_unique<Cursor>(record_.modes.at(begun_++));
+  }
 
   void act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) override {
     std::transform(queries.begin(), queries.end(), actions.begin(),

@@ -200,7 +200,7 @@ void takeStarts(Protocol& protocol, const nlohmann::ordered_json& provenance) {
   }
   const std::string hash = protocol.initial_states->hash();
   protocol.initial_states = std::make_shared<InitialStates>(
-      initialStatesFrom(provenance.at("starts").get<std::string>(), protocol.first_episode, protocol.episodes));
+      initialStatesFrom(provenance.at("starts").get<std::string>(), protocol.firstStart(), protocol.starts()));
   if (protocol.initial_states->hash() != hash) {
     throw pusht::BadDependency("its starts are " + protocol.initial_states->hash() + ", must be " + hash);
   }

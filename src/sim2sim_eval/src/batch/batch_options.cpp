@@ -71,7 +71,8 @@ void BatchOptions::declare(CLI::App& app) {
       ->check(notEmpty());
 }
 
-int defaultEpisodes(int usual, const std::filesystem::path& starts) {
+int defaultEpisodes(const RunOptions& options, const std::filesystem::path& starts) {
+  const int usual = RunOptions().episodes;
   std::error_code ignored;
   if (starts.empty() || !std::filesystem::is_regular_file(starts, ignored)) {
     return usual;
@@ -79,7 +80,7 @@ int defaultEpisodes(int usual, const std::filesystem::path& starts) {
   const std::string text = pusht::readFile(starts, "starts");
   const auto ends = std::count(text.begin(), text.end(), '\n');
   const auto rows = ends + (text.empty() || text.back() == '\n' ? 0 : 1) - 1;  // without the names of the columns
-  return static_cast<int>(std::clamp<std::ptrdiff_t>(rows, 1, usual));
+  return static_cast<int>(std::clamp<std::ptrdiff_t>(rows * options.repeats, 1, usual));
 }
 
 void declare(CLI::App& app, RunOptions& options) {

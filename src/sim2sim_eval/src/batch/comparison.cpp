@@ -71,7 +71,7 @@ class Recorder {
 /// The starts of a run, as a file for readInitialStates().
 std::string startsOf(const Protocol& protocol) {
   std::vector<pusht::WorldState> states;
-  for (int episode = protocol.first_episode; episode <= protocol.lastEpisode(); ++episode) {
+  for (int episode = protocol.first_episode; episode <= protocol.lastEpisode(); episode += protocol.repeats) {
     states.push_back(protocol.initialState(episode));
   }
   return initialStatesCsv(states);
@@ -162,12 +162,12 @@ void compare(const CompareOptions& options) {
   RunConfiguration configuration;
   configuration.protocol = options.smoke ? smokeRun(options.protocol) : options.protocol;
   if (!options.smoke && !options.episodes_given) {
-    configuration.protocol.episodes = defaultEpisodes(configuration.protocol.episodes, options.starts);
+    configuration.protocol.episodes = defaultEpisodes(configuration.protocol, options.starts);
   }
   configuration.smoke = options.smoke;
   configuration.protocol.validate();
   configuration.protocol.initial_states =
-      givenInitialStates(options.starts, configuration.protocol.first_episode, configuration.protocol.episodes);
+      givenInitialStates(options.starts, configuration.protocol.firstStart(), configuration.protocol.starts());
   const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_parameters);
   const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_parameters);
   nameVariants(reference.kind, reference.parameters, configuration.protocol);

@@ -28,13 +28,13 @@ Shard Shard::from(const std::string& text) {
 }
 
 Protocol Shard::share(const Protocol& protocol) const {
-  if (of > protocol.episodes) {
-    throw pusht::InvalidInput("shard " + text() +
-                              ": there must be at least as many episodes as shards, but there are " +
-                              std::to_string(protocol.episodes));
+  if (of > protocol.starts()) {
+    throw pusht::InvalidInput(
+        "shard " + text() + ": there must be at least as many episodes as shards, but there are " +
+        std::to_string(protocol.starts()) + (protocol.repeats == 1 ? "" : ", those of a start counted once"));
   }
-  const auto before = [&](int shards) {
-    return static_cast<int>(static_cast<std::int64_t>(protocol.episodes) * shards / of);
+  const auto before = [&](int shards) {  // all repeats of a start are in one shard
+    return protocol.repeats * static_cast<int>(static_cast<std::int64_t>(protocol.starts()) * shards / of);
   };
   Protocol share = protocol;
   share.first_episode = protocol.first_episode + before(number - 1);

@@ -250,7 +250,7 @@ void sweep(const SweepOptions& options) {
     plan.protocol.validate();
   }
   nameVariants(plan);
-  plan.protocol.initial_states = givenInitialStates(plan.starts, plan.protocol.first_episode, plan.protocol.episodes);
+  plan.protocol.initial_states = givenInitialStates(plan.starts, plan.protocol.firstStart(), plan.protocol.starts());
   const Shard shard = options.shard.empty() ? Shard() : Shard::from(options.shard);
   const Protocol protocol = shard.share(plan.protocol);
   SweepFolder folder(options.out, options.overwrite, "sweep");

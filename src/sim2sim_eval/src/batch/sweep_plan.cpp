@@ -288,12 +288,14 @@ void take(const YAML::Node& node, const std::string& key, std::vector<std::strin
 /// The options that the plan names, and a number of episodes that fits the file of initial states.
 Protocol protocolIn(const YAML::Node& root, const std::filesystem::path& starts) {
   Protocol protocol;
-  protocol.episodes = defaultEpisodes(protocol.episodes, starts);
   forEachOption([&](const auto& option) {
     if (const YAML::Node node = root[option.name]; option.in_plan && node.IsDefined()) {
       take(node, option.name, option.of(protocol));
     }
   });
+  if (!root["episodes"].IsDefined()) {
+    protocol.episodes = defaultEpisodes(protocol, starts);
+  }
   protocol.validate();
   return protocol;
 }

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/policy.hpp"
 #include "pusht_task/types.hpp"
 #include "sim2sim_protocol/first_divergence.hpp"
 #include "sim2sim_protocol/initial_states.hpp"
@@ -39,6 +40,10 @@ struct Protocol : RunOptions {
   /// Initial states of all episodes. Null: episodes start from the states of their spawn seeds.
   std::shared_ptr<const InitialStates> initial_states{};
 
+  /// Index and number of the initial states: repeats share one.
+  int firstStart() const { return first_episode / repeats; }
+  int starts() const { return episodes / repeats; }
+
   int lastEpisode() const { return first_episode + episodes - 1; }
 
   /// Probes of every episode, in the order in which they are run. Throws InvalidInput as probesOf().
@@ -50,14 +55,25 @@ struct Protocol : RunOptions {
   /// Throws InvalidInput with option, value and rule if an option is out of range.
   void validate() const;
 
-  /// Spawn seed of an episode. It is held out: no demonstration starts from it. Empty if initial states are given.
+  /// Spawn seed of an episode; repeats of a start share it. It is held out: no demonstration starts from it. Empty if
+  /// initial states are given.
   std::optional<std::uint64_t> spawnSeed(int episode) const;
 
   /// Initial state of an episode. Throws std::out_of_range if initial states are given and this one is not among them.
   pusht::WorldState initialState(int episode) const;
 
-  /// Cache key of an episode's initial state: its spawn seed, or a hash of the given state.
+  /// Number of an episode among those from its start, from 0.
+  int repeat(int episode) const { return episode % repeats; }
+
+  /// Name of an episode's initial state: its spawn seed, or a hash of the given state.
   std::string initialStateKey(int episode) const;
+
+  /// Name of what the reference cache keeps of an episode: its initial state and, after the first, its repeat.
+  std::string cacheKey(int episode) const;
+
+  /// What the policy is told of a closed loop of an episode. Both sides have the same seed of random numbers, unless
+  /// `independent_noise` asks for others.
+  pusht::Beginning beginning(int episode, pusht::Side side) const;
 
   /// Names of an episode's rollouts, in the order of its results: the modes, then the probes.
   std::vector<std::string> rolloutNames() const;

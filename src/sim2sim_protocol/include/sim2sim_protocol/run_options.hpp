@@ -28,7 +28,11 @@ struct RunOptions {
   std::vector<int> reanchor{};                 ///< [control steps] between resets; an entry for each state-reset replay
   std::vector<std::string> model_variants{};   ///< as modelVariantsFrom(); a replay for each
   std::vector<std::string> closed_variants{};  ///< likewise; a closed loop for each
-  std::optional<double> until_decided{};       ///< [-] share of the reference's success; none: all episodes are run
+  int repeats = 1;                             ///< episodes of each start, with other random numbers
+  std::uint64_t noise_seed = 0;
+  bool independent_noise = false;
+  int execute = 0;                        ///< actions of each answer of the policy; 0: as many as it says
+  std::optional<double> until_decided{};  ///< [-] share of the reference's success; none: all episodes are run
 };
 
 /// Whether an option decides what the reference does from a given initial state.
@@ -111,6 +115,19 @@ void forEachOption(const Function& function) {
        Written::kElsewhere, true, [](auto& o) -> decltype((o.bound_position)) { return o.bound_position; });
   each("bound_angle", "rad", "beyond it in yaw, a rollout has diverged from the reference", Decides::kRest,
        Written::kElsewhere, true, [](auto& o) -> decltype((o.bound_angle)) { return o.bound_angle; });
+  constexpr double kMostRepeats = 1000;
+  each("repeats", "", "episodes of each start, one after the other, with other random numbers of policy and loop",
+       Decides::kRest, Written::kIfChanged, true, [](auto& o) -> decltype((o.repeats)) { return o.repeats; },
+       {1.0, kMostRepeats});
+  each("noise_seed", "", "seed of the random numbers of policy and loop", Decides::kReference, Written::kIfChanged,
+       true, [](auto& o) -> decltype((o.noise_seed)) { return o.noise_seed; });
+  each("independent_noise", "",
+       "the engine's closed loop gets other random numbers than the reference's; without it the same", Decides::kRest,
+       Written::kIfChanged, true, [](auto& o) -> decltype((o.independent_noise)) { return o.independent_noise; });
+  each("execute", "control steps",
+       "actions of each answer of the policy that are executed before it is asked again; 0: as many as it says",
+       Decides::kReference, Written::kIfChanged, true, [](auto& o) -> decltype((o.execute)) { return o.execute; },
+       {0.0, kMostRepeats});
   each("until_decided", "",
        "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 to 1; "
        "--episodes is then the most that it may take",

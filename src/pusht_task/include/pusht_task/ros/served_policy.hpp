@@ -20,7 +20,7 @@ class ServedPolicy : public Policy {
   explicit ServedPolicy(const Peer& peer);
 
   /// Id of a new rollout. The policy's own memory is at the peer.
-  std::unique_ptr<Memory> begin() const override;
+  std::unique_ptr<Memory> begin(const Beginning& beginning) const override;
 
   void act(Span<const Query> queries, Span<Action> actions) override;
 

@@ -30,9 +30,9 @@ struct BatchOptions {
   std::optional<ReferenceCache> references(const LoadedRun& loaded, const RunOptions& options) const;
 };
 
-/// Default number of episodes: `usual`, or the number of rows of the file of initial states `starts` if that is less.
-/// `usual` for an empty path or a path that is no file.
-int defaultEpisodes(int usual, const std::filesystem::path& starts);
+/// Default number of episodes: the usual one, or that of the file of initial states `starts`, with the repeats of each,
+/// if that is less. The usual one for an empty path or a path that is no file.
+int defaultEpisodes(const RunOptions& options, const std::filesystem::path& starts);
 
 /// Declares each of RunOptions on a command line, by its table forEachOption().
 void declare(CLI::App& app, RunOptions& options);

@@ -5,8 +5,10 @@
 #include <cstdint>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/loop.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/parameters.hpp"
+#include "pusht_task/ros/parameters.hpp"
 
 namespace pusht_rviz {
 namespace {
@@ -86,6 +88,13 @@ ParameterDraft::ParameterDraft(const pusht_msgs::DescribeResponse& simulator,
       drafted.always_named = true;
     }
     drafted.text = textAmong(chosen, parameter.name).value_or(drafted.initial);
+    parameters_.push_back(drafted);
+  }
+  for (pusht::ParameterDescriptor knob : pusht::loopParameters()) {  // the evaluator's, beside those of the node
+    knob.name.insert(0, pusht::kLoopPrefix);
+    DraftedParameter drafted;
+    drafted.descriptor = pusht::toMessage(knob);
+    drafted.initial = drafted.descriptor.default_value;
     parameters_.push_back(drafted);
   }
   rebase();

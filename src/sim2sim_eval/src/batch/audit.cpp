@@ -68,10 +68,15 @@ void auditSimulators(const AuditOptions& options) {
   if (!options.overwrite) {
     pusht::requireNewFile("audit", options.out);
   }
-  const LoadedSimulator engine(chooseSimulator(options.engine, options.engine_parameters));
+  const auto load = [](const std::string& kind, const std::vector<std::string>& settings) {
+    const SimulatorChoice choice = chooseSimulator(kind, settings);
+    requireNoLoop(choice, "an audit");
+    return LoadedSimulator(choice);
+  };
+  const LoadedSimulator engine = load(options.engine, options.engine_parameters);
   std::optional<LoadedSimulator> reference;
   if (options.against.empty()) {
-    reference.emplace(chooseSimulator(options.reference, options.reference_parameters));
+    reference.emplace(load(options.reference, options.reference_parameters));
   }
   BatchOptions batch;
   batch.threads = options.threads;

@@ -51,8 +51,8 @@ KeptVerdict keptVerdict(const LoadedSimulator& reference, const LoadedSimulator&
     libraries.insert(libraries.end(), simulator->kind.libraries.begin(), simulator->kind.libraries.end());
   }
   return {kAuditsFolder,
-          {{"reference", toJson(reference.record())},
-           {"engine", toJson(engine.record())},
+          {{"reference", toJson(reference.simulatorRecord())},
+           {"engine", toJson(engine.simulatorRecord())},
            {"code", codeFingerprint(libraries)}}};
 }
 

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -13,6 +14,8 @@
 #include <vector>
 
 #include "pusht_task/files.hpp"
+#include "pusht_task/joined.hpp"
+#include "pusht_task/loop.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 
 namespace sim2sim {
@@ -86,6 +89,32 @@ int defaultEpisodes(const RunOptions& options, const std::filesystem::path& star
 void declare(CLI::App& app, RunOptions& options) {
   forEachOption(
       [&](const auto& option) { declareOption(app, optionName(option.name), option.of(options), option.help()); });
+}
+
+void declareLoop(CLI::App& app, std::vector<std::string>& reference, std::vector<std::string>& engine) {
+  using Settings = std::vector<std::string>;
+  const auto declare_for = [&app](const std::string& name, const std::string& meaning, std::vector<Settings*> sides) {
+    app.add_option_function<Settings>(
+           name,
+           [sides](const Settings& given) {
+             for (Settings* side : sides) {
+               std::transform(given.begin(), given.end(), std::back_inserter(*side),
+                              [](const std::string& setting) { return pusht::kLoopPrefix + setting; });
+             }
+           },
+           meaning)
+        ->allow_extra_args(false);
+  };
+  Settings names;
+  for (const pusht::ParameterDescriptor& parameter : pusht::loopParameters()) {
+    names.push_back(parameter.name);
+  }
+  declare_for("--loop",
+              "NAME=VALUE: a parameter of the loop between policy and world, on both sides: " + pusht::joined(names) +
+                  "; may be repeated",
+              {&reference, &engine});
+  declare_for("--loop-reference", "NAME=VALUE: the same for the reference alone", {&reference});
+  declare_for("--loop-engine", "NAME=VALUE: the same for the engine alone", {&engine});
 }
 
 int BatchOptions::threadCount() const {

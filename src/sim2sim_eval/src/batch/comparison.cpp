@@ -141,6 +141,7 @@ void CompareOptions::declare(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--set-reference", reference_parameters, "NAME=VALUE: a parameter of the reference; may be repeated")
       ->allow_extra_args(false);
+  declareLoop(app, reference_parameters, engine_parameters);
   declareShortForms(app, kCourseEngine, {}, engine_parameters);
   declareShortForms(app, kCourseReference, {"scene"}, reference_parameters);
   app.add_flag("--smoke", smoke, "short fixed run of an untrained policy, whatever --policy says: 2 episodes, 40 steps")

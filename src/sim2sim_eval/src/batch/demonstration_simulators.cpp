@@ -102,6 +102,7 @@ DemonstrationSimulators::DemonstrationSimulators(const std::vector<std::string>&
       }
     }
     const SimulatorChoice choice = chooseSimulator(parts.front(), fixed);
+    requireNoLoop(choice, "a demonstration");
     Entry entry{textOf(choice), LoadedSimulator(choice), {}, nullptr};
     std::string whole = entry.name;
     for (const Setting& range : ranges) {

@@ -43,7 +43,10 @@ WorkerFactory LoadedRun::workerFactory(const LoadedSimulator& engine) const {
                             make_engine = engine.model.make_lanes](int lanes) {
     return Worlds{make_reference(lanes), make_engine(lanes), make_engine(lanes)};
   };
-  return {make_worlds, policy_.make, [variants = variants_] { return worldsOf(variants); }};
+  const auto make_policy = [make = policy_.make, reference = reference_.loop, engine = engine.loop] {
+    return pusht::looped(make(), reference, engine);
+  };
+  return {make_worlds, make_policy, [variants = variants_] { return worldsOf(variants); }};
 }
 
 nlohmann::ordered_json LoadedRun::provenance(const RunConfiguration& configuration,

@@ -10,6 +10,29 @@
 
 namespace sim2sim {
 
+void SimulatorChoice::set(const std::string& name, const std::string& text) {
+  const std::string of_loop = pusht::loopParameterOf(name);
+  of_loop.empty() ? parameters.set(name, text) : loop.set(of_loop, text);
+}
+
+const pusht::Parameter& SimulatorChoice::at(const std::string& name) const {
+  const std::string of_loop = pusht::loopParameterOf(name);
+  return of_loop.empty() ? parameters.at(name) : loop.at(of_loop);
+}
+
+std::vector<std::string> SimulatorChoice::names() const {
+  std::vector<std::string> names;
+  for (const pusht::Parameter& parameter : parameters) {
+    names.push_back(parameter.name());
+  }
+  for (const pusht::Parameter& parameter : loop) {
+    if (parameter.set_by_name || !parameter.isDefault()) {
+      names.push_back(pusht::kLoopPrefix + parameter.name());
+    }
+  }
+  return names;
+}
+
 SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::string>& settings) {
   const pusht::SimulatorKind& chosen = pusht::SimulatorKinds::installed().named(kind);
   SimulatorChoice choice{chosen, chosen.defaults()};
@@ -24,7 +47,7 @@ SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::
       throw pusht::InvalidInput(std::string("setting '").append(setting).append("': ").append(name) +
                                 " must be set once");
     }
-    choice.parameters.set(name, setting.substr(equals + 1));
+    choice.set(name, setting.substr(equals + 1));
   }
   return choice;
 }
@@ -35,7 +58,7 @@ SimulatorChoice simulatorFromText(const std::string& text) {
 }
 
 bool operator==(const SimulatorChoice& a, const SimulatorChoice& b) {
-  return &a.kind.get() == &b.kind.get() && a.parameters == b.parameters;
+  return &a.kind.get() == &b.kind.get() && a.parameters == b.parameters && a.loop == b.loop;
 }
 
 std::vector<std::string> settingsOf(const SimulatorChoice& simulator) {
@@ -56,6 +79,11 @@ std::vector<std::string> settingsOf(const SimulatorChoice& simulator) {
       add(parameter);
     }
   }
+  for (const pusht::Parameter& parameter : simulator.loop) {
+    if (!parameter.isDefault()) {
+      settings.push_back(pusht::kLoopPrefix + parameter.name() + "=" + pusht::textOf(parameter.value));
+    }
+  }
   return settings;
 }
 
@@ -67,7 +95,22 @@ std::string textOf(const SimulatorChoice& simulator) {
   return text;
 }
 
+void requireNoLoop(const SimulatorChoice& simulator, const std::string& command) {
+  for (const pusht::Parameter& parameter : simulator.loop) {
+    if (!parameter.isDefault()) {
+      throw pusht::InvalidInput(pusht::kLoopPrefix + parameter.name() + " " + pusht::textOf(parameter.value) +
+                                ": must be left out: " + command + " has no policy in a loop");
+    }
+  }
+}
+
 SimulatorRecord LoadedSimulator::record() const {
+  SimulatorRecord record = simulatorRecord();
+  record.add(loop);
+  return record;
+}
+
+SimulatorRecord LoadedSimulator::simulatorRecord() const {
   SimulatorRecord record{kind.name, kind.title};
   for (const pusht::Parameter& parameter : model.parameters) {
     record.add(parameter.name(), parameter.value, parameter.descriptor.unit, parameter.isDefault(), model.provenance);

@@ -37,14 +37,14 @@ using nlohmann::json;
 std::vector<std::string> varyingParameters(const std::vector<PlannedRow>& rows) {
   std::vector<std::string> varying;
   for (const PlannedRow& row : rows) {
-    for (const pusht::Parameter& parameter : row.engine.parameters) {
+    for (const std::string& name : row.engine.names()) {
       const bool varies = std::any_of(rows.begin(), rows.end(), [&](const PlannedRow& other) {
         return &other.engine.kind.get() == &row.engine.kind.get() &&
-               other.engine.parameters.at(parameter.name()).value != parameter.value;
+               other.engine.at(name).value != row.engine.at(name).value;
       });
-      const bool is_new = std::find(varying.begin(), varying.end(), parameter.name()) == varying.end();
+      const bool is_new = std::find(varying.begin(), varying.end(), name) == varying.end();
       if (is_new && (varies || rows.size() == 1)) {
-        varying.push_back(parameter.name());
+        varying.push_back(name);
       }
     }
   }
@@ -174,9 +174,9 @@ class Sweeper {
     if (hasSeveralKinds(plan_.rows)) {
       text += (text.empty() ? "" : ", ") + engine.kind.get().name;
     }
-    for (const pusht::Parameter& parameter : engine.parameters) {
-      if (std::find(varying_.begin(), varying_.end(), parameter.name()) != varying_.end()) {
-        text += (text.empty() ? "" : ", ") + parameter.name() + " " + pusht::textOf(parameter.value);
+    for (const std::string& name : engine.names()) {
+      if (std::find(varying_.begin(), varying_.end(), name) != varying_.end()) {
+        text += (text.empty() ? "" : ", ") + name + " " + pusht::textOf(engine.at(name).value);
       }
     }
     return text;

@@ -25,8 +25,8 @@ constexpr std::size_t kMostRows = 100'000;
 
 void setParameter(SimulatorChoice& row, const YAML::Node& key, const YAML::Node& value) {
   const std::string name = textAt(key, "parameter");
-  inLineOf(key, [&] { row.parameters.at(name); });
-  inLineOf(value, [&] { row.parameters.set(name, textAt(value, name)); });
+  inLineOf(key, [&] { row.at(name); });
+  inLineOf(value, [&] { row.set(name, textAt(value, name)); });
 }
 
 /// Throws InvalidInput in the line of `node` if the kind refuses the setting.
@@ -126,7 +126,7 @@ std::vector<SimulatorChoice> rowsOfSample(const SimulatorChoice& engine, const Y
   for (const Coalition on : combinations) {
     rows.push_back(engine);
     for (std::size_t i = 0; i < sample.players.size(); ++i) {
-      inLineOf(node, [&] { rows.back().parameters.set(sample.players[i], (on >> i & 1U) != 0 ? "true" : "false"); });
+      inLineOf(node, [&] { rows.back().set(sample.players[i], (on >> i & 1U) != 0 ? "true" : "false"); });
     }
   }
   requireLoads(node, rows.front());

@@ -57,7 +57,8 @@ void LiveNodes::connect(const Simulators& simulators, const pusht::Peer::Wait& w
   connectWorlds(simulators, wait);
   policy_peer_.connect(wait);
   requireIsPolicy(policy_peer_);
-  policy_ = std::make_unique<pusht::ServedPolicy>(policy_peer_);
+  policy_ = pusht::looped(std::make_unique<pusht::ServedPolicy>(policy_peer_), loopOf(simulators.reference),
+                          loopOf(simulators.engine));
   requireThreeWorlds();
   requireOneEngine();
 
@@ -83,7 +84,7 @@ void LiveNodes::connectWorlds(const Simulators& simulators, const pusht::Peer::W
     WorldRequest wanted = requestFor(node.description);  // as before
     if (!identity_) {
       requireParametersInForce(services, now);
-      wanted = memory_.resolve(services, now, asked);
+      wanted = memory_.resolve(services, now, ofWorld(asked));
     }
     std::unique_ptr<pusht::ServedSimulator> world;
     try {

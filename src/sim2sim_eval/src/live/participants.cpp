@@ -67,6 +67,8 @@ RunConfiguration configurationOf(const LiveRequest& request, const LiveNodes& no
   configuration.policy = nodes.describePolicy().name;
   configuration.reference = recordOf(nodes.describe(kReferenceClosed));
   configuration.engine = recordOf(nodes.describe(kEngineClosed));
+  configuration.reference.add(loopOf(request.simulators.reference));
+  configuration.engine.add(loopOf(request.simulators.engine));
   return configuration;
 }
 

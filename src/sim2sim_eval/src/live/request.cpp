@@ -85,7 +85,7 @@ pusht::Parameters parametersFrom(const std::string& what, const std::string& tex
     throw pusht::InvalidInput(what + " of " + std::to_string(text.size()) + " bytes: must have at most " +
                               std::to_string(kLongest));
   }
-  static const std::regex parameter_name("(^|\\s)\\s*([A-Za-z_][A-Za-z0-9_]*)=");
+  static const std::regex parameter_name("(^|\\s)\\s*([A-Za-z_][A-Za-z0-9_.]*)=");
   const std::sregex_iterator end;
   std::sregex_iterator name(text.begin(), text.end(), parameter_name);
   const std::string before =
@@ -158,6 +158,8 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   };
   set_simulator("reference", request.simulators.reference, goal.reference, goal.reference_parameters);
   set_simulator("engine", request.simulators.engine, goal.engine, goal.engine_parameters);
+  loopOf(request.simulators.reference);  // throws if there are none such
+  loopOf(request.simulators.engine);
   return request;
 }
 

@@ -2,9 +2,27 @@
 #include "sim2sim_eval/live/world_memory.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace sim2sim {
+
+WorldRequest ofWorld(const WorldRequest& asked) {
+  WorldRequest of_world{asked.kind, {}};
+  std::copy_if(asked.parameters.begin(), asked.parameters.end(), std::back_inserter(of_world.parameters),
+               [](const pusht_msgs::Parameter& parameter) { return pusht::loopParameterOf(parameter.name).empty(); });
+  return of_world;
+}
+
+pusht::ParameterSet loopOf(const WorldRequest& asked) {
+  pusht::ParameterSet loop = pusht::plainLoop();
+  for (const pusht_msgs::Parameter& parameter : asked.parameters) {
+    if (const std::string name = pusht::loopParameterOf(parameter.name); !name.empty()) {
+      loop.set(name, parameter.value);
+    }
+  }
+  return loop;
+}
 namespace {
 
 /// The values that the parameters have where only words of presets are set; of those that are described.

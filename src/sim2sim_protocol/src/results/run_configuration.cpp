@@ -8,6 +8,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
+#include "pusht_task/loop.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 
@@ -121,6 +122,15 @@ void SimulatorRecord::add(const std::string& parameter, const pusht::ParameterVa
   const json sha256 = provenance.value(json::json_pointer("/" + parameter + "/sha256"), json());
   if (sha256.is_string()) {
     parameters[parameter] = "sha256:" + sha256.get<std::string>();
+  }
+}
+
+void SimulatorRecord::add(const pusht::ParameterSet& loop) {
+  for (const pusht::Parameter& parameter : loop) {
+    if (parameter.set_by_name || !parameter.isDefault()) {
+      add(pusht::kLoopPrefix + parameter.name(), parameter.value, parameter.descriptor.unit, parameter.isDefault(),
+          json::object());
+    }
   }
 }
 

@@ -34,6 +34,9 @@ struct BatchOptions {
 /// if that is less. The usual one for an empty path or a path that is no file.
 int defaultEpisodes(const RunOptions& options, const std::filesystem::path& starts);
 
+/// Declares --loop, --loop-reference and --loop-engine, which set parameters of the loops: settings "loop.NAME=VALUE".
+void declareLoop(CLI::App& app, std::vector<std::string>& reference, std::vector<std::string>& engine);
+
 /// Declares each of RunOptions on a command line, by its table forEachOption().
 void declare(CLI::App& app, RunOptions& options);
 

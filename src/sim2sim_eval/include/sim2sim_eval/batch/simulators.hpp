@@ -6,16 +6,27 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/loop.hpp"
 #include "pusht_task/simulator_kind.hpp"
 #include "sim2sim_protocol/results/output_folder.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 
 namespace sim2sim {
 
-/// A simulator that is asked for: a kind, and values for its parameters.
+/// A simulator that is asked for: a kind, values for its parameters, and the loop in which a policy drives it.
 struct SimulatorChoice {
   std::reference_wrapper<const pusht::SimulatorKind> kind;
   pusht::ParameterSet parameters;
+  pusht::ParameterSet loop = pusht::plainLoop();
+
+  /// Sets a parameter of the simulator, or of the loop: "loop.action_delay". Throws as ParameterSet::set().
+  void set(const std::string& name, const std::string& text);
+
+  /// Parameter of either. Throws as ParameterSet::at().
+  const pusht::Parameter& at(const std::string& name) const;
+
+  /// Names for at(): all parameters of the simulator, and those of the loop that were set.
+  std::vector<std::string> names() const;
 };
 
 /// `settings` are "NAME=VALUE"; parameters that are not named have their defaults. Throws as SimulatorKinds::named and
@@ -25,7 +36,7 @@ SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::
 /// Simulator that "KIND" or "KIND:NAME=VALUE:NAME=VALUE" asks for. Throws as chooseSimulator().
 SimulatorChoice simulatorFromText(const std::string& text);
 
-/// Whether kind and values are the same, however they were set.
+/// Whether kind, values and loop are the same, however they were set.
 bool operator==(const SimulatorChoice& a, const SimulatorChoice& b);
 
 /// Fewest settings with which chooseSimulator() makes `simulator` from its kind: presets, and what differs from them.
@@ -35,12 +46,20 @@ std::vector<std::string> settingsOf(const SimulatorChoice& simulator);
 /// simulators have equal texts, however they were set.
 std::string textOf(const SimulatorChoice& simulator);
 
+/// Throws InvalidInput if `simulator` is asked for with a loop: `command` has no policy in a loop.
+void requireNoLoop(const SimulatorChoice& simulator, const std::string& command);
+
 /// A simulator that is ready to run.
 struct LoadedSimulator {
   /// Throws as SimulatorKind::load.
-  explicit LoadedSimulator(const SimulatorChoice& choice) : kind(choice.kind), model(kind.load(choice.parameters)) {}
+  explicit LoadedSimulator(const SimulatorChoice& choice)
+      : kind(choice.kind), model(kind.load(choice.parameters)), loop(choice.loop) {}
 
+  /// Record of the simulator and of the loop in which a policy drives it.
   SimulatorRecord record() const;
+
+  /// Record of the simulator alone.
+  SimulatorRecord simulatorRecord() const;
 
   /// What its numbers depend on besides, for provenance.json: the kind's "version" and what the model says.
   nlohmann::json provenance() const;
@@ -50,6 +69,7 @@ struct LoadedSimulator {
 
   const pusht::SimulatorKind& kind;
   pusht::SimulatorModel model;
+  pusht::ParameterSet loop;
 };
 
 }  // namespace sim2sim

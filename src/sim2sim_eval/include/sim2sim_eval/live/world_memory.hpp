@@ -8,15 +8,22 @@
 #include <optional>
 #include <string>
 
+#include "pusht_task/loop.hpp"
 #include "pusht_task/ros/parameters.hpp"
 
 namespace sim2sim {
 
-/// Requested kind and parameters of a world.
+/// Requested kind and parameters of a world; "loop.NAME" is a parameter of the loop in which the policy drives it.
 struct WorldRequest {
   std::string kind{};              ///< kind of simulator; empty: the world keeps its kind
   pusht::Parameters parameters{};  ///< parameters not listed keep their values, or, with a kind, take its defaults
 };
+
+/// Request without the parameters of the loop, of which the world's node knows nothing.
+WorldRequest ofWorld(const WorldRequest& asked);
+
+/// Loop of a request. Throws as ParameterSet::set().
+pusht::ParameterSet loopOf(const WorldRequest& asked);
 
 /// Memory that keeps runs independent of each other. A run that leaves a world's kind open gets the world as it was
 /// before any run changed it, not with the parameters of the previous run. A world that another caller has configured

@@ -28,6 +28,9 @@ struct SimulatorRecord {
   /// Adds a parameter. For a file, `provenance` of the simulator has its SHA-256, under the parameter's name.
   void add(const std::string& parameter, const pusht::ParameterValue& value, const std::string& unit, bool is_default,
            const nlohmann::json& provenance);
+
+  /// Adds the parameters of the loop that a policy drives it in, as "loop.NAME": those that were set.
+  void add(const pusht::ParameterSet& loop);
 };
 
 /// Title with the parameters that do not have their default: "two-mass engine, block_damp 20.0".

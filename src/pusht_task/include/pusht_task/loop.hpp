@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The loop between a policy and a world: delays, noise, hold and scale, apart from any simulator and any policy.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pusht_task/parameters.hpp"
+#include "pusht_task/policy.hpp"
+
+namespace pusht {
+
+/// What the names of the loop's parameters begin with where they stand beside those of a simulator.
+constexpr const char* kLoopPrefix = "loop.";
+
+/// Parameters of the loop: what happens to an observation on its way to the policy, and to a command on its way to the
+/// world, in this order: noise of the sensor, delay, policy every h-th step, clip, scale, delay, noise of the actuator.
+/// The defaults change nothing.
+const std::vector<ParameterDescriptor>& loopParameters();
+
+/// Parameters of the loop with their defaults.
+ParameterSet plainLoop();
+
+/// Whether all parameters of a loop have their defaults.
+bool isPlain(const ParameterSet& loop);
+
+/// Whether a loop has random numbers.
+bool isNoisy(const ParameterSet& loop);
+
+/// "action_delay" if `name` is "loop.action_delay"; empty if it does not begin with the prefix.
+std::string loopParameterOf(const std::string& name);
+
+/// `policy` in loops with these parameters, one for each side. Random numbers come from the seed of each rollout, a
+/// stream for each kind of noise, so a knob changes the size of its noise and no other number. It is `policy` itself if
+/// both loops are plain. A side whose loop is plain has the policy's actions, to the last bit.
+std::unique_ptr<Policy> looped(std::unique_ptr<Policy> policy, const ParameterSet& reference,
+                               const ParameterSet& engine);
+
+}  // namespace pusht

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/loop.hpp"
+
+#include <algorithm>
+#include <boost/random/normal_distribution.hpp>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <string_view>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/spawn.hpp"
+#include "pusht_task/task.hpp"
+
+namespace pusht {
+namespace {
+
+/// Values of the parameters.
+struct Loop {
+  explicit Loop(const ParameterSet& set)
+      : observation_delay(static_cast<std::size_t>(set.get<std::int64_t>("observation_delay"))),
+        action_delay(static_cast<std::size_t>(set.get<std::int64_t>("action_delay"))),
+        hold(set.get<std::int64_t>("hold")),
+        action_scale(set.get<double>("action_scale")),
+        position_noise(set.get<double>("observation_noise_position")),
+        yaw_noise(set.get<double>("observation_noise_yaw")),
+        action_noise(set.get<double>("action_noise")) {}
+
+  std::size_t observation_delay;
+  std::size_t action_delay;
+  std::int64_t hold;
+  double action_scale;
+  double position_noise;
+  double yaw_noise;
+  double action_noise;
+};
+
+/// Normal numbers of one stream of a rollout.
+class Noise {
+ public:
+  Noise(std::uint64_t seed, const std::string& purpose, double deviation)
+      : generator_(seed, purpose), deviation_(deviation) {}
+
+  bool isOn() const { return deviation_ > 0.0; }
+  double next() { return deviation_ * normal_(generator_.bits()); }
+
+ private:
+  NumpyGenerator generator_;
+  boost::random::normal_distribution<double> normal_;
+  double deviation_;
+};
+
+/// Queue in which everything waits for `delay` steps.
+template <class Value>
+class Delay {
+ public:
+  explicit Delay(std::size_t delay) : delay_(delay) {}
+
+  /// What is due now that `value` has come; in the first `delay` steps, `before`.
+  Value pass(const Value& value, const Value& before) {
+    if (waiting_.empty()) {
+      waiting_.assign(delay_, before);
+    }
+    waiting_.push_back(value);
+    const Value due = waiting_.front();
+    waiting_.pop_front();
+    return due;
+  }
+
+ private:
+  std::size_t delay_;
+  std::deque<Value> waiting_;
+};
+
+/// Loop of one rollout, with the memory of its policy.
+class LoopMemory : public Policy::Memory {
+ public:
+  LoopMemory(const Loop& loop, std::uint64_t seed, std::unique_ptr<Policy::Memory> memory)
+      : loop_(loop),
+        memory_(std::move(memory)),
+        position_noise_(seed, "loop position noise", loop.position_noise),
+        yaw_noise_(seed, "loop yaw noise", loop.yaw_noise),
+        action_noise_(seed, "loop action noise", loop.action_noise),
+        observations_(loop.observation_delay),
+        commands_(loop.action_delay) {}
+
+  /// What the policy is asked now that the world shows `observation`.
+  Policy::Query queryOf(const Observation& observation) {
+    const Observation now = measured(observation);
+    return {observations_.pass(now, now), memory_.get()};
+  }
+
+  /// Whether the policy acts in this control step.
+  bool acts() const { return step_ % loop_.hold == 0; }
+
+  void take(const Action& answer) { held_ = answer; }
+
+  /// Command that reaches the world in this control step, which ends.
+  Action command() {
+    ++step_;
+    Action command = held_;
+    if (loop_.action_scale != 1.0) {
+      command = clip(command);
+      for (float& component : command) {
+        component = static_cast<float>(component * loop_.action_scale);
+      }
+    }
+    command = commands_.pass(command, Action{});
+    if (action_noise_.isOn()) {
+      command = clip(command);
+      for (float& component : command) {
+        component += static_cast<float>(action_noise_.next());
+      }
+    }
+    return command;
+  }
+
+ private:
+  Observation measured(const Observation& truth) {
+    constexpr std::size_t kPositions = 4;  // of pusher and tee; the target is known
+    constexpr std::size_t kSin = 4;
+    constexpr std::size_t kCos = 5;
+    Observation observation = truth;
+    if (position_noise_.isOn()) {
+      std::for_each_n(observation.begin(), kPositions,
+                      [&](float& position) { position += static_cast<float>(position_noise_.next()); });
+    }
+    if (yaw_noise_.isOn()) {
+      const double yaw = std::atan2(truth[kSin], truth[kCos]) + yaw_noise_.next();
+      observation[kSin] = static_cast<float>(std::sin(yaw));
+      observation[kCos] = static_cast<float>(std::cos(yaw));
+    }
+    return observation;
+  }
+
+  const Loop& loop_;
+  std::unique_ptr<Policy::Memory> memory_;
+  Noise position_noise_;
+  Noise yaw_noise_;
+  Noise action_noise_;
+  Delay<Observation> observations_;
+  Delay<Action> commands_;
+  std::int64_t step_ = 0;
+  Action held_{};
+};
+
+class LoopedPolicy : public Policy {
+ public:
+  LoopedPolicy(std::unique_ptr<Policy> policy, const ParameterSet& reference, const ParameterSet& engine)
+      : policy_(std::move(policy)), reference_(reference), engine_(engine) {}
+
+  std::unique_ptr<Memory> begin(const Beginning& beginning) const override {
+    const Loop& loop = beginning.side == Side::kReference ? reference_ : engine_;
+    return std::make_unique<LoopMemory>(loop, beginning.seed, policy_->begin(beginning));
+  }
+
+  void act(Span<const Query> queries, Span<Action> actions) override {
+    asked_.clear();
+    for (const Query& query : queries) {
+      const Query inner = memoryOf(query).queryOf(query.observation);
+      if (memoryOf(query).acts()) {
+        asked_.push_back(inner);
+      }
+    }
+    answers_.resize(asked_.size());
+    if (!asked_.empty()) {
+      policy_->act(asked_, answers_);
+    }
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      LoopMemory& memory = memoryOf(queries[i]);
+      if (memory.acts()) {
+        memory.take(answers_.at(next++));
+      }
+      actions[i] = memory.command();
+    }
+  }
+
+ private:
+  static LoopMemory& memoryOf(const Query& query) {
+    auto* memory = dynamic_cast<LoopMemory*>(query.memory);
+    if (memory == nullptr) {
+      throw InternalError("policy in a loop: a query must carry a memory from begin()");
+    }
+    return *memory;
+  }
+
+  std::unique_ptr<Policy> policy_;
+  Loop reference_;
+  Loop engine_;
+  std::vector<Query> asked_;
+  std::vector<Action> answers_;
+};
+
+ParameterDescriptor steps(const char* name, const char* meaning, std::int64_t usual) {
+  constexpr double kMostSteps = 100.0;
+  return {name, "control steps", meaning, usual, static_cast<double>(usual), kMostSteps};
+}
+
+ParameterDescriptor deviation(const char* name, const char* unit, const char* meaning) {
+  constexpr double kMost = 10.0;
+  return {name, unit, meaning, 0.0, 0.0, kMost};
+}
+
+}  // namespace
+
+const std::vector<ParameterDescriptor>& loopParameters() {
+  constexpr double kMostScale = 10.0;
+  static const std::vector<ParameterDescriptor> parameters = {
+      steps("action_delay", "from a command to its beginning in the world; before the first, the command is zero", 0),
+      steps("observation_delay", "age of the observation that the policy gets; the first one is repeated", 0),
+      steps("hold", "the policy is asked every so many control steps; its command is held in between", 1),
+      {"action_scale", "", "factor of the clipped command", 1.0, 0.0, kMostScale},
+      deviation("action_noise", "m/s", "standard deviation of the noise on each component of the clipped command"),
+      deviation("observation_noise_position", "m", "standard deviation of the noise on x and y of pusher and tee"),
+      deviation("observation_noise_yaw", "rad", "standard deviation of the noise on the tee's yaw"),
+  };
+  return parameters;
+}
+
+ParameterSet plainLoop() { return ParameterSet(loopParameters()); }
+
+bool isPlain(const ParameterSet& loop) {
+  return std::all_of(loop.begin(), loop.end(), [](const Parameter& parameter) { return parameter.isDefault(); });
+}
+
+bool isNoisy(const ParameterSet& loop) {
+  const Loop values(loop);
+  return values.position_noise > 0.0 || values.yaw_noise > 0.0 || values.action_noise > 0.0;
+}
+
+std::string loopParameterOf(const std::string& name) {
+  const std::string_view prefix = kLoopPrefix;
+  return name.compare(0, prefix.size(), prefix) == 0 ? name.substr(prefix.size()) : "";
+}
+
+std::unique_ptr<Policy> looped(std::unique_ptr<Policy> policy, const ParameterSet& reference,
+                               const ParameterSet& engine) {
+  if (isPlain(reference) && isPlain(engine)) {
+    return policy;
+  }
+  return std::make_unique<LoopedPolicy>(std::move(policy), reference, engine);
+}
+
+}  // namespace pusht

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_protocol/results/equivalent.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/loop.hpp"
+#include "sim2sim_protocol/results/contrast.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
+#include "sim2sim_statistics/pairs.hpp"
+
+namespace sim2sim {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+[[noreturn]] void refuseFolder(const fs::path& folder, const std::string& why) {
+  throw pusht::InvalidInput("results " + folder.string() + ": " + why);
+}
+
+/// A parameter in which a row differs from the reference.
+struct ChangedNumber {
+  std::string name;
+  std::string unit;
+  double without;
+  double value;
+};
+
+/// Value of a parameter of a simulator in metrics.json; a loop that is not there is plain.
+json valueOf(const json& simulator, const std::string& name) {
+  const json& parameters = simulator.at("parameters");
+  if (const auto found = parameters.find(name); found != parameters.end()) {
+    return *found;
+  }
+  const std::string of_loop = pusht::loopParameterOf(name);
+  if (of_loop.empty()) {
+    return {};
+  }
+  return std::visit([](const auto& plain) { return json(plain); }, pusht::plainLoop().at(of_loop).value);
+}
+
+/// Parameters of `engine` that are not those of `reference`, by name.
+std::vector<std::string> differencesOf(const json& engine, const json& reference) {
+  std::vector<std::string> names;
+  for (const json* simulator : {&engine, &reference}) {
+    for (const auto& [name, value] : simulator->at("parameters").items()) {
+      const bool is_new = std::find(names.begin(), names.end(), name) == names.end();
+      if (is_new && valueOf(engine, name) != valueOf(reference, name)) {
+        names.push_back(name);
+      }
+    }
+  }
+  return names;
+}
+
+/// Whether a row's engine is the reference, as where the values of an error begin with none.
+bool isReference(const RunResults& row) {
+  const json& reference = row.metrics.at("simulators").at("reference");
+  return row.engine().at("name") == reference.at("name") && differencesOf(row.engine(), reference).empty();
+}
+
+/// The number in which a row's engine differs from the reference; none if it is another simulator.
+std::optional<ChangedNumber> errorIn(const RunResults& row) {
+  const json& reference = row.metrics.at("simulators").at("reference");
+  const json& engine = row.engine();
+  if (engine.at("name") != reference.at("name")) {
+    return std::nullopt;
+  }
+  const std::vector<std::string> names = differencesOf(engine, reference);
+  const json value = valueOf(engine, names.front());
+  const json without = valueOf(reference, names.front());
+  if (names.size() > 1 || !value.is_number() || !without.is_number()) {
+    return std::nullopt;
+  }
+  return ChangedNumber{names.front(), engine.at("units").value(names.front(), ""), without, value};
+}
+
+/// All rows of a whole sweep over one policy.
+std::vector<RunResults> rowsOf(const fs::path& folder, const std::function<void()>& go_on) {
+  if (std::error_code ignored; fs::exists(folder / kMetricsFile, ignored)) {
+    refuseFolder(folder, "is a run; a sweep over an engine and errors of the reference is needed");
+  }
+  std::vector<RunResults> rows;
+  for (const fs::path& row : runsIn(folder)) {
+    go_on();
+    rows.push_back(readResults(row));
+    if (rows.back().metrics.at("policy") != rows.front().metrics.at("policy")) {
+      refuseFolder(rows.back().folder, "is of another policy than the first row; must be the same");
+    }
+    requirePairs(rows.front(), rows.back());
+  }
+  const json sweep = json::parse(pusht::readFile(folder / kSweepFile, "results"), nullptr, false);
+  if (const json::json_pointer shard("/sweep/shard"); sweep.is_object() && sweep.contains(shard)) {
+    refuseFolder(folder, "is shard " + sweep.at(shard).dump() + " of a sweep; merge the shards first");
+  }
+  if (const int starts = rows.front().protocol.starts(); starts < kFewestEpisodes) {
+    refuseFolder(folder, "has " + std::to_string(starts) + " starts; must have at least " +
+                             std::to_string(kFewestEpisodes) + " for an interval");
+  }
+  return rows;
+}
+
+/// Successes of a rollout by start: shares of its repeats.
+std::vector<double> sharesOf(const RunResults& row, std::size_t rollout) {
+  std::vector<double> shares(static_cast<std::size_t>(row.protocol.starts()), 0.0);
+  for (std::size_t i = 0; i < row.episodes.size(); ++i) {
+    const auto repeats = static_cast<std::size_t>(row.protocol.repeats);
+    shares[i / repeats] += (row.episodes[i].rollouts[rollout].success ? 1.0 : 0.0) / static_cast<double>(repeats);
+  }
+  return shares;
+}
+
+/// Success of one rollout less that of the engine of `engine`, over the same starts.
+Surplus surplusOf(double size, const RunResults& row, std::size_t rollout, const RunResults& engine) {
+  if (row.protocol.repeats == 1) {
+    const PairTable table = pairsOf(engine.episodes, kEngineClosed, row.episodes, rollout);
+    return {size, table.difference(), tangoInterval(table).value()};
+  }
+  std::vector<double> differences = sharesOf(row, rollout);
+  const std::vector<double> taken = sharesOf(engine, kEngineClosed);
+  std::transform(differences.begin(), differences.end(), taken.begin(), differences.begin(), std::minus<>());
+  const Difference mean = meanDifference(differences);
+  return {size, mean.value, mean.interval.value_or(Interval{mean.value, mean.value})};
+}
+
+/// A parameter with its rows on one side of the reference's value.
+struct ErrorRows {
+  ChangedNumber parameter;
+  std::map<double, const RunResults*> by_distance;
+};
+
+Equivalent equivalentOf(const ErrorRows& error, const RunResults& engine, const SuccessRate& in_reference) {
+  Equivalent equivalent{error.parameter.name, error.parameter.unit, error.parameter.without, {}, {}};
+  equivalent.levels.push_back({error.parameter.without, in_reference});
+  std::vector<Surplus> surplus = {surplusOf(0.0, engine, kReferenceClosed, engine)};
+  const double direction = error.parameter.value < error.parameter.without ? -1.0 : 1.0;
+  for (const auto& [distance, row] : error.by_distance) {
+    surplus.push_back(surplusOf(distance, *row, kEngineClosed, engine));
+    equivalent.levels.push_back(
+        {error.parameter.without + direction * distance, summarize(row->protocol, row->episodes).engine});
+  }
+  equivalent.error = equivalentSize(surplus);
+  return equivalent;
+}
+
+}  // namespace
+
+Equivalents readEquivalents(const fs::path& folder, const std::function<void()>& go_on) {
+  const std::vector<RunResults> rows = rowsOf(folder, go_on);
+  std::vector<const RunResults*> engines;
+  std::vector<ErrorRows> errors;
+  for (const RunResults& row : rows) {
+    if (isReference(row)) {
+      continue;
+    }
+    const std::optional<ChangedNumber> changed = errorIn(row);
+    if (!changed) {
+      engines.push_back(&row);
+      continue;
+    }
+    const auto known = std::find_if(errors.begin(), errors.end(), [&](const ErrorRows& error) {
+      return error.parameter.name == changed->name &&
+             (error.parameter.value < changed->without) == (changed->value < changed->without);
+    });
+    ErrorRows& error = known != errors.end() ? *known : errors.emplace_back(ErrorRows{*changed, {}});
+    error.by_distance[std::abs(changed->value - changed->without)] = &row;
+  }
+  if (engines.empty() || errors.empty()) {
+    refuseFolder(folder, std::string("has no ") +
+                             (engines.empty() ? "engine but the reference"
+                                              : "row in the reference's kind with another value of one number") +
+                             "; must have both");
+  }
+  const Summary first = summarize(rows.front().protocol, rows.front().episodes);
+  const json& metrics = rows.front().metrics;
+  Equivalents result{titleOf(simulatorFrom(metrics.at("simulators").at("reference"))),
+                     metrics.at("policy"),
+                     rows.front().protocol.episodes,
+                     {}};
+  for (const RunResults* engine : engines) {
+    go_on();
+    EngineEquivalents of_engine{titleOf(simulatorFrom(engine->engine())),
+                                summarize(engine->protocol, engine->episodes).engine,
+                                surplusOf(0.0, *engine, kReferenceClosed, *engine)};
+    for (const ErrorRows& error : errors) {
+      of_engine.equivalents.push_back(equivalentOf(error, *engine, first.reference));
+    }
+    result.engines.push_back(std::move(of_engine));
+  }
+  return result;
+}
+
+}  // namespace sim2sim

@@ -402,6 +402,26 @@ class LiveSession(GoalCase):
             twice = {state for state, count in times.items() if count > 1}
             self.assertLessEqual(twice, {(0, 0)}, "the reset that takes the world over may be seen")
 
+    def test_loop_and_repeats_are_those_of_the_command(self) -> None:
+        reference = {"observation_delay": "1", "action_noise": "0.1"}
+        engine = {"action_delay": "1", "observation_noise_position": "0.002"}
+        sides = (("reference", reference), ("engine", engine))
+        self.compare(
+            options=[Parameter("repeats", str(EPISODES)), Parameter("independent_noise", "true")],
+            **{
+                f"{side}_parameters": [Parameter(f"loop.{k}", v) for k, v in loop.items()]
+                for side, loop in sides
+            },
+        )
+        loops = [
+            word
+            for side, loop in sides
+            for name, value in loop.items()
+            for word in (f"--loop-{side}", f"{name}={value}")
+        ]
+        command = (*BATCH, "--repeats", str(EPISODES), "--independent-noise", *loops)
+        self.assertEqual(result_bytes(self.out), self.batch_bytes(*command))
+
     def test_ends_when_it_is_decided(self) -> None:
         decided = ("--policy", "expert", "--episodes", "60", "--until-decided", "0.9")
         markers = Inbox("/sim2sim/markers", MarkerArray)

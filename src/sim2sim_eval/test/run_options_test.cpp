@@ -144,7 +144,8 @@ TEST(NamedOptions, AreRefusedWithNameAndRule) {
   };
   EXPECT_EQ(refusal("epsiodes", "5"),
             "option 'epsiodes': unknown; known: seed, first_episode, episodes, horizon, floor, reanchor, "
-            "model_variants, closed_variants, bound_position, bound_angle, until_decided");
+            "model_variants, closed_variants, bound_position, bound_angle, repeats, noise_seed, "
+            "independent_noise, execute, until_decided");
   EXPECT_EQ(refusal("episodes", "0"), "episodes 0: must be from 1 to 1000000");
   EXPECT_EQ(refusal("episodes", "99999999999"), "episodes 99999999999: must be from 1 to 1000000");
   EXPECT_EQ(refusal("horizon", "1e2"), "horizon '1e2': must be a decimal integer");

@@ -53,8 +53,11 @@ def command_of(run: AnyRun) -> str:
         words.append("floor:=false" if live else "--no-floor")
     add("bound_position", c["bound"]["position_m"])
     add("bound_angle", c["bound"]["angle_rad"])
-    if c.get("until_decided"):
-        add("until_decided", c["until_decided"])
+    for option in ("repeats", "noise_seed", "execute", "until_decided"):
+        if c.get(option):
+            add(option, c[option])
+    if c.get("independent_noise"):
+        words.append("independent_noise:=true" if live else "--independent-noise")
     if live:
         add("horizon", c["horizon"])
     if c["smoke"]:

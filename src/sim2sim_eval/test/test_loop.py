@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The loop between policy and world, repeats, and equivalents, as a user meets them."""
+
+import csv
+import json
+import unittest
+from typing import List, Tuple
+
+from command_case import CommandCase, executable
+
+COMPARE = executable("sim2sim_eval", "compare")
+EQUIVALENT = executable("sim2sim_eval", "equivalent")
+MERGE = executable("sim2sim_eval", "merge")
+RECOMPUTE = executable("sim2sim_eval", "recompute")
+SWEEP = executable("sim2sim_eval", "sweep")
+EXPERT = ("--policy", "expert")
+NOISY = (
+    *("--loop", "action_noise=0.2", "--loop-engine", "action_delay=1"),
+    *("--loop-reference", "observation_noise_yaw=0.05", "--repeats", "3", "--episodes", "12"),
+)
+
+
+class LoopCase(CommandCase):
+    def compare(self, out: str, *arguments: str) -> str:
+        return self.run_all((COMPARE, *EXPERT, *arguments, "--out", out))
+
+    def refused(self, program: str, *arguments: str) -> str:
+        process = self.run_command(program, *arguments)
+        self.assert_one_line(process, 2, program.rsplit("/", 1)[-1])
+        message: str = process.stderr
+        return message
+
+    def episodes(self, out: str) -> bytes:
+        return (self.folder / out / "episodes.csv").read_bytes()
+
+    def sweep(self, plan: str, out: str, *arguments: str) -> None:
+        self.write("plan.yaml", plan.encode())
+        self.run_all((SWEEP, "plan.yaml", "--out", out, *arguments))
+
+
+class Loops(LoopCase):
+    def test_noise_has_the_same_bytes_over_threads_cache_bag_and_rows(self) -> None:
+        self.compare("one", *NOISY, "--threads", "1", "--record")
+        self.compare("two", *NOISY, "--threads", "2", "--reference-cache", "kept")
+        self.compare("cached", *NOISY, "--reference-cache", "kept")
+        self.run_all((RECOMPUTE, "one/compare.bag", "--out", "again"))
+        for out in ("two", "cached", "again"):
+            self.assertEqual(self.result_bytes(out), self.result_bytes("one"), out)
+
+    def test_the_reference_is_kept_for_its_own_loop_alone(self) -> None:
+        loop = ("--loop-reference", "action_delay=3", "--episodes", "5")
+        self.compare("alone", *loop)
+        self.compare("plain", "--episodes", "5", "--reference-cache", "kept")
+        self.compare("cached", *loop, "--reference-cache", "kept")
+        self.assertEqual(self.result_bytes("cached"), self.result_bytes("alone"))
+        self.assertNotEqual(self.episodes("plain"), self.episodes("alone"))
+
+    def test_nothing_set_changes_nothing(self) -> None:
+        self.compare("without", "--episodes", "4")
+        for number, loop in enumerate(("action_delay=0", "hold=1", "action_noise=0")):
+            self.compare(f"with{number}", "--episodes", "4", "--loop", loop)
+            self.assertEqual(self.episodes(f"with{number}"), self.episodes("without"), loop)
+
+    def test_a_delay_is_in_title_and_hash(self) -> None:
+        text = self.compare("late", "--episodes", "2", "--loop-engine", "action_delay=2")
+        self.assertIn("loop.action_delay 2", text)
+        metrics = self.load("late", "metrics.json")
+        self.assertEqual(metrics["simulators"]["engine"]["changed"], ["loop.action_delay"])
+        self.assertEqual(metrics["simulators"]["reference"]["changed"], [])
+
+    def test_shards_and_rows_of_a_grid(self) -> None:
+        plan = "{policy: expert, episodes: 12, repeats: 2, grid: {loop.action_noise: [0, 0.3]}}"
+        self.sweep(plan, "whole")
+        for shard in ("1/2", "2/2"):
+            self.run_all((SWEEP, "plan.yaml", "--shard", shard, "--out", f"s{shard[0]}"))
+        self.run_all((MERGE, "s1", "s2", "--out", "merged"))
+        for row in ("rows/000", "rows/001"):
+            self.assertEqual(self.episodes(f"merged/{row}"), self.episodes(f"whole/{row}"))
+        self.compare("run", "--episodes", "12", "--repeats", "2", "--set", "loop.action_noise=0.3")
+        self.assertEqual(self.episodes("whole/rows/001"), self.episodes("run"))
+        with (self.folder / "whole" / "sweep.csv").open() as file:
+            self.assertEqual([r["loop.action_noise"] for r in csv.DictReader(file)], ["0.0", "0.3"])
+
+    def test_refusals(self) -> None:
+        for arguments, words in {
+            ("--loop", "delay=1"): "parameter 'delay': unknown; known: action_delay, ",
+            ("--loop", "action_delay=-1"): "action_delay -1: must be from 0 to 100",
+            ("--loop-engine", "action_delay"): "'loop.action_delay': must be NAME=VALUE",
+            ("--loop", "hold=2", "--loop-engine", "hold=3"): "loop.hold must be set once",
+            ("--repeats", "3"): "repeats 3: must divide episodes 50",
+            ("--execute", "2"): "execute 2: must be from 1 to 1",
+        }.items():
+            self.assertIn(words, self.refused(COMPARE, *EXPERT, *arguments), arguments)
+        audit = executable("sim2sim_eval", "audit")
+        self.assertIn("an audit has no policy", self.refused(audit, "--set", "loop.hold=2"))
+
+
+class Equivalents(LoopCase):
+    DELAYS = ", ".join(f"'mujoco:loop.action_delay={steps}'" for steps in (1, 2, 3, 4))
+
+    def swept(self, engine: str) -> str:
+        out = engine.split(":")[0]
+        plan = (
+            f"{{policy: expert, episodes: 40, floor: false, engine: ['{engine}', {self.DELAYS}]}}"
+        )
+        self.sweep(plan, out)
+        return out
+
+    def found(self, out: str) -> Tuple[float, List[float], str]:
+        text = self.run_all((EQUIVALENT, out))
+        (engine,) = json.loads((self.folder / out / "equivalent.json").read_text())["engines"]
+        (equivalent,) = engine["equivalents"]
+        self.assertEqual(equivalent["parameter"], "loop.action_delay")
+        return equivalent["error"], equivalent["error_interval"], text
+
+    def test_a_planted_delay_is_found(self) -> None:
+        # An engine of another name that is the reference, two steps late.
+        out = self.swept("rigid_body:all=true:loop.action_delay=2")
+        error, (low, high), text = self.found(out)
+        self.assertLess(low, 2.0)
+        self.assertGreater(high, 2.0)
+        self.assertLess(high - low, 1.5, "and not anything")
+        self.assertAlmostEqual(error, 2.0, delta=0.6)
+        self.assertRegex(
+            text, r"loop.action_delay \+ [0-9.]+ \[.*\] control steps, [0-9]+ \[.*\] ms"
+        )
+
+    def test_refusals(self) -> None:
+        self.compare("run", "--episodes", "2")
+        self.assertIn("is a run", self.refused(EQUIVALENT, "run"))
+        self.sweep("{policy: expert, episodes: 12, engine: [two_mass, chipmunk]}", "engines")
+        self.assertIn("has no row in the reference's kind", self.refused(EQUIVALENT, "engines"))
+        self.sweep(f"{{policy: expert, episodes: 12, engine: [{self.DELAYS}]}}", "errors")
+        self.assertIn("has no engine but the reference", self.refused(EQUIVALENT, "errors"))
+        self.sweep(f"{{policy: expert, episodes: 4, engine: [two_mass, {self.DELAYS}]}}", "few")
+        self.assertIn("has 4 starts; must have at least 10", self.refused(EQUIVALENT, "few"))
+
+
+if __name__ == "__main__":
+    unittest.main()

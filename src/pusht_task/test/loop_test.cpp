@@ -12,6 +12,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/spawn.hpp"
+#include "pusht_task/task.hpp"
 
 namespace pusht {
 namespace {

@@ -26,7 +26,7 @@ namespace {
 using pusht::Side;
 using pusht::testing::refusalOf;
 
-/// Drives at random; a rollout's actions are of its seed alone.
+/// Drives at the tee, unsteadily; what is random is of the rollout's seed alone.
 class DicePolicy : public pusht::Policy {
  public:
   std::unique_ptr<Memory> begin(const pusht::Beginning& beginning) const override {
@@ -35,8 +35,9 @@ class DicePolicy : public pusht::Policy {
   void act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) override {
     for (std::size_t row = 0; row < queries.size(); ++row) {
       pusht::NumpyGenerator& numbers = static_cast<Dice*>(queries[row].memory)->numbers;
-      for (float& component : actions[row]) {
-        component = static_cast<float>(numbers.uniform(-1.0, 1.0));
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const float to_tee = queries[row].observation[2 + axis] - queries[row].observation[axis];
+        actions[row][axis] = 5.0F * to_tee + static_cast<float>(numbers.uniform(-0.5, 0.5));
       }
     }
   }

@@ -14,6 +14,7 @@
 #include "pusht_task/loop.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 
 namespace sim2sim {

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The figure of equivalents: success in the reference over the size of an error, a panel for each
+parameter, with the success in each engine as a level."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, List
+
+from pusht_task.error import Error
+from pusht_task.json_file import Json, read_json, require_format
+from sim2sim_protocol.result_files import format_of, name_of
+
+from sim2sim_report.colors import COLORS, SERIES
+from sim2sim_report.curves import OWN_STYLE
+from sim2sim_report.figures import Drawing, Figure, styled
+
+FILE = name_of("equivalent")
+PANEL = (5.2, 4.2)  # [in]
+
+
+@dataclass(frozen=True)
+class Equivalents:
+    """Content of equivalent.json, ready to be drawn."""
+
+    content: Json
+    missing = ""  # only whole sweeps have the file
+
+    @property
+    def engines(self) -> List[Json]:
+        engines: List[Json] = self.content["engines"]
+        return engines
+
+    def drawing(self, name: str) -> Drawing:
+        names = ", ".join(each["parameter"] for each in self.engines[0]["equivalents"])
+        alt = f"Success in {self.content['reference']} over {names}, with levels of engines"
+        return styled(name, alt, self._figure, OWN_STYLE)
+
+    def _figure(self, narrow: bool) -> Any:
+        panels = self.engines[0]["equivalents"]
+        across = 1 if narrow else min(len(panels), 2)
+        down = math.ceil(len(panels) / across)
+        size = (PANEL[0] * across, PANEL[1] * down)
+        figure = Figure(figsize=size, constrained_layout=True)
+        all_axes = list(figure.subplots(down, across, sharey=True, squeeze=False).flat)
+        for axes in all_axes[len(panels) :]:
+            axes.remove()
+        for number, axes in enumerate(all_axes[: len(panels)]):
+            self._panel(axes, number)
+        all_axes[0].legend(loc="best", fontsize=10)
+        figure.suptitle("\n".join(self._title()), fontsize=10 if narrow else 13)
+        return figure
+
+    def _panel(self, axes: Any, number: int) -> None:
+        curve = self.engines[0]["equivalents"][number]
+        levels = sorted(curve["levels"], key=lambda level: level["size"])
+        sizes = [level["size"] for level in levels]
+        rates = [level["success"]["rate"] for level in levels]
+        ends = [level["success"]["interval"] for level in levels]
+        color = COLORS["reference"]
+        axes.plot(sizes, rates, color=color, marker="o", label=self.content["reference"])
+        axes.fill_between(sizes, *zip(*ends), color=color, alpha=0.2, linewidth=0)
+        for place, engine in enumerate(self.engines):
+            self._level(axes, engine, number, SERIES[place % len(SERIES)])
+        unit = f" [{curve['unit']}]" if curve["unit"] else ""
+        axes.set_xlabel(f"{curve['parameter']}{unit}")
+        axes.set_ylabel("success")
+        axes.set_ylim(bottom=0.0)
+
+    @staticmethod
+    def _level(axes: Any, engine: Json, number: int, color: str) -> None:
+        """An engine's success, and the interval of the error that costs as much."""
+        curve = engine["equivalents"][number]
+        rate = engine["success"]["rate"]
+        axes.axhline(rate, color=color, linewidth=1.4, linestyle="--", label=engine["engine"])
+        direction = -1.0 if curve["levels"][-1]["size"] < curve["without"] else 1.0
+        largest = abs(curve["levels"][-1]["size"] - curve["without"])
+        low, high = (largest if end is None else end for end in curve["error_interval"])
+        ends = [curve["without"] + direction * end for end in (low, high)]
+        beyond = curve["error_interval"][1] is None
+        mark: Dict[str, Any] = {"marker": ">" if direction > 0 else "<", "markevery": [1]}
+        axes.plot(ends, [rate, rate], color=color, linewidth=6, alpha=0.6, **mark if beyond else {})
+        if curve["error"] is not None:
+            at = curve["without"] + direction * curve["error"]
+            axes.plot([at], [rate], color=color, marker="D", markersize=8)
+
+    def _title(self) -> List[str]:
+        return [
+            f"what error costs {self.content['reference']} as much success"
+            f" (policy {self.content['policy']})",
+            f"{self.content['episodes']:,} episodes, {100 * self.content['confidence']:g} %"
+            " intervals; thick: sizes that are not excluded",
+        ]
+
+
+def read_equivalents(folder: Path) -> Equivalents:
+    """The equivalents in the folder of a sweep. Raises Error if there are none."""
+    path = folder / FILE
+    if not path.exists():
+        raise Error(f"{path}: is not there; `equivalent {folder}` writes it")
+    content = read_json(path)
+    require_format(path, content, format_of("equivalent"))
+    equivalents = Equivalents(content)
+    try:
+        equivalents.drawing("check")
+    except (KeyError, TypeError, IndexError) as error:
+        raise Error(f"{path}: is not as this version writes it: {error!r}") from None
+    return equivalents

@@ -18,6 +18,7 @@
 
 #include "coverage_tables.hpp"
 #include "crossed_coverage.hpp"
+#include "equivalent_coverage.hpp"
 #include "known_truths.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
@@ -244,6 +245,8 @@ void study(int repetitions, std::uint64_t seed, const std::string& episodes) {
   crossed(of_crossed);
   Simulation of_rankings(std::max(1, repetitions / 8), seed);
   rankings(of_rankings);
+  Simulation of_equivalents(repetitions, seed);
+  equivalents(of_equivalents);
 }
 
 }  // namespace

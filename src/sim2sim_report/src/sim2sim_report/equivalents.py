@@ -17,6 +17,7 @@ from sim2sim_report.figures import Drawing, Figure, styled
 
 FILE = name_of("equivalent")
 PANEL = (5.2, 4.2)  # [in]
+ENGINE_COLORS = SERIES[1:]  # the first is like the reference's
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Equivalents:
             axes.remove()
         for number, axes in enumerate(all_axes[: len(panels)]):
             self._panel(axes, number)
-        all_axes[0].legend(loc="best", fontsize=10)
+        all_axes[0].legend(loc="upper right", fontsize=10)
         figure.suptitle("\n".join(self._title()), fontsize=10 if narrow else 13)
         return figure
 
@@ -61,11 +62,11 @@ class Equivalents:
         axes.plot(sizes, rates, color=color, marker="o", label=self.content["reference"])
         axes.fill_between(sizes, *zip(*ends), color=color, alpha=0.2, linewidth=0)
         for place, engine in enumerate(self.engines):
-            self._level(axes, engine, number, SERIES[place % len(SERIES)])
+            self._level(axes, engine, number, ENGINE_COLORS[place % len(ENGINE_COLORS)])
         unit = f" [{curve['unit']}]" if curve["unit"] else ""
         axes.set_xlabel(f"{curve['parameter']}{unit}")
         axes.set_ylabel("success")
-        axes.set_ylim(bottom=0.0)
+        axes.set_ylim(0.0, 1.0)
 
     @staticmethod
     def _level(axes: Any, engine: Json, number: int, color: str) -> None:
@@ -86,7 +87,7 @@ class Equivalents:
 
     def _title(self) -> List[str]:
         return [
-            f"what error costs {self.content['reference']} as much success"
+            f"errors of {self.content['reference']} that cost as much success as an engine"
             f" (policy {self.content['policy']})",
             f"{self.content['episodes']:,} episodes, {100 * self.content['confidence']:g} %"
             " intervals; thick: sizes that are not excluded",

@@ -11,6 +11,7 @@ from command_case import CommandCase, executable
 
 COMPARE = executable("sim2sim_eval", "compare")
 EQUIVALENT = executable("sim2sim_eval", "equivalent")
+PLOT = executable("sim2sim_eval", "plot_sweep")
 MERGE = executable("sim2sim_eval", "merge")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
 SWEEP = executable("sim2sim_eval", "sweep")
@@ -117,6 +118,9 @@ class Equivalents(LoopCase):
         # An engine of another name that is the reference, two steps late.
         out = self.swept("rigid_body:loop.action_delay=2")
         error, (low, high), text = self.found(out)
+        picture = self.folder / out / "sweep.png"
+        self.run_all((PLOT, "--equivalents", out))
+        self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
         self.assertLess(low, 2.0)
         self.assertGreater(high, 2.0)
         self.assertLess(high - low, 1.5, "and not anything")
@@ -129,6 +133,9 @@ class Equivalents(LoopCase):
         self.compare("run", "--episodes", "2")
         self.assertIn("is a run", self.refused(EQUIVALENT, "run"))
         self.sweep("{policy: expert, episodes: 12, engine: [two_mass, chipmunk]}", "engines")
+        self.assertIn(
+            "equivalent.json: is not there", self.refused(PLOT, "--equivalents", "engines")
+        )
         self.assertIn("has no row in the reference's kind", self.refused(EQUIVALENT, "engines"))
         self.sweep(f"{{policy: expert, episodes: 12, engine: [{self.DELAYS}]}}", "errors")
         self.assertIn("has no engine but the reference", self.refused(EQUIVALENT, "errors"))

@@ -13,8 +13,9 @@ import tempfile
 import threading
 import unittest
 import warnings
+from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Set
+from typing import Any, Callable, Dict, List, Set, Tuple
 
 import numpy as np
 import sim2sim
@@ -60,9 +61,13 @@ class ComparisonCase(unittest.TestCase):
         os.chdir(folder.name)
         self.folder = Path(folder.name)
 
-    def command(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
+    def command(self, *arguments: str, folder: str = ".") -> "subprocess.CompletedProcess[str]":
         return subprocess.run(
-            [COMPARE, *arguments], stdin=subprocess.DEVNULL, capture_output=True, text=True
+            [COMPARE, *arguments],
+            cwd=self.folder / folder,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
         )
 
     def succeed(self, *arguments: str) -> str:
@@ -152,9 +157,9 @@ class Bytes(ComparisonCase):
         self.assertEqual(self.files("in_python"), self.files("by_command"))
 
     def test_an_option_whose_value_may_be_left_out(self) -> None:
-        run = {**SHORT, "episodes": 1}
+        run: Dict[str, Any] = {**SHORT, "episodes": 1}
         with_all = sim2sim.compare("expert", reanchor=True, **run).summary["probes"]
-        self.assertEqual(with_all, ["reanchor_1", "reanchor_5", "reanchor_20"])
+        self.assertEqual(with_all, [f"engine_reanchored_{k}" for k in (1, 5, 20)])
         self.assertEqual(sim2sim.compare("expert", reanchor=False, **run).summary["probes"], [])
 
 
@@ -211,7 +216,7 @@ class Callables(ComparisonCase):
             seen.append(observations)
             return np.repeat(charge(observations[:, -1])[:, np.newaxis], 5, axis=1)
 
-        run = {**SHORT, "episodes": 1, "horizon": 7}
+        run: Dict[str, Any] = {**SHORT, "episodes": 1, "horizon": 7}
         sim2sim.compare(policy, history=3, execute=2, **run)
         self.assertEqual([call.shape for call in seen], [(2, 3, 10)] * 4)  # steps 0, 2, 4, 6
         for row in (0, 1):
@@ -233,7 +238,7 @@ class Callables(ComparisonCase):
         seeds: Dict[bool, List[int]] = {}
         for independent in (False, True):
             policy = Counting()
-            run = {**SHORT, "independent_noise": independent}
+            run: Dict[str, Any] = {**SHORT, "independent_noise": independent}
             first = sim2sim.compare(policy, **run)
             self.assertEqual(len(policy.seeds), 8)  # four episodes, two sides
             self.assertEqual(len(set(policy.seeds)), 8 if independent else 4)
@@ -265,7 +270,8 @@ class Callables(ComparisonCase):
                 return charge(observations)
 
         policy = Policy()
-        sim2sim.compare(policy, **{**SHORT, "episodes": 40, "horizon": 5})
+        run: Dict[str, Any] = {**SHORT, "episodes": 40, "horizon": 5}
+        sim2sim.compare(policy, **run)
         self.assertEqual(len(alive), 0)
         self.assertLess(policy.most, 40)
 
@@ -289,7 +295,8 @@ class Callables(ComparisonCase):
                 seen.append(observations.tobytes())
                 return charge(observations)
 
-            sim2sim.compare(policy, **{**SHORT, "episodes": 12})
+            run: Dict[str, Any] = {**SHORT, "episodes": 12}
+            sim2sim.compare(policy, **run)
             return seen
 
         first = calls()
@@ -298,7 +305,7 @@ class Callables(ComparisonCase):
 
     def test_a_policy_of_the_suite_beside_other_loops(self) -> None:
         """Observations are those of the loop, whatever the policy is."""
-        loop = {"loop": {"observation_delay": 2}, "noise_seed": 4}
+        loop: Dict[str, Any] = {"loop": {"observation_delay": 2}, "noise_seed": 4}
         shipped = sim2sim.load_policy("expert")
         by_name = sim2sim.compare("expert", **SHORT, **loop)
         np.testing.assert_array_equal(
@@ -358,7 +365,7 @@ class Failures(ComparisonCase):
 
     def test_numbers_that_are_not_finite(self) -> None:
         def policy(observations: Rows) -> Rows:
-            actions = np.zeros((len(observations), 8, 2))
+            actions = np.zeros((len(observations), 8, 2), np.float32)
             actions[:, 6, 1] = np.nan
             return actions
 
@@ -369,7 +376,7 @@ class Failures(ComparisonCase):
         self.refused(line, self.failing(policy), 3)
 
     def test_words_are_the_commands(self) -> None:
-        for arguments, options in (
+        cases: List[Tuple[List[str], Dict[str, Any]]] = [
             (["--episodes", "0"], {"episodes": 0}),
             (["--episodes", "ten"], {"episodes": "ten"}),
             (["--episodes=1.5"], {"episodes": 1.5}),
@@ -385,28 +392,28 @@ class Failures(ComparisonCase):
             (["--starts", "none.csv"], {"starts": "none.csv"}),
             (["--policy", "none.pt"], {"policy": "none.pt"}),
             (["--execute", "2"], {"execute": 2}),
-            (["--out="], {"out": ""}),
-        ):
+            (["--out", ""], {"out": ""}),
+        ]
+        Path("of_command").mkdir()
+        for arguments, options in cases:
             with self.subTest(str(arguments)):
-                process = (
-                    self.command("--policy", "expert", *arguments)
-                    if ("policy" not in options)
-                    else self.command(*arguments)
-                )
+                policy = [] if "policy" in options else ["--policy", "expert"]
+                process = self.command(*policy, *arguments, folder="of_command")
                 self.assertEqual(process.returncode, 2)
                 with self.assertRaises(sim2sim.InvalidInput) as caught:
-                    sim2sim.compare(**{"policy": "expert", **options})
+                    sim2sim.compare(options.pop("policy", "expert"), **options)
                 self.assertEqual(f"compare: {caught.exception}\n", process.stderr)
-        self.assertEqual(list(self.folder.iterdir()), [])
+        self.assertEqual([file.name for file in self.folder.iterdir()], ["of_command"])
 
     def test_what_a_callable_cannot_have(self) -> None:
-        for line, options in (
+        cases: List[Tuple[str, Dict[str, Any]]] = [
             ("^smoke: must be left out", {"smoke": True}),
             ("^reference_cache c: must be left out without a version", {"reference_cache": "c"}),
             ("^history 0: must be an integer from 1 to 1000$", {"history": 0}),
             (r"^episodes \{'a': 1\}: must not be a dict$", {"episodes": {"a": 1}}),
-        ):
-            self.refused(line, lambda: sim2sim.compare(charge, **options))  # noqa: B023
+        ]
+        for line, options in cases:
+            self.refused(line, partial(sim2sim.compare, charge, **options))
         self.refused("^history 2: must be left out", lambda: sim2sim.compare("expert", history=2))
         self.refused("^policy 3: must be a name, a file", lambda: sim2sim.compare(3))
 
@@ -445,7 +452,7 @@ class Interruptions(ComparisonCase):
                 signal.raise_signal(signal.SIGINT)
             return charge(observations)
 
-        run = {**SHORT, "episodes": 200}
+        run: Dict[str, Any] = {**SHORT, "episodes": 200}
         with self.assertRaises(KeyboardInterrupt):
             sim2sim.compare(policy, out="out", **run)
         self.assertEqual(calls, 50)
@@ -513,14 +520,15 @@ class Interruptions(ComparisonCase):
                 raise RuntimeError("stop")
             return charge(observations)
 
-        run = {**SHORT, "episodes": 60}
+        run: Dict[str, Any] = {**SHORT, "episodes": 60}
         sim2sim.compare(charge, out="whole", **run)
         with self.assertRaises(RuntimeError):
             sim2sim.compare(policy, version="1", out="out", **run)
         finished = self.load("out", "status.json")["episodes_finished"]
         self.assertGreater(finished, 0)
         self.refused(
-            "^out/episodes.journal", lambda: sim2sim.compare(policy, version="2", out="out", **run)
+            r"^journal out/episodes.journal: is of another run \(.*version",
+            lambda: sim2sim.compare(policy, version="2", out="out", **run),
         )
         calls_before = calls
         sim2sim.compare(policy, version="1", out="out", **run)

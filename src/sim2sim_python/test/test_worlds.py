@@ -126,7 +126,7 @@ class OneWorld(unittest.TestCase):
             (lambda: world.step([math.nan, 0.0]), "action .*must be finite"),
             (lambda: world.step([0.0, 0.0, 0.0]), r"^action float64 of shape \(3,\): must be real"),
             (lambda: world.step("up"), "^action <U2 of shape"),
-            (lambda: world.step([[0.0], []]), "^action .*must be real|^action .*inhomogeneous"),
+            (lambda: world.step([[0.0], []]), "^action .*inhomogeneous"),  # type: ignore
             (lambda: world.reset(seed=-1), "^seed -1: must be from 0 to 18446744073709551615$"),
             (lambda: world.reset(seed=1.5), "^seed 1.5: must be an integer$"),  # type: ignore
             (lambda: world.reset(options={"tee": 1}), r"^options \['tee'\]: unknown; known: state"),
@@ -138,7 +138,7 @@ class OneWorld(unittest.TestCase):
             (lambda: world.reset(options={"state": [math.nan] * 10}), "must be finite"),
             (lambda: sim2sim.make("two_mas"), "^simulator 'two_mas': unknown; known: chipmunk, "),
             (lambda: sim2sim.make("two_mass", block_damp=110), "^block_damp 110.0: must be from"),
-            (lambda: sim2sim.make("two_mass", damp=1), "^damp"),
+            (lambda: sim2sim.make("two_mass", damp=1), "^parameter 'damp': unknown; known: "),
             (lambda: sim2sim.make("two_mass", horizon=0), "^horizon 0: must be from 1 to"),
             (lambda: sim2sim.make_vec("two_mass", 0), "^num_envs 0: must be from 1 to"),
         )
@@ -186,8 +186,8 @@ class ManyWorlds(unittest.TestCase):
                 random = np.random.default_rng(0)
                 for _ in range(30):
                     actions = random.uniform(-1.0, 1.0, (5, 2))
-                    found = worlds.step(actions)
-                    wanted = [world.step(action) for world, action in zip(singles, actions)]
+                    found: Any = worlds.step(actions)
+                    wanted: Any = [world.step(one) for world, one in zip(singles, actions)]
                     for i in range(4):
                         assert_array_equal(found[i], [step[i] for step in wanted])
                     assert_array_equal(found[4]["state"], [step[4]["state"] for step in wanted])
@@ -235,7 +235,7 @@ class ManyWorlds(unittest.TestCase):
         nan = np.zeros((3, 2))
         nan[1, 0] = math.nan
         for call, line in (
-            (lambda: worlds.step(nan), "^world 1: action .*must be finite"),
+            (lambda: worlds.step(nan), "^world 1: step: action .*must be finite"),
             (lambda: worlds.step(np.zeros((2, 2))), r"^actions float64 of shape \(2, 2\): must be"),
             (lambda: worlds.reset(seed=[1, 2]), "^seed: 2 seeds; must be 3, or one$"),
             (lambda: worlds.reset(seed=2**64 - 2), "^seed 18446744073709551616: must be from 0"),

@@ -32,42 +32,57 @@ class Option {
     if (py::isinstance<py::bool_>(value) && option_ != nullptr && !isFlag()) {
       return boolean(value.cast<bool>());
     }
+    std::vector<std::string> values;
     if (py::isinstance<py::dict>(value)) {
-      return settings(py::reinterpret_borrow<py::dict>(value));
+      values = settings(py::reinterpret_borrow<py::dict>(value));
+    } else if (isList(value)) {
+      for (const py::handle& item : value) {
+        values.push_back(textOf(item));
+      }
+      if (!mayBeRepeated()) {
+        values = {CLI::detail::join(values, ",")};
+      }
+    } else {
+      values = {textOf(value)};
     }
-    if (!isList(value)) {
-      return {with(textOf(value))};
-    }
-    std::vector<std::string> arguments;
-    for (const py::handle& item : value) {
-      arguments.push_back(mayBeRepeated() ? with(textOf(item)) : textOf(item));
-    }
-    return mayBeRepeated() ? arguments : std::vector<std::string>{with(CLI::detail::join(arguments, ","))};
+    return with(values);
   }
 
  private:
   bool isFlag() const { return option_->get_items_expected_max() == 0; }
   bool mayBeRepeated() const { return option_ != nullptr && option_->get_items_expected_max() > 1; }
 
-  std::string with(const std::string& value) const { return std::string(flag_).append("=").append(value); }
+  /// "--name=value" for each; an empty one as an argument of its own, for behind "=" the parser would take the next.
+  std::vector<std::string> with(const std::vector<std::string>& values) const {
+    std::vector<std::string> arguments;
+    for (const std::string& value : values) {
+      if (value.empty()) {
+        arguments.insert(arguments.end(), {flag_, value});
+      } else {
+        arguments.push_back(std::string(flag_).append("=").append(value));
+      }
+    }
+    return arguments;
+  }
 
-  /// Of an option whose value may be left out.
+  /// Arguments of an option whose value may be left out.
   std::vector<std::string> boolean(bool wanted) const {
     if (option_->get_items_expected_min() > 0) {
-      return {with(wanted ? "true" : "false")};  // which the option refuses, unless it takes any text
+      return with({wanted ? "true" : "false"});  // which the option refuses, unless it takes any text
     }
     return wanted ? std::vector<std::string>{flag_} : std::vector<std::string>{};
   }
 
+  /// NAME=VALUE for each entry.
   std::vector<std::string> settings(const py::dict& values) const {
     if (!mayBeRepeated()) {
       throw pusht::InvalidInput(keyword_ + " " + std::string(py::repr(values)) + ": must not be a dict");
     }
-    std::vector<std::string> arguments;
+    std::vector<std::string> settings;
     for (const auto& [name, value] : values) {
-      arguments.push_back(with(std::string(py::str(name)).append("=").append(textOf(value))));
+      settings.push_back(std::string(py::str(name)).append("=").append(textOf(value)));
     }
-    return arguments;
+    return settings;
   }
 
   std::string keyword_;

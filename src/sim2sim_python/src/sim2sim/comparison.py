@@ -35,15 +35,13 @@ class Comparison:
 def columns_of(text: str) -> Dict[str, NDArray[Any]]:
     """The columns of episodes.csv, a row for each rollout.
 
-    A number that a rollout has not is NaN. Given starts have no seeds: then there is no such column.
+    A number that a rollout has not is NaN. Given starts have no seeds, hence no such column.
     """
-    rows = csv.reader(text.splitlines())
-    names = next(rows)
-    return {
-        name: _column(name, cells)
-        for name, cells in zip(names, map(list, zip(*rows)))
-        if name != "seed" or all(cells)
-    }
+    names, *rows = csv.reader(text.splitlines())
+    columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
+    if not all(columns["seed"]):
+        del columns["seed"]
+    return {name: _column(name, cells) for name, cells in columns.items()}
 
 
 def _column(name: str, cells: List[str]) -> NDArray[Any]:

@@ -23,7 +23,7 @@ class InvalidInput(Error):
 
 
 class BadDependency(Error):
-    """Something that the run needs is missing or not as expected, such as the answer of a policy."""
+    """Something that the run needs is missing or not as expected: a policy's answer, say."""
 
     def __init__(self, message: str) -> None:
         super().__init__(message, ExitCode.BAD_DEPENDENCY)

@@ -8,7 +8,7 @@ import secrets
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from sim2sim._sim2sim import (
     FIRST_SPAWN_SEED,
@@ -67,9 +67,8 @@ class _Starts:
     def __init__(self) -> None:
         self.random: Optional[np.random.Generator] = None
 
-    def given(self, seed: int) -> int:
+    def given(self, seed: int) -> None:
         self.random = np.random.default_rng((seed, 1))
-        return seed
 
     def drawn(self) -> int:
         if self.random is None:
@@ -100,22 +99,23 @@ class _Worlds:
         """Does nothing: worlds have no picture of their own; `report` draws runs."""
 
     def _reset(self, seeds: Sequence[Optional[int]], states: Optional[NDArray[np.float64]]) -> Info:
-        self._ended = None
         drawn = []
         for world, (starts, seed) in enumerate(zip(self._starts, seeds)):
+            if states is None:
+                drawn.append(starts.drawn() if seed is None else seed)
+                self._batch.spawn(world, drawn[-1])
+            else:
+                self._batch.reset(world, states[world])
             if seed is not None:
                 starts.given(seed)
-            if states is not None:
-                self._batch.reset(world, states[world])
-                continue
-            drawn.append(starts.drawn() if seed is None else seed)
-            self._batch.spawn(world, drawn[-1])
+            self._ended = (
+                None  # until all are reset; a refusal of the first leaves them as they were
+            )
         self._ended = np.zeros(len(self._starts), np.bool_)
-        return (
-            self._info()
-            if states is not None
-            else {"seed": np.array(drawn, np.uint64), **self._info()}
-        )
+        info = self._info()
+        if states is None:
+            info["seed"] = np.array(drawn, np.uint64)
+        return info
 
     def _info(self) -> Info:
         batch = self._batch
@@ -165,9 +165,7 @@ class World(_Worlds):
         info = self._reset(seeds, None if state is None else state[np.newaxis])
         return self._batch.observations[0], _first(info)
 
-    def step(
-        self, action: Union[Sequence[float], NDArray[Any]]
-    ) -> Tuple[NDArray[np.float32], float, bool, bool, Info]:
+    def step(self, action: ArrayLike) -> Tuple[NDArray[np.float32], float, bool, bool, Info]:
         """Takes a control step (0.1 s) with the commanded velocity of the pusher [m/s].
 
         Returns observation, reward, terminated (success), truncated (horizon) and info. The
@@ -227,7 +225,7 @@ class VectorWorld(_Worlds):
         return self._batch.observations, info
 
     def step(
-        self, actions: Union[Sequence[Sequence[float]], NDArray[Any]]
+        self, actions: ArrayLike
     ) -> Tuple[
         NDArray[np.float32],
         NDArray[np.float64],

@@ -27,9 +27,7 @@ nlohmann::json codeOf(const std::vector<const pusht::SimulatorKind*>& kinds, con
 LoadedRun::LoadedRun(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
                      const std::vector<SimulatorChoice>& engines, const RunOptions& options)
     : LoadedRun(
-          [&] {
-            return pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint));
-          },
+          [&] { return pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint)); },
           reference, engines, options) {}
 
 LoadedRun::LoadedRun(const std::function<pusht::ChosenPolicy()>& choose_policy, const SimulatorChoice& reference,

@@ -78,6 +78,18 @@ class InstallSpace(unittest.TestCase):
         for package, name in (("pusht_policy", "train"), ("sim2sim_eval", "record_evaluation")):
             self.assertIn(f"usage: {name}", self.succeed("rosrun", package, name, "--help"))
 
+    def test_python_gives_the_bytes_of_the_command(self) -> None:
+        self.succeed("rosrun", "sim2sim_eval", "compare", "--episodes", "2", "--out", "command")
+        program = "import sim2sim; sim2sim.compare('bc', episodes=2, out='python')"
+        self.succeed("python3", "-c", program)
+        for name in ("metrics.json", "episodes.csv", "statistics.json"):
+            command, python = (self.folder / run / name for run in ("command", "python"))
+            self.assertEqual(command.read_bytes(), python.read_bytes(), name)
+        examples = sorted((SPACE / "share" / "sim2sim_python" / "examples").glob("*.py"))
+        self.assertEqual(len(examples), 2)
+        for example in examples:
+            self.assertIn("success, closed loop", self.succeed("python3", str(example)))
+
     def test_contracts_say_how_they_are_used(self) -> None:
         for name in ("simulator_contract", "own_simulator_contract", "policy_contract"):
             self.assertIn("usage: rosrun", self.succeed("rosrun", "pusht_task", name, "--help"))

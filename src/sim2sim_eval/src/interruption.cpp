@@ -12,6 +12,7 @@
 #include <iostream>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/ros/node.hpp"
@@ -26,6 +27,8 @@ constexpr unsigned int kPatience = 10;  // [s] for an end in order
 
 /// [ns] Two signals that are closer are one: `timeout` sends its own to the command and to the command's group.
 constexpr std::int64_t kOneSignal = 500'000'000;
+
+std::function<void(const std::string&)> take_warning;  // empty: stderr
 
 std::string last_words;  // written by a signal handler
 
@@ -109,9 +112,16 @@ void requireNotInterrupted(const std::string& where) {
 }
 
 void warn(const std::string& warning) {
-  if (!warning.empty()) {
+  if (warning.empty()) {
+    return;
+  }
+  if (take_warning) {
+    take_warning(warning);
+  } else {
     std::cerr << "WARNING: " << warning << std::endl;
   }
 }
+
+void sendWarningsTo(std::function<void(const std::string&)> take) { take_warning = std::move(take); }
 
 }  // namespace sim2sim

@@ -46,3 +46,10 @@ class Layers(CommandCase):
     def test_programs_know_no_simulator(self) -> None:
         for program in ("compare", "evaluator_node", "simulator_node", "sweep"):
             self.assertEqual(self.engines(f"sim2sim_eval/{program}"), set(), program)
+
+    def test_python_knows_neither_simulators_nor_libtorch(self) -> None:
+        module = "python3/dist-packages/sim2sim/_sim2sim.so"
+        self.assertEqual(self.engines(module), set())
+        needed = self.needed(module)
+        self.assertIn("libsim2sim_batch.so", needed)
+        self.assertEqual({name for name in needed if "torch" in name or "live" in name}, set())

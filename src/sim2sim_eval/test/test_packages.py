@@ -24,13 +24,14 @@ OF_INCLUDES = {
     **{"torch": "libtorch-dev", "ATen": "libtorch-dev", "caffe2": "libtorch-dev"},
     **{"benchmark": "libbenchmark-dev", "gmock": "libgmock-dev", "gtest": "libgtest-dev"},
     **{"ros": "roscpp", "rosbag": "rosbag_storage", "qcustomplot.h": "libqcustomplot-dev"},
-    **{"tinyxml2.h": "libtinyxml2-dev"},
+    **{"tinyxml2.h": "libtinyxml2-dev", "pybind11": "pybind11-dev"},
 }
 OF_CMAKE = {
     **{"benchmark": "libbenchmark-dev", "Boost": "libboost-dev", "ccd": "libccd-dev"},
     **{"CLI11": "libcli11-dev", "Eigen3": "eigen", "Microsoft.GSL": "libmsgsl-dev"},
     **{"mujoco": "libmujoco-dev", "nlohmann_json": "nlohmann-json3-dev", "OpenSSL": "libssl-dev"},
     **{"PkgConfig": "pkg-config", "Qt": "qtbase5-dev", "Torch": "libtorch-dev"},
+    **{"pybind11": "pybind11-dev", "Python3": "python3-dev"},
     **{"tinyxml2": "libtinyxml2-dev"},
     **{"yaml-cpp": "yaml-cpp", "Threads": "", "catkin": ""},  # the last two come with every build
 }

@@ -2,6 +2,7 @@
 /// Signals that ask a measurement to end, and warnings.
 #pragma once
 
+#include <functional>
 #include <string>
 
 namespace sim2sim {
@@ -25,5 +26,9 @@ void requireNotInterrupted(const std::string& where = "");
 
 /// Prints `warning` to stderr, unless it is empty.
 void warn(const std::string& warning);
+
+/// Hands the warnings of this process, in whichever thread they come up, to `take` instead; empty: to stderr again. To
+/// be called while no other thread warns.
+void sendWarningsTo(std::function<void(const std::string&)> take);
 
 }  // namespace sim2sim

@@ -96,7 +96,7 @@ std::string unexpectedText(const CLI::App& app, const CLI::ExtrasError& error) {
 int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body) {
   pusht::openStandardStreams();
   try {
-    app.parse(argc, argv);
+    parseArguments(app, {argv + 1, argv + argc});
     catchInterrupts(app.get_name());
     requireOpenFiles();
     body();
@@ -106,14 +106,23 @@ int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
     return static_cast<int>(pusht::ExitCode::kOk);
   } catch (const CLI::Success& request) {  // --help
     return app.exit(request);
-  } catch (const CLI::ExtrasError& error) {
-    return pusht::reportFailure(app.get_name(), pusht::InvalidInput(unexpectedText(app, error)));
-  } catch (const CLI::ParseError& error) {
-    return pusht::reportFailure(app.get_name(), pusht::InvalidInput(error.what()));
   } catch (const std::system_error& error) {  // files or threads that the system does not give
     return pusht::reportFailure(app.get_name(), pusht::RuntimeFault(error.what()));
   } catch (const std::exception& failure) {
     return pusht::reportFailure(app.get_name(), failure);
+  }
+}
+
+void parseArguments(CLI::App& app, std::vector<std::string> arguments) {
+  try {
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
+    app.parse(std::move(arguments));
+  } catch (const CLI::Success&) {  // --help
+    throw;
+  } catch (const CLI::ExtrasError& error) {
+    throw pusht::InvalidInput(unexpectedText(app, error));
+  } catch (const CLI::ParseError& error) {
+    throw pusht::InvalidInput(error.what());
   }
 }
 
@@ -125,10 +134,10 @@ CLI::Validator decimalInteger() { return decimalText<std::uint64_t>("integer"); 
 
 CLI::Validator decimalReal() { return decimalText<double>("number"); }
 
-ProgressBar::ProgressBar(std::string title, std::int64_t total)
+ProgressBar::ProgressBar(std::string title, std::int64_t total, bool wanted)
     : title_(std::move(title)),
       total_(total),
-      shown_(isatty(STDERR_FILENO) != 0),
+      shown_(wanted && isatty(STDERR_FILENO) != 0),
       start_(std::chrono::steady_clock::now()) {}
 
 ProgressBar::~ProgressBar() {

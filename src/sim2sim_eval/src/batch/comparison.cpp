@@ -14,6 +14,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
+#include "pusht_task/ros/installed_file.hpp"
 #include "pusht_task/ros/served_simulator.hpp"
 #include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
@@ -112,6 +113,30 @@ void declareShortForms(CLI::App& app, const std::string& kind, const std::set<st
   }
 }
 
+/// Throws InvalidInput if an option asks for a file in the folder of the results, and there is none.
+void requireNoFiles(const CompareOptions& options) {
+  const auto refuse = [](const char* option, bool given) {
+    if (given) {
+      throw pusht::InvalidInput(std::string(option) + ": must be left out without out, the folder of the results");
+    }
+  };
+  refuse("record", options.record);
+  refuse("traces", options.traces);
+  refuse("overwrite", options.overwrite);
+}
+
+/// What to do after an interruption, as a clause behind the message; empty if there is nothing to continue.
+std::string adviceAfterInterruption(const CompareOptions& options, const ComparisonHost& host,
+                                    const RunFolder* folder) {
+  if (folder == nullptr || !host.policy_can_return) {
+    return "";
+  }
+  return std::string("; ") +
+         (options.goesOn() ? "to continue, run the same command with --out "
+                           : "a run with --record or --traces begins again: --overwrite --out ") +
+         folder->path().string() + (options.goesOn() && options.overwrite ? " and without --overwrite" : "");
+}
+
 }  // namespace
 
 void CompareOptions::declare(CLI::App& app) {
@@ -158,7 +183,7 @@ void CompareOptions::declare(CLI::App& app) {
   batch.declare(app);
 }
 
-void compare(const CompareOptions& options) {
+Comparison compare(const CompareOptions& options, const ComparisonHost& host) {
   // Checks of all inputs come before the first file is written.
   RunConfiguration configuration;
   configuration.protocol = options.smoke ? smokeRun(options.protocol) : options.protocol;
@@ -177,20 +202,35 @@ void compare(const CompareOptions& options) {
       fs::weakly_canonical(options.write_starts, ignored) == fs::weakly_canonical(options.out, ignored)) {
     throw pusht::InvalidInput("write_starts " + options.write_starts + ": must not be the folder of the results");
   }
-  RunFolder folder(options.out, options.overwrite, "compare", options.goesOn());
-  requireNewStarts(options.write_starts, configuration.protocol, folder.takesUp());
-  folder.refuseInputs({{"policy", options.policy},
-                       {"reference cache", options.batch.reference_cache},
-                       {"starts", options.starts},
-                       {"write_starts", options.write_starts}});
+  std::optional<RunFolder> folder;
+  if (host.files) {
+    folder.emplace(options.out, options.overwrite, "compare", options.goesOn() && host.policy_can_return);
+  } else {
+    requireNoFiles(options);
+  }
+  const auto refuse_inputs = [&folder](const std::vector<Input>& inputs) {
+    if (folder) {
+      folder->refuseInputs(inputs);
+    }
+  };
+  requireNewStarts(options.write_starts, configuration.protocol, folder && folder->takesUp());
+  refuse_inputs({{"policy", host.choose_policy ? "" : options.policy},
+                 {"reference cache", options.batch.reference_cache},
+                 {"starts", options.starts},
+                 {"write_starts", options.write_starts}});
   const LoadedSimulator engine(chosen_engine);
-  const LoadedRun loaded = loadFor(folder, [&] {
-    const std::string policy = options.smoke ? pusht::kUntrainedPolicy : options.policy;
-    return LoadedRun({policy, options.require_policy, configuration.protocol.seed, options.allow_untrained}, reference,
-                     {chosen_engine}, configuration.protocol);
-  });
-  folder.refuseInputs(loaded.reference().inputs());
-  folder.refuseInputs(engine.inputs());
+  const auto choose_policy = [&] {
+    return pusht::choosePolicy({options.smoke ? pusht::kUntrainedPolicy : options.policy, options.require_policy,
+                                configuration.protocol.seed, options.allow_untrained},
+                               pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint), host.stop);
+  };
+  const auto load = [&] {
+    return LoadedRun(host.choose_policy ? host.choose_policy : choose_policy, reference, {chosen_engine},
+                     configuration.protocol);
+  };
+  const LoadedRun loaded = folder ? loadFor(*folder, load) : load();
+  refuse_inputs(loaded.reference().inputs());
+  refuse_inputs(engine.inputs());
   configuration.reference = loaded.reference().record();
   configuration.engine = engine.record();
   configuration.policy = loaded.policyName();
@@ -201,20 +241,20 @@ void compare(const CompareOptions& options) {
   nlohmann::json identity = {
       {"configuration", describe(configuration)}, {"inputs", loaded.identity()}, {"machine_code", origin.at("code")}};
   identity["configuration"].erase("config_hash");  // it follows from the rest
-  Run run(configuration, folder, origin, identity);
+  Run run(configuration, folder ? &*folder : nullptr, origin, identity);
   try {
     if (!options.write_starts.empty()) {
       pusht::writeFile(options.write_starts, startsOf(configuration.protocol));
     }
     std::optional<Recorder> recorder;
     if (options.record) {
-      recorder.emplace(folder.bagPath(), origin);
+      recorder.emplace(folder->bagPath(), origin);
     }
     std::optional<TraceFile> traces;
     if (options.traces) {
-      traces.emplace(folder.tracesPath());
+      traces.emplace(folder->tracesPath());
     }
-    ProgressBar bar("episodes", configuration.protocol.episodes);
+    ProgressBar bar("episodes", configuration.protocol.episodes, host.progress);
     int reference_successes = 0;
     int engine_successes = 0;
     const auto count = [&](const EpisodeResult& result) {
@@ -243,18 +283,15 @@ void compare(const CompareOptions& options) {
     try {
       runProtocol(
           configuration.protocol, loaded.workerFactory(engine), options.batch.threadCount(),
-          references ? &*references : nullptr, take, [&] { return decided || interrupted(); }, finished);
+          references ? &*references : nullptr, take, [&] { return decided || host.stop(); }, finished);
     } catch (const pusht::Error&) {
       if (!decided) {  // else it is of an episode that is not needed
         throw;
       }
     }
     if (!run.whole()) {
-      throw pusht::RuntimeFault(
-          "interrupted after " + run.progress() + "; " +
-          (options.goesOn() ? "to continue, run the same command with --out "
-                            : "a run with --record or --traces begins again: --overwrite --out ") +
-          folder.path().string() + (options.goesOn() && options.overwrite ? " and without --overwrite" : ""));
+      throw pusht::RuntimeFault("interrupted after " + run.progress() +
+                                adviceAfterInterruption(options, host, folder ? &*folder : nullptr));
     }
     if (recorder) {
       recorder->finish();
@@ -263,12 +300,13 @@ void compare(const CompareOptions& options) {
       traces->finish();
     }
   } catch (const std::exception& failure) {
-    run.abandon(std::cout, failure);
+    run.abandon(*host.out, failure);
     throw;
   }
-  const nlohmann::json metrics = run.finish(std::cout);
-  std::cout << audit_note << std::flush;
+  const nlohmann::json metrics = run.finish(*host.out);
+  *host.out << audit_note << std::flush;
   warn(doubtAboutPolicy(metrics, origin));
+  return {configuration, run.episodes(), metrics, origin, folder ? folder->path() : fs::path()};
 }
 
 }  // namespace sim2sim

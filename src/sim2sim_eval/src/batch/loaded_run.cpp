@@ -26,9 +26,15 @@ nlohmann::json codeOf(const std::vector<const pusht::SimulatorKind*>& kinds, con
 
 LoadedRun::LoadedRun(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
                      const std::vector<SimulatorChoice>& engines, const RunOptions& options)
+    : LoadedRun(
+          [&] { return pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint)); },
+          reference, engines, options) {}
+
+LoadedRun::LoadedRun(const std::function<pusht::ChosenPolicy()>& choose_policy, const SimulatorChoice& reference,
+                     const std::vector<SimulatorChoice>& engines, const RunOptions& options)
     : reference_(reference),
       variants_(loadVariants(reference_.kind, reference_.model.parameters, options)),
-      policy_(pusht::choosePolicy(policy, pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint))) {
+      policy_(choose_policy()) {
   std::vector<const pusht::SimulatorKind*> kinds = {&reference_.kind};
   reference_code_ = codeOf(kinds, policy_);
   for (const SimulatorChoice& engine : engines) {

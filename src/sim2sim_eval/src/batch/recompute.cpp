@@ -64,7 +64,7 @@ void recompute(const RecomputeOptions& options) {
   };
   RecordedRun recorded = loadFor(folder, [&] { return readRun(options.bag, interrupted, keep); });
   recorded.provenance["bag"] = options.bag.string();
-  Run run(recorded.configuration, folder, recorded.provenance);
+  Run run(recorded.configuration, &folder, recorded.provenance);
   run.take(std::move(recorded.episodes), std::move(recorded.bands));
   try {
     requireWhole(run, options.bag);

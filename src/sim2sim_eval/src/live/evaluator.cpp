@@ -157,7 +157,7 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   const RunConfiguration configuration = configurationOf(request, nodes);
   const nlohmann::ordered_json provenance = runProvenance(configuration, nodes);
   folder.refuseInputs(inputsOf(request, nodes));
-  run_ = std::make_unique<Run>(configuration, folder, provenance);
+  run_ = std::make_unique<Run>(configuration, &folder, provenance);
   folder_ = std::filesystem::absolute(folder.path());
   line_.emplace(request.protocol.episodes);
   activity_.begin(request.protocol.episodes);

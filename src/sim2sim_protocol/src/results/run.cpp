@@ -32,14 +32,17 @@ bool isWhole(const RunConfiguration& run, const std::vector<EpisodeResult>& epis
   return bet.verdict() != Verdict::kUndecided;
 }
 
-Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance,
+Run::Run(RunConfiguration configuration, RunFolder* folder, const nlohmann::ordered_json& provenance,
          const nlohmann::json& identity)
     : configuration_(std::move(configuration)), folder_(folder), bands_(configuration_.protocol) {
   if (configuration_.protocol.until_decided) {
     bet_.emplace(*configuration_.protocol.until_decided);
   }
-  folder_.begin(provenance, configuration_.protocol, identity);
-  if (const Journal* journal = folder_.journal()) {
+  if (folder_ == nullptr) {
+    return;
+  }
+  folder_->begin(provenance, configuration_.protocol, identity);
+  if (const Journal* journal = folder_->journal()) {
     for (const FinishedEpisode& episode : journal->kept()) {
       add(episode);
     }
@@ -48,7 +51,7 @@ Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::orde
 
 EpisodeResult Run::add(const Episode& episode) {
   FinishedEpisode finished{episode.result(), DivergenceBands::binsOf(configuration_.protocol, episode)};
-  if (Journal* journal = folder_.journal()) {
+  if (Journal* journal = folder_ != nullptr ? folder_->journal() : nullptr) {
     journal->add(finished);
   }
   add(finished);
@@ -97,25 +100,30 @@ nlohmann::json Run::finish(std::ostream& out, int faults_survived) {
                                   : "seed " + std::to_string(protocol.seed))
       << ", horizon " << configuration_.protocol.horizon << " control steps\n"
       << (bet_ ? decisionText(*bet_, *configuration_.protocol.until_decided) : "") << table(configuration_, summary)
-      << "results: " << folder_.path().string() << "\n"
+      << (folder_ != nullptr ? "results: " + folder_->path().string() + "\n" : "")
       << "config_hash: " << configurationHash(configuration_) << std::endl;
   nlohmann::json metrics = sim2sim::metrics(configuration_, summary);
   if (bet_) {
     metrics["decision"] = decision(*bet_, *configuration_.protocol.until_decided);
   }
-  folder_.finish(configuration_, metrics, episodes_, bands_, faults_survived);
+  if (folder_ != nullptr) {
+    folder_->finish(configuration_, metrics, episodes_, bands_, faults_survived);
+  }
   return metrics;
 }
 
 void Run::abandon(std::ostream& out, const std::exception& failure, int faults_survived) const {
+  if (folder_ == nullptr) {
+    return;
+  }
   const pusht::ExitCode code = pusht::exitCodeOf(failure);
   if (!episodes_.empty() && code != pusht::ExitCode::kInternalError) {
     out << "NOT A WHOLE RUN: " << progress() << "\n"
-        << table(configuration_, summary()) << "finished episodes: " << (folder_.path() / kEpisodesFile).string()
+        << table(configuration_, summary()) << "finished episodes: " << (folder_->path() / kEpisodesFile).string()
         << std::endl;
   }
   try {
-    folder_.abandon(configuration_.protocol, episodes_,
+    folder_->abandon(configuration_.protocol, episodes_,
                     {code, pusht::reasonOf(failure), static_cast<int>(episodes_.size()),
                      configuration_.protocol.episodes, faults_survived});
   } catch (const pusht::RuntimeFault&) {

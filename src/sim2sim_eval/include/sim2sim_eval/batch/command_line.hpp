@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -18,6 +19,9 @@ namespace sim2sim {
 /// returns the exit code. Every failure becomes one line on stderr and the exit code of its kind.
 int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
 
+/// Parses `arguments` as a command line into `app`. Throws InvalidInput with the message of the command.
+void parseArguments(CLI::App& app, std::vector<std::string> arguments);
+
 /// Validator that refuses "". A shell leaves it for an unset variable, and it must not count as an option left out.
 CLI::Validator notEmpty();
 
@@ -29,8 +33,8 @@ CLI::Validator decimalReal();
 /// Progress bar on stderr: finished, total, time left. Silent unless stderr is a terminal.
 class ProgressBar {
  public:
-  /// `total` is the number of advance() calls to come.
-  ProgressBar(std::string title, std::int64_t total);
+  /// `total` is the number of advance() calls to come; without `wanted` it is silent.
+  ProgressBar(std::string title, std::int64_t total, bool wanted = true);
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar();

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Comparison in one process. Work of `rosrun sim2sim_eval compare`.
+/// Comparison in one process. Work of `rosrun sim2sim_eval compare` and of compare() in Python.
 #pragma once
 
-#include <optional>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "pusht_policy/policy_choice.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
+#include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 
 namespace CLI {
 class App;
@@ -44,10 +50,29 @@ struct CompareOptions {
   void declare(CLI::App& app);
 };
 
+/// What a comparison takes from the program around it. The defaults are those of the command.
+struct ComparisonHost {
+  std::function<pusht::ChosenPolicy()> choose_policy{};  ///< a policy of the program's own; empty: that of the options
+  bool policy_can_return = true;  ///< whether a later run could have the same policy; else a run cannot be continued
+  bool files = true;              ///< false: no folder of results
+  bool progress = true;           ///< show a progress bar
+  std::function<bool()> stop = interrupted;  ///< as in runProtocol(): when it holds, the run ends
+  std::ostream* out = &std::cout;            ///< gets the table and the notes below it
+};
+
+/// Results of a comparison: what its files say.
+struct Comparison {
+  RunConfiguration configuration;
+  std::vector<EpisodeResult> episodes;  ///< by index
+  nlohmann::json metrics;
+  nlohmann::ordered_json provenance;
+  std::filesystem::path folder;  ///< of the results; empty: none
+};
+
 /// Runs the protocol, writes the results folder, and prints the table and auditNote(). An unfinished run in the folder
 /// is continued; its results have the bytes of a run in one piece. Throws InvalidInput for bad options, BadDependency
 /// for a policy or model that does not load, SimulationFault or RuntimeFault during the run; finished episodes are kept
 /// then.
-void compare(const CompareOptions& options);
+Comparison compare(const CompareOptions& options, const ComparisonHost& host = {});
 
 }  // namespace sim2sim

@@ -2,6 +2,7 @@
 /// Loaded parts of runs in one process: the reference and the policy, with their code and provenance.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -20,6 +21,10 @@ class LoadedRun {
   /// `options` has the names of the model variants (nameVariants()). Warns on stderr if another policy runs than was
   /// asked for. Throws as SimulatorKind::load and choosePolicy.
   LoadedRun(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
+            const std::vector<SimulatorChoice>& engines, const RunOptions& options);
+
+  /// Likewise with the policy that `choose_policy` returns, and what that throws.
+  LoadedRun(const std::function<pusht::ChosenPolicy()>& choose_policy, const SimulatorChoice& reference,
             const std::vector<SimulatorChoice>& engines, const RunOptions& options);
 
   /// Name of the policy that runs: as given, or "fresh-untrained".

@@ -24,8 +24,8 @@ bool isWhole(const RunConfiguration& run, const std::vector<EpisodeResult>& epis
 class Run {
  public:
   /// Begins `folder`, which must outlive the run; `identity` as for RunFolder::begin(), and throws as it. A run that
-  /// continues has the episodes of its journal.
-  Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance,
+  /// continues has the episodes of its journal. Without a folder (null) the run writes no files.
+  Run(RunConfiguration configuration, RunFolder* folder, const nlohmann::ordered_json& provenance,
       const nlohmann::json& identity = {});
 
   const RunConfiguration& configuration() const { return configuration_; }
@@ -49,7 +49,7 @@ class Run {
   /// Progress for people: "3 of 50 episodes".
   std::string progress() const;
 
-  /// Writes the results of a whole run and returns its metrics. Throws as RunFolder::finish().
+  /// Writes the results of a whole run, prints its table to `out`, and returns its metrics. Throws as RunFolder::finish().
   nlohmann::json finish(std::ostream& out, int faults_survived = 0);
 
   /// Writes the finished episodes of a run that `failure` ended. A further failure to write them is only printed:
@@ -61,7 +61,7 @@ class Run {
   void watch(const EpisodeResult& episode);
 
   RunConfiguration configuration_;
-  RunFolder& folder_;
+  RunFolder* folder_;  // null: none
   std::vector<EpisodeResult> episodes_;
   DivergenceBands bands_;
   std::optional<TransferBet> bet_;

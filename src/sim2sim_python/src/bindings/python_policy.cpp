@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "python_policy.hpp"
+
+#include <pybind11/numpy.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "pusht_task/error.hpp"
+
+namespace sim2sim::python {
+namespace {
+
+namespace py = pybind11;
+
+constexpr py::ssize_t kNumbers = std::tuple_size_v<pusht::Observation>;
+constexpr py::ssize_t kAxes = std::tuple_size_v<pusht::Action>;
+
+/// Memory of a rollout: what the callable is asked with, and the actions of its last answer that are left.
+struct RolloutMemory : pusht::Policy::Memory {
+  RolloutMemory(PolicyDesk& desk_of_run, const pusht::Beginning& beginning) : desk(desk_of_run), told(beginning) {
+    row.seed = beginning.seed;
+  }
+  RolloutMemory(const RolloutMemory&) = delete;
+  RolloutMemory& operator=(const RolloutMemory&) = delete;
+  ~RolloutMemory() override {
+    if (row.memory != nullptr) {
+      desk.drop(row.memory);
+    }
+  }
+
+  void see(const pusht::Observation& observation, std::size_t history) {
+    if (row.past.empty()) {
+      row.past.assign(history, observation);
+      return;
+    }
+    std::rotate(row.past.begin(), row.past.begin() + 1, row.past.end());
+    row.past.back() = observation;
+  }
+
+  PolicyDesk& desk;
+  pusht::Beginning told;
+  Row row;
+  std::size_t next = 0;  // action of the answer
+  std::size_t left = 0;  // actions of it that are still executed
+};
+
+RolloutMemory& memoryOf(const pusht::Policy::Query& query) { return static_cast<RolloutMemory&>(*query.memory); }
+
+std::string shapeOf(const py::array& array) { return py::str(array.attr("shape")); }
+
+}  // namespace
+
+std::unique_ptr<pusht::Policy::Memory> PythonPolicy::begin(const pusht::Beginning& beginning) const {
+  return std::make_unique<RolloutMemory>(desk_, beginning);
+}
+
+void PythonPolicy::act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) {
+  std::vector<Row*> rows;
+  std::vector<RolloutMemory*> asking;
+  for (const Query& query : queries) {
+    RolloutMemory& memory = memoryOf(query);
+    memory.see(query.observation, static_cast<std::size_t>(history_));
+    if (memory.left == 0) {
+      rows.push_back(&memory.row);
+      asking.push_back(&memory);
+    }
+  }
+  if (!rows.empty()) {
+    desk_.ask(rows);
+  }
+  for (RolloutMemory* memory : asking) {
+    requireExecutable(memory->told, static_cast<int>(memory->row.answer.size()));
+    memory->next = 0;
+    memory->left =
+        memory->told.execute > 0 ? static_cast<std::size_t>(memory->told.execute) : memory->row.answer.size();
+  }
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    RolloutMemory& memory = memoryOf(queries[i]);
+    actions[i] = memory.row.answer[memory.next++];
+    --memory.left;
+  }
+}
+
+Callable::Callable(py::object policy, std::string name, int history)
+    : policy_(std::move(policy)),
+      as_array_(py::module_::import("numpy").attr("asarray")),
+      name_(std::move(name)),
+      history_(history),
+      has_memory_(py::hasattr(policy_, "begin") && py::hasattr(policy_, "act")) {}
+
+py::object Callable::ask(const std::vector<Row*>& rows) const {
+  const auto count = static_cast<py::ssize_t>(rows.size());
+  std::vector<py::ssize_t> shape = {count, kNumbers};
+  if (history_ > 0) {
+    shape.insert(shape.begin() + 1, history_);
+  }
+  py::array_t<float> observations(shape);  // a new one each time: the callable may keep it
+  float* number = observations.mutable_data();
+  for (const Row* row : rows) {
+    for (const pusht::Observation& observation : row->past) {
+      number = std::copy(observation.begin(), observation.end(), number);
+    }
+  }
+  if (!has_memory_) {
+    return policy_(observations);
+  }
+  py::list memories;
+  for (Row* row : rows) {
+    if (row->memory == nullptr) {
+      row->memory = policy_.attr("begin")(row->seed).release().ptr();
+    }
+    memories.append(py::reinterpret_borrow<py::object>(row->memory));
+  }
+  return policy_.attr("act")(observations, memories);
+}
+
+void Callable::answer(const std::vector<Row*>& rows) const {
+  const auto count = static_cast<py::ssize_t>(rows.size());
+  const py::array answered = as_array_(ask(rows));
+  const char kind = answered.dtype().kind();
+  const bool is_real = kind == 'f' && (answered.itemsize() == sizeof(float) || answered.itemsize() == sizeof(double));
+  const bool has_steps = answered.ndim() == 3;
+  if (!is_real || (answered.ndim() != 2 && !has_steps) || answered.shape(0) != count ||
+      answered.shape(answered.ndim() - 1) != kAxes || answered.size() == 0) {
+    const std::string n = std::to_string(count);
+    throw pusht::BadDependency("policy " + name_ + ": answered " + std::string(py::str(answered.dtype())) +
+                               " of shape " + shapeOf(answered) + ": must be float32 (or float64) of shape (" + n +
+                               ", 2), or (" + n + ", K, 2) for K control steps");
+  }
+  const py::array_t<float, py::array::c_style | py::array::forcecast> actions(answered);
+  const auto steps = static_cast<std::size_t>(has_steps ? answered.shape(1) : 1);
+  const float* number = actions.data();
+  for (Row* row : rows) {
+    row->answer.resize(steps);
+    for (pusht::Action& action : row->answer) {
+      std::copy_n(number, kAxes, action.begin());
+      number += kAxes;
+    }
+  }
+}
+
+}  // namespace sim2sim::python

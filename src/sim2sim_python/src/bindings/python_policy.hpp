@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Policy that is a Python callable.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "policy_desk.hpp"
+#include "pusht_task/policy.hpp"
+
+namespace sim2sim::python {
+
+/// Policy in a thread of a run, whose answers come from a PolicyDesk. It keeps the history of each rollout, and asks
+/// only when the actions of the last answer are used up.
+class PythonPolicy : public pusht::Policy {
+ public:
+  /// `history`: number of observations that the callable looks back on, at least 1. The desk must outlive the policy
+  /// and its memories.
+  PythonPolicy(PolicyDesk& desk, int history) : desk_(desk), history_(history) {}
+
+  std::unique_ptr<Memory> begin(const pusht::Beginning& beginning) const override;
+  void act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) override;
+
+ private:
+  PolicyDesk& desk_;
+  int history_;
+};
+
+/// Callable of Python that answers rows. All functions need the GIL.
+class Callable {
+ public:
+  /// `policy` is a function of observations, or an object with begin() and act(). With `history` 0 an observation is
+  /// a row of 10 numbers, otherwise [history, 10]. `name` stands in messages.
+  Callable(pybind11::object policy, std::string name, int history);
+
+  /// Asks the callable once for all rows. Throws BadDependency for an answer of the wrong type or shape, and what the
+  /// callable raises.
+  void answer(const std::vector<Row*>& rows) const;
+
+ private:
+  pybind11::object ask(const std::vector<Row*>& rows) const;
+
+  pybind11::object policy_;
+  pybind11::object as_array_;  // numpy.asarray
+  std::string name_;
+  int history_;
+  bool has_memory_;
+};
+
+}  // namespace sim2sim::python

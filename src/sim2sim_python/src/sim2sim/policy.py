@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Policies of the suite as callables of Python."""
+
+import json
+import os
+from typing import Any, Dict, List, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim2sim._sim2sim import LoadedPolicy, PolicyMemory
+
+
+class Policy:
+    """A policy of the suite, run by the suite's own code: the same bits as in `compare`.
+
+    A policy without a memory is called with observations float32 [n, 10] and gives actions
+    float32 [n, 2]. One with a memory is asked by begin() and act(), which work for both.
+    """
+
+    # A row's action has the same bits whatever rows are beside it: compare() may use all cores.
+    row_independent = True
+
+    def __init__(self, loaded: LoadedPolicy, execute: int) -> None:
+        self._loaded = loaded
+        self._execute = execute
+
+    @property
+    def name(self) -> str:
+        """The name as given, or "fresh-untrained"."""
+        return self._loaded.name
+
+    @property
+    def provenance(self) -> Dict[str, Any]:
+        """Where it comes from and what it runs on, as in provenance.json."""
+        provenance: Dict[str, Any] = json.loads(self._loaded.provenance)
+        return provenance
+
+    def begin(self, seed: int) -> PolicyMemory:
+        """The memory of a rollout; all its random numbers come from `seed`."""
+        return self._loaded.begin(seed, self._execute)
+
+    def act(
+        self, observations: NDArray[np.float32], memories: List[PolicyMemory]
+    ) -> NDArray[np.float32]:
+        """Actions [n, 2] for observations [n, 10] of rollouts with these memories."""
+        return self._loaded.act(observations, memories)
+
+    def __call__(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
+        return self._loaded(observations)
+
+
+def load_policy(
+    name: Union[str, "os.PathLike[str]"] = "bc",
+    *,
+    execute: int = 0,
+    require_policy: bool = False,
+    untrained_seed: int = 0,
+) -> Policy:
+    """The policy of that name, or in that file, as `compare --policy` takes it.
+
+    `execute`: actions of each answer that are executed; 0: as many as the policy says.
+    """
+    return Policy(LoadedPolicy(os.fspath(name), require_policy, untrained_seed), execute)

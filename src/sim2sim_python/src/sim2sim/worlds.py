@@ -1,0 +1,332 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Worlds of PushT with the interface of Gymnasium, one or many at a time.
+
+https://gymnasium.farama.org/api/env and /api/vector define what the methods mean.
+"""
+
+import secrets
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sim2sim._sim2sim import (
+    FIRST_SPAWN_SEED,
+    HORIZON,
+    STATE_FIELDS,
+    WorldBatch,
+    parameters_of,
+)
+from sim2sim.errors import InvalidInput
+
+Info = Dict[str, Any]
+OBSERVATION = 10  # numbers
+ACTION = 2  # numbers
+VELOCITIES = ("pusher_vx", "pusher_vy", "tee_vx", "tee_vy", "tee_yaw_rate")  # 0 if left out
+MOST_WORLDS = 100_000
+
+
+class Box:
+    """Arrays between two bounds, with what Gymnasium's space of that name has for reading it."""
+
+    def __init__(self, low: float, high: float, shape: Tuple[int, ...]) -> None:
+        self.dtype = np.dtype(np.float32)
+        self.shape = shape
+        self.low = np.full(shape, low, self.dtype)
+        self.high = np.full(shape, high, self.dtype)
+        self.seed(None)
+
+    def seed(self, seed: Optional[int] = None) -> None:
+        """Sets the generator of sample()."""
+        self._random = np.random.default_rng(seed)
+
+    def sample(self) -> NDArray[np.float32]:
+        """An array drawn uniformly between the bounds; normally distributed without bounds."""
+        if not np.isfinite(self.low).all():
+            return self._random.normal(size=self.shape).astype(self.dtype)
+        return self._random.uniform(self.low, self.high).astype(self.dtype)
+
+    def contains(self, array: Any) -> bool:
+        """Whether an array has the shape and lies between the bounds."""
+        array = np.asarray(array)
+        return bool(
+            array.shape == self.shape and (self.low <= array).all() and (array <= self.high).all()
+        )
+
+    def __repr__(self) -> str:
+        return f"Box({self.low.min()}, {self.high.max()}, {self.shape}, float32)"
+
+
+class _Starts:
+    """Spawn seeds of one world: the given ones, and those that follow from them.
+
+    A reset without a seed draws one below FIRST_SPAWN_SEED, so it is none of those from which
+    comparisons start.
+    """
+
+    def __init__(self) -> None:
+        self.random: Optional[np.random.Generator] = None
+
+    def given(self, seed: int) -> None:
+        self.random = np.random.default_rng((seed, 1))
+
+    def drawn(self) -> int:
+        if self.random is None:
+            self.random = np.random.default_rng(secrets.randbits(64))
+        return int(self.random.integers(FIRST_SPAWN_SEED))
+
+
+class _Worlds:
+    """What one world and many have in common."""
+
+    metadata: Dict[str, Any] = {"render_modes": [], "render_fps": 10}
+    render_mode = None
+    spec = None
+
+    def __init__(
+        self, kind: str, count: int, horizon: int, parameters: Mapping[str, object]
+    ) -> None:
+        self.kind = kind
+        self.horizon = _checked_integer("horizon", horizon, 1, 1_000_000)
+        self._batch = WorldBatch(kind, dict(parameters), count)
+        self._starts = [_Starts() for _ in range(count)]
+        self._ended: Optional[NDArray[np.bool_]] = None  # None: must be reset
+
+    def close(self) -> None:
+        """Does nothing: a world holds memory alone."""
+
+    def render(self) -> None:
+        """Does nothing: worlds have no picture of their own; `report` draws runs."""
+
+    def _reset(self, seeds: Sequence[Optional[int]], states: Optional[NDArray[np.float64]]) -> Info:
+        drawn = []
+        for world, (starts, seed) in enumerate(zip(self._starts, seeds)):
+            if states is None:
+                drawn.append(starts.drawn() if seed is None else seed)
+                self._batch.spawn(world, drawn[-1])
+            else:
+                self._batch.reset(world, states[world])
+            if seed is not None:
+                starts.given(seed)
+            self._ended = (
+                None  # until all are reset; a refusal of the first leaves them as they were
+            )
+        self._ended = np.zeros(len(self._starts), np.bool_)
+        info = self._info()
+        if states is None:
+            info["seed"] = np.array(drawn, np.uint64)
+        return info
+
+    def _info(self) -> Info:
+        batch = self._batch
+        return {
+            "state": batch.states,
+            "position_error": batch.position_errors,
+            "angle_error": batch.angle_errors,
+            "success": batch.successes,
+            "steps": batch.steps,
+        }
+
+    def _ends(self) -> Tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which worlds have succeeded, and which have reached the horizon."""
+        terminated = self._batch.successes
+        truncated = self._batch.steps >= self.horizon
+        self._ended = terminated | truncated
+        return terminated, truncated
+
+
+class World(_Worlds):
+    """One world of PushT, of a kind of simulator, as an environment of Gymnasium.
+
+    `horizon`: control steps after which an episode is truncated. `parameters` are the kind's.
+    """
+
+    def __init__(self, kind: str, *, horizon: int = HORIZON, **parameters: object) -> None:
+        super().__init__(kind, 1, horizon, parameters)
+        self.observation_space = Box(-np.inf, np.inf, (OBSERVATION,))
+        self.action_space = Box(-1.0, 1.0, (ACTION,))
+
+    @property
+    def unwrapped(self) -> "World":
+        """The world itself."""
+        return self
+
+    def reset(
+        self, *, seed: Optional[int] = None, options: Optional[Mapping[str, Any]] = None
+    ) -> Tuple[NDArray[np.float32], Info]:
+        """Begins an episode; returns observation float32 [10] and info.
+
+        It starts from the suite's spawn of `seed`; without a seed, from one that is drawn, which
+        the last given seed decides. `options={"state": ...}` starts from a state instead: 10
+        numbers as STATE_FIELDS, or a dict of them, in which velocities may be left out.
+        """
+        state = _state_in(options)
+        seeds = [None if seed is None else _checked_seed(seed)]
+        info = self._reset(seeds, None if state is None else state[np.newaxis])
+        return self._batch.observations[0], _first(info)
+
+    def step(self, action: ArrayLike) -> Tuple[NDArray[np.float32], float, bool, bool, Info]:
+        """Takes a control step (0.1 s) with the commanded velocity of the pusher [m/s].
+
+        Returns observation, reward, terminated (success), truncated (horizon) and info. The
+        reward is that of the task: -(position error / 0.5 m + angle error / pi) / 2, and 1 more in
+        the step in which success latches. After an end a world must be reset.
+        """
+        if self._ended is None or self._ended[0]:
+            raise InvalidInput("step: the episode has ended, or none has begun; reset the world")
+        actions = _checked_actions("action", action, (ACTION,))[np.newaxis]
+        self._step(actions)
+        terminated, truncated = self._ends()
+        return (
+            self._batch.observations[0],
+            float(self._batch.rewards[0]),
+            bool(terminated[0]),
+            bool(truncated[0]),
+            _first(self._info()),
+        )
+
+    def _step(self, actions: NDArray[np.float32]) -> None:
+        self._batch.step(actions, np.ones(1, np.bool_))
+
+
+class VectorWorld(_Worlds):
+    """Worlds of one kind that step together, as a vector environment of Gymnasium.
+
+    Autoreset is that of the next step (AutoresetMode.NEXT_STEP): the step after the end of an
+    episode ignores the action of that world and begins its next episode, with reward 0 and
+    neither terminated nor truncated. Its start is drawn as by reset() without a seed.
+    """
+
+    metadata: Dict[str, Any] = {**_Worlds.metadata, "autoreset_mode": "NextStep"}
+
+    def __init__(
+        self, kind: str, num_envs: int, *, horizon: int = HORIZON, **parameters: object
+    ) -> None:
+        self.num_envs = _checked_integer("num_envs", num_envs, 1, MOST_WORLDS)
+        super().__init__(kind, self.num_envs, horizon, parameters)
+        self.single_observation_space = Box(-np.inf, np.inf, (OBSERVATION,))
+        self.single_action_space = Box(-1.0, 1.0, (ACTION,))
+        self.observation_space = Box(-np.inf, np.inf, (num_envs, OBSERVATION))
+        self.action_space = Box(-1.0, 1.0, (num_envs, ACTION))
+
+    def reset(
+        self,
+        *,
+        seed: Union[None, int, Sequence[Optional[int]]] = None,
+        options: Optional[Mapping[str, Any]] = None,
+    ) -> Tuple[NDArray[np.float32], Info]:
+        """Begins an episode in each world; returns observations float32 [num_envs, 10] and info.
+
+        `seed` s gives world i the seed s + i; a list has one for each. `options={"state": ...}`
+        starts from states [num_envs, 10]. Each entry of info is an array over the worlds.
+        """
+        states = _state_in(options, self.num_envs)
+        info = self._reset(self._seeds(seed), states)
+        return self._batch.observations, info
+
+    def step(
+        self, actions: ArrayLike
+    ) -> Tuple[
+        NDArray[np.float32],
+        NDArray[np.float64],
+        NDArray[np.bool_],
+        NDArray[np.bool_],
+        Info,
+    ]:
+        """Takes a control step in each world; arrays as World.step()."""
+        if self._ended is None:
+            raise InvalidInput("step: no episode has begun; reset the worlds")
+        rows = _checked_actions("actions", actions, (self.num_envs, ACTION))
+        ended = self._ended
+        self._batch.step(rows, ~ended)
+        for world in np.flatnonzero(ended):
+            self._batch.spawn(int(world), self._starts[world].drawn())
+        terminated, truncated = self._ends()
+        return self._batch.observations, self._batch.rewards, terminated, truncated, self._info()
+
+    def _seeds(self, seed: Union[None, int, Sequence[Optional[int]]]) -> List[Optional[int]]:
+        if seed is None:
+            return [None] * self.num_envs
+        if isinstance(seed, (list, tuple, np.ndarray)):
+            if len(seed) != self.num_envs:
+                raise InvalidInput(f"seed: {len(seed)} seeds; must be {self.num_envs}, or one")
+            return [None if one is None else _checked_seed(one) for one in seed]
+        first = _checked_seed(seed)
+        return [_checked_seed(first + world) for world in range(self.num_envs)]
+
+
+def make(kind: str, *, horizon: int = HORIZON, **parameters: object) -> World:
+    """A world of an installed kind: make("mujoco", timestep=0.005)."""
+    return World(kind, horizon=horizon, **parameters)
+
+
+def make_vec(
+    kind: str, num_envs: int = 1, *, horizon: int = HORIZON, **parameters: object
+) -> VectorWorld:
+    """Worlds of an installed kind that step together."""
+    return VectorWorld(kind, num_envs, horizon=horizon, **parameters)
+
+
+def parameters(kind: str) -> List[Dict[str, Any]]:
+    """The parameters of a kind: name, type, unit, default, range, meaning."""
+    return parameters_of(kind)
+
+
+def _first(info: Info) -> Info:
+    """The info of one world from that of a batch of one."""
+    return {name: value[0] if value.ndim > 1 else value[0].item() for name, value in info.items()}
+
+
+def _checked_integer(name: str, value: object, least: int, greatest: int) -> int:
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
+        raise InvalidInput(f"{name} {value!r}: must be an integer")
+    if not least <= value <= greatest:
+        raise InvalidInput(f"{name} {value}: must be from {least} to {greatest}")
+    return int(value)
+
+
+def _checked_seed(seed: object) -> int:
+    return _checked_integer("seed", seed, 0, 2**64 - 1)
+
+
+def _checked_actions(name: str, actions: object, shape: Tuple[int, ...]) -> NDArray[np.float32]:
+    return np.asarray(_numbers(name, actions, shape), np.float32)
+
+
+def _numbers(name: str, given: object, shape: Tuple[int, ...]) -> NDArray[Any]:
+    """`given` as an array of real numbers of this shape. Raises InvalidInput for any other."""
+    try:
+        array = np.asarray(given)
+    except ValueError as error:  # rows of different lengths
+        raise InvalidInput(f"{name} {given!r}: {error}") from None
+    if array.dtype.kind not in "fiu" or array.shape != shape:
+        raise InvalidInput(
+            f"{name} {array.dtype} of shape {array.shape}: must be real numbers of shape {shape}"
+        )
+    return array
+
+
+def _state_in(
+    options: Optional[Mapping[str, Any]], count: Optional[int] = None
+) -> Optional[NDArray[np.float64]]:
+    """The state that options of a reset ask for, or those of `count` worlds."""
+    unknown = set(options or {}) - {"state"}
+    if unknown:
+        raise InvalidInput(f"options {sorted(map(str, unknown))}: unknown; known: state")
+    state = (options or {}).get("state")
+    if state is None:
+        return None
+    if count is None and isinstance(state, Mapping):
+        state = _numbers_by_name(state)
+    shape = (len(STATE_FIELDS),) if count is None else (count, len(STATE_FIELDS))
+    return np.ascontiguousarray(_numbers("state", state, shape), np.float64)
+
+
+def _numbers_by_name(state: Mapping[str, float]) -> List[float]:
+    for name in state:
+        if name not in STATE_FIELDS:
+            raise InvalidInput(f"state {name}: unknown; known: {', '.join(STATE_FIELDS)}")
+    for name in STATE_FIELDS:
+        if name not in state and name not in VELOCITIES:
+            raise InvalidInput(f"state: {name} is missing; velocities alone may be left out")
+    return [state.get(name, 0.0) for name in STATE_FIELDS]

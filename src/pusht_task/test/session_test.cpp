@@ -453,7 +453,10 @@ TEST(SimulatorStarts, WithParametersThatTheKindRefuses) {
 /// Answers with how often the rollout has asked.
 class Counting : public Policy {
  public:
-  std::unique_ptr<Memory> begin(const Beginning& /*unused*/) const override { return std::make_unique<Count>(); }
+  std::unique_ptr<Memory> begin(const Beginning& beginning) const override {
+    requireExecutable(beginning, 1);
+    return std::make_unique<Count>();
+  }
   void act(Span<const Query> queries, Span<Action> actions) override {
     if (fails) {
       throw RuntimeFault("broken on purpose");
@@ -547,6 +550,29 @@ TEST_F(PolicySessions, TellThatThePolicyFailed) {
   EXPECT_EQ(failed.instance_id, session_.describe().instance_id);
   policy_->fails = false;
   EXPECT_THAT(act({{7, 0}}).actions, ElementsAre(1, 0));
+}
+
+/// A policy that failed may have gone half a step.
+TEST_F(PolicySessions, ForgetARolloutInWhichThePolicyFailed) {
+  act({{7, 0}, {9, 0}});
+  policy_->fails = true;
+  act({{7, 1}});
+  policy_->fails = false;
+  EXPECT_EQ(act({{7, 1}}).message, "rollout 7: step 1: expected 0");
+  EXPECT_THAT(act({{7, 0}, {9, 1}}).actions, ElementsAre(1, 0, 2, 0));
+}
+
+TEST_F(PolicySessions, RefuseMoreActionsThanThereAreAndChangeNothing) {
+  act({{7, 0}});
+  pusht_msgs::ActRequest request;
+  request.queries.resize(2);
+  request.queries[0].rollout = 7;
+  request.queries[1].rollout = 9;
+  request.queries[1].execute = std::numeric_limits<std::uint32_t>::max();
+  const auto refused = session_.act(request);
+  EXPECT_EQ(refused.message.find("rollout 9: execute 2147483647: must be from 1 to 1"), 0U) << refused.message;
+  EXPECT_EQ(refused.exit_code, static_cast<int>(ExitCode::kInvalidInput));
+  EXPECT_THAT(act({{7, 1}}).actions, ElementsAre(2, 0)) << "not begun anew";
 }
 
 TEST_F(PolicySessions, RefuseObservationsThatAreNotFinite) {

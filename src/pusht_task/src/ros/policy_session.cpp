@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -29,14 +30,15 @@ pusht_msgs::ActResponse PolicySession::act(const pusht_msgs::ActRequest& request
   try {
     forgetEnded();
     require(request);
+    Memories memories = memoriesOf(request);
     queries_.clear();
-    for (const pusht_msgs::Query& query : request.queries) {
-      if (!isRepeated(query)) {
-        queries_.push_back(begun(query));
+    for (std::size_t i = 0; i < request.queries.size(); ++i) {
+      if (!isRepeated(request.queries[i])) {
+        queries_.push_back(begun(request.queries[i], std::move(memories[i])));
       }
     }
     actions_.resize(queries_.size());
-    model_.policy->act(queries_, actions_);
+    actOrForget(request);
   } catch (const std::exception& refusal) {
     response.message = clipped(refusal.what());
     response.exit_code = static_cast<int>(exitCodeOf(refusal));
@@ -93,13 +95,39 @@ void PolicySession::require(const pusht_msgs::ActRequest& request) const {
   }
 }
 
-Policy::Query PolicySession::begun(const pusht_msgs::Query& query) {
+PolicySession::Memories PolicySession::memoriesOf(const pusht_msgs::ActRequest& request) const {
+  constexpr std::uint32_t kMost = std::numeric_limits<int>::max();
+  Memories memories(request.queries.size());
+  for (std::size_t i = 0; i < memories.size(); ++i) {
+    const pusht_msgs::Query& query = request.queries[i];
+    if (query.step == 0) {
+      try {
+        memories[i] = model_.policy->begin({query.seed, static_cast<int>(std::min(query.execute, kMost))});
+      } catch (Error& error) {
+        error.addContext("rollout " + std::to_string(query.rollout));
+        throw;
+      }
+    }
+  }
+  return memories;
+}
+
+void PolicySession::actOrForget(const pusht_msgs::ActRequest& request) {
+  try {
+    model_.policy->act(queries_, actions_);
+  } catch (...) {
+    for (const pusht_msgs::Query& query : request.queries) {
+      if (!isRepeated(query)) {
+        rollouts_.erase(query.rollout);
+      }
+    }
+    throw;
+  }
+}
+
+Policy::Query PolicySession::begun(const pusht_msgs::Query& query, std::unique_ptr<Policy::Memory> memory) {
   Observation observation{};
   std::copy(query.observation.begin(), query.observation.end(), observation.begin());
-  std::unique_ptr<Policy::Memory> memory;
-  if (query.step == 0) {
-    memory = model_.policy->begin({query.seed, static_cast<int>(query.execute)});
-  }
   if (!has_memory_) {
     return {observation, nullptr};
   }

@@ -34,7 +34,10 @@ bool isWhole(const RunConfiguration& run, const std::vector<EpisodeResult>& epis
 
 Run::Run(RunConfiguration configuration, RunFolder& folder, const nlohmann::ordered_json& provenance,
          const nlohmann::json& identity)
-    : configuration_(std::move(configuration)), folder_(folder), bands_(configuration_.protocol) {
+    : configuration_(std::move(configuration)),
+      folder_(folder),
+      bands_(configuration_.protocol),
+      note_(noteOnNoise(configuration_, provenance)) {
   if (configuration_.protocol.until_decided) {
     bet_.emplace(*configuration_.protocol.until_decided);
   }
@@ -97,7 +100,7 @@ nlohmann::json Run::finish(std::ostream& out, int faults_survived) {
                                   : "seed " + std::to_string(protocol.seed))
       << ", horizon " << configuration_.protocol.horizon << " control steps\n"
       << (bet_ ? decisionText(*bet_, *configuration_.protocol.until_decided) : "") << table(configuration_, summary)
-      << "results: " << folder_.path().string() << "\n"
+      << (note_.empty() ? "" : note_ + "\n") << "results: " << folder_.path().string() << "\n"
       << "config_hash: " << configurationHash(configuration_) << std::endl;
   nlohmann::json metrics = sim2sim::metrics(configuration_, summary);
   if (bet_) {

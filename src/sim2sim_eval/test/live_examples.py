@@ -50,7 +50,7 @@ class LiveExamples(GoalCase):
         results = []
         for name in ("a", "b"):  # the same rollouts again, under other numbers
             out = self.folder / name
-            historian.send_goal(goal_of(out=str(out), episodes=2))
+            historian.send_goal(goal_of(out=str(out), episodes=2, record=True))
             self.assertTrue(historian.wait_for_result(rospy.Duration(DEADLINE)))
             result = historian.get_result()
             self.assertEqual((result.exit_code, result.reason), (0, "finished"))

@@ -16,6 +16,7 @@ import unittest
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Tuple
+from unittest import mock
 from xml.etree import ElementTree
 
 import numpy as np
@@ -785,7 +786,9 @@ class Policies(unittest.TestCase):
         def bad(number: float) -> List[Query]:
             return [*self.QUERIES, Query(rollout=8, observation=[0] * 9 + [number])]
 
+        many = [Query(rollout=8, execute=2**32 - 1)]
         for act, queries, exit_code, message in (
+            (fail, many, 2, "rollout 8: execute 4294967295: must be from 1 to 1, the actions"),
             (lambda rows: rows, self.QUERIES, 3, r"shape \[2, 10\] .* must be \[2, 2\]"),
             (lambda rows: rows[0, :2], self.QUERIES, 3, r"shape \[2\] of the actions"),
             (lambda rows: "left", self.QUERIES, 4, "act: ValueError: could not convert"),
@@ -804,6 +807,87 @@ class Policies(unittest.TestCase):
         self.assertTrue(description.success)
         self.assertEqual((description.name, description.version), ("mine", "2"))
         self.assertEqual((description.parameters, description.parameters_hash), ([], ""))
+
+
+class PoliciesWithMemory(unittest.TestCase):
+    """The rules are those of the session in C++: session_test.cpp."""
+
+    def setUp(self) -> None:
+        self.fails = False
+        self.session = PolicySession(self.count, Identity("mine", "2"), self.begin, answers=3)
+
+    @staticmethod
+    def begin(seed: int, execute: int) -> List[int]:
+        if seed == 13:
+            raise ValueError("unlucky")
+        return [seed, execute, 0]
+
+    def count(self, rows: np.ndarray, memories: List[List[int]]) -> List[List[float]]:
+        """Answers with how often a rollout has asked, and its seed."""
+        for memory in memories:
+            memory[2] += 1
+        if self.fails:
+            raise KeyError("weights")
+        self.assertEqual(len(rows), len(memories))
+        return [[memory[2], memory[0]] for memory in memories]
+
+    def act(self, *steps: Tuple[int, int], **fields: Any) -> Any:
+        queries = [Query(rollout=rollout, step=step, **fields) for rollout, step in steps]
+        return self.session.act(ActRequest(queries))
+
+    def test_each_rollout_apart(self) -> None:
+        self.assertEqual(self.act((7, 0), (9, 0), seed=4).actions, [1, 4, 1, 4])
+        self.assertEqual(self.act((9, 1)).actions, [2, 4])
+        self.assertEqual(self.act((9, 2), (7, 1)).actions, [3, 4, 2, 4])
+
+    def test_last_step_again_and_the_first_anew(self) -> None:
+        self.act((7, 0))
+        self.act((7, 1))
+        self.assertEqual(self.act((7, 1), (9, 0)).actions, [2, 0, 1, 0])
+        self.assertEqual(self.act((7, 2)).actions, [3, 0])
+        self.assertEqual(self.act((7, 0), seed=5).actions, [1, 5])
+        self.assertEqual(self.act((7, 1)).actions, [2, 5])
+
+    def test_refusals_change_nothing(self) -> None:
+        self.act((7, 0))
+        self.act((7, 1))
+        for steps, fields, message in (
+            ([(9, 0), (7, 3)], {}, "rollout 7: step 3: expected 2"),
+            ([(7, 0), (9, 1)], {}, "rollout 9: step 1: expected 0"),
+            ([(7, 2), (7, 2)], {}, "rollout 7: must be asked for once in a request"),
+            (
+                [(7, 1)],
+                {"observation": [0.5] * 10},
+                "rollout 7: step 1: was answered for another observation",
+            ),
+            ([(7, 0)], {"execute": 4}, "rollout 7: execute 4: must be from 1 to 3, the actions"),
+        ):
+            response = self.act(*steps, **fields)
+            self.assertEqual((response.success, response.exit_code), (False, 2))
+            self.assertIn(message, response.message)
+        self.assertEqual(self.act((7, 2)).actions, [3, 0])
+        self.assertEqual(self.act((8, 0), execute=3).actions, [1, 0])
+
+    def test_after_a_failure_a_rollout_begins_anew(self) -> None:
+        self.act((7, 0), (9, 0))
+        self.fails = True
+        self.assertRegex(self.act((7, 1)).message, "act: KeyError: 'weights'")
+        self.fails = False
+        self.assertEqual(self.act((7, 1)).message, "rollout 7: step 1: expected 0")
+        self.assertEqual(self.act((7, 0), (9, 1)).actions, [1, 0, 2, 0])
+        response = self.act((9, 0), seed=13)
+        self.assertEqual(response.exit_code, 4)
+        self.assertRegex(response.message, "begin: ValueError: unlucky")
+        self.assertEqual(self.act((9, 2)).actions, [3, 0], "a beginning that failed is none")
+
+    def test_rollouts_that_were_not_asked_for_lately_are_forgotten(self) -> None:
+        self.act((7, 0))
+        self.act((8, 0))
+        with mock.patch.multiple("pusht_task.policy_session", MANY_ROLLOUTS=2, LATELY=2):
+            for step in range(1, 4):
+                self.act((8, step))
+        self.assertEqual(self.act((8, 4)).actions, [5, 0])
+        self.assertEqual(self.act((7, 1)).message, "rollout 7: step 1: expected 0")
 
 
 def data(message: Any) -> bytes:

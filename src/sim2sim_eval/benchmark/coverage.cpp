@@ -23,6 +23,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
 #include "ranking_coverage.hpp"
+#include "repeat_coverage.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 #include "sim2sim_statistics/sequential.hpp"
@@ -247,6 +248,8 @@ void study(int repetitions, std::uint64_t seed, const std::string& episodes) {
   rankings(of_rankings);
   Simulation of_equivalents(repetitions, seed);
   equivalents(of_equivalents);
+  Simulation of_repeats(std::max(1, repetitions / 2), seed);
+  repeats(of_repeats);
 }
 
 }  // namespace

@@ -44,6 +44,21 @@ class LiveExamples(GoalCase):
         self.assertEqual(results[0], results[1])
         self.assertNotEqual(results[0], results[2])
 
+    def test_policy_with_a_memory(self) -> None:
+        historian = actionlib.SimpleActionClient("/historian/compare", CompareAction)
+        self.assertTrue(historian.wait_for_server(rospy.Duration(DEADLINE)))
+        results = []
+        for name in ("a", "b"):  # the same rollouts again, under other numbers
+            out = self.folder / name
+            historian.send_goal(goal_of(out=str(out), episodes=2, record=True))
+            self.assertTrue(historian.wait_for_result(rospy.Duration(DEADLINE)))
+            result = historian.get_result()
+            self.assertEqual((result.exit_code, result.reason), (0, "finished"))
+            results.append(result_bytes(out))
+        self.assertEqual(results[0], results[1])
+        self.assertEqual(metrics_of(out)["policy"], "by_hand_with_memory")
+        self.assert_recomputed(out)
+
     def test_simulators_that_go_wrong_are_named(self) -> None:
         skeptic = actionlib.SimpleActionClient("/skeptic/compare", CompareAction)
         self.assertTrue(skeptic.wait_for_server(rospy.Duration(DEADLINE)))

@@ -117,7 +117,7 @@ TEST(Quantities, SayTheSameInMetricsStatisticsAndMessage) {
     EXPECT_EQ(distribution.at("episodes"), 20) << column;
   });
   EXPECT_EQ(message.means.size(), next);
-  const Headline headline = headlineOf(configuration, summary.outcomes.table);
+  const Headline headline = headlineOf(configuration, summary.outcomes);
   EXPECT_EQ(distributions.at("headline"), toJson(headline));
   EXPECT_EQ(message.verdict, nameOf(headline.verdict));
   EXPECT_EQ(message.headline, headline.text());

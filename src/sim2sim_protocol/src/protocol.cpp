@@ -46,6 +46,11 @@ void Protocol::validate() const {
     throw pusht::InvalidInput("until_decided " + pusht::shortestText(*until_decided) +
                               ": must be above 0 and at most 1");
   }
+  if (until_decided && repeats > 1) {
+    throw pusht::InvalidInput("until_decided " + pusht::shortestText(*until_decided) +
+                              ": must not be given with repeats " + std::to_string(repeats) +
+                              ", because its bets are on independent episodes");
+  }
   if (episodes % repeats != 0 || first_episode % repeats != 0) {
     throw pusht::InvalidInput("repeats " + std::to_string(repeats) + ": must divide episodes " +
                               std::to_string(episodes) + " and first_episode " + std::to_string(first_episode) +

@@ -3,56 +3,20 @@
 
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
 
+#include "pair_scores.hpp"
 #include "sim2sim_statistics/common.hpp"
 
 namespace sim2sim {
 namespace {
 
-/// The counts of a table by the letters of the papers.
-struct Counts {
-  double a;  ///< both
-  double b;  ///< second only
-  double c;  ///< first only
-  double n;  ///< pairs
-};
-
 Counts countsOf(const PairTable& table) {
   table.validate();
   return {static_cast<double>(table.both), static_cast<double>(table.second_only),
           static_cast<double>(table.first_only), static_cast<double>(table.pairs())};
-}
-
-/// The larger root of a x^2 + b x + c, a > 0, computed without the difference of nearly equal numbers. It has one here:
-/// a discriminant below zero is rounding.
-double largerRoot(double a, double b, double c) {
-  const double root = std::sqrt(std::max(0.0, b * b - 4.0 * a * c));
-  return b > 0.0 ? -2.0 * c / (b + root) : (root - b) / (2.0 * a);
-}
-
-/// Whether a score, divided by its standard deviation under the hypothesis, does not reject the hypothesis.
-bool isLikely(double score, double variance) {
-  static const double z = boost::math::quantile(boost::math::normal(), 0.5 * (1.0 + kConfidence));
-  return std::abs(score) <= z * std::sqrt(std::max(0.0, variance));
-}
-
-/// Tango's score of the hypothesis that the rates differ by d. q is how probable a pair of the kind "first only" most
-/// likely is if they do.
-bool isLikelyDifference(const Counts& t, double d) {
-  const double q = largerRoot(2.0 * t.n, -t.b - t.c + (2.0 * t.n - t.b + t.c) * d, -t.c * d * (1.0 - d));
-  return isLikely(t.b - t.c - t.n * d, t.n * (2.0 * q + d * (1.0 - d)));
-}
-
-/// Tang's score of the hypothesis that the rates have the ratio f; q as above.
-bool isLikelyRatio(const Counts& t, double f) {
-  const double succeeding = t.a + t.b + t.c;
-  const double q =
-      largerRoot(t.n * (1.0 + f), (t.a + t.c) * f * f - (t.a + t.b + 2.0 * t.c), t.c * (1.0 - f) * succeeding / t.n);
-  return isLikely(t.a + t.b - (t.a + t.c) * f, t.n * (1.0 + f) * q + succeeding * (f - 1.0));
 }
 
 /// The discordant pairs as throws of a fair coin, and the rarer side of it.
@@ -83,9 +47,7 @@ std::optional<Interval> tangoInterval(const PairTable& table) {
   if (t.n < kFewestEpisodes) {
     return std::nullopt;
   }
-  const double seen = (t.b - t.c) / t.n;
-  const auto likely = [&](double d) { return isLikelyDifference(t, d); };
-  return Interval{edge(likely, seen, -1.0), edge(likely, seen, 1.0)};
+  return tango(t);
 }
 
 std::optional<Interval> tangInterval(const PairTable& table) {
@@ -93,13 +55,7 @@ std::optional<Interval> tangInterval(const PairTable& table) {
   if (t.n < kFewestEpisodes || t.a + t.c == 0.0) {
     return std::nullopt;
   }
-  // Bounds of the logarithm, far beyond the ratios that any number of pairs could tell from 0 and from infinity.
-  constexpr double kFarthest = 40.0;
-  const double seen = (t.a + t.b) / (t.a + t.c);
-  const auto likely = [&](double log_ratio) { return isLikelyRatio(t, std::exp(log_ratio)); };
-  const double inside = seen > 0.0 ? std::log(seen) : -kFarthest;
-  return Interval{seen > 0.0 ? std::exp(edge(likely, inside, -kFarthest)) : 0.0,
-                  std::exp(edge(likely, inside, kFarthest))};
+  return tang(t);
 }
 
 double mcnemarExact(const PairTable& table) {

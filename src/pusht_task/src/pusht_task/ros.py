@@ -18,7 +18,7 @@ import sys
 import threading
 import xmlrpc.client
 from types import MappingProxyType
-from typing import Any, Callable, Dict, List, Mapping
+from typing import Any, Callable, Dict, List, Mapping, Optional
 
 import rosgraph  # type: ignore[import]
 import rospy  # type: ignore[import]
@@ -36,7 +36,7 @@ from rosgraph_msgs.msg import Clock  # type: ignore[import]
 
 from pusht_task.error import ExitCode
 from pusht_task.parameters import Value, merged
-from pusht_task.policy_session import Act, PolicySession
+from pusht_task.policy_session import Act, Begin, PolicySession
 from pusht_task.session import FOREIGN, FailedStart, Identity
 from pusht_task.simulator_session import SimulatorSession
 from pusht_task.task import PUSHER_FRAME_HEIGHT, TEE_FRAME_HEIGHT
@@ -82,16 +82,21 @@ def serve_simulator(
     return _serve(start, services, Identity(name, version, title, start_tolerance))
 
 
-def serve_policy(act: Act, *, name: str, version: str) -> int:
+def serve_policy(
+    act: Act, *, name: str, version: str, begin: Optional[Begin] = None, answers: int = 1
+) -> int:
     """The main of a policy node: serves `act`; returns the exit code.
 
     `act` maps observations, float32 [n, 10] as in Query.msg, to n commanded pusher velocities
-    [m/s]. It has no memory and treats every row alike, whatever the others are.
+    [m/s]. It treats every row alike, whatever the others are. With `begin` the policy has a memory:
+    `begin(seed, execute)` makes that of a rollout, any object, and `act(observations, memories)`
+    changes those of its rows. All that is random must come from the seed. A policy that plans
+    ahead says with how many actions it `answers`; more than these to be executed are refused.
     """
 
     def start(identity: Identity) -> PolicySession:
         _private_parameters({})
-        return PolicySession(act, identity)
+        return PolicySession(act, identity, begin, answers)
 
     return _serve(start, {"act": ActService}, Identity(name, version))
 

@@ -19,14 +19,6 @@ namespace {
 constexpr std::size_t kManyRollouts = 65'536;
 constexpr std::uint64_t kLately = 1'000;  // requests
 
-Beginning beginningOf(const pusht_msgs::Query& query) {
-  if (query.execute > std::numeric_limits<int>::max()) {
-    throw InvalidInput("rollout " + std::to_string(query.rollout) + ": execute " + std::to_string(query.execute) +
-                       ": must be below 2^31");
-  }
-  return {query.seed, static_cast<int>(query.execute)};
-}
-
 }  // namespace
 
 PolicySession::PolicySession(PolicyModel model)
@@ -38,7 +30,15 @@ pusht_msgs::ActResponse PolicySession::act(const pusht_msgs::ActRequest& request
   try {
     forgetEnded();
     require(request);
-    ask(request);
+    Memories memories = memoriesOf(request);
+    queries_.clear();
+    for (std::size_t i = 0; i < request.queries.size(); ++i) {
+      if (!isRepeated(request.queries[i])) {
+        queries_.push_back(begun(request.queries[i], std::move(memories[i])));
+      }
+    }
+    actions_.resize(queries_.size());
+    actOrForget(request);
   } catch (const std::exception& refusal) {
     response.message = clipped(refusal.what());
     response.exit_code = static_cast<int>(exitCodeOf(refusal));
@@ -95,35 +95,37 @@ void PolicySession::require(const pusht_msgs::ActRequest& request) const {
   }
 }
 
-/// Lets the policy act for all rollouts but those whose last query is repeated. What a policy has done to the memories
-/// of a request that failed is not known, so those rollouts are forgotten: they must begin again.
-void PolicySession::ask(const pusht_msgs::ActRequest& request) {
-  std::vector<std::unique_ptr<Policy::Memory>> begun;  // all of them before any rollout changes: begin() may refuse
-  for (const pusht_msgs::Query& query : request.queries) {
-    begun.push_back(query.step == 0 ? model_.policy->begin(beginningOf(query)) : nullptr);
-  }
-  queries_.clear();
-  std::vector<std::uint64_t> asked;
-  for (std::size_t i = 0; i < request.queries.size(); ++i) {
+PolicySession::Memories PolicySession::memoriesOf(const pusht_msgs::ActRequest& request) const {
+  constexpr std::uint32_t kMost = std::numeric_limits<int>::max();
+  Memories memories(request.queries.size());
+  for (std::size_t i = 0; i < memories.size(); ++i) {
     const pusht_msgs::Query& query = request.queries[i];
-    if (!isRepeated(query)) {
-      queries_.push_back(queryFor(query, std::move(begun[i])));
-      asked.push_back(query.rollout);
+    if (query.step == 0) {
+      try {
+        memories[i] = model_.policy->begin({query.seed, static_cast<int>(std::min(query.execute, kMost))});
+      } catch (Error& error) {
+        error.addContext("rollout " + std::to_string(query.rollout));
+        throw;
+      }
     }
   }
-  actions_.resize(queries_.size());
+  return memories;
+}
+
+void PolicySession::actOrForget(const pusht_msgs::ActRequest& request) {
   try {
     model_.policy->act(queries_, actions_);
   } catch (...) {
-    for (const std::uint64_t rollout : asked) {
-      rollouts_.erase(rollout);
+    for (const pusht_msgs::Query& query : request.queries) {
+      if (!isRepeated(query)) {
+        rollouts_.erase(query.rollout);
+      }
     }
     throw;
   }
 }
 
-/// Query for the policy; a rollout at its beginning takes the memory that has `begun`.
-Policy::Query PolicySession::queryFor(const pusht_msgs::Query& query, std::unique_ptr<Policy::Memory> begun) {
+Policy::Query PolicySession::begun(const pusht_msgs::Query& query, std::unique_ptr<Policy::Memory> memory) {
   Observation observation{};
   std::copy(query.observation.begin(), query.observation.end(), observation.begin());
   if (!has_memory_) {
@@ -131,7 +133,7 @@ Policy::Query PolicySession::queryFor(const pusht_msgs::Query& query, std::uniqu
   }
   Remembered& rollout = rollouts_[query.rollout];
   if (query.step == 0) {
-    rollout.memory = std::move(begun);
+    rollout.memory = std::move(memory);
     rollout.step = -1;
   }
   return {observation, rollout.memory.get()};

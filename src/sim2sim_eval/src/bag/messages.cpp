@@ -167,7 +167,7 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
                   finished && rollout == kEngineReplay ? markOf(summary, kQuantities[i].name) : ""));
   });
   message.policy = configuration.policy;
-  const Headline headline = headlineOf(configuration, summary.outcomes.table);
+  const Headline headline = headlineOf(configuration, summary.outcomes);
   message.verdict = nameOf(headline.verdict);
   message.headline = headline.text();
   return message;

@@ -184,6 +184,10 @@ void plan(const PlanOptions& options) {
   requirePositive("position", options.questions.position);
   requirePositive("angle", options.questions.angle);
   const RunResults pilot = readResults(options.pilot);
+  if (pilot.protocol.repeats > 1) {
+    throw pusht::InvalidInput("pilot " + options.pilot + ": has " + std::to_string(pilot.protocol.repeats) +
+                              " repeats of each start; must have one, because a plan counts independent episodes");
+  }
   std::optional<RunResults> other;
   if (!options.other.empty()) {
     requireNotInterrupted();

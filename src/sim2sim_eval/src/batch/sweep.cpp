@@ -277,6 +277,14 @@ void sweep(const SweepOptions& options) {
   const json origin = provenanceOf(plan, protocol, loaded);
   folder.begin(description, origin);
   withStatus(folder, [&] { Sweeper(options, plan, protocol, loaded, folder).run(); });
+  if (!plan.lists_policies) {
+    RunConfiguration first{protocol};
+    first.reference = loaded.front().reference().record();
+    first.engine = engines.front();
+    if (const std::string note = noteOnNoise(first, origin); !note.empty()) {
+      std::cout << note << std::endl;
+    }
+  }
   if (options.shard.empty() && !plan.lists_policies) {  // the other shards may have the successes
     warn(doubtAboutPolicy(folder.rows().front(), origin));
   }

@@ -19,6 +19,7 @@
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/starts.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 
@@ -167,18 +168,13 @@ std::vector<Measure> measuresOf(const Protocol& protocol) {
   return measures;
 }
 
+/// Gaps of a run by start.
 std::vector<double> gapsOf(const RunResults& run, const Measure& measure) {
-  std::vector<double> gaps;
-  gaps.reserve(run.episodes.size());
-  for (const EpisodeResult& episode : run.episodes) {
-    if (measure.quantity != nullptr) {
-      gaps.push_back(episode.rollouts[measure.rollout].at(measure.quantity));
-    } else {
-      gaps.push_back((episode.rollouts[kReferenceClosed].success ? 1.0 : 0.0) -
-                     (episode.rollouts[kEngineClosed].success ? 1.0 : 0.0));
-    }
-  }
-  return gaps;
+  return meansByStart(run.protocol, run.episodes, [&](const EpisodeResult& episode) {
+    return measure.quantity != nullptr ? episode.rollouts[measure.rollout].at(measure.quantity)
+                                       : (episode.rollouts[kReferenceClosed].success ? 1.0 : 0.0) -
+                                             (episode.rollouts[kEngineClosed].success ? 1.0 : 0.0);
+  });
 }
 
 /// Index of the widest floor among the rollouts; empty without floors.
@@ -201,7 +197,7 @@ Estimate meanOfGap(const RunResults& run, const Measure& measure) {
     const PairTable table = pairsOf(run.episodes, kReferenceClosed, run.episodes, kEngineClosed);
     return {-table.difference(), std::nullopt};
   }
-  return meanOf(run.episodes, {measure.rollout, quantityIndex(measure.quantity)});
+  return meanOf(meansOfStarts(run.protocol, run.episodes), {measure.rollout, quantityIndex(measure.quantity)});
 }
 
 /// Attribution of one gap. Without `orders`, also the figures that need all combinations.
@@ -216,9 +212,10 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
   };
   // The null model follows from the reference's trace alone, so it is the same in every row.
   const RunResults& any = runs.begin()->second;
-  const std::optional<double> extreme =
-      measure.quantity == nullptr ? std::nullopt
-                                  : extremeOf(any.episodes, {measure.rollout, quantityIndex(measure.quantity)});
+  const std::vector<EpisodeResult> starts = meansOfStarts(any.protocol, any.episodes);
+  const std::optional<double> extreme = measure.quantity == nullptr
+                                            ? std::nullopt
+                                            : extremeOf(starts, {measure.rollout, quantityIndex(measure.quantity)});
   AttributedGap result{
       measure.name, measure.title, measure.unit, mean(gaps.begin()->second), mean(gaps.rbegin()->second), {}};
   if (orders.empty()) {
@@ -239,9 +236,9 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
     result.shares = sampledShares(orders, gaps, extreme);
   }
   if (measure.quantity != nullptr) {
-    result.null_model = meanOf(any.episodes, {measure.rollout, quantityIndex(measure.null_model)});
+    result.null_model = meanOf(starts, {measure.rollout, quantityIndex(measure.null_model)});
     if (const std::optional<std::size_t> floor = floorOf(any.protocol); floor && measure.rollout == kEngineReplay) {
-      result.floor = meanOf(any.episodes, {*floor, quantityIndex(measure.quantity)});
+      result.floor = meanOf(starts, {*floor, quantityIndex(measure.quantity)});
     }
   }
   return result;

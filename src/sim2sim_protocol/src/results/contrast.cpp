@@ -16,6 +16,7 @@
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/starts.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 #include "sim2sim_statistics/tails.hpp"
@@ -63,8 +64,9 @@ std::optional<double> extremeOf(const RunResults& one, const RunResults& other, 
   return first && second ? std::max(first, second) : std::nullopt;
 }
 
-ContrastRow rowOf(const RunResults& baseline, const RunResults& other, std::size_t rollout, std::size_t quantity) {
-  const FigureIndex place{rollout, quantity};
+/// Row of a figure, of runs that have a result for each start; `episodes` have the figure.
+ContrastRow rowOf(const RunResults& baseline, const RunResults& other, const FigureIndex& place, std::size_t episodes) {
+  const auto [rollout, quantity] = place;
   const std::vector<double> differences = differencesOf(other.episodes, place, baseline.episodes, place);
   const std::optional<double> extreme = extremeOf(baseline, other, place);
   Difference difference = pairedDifference(differences, extreme);
@@ -72,17 +74,23 @@ ContrastRow rowOf(const RunResults& baseline, const RunResults& other, std::size
   for (const double difference : differences) {
     watched.add(difference);
   }
-  bool is_decidable = !extreme || !isCarriedByFew(differences, *extreme);
+  bool is_decidable = baseline.protocol.repeats == 1 && (!extreme || !isCarriedByFew(differences, *extreme));
   if (!kQuantities[quantity].hasIntervals()) {  // whether few episodes carry it is not known
     difference = {difference.value, std::nullopt, std::nullopt};
     is_decidable = false;
   }
   return {metricName(baseline.protocol.rolloutNames()[rollout], kQuantities[quantity]),
           kQuantities[quantity].unit,
-          static_cast<int>(differences.size()),
+          static_cast<int>(episodes),
           difference,
           {},
           is_decidable ? watched.decidedAfter() : std::nullopt};
+}
+
+/// The results by start.
+RunResults byStarts(RunResults results) {
+  results.episodes = meansOfStarts(results.protocol, results.episodes);
+  return results;
 }
 
 Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
@@ -97,14 +105,25 @@ Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
     }
   }
   contrast.successes = watched.counts();
-  contrast.interval = tangoInterval(contrast.successes);
-  contrast.p = mcnemarMidP(contrast.successes);
-  contrast.decided_after = watched.decidedAfter();
+  if (baseline.protocol.repeats == 1) {
+    contrast.interval = tangoInterval(contrast.successes);
+    contrast.p = mcnemarMidP(contrast.successes);
+    contrast.decided_after = watched.decidedAfter();
+  } else {
+    const Difference difference = repeatedDifference(
+        pairsByStart(baseline.protocol, baseline.episodes, kEngineClosed, other.episodes, kEngineClosed));
+    contrast.interval = difference.interval;
+    contrast.p = difference.p;
+  }
+  const RunResults baseline_starts = byStarts(baseline);
+  const RunResults other_starts = byStarts(other);
   const std::size_t rollouts = baseline.protocol.rolloutNames().size();
   for (std::size_t rollout = 0; rollout < rollouts; ++rollout) {
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
       if (isContrasted(baseline.protocol, rollout, kQuantities[i])) {
-        contrast.rows.push_back(rowOf(baseline, other, rollout, i));
+        const FigureIndex place{rollout, i};
+        const std::size_t episodes = differencesOf(other.episodes, place, baseline.episodes, place).size();
+        contrast.rows.push_back(rowOf(baseline_starts, other_starts, place, episodes));
       }
     }
   }
@@ -115,7 +134,9 @@ Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
 void adjust(std::vector<Contrast>& contrasts) {
   std::vector<double> family;
   for (const Contrast& contrast : contrasts) {
-    family.push_back(contrast.p);
+    if (contrast.p) {
+      family.push_back(*contrast.p);
+    }
     for (const ContrastRow& row : contrast.rows) {
       if (row.difference.p) {
         family.push_back(*row.difference.p);
@@ -125,7 +146,9 @@ void adjust(std::vector<Contrast>& contrasts) {
   const std::vector<double> adjusted = holm(family);
   auto next = adjusted.begin();
   for (Contrast& contrast : contrasts) {
-    contrast.adjusted_p = *next++;
+    if (contrast.p) {
+      contrast.adjusted_p = *next++;
+    }
     for (ContrastRow& row : contrast.rows) {
       if (row.difference.p) {
         row.adjusted_p = *next++;
@@ -270,8 +293,8 @@ json toJson(const RunResults& baseline, const std::vector<RunResults>& others, c
                                       {"episodes", contrast.successes.pairs()},
                                       {"difference", contrast.successes.difference()},
                                       {"interval", jsonOf(contrast.interval)},
-                                      {"p", contrast.p},
-                                      {"adjusted_p", contrast.adjusted_p},
+                                      {"p", jsonOf(contrast.p)},
+                                      {"adjusted_p", jsonOf(contrast.adjusted_p)},
                                       {"decided_after", jsonOf(contrast.decided_after)}};
     for (const ContrastRow& row : contrast.rows) {
       figures[row.name + "_" + row.unit] = {{"unit", row.unit},

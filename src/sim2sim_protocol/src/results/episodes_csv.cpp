@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFixedColumns = 5;            // before the quantities
-constexpr std::size_t kFirstDivergenceColumns = 3;  // behind the quantities
+constexpr std::size_t kFirstDivergenceColumns = 3;  // behind the quantities; with repeats one more follows
 
 template <class Number>
 Number numberFrom(const std::string& text) {
@@ -27,26 +27,27 @@ Number numberFrom(const std::string& text) {
   return number;  // what is not all of a number does not give the same text again
 }
 
-std::string csvHead() {
+std::string csvHead(const Protocol& protocol) {
   std::string head = "episode,seed,mode,steps,success";
   for (const Quantity& quantity : kQuantities) {
     head.append(",").append(quantity.name).append("_").append(quantity.unit);
   }
-  return head + ",parting_step,parting_cause,parting_first\n";
+  return head + ",parting_step,parting_cause,parting_first" + (protocol.repeats > 1 ? ",repeat\n" : "\n");
 }
 
-std::string csvRow(const EpisodeResult& episode, const std::string& mode, const RolloutResult& result) {
+std::string csvRow(const Protocol& protocol, const EpisodeResult& episode, const std::string& mode,
+                   const RolloutResult& result) {
   const std::string success = result.success ? "true" : "false";
   std::string row = std::to_string(episode.index) + "," + (episode.seed ? std::to_string(*episode.seed) : "") + "," +
                     mode + "," + std::to_string(result.steps) + "," + success;
   for (const double value : result.quantities) {
     row.append(",").append(std::isnan(value) ? "" : pusht::shortestText(value));
   }
-  if (!result.first_divergence) {
-    return row + ",,,\n";
-  }
-  return row + "," + std::to_string(result.first_divergence->step) + "," + nameOf(result.first_divergence->cause).name +
-         "," + nameOf(result.first_divergence->first) + "\n";
+  const std::optional<FirstDivergence>& divergence = result.first_divergence;
+  row += divergence ? "," + std::to_string(divergence->step) + "," + nameOf(divergence->cause).name + "," +
+                          nameOf(divergence->first)
+                    : ",,,";
+  return row + (protocol.repeats > 1 ? "," + std::to_string(protocol.repeat(episode.index)) : "") + "\n";
 }
 
 /// Lines of a text, the last of which may be incomplete.
@@ -89,10 +90,10 @@ void readCsvRow(const std::string& row, EpisodeResult& episode, RolloutResult& r
 
 std::string episodesCsv(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
   const std::vector<std::string> modes = protocol.rolloutNames();
-  std::string csv = csvHead();
+  std::string csv = csvHead(protocol);
   for (const EpisodeResult& episode : episodes) {
     for (std::size_t i = 0; i < modes.size(); ++i) {
-      csv += csvRow(episode, modes[i], episode.rollouts.at(i));
+      csv += csvRow(protocol, episode, modes[i], episode.rollouts.at(i));
     }
   }
   return csv;

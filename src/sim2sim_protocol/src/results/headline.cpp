@@ -55,9 +55,12 @@ Interval asPrinted(const Interval& interval) {
 
 std::string counted(int episodes) { return std::to_string(episodes) + (episodes == 1 ? " episode" : " episodes"); }
 
-Headline tooFew(int episodes) {
+/// Headline of too few starts; without repeats they are episodes.
+Headline tooFew(int starts, int repeats) {
   const std::string fewest = "; it takes " + std::to_string(kFewestEpisodes) + " or more.";
-  const std::string answer = episodes == 0 ? "no episode has finished" : counted(episodes) + " can say nothing";
+  const std::string count =
+      repeats == 1 ? counted(starts) : std::to_string(starts) + (starts == 1 ? " start" : " starts");
+  const std::string answer = starts == 0 ? "no episode has finished" : count + " can say nothing";
   return {TransferVerdict::kCannotSay, kQuestion, std::string(kTooEarly) + ": " + answer + fewest};
 }
 
@@ -101,12 +104,13 @@ std::string transferNumber(const RunConfiguration& configuration, double share) 
   return pusht::fixedText(kHundred * exact, kMostDigits);
 }
 
-Headline headlineOf(const RunConfiguration& configuration, const PairTable& successes) {
+Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outcomes) {
+  const PairTable& successes = outcomes.table;
   const int episodes = successes.pairs();
   const int reference_successes = successes.both + successes.first_only;
   const bool has_sequence = configuration.protocol.until_decided && reference_successes > 0;  // holds from the first on
-  if (episodes < kFewestEpisodes && !has_sequence) {
-    return tooFew(episodes);
+  if (outcomes.starts < kFewestEpisodes && !has_sequence) {
+    return tooFew(outcomes.starts, configuration.protocol.repeats);
   }
   const bool same_title = configuration.engine.title == configuration.reference.title;
   const std::string engine = same_title ? "the engine" : inSentence(configuration.engine.title);
@@ -120,8 +124,8 @@ Headline headlineOf(const RunConfiguration& configuration, const PairTable& succ
             (partial ? soFar(words) : words) + ": with this policy " + reference + " never succeeds" +
                 (partial ? count : " in " + counted(episodes) + ".")};
   }
-  const Interval interval =
-      asPrinted(configuration.protocol.until_decided ? transferSequence(successes) : tangInterval(successes).value());
+  const Interval interval = asPrinted(configuration.protocol.until_decided ? transferSequence(successes)
+                                                                           : outcomes.transfer_interval.value());
   const TransferVerdict verdict = verdictOf(interval);
   const std::string words = wordsOf(verdict, interval);
   const double transfer = (successes.both + successes.second_only) / static_cast<double>(reference_successes);

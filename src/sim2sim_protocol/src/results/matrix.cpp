@@ -362,6 +362,11 @@ Matrix readMatrix(const fs::path& folder, const std::vector<std::string>& groups
   const std::vector<fs::path> rows = runsIn(folder);
   try {
     Reader reader(description, groups);
+    if (const int repeats = description.value("repeats", 1); repeats > 1) {
+      throw pusht::InvalidInput("results " + (folder / kSweepFile).string() + ": has " + std::to_string(repeats) +
+                                " repeats of each start; a matrix takes sweeps with one, because it pairs policies "
+                                "episode by episode");
+    }
     for (std::size_t row = 0; row < rows.size(); ++row) {
       go_on();
       const json& described = description.at("rows").at(row);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_protocol/results/metrics.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "pusht_task/loop.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 
@@ -66,6 +68,38 @@ json closedVariant(const std::string& name, const ClosedVariant& variant) {
           {name + "_success_difference_adjusted_p", orNull(variant.adjusted_p)}};
 }
 
+/// The keys of metrics.json of a variance that is split, in the square of `unit`.
+json noiseSplit(const std::string& name, const std::string& unit, const NoiseSplit& split) {
+  json keys;
+  const auto add = [&](const std::string& source, const Estimate& variance) {
+    keys[name + "_variance_" + source + unit] = readableJson(variance.value);
+    keys[name + "_variance_" + source + "_interval" + unit] = readableJson(variance.interval);
+  };
+  add("starts", split.starts);
+  add("repeats", split.repeats);
+  return keys;
+}
+
+/// The keys of metrics.json that a run with repeats has besides.
+json repeats(const Summary& summary) {
+  json keys = {{"starts", summary.outcomes.starts}};
+  keys.update(noiseSplit("reference_success", "", summary.noise->reference));
+  keys.update(noiseSplit("engine_success", "", summary.noise->engine));
+  for (std::size_t i = 0; i < kWholeEpisodePairs; ++i) {
+    const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
+    keys.update(noiseSplit(metricName(modeName(kEngineReplay), quantity), std::string("_") + quantity.unit + "2",
+                           summary.noise->divergences[i]));
+  }
+  return keys;
+}
+
+/// Whether a simulator's loop has noise of its own.
+bool hasNoisyLoop(const SimulatorRecord& simulator) {
+  return std::any_of(simulator.changed.begin(), simulator.changed.end(), [](const std::string& name) {
+    return !pusht::loopParameterOf(name).empty() && name.find("noise") != std::string::npos;
+  });
+}
+
 }  // namespace
 
 std::string metricName(const std::string& rollout, const Quantity& quantity) {
@@ -116,6 +150,9 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
   for (const ClosedVariant& variant : summary.closed_variants) {
     metrics.update(closedVariant(rollouts[variant.rollout], variant));
   }
+  if (summary.noise) {
+    metrics.update(repeats(summary));
+  }
   const FirstDivergences& first_divergences = summary.first_divergences;
   metrics["parted"] = first_divergences.parted;
   metrics["median_parting_step"] = first_divergences.median_step ? json(*first_divergences.median_step) : json();
@@ -146,6 +183,16 @@ Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t qu
     mean.value = roundToMicro(mean.value);
   }
   return mean;
+}
+
+std::string noteOnNoise(const RunConfiguration& configuration, const json& provenance) {
+  const bool is_stochastic = !provenance.value(json::json_pointer("/policy/noise"), json()).is_null();
+  if (!is_stochastic || configuration.protocol.repeats > 1 || hasNoisyLoop(configuration.reference) ||
+      hasNoisyLoop(configuration.engine)) {
+    return "";
+  }
+  return "The policy draws random numbers, and each start was played once: how much is chance is not known; see "
+         "--repeats.";
 }
 
 std::string doubtAboutPolicy(const json& metrics, const json& provenance) {

@@ -34,7 +34,10 @@ bool isWhole(const RunConfiguration& run, const std::vector<EpisodeResult>& epis
 
 Run::Run(RunConfiguration configuration, RunFolder* folder, const nlohmann::ordered_json& provenance,
          const nlohmann::json& identity)
-    : configuration_(std::move(configuration)), folder_(folder), bands_(configuration_.protocol) {
+    : configuration_(std::move(configuration)),
+      folder_(folder),
+      bands_(configuration_.protocol),
+      note_(noteOnNoise(configuration_, provenance)) {
   if (configuration_.protocol.until_decided) {
     bet_.emplace(*configuration_.protocol.until_decided);
   }
@@ -100,6 +103,7 @@ nlohmann::json Run::finish(std::ostream& out, int faults_survived) {
                                   : "seed " + std::to_string(protocol.seed))
       << ", horizon " << configuration_.protocol.horizon << " control steps\n"
       << (bet_ ? decisionText(*bet_, *configuration_.protocol.until_decided) : "") << table(configuration_, summary)
+      << (note_.empty() ? "" : note_ + "\n")
       << (folder_ != nullptr ? "results: " + folder_->path().string() + "\n" : "")
       << "config_hash: " << configurationHash(configuration_) << std::endl;
   nlohmann::json metrics = sim2sim::metrics(configuration_, summary);
@@ -124,8 +128,8 @@ void Run::abandon(std::ostream& out, const std::exception& failure, int faults_s
   }
   try {
     folder_->abandon(configuration_.protocol, episodes_,
-                    {code, pusht::reasonOf(failure), static_cast<int>(episodes_.size()),
-                     configuration_.protocol.episodes, faults_survived});
+                     {code, pusht::reasonOf(failure), static_cast<int>(episodes_.size()),
+                      configuration_.protocol.episodes, faults_survived});
   } catch (const pusht::RuntimeFault&) {
     out << "the finished episodes could not be written" << std::endl;
   }

@@ -13,6 +13,7 @@
 #include "sim2sim_protocol/results/headline.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
+#include "sim2sim_protocol/results/starts.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
@@ -23,13 +24,14 @@ using nlohmann::json;
 constexpr std::array kShownQuantiles = {0.05, 0.25, 0.75, 0.95};
 
 /// Distribution of a figure.
-json distribution(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure) {
-  std::vector<double> samples = samplesOf(episodes, figure);
-  json figures = {{"episodes", samples.size()}};
+json distribution(const std::vector<EpisodeResult>& starts, const std::vector<EpisodeResult>& episodes,
+                  const FigureIndex& figure) {
+  std::vector<double> samples = samplesOf(starts, figure);
+  json figures = {{"episodes", samplesOf(episodes, figure).size()}};
   if (samples.empty()) {
     return figures;
   }
-  const Estimate mean = meanOf(episodes, figure);
+  const Estimate mean = meanOf(starts, figure);
   std::sort(samples.begin(), samples.end());
   const Estimate median = medianOf(samples);
   figures["mean"] = readableJson(mean.value);
@@ -54,22 +56,36 @@ void removeIntervals(json& figures) {
   }
 }
 
+/// Takes out the intervals of shares of episodes, which hold without repeats alone.
+void removeIntervalsOfFirstDivergences(json& rollouts) {
+  for (json& rollout : rollouts) {
+    if (const auto parting = rollout.find("parting"); parting != rollout.end()) {
+      removeIntervals(*parting);
+    }
+  }
+}
+
 }  // namespace
 
 nlohmann::json statistics(const RunConfiguration& configuration, const std::vector<EpisodeResult>& episodes) {
   const Protocol& protocol = configuration.protocol;
-  const PairTable successes = pairsOf(episodes, kReferenceClosed, episodes, kEngineClosed);
+  const Outcomes outcomes = outcomesOf(protocol, episodes, kEngineClosed);
+  const std::vector<EpisodeResult> starts = meansOfStarts(protocol, episodes);
   json statistics = {{"format", kStatisticsFormat},
                      {"confidence", kConfidence},
                      {"episodes", episodes.size()},
-                     {"headline", toJson(headlineOf(configuration, successes))}};
+                     {"headline", toJson(headlineOf(configuration, outcomes))}};
   const std::vector<std::string> rollouts = protocol.rolloutNames();
   forEachQuantity(protocol, [&](std::size_t rollout, std::size_t i) {
     const std::string name = std::string(kQuantities[i].name) + "_" + kQuantities[i].unit;
-    statistics["rollouts"][rollouts[rollout]][name] = distribution(episodes, {rollout, i});
+    statistics["rollouts"][rollouts[rollout]][name] = distribution(starts, episodes, {rollout, i});
   });
   for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
     statistics["rollouts"][rollouts[rollout]]["parting"] = toJson(firstDivergencesOf(episodes, rollout));
+  }
+  if (protocol.repeats > 1) {
+    statistics["starts"] = outcomes.starts;
+    removeIntervalsOfFirstDivergences(statistics["rollouts"]);
   }
   if (protocol.until_decided) {
     removeIntervals(statistics["rollouts"]);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "sim2sim_protocol/results/starts.hpp"
 #include "sim2sim_statistics/common.hpp"
 #include "sim2sim_statistics/tails.hpp"
 
@@ -37,29 +38,15 @@ int unmovedFloors(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   }));
 }
 
-SuccessRate successRate(const std::vector<EpisodeResult>& episodes, std::size_t rollout) {
+SuccessRate successRate(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, std::size_t rollout) {
   const auto successes =
       static_cast<int>(std::count_if(episodes.begin(), episodes.end(), [rollout](const EpisodeResult& episode) {
         return episode.rollouts[rollout].success;
       }));
   const auto trials = static_cast<int>(episodes.size());
-  return {successes, static_cast<double>(successes) / trials, wilsonInterval(successes, trials)};
-}
-
-/// Successes of a closed loop beside those of the reference.
-Outcomes outcomesOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout) {
-  const PairTable table = pairsOf(episodes, kReferenceClosed, episodes, rollout);
-  Outcomes outcomes;
-  outcomes.table = table;
-  outcomes.difference_interval = tangoInterval(table);
-  outcomes.p = mcnemarMidP(table);
-  outcomes.p_exact = mcnemarExact(table);
-  const int reference = table.both + table.first_only;
-  if (reference > 0) {
-    outcomes.transfer = (table.both + table.second_only) / static_cast<double>(reference);
-    outcomes.transfer_interval = tangInterval(table);
-  }
-  return outcomes;
+  return {successes, static_cast<double>(successes) / trials,
+          protocol.repeats == 1 ? wilsonInterval(successes, trials)
+                                : repeatedRateInterval(successesByStart(protocol, episodes, rollout))};
 }
 
 /// Rollouts of the model variants: the replays, or the closed loops.
@@ -78,11 +65,13 @@ std::vector<ClosedVariant> closedVariants(const Protocol& protocol, const std::v
   std::vector<ClosedVariant> variants;
   std::vector<double> p;
   for (const std::size_t rollout : variantRollouts(protocol, true)) {
-    variants.push_back({rollout, successRate(episodes, rollout), outcomesOf(episodes, rollout)});
-    p.push_back(*variants.back().outcomes.p);
+    variants.push_back({rollout, successRate(protocol, episodes, rollout), outcomesOf(protocol, episodes, rollout)});
+    if (variants.back().outcomes.p) {
+      p.push_back(*variants.back().outcomes.p);
+    }
   }
   const std::vector<double> adjusted = holm(p);
-  for (std::size_t i = 0; i < variants.size(); ++i) {
+  for (std::size_t i = 0; i < adjusted.size(); ++i) {  // all have a p, or none has: the starts are the same
     variants[i].adjusted_p = adjusted[i];
   }
   return variants;
@@ -143,7 +132,8 @@ BaselineComparison comparisonOf(const std::vector<EpisodeResult>& episodes, std:
   const FigureIndex null_model{rollout, quantityIndex(pair.null_model)};
   const std::vector<double> samples = samplesOf(episodes, figure);
   BaselineComparison comparison;
-  comparison.episodes = static_cast<int>(samples.size());
+  comparison.starts = static_cast<int>(samples.size());
+  comparison.episodes = comparison.starts;
   comparison.median = medianOf(samples);
   comparison.minus_null =
       pairedDifference(differencesOf(episodes, figure, episodes, null_model), extremeOf(episodes, figure));
@@ -158,6 +148,32 @@ BaselineComparison comparisonOf(const std::vector<EpisodeResult>& episodes, std:
   comparison.over_variants = multiple.value;
   comparison.over_variants_interval = multiple.interval;
   return comparison;
+}
+
+/// Values of a figure by start.
+std::vector<std::vector<double>> valuesByStart(const Protocol& protocol, const std::vector<EpisodeResult>& episodes,
+                                               const FigureIndex& figure) {
+  std::vector<std::vector<double>> values;
+  for (const std::vector<const EpisodeResult*>& start : byStart(protocol, episodes)) {
+    values.emplace_back();
+    for (const EpisodeResult* episode : start) {
+      if (const double value = episode->rollouts[figure.rollout].quantities[figure.quantity]; !std::isnan(value)) {
+        values.back().push_back(value);
+      }
+    }
+  }
+  return values;
+}
+
+NoiseSplits noiseSplits(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
+  NoiseSplits splits{successNoiseSplit(successesByStart(protocol, episodes, kReferenceClosed)),
+                     successNoiseSplit(successesByStart(protocol, episodes, kEngineClosed)),
+                     {}};
+  for (std::size_t i = 0; i < kWholeEpisodePairs; ++i) {
+    const FigureIndex figure{kEngineReplay, quantityIndex(kDivergencePairs[i].divergence)};
+    splits.divergences[i] = noiseSplit(valuesByStart(protocol, episodes, figure));
+  }
+  return splits;
 }
 
 void removeFixedLengthFigures(Outcomes& outcomes) {
@@ -194,6 +210,35 @@ void removeFixedLengthFigures(Summary& summary) {
 
 }  // namespace
 
+Outcomes outcomesOf(const PairTable& table) {
+  Outcomes outcomes;
+  outcomes.table = table;
+  outcomes.starts = table.pairs();
+  outcomes.difference_interval = tangoInterval(table);
+  outcomes.p = mcnemarMidP(table);
+  outcomes.p_exact = mcnemarExact(table);
+  const int reference = table.both + table.first_only;
+  if (reference > 0) {
+    outcomes.transfer = (table.both + table.second_only) / static_cast<double>(reference);
+    outcomes.transfer_interval = tangInterval(table);
+  }
+  return outcomes;
+}
+
+Outcomes outcomesOf(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, std::size_t rollout) {
+  Outcomes outcomes = outcomesOf(pairsOf(episodes, kReferenceClosed, episodes, rollout));
+  if (protocol.repeats > 1) {
+    const std::vector<PairTable> starts = pairsByStart(protocol, episodes, kReferenceClosed, episodes, rollout);
+    const Difference difference = repeatedDifference(starts);
+    outcomes.starts = static_cast<int>(starts.size());
+    outcomes.difference_interval = difference.interval;
+    outcomes.p = difference.p;
+    outcomes.p_exact.reset();
+    outcomes.transfer_interval = repeatedRatioInterval(starts);
+  }
+  return outcomes;
+}
+
 std::vector<double> differencesOf(const std::vector<EpisodeResult>& more, const FigureIndex& of_more,
                                   const std::vector<EpisodeResult>& less, const FigureIndex& of_less) {
   std::vector<double> differences;
@@ -223,7 +268,7 @@ std::optional<bool> BaselineComparison::beatsNull() const {
 
 bool BaselineComparison::isMostlyOfLargest() const {
   constexpr double kMost = 0.5;
-  return episodes >= kFewestOfTail && share_of_largest > kMost;
+  return starts >= kFewestOfTail && share_of_largest > kMost;
 }
 
 std::vector<double> samplesOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure) {
@@ -272,13 +317,14 @@ Estimate meanOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& f
 Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
   Summary summary;
   summary.episodes = static_cast<int>(episodes.size());
-  summary.reference = successRate(episodes, kReferenceClosed);
-  summary.engine = successRate(episodes, kEngineClosed);
-  summary.outcomes = outcomesOf(episodes, kEngineClosed);
+  summary.reference = successRate(protocol, episodes, kReferenceClosed);
+  summary.engine = successRate(protocol, episodes, kEngineClosed);
+  summary.outcomes = outcomesOf(protocol, episodes, kEngineClosed);
   summary.means.resize(episodes.front().rollouts.size());
+  const std::vector<EpisodeResult> starts = meansOfStarts(protocol, episodes);
   for (std::size_t rollout = 0; rollout < summary.means.size(); ++rollout) {
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-      summary.means[rollout][i] = meanOf(episodes, {rollout, i});
+      summary.means[rollout][i] = meanOf(starts, {rollout, i});
     }
   }
   summary.baselines.resize(summary.means.size());
@@ -286,7 +332,9 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   const std::vector<std::size_t> variants = variantRollouts(protocol, false);
   for (std::size_t rollout = kReferenceClosed + 1; rollout < summary.means.size(); ++rollout) {
     for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
-      summary.baselines[rollout][i] = comparisonOf(episodes, rollout, kDivergencePairs[i], floor, variants);
+      summary.baselines[rollout][i] = comparisonOf(starts, rollout, kDivergencePairs[i], floor, variants);
+      const FigureIndex figure{rollout, quantityIndex(kDivergencePairs[i].divergence)};
+      summary.baselines[rollout][i].episodes = static_cast<int>(samplesOf(episodes, figure).size());
     }
   }
   summary.closed_variants = closedVariants(protocol, episodes);
@@ -294,6 +342,9 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   if (floor) {
     summary.floor = firstDivergencesOf(episodes, *floor);
     summary.unmoved_floors = unmovedFloors(protocol, episodes);
+  }
+  if (protocol.repeats > 1) {
+    summary.noise = noiseSplits(protocol, episodes);
   }
   if (protocol.until_decided) {
     removeFixedLengthFigures(summary);

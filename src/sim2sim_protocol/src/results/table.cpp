@@ -57,6 +57,30 @@ std::string noComparisonText(const Protocol& protocol) {
                                 : std::string(kTooFewToCompare) + " it with that of a tee that never moves";
 }
 
+/// "35 % of the variance": what the noise of policy and loop makes; empty where that is not known.
+std::string noisePart(const NoiseSplit& split) {
+  const double whole = split.starts.value + split.repeats.value;
+  return whole > 0.0 ? percent(split.repeats.value / whole) + " of the variance" : "";
+}
+
+/// Lines of the two parts of the variance of success; none without repeats.
+std::string noiseLines(const Summary& summary) {
+  if (!summary.noise) {
+    return "";
+  }
+  const auto variance = [](const Estimate& estimate) { return cell(estimate, ""); };
+  return line("  variance of starts", variance(summary.noise->reference.starts),
+              variance(summary.noise->engine.starts)) +
+         line("  variance of repeats", variance(summary.noise->reference.repeats),
+              variance(summary.noise->engine.repeats));
+}
+
+/// "100 episodes", or "100 episodes, 4 of each start"
+std::string episodesText(const Protocol& protocol, const Summary& summary) {
+  return std::to_string(summary.episodes) + " episodes" +
+         (protocol.repeats == 1 ? "" : ", " + std::to_string(protocol.repeats) + " of each start");
+}
+
 /// Marks that a table has, which are explained below it.
 struct Marks {
   bool doubt = false;    ///< (!)
@@ -102,10 +126,14 @@ std::string horizonLines(const Summary& summary, const Horizon& horizon, Marks& 
   }
   const bool is_whole = horizon.first_pair == 0;
   const std::string count =
-      position.episodes < summary.episodes ? " (n " + std::to_string(position.episodes) + ")" : "";
+      position.starts < summary.outcomes.starts ? " (n " + std::to_string(position.starts) + ")" : "";
   return both(std::string("  ") + horizon.title + count, mean) +
          (position.isMostlyOfLargest() || angle.isMostlyOfLargest() ? both("    largest 5 % carry", carried) : "") +
-         (is_whole ? both("    median", median) : "") + both("    - null model", minus_null) +
+         (is_whole ? both("    median", median) : "") +
+         (is_whole && summary.noise ? line("    made by repeats", noisePart(summary.noise->divergences[0]),
+                                           noisePart(summary.noise->divergences[1]))
+                                    : "") +
+         both("    - null model", minus_null) +
          (is_whole && std::isfinite(position.over_floor) ? both("    / floor (1e-6 m)", over_floor) : "") +
          (std::isfinite(position.over_variants) ? both("    / largest variant", over_variants) : "");
 }
@@ -279,9 +307,9 @@ std::string table(const RunConfiguration& configuration, const Summary& summary)
   const PairTable& pairs = outcomes.table;
   Marks marks;
   std::string table =
-      headlineOf(configuration, pairs).text() + "\n" +
+      headlineOf(configuration, outcomes).text() + "\n" +
       line("", configuration.reference.title + " (reference)", configuration.engine.title) +
-      line("success, closed loop", cell(summary.reference), cell(summary.engine)) +
+      line("success, closed loop", cell(summary.reference), cell(summary.engine)) + noiseLines(summary) +
       line("transfer", "", transferText(configuration, outcomes)) +
       line("engine - reference", outcomes.p ? "McNemar p " + probabilityText(*outcomes.p) : "",
            signedText(outcomes.table.difference(), outcomes.difference_interval, "", 3)) +
@@ -290,17 +318,20 @@ std::string table(const RunConfiguration& configuration, const Summary& summary)
            "engine only " + std::to_string(pairs.second_only) + ", neither " + std::to_string(pairs.neither)) +
       divergenceLines(configuration.protocol, summary, marks) + variantLines(configuration, summary);
   table += footnotes(configuration.protocol, marks);
-  const std::string count = "(" + std::to_string(summary.episodes) + " episodes; in brackets ";
+  const std::string count = "(" + episodesText(configuration.protocol, summary) + "; in brackets ";
   const std::string confidence = fixedText(100.0 * kConfidence, 0) + " % ";
   if (configuration.protocol.until_decided) {
     return table + count + "the " + confidence +
            "interval that holds whenever the run stops; the others do not, and are left out. Null model: a tee that "
            "never moves.)\n";
   }
-  return table + count + confidence + "intervals over other initial states, not over other trainings of the policy" +
-         (summary.episodes < kFewestPairs ? "; most need " + std::to_string(kFewestEpisodes) +
-                                                " episodes, divergences and differences " + std::to_string(kFewestPairs)
-                                          : "") +
+  const bool repeated = configuration.protocol.repeats > 1;
+  return table + count + confidence + "intervals over other initial states" + (repeated ? " and other noise" : "") +
+         ", not over other trainings of the policy" +
+         (summary.outcomes.starts < kFewestPairs
+              ? "; most need " + std::to_string(kFewestEpisodes) + (repeated ? " starts" : " episodes") +
+                    ", divergences and differences " + std::to_string(kFewestPairs)
+              : "") +
          ". Null model: a tee that never moves.)\n";
 }
 

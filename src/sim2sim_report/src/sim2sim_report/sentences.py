@@ -28,6 +28,10 @@ EARLY, FIVE_SECONDS = (  # likewise, over the first 2 s and 5 s
 )
 STOPPED = "Nothing that compares a divergence with that tee holds in a run that may stop early."
 UNTRAINED = "fresh-untrained"
+PLAYED_ONCE = (
+    "The policy draws random numbers, and each start was played once: how much is chance is not "
+    "known."
+)
 CAUTION = [
     "Neither simulator is the truth. The gap says how far they agree, not which of them is right.",
     "Intervals speak of further starts like these, under this policy. They say nothing of others.",
@@ -46,17 +50,39 @@ def sentences(run: Run) -> List[str]:
         f"{m['episodes']} episodes in {reference} and in {rate(m, 'engine')} of the same episodes "
         f"in {engine}: {signed(m['success_difference'], RATE_DIGITS)}{difference}"
         # The answer above has the one interval that holds in a run that may stop early.
-        + (
-            "."
-            if "decision" in m
-            else f", McNemar {probability(m['success_difference_p'])}. Transfer: {transfer(m)}."
-        ),
+        + ("." if "decision" in m else f"{_mcnemar(m)}. Transfer: {transfer(m)}."),
         f"{_over_two_seconds(m, reference, engine)} Over the whole episode it is {means}. A tee "
         f"that never moves would be {nulls} away.",
     ]
     if "decision" in m:
         sentences.insert(0, _decision(m, engine))
-    return sentences + _doubts(m)
+    return sentences + _noise(run) + _doubts(m)
+
+
+def _mcnemar(m: Json) -> str:
+    """Empty where there is no test, as of few starts with repeats."""
+    p = probability(m["success_difference_p"])
+    return p and f", McNemar {p}"
+
+
+def _noise(run: Run) -> List[str]:
+    """Sentences on repeats, or on a policy that draws random numbers and was played without."""
+    m = run.metrics
+    if m.get("repeats", 1) == 1:
+        noisy_loop = any(
+            name.startswith("loop.") and "noise" in name
+            for simulator in m["simulators"].values()
+            for name in simulator["changed"]
+        )
+        stochastic = run.provenance.get("policy", {}).get("noise") is not None
+        return [PLAYED_ONCE] if stochastic and not noisy_loop else []
+    starts, repeats = (m[f"engine_success_variance_{source}"] for source in ("starts", "repeats"))
+    whole = (starts or 0) + (repeats or 0)
+    share = f" {100 * repeats / whole:.0f} % of the engine's variance is noise." if whole else ""
+    return [
+        f"Each of {m['starts']} starts was played {m['repeats']} times, with other noise of policy "
+        f"and loop. Intervals and tests are by start.{share}"
+    ]
 
 
 def _null_model(m: Json, name: str) -> str:

@@ -41,10 +41,16 @@ class PolicySession {
     Action action{};                 // its answer
   };
 
+  using Memories = std::vector<std::unique_ptr<Policy::Memory>>;
+
   bool isRepeated(const pusht_msgs::Query& query) const;
   void require(const pusht_msgs::ActRequest& request) const;
-  void ask(const pusht_msgs::ActRequest& request);
-  Policy::Query queryFor(const pusht_msgs::Query& query, std::unique_ptr<Policy::Memory> begun);
+  /// Memories of the rollouts that begin, by query; null for others. Throws what begin() throws, before anything
+  /// changes.
+  Memories memoriesOf(const pusht_msgs::ActRequest& request) const;
+  /// Fills the actions of the queries. If the policy fails, it may have gone half a step: the rollouts are forgotten.
+  void actOrForget(const pusht_msgs::ActRequest& request);
+  Policy::Query begun(const pusht_msgs::Query& query, std::unique_ptr<Policy::Memory> memory);
   void forgetEnded();
 
   PolicyModel model_;

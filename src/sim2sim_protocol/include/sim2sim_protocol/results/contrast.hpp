@@ -50,13 +50,14 @@ struct ContrastRow {
   std::optional<int> decided_after{};
 };
 
-/// All differences of one run from the baseline.
+/// All differences of one run from the baseline. With repeats they are by start (results/starts.hpp), and nothing is
+/// watched episode by episode.
 struct Contrast {
   std::string title;                   ///< name of the run among all that are compared
   PairTable successes;                 ///< successes of the engine; first: the baseline
   std::optional<Interval> interval{};  ///< Tango's interval of the difference of the rates
-  double p;                            ///< McNemar's, mid-p
-  double adjusted_p{};                 ///< after Holm, over the whole family
+  std::optional<double> p{};           ///< McNemar's, mid-p; none of few starts with repeats
+  std::optional<double> adjusted_p{};  ///< after Holm, over the whole family
   std::optional<int> decided_after{};  ///< [episodes] likewise, by AnyDifference
   std::vector<int> lost{};             ///< episodes in which only the baseline succeeds
   std::vector<int> gained{};           ///< episodes in which only the other succeeds

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_statistics/intervals.hpp"
-#include "sim2sim_statistics/pairs.hpp"
 
 namespace sim2sim {
 
@@ -49,9 +49,9 @@ struct Headline {
   std::string text() const { return question + " " + answer; }
 };
 
-/// Headline of the finished episodes of a run; `successes` has the reference first. The verdict is on Tang's interval,
-/// or on transferSequence() if the run ends when it is decided.
-Headline headlineOf(const RunConfiguration& configuration, const PairTable& successes);
+/// Headline of the finished episodes of a run, by the successes of the engine in closed loop. The verdict is on the
+/// interval of the transfer, or on transferSequence() if the run ends when it is decided.
+Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outcomes);
 
 /// Headline as JSON: "headline" in statistics.json.
 nlohmann::json toJson(const Headline& headline);

@@ -17,15 +17,16 @@ namespace sim2sim {
 /// "engine_closed_final_angle_error". The mean's key is NAME_UNIT, that of its interval NAME_interval_UNIT.
 std::string metricName(const std::string& rollout, const Quantity& quantity);
 
-/// Content of metrics.json. Figures are rounded as readable() says, success rates and the course's means to six
-/// decimals, p-values not at all. Keys `mj_...` appear only if MuJoCo is the reference.
+/// Content of metrics.json. With repeats it has the number of starts and the split variances besides. Figures are
+/// rounded as readable() says, success rates and the course's means to six decimals, p-values not at all. Keys `mj_...`
+/// appear only if MuJoCo is the reference.
 nlohmann::json metrics(const RunConfiguration& configuration, const Summary& summary);
 
 /// Mean of a quantity in a rollout as metrics.json has it: the course rounds its own to six decimals.
 Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t quantity);
 
-/// Interval of the transfer from which the headline follows: Tang's, or transferSequence() if the run ends when it is
-/// decided. Empty if there is none.
+/// Interval of the transfer from which the headline follows: that of its outcomes, or transferSequence() if the run
+/// ends when it is decided. Empty if there is none.
 std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes);
 
 /// "decision" in metrics.json, for a run that ends when it is decided whether the engine keeps `share` of the
@@ -36,5 +37,10 @@ nlohmann::json decision(const TransferBet& bet, double share);
 /// checkpoints are judged: policies with a SHA-256 in `provenance`, the content of provenance.json. The course has the
 /// same guard.
 std::string doubtAboutPolicy(const nlohmann::json& metrics, const nlohmann::json& provenance);
+
+/// Note beside the figures of a policy that draws random numbers (the key `noise` of the policy in `provenance`), if
+/// each start was played once; empty otherwise, and where a loop has noise of its own, which the simulators' parameters
+/// say.
+std::string noteOnNoise(const RunConfiguration& configuration, const nlohmann::json& provenance);
 
 }  // namespace sim2sim

@@ -64,6 +64,7 @@ class Run {
   RunFolder* folder_;  // null: none
   std::vector<EpisodeResult> episodes_;
   DivergenceBands bands_;
+  std::string note_;  // as noteOnNoise()
   std::optional<TransferBet> bet_;
   mutable std::optional<Summary> summary_;  // of these episodes, if it has been asked for
 };

@@ -14,10 +14,11 @@
 #include "sim2sim_protocol/results/first_divergences.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/pairs.hpp"
+#include "sim2sim_statistics/repeats.hpp"
 
 namespace sim2sim {
 
-/// Success rate in closed loop, with Wilson's interval.
+/// Success rate in closed loop, with Wilson's interval; with repeats repeatedRateInterval().
 struct SuccessRate {
   int successes;
   double rate;
@@ -54,15 +55,23 @@ std::vector<double> differencesOf(const std::vector<EpisodeResult>& more, const 
 PairTable pairsOf(const std::vector<EpisodeResult>& first, std::size_t rollout_in_first,
                   const std::vector<EpisodeResult>& second, std::size_t rollout_in_second);
 
-/// Successes of engine and reference over the same episodes.
+/// Successes of engine and reference over the same episodes. With repeats intervals and p are those by start
+/// (sim2sim_statistics/repeats.hpp).
 struct Outcomes {
   PairTable table;                              ///< first: the reference
+  int starts = 0;                               ///< independent units
   std::optional<Interval> difference_interval;  ///< Tango's
   std::optional<double> p;                      ///< McNemar's test, mid-p: are the rates equal?
-  std::optional<double> p_exact;
-  std::optional<double> transfer;             ///< engine over reference success; none if the reference never succeeds
-  std::optional<Interval> transfer_interval;  ///< Tang's
+  std::optional<double> p_exact;                ///< none with repeats
+  std::optional<double> transfer;               ///< engine over reference success; none if the reference never succeeds
+  std::optional<Interval> transfer_interval;    ///< Tang's
 };
+
+/// Outcomes of independent episodes.
+Outcomes outcomesOf(const PairTable& table);
+
+/// Outcomes of a closed loop beside those of the reference.
+Outcomes outcomesOf(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, std::size_t rollout);
 
 /// A divergence and its null model over the same steps: a tee that never moves.
 struct DivergencePair {
@@ -97,6 +106,7 @@ inline constexpr std::array kHorizons = {Horizon{"first 2 s", 2}, Horizon{"first
 /// Comparison of a mean divergence with its baselines, the null model and the floor. NaN if there is none.
 struct BaselineComparison {
   int episodes = 0;  ///< number of episodes that have the divergence
+  int starts = 0;    ///< number of starts that have it
   Estimate median{};
   Difference minus_null{};                                             ///< divergence - null model, episode by episode
   double share_of_null = std::numeric_limits<double>::quiet_NaN();     ///< ratio of the means
@@ -108,7 +118,7 @@ struct BaselineComparison {
   /// Interval of the multiple, whichever variant is the largest in truth: Bonferroni's over all variants.
   std::optional<Interval> over_variants_interval{};
 
-  /// Whether the largest 5 % of at least kFewestOfTail episodes make more than half of the mean. Methods change where
+  /// Whether the largest 5 % of at least kFewestOfTail starts make more than half of the mean. Methods change where
   /// isCarriedByFew() says so, which is earlier.
   bool isMostlyOfLargest() const;
 
@@ -124,8 +134,16 @@ struct ClosedVariant {
   std::optional<double> adjusted_p{};  ///< Outcomes::p after Holm, over all variants
 };
 
-/// Figures of a run. A run that may stop early has no intervals and no p-values: they hold for one number of episodes
-/// that was chosen before. transferSequence() holds there.
+/// Variances of the figures that start and noise decide, by source. NaN without starts of two episodes or more.
+struct NoiseSplits {
+  NoiseSplit reference;                                    ///< success, with intervals
+  NoiseSplit engine;                                       ///< likewise
+  std::array<NoiseSplit, kWholeEpisodePairs> divergences;  ///< of the replay over whole episodes [m^2], [rad^2]
+};
+
+/// Figures of a run. With repeats the unit of all intervals is the start, and of means and medians, too: a start counts
+/// with the mean over its episodes. A run that may stop early has no intervals and no p-values: they hold for one
+/// number of episodes that was chosen before. transferSequence() holds there.
 struct Summary {
   using Means = std::array<Estimate, kQuantities.size()>;
   using Baselines = std::array<BaselineComparison, kDivergencePairs.size()>;
@@ -141,6 +159,7 @@ struct Summary {
   std::optional<FirstDivergences>
       floor{};             ///< those of the widest floor, of the reference from itself; empty without floors
   int unmoved_floors = 0;  ///< episodes whose narrowest floor has divergence 0
+  std::optional<NoiseSplits> noise{};  ///< none without repeats
 
   const Estimate& mean(std::size_t rollout, std::string_view quantity) const {
     return means.at(rollout)[quantityIndex(quantity)];

@@ -6,6 +6,7 @@ from typing import Any, Dict, Mapping, Sequence, Tuple, Type
 import torch
 from torch import Tensor, nn
 
+from pusht_policy.formats import DESCRIPTION_FORMAT
 from pusht_policy.frames import Examples, Frames, episodes, windows
 from pusht_policy.model import Model, Policy, Ranges, normalised, perceptron, sizes_of
 
@@ -17,6 +18,9 @@ EULER_STEPS = 8  # from noise to a chunk
 
 class Described(Model):
     """A network whose checkpoint says what it takes and answers."""
+
+    def description(self) -> Dict[str, Any]:
+        return {"format": DESCRIPTION_FORMAT, "observations": 1, "actions": 1, "execute": 1}
 
     def inputs_of(self, observations: Tensor) -> Tensor:
         return normalised(observations, self.obs_min, self.obs_range).clamp(-1.0, 1.0)
@@ -42,8 +46,7 @@ class Recurrent(Described):
         return f"GRU {self.gru.input_size}-{self.gru.hidden_size}, MLP {sizes_of(self.net)}, ReLU"
 
     def description(self) -> Dict[str, Any]:
-        state = {"shape": [self.gru.hidden_size]}
-        return {"format": 1, "observations": 1, "actions": 1, "execute": 1, "state": state}
+        return {**super().description(), "state": {"shape": [self.gru.hidden_size]}}
 
     def examples(self, frames: Frames) -> Examples:
         """Whole demonstrations: a state begins at zero only where a rollout begins."""
@@ -72,12 +75,8 @@ class Chunk(Described):
         return f"MLP {sizes_of(self.net)}, ReLU"
 
     def description(self) -> Dict[str, Any]:
-        return {
-            "format": 1,
-            "observations": OBSERVATIONS,
-            "actions": ACTIONS,
-            "execute": EXECUTE,
-        }
+        sizes = {"observations": OBSERVATIONS, "actions": ACTIONS, "execute": EXECUTE}
+        return {**super().description(), **sizes}
 
     def examples(self, frames: Frames) -> Examples:
         return windows(self.normalized(frames), OBSERVATIONS, ACTIONS)

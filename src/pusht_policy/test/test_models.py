@@ -54,9 +54,7 @@ class Cutting(unittest.TestCase):
 
     def test_windows_repeat_first_observations_and_last_actions(self) -> None:
         past, ahead = self.numbers(windows(numbered(3, 1, 2), 3, 2))
-        self.assertEqual(
-            past, [[0, 0, 0], [0, 0, 1], [0, 1, 2], [3, 3, 3], [4, 4, 4], [4, 4, 5]]
-        )
+        self.assertEqual(past, [[0, 0, 0], [0, 0, 1], [0, 1, 2], [3, 3, 3], [4, 4, 4], [4, 4, 5]])
         self.assertEqual(ahead, [[0, 1], [1, 2], [2, 2], [3, 3], [4, 5], [5, 5]])
 
     def test_a_window_of_one_is_a_frame(self) -> None:
@@ -75,7 +73,9 @@ class Cutting(unittest.TestCase):
 
 class Networks(unittest.TestCase):
     def setUp(self) -> None:
-        self.frames = frames_of([demonstration(seed, steps=steps) for seed, steps in ((0, 9), (1, 5))])
+        self.frames = frames_of(
+            [demonstration(seed, steps=steps) for seed, steps in ((0, 9), (1, 5))]
+        )
 
     def loss_of(self, model: Model, examples: Examples) -> float:
         with torch.no_grad():
@@ -133,7 +133,7 @@ class Networks(unittest.TestCase):
         with torch.no_grad():
             for parameter in model.parameters():
                 parameter.zero_()
-            model.net[-1].bias.copy_(offset)
+            list(model.parameters())[-1].copy_(offset)
             noise = torch.randn(3, ACTIONS, 2, generator=torch.Generator().manual_seed(2))
             found = model(torch.zeros(3, OBSERVATIONS, 10), noise)
         y = (noise + offset.reshape(ACTIONS, 2)).clamp(-1, 1)
@@ -201,7 +201,9 @@ class Training(TrainerCase):
 
 
 class Checkpoints(CommandCase):
-    def train(self, name: str, *extra: str, out: str = "policy.ts.pt", hash_seed: str = "0") -> None:
+    def train(
+        self, name: str, *extra: str, out: str = "policy.ts.pt", hash_seed: str = "0"
+    ) -> None:
         command = self.command("--model", name, *extra, out=out)
         environment = {**os.environ, "PYTHONHASHSEED": hash_seed}
         process = subprocess.run(
@@ -231,7 +233,9 @@ class Checkpoints(CommandCase):
                 self.assertEqual(actions.shape, (3, description["actions"], 2))
                 self.assertLessEqual(description["execute"], description["actions"])
                 training = json.loads(provenance_path(self.out).read_text())["training"]
-                self.assertEqual((training["train_frames"], training["validation_frames"]), (144, 12))
+                self.assertEqual(
+                    (training["train_frames"], training["validation_frames"]), (144, 12)
+                )
 
     def test_the_plain_one_has_no_description(self) -> None:
         self.train("mlp")
@@ -256,7 +260,9 @@ class Checkpoints(CommandCase):
 
     def test_an_unknown_model_is_refused(self) -> None:
         finished = self.run_command(self.command("--model", "transformer"))
-        self.assert_refused(finished, 2, "'transformer' (choose from 'mlp', 'gru', 'chunk', 'flow')")
+        self.assert_refused(
+            finished, 2, "'transformer' (choose from 'mlp', 'gru', 'chunk', 'flow')"
+        )
 
 
 if __name__ == "__main__":

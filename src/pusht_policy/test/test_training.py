@@ -340,7 +340,7 @@ class Training(TrainerCase):
         """Backpropagation, Adam and cosine by hand in float64; the tolerance is float32's."""
         recipe = dataclasses.replace(SMALL, epochs=3, learning_rate=1e-2)
         trainer = self.trainer(recipe)
-        p = [value.detach().numpy().astype(np.float64) for value in trainer.model.net.parameters()]
+        p = [value.detach().numpy().astype(np.float64) for value in trainer.model.parameters()]
         first = [np.zeros_like(value) for value in p]
         second = [np.zeros_like(value) for value in p]
         x = trainer.train_examples.inputs.flatten(1).numpy().astype(np.float64)
@@ -367,7 +367,7 @@ class Training(TrainerCase):
                     mean, square = first[i] / (1 - 0.9**step), second[i] / (1 - 0.999**step)
                     p[i] = p[i] - rate * mean / (np.sqrt(square) + 1e-8)
         trainer.run(self.state, never)
-        for expected, found in zip(p, trainer.model.net.parameters()):
+        for expected, found in zip(p, trainer.model.parameters()):
             np.testing.assert_allclose(found.detach().numpy(), expected, atol=2e-5)
 
     def test_learns_the_expert(self) -> None:

@@ -79,8 +79,8 @@ def frames_of(demonstrations: Sequence[Demonstration]) -> Frames:
 
 def windows(frames: Frames, observations: int, actions: int) -> Examples:
     """An example for each frame: the observations up to it, [n, observations, 10], and the actions
-    from it on, [n, actions, 2]. As in Diffusion Policy, the first observation is repeated before the
-    start of a demonstration, the last action after its end."""
+    from it on, [n, actions, 2]. As in Diffusion Policy, the first observation is repeated before a
+    demonstration begins, and the last action after its end."""
     now = torch.arange(len(frames)).unsqueeze(1)
     past = torch.maximum(now + torch.arange(1 - observations, 1), frames.first.unsqueeze(1))
     ahead = torch.minimum(now + torch.arange(actions), frames.last.unsqueeze(1))

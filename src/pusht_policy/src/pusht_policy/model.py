@@ -13,6 +13,7 @@ from pusht_policy.frames import Examples, Frames, windows
 
 DESCRIPTION = "policy.json"  # extra file of an archive: what the policy takes and answers
 ARCHIVE_TIME = (1980, 1, 1, 0, 0, 0)  # date of every file in a TorchScript archive
+SQUARED_ERROR = "mean squared error in normalised action space"
 SMALLEST_RANGE = 1e-4  # a narrower range counts as 1, in the unit of the value
 
 
@@ -57,8 +58,8 @@ class Model(nn.Module):
         for name, value in ranges._asdict().items():
             self.register_buffer(name, value)
 
-    def architecture(self) -> str:
-        """Layers and sizes, for the provenance."""
+    def provenance(self) -> Dict[str, str]:
+        """Architecture and loss in words."""
         raise NotImplementedError
 
     def description(self) -> Optional[Dict[str, Any]]:
@@ -70,8 +71,7 @@ class Model(nn.Module):
         raise NotImplementedError
 
     def loss(self, examples: Examples, generator: torch.Generator) -> Tensor:
-        """Mean squared error over examples, in normalized action space; noise is drawn from
-        `generator`."""
+        """Mean over examples, in normalized action space. Noise is drawn from `generator`."""
         raise NotImplementedError
 
     def normalized(self, frames: Frames) -> Frames:
@@ -114,8 +114,8 @@ class Policy(Model):
         y = self.net(x)
         return (y + 1) / 2 * self.act_range + self.act_min
 
-    def architecture(self) -> str:
-        return f"MLP {sizes_of(self.net)}, ReLU"
+    def provenance(self) -> Dict[str, str]:
+        return {"architecture": f"MLP {sizes_of(self.net)}, ReLU", "loss": SQUARED_ERROR}
 
     def description(self) -> Optional[Dict[str, Any]]:
         return None
@@ -131,7 +131,8 @@ class Policy(Model):
 def sizes_of(net: nn.Sequential) -> str:
     """Units of the layers of a perceptron: "10-512-512-2"."""
     layers = [layer for layer in net if isinstance(layer, nn.Linear)]
-    return "-".join(str(n) for n in [layers[0].in_features, *(l.out_features for l in layers)])
+    sizes = [layers[0].in_features, *(layer.out_features for layer in layers)]
+    return "-".join(map(str, sizes))
 
 
 def torchscript_bytes(

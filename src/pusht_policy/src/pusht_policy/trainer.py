@@ -119,13 +119,12 @@ class Trainer:
     def recipe_provenance(self) -> Dict[str, Any]:
         """What the recipe says in a provenance."""
         return {
-            "architecture": self.model.architecture(),
+            **self.model.provenance(),
             "epochs": self.recipe.epochs,
             "batch": self.recipe.batch,
             "learning_rate": self.recipe.learning_rate,
             "schedule": "cosine to 0, stepped every epoch",
             "optimizer": "Adam",
-            "loss": "mean squared error in normalised action space",
             "seed": self.recipe.seed,
             "threads": self.recipe.threads,
             "flush_denormal": True,

@@ -81,10 +81,11 @@ class Chunk(Chunked):
         super().__init__(ranges)
         inputs, outputs = OBSERVATIONS * ranges.obs_min.numel(), ACTIONS * ranges.act_min.numel()
         self.net = perceptron([inputs, *hidden, outputs])
+        self.actions = ACTIONS
 
     def forward(self, observations: Tensor) -> Tensor:
         y = self.net(self.inputs_of(observations).flatten(1))
-        return self.actions_of(y.reshape(len(y), -1, self.act_min.numel()))
+        return self.actions_of(y.unflatten(1, [self.actions, -1]))
 
     def provenance(self) -> Dict[str, str]:
         return {"architecture": f"MLP {sizes_of(self.net)}, ReLU", "loss": ABSOLUTE_ERROR}

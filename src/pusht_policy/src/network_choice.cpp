@@ -18,6 +18,13 @@ const std::vector<std::string> kLibraries = {
     "libXNNPACK.so",       "libgomp.so",      "libblas.so", "libblis",    "liblapack.so",
     "libopenblas",         "libatlas",        "libmkl"};
 
+/// Adds the description of a checkpoint that has one.
+void addDescription(const NetworkInfo& info, nlohmann::json& object) {
+  if (info.description.described) {
+    object["description"] = toJson(info.description);
+  }
+}
+
 nlohmann::json provenanceOf(const NetworkInfo& info) {
   nlohmann::json provenance = {{"sha256", info.sha256},
                                {"runs_on", info.runsOnKernel() ? "fixed-order kernel" : "libtorch"},
@@ -30,30 +37,43 @@ nlohmann::json provenanceOf(const NetworkInfo& info) {
     provenance["libtorch_choices"] = libtorchChoices();
     provenance["note"] = "the bits of this run depend on the BLAS; not on the kernel: " + info.why_not_on_kernel;
   }
+  addDescription(info, provenance);
+  if (info.description.isStochastic()) {
+    provenance["noise"] = provenance["description"]["noise"];
+    provenance["noise"]["drawn_by"] = "the suite, one stream of PCG64 for each rollout";
+  }
   return provenance;
 }
 
 /// Identity of a policy: all that its bits depend on, besides libraries. The kernel has equal bits everywhere, libtorch
 /// does not. The BLAS is known by its bytes: another may have come under its name.
 nlohmann::json identityOf(const NetworkInfo& info) {
+  nlohmann::json identity = {{"sha256", info.sha256}};
   if (info.runsOnKernel()) {
-    return {{"sha256", info.sha256}, {"operations", info.operations}};
+    identity["operations"] = info.operations;
+  } else {
+    identity["libtorch"] = info.libtorch_version;
+    identity["libtorch_choices"] = libtorchChoices();
+    identity["blas"] = info.blas.empty() ? "" : sha256(readFile(info.blas, "BLAS"));
   }
-  return {{"sha256", info.sha256},
-          {"libtorch", info.libtorch_version},
-          {"libtorch_choices", libtorchChoices()},
-          {"blas", info.blas.empty() ? "" : sha256(readFile(info.blas, "BLAS"))}};
+  addDescription(info, identity);
+  return identity;
 }
 
 ChosenPolicy trained(const std::filesystem::path& path, const std::string& name, const std::function<bool()>& stop) {
   const std::shared_ptr<const NetworkPolicy> policy =
       NetworkPolicy::load(path, availableInstructionSets().back(), NetworkPolicy::kLoadDeadline, stop);
-  return {[policy] { return policy->clone(); },
-          name,
-          identityOf(policy->info()),
-          provenanceOf(policy->info()),
-          policy->info().runsOnKernel() ? std::vector<std::string>{kNetworkPolicyLibrary} : kLibraries,
-          ""};
+  const NetworkInfo& info = policy->info();
+  ChosenPolicy chosen;
+  chosen.make = [policy] { return policy->clone(); };
+  chosen.name = name;
+  chosen.identity = identityOf(info);
+  chosen.provenance = provenanceOf(info);
+  chosen.libraries = info.runsOnKernel() ? std::vector<std::string>{kNetworkPolicyLibrary} : kLibraries;
+  chosen.stochastic = info.description.isStochastic();
+  chosen.answered = info.description.actions;
+  chosen.execute = info.description.execute;
+  return chosen;
 }
 
 ChosenPolicy untrained(std::uint64_t seed, const std::string& warning) {

@@ -3,17 +3,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <nlohmann/json.hpp>
-#include <system_error>
 #include <utility>
 
-#include "pusht_policy/checkpoint_home.hpp"
-#include "pusht_policy/formats.hpp"
+#include "checkpoint_file.hpp"
+#include "network_memory.hpp"
+#include "network_trial.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/files.hpp"
-#include "pusht_task/spawn.hpp"
-#include "pusht_task/task.hpp"
 #include "rehearsal.hpp"
 #include "torch_network.hpp"
 
@@ -23,94 +18,47 @@ namespace {
 constexpr int kInputs = std::tuple_size<Observation>::value;
 constexpr int kOutputs = std::tuple_size<Action>::value;
 
-constexpr int kSpawnProbes = 48;
-constexpr int kWideProbes = 16;
-constexpr double kWideRange = 2.0;   // every number of a wide probe lies in +- this
-constexpr float kAgreement = 1e-5F;  // between kernel and libtorch; relative where actions exceed 1
-
-/// Observations with which a network is tried out: starts of episodes, and some that no episode shows.
-std::vector<Observation> probes() {
-  std::vector<Observation> probes(kSpawnProbes + kWideProbes);
-  for (int i = 0; i < kSpawnProbes; ++i) {
-    probes[i] = observe(spawn(i));
-  }
-  NumpyGenerator generator(kSpawnProbes);
-  for (int i = kSpawnProbes; i < kSpawnProbes + kWideProbes; ++i) {
-    std::generate(probes[i].begin(), probes[i].end(), [&] { return generator.uniform(-kWideRange, kWideRange); });
-  }
-  return probes;
-}
-
-/// Outputs of the network for the probes. Throws BadDependency if one is not finite.
-std::vector<Action> tryOut(TorchNetwork& network, const std::string& name) {
-  std::vector<Action> actions;
-  for (const Observation& probe : probes()) {
-    actions.push_back(network.act(probe));
-    if (!isFinite(actions.back())) {
-      throw BadDependency(name + ": its actions must be finite, but are not for probe " +
-                          std::to_string(actions.size() - 1));
-    }
-  }
-  return actions;
-}
-
-/// If a file PATH.provenance.json says which bytes the checkpoint must have, these are they.
-void requireProvenance(const std::filesystem::path& path, const std::string& name, const std::string& sha256) {
-  const std::filesystem::path provenance = provenancePath(path);
-  std::error_code error;
-  const auto type = std::filesystem::symlink_status(provenance, error).type();
-  if (type == std::filesystem::file_type::not_found || error == std::errc::filename_too_long) {
-    return;
-  }
-  const std::string text = readFile(provenance, "provenance");
-  nlohmann::json format = kProvenanceFormat;
-  std::string expected;
-  try {
-    const nlohmann::json content = nlohmann::json::parse(text);
-    format = content.value("format", format);
-    expected = content.at("checkpoint").at("sha256").get<std::string>();
-  } catch (const nlohmann::json::exception&) {
-    expected.clear();
-  }
-  if (format != kProvenanceFormat) {
-    throw InvalidInput("provenance " + provenance.string() + ": format is " + format.dump() + ", must be " +
-                       std::to_string(kProvenanceFormat) + "; another version of the suite wrote it");
-  }
-  if (expected.size() != sha256.size() || expected.find_first_not_of("0123456789abcdef") != std::string::npos) {
-    throw InvalidInput("provenance " + provenance.string() + ": must be JSON with a checkpoint.sha256 of " +
-                       std::to_string(sha256.size()) + " hex digits");
-  }
-  if (sha256 != expected) {
-    throw BadDependency(name + ": its SHA-256 is " + sha256 + ", must be " + expected + " (" + provenance.string() +
-                        ")");
-  }
-}
-
-/// A checkpoint's bytes, verified as far as that goes without libtorch. Throws as NetworkPolicy::load() does.
-struct CheckpointFile {
-  explicit CheckpointFile(const std::filesystem::path& path)
-      : name("policy " + path.string()), bytes(readFile(path, "policy")), hash(sha256(bytes)) {
-    requireProvenance(path, name, hash);
-    records = verifiedRecords(bytes, name);
-  }
-
-  std::string name;  // for messages
-  std::string bytes;
-  std::string hash;
-  Records records;
-};
-
 /// A network that has been loaded and tried out. Throws as NetworkPolicy::load() does.
-struct Checkpoint {
-  explicit Checkpoint(const CheckpointFile& file) : network(std::make_unique<TorchNetwork>(file.bytes, file.name)) {
-    actions = tryOut(*network, file.name);
-    if (tryOut(*network, file.name) != actions) {
-      throw BadDependency(file.name + ": must act the same on the same observation, but has a memory or is random");
+class Checkpoint {
+ public:
+  explicit Checkpoint(const CheckpointFile& file)
+      : network_(std::make_unique<TorchNetwork>(file.bytes, file.name, file.description)) {
+    try {
+      graph_ = network_->straightened();
+    } catch (const UnfitForKernel& error) {
+      why_not_on_kernel_ = error.what();
+    }
+    requireNoRandomOperation(file.name);
+    answers_ = tryOut(*network_, file.name);
+  }
+
+  /// Kernel that acts as the network does. Throws UnfitForKernel if there is none.
+  std::unique_ptr<NetworkKernel> kernel(InstructionSet instruction_set) const {
+    const PolicyDescription& description = network_->description();
+    if (graph_ == nullptr) {
+      throw UnfitForKernel(why_not_on_kernel_);
+    }
+    auto kernel = std::make_unique<NetworkKernel>(kInputs * description.observations,
+                                                  readGraph(*graph_, network_->observationSizes()), instruction_set);
+    requireAgreement(*kernel, description, answers_);
+    return kernel;
+  }
+
+  std::unique_ptr<TorchNetwork> takeNetwork() { return std::move(network_); }
+
+ private:
+  void requireNoRandomOperation(const std::string& name) const {
+    const std::string operation = graph_ == nullptr ? "" : randomOperationIn(*graph_);
+    if (!operation.empty()) {
+      throw BadDependency(name + ": must not draw random numbers, but has " + operation +
+                          ": it must take noise as an input, and say so in its policy.json");
     }
   }
 
-  std::unique_ptr<TorchNetwork> network;
-  std::vector<Action> actions;  // on the probes
+  std::unique_ptr<TorchNetwork> network_;
+  std::shared_ptr<const torch::jit::Graph> graph_;
+  std::string why_not_on_kernel_;
+  std::vector<float> answers_;
 };
 
 /// Loads the checkpoint at `path` in a copy of the process first: what libtorch makes of damaged files, or of code that
@@ -126,46 +74,34 @@ auto loadRehearsed(const std::filesystem::path& path, std::chrono::milliseconds 
   return load(file);
 }
 
-/// Throws UnfitForKernel unless the kernel does to the probes what libtorch did.
-void requireAgreement(NetworkKernel& kernel, const std::vector<Action>& expected) {
-  const std::vector<Observation> inputs = probes();
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    Action action{};
-    kernel.run(inputs[i], action);
-    for (std::size_t axis = 0; axis < action.size(); ++axis) {
-      const float difference = std::abs(action[axis] - expected[i][axis]);
-      if (!(difference <= kAgreement * std::max(1.0F, std::abs(expected[i][axis])))) {
-        throw UnfitForKernel("the kernel differs from libtorch by " + std::to_string(difference) + " for probe " +
-                             std::to_string(i));
-      }
-    }
-  }
+NetworkInfo infoOf(const CheckpointFile& file) {
+  NetworkInfo info;
+  info.sha256 = file.hash;
+  info.description = file.description;
+  return info;
 }
 
 }  // namespace
 
-NetworkPolicy::NetworkPolicy(std::string sha256, std::unique_ptr<NetworkKernel> kernel) : kernel_(std::move(kernel)) {
-  info_.sha256 = std::move(sha256);
+NetworkPolicy::NetworkPolicy(NetworkInfo info, std::unique_ptr<NetworkKernel> kernel)
+    : info_(std::move(info)), kernel_(std::move(kernel)) {
   info_.operations = kernel_->operations();
   info_.instruction_set = toString(kernel_->instructionSet());
 }
 
-NetworkPolicy::NetworkPolicy(std::string sha256, std::unique_ptr<TorchNetwork> network, std::string why_not_on_kernel)
-    : network_(std::move(network)) {
-  info_.sha256 = std::move(sha256);
+NetworkPolicy::NetworkPolicy(NetworkInfo info, std::unique_ptr<TorchNetwork> network, std::string why_not_on_kernel)
+    : info_(std::move(info)), network_(std::move(network)) {
   info_.why_not_on_kernel = std::move(why_not_on_kernel);
 }
-
-NetworkPolicy::NetworkPolicy(NetworkInfo info, std::unique_ptr<NetworkKernel> kernel,
-                             std::unique_ptr<TorchNetwork> network)
-    : info_(std::move(info)), kernel_(std::move(kernel)), network_(std::move(network)) {}
 
 NetworkPolicy::~NetworkPolicy() = default;
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::clone() const {
+  if (kernel_ != nullptr) {
+    return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(info_, std::make_unique<NetworkKernel>(*kernel_)));
+  }
   return std::unique_ptr<NetworkPolicy>(
-      new NetworkPolicy(info_, kernel_ != nullptr ? std::make_unique<NetworkKernel>(*kernel_) : nullptr,
-                        network_ != nullptr ? std::make_unique<TorchNetwork>(*network_) : nullptr));
+      new NetworkPolicy(info_, std::make_unique<TorchNetwork>(*network_), info_.why_not_on_kernel));
 }
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& path, InstructionSet instruction_set,
@@ -174,11 +110,9 @@ std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& 
   return loadRehearsed(path, deadline, stop, [&](const CheckpointFile& file) {
     Checkpoint checkpoint(file);
     try {
-      auto kernel = std::make_unique<NetworkKernel>(kInputs, checkpoint.network->operations(), instruction_set);
-      requireAgreement(*kernel, checkpoint.actions);
-      return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(file.hash, std::move(kernel)));
+      return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(infoOf(file), checkpoint.kernel(instruction_set)));
     } catch (const UnfitForKernel& error) {
-      return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(file.hash, std::move(checkpoint.network), error.what()));
+      return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(infoOf(file), checkpoint.takeNetwork(), error.what()));
     }
   });
 }
@@ -187,21 +121,30 @@ std::unique_ptr<NetworkPolicy> NetworkPolicy::loadOnLibtorch(const std::filesyst
   const auto never = [] { return false; };
   return loadRehearsed(path, kLoadDeadline, never, [](const CheckpointFile& file) {
     return std::unique_ptr<NetworkPolicy>(
-        new NetworkPolicy(file.hash, std::move(Checkpoint(file).network), "asked for on libtorch"));
+        new NetworkPolicy(infoOf(file), Checkpoint(file).takeNetwork(), "asked for on libtorch"));
   });
 }
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::untrained(std::uint64_t seed) {
   auto kernel = std::make_unique<NetworkKernel>(kInputs, untrainedOperations(seed));
-  return std::unique_ptr<NetworkPolicy>(new NetworkPolicy("", std::move(kernel)));
+  return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(NetworkInfo(), std::move(kernel)));
+}
+
+std::unique_ptr<Policy::Memory> NetworkPolicy::begin(const Beginning& beginning) const {
+  requireExecutable(beginning, info_.description.actions);
+  return info_.description.hasMemory() ? std::make_unique<NetworkMemory>(info_.description, beginning) : nullptr;
 }
 
 void NetworkPolicy::act(Span<const Query> queries, Span<Action> actions) {
+  if (info_.description.hasMemory()) {
+    return actFromMemory(queries, actions);
+  }
   if (kernel_ != nullptr) {
     return actOnKernel(queries, actions);
   }
-  std::transform(queries.begin(), queries.end(), actions.begin(),
-                 [&](const Query& query) { return network_->act(query.observation); });
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    network_->run(queries[i].observation, {}, {}, actions[i]);
+  }
 }
 
 void NetworkPolicy::actOnKernel(Span<const Query> queries, Span<Action> actions) {
@@ -213,6 +156,51 @@ void NetworkPolicy::actOnKernel(Span<const Query> queries, Span<Action> actions)
   kernel_->run(inputs_, outputs_);
   for (std::size_t i = 0; i < actions.size(); ++i) {
     std::copy_n(outputs_.data() + i * kOutputs, kOutputs, actions[i].begin());
+  }
+}
+
+/// Every rollout sees its observation; the network is asked for those alone whose actions have run out.
+void NetworkPolicy::actFromMemory(Span<const Query> queries, Span<Action> actions) {
+  spent_.clear();
+  for (const Query& query : queries) {
+    if (query.memory == nullptr) {
+      throw InternalError("a policy with a memory must be asked with the memory of a rollout");
+    }
+    auto& memory = static_cast<NetworkMemory&>(*query.memory);
+    memory.see(query.observation);
+    if (memory.isSpent()) {
+      spent_.push_back(&memory);
+    }
+  }
+  if (kernel_ != nullptr) {
+    answerOnKernel();
+  } else {
+    answerOnLibtorch();
+  }
+  for (std::size_t i = 0; i < actions.size(); ++i) {
+    actions[i] = static_cast<NetworkMemory&>(*queries[i].memory).next();
+  }
+}
+
+void NetworkPolicy::answerOnKernel() {
+  const auto inputs = static_cast<std::size_t>(kernel_->inputs());
+  const auto outputs = static_cast<std::size_t>(kernel_->outputs());
+  inputs_.resize(spent_.size() * inputs);
+  outputs_.resize(spent_.size() * outputs);
+  for (std::size_t i = 0; i < spent_.size(); ++i) {
+    std::copy_n(spent_[i]->history().begin(), inputs, inputs_.data() + i * inputs);
+  }
+  kernel_->run(inputs_, outputs_);
+  for (std::size_t i = 0; i < spent_.size(); ++i) {
+    std::copy_n(outputs_.data() + i * outputs, outputs, spent_[i]->answer().begin());
+  }
+}
+
+void NetworkPolicy::answerOnLibtorch() {
+  inputs_.resize(numbersIn(info_.description.noise));
+  for (NetworkMemory* const memory : spent_) {
+    memory->draw(inputs_);
+    network_->run(memory->history(), memory->state(), inputs_, memory->answer());
   }
 }
 

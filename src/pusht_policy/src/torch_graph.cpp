@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <torch/script.h>
 
+#include <functional>
 #include <map>
+#include <numeric>
 #include <utility>
 
+#include "graph_sizes.hpp"
 #include "torch_network.hpp"
 
 namespace pusht {
@@ -14,10 +17,14 @@ using torch::jit::IValue;
 using torch::jit::Node;
 using torch::jit::Value;
 
-/// Follows the rows from operation to operation.
+std::int64_t numbersIn(const Sizes& sizes) {
+  return std::accumulate(sizes.begin(), sizes.end(), std::int64_t{1}, std::multiplies<>());
+}
+
+/// Follows the row from operation to operation. It has a shape: element-wise operations extend their operand to it.
 class GraphReader {
  public:
-  GraphReader(const Value* rows, int columns) : rows_(rows), columns_(columns) {}
+  GraphReader(const Value* rows, Sizes shape) : rows_(rows), shape_(std::move(shape)) { sizes_.set(rows_, shape_); }
 
   void read(const Node& node);
 
@@ -45,6 +52,11 @@ class GraphReader {
   void readTo(const Node& node);
   void readDropout(const Node& node);
   void readCopy(const Node& node);
+  void readFlatten(const Node& node);
+  void readReshape(const Node& node);
+  void readUnflatten(const Node& node);
+  void readUnsqueeze(const Node& node);
+  void readSqueeze(const Node& node);
 
   [[noreturn]] static void refuse(const Node& node, const std::string& why);
   IValue constant(const Node& node, const char* input) const;
@@ -55,8 +67,12 @@ class GraphReader {
   void append(const Node& node, Kind kind, const IValue& operand);
   void appendMatrix(const Node& node, const IValue& matrix);
 
+  int columns() const { return static_cast<int>(numbersIn(shape_)); }
+  void takeShape(const at::Tensor& like) { shape_ = like.sizes().vec(); }
+
   const Value* rows_;
-  int columns_;
+  Sizes shape_;
+  GraphSizes sizes_;
   std::vector<Operation> operations_;
 };
 
@@ -83,6 +99,12 @@ const std::map<std::string, GraphReader::Reader>& GraphReader::readers() {
       {"aten::detach", &GraphReader::readCopy},
       {"aten::contiguous", &GraphReader::readCopy},
       {"aten::clone", &GraphReader::readCopy},
+      {"aten::flatten", &GraphReader::readFlatten},
+      {"aten::reshape", &GraphReader::readReshape},
+      {"aten::view", &GraphReader::readReshape},
+      {"aten::unflatten", &GraphReader::readUnflatten},
+      {"aten::unsqueeze", &GraphReader::readUnsqueeze},
+      {"aten::squeeze", &GraphReader::readSqueeze},
   };
   return table;
 }
@@ -102,6 +124,7 @@ void GraphReader::read(const Node& node) {
   }
   (this->*reader->second)(node);
   rows_ = node.output();
+  sizes_.set(rows_, shape_);
 }
 
 void GraphReader::requireRows(const Node& node, const char* input) const {
@@ -111,7 +134,7 @@ void GraphReader::requireRows(const Node& node, const char* input) const {
 }
 
 IValue GraphReader::constant(const Node& node, const char* input) const {
-  const auto value = torch::jit::toIValue(node.namedInput(input));
+  const auto value = sizes_.valueOf(node.namedInput(input));
   if (!value) {
     refuse(node, std::string("its operand ") + input + " must be constant");
   }
@@ -146,20 +169,29 @@ void GraphReader::append(const Node& node, Kind kind, const IValue& operand) {
   if (values.scalar_type() != torch::kFloat32) {
     refuse(node, "its operand must be float32");
   }
-  if (values.numel() != 1 && (values.numel() != columns_ || values.size(-1) != columns_)) {
-    refuse(node, "its operand must have one value or one for each of " + std::to_string(columns_) + " columns");
+  if (values.numel() == 1) {
+    values = values.flatten();
   }
-  operations_.push_back({kind, columns_, toVector(values.flatten().expand({columns_}))});
+  const auto axes = static_cast<std::size_t>(values.dim());
+  bool fits = axes <= shape_.size();
+  for (std::size_t axis = 1; fits && axis <= axes; ++axis) {
+    const std::int64_t size = values.sizes()[axes - axis];
+    fits = size == 1 || size == shape_[shape_.size() - axis];
+  }
+  if (!fits) {
+    refuse(node, "its operand must have one value or one for each of " + std::to_string(columns()) + " columns");
+  }
+  operations_.push_back({kind, columns(), toVector(values.expand(shape_))});
 }
 
 /// The matrix is [inputs, columns].
 void GraphReader::appendMatrix(const Node& node, const IValue& matrix) {
-  if (!matrix.isTensor() || matrix.toTensor().dim() != 2 || matrix.toTensor().size(0) != columns_ ||
-      matrix.toTensor().scalar_type() != torch::kFloat32) {
-    refuse(node, "its matrix must be float32 for " + std::to_string(columns_) + " inputs");
+  if (!matrix.isTensor() || matrix.toTensor().dim() != 2 || matrix.toTensor().size(0) != columns() ||
+      shape_.back() != columns() || matrix.toTensor().scalar_type() != torch::kFloat32) {
+    refuse(node, "its matrix must be float32 for " + std::to_string(columns()) + " inputs");
   }
-  columns_ = static_cast<int>(matrix.toTensor().size(1));
-  operations_.push_back({Kind::kMatrix, columns_, toVector(matrix.toTensor())});
+  shape_.back() = matrix.toTensor().size(1);
+  operations_.push_back({Kind::kMatrix, columns(), toVector(matrix.toTensor())});
 }
 
 void GraphReader::readLinear(const Node& node) {
@@ -251,7 +283,7 @@ void GraphReader::readHardtanh(const Node& node) {
 
 void GraphReader::readTanh(const Node& node) {
   requireRows(node, "self");
-  operations_.push_back({Kind::kTanh, columns_, {}});
+  operations_.push_back({Kind::kTanh, columns(), {}});
 }
 
 void GraphReader::readTo(const Node& node) {
@@ -271,20 +303,47 @@ void GraphReader::readDropout(const Node& node) {
 
 void GraphReader::readCopy(const Node& node) { requireRows(node, "self"); }
 
-}  // namespace
+// Operations that change the shape of the row and move no number.
 
-std::vector<float> toVector(const at::Tensor& tensor) {
-  const torch::Tensor values = tensor.contiguous();
-  return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
+void GraphReader::readFlatten(const Node& node) {
+  requireRows(node, "self");
+  takeShape(torch::empty(shape_).flatten(constant(node, "start_dim").toInt(), constant(node, "end_dim").toInt()));
 }
 
-std::vector<Operation> readGraph(const torch::jit::Graph& graph, int inputs) {
+void GraphReader::readReshape(const Node& node) {
+  requireRows(node, "self");
+  takeShape(torch::empty(shape_).reshape(constant(node, node.hasNamedInput("shape") ? "shape" : "size").toIntVector()));
+}
+
+void GraphReader::readUnflatten(const Node& node) {
+  requireRows(node, "self");
+  const std::int64_t dim = constant(node, "dim").toInt();
+  const Sizes parts = constant(node, "sizes").toIntVector();
+  Sizes sizes = shape_;
+  const auto place = sizes.erase(dim < 0 ? sizes.end() + dim : sizes.begin() + dim);
+  sizes.insert(place, parts.begin(), parts.end());
+  takeShape(torch::empty(shape_).reshape(sizes));
+}
+
+void GraphReader::readUnsqueeze(const Node& node) {
+  requireRows(node, "self");
+  takeShape(torch::empty(shape_).unsqueeze(constant(node, "dim").toInt()));
+}
+
+void GraphReader::readSqueeze(const Node& node) {
+  requireRows(node, "self");
+  const torch::Tensor like = torch::empty(shape_);
+  takeShape(node.hasNamedInput("dim") ? like.squeeze(constant(node, "dim").toInt()) : like.squeeze());
+}
+
+/// Operations of a graph, as far as they can be read.
+std::vector<Operation> readOperations(const torch::jit::Graph& graph, const Sizes& shape) {
   if (graph.inputs().size() != 2 || graph.outputs().size() != 1) {
     throw UnfitForKernel("forward must take one tensor and return one");
   }
-  GraphReader reader(graph.inputs()[1], inputs);
+  GraphReader reader(graph.inputs()[1], shape);
   for (const Node* node : graph.nodes()) {
-    if (node->kind() != torch::jit::prim::Constant) {
+    if (!GraphSizes::areComputedBy(*node)) {
       reader.read(*node);
     }
   }
@@ -292,6 +351,23 @@ std::vector<Operation> readGraph(const torch::jit::Graph& graph, int inputs) {
     throw UnfitForKernel("forward must return the result of its last operation");
   }
   return reader.takeOperations();
+}
+
+}  // namespace
+
+std::vector<float> toVector(const at::Tensor& tensor) {
+  const torch::Tensor values = tensor.contiguous();
+  return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
+}
+
+std::vector<Operation> readGraph(const torch::jit::Graph& graph, const Sizes& shape) {
+  try {
+    return readOperations(graph, shape);
+  } catch (const UnfitForKernel&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw UnfitForKernel("cannot be read: " + firstLine(error));
+  }
 }
 
 }  // namespace pusht

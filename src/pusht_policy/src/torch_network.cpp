@@ -24,6 +24,7 @@ namespace pusht {
 namespace {
 
 constexpr int kColumns = std::tuple_size<Observation>::value;
+constexpr int kActionColumns = std::tuple_size<Action>::value;
 
 torch::jit::Module loadModule(const std::string& bytes, const std::string& name) {
   try {
@@ -34,20 +35,6 @@ torch::jit::Module loadModule(const std::string& bytes, const std::string& name)
   } catch (const std::exception& error) {
     throw InvalidInput(name + ": must be TorchScript: " + firstLine(error));
   }
-}
-
-/// Graph of forward() for one row, with operations and constants alone. No pass that is applied here changes the
-/// order of floating-point operations.
-std::shared_ptr<torch::jit::Graph> straightened(const torch::jit::Module& module) {
-  constexpr bool kOptimizeNumerics = false;
-  const torch::jit::Module frozen = torch::jit::freeze(module, c10::nullopt, kOptimizeNumerics);
-  std::shared_ptr<torch::jit::Graph> graph = frozen.get_method("forward").graph();
-  if (graph->inputs().size() == 2) {  // with the shape of the row known, no branch depends on it
-    graph->inputs()[1]->setType(c10::TensorType::create(torch::empty({1, kColumns})));
-    torch::jit::PeepholeOptimize(graph);
-    torch::jit::ConstantPropagation(graph);
-  }
-  return graph;
 }
 
 template <class NamedTensors>
@@ -65,14 +52,35 @@ void requireFinite(const NamedTensors& tensors, const std::string& name) {
   }
 }
 
+/// A value's types and sizes: "float [1, 2]", "Tuple (float [1, 8, 2], float [1, 64])".
 std::string describe(const torch::jit::IValue& value) {
   std::ostringstream text;
   if (value.isTensor()) {
     text << value.toTensor().dtype().name() << ' ' << value.toTensor().sizes();
-  } else {
-    text << value.tagKind();
+    return text.str();
+  }
+  text << value.tagKind();
+  if (value.isTuple()) {
+    const char* separator = " (";
+    for (const torch::jit::IValue& element : value.toTupleRef().elements()) {
+      text << std::exchange(separator, ", ") << describe(element);
+    }
+    text << ')';
   }
   return text.str();
+}
+
+/// Sizes of a tensor of one rollout.
+std::vector<std::int64_t> batchOfOne(const PolicyDescription::Shape& shape) {
+  std::vector<std::int64_t> sizes = {1};
+  sizes.insert(sizes.end(), shape.begin(), shape.end());
+  return sizes;
+}
+
+torch::Tensor tensorOf(Span<const float> values, const std::vector<std::int64_t>& sizes) {
+  torch::Tensor tensor = torch::empty(sizes);
+  std::copy(values.begin(), values.end(), tensor.data_ptr<float>());
+  return tensor;
 }
 
 }  // namespace
@@ -95,40 +103,80 @@ std::string firstLine(const std::exception& error) {
   return message;
 }
 
-TorchNetwork::TorchNetwork(const std::string& bytes, std::string name)
-    : name_(std::move(name)), module_(std::make_shared<torch::jit::Module>(loadModule(bytes, name_))) {
+TorchNetwork::TorchNetwork(const std::string& bytes, std::string name, PolicyDescription description)
+    : name_(std::move(name)),
+      description_(std::move(description)),
+      observation_sizes_(description_.described ? batchOfOne({description_.observations, kColumns})
+                                                : batchOfOne({kColumns})),
+      action_sizes_(description_.described ? batchOfOne({description_.actions, kActionColumns})
+                                           : batchOfOne({kActionColumns})),
+      module_(std::make_shared<torch::jit::Module>(loadModule(bytes, name_))) {
   torch::set_num_threads(1);
   requireFinite(module_->named_parameters(), name_);
   requireFinite(module_->named_buffers(), name_);
 }
 
-Action TorchNetwork::act(const Observation& observation) {
+void TorchNetwork::run(Span<const float> observations, Span<float> state, Span<const float> noise,
+                       Span<float> actions) {
   const torch::NoGradGuard no_gradients;
   const torch::jit::GraphOptimizerEnabledGuard as_written(false);  // the thousandth call computes as the first
-  const torch::Tensor row = torch::empty({1, kColumns});
-  std::copy(observation.begin(), observation.end(), row.data_ptr<float>());
+  std::vector<torch::jit::IValue> inputs = {tensorOf(observations, observation_sizes_)};
+  if (!state.empty()) {
+    inputs.emplace_back(tensorOf(state, batchOfOne(description_.state)));
+  }
+  if (!noise.empty()) {
+    inputs.emplace_back(tensorOf(noise, batchOfOne(description_.noise)));
+  }
   torch::jit::IValue result;
   try {
-    result = module_->forward({row});
+    result = module_->forward(std::move(inputs));
   } catch (const std::exception& error) {
-    throw BadDependency(name_ + ": must map float [1, 10] to float [1, 2], but fails: " + firstLine(error));
+    refuse(", but fails: " + firstLine(error));
   }
-  Action action{};
-  const auto columns = static_cast<std::int64_t>(action.size());
-  if (!result.isTensor() || result.toTensor().scalar_type() != torch::kFloat32 ||
-      result.toTensor().sizes() != torch::IntArrayRef({1, columns})) {
-    throw BadDependency(name_ + ": must map float [1, 10] to float [1, 2], not to " + describe(result));
+  if (state.empty()) {
+    return take(result, action_sizes_, actions, result);
   }
-  const torch::Tensor values = result.toTensor().contiguous();
-  std::copy_n(values.data_ptr<float>(), action.size(), action.begin());
-  return action;
+  if (!result.isTuple() || result.toTupleRef().elements().size() != 2) {
+    refuse(", not to " + describe(result));
+  }
+  take(result.toTupleRef().elements()[0], action_sizes_, actions, result);
+  take(result.toTupleRef().elements()[1], batchOfOne(description_.state), state, result);
 }
 
-std::vector<Operation> TorchNetwork::operations() const {
+void TorchNetwork::refuse(const std::string& instead) const {
+  throw BadDependency(name_ + ": must map " + description_.inputs() + " to " + description_.outputs() +
+                      (description_.described ? ", as its " + std::string(kDescriptionFile) + " says" : "") + instead);
+}
+
+/// Copies a part of the result.
+void TorchNetwork::take(const torch::jit::IValue& part, const std::vector<std::int64_t>& sizes, Span<float> values,
+                        const torch::jit::IValue& result) const {
+  if (!part.isTensor() || part.toTensor().scalar_type() != torch::kFloat32 || part.toTensor().sizes() != sizes) {
+    refuse(", not to " + describe(result));
+  }
+  const torch::Tensor whole = part.toTensor().contiguous();
+  std::copy_n(whole.data_ptr<float>(), values.size(), values.begin());
+}
+
+std::shared_ptr<torch::jit::Graph> TorchNetwork::straightened() const {
+  constexpr bool kOptimizeNumerics = false;
   try {
-    return readGraph(*straightened(*module_), kColumns);
-  } catch (const UnfitForKernel&) {
-    throw;
+    const torch::jit::Module frozen = torch::jit::freeze(*module_, c10::nullopt, kOptimizeNumerics);
+    std::shared_ptr<torch::jit::Graph> graph = frozen.get_method("forward").graph();
+    std::vector<std::vector<std::int64_t>> sizes = {observation_sizes_};
+    for (const PolicyDescription::Shape& shape : {description_.state, description_.noise}) {
+      if (!shape.empty()) {
+        sizes.push_back(batchOfOne(shape));
+      }
+    }
+    if (graph->inputs().size() == 1 + sizes.size()) {  // with the shapes known, no branch depends on them
+      for (std::size_t i = 0; i < sizes.size(); ++i) {
+        graph->inputs()[1 + i]->setType(c10::TensorType::create(torch::empty(sizes[i])));
+      }
+      torch::jit::PeepholeOptimize(graph);
+      torch::jit::ConstantPropagation(graph);
+    }
+    return graph;
   } catch (const std::exception& error) {
     throw UnfitForKernel("cannot be frozen: " + firstLine(error));
   }
@@ -136,7 +184,7 @@ std::vector<Operation> TorchNetwork::operations() const {
 
 std::vector<Operation> untrainedOperations(std::uint64_t seed) {
   constexpr int kHidden = 64;
-  const std::vector<int> widths = {kColumns, kHidden, kHidden, std::tuple_size<Action>::value};
+  const std::vector<int> widths = {kColumns, kHidden, kHidden, kActionColumns};
   using Kind = Operation::Kind;
   torch::manual_seed(seed);
   std::vector<Operation> operations;

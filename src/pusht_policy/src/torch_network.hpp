@@ -11,11 +11,15 @@
 
 #include "checkpoint_archive.hpp"
 #include "pusht_policy/network_kernel.hpp"
+#include "pusht_policy/policy_description.hpp"
 #include "pusht_task/types.hpp"
 
 namespace at {
 class Tensor;
 }  // namespace at
+namespace c10 {
+struct IValue;
+}  // namespace c10
 namespace torch::jit {
 struct Graph;
 struct Module;
@@ -28,22 +32,35 @@ struct UnfitForKernel : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// TorchScript module that maps one observation to one action. libtorch uses one thread for each calling thread. Copies
-/// share the module, which several threads may run at once.
+/// TorchScript module with the signature of a description, called for one rollout at a time. libtorch uses one thread
+/// for each calling thread. Copies share the module, which several threads may run at once.
 class TorchNetwork {
  public:
   /// Loads the bytes of a checkpoint; `name` is for messages. Throws InvalidInput if they are no TorchScript,
   /// BadDependency if a parameter or buffer is not finite.
-  TorchNetwork(const std::string& bytes, std::string name);
+  TorchNetwork(const std::string& bytes, std::string name, PolicyDescription description);
 
-  /// Throws BadDependency if the module fails or returns anything but float32 [1, 2].
-  Action act(const Observation& observation);
+  /// Calls the module: fills `actions` and replaces `state`. Throws BadDependency if the module fails or returns
+  /// anything but float32 of the described shapes.
+  void run(Span<const float> observations, Span<float> state, Span<const float> noise, Span<float> actions);
 
-  /// Sequence of operations of the module, in its own order. Throws UnfitForKernel if it is none.
-  std::vector<Operation> operations() const;
+  /// Graph of forward() for one rollout, with operations and constants alone, in the module's own order of
+  /// floating-point operations. Throws UnfitForKernel if there is none.
+  std::shared_ptr<torch::jit::Graph> straightened() const;
+
+  const PolicyDescription& description() const { return description_; }
+  /// Shape of the observations of a call.
+  const std::vector<std::int64_t>& observationSizes() const { return observation_sizes_; }
 
  private:
+  [[noreturn]] void refuse(const std::string& instead) const;
+  void take(const c10::IValue& part, const std::vector<std::int64_t>& sizes, Span<float> values,
+            const c10::IValue& result) const;
+
   std::string name_;
+  PolicyDescription description_;
+  std::vector<std::int64_t> observation_sizes_;
+  std::vector<std::int64_t> action_sizes_;
   std::shared_ptr<torch::jit::Module> module_;
 };
 
@@ -52,9 +69,12 @@ class TorchNetwork {
 /// the end of a short record, and may crash on a bad pickle: rehearse().
 void requireWholeTensors(const std::string& bytes, const Records& records, const std::string& name);
 
-/// Operations of a graph whose first input is the module and whose second is rows of `inputs` numbers.
-/// Throws UnfitForKernel.
-std::vector<Operation> readGraph(const torch::jit::Graph& graph, int inputs);
+/// Operations of a graph whose first input is the module and whose second is float32 of this shape for one rollout: a
+/// row of as many numbers for the kernel. Throws UnfitForKernel.
+std::vector<Operation> readGraph(const torch::jit::Graph& graph, const std::vector<std::int64_t>& shape);
+
+/// Name of an operation of a graph that draws random numbers; empty if there is none.
+std::string randomOperationIn(const torch::jit::Graph& graph);
 
 /// Operations of Linear(10, 64), ReLU, Linear(64, 64), ReLU, Linear(64, 2), tanh, initialized as by torch after
 /// manual_seed(seed).

@@ -6,11 +6,22 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "pusht_task/types.hpp"
 
 namespace pusht::testing {
+
+/// Writes a checkpoint without parameters that has this method forward, and this description.
+inline void writeNetwork(const std::filesystem::path& path, const std::string& forward,
+                         const std::string& description) {
+  torch::jit::Module module("Policy");
+  module.register_buffer("calls", torch::zeros({1}));
+  module.define(forward);
+  module.save(path.string(), {{"policy.json", description}, {"notes.txt", "no concern of the suite"}});
+}
 
 /// What libtorch itself makes of float32 rows, one at a time, in the order in which the module was written.
 template <class Forward>

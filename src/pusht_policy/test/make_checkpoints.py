@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes checkpoints as Python programs make them: make_checkpoints.py FOLDER"""
 
+import json
 import pickle
 import sys
 from pathlib import Path
+from typing import Any, Tuple
 
 import torch
 from torch import Tensor, nn
@@ -74,6 +76,85 @@ class EndlessToAct(nn.Module):
         return obs[:, :2]
 
 
+class OfOneObservation(nn.Module):
+    """A plain policy behind the signature of histories and chunks."""
+
+    def __init__(self, policy: nn.Module) -> None:
+        super().__init__()
+        self.policy = policy
+
+    def forward(self, obs: Tensor) -> Tensor:
+        return self.policy(obs.flatten(1)).unsqueeze(1)
+
+
+class Chunks(nn.Module):
+    """Two observations in, eight actions out; normalization of each number in their own shapes."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.net = nn.Sequential(
+            nn.Linear(2 * OBSERVATION, HIDDEN), nn.ReLU(), nn.Linear(HIDDEN, 8 * ACTION)
+        )
+        self.register_buffer("obs_scale", 1.0 + torch.rand(OBSERVATION))
+        self.register_buffer("obs_shift", torch.rand(2, OBSERVATION))
+        self.register_buffer("act_scale", 1.0 + torch.rand(ACTION))
+
+    def forward(self, obs: Tensor) -> Tensor:
+        x = obs * self.obs_scale - self.obs_shift
+        y = self.net(x.reshape(x.shape[0], -1))
+        return y.view(y.shape[0], -1, 2) * self.act_scale
+
+
+class Recurrent(nn.Module):
+    """A GRU. Without `memory`, its recurrent weights are zero, and its gate lets no old state through."""
+
+    def __init__(self, memory: bool) -> None:
+        super().__init__()
+        self.gru = nn.GRU(OBSERVATION, HIDDEN)
+        self.head = nn.Linear(HIDDEN, ACTION)
+        if not memory:
+            with torch.no_grad():
+                self.gru.weight_hh_l0.zero_()
+                self.gru.bias_hh_l0.zero_()
+                self.gru.bias_ih_l0[HIDDEN : 2 * HIDDEN] = -200.0  # sigmoid: 0 in float32
+
+    def forward(self, obs: Tensor, state: Tensor) -> Tuple[Tensor, Tensor]:
+        y, state = self.gru(obs.transpose(0, 1), state.unsqueeze(0))
+        return self.head(y).transpose(0, 1), state.squeeze(0)
+
+
+class FeedForwardTwin(nn.Module):
+    """What a GRU without memory computes, as a plain policy."""
+
+    def __init__(self, recurrent: Recurrent) -> None:
+        super().__init__()
+        self.weight = recurrent.gru.weight_ih_l0
+        self.bias = recurrent.gru.bias_ih_l0
+        self.head = recurrent.head
+
+    def forward(self, obs: Tensor) -> Tensor:
+        gates = nn.functional.linear(obs, self.weight, self.bias)
+        return self.head(torch.tanh(gates.chunk(3, 1)[2]))
+
+
+class Denoising(nn.Module):
+    """A small flow: noise of the shape of the chunk, pushed along in a few steps."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.net = nn.Sequential(
+            nn.Linear(2 * OBSERVATION + 8 * ACTION, HIDDEN),
+            nn.Tanh(),
+            nn.Linear(HIDDEN, 8 * ACTION),
+        )
+
+    def forward(self, obs: Tensor, noise: Tensor) -> Tensor:
+        x = noise.flatten(1)
+        for _ in range(4):
+            x = x + 0.25 * self.net(torch.cat([obs.flatten(1), x], 1))
+        return x.view(-1, 8, 2)
+
+
 def perceptron(activation: type = nn.ReLU) -> nn.Module:
     return nn.Sequential(
         nn.Linear(OBSERVATION, HIDDEN),
@@ -103,6 +184,30 @@ def layer_norm() -> nn.Module:
     )
 
 
+def save(module: nn.Module, path: Path, **description: Any) -> None:
+    """A module with its description."""
+    text = json.dumps({"format": 1, **description})
+    torch.jit.save(torch.jit.script(module.eval()), str(path), _extra_files={"policy.json": text})
+
+
+def save_described(folder: Path, course: nn.Module) -> None:
+    save(OfOneObservation(course), folder / "wrapped.pt", observations=1, actions=1)
+    chunks = Chunks()
+    save(chunks, folder / "chunks.pt", observations=2, actions=8, execute=4)
+    torch.jit.save(
+        torch.jit.trace(chunks, torch.zeros(1, 2, OBSERVATION)),
+        str(folder / "chunks_traced.pt"),
+        _extra_files={"policy.json": '{"format": 1, "observations": 2, "actions": 8}'},
+    )
+    of_gru = {"observations": 1, "actions": 1, "state": {"shape": [HIDDEN]}}
+    save(Recurrent(memory=True), folder / "gru.pt", **of_gru)
+    still = Recurrent(memory=False)
+    save(still, folder / "gru_still.pt", **of_gru)
+    torch.jit.script(FeedForwardTwin(still)).save(str(folder / "gru_twin.pt"))
+    noise = {"shape": [8, ACTION], "distribution": "normal"}
+    save(Denoising(), folder / "denoising.pt", observations=2, actions=8, execute=4, noise=noise)
+
+
 def main() -> None:
     folder = Path(sys.argv[1])
     torch.manual_seed(0)
@@ -121,6 +226,7 @@ def main() -> None:
     for name, module in {"to_load": EndlessToLoad(), "to_act": EndlessToAct()}.items():
         torch.jit.script(module.eval()).save(str(folder / f"endless_{name}.pt"))
     course = modules["course"]
+    save_described(folder, course)
     torch.jit.freeze(torch.jit.script(course)).save(str(folder / "course_frozen.pt"))
     torch.save(course.state_dict(), folder / "state_dict.pt")
     torch.save(

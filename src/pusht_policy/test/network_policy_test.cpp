@@ -211,24 +211,11 @@ TEST_F(NetworkCheckpoint, MustNotFail) {
   expectRefusal(checkpoint_, ExitCode::kBadDependency, {checkpoint_.string(), "but fails: "});
 }
 
-/// What Python programs write; see make_checkpoints.py.
+/// What Python programs write.
 class NetworkFromPython : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    folder = new testing::TemporaryFolder;
-    const std::string command =
-        std::string(PUSHT_PYTHON) + " " + PUSHT_MAKE_CHECKPOINTS + " " + (*folder / "").string() + " 2>/dev/null";
-    ASSERT_EQ(std::system(command.c_str()), 0) << command;  // NOLINT(cert-env33-c): every word of it is ours
-  }
-  static void TearDownTestSuite() {
-    delete folder;
-    folder = nullptr;
-  }
-
-  static testing::TemporaryFolder* folder;
+  const testing::TemporaryFolder* folder = &testing::checkpointsFromPython();
 };
-
-testing::TemporaryFolder* NetworkFromPython::folder = nullptr;
 
 TEST_F(NetworkFromPython, RunsOnTheKernelScriptedAndTraced) {
   for (const std::string name : {"course", "single_rows", "extras"}) {

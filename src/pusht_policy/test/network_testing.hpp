@@ -11,6 +11,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -74,6 +76,44 @@ std::vector<float> flatten(const std::vector<Array>& rows) {
     values.insert(values.end(), row.begin(), row.end());
   }
   return values;
+}
+
+/// Checkpoints that make_checkpoints.py writes, once for all tests.
+inline const TemporaryFolder& checkpointsFromPython() {
+  static const TemporaryFolder folder;
+  static const std::string command =
+      std::string(PUSHT_PYTHON) + " " + PUSHT_MAKE_CHECKPOINTS + " " + (folder / "").string() + " 2>/dev/null";
+  static const int status = std::system(command.c_str());  // NOLINT(cert-env33-c): every word of it is ours
+  if (status != 0) {
+    throw std::runtime_error(command + " ends with " + std::to_string(status));
+  }
+  return folder;
+}
+
+/// Actions of rollouts that go on side by side for `steps`, `batch` of them in a call; [rollout][step]. A rollout's
+/// observations follow from its index in `beginnings`.
+inline std::vector<std::vector<Action>> drive(Policy& policy, const std::vector<Beginning>& beginnings, int steps,
+                                              std::size_t batch) {
+  const std::vector<Observation> all = observations();
+  std::vector<std::unique_ptr<Policy::Memory>> memories;
+  for (const Beginning& beginning : beginnings) {
+    memories.push_back(policy.begin(beginning));
+  }
+  std::vector<std::vector<Action>> rollouts(beginnings.size());
+  for (int step = 0; step < steps; ++step) {
+    for (std::size_t first = 0; first < memories.size(); first += batch) {
+      std::vector<Policy::Query> queries;
+      for (std::size_t i = first; i < std::min(first + batch, memories.size()); ++i) {
+        queries.push_back({all[(7 * i + static_cast<std::size_t>(step)) % all.size()], memories[i].get()});
+      }
+      std::vector<Action> actions(queries.size());
+      policy.act(queries, actions);
+      for (std::size_t i = 0; i < actions.size(); ++i) {
+        rollouts[first + i].push_back(actions[i]);
+      }
+    }
+  }
+  return rollouts;
 }
 
 /// Equal to `tolerance`, relative where values exceed 1.

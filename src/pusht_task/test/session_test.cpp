@@ -453,7 +453,10 @@ TEST(SimulatorStarts, WithParametersThatTheKindRefuses) {
 /// Answers with how often the rollout has asked.
 class Counting : public Policy {
  public:
-  std::unique_ptr<Memory> begin(const Beginning& /*unused*/) const override { return std::make_unique<Count>(); }
+  std::unique_ptr<Memory> begin(const Beginning& beginning) const override {
+    requireExecutable(beginning, answered);
+    return std::make_unique<Count>();
+  }
   void act(Span<const Query> queries, Span<Action> actions) override {
     if (fails) {
       throw RuntimeFault("broken on purpose");
@@ -464,11 +467,29 @@ class Counting : public Policy {
   }
 
   bool fails = false;
+  int answered = 1;
 
  private:
   struct Count : Memory {
     int asked = 0;
   };
+};
+
+/// Fails once, after the first row.
+class FailsBetweenRows : public Counting {
+ public:
+  void act(Span<const Query> queries, Span<Action> actions) override {
+    Counting::act({queries.data(), 1}, {actions.data(), 1});
+    if (std::exchange(fails_once_, false)) {
+      throw RuntimeFault("broken on purpose");
+    }
+    Counting::act({queries.data() + 1, queries.size() - 1}, {actions.data() + 1, actions.size() - 1});
+  }
+
+  void failOnce() { fails_once_ = true; }
+
+ private:
+  bool fails_once_ = false;
 };
 
 class PolicySessions : public ::testing::Test {
@@ -481,7 +502,9 @@ class PolicySessions : public ::testing::Test {
     return {"counting", "1", std::move(policy), nlohmann::json::object()};
   }
 
-  pusht_msgs::ActResponse act(const std::vector<std::pair<std::uint64_t, std::uint32_t>>& rollouts) {
+  using Steps = std::vector<std::pair<std::uint64_t, std::uint32_t>>;
+
+  static pusht_msgs::ActRequest requestOf(const Steps& rollouts) {
     pusht_msgs::ActRequest request;
     for (const auto& [rollout, step] : rollouts) {
       pusht_msgs::Query query;
@@ -489,8 +512,10 @@ class PolicySessions : public ::testing::Test {
       query.step = step;
       request.queries.push_back(query);
     }
-    return session_.act(request);
+    return request;
   }
+
+  pusht_msgs::ActResponse act(const Steps& rollouts) { return session_.act(requestOf(rollouts)); }
 
   Counting* policy_ = nullptr;
   PolicySession session_;
@@ -547,6 +572,33 @@ TEST_F(PolicySessions, TellThatThePolicyFailed) {
   EXPECT_EQ(failed.instance_id, session_.describe().instance_id);
   policy_->fails = false;
   EXPECT_THAT(act({{7, 0}}).actions, ElementsAre(1, 0));
+}
+
+/// The policy may have stepped some of the memories of a request that failed, and others not.
+TEST_F(PolicySessions, ForgetTheRolloutsOfARequestThatFailed) {
+  auto policy = std::make_unique<FailsBetweenRows>();
+  FailsBetweenRows& failing = *policy;
+  PolicySession session({"counting", "1", std::move(policy), nlohmann::json::object()});
+  session.act(requestOf({{7, 0}, {8, 0}, {9, 0}}));
+  failing.failOnce();
+  EXPECT_EQ(session.act(requestOf({{7, 1}, {8, 1}})).message, "broken on purpose");
+  EXPECT_EQ(session.act(requestOf({{7, 1}})).message, "rollout 7: step 1: expected 0");
+  EXPECT_EQ(session.act(requestOf({{8, 1}})).message, "rollout 8: step 1: expected 0");
+  EXPECT_THAT(session.act(requestOf({{9, 1}, {7, 0}})).actions, ElementsAre(2, 0, 1, 0)) << "9 was not asked for";
+}
+
+/// A rollout that cannot begin leaves the others of its request as they were.
+TEST_F(PolicySessions, RefuseABeginningAndChangeNothing) {
+  auto policy = std::make_unique<Counting>();
+  policy->answered = 2;
+  PolicySession session({"counting", "1", std::move(policy), nlohmann::json::object()});
+  session.act(requestOf({{7, 0}}));
+  session.act(requestOf({{7, 1}}));
+  pusht_msgs::ActRequest request = requestOf({{7, 0}, {9, 0}});
+  request.queries[1].execute = 3;
+  EXPECT_THAT(session.act(request).message, HasSubstr("execute 3: must be from 1 to 2"));
+  EXPECT_THAT(session.act(requestOf({{7, 1}})).actions, ElementsAre(2, 0)) << "its last step, once more";
+  EXPECT_THAT(session.act(requestOf({{7, 2}})).actions, ElementsAre(3, 0));
 }
 
 TEST_F(PolicySessions, RefuseObservationsThatAreNotFinite) {

@@ -12,10 +12,12 @@
 #include <vector>
 
 #include "pusht_policy/network_kernel.hpp"
+#include "pusht_policy/policy_description.hpp"
 #include "pusht_task/policy.hpp"
 
 namespace pusht {
 
+class NetworkMemory;
 class TorchNetwork;
 
 /// Version of the loaded libtorch.
@@ -34,6 +36,7 @@ struct NetworkInfo {
   std::string operations;         ///< operations of the kernel; empty on libtorch
   std::string instruction_set;    ///< instruction set of the kernel; empty on libtorch
   std::string why_not_on_kernel;  ///< reason to run on libtorch; empty on the kernel
+  PolicyDescription description;  ///< signature of the network
   std::string libtorch_version = libtorchVersion();
   std::string blas = activeBlas();  ///< on libtorch the bits depend on it
 
@@ -43,6 +46,10 @@ struct NetworkInfo {
 /// Policy of a network. It runs on NetworkKernel if the checkpoint is a sequence of operations that the kernel knows,
 /// and the results agree with libtorch's; otherwise on libtorch, one row at a time, so rows stay independent. Actions
 /// are the network's outputs: not clipped, and possibly not finite.
+///
+/// A checkpoint with a description may look back on several observations, answer with several actions, and have a state
+/// and noise. All of that is in the memory of a rollout. The network is called when the actions to be executed have run
+/// out; state and noise go on once for each call.
 class NetworkPolicy : public Policy {
  public:
   /// Default deadline of load(). A checkpoint of a megabyte takes 0.1 s to load and to try out. It is below the 30 s
@@ -52,8 +59,9 @@ class NetworkPolicy : public Policy {
   /// Loads a checkpoint, after a copy of this process has loaded it and tried it out (rehearse()). If there is a file
   /// PATH.provenance.json beside it, its SHA-256 is checked first.
   ///
-  /// Throws InvalidInput if the file cannot be read, is damaged, is no TorchScript or crashes libtorch; BadDependency
-  /// if its SHA-256 differs, its numbers are not finite, or it does not map float32 [1, 10] to finite float32 [1, 2];
+  /// Throws InvalidInput if the file cannot be read, is damaged, is no TorchScript, crashes libtorch or has a bad
+  /// description; BadDependency if its SHA-256 differs, its numbers are not finite, it draws random numbers itself, or
+  /// it does not map what its description says (without one: float32 [1, 10] to float32 [1, 2]) to finite numbers;
   /// RuntimeFault if the copy takes longer than `deadline`, the calling thread gets a handled signal meanwhile, or
   /// `stop` holds, by which a program with other threads says that it was asked to end.
   ///
@@ -74,22 +82,28 @@ class NetworkPolicy : public Policy {
 
   ~NetworkPolicy() override;
 
+  /// Null for a network that remembers nothing.
+  std::unique_ptr<Memory> begin(const Beginning& beginning) const override;
+
   void act(Span<const Query> queries, Span<Action> actions) override;
 
   const NetworkInfo& info() const { return info_; }
 
  private:
-  NetworkPolicy(NetworkInfo info, std::unique_ptr<NetworkKernel> kernel, std::unique_ptr<TorchNetwork> network);
-  NetworkPolicy(std::string sha256, std::unique_ptr<NetworkKernel> kernel);
-  NetworkPolicy(std::string sha256, std::unique_ptr<TorchNetwork> network, std::string why_not_on_kernel);
+  NetworkPolicy(NetworkInfo info, std::unique_ptr<NetworkKernel> kernel);
+  NetworkPolicy(NetworkInfo info, std::unique_ptr<TorchNetwork> network, std::string why_not_on_kernel);
 
   void actOnKernel(Span<const Query> queries, Span<Action> actions);
+  void actFromMemory(Span<const Query> queries, Span<Action> actions);
+  void answerOnKernel();
+  void answerOnLibtorch();
 
   NetworkInfo info_;
   std::unique_ptr<NetworkKernel> kernel_;  // null on libtorch
   std::unique_ptr<TorchNetwork> network_;
-  std::vector<float> inputs_;  // rows of the kernel
+  std::vector<float> inputs_;  // rows of the kernel; on libtorch, the noise of a call
   std::vector<float> outputs_;
+  std::vector<NetworkMemory*> spent_;  // rollouts that need an answer
 };
 
 }  // namespace pusht

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -18,6 +19,14 @@ namespace {
 constexpr std::size_t kManyRollouts = 65'536;
 constexpr std::uint64_t kLately = 1'000;  // requests
 
+Beginning beginningOf(const pusht_msgs::Query& query) {
+  if (query.execute > std::numeric_limits<int>::max()) {
+    throw InvalidInput("rollout " + std::to_string(query.rollout) + ": execute " + std::to_string(query.execute) +
+                       ": must be below 2^31");
+  }
+  return {query.seed, static_cast<int>(query.execute)};
+}
+
 }  // namespace
 
 PolicySession::PolicySession(PolicyModel model)
@@ -29,14 +38,7 @@ pusht_msgs::ActResponse PolicySession::act(const pusht_msgs::ActRequest& request
   try {
     forgetEnded();
     require(request);
-    queries_.clear();
-    for (const pusht_msgs::Query& query : request.queries) {
-      if (!isRepeated(query)) {
-        queries_.push_back(begun(query));
-      }
-    }
-    actions_.resize(queries_.size());
-    model_.policy->act(queries_, actions_);
+    ask(request);
   } catch (const std::exception& refusal) {
     response.message = clipped(refusal.what());
     response.exit_code = static_cast<int>(exitCodeOf(refusal));
@@ -93,22 +95,46 @@ void PolicySession::require(const pusht_msgs::ActRequest& request) const {
   }
 }
 
-Policy::Query PolicySession::begun(const pusht_msgs::Query& query) {
+/// Lets the policy act for all rollouts but those whose last query is repeated. What a policy has done to the memories
+/// of a request that failed is not known, so those rollouts are forgotten: they must begin again.
+void PolicySession::ask(const pusht_msgs::ActRequest& request) {
+  std::vector<std::unique_ptr<Policy::Memory>> begun;  // all of them before any rollout changes: begin() may refuse
+  for (const pusht_msgs::Query& query : request.queries) {
+    begun.push_back(query.step == 0 ? model_.policy->begin(beginningOf(query)) : nullptr);
+  }
+  queries_.clear();
+  std::vector<std::uint64_t> asked;
+  for (std::size_t i = 0; i < request.queries.size(); ++i) {
+    const pusht_msgs::Query& query = request.queries[i];
+    if (!isRepeated(query)) {
+      queries_.push_back(queryFor(query, std::move(begun[i])));
+      asked.push_back(query.rollout);
+    }
+  }
+  actions_.resize(queries_.size());
+  try {
+    model_.policy->act(queries_, actions_);
+  } catch (...) {
+    for (const std::uint64_t rollout : asked) {
+      rollouts_.erase(rollout);
+    }
+    throw;
+  }
+}
+
+/// Query for the policy; a rollout at its beginning takes the memory that has `begun`.
+Policy::Query PolicySession::queryFor(const pusht_msgs::Query& query, std::unique_ptr<Policy::Memory> begun) {
   Observation observation{};
   std::copy(query.observation.begin(), query.observation.end(), observation.begin());
-  std::unique_ptr<Policy::Memory> memory;
-  if (query.step == 0) {
-    memory = model_.policy->begin({query.seed, static_cast<int>(query.execute)});
-  }
   if (!has_memory_) {
     return {observation, nullptr};
   }
+  Remembered& rollout = rollouts_[query.rollout];
   if (query.step == 0) {
-    Remembered& rollout = rollouts_[query.rollout];
-    rollout.memory = std::move(memory);
+    rollout.memory = std::move(begun);
     rollout.step = -1;
   }
-  return {observation, rollouts_.at(query.rollout).memory.get()};
+  return {observation, rollout.memory.get()};
 }
 
 void PolicySession::forgetEnded() {

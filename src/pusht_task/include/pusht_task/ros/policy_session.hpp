@@ -43,7 +43,8 @@ class PolicySession {
 
   bool isRepeated(const pusht_msgs::Query& query) const;
   void require(const pusht_msgs::ActRequest& request) const;
-  Policy::Query begun(const pusht_msgs::Query& query);
+  void ask(const pusht_msgs::ActRequest& request);
+  Policy::Query queryFor(const pusht_msgs::Query& query, std::unique_ptr<Policy::Memory> begun);
   void forgetEnded();
 
   PolicyModel model_;

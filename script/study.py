@@ -69,6 +69,8 @@ def demonstrate(plan: Plan, work: Path) -> None:
             options += ["--simulator", simulator]
         for draw in what.get("draw", []):
             options += ["--draw", draw]
+        if "action_noise" in what:
+            options += ["--action-noise", what["action_noise"]]
         ros(work, "sim2sim_eval", "demonstrate", *options, "--out", bag)
 
 
@@ -79,6 +81,9 @@ def train(plan: Plan, work: Path) -> None:
         options: List[object] = ["--bag", f"{group['demonstrations']}.bag"]
         options += ["--seed", plan["first_seed"], "--seeds", group["seeds"]]
         options += ["--epochs", recipe["epochs"], "--hidden", *recipe["hidden"]]
+        for name, option in (("model", "--model"), ("batch", "--batch"), ("learning_rate", "--lr")):
+            if name in recipe:
+                options += [option, recipe[name]]
         for epochs in group.get("also_after", []):
             options += ["--also-after", epochs]
         ros(work, "pusht_policy", "train", *options, "--out", f"{name}.ts.pt", "--keep")

@@ -29,26 +29,26 @@ def write_findings(plan: Plan, work: Path, tables: Path) -> None:
     ladder_ranks.csv, variants.csv, conduct.csv and predictions.csv; and figures.json, which has
     what docs/claims.yaml reads."""
     matrix = json.loads((work / "matrix.json").read_text())
-    groups = list(_group_rows(matrix))
+    groups = list(group_rows(matrix))
     curve = list(_curve_rows(plan, groups))
-    _write(tables / "groups.csv", groups)
-    _write(tables / "curves.csv", curve)
+    write_table(tables / "groups.csv", groups)
+    write_table(tables / "curves.csv", curve)
     failures = _failure_rows(plan, matrix, work)
-    _write(tables / "failures.csv", failures)
+    write_table(tables / "failures.csv", failures)
     rankings = list(_ranking_rows(json.loads((work / "rankings.json").read_text())))
-    _write(tables / "rankings.csv", rankings)
+    write_table(tables / "rankings.csv", rankings)
     shares = _ladder_shares(plan, work)
     ladder = _ladder_rows(shares)
     ranks = _ladder_ranks(shares)
-    _write(tables / "ladder.csv", ladder)
-    _write(tables / "ladder_ranks.csv", ranks)
+    write_table(tables / "ladder.csv", ladder)
+    write_table(tables / "ladder_ranks.csv", ranks)
     variants = list(_variant_rows(json.loads((work / "variants.json").read_text())))
-    _write(tables / "variants.csv", variants)
+    write_table(tables / "variants.csv", variants)
     explored, tested = _conduct(plan, work)
     conduct = [*_conduct_rows("explored", explored), *_conduct_rows("tested", tested)]
     predictions = _prediction_rows(plan["conduct"]["predictions"], tested)
-    _write(tables / "conduct.csv", conduct)
-    _write(tables / "predictions.csv", predictions)
+    write_table(tables / "conduct.csv", conduct)
+    write_table(tables / "predictions.csv", predictions)
     figures = {
         "hypotheses": {h["name"].partition(" ")[0]: h for h in matrix["hypotheses"]},
         "groups": _by(groups, "group", "simulator"),
@@ -103,7 +103,8 @@ def first_policies(plan: Plan, part: Row) -> Iterator[Tuple[str, str]]:
             yield group, f"{group}-{seed}"
 
 
-def _write(path: Path, rows: Sequence[Row]) -> None:
+def write_table(path: Path, rows: Sequence[Row]) -> None:
+    """Writes rows as CSV; the keys of the first are the columns."""
     text = io.StringIO()
     writer = csv.DictWriter(text, rows[0].keys() if rows else [], lineterminator="\n")
     writer.writeheader()
@@ -116,7 +117,7 @@ def _estimate(name: str, found: Row) -> Row:
     return {name: found["value"], f"{name}_low": low, f"{name}_high": high}
 
 
-def _group_rows(matrix: Row) -> Iterator[Row]:
+def group_rows(matrix: Row) -> Iterator[Row]:
     """Each group of policies in each simulator."""
     for group in matrix["groups"]:
         for simulator, cell in zip(matrix["simulators"], group["cells"]):

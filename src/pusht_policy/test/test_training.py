@@ -28,7 +28,7 @@ from pusht_policy.checkpoint import PROVENANCE_FORMAT, provenance_path
 from pusht_policy.demonstrations import Demonstration, read_demonstrations, sha256_of_frames
 from pusht_policy.formats import DEMONSTRATION_FORMAT
 from pusht_policy.frames import split
-from pusht_policy.model import Policy, minimum_and_range, normalised, torchscript_bytes
+from pusht_policy.model import Policy, Ranges, minimum_and_range, normalised, torchscript_bytes
 from pusht_policy.recipe import Recipe
 from pusht_policy.trainer import Trainer
 from pusht_task.error import Error, ExitCode
@@ -236,9 +236,8 @@ class PolicyModule(unittest.TestCase):
         observations = torch.from_numpy(demonstration(0, steps=40).observations)
         actions = torch.from_numpy(demonstration(0, steps=40).actions)
         self.observations = observations
-        self.model = Policy(
-            (7, 5), *minimum_and_range(observations), *minimum_and_range(actions)
-        ).eval()
+        ranges = Ranges(*minimum_and_range(observations), *minimum_and_range(actions))
+        self.model = Policy((7, 5), ranges).eval()
 
     def test_layout_of_the_checkpoint(self) -> None:
         layers = [f"net.{i}.{kind}" for i in (0, 2, 4) for kind in ("weight", "bias")]
@@ -341,11 +340,11 @@ class Training(TrainerCase):
         """Backpropagation, Adam and cosine by hand in float64; the tolerance is float32's."""
         recipe = dataclasses.replace(SMALL, epochs=3, learning_rate=1e-2)
         trainer = self.trainer(recipe)
-        p = [value.detach().numpy().astype(np.float64) for value in trainer.model.net.parameters()]
+        p = [value.detach().numpy().astype(np.float64) for value in trainer.model.parameters()]
         first = [np.zeros_like(value) for value in p]
         second = [np.zeros_like(value) for value in p]
-        x = trainer.train_frames.inputs.numpy().astype(np.float64)
-        t = trainer.train_frames.targets.numpy().astype(np.float64)
+        x = trainer.train_examples.inputs.flatten(1).numpy().astype(np.float64)
+        t = trainer.train_examples.targets.flatten(1).numpy().astype(np.float64)
         shuffler = torch.Generator()
         shuffler.set_state(trainer.generator.get_state())
         step = 0
@@ -368,12 +367,12 @@ class Training(TrainerCase):
                     mean, square = first[i] / (1 - 0.9**step), second[i] / (1 - 0.999**step)
                     p[i] = p[i] - rate * mean / (np.sqrt(square) + 1e-8)
         trainer.run(self.state, never)
-        for expected, found in zip(p, trainer.model.net.parameters()):
+        for expected, found in zip(p, trainer.model.parameters()):
             np.testing.assert_allclose(found.detach().numpy(), expected, atol=2e-5)
 
     def test_learns_the_expert(self) -> None:
         trainer = self.finished(dataclasses.replace(SMALL, epochs=60, hidden=(32, 32)))
-        untrained = self.trainer()._loss_over(trainer.validation_frames)
+        untrained = self.trainer()._loss_over(trainer.validation_examples)
         self.assertLess(trainer.validation_loss, 0.1 * untrained)
         self.assertEqual([entry["epoch"] for entry in trainer.history], [50])
 
@@ -402,6 +401,7 @@ class Training(TrainerCase):
             "learning_rate": math.nan,
             "seed": -1,
             "hidden": (0, 3),
+            "model": "transformer",
         }
         for name, value in values.items():
             with self.assertRaisesRegex(Error, "^lr|" + name):
@@ -445,6 +445,7 @@ class Resume(TrainerCase):
             "seed": 1,
             "threads": 2,
             "hidden": (8, 7),
+            "model": "chunk",
         }
         for name, value in others.items():
             trainer = self.trainer(dataclasses.replace(SMALL, **{name: value}))

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Frames of demonstrations: which are to train and which to validate, and as tensors."""
+"""Frames of demonstrations: which are to train and which to validate, as tensors, and cut into what
+a model learns from."""
 
 from dataclasses import dataclass
-from typing import List, Sequence, Tuple
+from typing import Iterator, List, Sequence, Tuple
 
 import numpy as np
 import torch
 from torch import Tensor
 
 from pusht_policy.demonstrations import Demonstration
-from pusht_policy.model import Policy, normalised
 from pusht_policy.recipe import Recipe
 from pusht_task.error import Error
 
@@ -29,29 +29,70 @@ def split(
 
 @dataclass(frozen=True)
 class Frames:
-    """Frames of some demonstrations, in SI units."""
+    """Frames of some demonstrations, one after the other, in SI units or normalized."""
 
     observations: Tensor  # float32 [n, 10]
     actions: Tensor  # float32 [n, 2], m/s
+    first: Tensor  # int64 [n], index of the first frame of the same demonstration
+    last: Tensor  # int64 [n], index of its last frame
+
+    def __len__(self) -> int:
+        return len(self.observations)
 
 
 @dataclass(frozen=True)
-class NormalizedFrames:
-    """Frames as the network sees them: inputs in [-1, 1], targets mapped likewise."""
+class Examples:
+    """What a network learns from, a row for each example, as the network sees it."""
 
-    inputs: Tensor  # float32 [n, 10]
-    targets: Tensor  # float32 [n, 2]
+    inputs: Tensor  # float32 [m, ...]
+    targets: Tensor  # float32 [m, ...]
+    lengths: Tensor  # int64 [m], control steps of an example that count
+
+    def __len__(self) -> int:
+        return len(self.inputs)
+
+    def frames(self) -> int:
+        """Control steps of all examples that count."""
+        return int(self.lengths.sum())
+
+    def split(self, size: int) -> Iterator["Examples"]:
+        """Examples in batches of at most so many."""
+        parts = (part.split(size) for part in (self.inputs, self.targets, self.lengths))
+        return (Examples(*batch) for batch in zip(*parts))
+
+    def rows(self, indices: Tensor) -> "Examples":
+        """Examples in another order, or some of them."""
+        return Examples(self.inputs[indices], self.targets[indices], self.lengths[indices])
 
 
 def frames_of(demonstrations: Sequence[Demonstration]) -> Frames:
     """Frames of all demonstrations, one after the other."""
+    lengths = torch.tensor([len(d.actions) for d in demonstrations])
+    last = lengths.cumsum(0) - 1
     return Frames(
         torch.from_numpy(np.concatenate([d.observations for d in demonstrations])),
         torch.from_numpy(np.concatenate([d.actions for d in demonstrations])),
+        (last - lengths + 1).repeat_interleave(lengths),
+        last.repeat_interleave(lengths),
     )
 
 
-def normalized_frames(frames: Frames, model: Policy) -> NormalizedFrames:
-    """Frames mapped by the ranges that the model has."""
-    inputs = normalised(frames.observations, model.obs_min, model.obs_range).clamp(-1.0, 1.0)
-    return NormalizedFrames(inputs, normalised(frames.actions, model.act_min, model.act_range))
+def windows(frames: Frames, observations: int, actions: int) -> Examples:
+    """An example for each frame: the observations up to it, [n, observations, 10], and the actions
+    from it on, [n, actions, 2]. As in Diffusion Policy, the first observation is repeated before a
+    demonstration begins, and the last action after its end."""
+    now = torch.arange(len(frames)).unsqueeze(1)
+    past = torch.maximum(now + torch.arange(1 - observations, 1), frames.first.unsqueeze(1))
+    ahead = torch.minimum(now + torch.arange(actions), frames.last.unsqueeze(1))
+    lengths = torch.ones(len(frames), dtype=torch.int64)
+    return Examples(frames.observations[past], frames.actions[ahead], lengths)
+
+
+def episodes(frames: Frames) -> Examples:
+    """An example for each demonstration, all of the length of the longest; the steps after an end
+    do not count."""
+    first, last = frames.first.unique(), frames.last.unique()
+    lengths = last - first + 1
+    steps = first.unsqueeze(1) + torch.arange(int(lengths.max()))
+    steps = torch.minimum(steps, last.unsqueeze(1))
+    return Examples(frames.observations[steps], frames.actions[steps], lengths)

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence
 
 import torch
-from torch import nn
 
 from pusht_policy.demonstrations import Demonstration, sha256_of_frames
 from pusht_policy.formats import STATE_FORMAT
-from pusht_policy.frames import NormalizedFrames, frames_of, normalized_frames, split
-from pusht_policy.model import Policy, minimum_and_range
+from pusht_policy.frames import Examples, frames_of, split
+from pusht_policy.model import ranges_of
+from pusht_policy.models import MODELS
 from pusht_policy.progress import Progress
 from pusht_policy.recipe import Recipe
 from pusht_policy.software import software
@@ -34,13 +34,11 @@ class Trainer:
         self.generator = torch.Generator().manual_seed(recipe.seed)
         train_part, validation_part = split(demonstrations, recipe, self.generator)
         frames = frames_of(train_part)
-        obs_min, obs_range = minimum_and_range(frames.observations)
-        act_min, act_range = minimum_and_range(frames.actions)
         torch.manual_seed(recipe.seed)
-        self.model = Policy(recipe.hidden, obs_min, obs_range, act_min, act_range)
+        self.model = MODELS[recipe.model](recipe.hidden, ranges_of(frames))
         self.script = torch.jit.script(self.model)  # shares the weights; reads model.py only now
-        self.train_frames = normalized_frames(frames, self.model)
-        self.validation_frames = normalized_frames(frames_of(validation_part), self.model)
+        self.train_examples = self.model.examples(frames)
+        self.validation_examples = self.model.examples(frames_of(validation_part))
         self.optimizer = torch.optim.Adam(self.model.parameters(), lr=recipe.learning_rate)
         self.scheduler = torch.optim.lr_scheduler.CosineAnnealingLR(
             self.optimizer, T_max=recipe.epochs
@@ -120,17 +118,13 @@ class Trainer:
 
     def recipe_provenance(self) -> Dict[str, Any]:
         """What the recipe says in a provenance."""
-        hidden = "-".join(str(size) for size in self.recipe.hidden)
-        inputs = self.train_frames.inputs.shape[1]
-        outputs = self.train_frames.targets.shape[1]
         return {
-            "architecture": f"MLP {inputs}-{hidden}-{outputs}, ReLU",
+            **self.model.provenance(),
             "epochs": self.recipe.epochs,
             "batch": self.recipe.batch,
             "learning_rate": self.recipe.learning_rate,
             "schedule": "cosine to 0, stepped every epoch",
             "optimizer": "Adam",
-            "loss": "mean squared error in normalised action space",
             "seed": self.recipe.seed,
             "threads": self.recipe.threads,
             "flush_denormal": True,
@@ -143,30 +137,27 @@ class Trainer:
         return {
             **self.recipe_provenance(),
             **early,
-            "train_frames": len(self.train_frames.inputs),
-            "validation_frames": len(self.validation_frames.inputs),
-            "final_train_loss": self._loss_over(self.train_frames),
+            "train_frames": self.train_examples.frames(),
+            "validation_frames": self.validation_examples.frames(),
+            "final_train_loss": self._loss_over(self.train_examples),
             "final_validation_loss": self.validation_loss,
             "validation_loss_history": self.history,
         }
 
     def _run_epoch(self) -> None:
-        frames = self.train_frames
-        order = torch.randperm(len(frames.inputs), generator=self.generator)
+        examples = self.train_examples
+        order = torch.randperm(len(examples), generator=self.generator)
         total = 0.0
-        for inputs, targets in zip(
-            frames.inputs[order].split(self.recipe.batch),
-            frames.targets[order].split(self.recipe.batch),
-        ):
-            loss = nn.functional.mse_loss(self.model.net(inputs), targets)
+        for batch in examples.rows(order).split(self.recipe.batch):
+            loss = self.model.loss(batch, self.generator)
             self.optimizer.zero_grad(set_to_none=True)
             loss.backward()
             self.optimizer.step()
-            total += loss.item() * len(inputs)
+            total += loss.item() * batch.frames()
         self.scheduler.step()
         self.epoch += 1
-        self.train_loss = total / len(frames.inputs)
-        self.validation_loss = self._loss_over(self.validation_frames)
+        self.train_loss = total / examples.frames()
+        self.validation_loss = self._loss_over(self.validation_examples)
         if not (math.isfinite(self.train_loss) and math.isfinite(self.validation_loss)):
             raise Error(
                 f"epoch {self.epoch}: training loss {self.train_loss}, validation loss "
@@ -176,10 +167,10 @@ class Trainer:
         if self.epoch % HISTORY_INTERVAL == 0:
             self.history.append({"epoch": self.epoch, "loss": self.validation_loss})
 
-    def _loss_over(self, frames: NormalizedFrames) -> float:
-        """Mean squared error in normalized action space over all frames."""
+    def _loss_over(self, examples: Examples) -> float:
+        """The loss over all examples, with noise that is the same each time."""
         with torch.no_grad():
-            return float(nn.functional.mse_loss(self.model.net(frames.inputs), frames.targets))
+            return float(self.model.loss(examples, torch.Generator().manual_seed(self.recipe.seed)))
 
 
 def _identity(recipe: Recipe, demonstrations: Sequence[Demonstration]) -> Dict[str, Any]:

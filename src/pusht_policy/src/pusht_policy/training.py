@@ -116,7 +116,7 @@ def train(bags: Sequence[Path], targets: Targets, state_dir: Path, recipe: Recip
 
 def _write_checkpoint(path: Path, trainer: Trainer, demonstrations: Json) -> None:
     """Writes the provenance first: a checkpoint without one would say nothing of its origin."""
-    model_bytes = torchscript_bytes(trainer.script)
+    model_bytes = torchscript_bytes(trainer.script, trainer.model.description())
     provenance = {
         "format": PROVENANCE_FORMAT,
         "checkpoint": {"file": path.name, "sha256": hashlib.sha256(model_bytes).hexdigest()},

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The networks that look back, remember, answer with chunks or draw noise, and the names of all."""
+
+from typing import Any, Callable, Dict, Mapping, Sequence, Tuple
+
+import torch
+from torch import Tensor, nn
+
+from pusht_policy.formats import DESCRIPTION_FORMAT
+from pusht_policy.frames import Examples, Frames, episodes, windows
+from pusht_policy.model import Model, Policy, Ranges, normalised, perceptron, sizes_of
+
+OBSERVATIONS = 2  # a chunk follows from so many, the newest last
+ACTIONS = 8  # of a chunk
+EXECUTE = 4  # of them are executed before the next chunk
+EULER_STEPS = 8  # from noise to a chunk
+# Loss whose best constant answer is a median: nearly one of the expert's actions. The mean, best for
+# squares, of pushing and staying is too slow to move the tee, and the policy stands still.
+ABSOLUTE_ERROR = "mean absolute error in normalised action space"
+
+
+class Described(Model):
+    """A network whose checkpoint says what it takes and answers."""
+
+    def description(self) -> Dict[str, Any]:
+        return {"format": DESCRIPTION_FORMAT, "observations": 1, "actions": 1, "execute": 1}
+
+    def inputs_of(self, observations: Tensor) -> Tensor:
+        return normalised(observations, self.obs_min, self.obs_range).clamp(-1.0, 1.0)
+
+    def actions_of(self, outputs: Tensor) -> Tensor:
+        return (outputs + 1) / 2 * self.act_range + self.act_min
+
+
+class Recurrent(Described):
+    """Observation [n, 1, 10] and state [n, units] to action [n, 1, 2] and the next state."""
+
+    def __init__(self, hidden: Sequence[int], ranges: Ranges) -> None:
+        super().__init__(ranges)
+        self.gru = nn.GRU(ranges.obs_min.numel(), hidden[0], batch_first=True)
+        self.gru.__constants__ = []
+        self.net = perceptron([*hidden, ranges.act_min.numel()])
+
+    def forward(self, observations: Tensor, state: Tensor) -> Tuple[Tensor, Tensor]:
+        y, state = self.gru(self.inputs_of(observations), state.unsqueeze(0))
+        return self.actions_of(self.net(y)), state.squeeze(0)
+
+    def provenance(self) -> Dict[str, str]:
+        gru = f"GRU {self.gru.input_size}-{self.gru.hidden_size}"
+        return {"architecture": f"{gru}, MLP {sizes_of(self.net)}, ReLU", "loss": ABSOLUTE_ERROR}
+
+    def description(self) -> Dict[str, Any]:
+        return {**super().description(), "state": {"shape": [self.gru.hidden_size]}}
+
+    def examples(self, frames: Frames) -> Examples:
+        """Whole demonstrations: a state begins at zero only where a rollout begins."""
+        return episodes(self.normalized(frames))
+
+    def loss(self, examples: Examples, generator: torch.Generator) -> Tensor:
+        steps = torch.arange(int(examples.lengths.max()))
+        counts = steps < examples.lengths.unsqueeze(1)
+        outputs = self.net(self.gru(examples.inputs[:, : len(steps)])[0])
+        return nn.functional.l1_loss(outputs[counts], examples.targets[:, : len(steps)][counts])
+
+
+class Chunked(Described):
+    """A network that answers two observations with eight actions."""
+
+    def description(self) -> Dict[str, Any]:
+        sizes = {"observations": OBSERVATIONS, "actions": ACTIONS, "execute": EXECUTE}
+        return {**super().description(), **sizes}
+
+    def examples(self, frames: Frames) -> Examples:
+        return windows(self.normalized(frames), OBSERVATIONS, ACTIONS)
+
+
+class Chunk(Chunked):
+    """Observations [n, 2, 10] to actions [n, 8, 2]."""
+
+    def __init__(self, hidden: Sequence[int], ranges: Ranges) -> None:
+        super().__init__(ranges)
+        inputs, outputs = OBSERVATIONS * ranges.obs_min.numel(), ACTIONS * ranges.act_min.numel()
+        self.net = perceptron([inputs, *hidden, outputs])
+        self.actions = ACTIONS
+
+    def forward(self, observations: Tensor) -> Tensor:
+        y = self.net(self.inputs_of(observations).flatten(1))
+        return self.actions_of(y.unflatten(1, [self.actions, -1]))
+
+    def provenance(self) -> Dict[str, str]:
+        return {"architecture": f"MLP {sizes_of(self.net)}, ReLU", "loss": ABSOLUTE_ERROR}
+
+    def loss(self, examples: Examples, generator: torch.Generator) -> Tensor:
+        outputs = self.net(examples.inputs.flatten(1))
+        return nn.functional.l1_loss(outputs, examples.targets.flatten(1))
+
+
+class Flow(Chunked):
+    """Observations [n, 2, 10] and normal noise [n, 8, 2] to actions [n, 8, 2], by flow matching:
+    the network gives the velocity that carries noise, at time 0, along a straight line to actions,
+    at time 1, and Euler's steps follow it.
+
+    Source: Y. Lipman et al., "Flow Matching for Generative Modeling" (2023).
+    """
+
+    def __init__(self, hidden: Sequence[int], ranges: Ranges) -> None:
+        super().__init__(ranges)
+        inputs, outputs = OBSERVATIONS * ranges.obs_min.numel(), ACTIONS * ranges.act_min.numel()
+        self.net = perceptron([inputs + outputs + 1, *hidden, outputs])
+        self.steps = EULER_STEPS
+
+    def forward(self, observations: Tensor, noise: Tensor) -> Tensor:
+        x = self.inputs_of(observations).flatten(1)
+        y = noise.flatten(1)
+        time = torch.full_like(y[:, :1], -1.0)
+        for _ in range(self.steps):
+            y = y + self.net(torch.cat([x, y, time], 1)) / self.steps
+            time = time + 2.0 / self.steps
+        return self.actions_of(y.clamp(-1.0, 1.0).reshape(noise.shape))
+
+    def provenance(self) -> Dict[str, str]:
+        return {
+            "architecture": f"MLP {sizes_of(self.net)}, ReLU; {self.steps} Euler steps",
+            "loss": "mean squared error of the velocity from noise to normalised actions",
+        }
+
+    def description(self) -> Dict[str, Any]:
+        noise = {"shape": [ACTIONS, 2], "distribution": "normal"}
+        return {**super().description(), "noise": noise}
+
+    def loss(self, examples: Examples, generator: torch.Generator) -> Tensor:
+        x, actions = examples.inputs.flatten(1), examples.targets.flatten(1)
+        noise = torch.randn(actions.shape, generator=generator)
+        time = torch.rand((len(actions), 1), generator=generator)
+        y = noise + time * (actions - noise)
+        velocity = self.net(torch.cat([x, y, 2 * time - 1], 1))
+        return nn.functional.mse_loss(velocity, actions - noise)
+
+
+MODELS: Mapping[str, Callable[[Sequence[int], Ranges], Model]] = {
+    "mlp": Policy,
+    "gru": Recurrent,
+    "chunk": Chunk,
+    "flow": Flow,
+}

@@ -278,9 +278,8 @@ void sweep(const SweepOptions& options) {
   folder.begin(description, origin);
   withStatus(folder, [&] { Sweeper(options, plan, protocol, loaded, folder).run(); });
   if (!plan.lists_policies) {
-    RunConfiguration first{protocol};
-    first.reference = loaded.front().reference().record();
-    first.engine = engines.front();
+    const LoadedSimulator engine(plan.rows.front().engine);
+    const RunConfiguration first = rowConfiguration(protocol, loaded.front(), engine);
     if (const std::string note = noteOnNoise(first, origin); !note.empty()) {
       std::cout << note << std::endl;
     }

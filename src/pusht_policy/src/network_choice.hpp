@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Policies that need libtorch, in a library of their own, which is loaded on demand. libtorch depends on three hundred
-/// libraries, which take a second to load, and a command with another policy does not need them.
+/// Policies that need libtorch or ONNX, each in a library of its own, which is loaded on demand. libtorch depends on
+/// three hundred libraries, which take a second to load, and a command with another policy does not need them.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +23,16 @@ struct NetworkPolicies {
   ChosenPolicy (*untrained)(std::uint64_t seed, const std::string& warning);
 };
 
+constexpr const char* kOnnxPolicyLibrary = "libpusht_onnx_policy.so";
+constexpr const char* kOnnxPoliciesSymbol = "kOnnxPolicies";
+
+/// Functions of that library, under the symbol kOnnxPoliciesSymbol.
+struct OnnxPolicies {
+  /// Policy of the ONNX file at `path`, named `name`. Throws as OnnxPolicy::load().
+  ChosenPolicy (*trained)(const std::filesystem::path& path, const std::string& name);
+};
+
 }  // namespace pusht
 
 extern "C" const pusht::NetworkPolicies kNetworkPolicies;
+extern "C" const pusht::OnnxPolicies kOnnxPolicies;

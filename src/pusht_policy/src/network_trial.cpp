@@ -5,43 +5,25 @@
 #include <cmath>
 
 #include "network_memory.hpp"
+#include "network_probes.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
-#include "pusht_task/spawn.hpp"
-#include "pusht_task/task.hpp"
 
 namespace pusht {
 namespace {
 
-constexpr int kSpawnProbes = 48;
-constexpr int kWideProbes = 16;
-constexpr int kProbes = kSpawnProbes + kWideProbes;
-constexpr double kWideRange = 2.0;   // every number of a wide probe lies in +- this
 constexpr float kAgreement = 1e-5F;  // between kernel and libtorch; relative where actions exceed 1
 
 constexpr int kCallsWithState = 4;  // one after the other, each with the state of the one before
 
-/// Observations with which a network is tried out: starts of episodes, and some that no episode shows.
-std::vector<Observation> probes() {
-  std::vector<Observation> probes(kProbes);
-  for (int i = 0; i < kSpawnProbes; ++i) {
-    probes[i] = observe(spawn(i));
-  }
-  NumpyGenerator generator(kSpawnProbes);
-  for (int i = kSpawnProbes; i < kProbes; ++i) {
-    std::generate(probes[i].begin(), probes[i].end(), [&] { return generator.uniform(-kWideRange, kWideRange); });
-  }
-  return probes;
-}
-
 /// Histories for each probe, one after the other: at the beginning of a rollout, where one observation is repeated, and
 /// every second one of unlike observations.
 std::vector<float> probeHistories(int observations) {
-  const std::vector<Observation> all = probes();
+  const std::vector<Observation> all = networkNetworkProbes();
   std::vector<float> histories;
-  for (int probe = 0; probe < kProbes; ++probe) {
+  for (int probe = 0; probe < kNetworkProbes; ++probe) {
     for (int i = 0; i < observations; ++i) {
-      const Observation& observation = all[(probe + i * (probe % 2)) % kProbes];
+      const Observation& observation = all[(probe + i * (probe % 2)) % kNetworkProbes];
       histories.insert(histories.end(), observation.begin(), observation.end());
     }
   }
@@ -65,11 +47,11 @@ std::vector<float> answersTo(const std::vector<float>& histories, TorchNetwork& 
   const PolicyDescription& description = network.description();
   const bool has_state = !description.state.empty();
   const int stride = has_state || description.isStochastic() ? kCallsWithState : 1;  // as many calls for all networks
-  const std::size_t length = histories.size() / kProbes;
+  const std::size_t length = histories.size() / kNetworkProbes;
   std::vector<float> answers;
   std::vector<float> answer(static_cast<std::size_t>(description.actions) * kActionNumbers);
   std::vector<float> noise(numbersIn(description.noise));
-  for (int probe = 0; probe < kProbes; probe += stride) {
+  for (int probe = 0; probe < kNetworkProbes; probe += stride) {
     std::vector<float> state(numbersIn(description.state));
     PolicyNoise generator(static_cast<std::uint64_t>(probe), description.distribution);
     for (int call = 0; call < stride; ++call) {
@@ -104,7 +86,7 @@ void requireAgreement(NetworkKernel& kernel, const PolicyDescription& descriptio
     const float difference = std::abs(actual[i] - expected[i]);
     if (!(difference <= kAgreement * std::max(1.0F, std::abs(expected[i])))) {
       throw UnfitForKernel("the kernel differs from libtorch by " + std::to_string(difference) + " for probe " +
-                           std::to_string(i * kProbes / actual.size()));
+                           std::to_string(i * kNetworkProbes / actual.size()));
     }
   }
 }

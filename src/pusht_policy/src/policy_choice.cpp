@@ -20,19 +20,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const NetworkPolicies& loadNetworkPolicies() {
-  const fs::path path = fs::path(boost::dll::this_line_location().string()).replace_filename(kNetworkPolicyLibrary);
-  const Library library(path, Library::Scope::kGlobal);  // so that it can be asked which BLAS there is
-  const auto* const policies = library.find<NetworkPolicies>(kNetworkPoliciesSymbol);
+/// Functions of a library beside this one.
+template <class Policies>
+const Policies& loadPolicies(const char* file, Library::Scope scope, const char* symbol) {
+  const fs::path path = fs::path(boost::dll::this_line_location().string()).replace_filename(file);
+  const Library library(path, scope);
+  const auto* const policies = library.find<Policies>(symbol);
   if (policies == nullptr) {
-    throw BadDependency("library " + path.string() + ": has no symbol " + kNetworkPoliciesSymbol);
+    throw BadDependency("library " + path.string() + ": has no symbol " + symbol);
   }
   return *policies;
 }
 
 const NetworkPolicies& networkPolicies() {
-  static const NetworkPolicies& policies = loadNetworkPolicies();
+  static const NetworkPolicies& policies = loadPolicies<NetworkPolicies>(
+      kNetworkPolicyLibrary, Library::Scope::kGlobal, kNetworkPoliciesSymbol);  // global: to ask which BLAS there is
   return policies;
+}
+
+const OnnxPolicies& onnxPolicies() {
+  static const OnnxPolicies& policies =
+      loadPolicies<OnnxPolicies>(kOnnxPolicyLibrary, Library::Scope::kLocal, kOnnxPoliciesSymbol);
+  return policies;
+}
+
+/// Policy of a file: ONNX by its name, else TorchScript.
+ChosenPolicy trained(const fs::path& file, const std::string& name, const std::function<bool()>& stop) {
+  return file.extension() == kOnnxExtension ? onnxPolicies().trained(file, name)
+                                            : networkPolicies().trained(file, name, stop);
 }
 
 /// Runs `load`, which brings libtorch into the process. Where memory is limited (`ulimit -v`), libtorch may abort while
@@ -91,8 +106,7 @@ ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, c
   std::error_code ignored;
   const bool missing = !file.empty() && fs::status(file, ignored).type() == fs::file_type::not_found;
   if (!missing) {
-    return withinMemory("policy " + file.string(), stop,
-                        [&] { return networkPolicies().trained(file, choice.policy, stop); });
+    return withinMemory("policy " + file.string(), stop, [&] { return trained(file, choice.policy, stop); });
   }
   if (is_shipped ? choice.require_policy : !choice.allow_untrained) {
     throw InvalidInput("policy " + file.string() + ": must be a readable file, but is not there");

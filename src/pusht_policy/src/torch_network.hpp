@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <exception>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "checkpoint_archive.hpp"
+#include "operation_list.hpp"
 #include "pusht_policy/network_kernel.hpp"
 #include "pusht_policy/policy_description.hpp"
 #include "pusht_task/types.hpp"
@@ -26,11 +26,6 @@ struct Module;
 }  // namespace torch::jit
 
 namespace pusht {
-
-/// Error: the kernel cannot run the network, for this reason.
-struct UnfitForKernel : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 /// TorchScript module with the signature of a description, called for one rollout at a time. libtorch uses one thread
 /// for each calling thread. Copies share the module, which several threads may run at once.

@@ -25,6 +25,7 @@ OF_INCLUDES = {
     **{"benchmark": "libbenchmark-dev", "gmock": "libgmock-dev", "gtest": "libgtest-dev"},
     **{"ros": "roscpp", "rosbag": "rosbag_storage", "qcustomplot.h": "libqcustomplot-dev"},
     **{"tinyxml2.h": "libtinyxml2-dev", "pybind11": "pybind11-dev"},
+    **{"onnx": "libonnx-dev", "google": "libprotobuf-dev"},
 }
 OF_CMAKE = {
     **{"benchmark": "libbenchmark-dev", "Boost": "libboost-dev", "ccd": "libccd-dev"},
@@ -33,10 +34,11 @@ OF_CMAKE = {
     **{"PkgConfig": "pkg-config", "Qt": "qtbase5-dev", "Torch": "libtorch-dev"},
     **{"pybind11": "pybind11-dev", "Python3": "python3-dev"},
     **{"tinyxml2": "libtinyxml2-dev"},
+    **{"ONNX": "libonnx-dev", "Protobuf": "libprotobuf-dev"},
     **{"yaml-cpp": "yaml-cpp", "Threads": "", "catkin": ""},  # the last two come with every build
 }
 OF_PYTHON = ("cryptography", "distributed", "jinja2", "matplotlib", "numpy", "rospkg", "scipy")
-OF_IMPORTS = {name: f"python3-{name}" for name in (*OF_PYTHON, "selenium", "torch", "yaml")}
+OF_IMPORTS = {name: f"python3-{name}" for name in (*OF_PYTHON, "onnx", "selenium", "torch", "yaml")}
 
 
 def versions() -> Dict[str, str]:

@@ -17,12 +17,14 @@ namespace pusht {
 constexpr const char* kShippedPolicy = "bc";
 /// Checkpoint that kShippedPolicy names, in this package's share.
 constexpr const char* kShippedCheckpoint = "policies/bc_policy.ts.pt";
+/// End of the name of a file that is read as ONNX; any other is TorchScript.
+constexpr const char* kOnnxExtension = ".onnx";
 constexpr const char* kExpertPolicy = "expert";
 constexpr const char* kUntrainedPolicy = "fresh-untrained";
 
 /// Parameters that choose a policy: the file or name, and what may replace a missing file.
 struct PolicyChoice {
-  std::string policy = kShippedPolicy;  ///< a TorchScript file, or one of the names above
+  std::string policy = kShippedPolicy;  ///< a TorchScript or ONNX file, or one of the names above
   bool require_policy = false;          ///< the shipped checkpoint must be there, too
   std::uint64_t untrained_seed = 0;     ///< seed of the weights of an untrained policy
   bool allow_untrained = false;         ///< an untrained policy replaces a named file that is not there
@@ -43,8 +45,8 @@ struct ChosenPolicy {
 
 /// Loads the policy of `choice`. `shipped` is the checkpoint that "bc" names. If it is not there, an untrained policy
 /// runs, with a warning, unless `choice` requires it: the course's guard. A named file must be there. Throws as
-/// NetworkPolicy::load(), which gets `stop`; BadDependency if the library of networks, which is loaded for all policies
-/// but the expert, is not beside this one.
+/// NetworkPolicy::load(), which gets `stop`, or as OnnxPolicy::load(); BadDependency if the library that this takes, of
+/// networks or of ONNX, is not beside this one.
 ChosenPolicy choosePolicy(
     const PolicyChoice& choice, const std::filesystem::path& shipped,
     const std::function<bool()>& stop = [] { return false; });

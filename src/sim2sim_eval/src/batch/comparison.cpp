@@ -141,8 +141,8 @@ std::string adviceAfterInterruption(const CompareOptions& options, const Compari
 
 void CompareOptions::declare(CLI::App& app) {
   app.add_option("--policy", policy,
-                 "TorchScript file (observation[10] to action[2]), 'bc' for the shipped policy, 'expert', or "
-                 "'fresh-untrained'")
+                 "TorchScript file, or ONNX file NAME.onnx (observation[10] to action[2]), 'bc' for the shipped policy, "
+                 "'expert', or 'fresh-untrained'")
       ->capture_default_str();
   CLI::Option* const require =
       app.add_flag("--require-policy", require_policy,

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Trained policy from an ONNX file: raw observation in, raw action out. It needs no libtorch.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pusht_policy/network_kernel.hpp"
+#include "pusht_task/policy.hpp"
+
+namespace pusht {
+
+/// Origin of the numbers of an ONNX file.
+struct OnnxInfo {
+  std::string sha256;  ///< digest of the file
+  std::string operations;
+  std::string instruction_set;
+  std::int64_t opset = 0;
+  std::string producer;  ///< as the file says
+};
+
+/// Policy of a network in ONNX, on NetworkKernel. Actions are the network's outputs: not clipped, and possibly not
+/// finite.
+class OnnxPolicy : public Policy {
+ public:
+  /// Loads the file and tries it out. If there is a file PATH.provenance.json beside it, its SHA-256 is checked first.
+  ///
+  /// Throws InvalidInput if the file cannot be read, is damaged, is no ONNX or has an operator that the kernel has not;
+  /// BadDependency if its SHA-256 differs, its numbers are not finite, or it does not map float32 [n, 10] to finite
+  /// float32 [n, 2].
+  static std::unique_ptr<OnnxPolicy> load(const std::filesystem::path& path,
+                                          InstructionSet instruction_set = availableInstructionSets().back());
+
+  /// Copy for another thread; it shares the weights.
+  std::unique_ptr<OnnxPolicy> clone() const;
+
+  void act(Span<const Query> queries, Span<Action> actions) override;
+
+  const OnnxInfo& info() const { return info_; }
+
+ private:
+  OnnxPolicy(OnnxInfo info, NetworkKernel kernel);
+
+  OnnxInfo info_;
+  NetworkKernel kernel_;
+  std::vector<float> inputs_;  // rows of the kernel
+  std::vector<float> outputs_;
+};
+
+}  // namespace pusht

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// Policies from ONNX files: the bits of their TorchScript, and what is refused.
+#include "../src/onnx_policy.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "network_testing.hpp"
+#include "onnx_testing.hpp"
+#include "pusht_policy/network_policy.hpp"
+#include "pusht_policy/policy_choice.hpp"
+#include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+
+namespace pusht {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Loading `path` must fail so, with a message of one line that names the file and has `part`.
+void expectFileRefusal(const fs::path& path, ExitCode exit_code, const std::string& part) {
+  try {
+    OnnxPolicy::load(path);
+    FAIL() << path << " is accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.exitCode(), exit_code) << error.what();
+    EXPECT_THAT(error.what(), HasSubstr("policy " + path.string() + ": "));
+    EXPECT_THAT(error.what(), HasSubstr(part));
+    EXPECT_THAT(error.what(), Not(HasSubstr("\n")));
+  }
+}
+
+/// Files that torch exported, with the TorchScript that they were exported from.
+class OnnxFromTorch : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<testing::TemporaryFolder>();
+    const std::string command =
+        std::string(PUSHT_PYTHON) + " " + PUSHT_MAKE_ONNX + " " + PUSHT_POLICIES_DIR + " " + (*folder_ / "").string();
+    ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static std::unique_ptr<testing::TemporaryFolder> folder_;
+};
+
+std::unique_ptr<testing::TemporaryFolder> OnnxFromTorch::folder_;
+
+std::vector<Observation> manyObservations() {
+  constexpr int kMany = 2000;
+  std::vector<Observation> observations = testing::observations();
+  NumpyGenerator generator(20001);
+  while (observations.size() < kMany) {
+    Observation& observation = observations.emplace_back();
+    for (float& value : observation) {
+      value = static_cast<float>(generator.uniform(-1.5, 1.5));
+    }
+  }
+  return observations;
+}
+
+TEST_F(OnnxFromTorch, ActsAsItsTorchScriptToTheLastBit) {
+  const std::vector<Observation> observations = manyObservations();
+  int files = 0;
+  for (const auto& entry : fs::directory_iterator(folder_->path())) {
+    if (entry.path().extension() != ".onnx") {
+      continue;
+    }
+    ++files;
+    const std::string stem = entry.path().stem().string();
+    const auto onnx = OnnxPolicy::load(entry.path());
+    const auto torch = NetworkPolicy::load(*folder_ / (stem.substr(0, stem.find('-')) + ".ts.pt"));
+    EXPECT_EQ(onnx->info().operations, torch->info().operations) << stem;
+    for (const std::size_t batch : {1, 7, 2000}) {
+      EXPECT_EQ(testing::bits(testing::flatten(testing::act(*onnx, observations, batch))),
+                testing::bits(testing::flatten(testing::act(*torch, observations))))
+          << stem;
+    }
+  }
+  EXPECT_EQ(files, 17);
+}
+
+TEST_F(OnnxFromTorch, IsChosenByItsName) {
+  const ChosenPolicy chosen = choosePolicy({(*folder_ / "shipped.onnx").string()}, "none");
+  const ChosenPolicy shipped = choosePolicy({}, fs::path(PUSHT_POLICIES_DIR) / "bc_policy.ts.pt");
+  EXPECT_EQ(chosen.name, (*folder_ / "shipped.onnx").string());
+  EXPECT_EQ(chosen.identity.at("operations"), shipped.identity.at("operations"));
+  EXPECT_EQ(chosen.identity.at("sha256"), sha256(readFile(*folder_ / "shipped.onnx", "policy")));
+  EXPECT_EQ(chosen.identity.size(), 2U);
+  EXPECT_EQ(chosen.provenance.at("runs_on"), "fixed-order kernel");
+  EXPECT_EQ(chosen.provenance.at("onnx").at("opset"), 14);
+  EXPECT_THAT(chosen.libraries, ::testing::ElementsAre("libpusht_onnx_policy.so"));
+  EXPECT_EQ(testing::act(*chosen.make(), testing::observations()),
+            testing::act(*shipped.make(), testing::observations()));
+}
+
+/// Its provenance is beside it, from the export.
+TEST_F(OnnxFromTorch, IsRefusedIfItIsNotTheOneOfItsProvenance) {
+  const testing::TemporaryFolder folder;
+  for (const char* end : {"", ".provenance.json"}) {
+    fs::copy(*folder_ / (std::string("shipped.onnx") + end), folder / (std::string("policy.onnx") + end));
+  }
+  EXPECT_TRUE(OnnxPolicy::load(folder / "policy.onnx"));
+  std::string bytes = readFile(folder / "policy.onnx", "policy");
+  bytes[bytes.size() / 2] ^= 1;
+  writeFile(folder / "policy.onnx", bytes);
+  expectFileRefusal(folder / "policy.onnx", ExitCode::kBadDependency, "its SHA-256 is");
+}
+
+class OnnxFile : public ::testing::Test {
+ protected:
+  const testing::TemporaryFolder folder_;
+  const fs::path path_ = folder_ / "policy.onnx";
+};
+
+TEST_F(OnnxFile, IsRefusedIfItIsNotThereOrNoFile) {
+  expectFileRefusal(path_, ExitCode::kInvalidInput, "must be a readable file");
+  fs::create_directory(path_);
+  expectFileRefusal(path_, ExitCode::kInvalidInput, "must be a readable file");
+}
+
+/// Nothing is read of it: the file has no blocks on the disk.
+TEST_F(OnnxFile, OfThreeGigabytesIsRefused) {
+  writeFile(path_, "");
+  fs::resize_file(path_, 3'000'000'000);
+  expectFileRefusal(path_, ExitCode::kInvalidInput, "must have at most 2147483647 bytes");
+}
+
+TEST_F(OnnxFile, WhoseActionsAreNotFiniteIsRefused) {
+  onnx::ModelProto model =
+      testing::onnxModel(testing::op("Gemm", {"x", "big"}, "a") + testing::op("Gemm", {"a", "big2"}, "y"));
+  testing::addTensor(*model.mutable_graph(), "big", {10, 2}, std::vector<float>(20, 1e30F));
+  testing::addTensor(*model.mutable_graph(), "big2", {2, 2}, std::vector<float>(4, 1e30F));
+  writeFile(path_, model.SerializeAsString());
+  expectFileRefusal(path_, ExitCode::kBadDependency, "its actions must be finite, but are not for probe 0");
+}
+
+/// A small model, so that a flipped byte is seldom a weight.
+class DamagedOnnx : public OnnxFile {
+ protected:
+  std::size_t below(std::size_t bound) {
+    return static_cast<std::size_t>(generator_.uniform(0, static_cast<double>(bound)));
+  }
+
+  /// Whether the bytes are refused, in one line; if not, the policy must act.
+  bool isRefused(const std::string& bytes) {
+    writeFile(path_, bytes);
+    try {
+      const auto policy = OnnxPolicy::load(path_);
+      testing::act(*policy, testing::observations());
+      return false;
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), Not(HasSubstr("\n")));
+      EXPECT_THAT(error.what(), HasSubstr(path_.string()));
+      EXPECT_TRUE(error.exitCode() == ExitCode::kInvalidInput || error.exitCode() == ExitCode::kBadDependency)
+          << error.what();
+      return true;
+    }
+  }
+
+  /// How many of the mutations are refused.
+  template <class Mutate>
+  int refusedOf(int mutations, const Mutate& mutate) {
+    int count = 0;
+    for (int i = 0; i < mutations; ++i) {
+      count += isRefused(mutate()) ? 1 : 0;
+    }
+    std::cout << count << " of " << mutations << " refused" << std::endl;
+    return count;
+  }
+
+  const std::string whole_ =
+      testing::onnxModel(testing::op("Constant", {}, "c", testing::tensorAttribute("data_type: 1 float_data: 2.5")) +
+                         testing::op("Mul", {"x", "c"}, "a") +
+                         testing::op("Gemm", {"a", "w_t", "b"}, "h", testing::integerAttribute("transB", "1")) +
+                         testing::op("Clip", {"h", "number", "one"}, "y"))
+          .SerializeAsString();
+  NumpyGenerator generator_{20002};
+};
+
+TEST_F(DamagedOnnx, WithOtherBytesNeverCrashes) {
+  EXPECT_FALSE(isRefused(whole_));
+  const std::size_t structure = whole_.find("w0");  // names, types and shapes come before the large tensors
+  const int refused = refusedOf(3000, [&] {
+    std::string bytes = whole_;
+    for (std::size_t flips = 1 + below(3); flips > 0; --flips) {
+      char& byte = bytes[below(structure)];
+      byte = static_cast<char>(byte ^ static_cast<char>(1 + below(255)));
+    }
+    return bytes;
+  });
+  EXPECT_GT(refused, 1500);
+}
+
+TEST_F(DamagedOnnx, CutOffIsRefused) {
+  for (std::size_t size = 0; size < whole_.size(); ++size) {
+    EXPECT_TRUE(isRefused(whole_.substr(0, size))) << size << " bytes";
+  }
+}
+
+TEST_F(DamagedOnnx, WithoutOrWithMoreBytesNeverCrashes) {
+  EXPECT_GT(refusedOf(1000,
+                      [&] {
+                        std::string bytes = whole_;
+                        const std::size_t place = below(bytes.size());
+                        return below(2) == 0 ? bytes.erase(place, 1 + below(40))
+                                             : bytes.insert(place, std::string(1 + below(40), '\x0a'));
+                      }),
+            900);
+}
+
+TEST_F(DamagedOnnx, RandomBytesAreRefused) {
+  EXPECT_EQ(refusedOf(1000,
+                      [&] {
+                        std::string bytes(1 + below(200), '\0');
+                        for (char& byte : bytes) {
+                          byte = static_cast<char>(below(256));
+                        }
+                        return bytes;
+                      }),
+            1000);
+}
+
+}  // namespace
+}  // namespace pusht

@@ -19,7 +19,7 @@ constexpr int kCallsWithState = 4;  // one after the other, each with the state 
 /// Histories for each probe, one after the other: at the beginning of a rollout, where one observation is repeated, and
 /// every second one of unlike observations.
 std::vector<float> probeHistories(int observations) {
-  const std::vector<Observation> all = networkNetworkProbes();
+  const std::vector<Observation> all = networkProbes();
   std::vector<float> histories;
   for (int probe = 0; probe < kNetworkProbes; ++probe) {
     for (int i = 0; i < observations; ++i) {

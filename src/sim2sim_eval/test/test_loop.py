@@ -12,7 +12,11 @@ from command_case import CommandCase, executable
 COMPARE = executable("sim2sim_eval", "compare")
 EQUIVALENT = executable("sim2sim_eval", "equivalent")
 PLOT = executable("sim2sim_eval", "plot_sweep")
+CONTRAST = executable("sim2sim_eval", "contrast")
+MATRIX = executable("sim2sim_eval", "matrix")
 MERGE = executable("sim2sim_eval", "merge")
+PLAN = executable("sim2sim_eval", "plan")
+REPORT = executable("sim2sim_eval", "report")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
 SWEEP = executable("sim2sim_eval", "sweep")
 EXPERT = ("--policy", "expert")
@@ -94,6 +98,42 @@ class Loops(LoopCase):
             self.assertIn(words, self.refused(COMPARE, *EXPERT, *arguments), arguments)
         audit = executable("sim2sim_eval", "audit")
         self.assertIn("an audit has no policy", self.refused(audit, "--set", "loop.hold=2"))
+
+
+class Repeats(LoopCase):
+    NOISE = ("--loop", "action_noise=0.5", "--no-floor", "--repeats", "3", "--episodes", "60")
+
+    def test_results_are_by_start(self) -> None:
+        text = self.compare("run", *self.NOISE)
+        self.assertIn("(60 episodes, 3 of each start; in brackets", text)
+        self.assertIn("variance of repeats", text)
+        metrics = self.load("run", "metrics.json")
+        self.assertEqual((metrics["starts"], metrics["repeats"]), (20, 3))
+        low, high = metrics["engine_success_variance_repeats_interval"]
+        self.assertTrue(low <= metrics["engine_success_variance_repeats"] <= high <= 0.5)
+        with (self.folder / "run" / "episodes.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["repeat"] for row in rows[::3]], ["0", "1", "2"] * 20)
+        self.assertEqual([row["seed"] for row in rows[:12:3]], ["10000"] * 3 + ["10001"])
+        wide = self.load("run", "statistics.json")["starts"]
+        self.assertEqual(wide, 20)
+
+    def test_readers_of_repeats(self) -> None:
+        self.compare("run", *self.NOISE)
+        self.compare("other", *self.NOISE, "--set", "block_damp=20")
+        contrasted = self.run_all((CONTRAST, "run", "other", "--out", "contrast.json"))
+        self.assertIn("block_damp 20.0", contrasted)
+        (found,) = json.loads((self.folder / "contrast.json").read_text())["contrasts"]
+        self.assertTrue(all(f["decided_after"] is None for f in found["figures"].values()))
+        self.run_all((REPORT, "run", "other", "--out", "report.html"))
+        page = (self.folder / "report.html").read_text()
+        self.assertIn("Each of 20 starts was played 3 times", page)
+        self.assertIn("has 3 repeats of each start; must have one", self.refused(PLAN, "run"))
+        plan = "{policies: [expert, bc], episodes: 4, repeats: 2, engine: [two_mass]}"
+        self.sweep(plan, "policies")
+        self.assertIn("has 2 repeats of each start", self.refused(MATRIX, "policies"))
+        arguments = (*EXPERT, *self.NOISE, "--until-decided", "0.5")
+        self.assertIn("must not be given with repeats 3", self.refused(COMPARE, *arguments))
 
 
 class Equivalents(LoopCase):

@@ -15,6 +15,7 @@
 #include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/starts.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 
 namespace sim2sim {
@@ -109,27 +110,15 @@ std::vector<RunResults> rowsOf(const fs::path& folder, const std::function<void(
   return rows;
 }
 
-/// Successes of a rollout by start: shares of its repeats.
-std::vector<double> sharesOf(const RunResults& row, std::size_t rollout) {
-  std::vector<double> shares(static_cast<std::size_t>(row.protocol.starts()), 0.0);
-  for (std::size_t i = 0; i < row.episodes.size(); ++i) {
-    const auto repeats = static_cast<std::size_t>(row.protocol.repeats);
-    shares[i / repeats] += (row.episodes[i].rollouts[rollout].success ? 1.0 : 0.0) / static_cast<double>(repeats);
-  }
-  return shares;
-}
-
 /// Success of one rollout less that of the engine of `engine`, over the same starts.
 Surplus surplusOf(double size, const RunResults& row, std::size_t rollout, const RunResults& engine) {
   if (row.protocol.repeats == 1) {
     const PairTable table = pairsOf(engine.episodes, kEngineClosed, row.episodes, rollout);
     return {size, table.difference(), tangoInterval(table).value()};
   }
-  std::vector<double> differences = sharesOf(row, rollout);
-  const std::vector<double> taken = sharesOf(engine, kEngineClosed);
-  std::transform(differences.begin(), differences.end(), taken.begin(), differences.begin(), std::minus<>());
-  const Difference mean = meanDifference(differences);
-  return {size, mean.value, mean.interval.value_or(Interval{mean.value, mean.value})};
+  const Difference difference =
+      repeatedDifference(pairsByStart(row.protocol, engine.episodes, kEngineClosed, row.episodes, rollout));
+  return {size, difference.value, difference.interval.value()};
 }
 
 /// A parameter with its rows on one side of the reference's value.

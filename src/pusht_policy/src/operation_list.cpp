@@ -66,11 +66,7 @@ FloatTensor transposed(const FloatTensor& matrix) {
 int OperationList::columns() const { return static_cast<int>(countOf(shape_)); }
 
 void OperationList::push(Operation::Kind kind, std::vector<float> operand) {
-  constexpr std::size_t kMost = std::size_t{1} << 28U;  // a gigabyte; a small file may use one matrix many times
   numbers_ += operand.size();
-  if (numbers_ > kMost) {
-    throw UnfitOperand("the operands must be at most " + std::to_string(kMost) + " numbers");
-  }
   operations_.push_back({kind, columns(), std::move(operand)});
 }
 

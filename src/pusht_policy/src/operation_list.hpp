@@ -67,11 +67,14 @@ class OperationList {
 
   const std::vector<Operation>& operations() const { return operations_; }
 
+  /// Numbers of all operands.
+  std::size_t numbers() const { return numbers_; }
+
  private:
   void push(Operation::Kind kind, std::vector<float> operand);
 
   Sizes shape_;
-  std::size_t numbers_ = 0;  // of all operands
+  std::size_t numbers_ = 0;
   std::vector<Operation> operations_;
 };
 

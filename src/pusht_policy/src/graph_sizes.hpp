@@ -4,14 +4,12 @@
 
 #include <torch/script.h>
 
-#include <cstdint>
 #include <map>
 #include <optional>
-#include <vector>
+
+#include "operation_list.hpp"
 
 namespace pusht {
-
-using Sizes = std::vector<std::int64_t>;
 
 /// Shapes of the results of a graph that are known, and values that are constant with them.
 class GraphSizes {

@@ -118,16 +118,26 @@ void OnnxReader::read(const NodeProto& node, int index) {
       }
     }
     if (const Constant constant = folded(node)) {
+      folded_ += constant->tensor.values.size();
+      requireRoom();
       constants_.emplace(node.output(0), constant);
     } else if (known.read == nullptr) {
       throw UnfitForKernel("must be of a constant");
     } else {
       (this->*known.read)(node);
+      requireRoom();
       rows_ = node.output(0);
     }
   } catch (const UnfitForKernel& error) {
     const std::string domain = isStandard(node.domain()) ? "" : node.domain() + ".";
     throw UnfitForKernel("operator " + quoted(domain + node.op_type()) + " of node " + name + ": " + error.what());
+  }
+}
+
+void OnnxReader::requireRoom() const {
+  constexpr std::size_t kMostNumbers = std::size_t{1} << 26U;  // 268 MB; a small file may use one matrix many times
+  if (list_.numbers() + folded_ > kMostNumbers) {
+    throw UnfitForKernel("the network must have at most " + std::to_string(kMostNumbers) + " numbers up to here");
   }
 }
 

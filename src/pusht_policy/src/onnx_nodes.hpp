@@ -2,6 +2,7 @@
 /// Nodes of an ONNX graph as operations of the kernel.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -72,12 +73,14 @@ class OnnxReader {
   const FloatTensor& operand(const onnx::NodeProto& node, int input) const;
   const FloatTensor& otherOperand(const onnx::NodeProto& node) const;
   void requireRows(const onnx::NodeProto& node) const;
+  void requireRoom() const;
 
   std::string rows_;  // name of the rows after the last operation
   std::int64_t opset_;
   OperationList list_;
   std::map<std::string, Constant> constants_;
   std::set<std::string> names_;
+  std::size_t folded_ = 0;  // numbers that nodes made of constants
 };
 
 }  // namespace pusht

@@ -10,16 +10,16 @@
 namespace pusht {
 namespace {
 
-std::int64_t countOf(const Shape& shape) {
+std::int64_t countOf(const Sizes& shape) {
   return std::accumulate(shape.begin(), shape.end(), std::int64_t{1}, std::multiplies<>());
 }
 
 /// Size of the axis that is the `from_last`-th from the end; 1 before the first, as in the rule of extension.
-std::int64_t sizeFromLast(const Shape& shape, std::size_t from_last) {
+std::int64_t sizeFromLast(const Sizes& shape, std::size_t from_last) {
   return from_last < shape.size() ? shape[shape.size() - 1 - from_last] : 1;
 }
 
-bool extends(const FloatTensor& operand, const Shape& shape) {
+bool extends(const FloatTensor& operand, const Sizes& shape) {
   bool fits = operand.shape.size() <= shape.size();
   for (std::size_t axis = 0; fits && axis < operand.shape.size(); ++axis) {
     const std::int64_t size = sizeFromLast(operand.shape, axis);
@@ -29,7 +29,7 @@ bool extends(const FloatTensor& operand, const Shape& shape) {
 }
 
 /// Values of an operand for every element of `shape`, to which it extends: along an axis of size 1 they repeat.
-std::vector<float> extended(const FloatTensor& operand, const Shape& shape) {
+std::vector<float> extended(const FloatTensor& operand, const Sizes& shape) {
   std::vector<float> values(countOf(shape));
   for (std::size_t i = 0; i < values.size(); ++i) {
     auto rest = static_cast<std::int64_t>(i);
@@ -66,15 +66,11 @@ FloatTensor transposed(const FloatTensor& matrix) {
 int OperationList::columns() const { return static_cast<int>(countOf(shape_)); }
 
 void OperationList::push(Operation::Kind kind, std::vector<float> operand) {
-  constexpr std::size_t kMost = std::size_t{1} << 28U;  // a gigabyte; a small file may use one matrix many times
   numbers_ += operand.size();
-  if (numbers_ > kMost) {
-    throw UnfitOperand("the operands must be at most " + std::to_string(kMost) + " numbers");
-  }
   operations_.push_back({kind, columns(), std::move(operand)});
 }
 
-void OperationList::reshape(Shape shape) {
+void OperationList::reshape(Sizes shape) {
   if (countOf(shape) != columns()) {
     throw UnfitOperand("must keep the " + std::to_string(columns()) + " columns");
   }
@@ -90,8 +86,8 @@ void OperationList::append(Operation::Kind kind, const FloatTensor& operand) {
 }
 
 void OperationList::appendMatrix(const FloatTensor& matrix) {
-  if (matrix.shape.size() != 2 || matrix.shape[0] != columns() || shape_.back() != columns() || matrix.shape[1] < 1 ||
-      matrix.shape[1] > std::numeric_limits<int>::max()) {
+  if (matrix.shape.size() != 2 || matrix.shape[0] != columns() || shape_.empty() || shape_.back() != columns() ||
+      matrix.shape[1] < 1 || matrix.shape[1] > std::numeric_limits<int>::max()) {
     throw UnfitOperand("its matrix must be float32 for " + std::to_string(columns()) + " inputs");
   }
   shape_.back() = matrix.shape[1];

@@ -23,11 +23,11 @@ struct UnfitOperand : UnfitForKernel {
 };
 
 /// Sizes of a tensor's dimensions.
-using Shape = std::vector<std::int64_t>;
+using Sizes = std::vector<std::int64_t>;
 
 /// Constant of a network: a float32 tensor, row-major; a number has no dimension.
 struct FloatTensor {
-  Shape shape;
+  Sizes shape;
   std::vector<float> values;
 };
 
@@ -41,16 +41,16 @@ FloatTensor transposed(const FloatTensor& matrix);
 /// the beginning, to whose shape operands extend.
 class OperationList {
  public:
-  explicit OperationList(Shape shape) : shape_(std::move(shape)) {}
+  explicit OperationList(Sizes shape) : shape_(std::move(shape)) {}
 
   /// Shape of the tensor after the last operation.
-  const Shape& shape() const { return shape_; }
+  const Sizes& shape() const { return shape_; }
 
   /// Columns of the row after the last operation.
   int columns() const;
 
   /// Takes the row as another shape; no number moves. Throws UnfitOperand unless it has as many numbers.
-  void reshape(Shape shape);
+  void reshape(Sizes shape);
 
   /// Appends an element-wise operation. Throws UnfitOperand unless the operand extends to the shape of the row, by
   /// the rule of numpy and torch.
@@ -67,11 +67,14 @@ class OperationList {
 
   const std::vector<Operation>& operations() const { return operations_; }
 
+  /// Numbers of all operands.
+  std::size_t numbers() const { return numbers_; }
+
  private:
   void push(Operation::Kind kind, std::vector<float> operand);
 
-  Shape shape_;
-  std::size_t numbers_ = 0;  // of all operands
+  Sizes shape_;
+  std::size_t numbers_ = 0;
   std::vector<Operation> operations_;
 };
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <torch/script.h>
 
-#include <functional>
 #include <map>
-#include <numeric>
 #include <utility>
 
 #include "graph_sizes.hpp"
@@ -17,19 +15,19 @@ using torch::jit::IValue;
 using torch::jit::Node;
 using torch::jit::Value;
 
-std::int64_t numbersIn(const Sizes& sizes) {
-  return std::accumulate(sizes.begin(), sizes.end(), std::int64_t{1}, std::multiplies<>());
-}
+FloatTensor floatTensor(const torch::Tensor& tensor) { return {tensor.sizes().vec(), toVector(tensor)}; }
 
 /// Follows the row from operation to operation. It has a shape: element-wise operations extend their operand to it.
 class GraphReader {
  public:
-  GraphReader(const Value* rows, Sizes shape) : rows_(rows), shape_(std::move(shape)) { sizes_.set(rows_, shape_); }
+  GraphReader(const Value* rows, Sizes shape) : rows_(rows), list_(std::move(shape)) {
+    sizes_.set(rows_, list_.shape());
+  }
 
   void read(const Node& node);
 
   const Value* rows() const { return rows_; }
-  std::vector<Operation> takeOperations() { return std::move(operations_); }
+  const std::vector<Operation>& operations() const { return list_.operations(); }
 
  private:
   using Reader = void (GraphReader::*)(const Node&);
@@ -67,13 +65,12 @@ class GraphReader {
   void append(const Node& node, Kind kind, const IValue& operand);
   void appendMatrix(const Node& node, const IValue& matrix);
 
-  int columns() const { return static_cast<int>(numbersIn(shape_)); }
-  void takeShape(const at::Tensor& like) { shape_ = like.sizes().vec(); }
+  torch::Tensor emptyRow() const { return torch::empty(list_.shape()); }
+  void takeShape(const at::Tensor& like) { list_.reshape(like.sizes().vec()); }
 
   const Value* rows_;
-  Sizes shape_;
+  OperationList list_;
   GraphSizes sizes_;
-  std::vector<Operation> operations_;
 };
 
 const std::map<std::string, GraphReader::Reader>& GraphReader::readers() {
@@ -122,9 +119,13 @@ void GraphReader::read(const Node& node) {
   if (reader == readers().end()) {
     refuse(node, "is not known to the kernel");
   }
-  (this->*reader->second)(node);
+  try {
+    (this->*reader->second)(node);
+  } catch (const UnfitOperand& error) {
+    refuse(node, error.what());
+  }
   rows_ = node.output();
-  sizes_.set(rows_, shape_);
+  sizes_.set(rows_, list_.shape());
 }
 
 void GraphReader::requireRows(const Node& node, const char* input) const {
@@ -169,29 +170,15 @@ void GraphReader::append(const Node& node, Kind kind, const IValue& operand) {
   if (values.scalar_type() != torch::kFloat32) {
     refuse(node, "its operand must be float32");
   }
-  if (values.numel() == 1) {
-    values = values.flatten();
-  }
-  const auto axes = static_cast<std::size_t>(values.dim());
-  bool fits = axes <= shape_.size();
-  for (std::size_t axis = 1; fits && axis <= axes; ++axis) {
-    const std::int64_t size = values.sizes()[axes - axis];
-    fits = size == 1 || size == shape_[shape_.size() - axis];
-  }
-  if (!fits) {
-    refuse(node, "its operand must have one value or one for each of " + std::to_string(columns()) + " columns");
-  }
-  operations_.push_back({kind, columns(), toVector(values.expand(shape_))});
+  list_.append(kind, floatTensor(values));
 }
 
 /// The matrix is [inputs, columns].
 void GraphReader::appendMatrix(const Node& node, const IValue& matrix) {
-  if (!matrix.isTensor() || matrix.toTensor().dim() != 2 || matrix.toTensor().size(0) != columns() ||
-      shape_.back() != columns() || matrix.toTensor().scalar_type() != torch::kFloat32) {
-    refuse(node, "its matrix must be float32 for " + std::to_string(columns()) + " inputs");
+  if (!matrix.isTensor() || matrix.toTensor().scalar_type() != torch::kFloat32) {
+    refuse(node, "its matrix must be float32 for " + std::to_string(list_.columns()) + " inputs");
   }
-  shape_.back() = matrix.toTensor().size(1);
-  operations_.push_back({Kind::kMatrix, columns(), toVector(matrix.toTensor())});
+  list_.appendMatrix(floatTensor(matrix.toTensor()));
 }
 
 void GraphReader::readLinear(const Node& node) {
@@ -225,7 +212,7 @@ void GraphReader::readAdd(const Node& node) {
 void GraphReader::readSub(const Node& node) {
   if (node.namedInput("other") == rows_) {
     requireOne(node, "alpha");
-    append(node, Kind::kMultiply, -1);  // c - x is -x + c to the last bit
+    list_.appendNegation();  // c - x is -x + c to the last bit
     append(node, Kind::kAdd, constant(node, "self"));
   } else {
     requireRows(node, "self");
@@ -237,7 +224,7 @@ void GraphReader::readSub(const Node& node) {
 void GraphReader::readRsub(const Node& node) {
   requireRows(node, "self");
   requireOne(node, "alpha");
-  append(node, Kind::kMultiply, -1);
+  list_.appendNegation();
   append(node, Kind::kAdd, constant(node, "other"));
 }
 
@@ -253,7 +240,7 @@ void GraphReader::readDiv(const Node& node) {
 
 void GraphReader::readNeg(const Node& node) {
   requireRows(node, "self");
-  append(node, Kind::kMultiply, -1);
+  list_.appendNegation();
 }
 
 void GraphReader::readRelu(const Node& node) {
@@ -283,7 +270,7 @@ void GraphReader::readHardtanh(const Node& node) {
 
 void GraphReader::readTanh(const Node& node) {
   requireRows(node, "self");
-  operations_.push_back({Kind::kTanh, columns(), {}});
+  list_.appendTanh();
 }
 
 void GraphReader::readTo(const Node& node) {
@@ -307,32 +294,32 @@ void GraphReader::readCopy(const Node& node) { requireRows(node, "self"); }
 
 void GraphReader::readFlatten(const Node& node) {
   requireRows(node, "self");
-  takeShape(torch::empty(shape_).flatten(constant(node, "start_dim").toInt(), constant(node, "end_dim").toInt()));
+  takeShape(emptyRow().flatten(constant(node, "start_dim").toInt(), constant(node, "end_dim").toInt()));
 }
 
 void GraphReader::readReshape(const Node& node) {
   requireRows(node, "self");
-  takeShape(torch::empty(shape_).reshape(constant(node, node.hasNamedInput("shape") ? "shape" : "size").toIntVector()));
+  takeShape(emptyRow().reshape(constant(node, node.hasNamedInput("shape") ? "shape" : "size").toIntVector()));
 }
 
 void GraphReader::readUnflatten(const Node& node) {
   requireRows(node, "self");
   const std::int64_t dim = constant(node, "dim").toInt();
   const Sizes parts = constant(node, "sizes").toIntVector();
-  Sizes sizes = shape_;
+  Sizes sizes = list_.shape();
   const auto place = sizes.erase(dim < 0 ? sizes.end() + dim : sizes.begin() + dim);
   sizes.insert(place, parts.begin(), parts.end());
-  takeShape(torch::empty(shape_).reshape(sizes));
+  takeShape(emptyRow().reshape(sizes));
 }
 
 void GraphReader::readUnsqueeze(const Node& node) {
   requireRows(node, "self");
-  takeShape(torch::empty(shape_).unsqueeze(constant(node, "dim").toInt()));
+  takeShape(emptyRow().unsqueeze(constant(node, "dim").toInt()));
 }
 
 void GraphReader::readSqueeze(const Node& node) {
   requireRows(node, "self");
-  const torch::Tensor like = torch::empty(shape_);
+  const torch::Tensor like = emptyRow();
   takeShape(node.hasNamedInput("dim") ? like.squeeze(constant(node, "dim").toInt()) : like.squeeze());
 }
 
@@ -350,7 +337,7 @@ std::vector<Operation> readOperations(const torch::jit::Graph& graph, const Size
   if (graph.outputs()[0] != reader.rows()) {
     throw UnfitForKernel("forward must return the result of its last operation");
   }
-  return reader.takeOperations();
+  return reader.operations();
 }
 
 }  // namespace

@@ -152,7 +152,7 @@ class DamagedOnnx : public OnnxFile {
 
   /// Whether the bytes are refused, in one line; if not, the policy must act.
   bool isRefused(const std::string& bytes) {
-    writeFile(path_, bytes);
+    writeCacheFile(path_, bytes);  // no wait for the disk
     try {
       const auto policy = OnnxPolicy::load(path_);
       testing::act(*policy, testing::observations());

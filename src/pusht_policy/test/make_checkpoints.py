@@ -106,7 +106,7 @@ class Chunks(nn.Module):
 
 
 class Recurrent(nn.Module):
-    """A GRU. Without `memory`, its recurrent weights are zero, and its gate lets no old state through."""
+    """A GRU. Without `memory` its recurrent weights are 0, and its gate lets no old state by."""
 
     def __init__(self, memory: bool) -> None:
         super().__init__()

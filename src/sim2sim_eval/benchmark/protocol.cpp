@@ -61,7 +61,7 @@ void benchmark(const sim2sim::Protocol& protocol, int repetitions) {
   const std::unique_ptr<mjData, decltype(&mj_deleteData)> data(mj_makeData(&scene->model()), mj_deleteData);
 
   const sim2sim::SimulatorChoice chosen = sim2sim::chooseSimulator("two_mass", {});
-  const sim2sim::LoadedRun loaded({}, sim2sim::chooseSimulator("mujoco", {}), {chosen}, {});
+  const sim2sim::LoadedRun loaded(pusht::PolicyChoice(), sim2sim::chooseSimulator("mujoco", {}), {chosen}, {});
   const sim2sim::LoadedSimulator engine(chosen);
   const sim2sim::LoadedSimulator with_other_parameter(sim2sim::chooseSimulator("two_mass", {"block_damp=20"}));
   sim2sim::WorkerFactory with_libtorch = loaded.workerFactory(engine);

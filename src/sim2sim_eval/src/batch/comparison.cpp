@@ -140,9 +140,10 @@ std::string adviceAfterInterruption(const CompareOptions& options, const Compari
 }  // namespace
 
 void CompareOptions::declare(CLI::App& app) {
-  app.add_option("--policy", policy,
-                 "TorchScript file, or ONNX file NAME.onnx (observation[10] to action[2]), 'bc' for the shipped policy, "
-                 "'expert', or 'fresh-untrained'")
+  app.add_option(
+         "--policy", policy,
+         "TorchScript file, or ONNX file NAME.onnx (observation[10] to action[2]), 'bc' for the shipped policy, "
+         "'expert', or 'fresh-untrained'")
       ->capture_default_str();
   CLI::Option* const require =
       app.add_flag("--require-policy", require_policy,

@@ -42,7 +42,8 @@ struct SweepPlan {
 /// Reads a plan from YAML. Its keys, all optional:
 /// - `policy`; `starts`, a file of initial states as for `compare`; and the options of a run that plans take
 ///   (RunOptions: `seed`, `episodes`, `horizon`, `floor`, `reanchor`, ...).
-/// - `policies` instead of `policy`: a list. Each is a name, a file or a pattern of files (`small-*.ts.pt`, `*.onnx`), or a map
+/// - `policies` instead of `policy`: a list. Each is a name, a file or a pattern of files (`small-*.ts.pt`, `*.onnx`),
+/// or a map
 ///   with `files` (the same) and, if need be, `group` (a name that stands for all of them in a matrix) and `reference`.
 ///   Each policy has all rows, except those whose engine is its reference.
 /// - `reference`, a simulator: "KIND" or "KIND:NAME=VALUE:NAME=VALUE"; or `home`: for each policy the simulator of its

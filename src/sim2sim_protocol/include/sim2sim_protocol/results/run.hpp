@@ -49,7 +49,8 @@ class Run {
   /// Progress for people: "3 of 50 episodes".
   std::string progress() const;
 
-  /// Writes the results of a whole run, prints its table to `out`, and returns its metrics. Throws as RunFolder::finish().
+  /// Writes the results of a whole run, prints its table to `out`, and returns its metrics. Throws as
+  /// RunFolder::finish().
   nlohmann::json finish(std::ostream& out, int faults_survived = 0);
 
   /// Writes the finished episodes of a run that `failure` ended. A further failure to write them is only printed:

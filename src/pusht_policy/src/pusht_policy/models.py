@@ -14,8 +14,8 @@ OBSERVATIONS = 2  # a chunk follows from so many, the newest last
 ACTIONS = 8  # of a chunk
 EXECUTE = 4  # of them are executed before the next chunk
 EULER_STEPS = 8  # from noise to a chunk
-# Loss whose best constant answer is a median, which is nearly one of the expert's actions. The mean,
-# best for squares, of pushing and staying is too slow to move the tee, and the policy stands still.
+# Loss whose best constant answer is a median, which is nearly one of the expert's actions. A mean,
+# best for squares, of pushing and staying is too slow to move the tee: the policy stands still.
 ABSOLUTE_ERROR = "mean absolute error in normalised action space"
 
 

@@ -12,7 +12,7 @@ from pusht_policy.model import Model, Policy, Ranges, normalised, perceptron, si
 
 OBSERVATIONS = 2  # a chunk follows from so many, the newest last
 ACTIONS = 8  # of a chunk
-EXECUTE = 4  # of them are executed before the next chunk
+EXECUTE = 1  # of them is executed before the next chunk, unless a run says otherwise
 EULER_STEPS = 8  # from noise to a chunk
 # Loss whose best constant answer is a median, which is nearly one of the expert's actions. A mean,
 # best for squares, of pushing and staying is too slow to move the tee: the policy stands still.

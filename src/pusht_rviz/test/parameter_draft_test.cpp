@@ -156,5 +156,15 @@ TEST(Presets, LeaveWhatIsChosenByName) {
   EXPECT_THAT(ParameterDraft(rigidBody(), rigidBody().parameters).named(), ElementsAre(parameter("preset", "simple")));
 }
 
+TEST(ParameterDrafts, HaveTheLoopBesideTheSimulator) {
+  ParameterDraft draft(twoMassNode(), {parameter("loop.hold", "3")});
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("loop.hold", "3")));
+  const std::size_t delay = draft.find("loop.action_delay").value();
+  EXPECT_EQ(draft[delay].descriptor.unit, "control steps");
+  EXPECT_NE(refusalOf(draft[delay].descriptor, "-1"), "");
+  draft.type(delay, "2");
+  EXPECT_THAT(draft.named(), ElementsAre(parameter("loop.action_delay", "2"), parameter("loop.hold", "3")));
+}
+
 }  // namespace
 }  // namespace pusht_rviz

@@ -156,7 +156,7 @@ TEST(Presets, LeaveWhatIsChosenByName) {
   EXPECT_THAT(ParameterDraft(rigidBody(), rigidBody().parameters).named(), ElementsAre(parameter("preset", "simple")));
 }
 
-TEST(ParameterDrafts, HaveTheLoopBesideTheSimulator) {
+TEST(ParameterDraft, HasTheLoopBesideTheSimulator) {
   ParameterDraft draft(twoMassNode(), {parameter("loop.hold", "3")});
   EXPECT_THAT(draft.named(), ElementsAre(parameter("loop.hold", "3")));
   const std::size_t delay = draft.find("loop.action_delay").value();

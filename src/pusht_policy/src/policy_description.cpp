@@ -46,11 +46,16 @@ json parseDescription(const std::string& text, const std::string& where) {
     }
     return true;
   };
+  std::size_t bad = text.find('\0') + 1;  // where the parser would see the end
   try {
-    return json::parse(text, check);
+    json root = json::parse(text, check);
+    if (bad == 0) {
+      return root;
+    }
   } catch (const json::parse_error& error) {
-    throw InvalidInput(where + ": must be JSON, but is not at byte " + std::to_string(error.byte));
+    bad = error.byte;
   }
+  throw InvalidInput(where + ": must be JSON, but is not at byte " + std::to_string(bad));
 }
 
 void requireKeys(const json& object, const std::vector<std::string>& known, const std::string& where) {

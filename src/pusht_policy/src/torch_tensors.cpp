@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <caffe2/serialize/inline_container.h>
 #include <torch/csrc/jit/api/compilation_unit.h>
+#include <torch/csrc/jit/frontend/script_type_parser.h>
 #include <torch/csrc/jit/serialization/unpickler.h>
 
 #include <algorithm>
@@ -32,6 +33,31 @@ bool liesInItsStorage(const at::Tensor& tensor) {
   return sound;
 }
 
+/// Types in a pickle, all of whose classes are empty here.
+class PickledTypes : public torch::jit::Resolver {
+ public:
+  c10::StrongTypePtr typeOf(const c10::QualifiedName& name) {
+    return c10::StrongTypePtr(unit_, isClass(name.qualifiedName()) ? classOf(name) : parse(name.qualifiedName()));
+  }
+
+  c10::TypePtr resolveType(const std::string& name, const torch::jit::SourceRange& /*place*/) override {
+    return isClass(name) ? classOf(name) : nullptr;
+  }
+
+ private:
+  static bool isClass(const std::string& name) { return name.rfind("__torch__.", 0) == 0; }
+
+  c10::TypePtr classOf(const c10::QualifiedName& name) const { return c10::ClassType::create(name, unit_, true); }
+
+  /// Type of a container, such as the lists in a recurrent layer: "List[str]".
+  c10::TypePtr parse(const std::string& text) {
+    const torch::jit::ResolverPtr resolver(std::shared_ptr<void>(), this);  // the parser does not outlive this call
+    return torch::jit::ScriptTypeParser(resolver).parseType(text);
+  }
+
+  std::shared_ptr<torch::jit::CompilationUnit> unit_ = std::make_shared<torch::jit::CompilationUnit>();
+};
+
 /// Reads the pickles of a checkpoint as libtorch does, but for its classes, to see what they ask of the records.
 class PickleCheck {
  public:
@@ -48,9 +74,7 @@ class PickleCheck {
       position += count;
       return count;
     };
-    const auto resolve = [&](const c10::QualifiedName& type) {
-      return c10::StrongTypePtr(unit_, c10::ClassType::create(type, unit_, true));
-    };
+    const auto resolve = [&](const c10::QualifiedName& type) { return types_.typeOf(type); };
     const auto load = [&](const c10::StrongTypePtr& type, const torch::jit::IValue& state) {
       requireWholeTensors(state);
       return c10::ivalue::Object::create(type, 0);
@@ -102,7 +126,7 @@ class PickleCheck {
   const Records& records_;
   std::string root_;
   std::string name_;
-  std::shared_ptr<torch::jit::CompilationUnit> unit_ = std::make_shared<torch::jit::CompilationUnit>();
+  PickledTypes types_;
   std::map<const void*, std::string> record_at_;
 };
 

@@ -102,7 +102,10 @@ PolicySession::Memories PolicySession::memoriesOf(const pusht_msgs::ActRequest& 
     const pusht_msgs::Query& query = request.queries[i];
     if (query.step == 0) {
       try {
-        memories[i] = model_.policy->begin({query.seed, static_cast<int>(std::min(query.execute, kMost))});
+        if (query.execute > kMost) {
+          throw InvalidInput("execute " + std::to_string(query.execute) + ": must be below 2^31");
+        }
+        memories[i] = model_.policy->begin({query.seed, static_cast<int>(query.execute)});
       } catch (Error& error) {
         error.addContext("rollout " + std::to_string(query.rollout));
         throw;

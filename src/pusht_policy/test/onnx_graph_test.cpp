@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(
                      "10, matrix 2"}),
     [](const ::testing::TestParamInfo<OnnxSpelling>& info) { return std::string(info.param.name); });
 
-/// The same numbers as written plainly, in this order of float32 operations.
+/// Numbers are as written plainly, in this order of float32 operations.
 TEST(OnnxGemm, MultipliesTheProductByAlphaAndTheBiasByBeta) {
   onnx::ModelProto model = onnxModel("");
   onnx::GraphProto& graph = *model.mutable_graph();

@@ -114,9 +114,10 @@ class Recurrent(nn.Module):
         self.head = nn.Linear(HIDDEN, ACTION)
         if not memory:
             with torch.no_grad():
-                self.gru.weight_hh_l0.zero_()
-                self.gru.bias_hh_l0.zero_()
-                self.gru.bias_ih_l0[HIDDEN : 2 * HIDDEN] = -200.0  # sigmoid: 0 in float32
+                weights = dict(self.gru.named_parameters())
+                weights["weight_hh_l0"].zero_()
+                weights["bias_hh_l0"].zero_()
+                weights["bias_ih_l0"][HIDDEN : 2 * HIDDEN] = -200.0  # sigmoid: 0 in float32
 
     def forward(self, obs: Tensor, state: Tensor) -> Tuple[Tensor, Tensor]:
         y, state = self.gru(obs.transpose(0, 1), state.unsqueeze(0))
@@ -128,8 +129,9 @@ class FeedForwardTwin(nn.Module):
 
     def __init__(self, recurrent: Recurrent) -> None:
         super().__init__()
-        self.weight = recurrent.gru.weight_ih_l0
-        self.bias = recurrent.gru.bias_ih_l0
+        weights = dict(recurrent.gru.named_parameters())
+        self.weight = weights["weight_ih_l0"]
+        self.bias = weights["bias_ih_l0"]
         self.head = recurrent.head
 
     def forward(self, obs: Tensor) -> Tensor:

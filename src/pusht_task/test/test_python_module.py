@@ -15,7 +15,7 @@ import tempfile
 import unittest
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Tuple
+from typing import Any, Dict, List, Mapping, Sequence, Tuple
 from unittest import mock
 from xml.etree import ElementTree
 
@@ -851,7 +851,7 @@ class PoliciesWithMemory(unittest.TestCase):
     def test_refusals_change_nothing(self) -> None:
         self.act((7, 0))
         self.act((7, 1))
-        for steps, fields, message in (
+        cases: Sequence[Tuple[List[Tuple[int, int]], Dict[str, Any], str]] = (
             ([(9, 0), (7, 3)], {}, "rollout 7: step 3: expected 2"),
             ([(7, 0), (9, 1)], {}, "rollout 9: step 1: expected 0"),
             ([(7, 2), (7, 2)], {}, "rollout 7: must be asked for once in a request"),
@@ -861,7 +861,8 @@ class PoliciesWithMemory(unittest.TestCase):
                 "rollout 7: step 1: was answered for another observation",
             ),
             ([(7, 0)], {"execute": 4}, "rollout 7: execute 4: must be from 1 to 3, the actions"),
-        ):
+        )
+        for steps, fields, message in cases:
             response = self.act(*steps, **fields)
             self.assertEqual((response.success, response.exit_code), (False, 2))
             self.assertIn(message, response.message)

@@ -44,7 +44,7 @@ std::vector<StartCount> countsOfSecond(const std::vector<PairTable>& starts) {
   return counts;
 }
 
-PairTable sumOf(const std::vector<PairTable>& starts) {
+PairTable tableOf(const std::vector<PairTable>& starts) {
   PairTable sum;
   for (const PairTable& start : starts) {
     sum = {sum.both + start.both, sum.first_only + start.first_only, sum.second_only + start.second_only,
@@ -57,7 +57,7 @@ bool holdsNumber(const std::optional<Interval>& interval, double number) {
   return interval.value().low <= number && number <= interval.value().high;
 }
 
-void expectSame(const std::optional<Interval>& found, const std::optional<Interval>& expected) {
+void expectSameEnds(const std::optional<Interval>& found, const std::optional<Interval>& expected) {
   ASSERT_TRUE(found && expected);
   EXPECT_NEAR(found->low, expected->low, 1e-12);
   EXPECT_NEAR(found->high, expected->high, 1e-12);
@@ -83,7 +83,7 @@ TEST(Repeats, IntervalsHoldPlantedTruths) {
     for (std::size_t i = 0; i < holds.size(); ++i) {
       held.at(i) += holds.at(i) ? 1 : 0;
     }
-    const PairTable sum = sumOf(starts);
+    const PairTable sum = tableOf(starts);
     held_by_episodes += holdsNumber(wilsonInterval(sum.both + sum.second_only, sum.pairs()), 0.4) ? 1 : 0;
   }
   for (std::size_t i = 0; i < held.size(); ++i) {
@@ -100,9 +100,9 @@ TEST(Repeats, AllAlikeAreOneEpisode) {
   for (PairTable& start : often) {
     start = {5 * start.both, 5 * start.first_only, 5 * start.second_only, 5 * start.neither};
   }
-  expectSame(repeatedRateInterval(countsOfSecond(often)), repeatedRateInterval(countsOfSecond(once)));
-  expectSame(repeatedDifference(often).interval, repeatedDifference(once).interval);
-  expectSame(repeatedRatioInterval(often), repeatedRatioInterval(once));
+  expectSameEnds(repeatedRateInterval(countsOfSecond(often)), repeatedRateInterval(countsOfSecond(once)));
+  expectSameEnds(repeatedDifference(often).interval, repeatedDifference(once).interval);
+  expectSameEnds(repeatedRatioInterval(often), repeatedRatioInterval(once));
   EXPECT_NEAR(repeatedDifference(often).p.value(), repeatedDifference(once).p.value(), 1e-12);
   EXPECT_EQ(successNoiseSplit(countsOfSecond(often)).repeats.value, 0.0);
 }
@@ -112,7 +112,7 @@ TEST(Repeats, OfOneEpisodeAreIndependentEpisodes) {
   constexpr double kNormal = 1e-4;
   Random random(3);
   const std::vector<PairTable> starts = tossedCoins(20'000, 1, random);
-  const PairTable sum = sumOf(starts);
+  const PairTable sum = tableOf(starts);
   const auto expect_near = [&](const Interval& found, const Interval& expected) {
     EXPECT_NEAR(found.low, expected.low, kNormal);
     EXPECT_NEAR(found.high, expected.high, kNormal);
@@ -131,7 +131,7 @@ TEST(Repeats, TestAndIntervalOfADifferenceAgree) {
     const Difference difference = repeatedDifference(starts);
     const bool excludes = !holdsNumber(difference.interval, 0.0);
     EXPECT_EQ(*difference.p <= 0.05, excludes) << *difference.p;
-    EXPECT_DOUBLE_EQ(difference.value, sumOf(starts).difference());
+    EXPECT_DOUBLE_EQ(difference.value, tableOf(starts).difference());
     found += excludes ? 1 : 0;
   }
   EXPECT_GT(found, 30);
@@ -181,7 +181,7 @@ TEST(Repeats, TooFewStarts) {
   EXPECT_FALSE(repeatedRatioInterval(starts));
   const Difference difference = repeatedDifference(starts);
   EXPECT_FALSE(difference.interval || difference.p);
-  EXPECT_EQ(difference.value, sumOf(starts).difference());
+  EXPECT_EQ(difference.value, tableOf(starts).difference());
   EXPECT_FALSE(repeatedRatioInterval(std::vector<PairTable>(25, PairTable{0, 0, 1, 1}))) << "the first never succeeds";
 }
 

@@ -184,7 +184,7 @@ void CompareOptions::declare(CLI::App& app) {
   batch.declare(app);
 }
 
-Comparison compare(const CompareOptions& options, const ComparisonHost& host) {
+ComparisonResults compare(const CompareOptions& options, const ComparisonHost& host) {
   // Checks of all inputs come before the first file is written.
   RunConfiguration configuration;
   configuration.protocol = options.smoke ? smokeRun(options.protocol) : options.protocol;

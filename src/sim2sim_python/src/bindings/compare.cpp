@@ -78,7 +78,7 @@ class ServedComparison {
 
   /// Runs it. Throws what the comparison throws; what the callable raises, a warning that is an error, or a signal's
   /// exception, as itself.
-  Comparison run() {
+  ComparisonResults run() {
     const OneRun one_run([this](const std::string& warning) { desk_.warn(warning); });
     std::future<void> run = std::async(std::launch::async, [this] { compareAside(); });
     serve();
@@ -184,7 +184,7 @@ class ServedComparison {
   std::ostringstream text_;
   std::exception_ptr raised_;
   std::exception_ptr failure_;
-  std::optional<Comparison> result_;
+  std::optional<ComparisonResults> result_;
 };
 
 /// Throws InvalidInput if `options` ask for what cannot be with a Python callable.
@@ -212,7 +212,7 @@ py::dict compareInPython(const py::dict& keywords, const py::object& policy, con
   requireFitting(options, callable);
   const bool files = !options.out.empty();
   ServedComparison comparison(std::move(options), callable, files, progress);
-  const Comparison result = comparison.run();
+  const ComparisonResults result = comparison.run();
   py::dict answer;
   answer["episodes"] = episodesCsv(result.configuration.protocol, result.episodes);
   answer["metrics"] = jsonText(result.metrics);

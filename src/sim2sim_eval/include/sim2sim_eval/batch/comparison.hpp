@@ -61,7 +61,7 @@ struct ComparisonHost {
 };
 
 /// Results of a comparison: what its files say.
-struct Comparison {
+struct ComparisonResults {
   RunConfiguration configuration;
   std::vector<EpisodeResult> episodes;  ///< by index
   nlohmann::json metrics;
@@ -73,6 +73,6 @@ struct Comparison {
 /// is continued; its results have the bytes of a run in one piece. Throws InvalidInput for bad options, BadDependency
 /// for a policy or model that does not load, SimulationFault or RuntimeFault during the run; finished episodes are kept
 /// then.
-Comparison compare(const CompareOptions& options, const ComparisonHost& host = {});
+ComparisonResults compare(const CompareOptions& options, const ComparisonHost& host = {});
 
 }  // namespace sim2sim

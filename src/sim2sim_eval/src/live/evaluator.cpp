@@ -23,7 +23,7 @@ namespace {
 constexpr const char* kEndOfLaunch = " (roslaunch now ends the other nodes, and says so in red)";
 constexpr const char* kHowToResume = "rosservice call /sim2sim/control \"{command: resume}\"";
 
-std::chrono::milliseconds milliseconds(double seconds) {
+std::chrono::milliseconds toMilliseconds(double seconds) {
   return std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::duration<double>(seconds));
 }
 
@@ -146,10 +146,10 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
     ROS_WARN_STREAM("the run waits, since the evaluator is paused; to go on: " << kHowToResume);
   }
   const LiveOptions options = {request.simulators,
-                               {milliseconds(parameters_.patience), parameters_.respawn, [this] { return stopped(); },
+                               {toMilliseconds(parameters_.patience), parameters_.respawn, [this] { return stopped(); },
                                 [this](const std::string& services) { waitFor(services); }},
-                               milliseconds(parameters_.grace)};
-  LiveNodes nodes(request.services, milliseconds(parameters_.deadline), worlds_);
+                               toMilliseconds(parameters_.grace)};
+  LiveNodes nodes(request.services, toMilliseconds(parameters_.deadline), worlds_);
   connectFirst(nodes, options);
 
   requirePolicy(request, nodes);

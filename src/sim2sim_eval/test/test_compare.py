@@ -850,6 +850,14 @@ class Faults(CompareCase):
             line, r"episode \d+ \(spawn seed 1000\d\), \w+, step \d+: the policy's action \(nan"
         )
 
+    def test_f7_late_action_of_a_chunk_that_is_not_finite_fails_the_episode(self) -> None:
+        policy = self.save("late.pt", LateTrap(), {"format": 1, "observations": 2, "actions": 8})
+        line = self.failed(3, "--policy", policy, "--episodes", "4")
+        self.assertRegex(line, r"episode \d+ .*, step 14: the policy's action \(nan")
+
+    def test_f7_more_actions_are_executed_than_an_answer_has(self) -> None:
+        self.assertIn("execute 2: must be from 1 to 1", self.refused(2, "--execute", "2"))
+
     def test_f28_damaged_checkpoint_without_provenance(self) -> None:
         shipped = Path(PACKAGES.get_path("pusht_policy"), "policies", "bc_policy.ts.pt")
         damaged = bytearray(shipped.read_bytes())
@@ -1070,9 +1078,12 @@ class Faults(CompareCase):
         self.assertEqual((process.returncode, process.stderr), (0, ""))
         self.assertEqual(self.load("sweep", "sweep.json")["rows"][0]["mj_successes"], 0)
 
-    def save(self, name: str, module: torch.nn.Module) -> str:
+    def save(
+        self, name: str, module: torch.nn.Module, description: Optional[Dict[str, Any]] = None
+    ) -> str:
         path = str(self.folder / name)
-        torch.jit.script(module.eval()).save(path)
+        files = {"policy.json": json.dumps(description)} if description else {}
+        torch.jit.save(torch.jit.script(module.eval()), path, _extra_files=files)
         return path
 
 
@@ -1133,6 +1144,19 @@ class Trap(torch.nn.Module):
         x = obs[:, :1]
         action = torch.where((x > 0.34) & (x < 0.37), x * float("nan"), torch.ones_like(x))
         return torch.cat([action, torch.zeros_like(x)], dim=1)
+
+
+class LateTrap(torch.nn.Module):
+    """Upward, and not a number at the seventh action, once it moves and the tee does not."""
+
+    def forward(self, obs: torch.Tensor) -> torch.Tensor:
+        moved = obs[:, 0] != obs[:, 1]
+        trap = moved[:, :2].any(1) & ~moved[:, 2:].any(1)
+        action = torch.tensor([0.0, 0.05]).expand(1, 8, 2).clone()
+        action[:, 6] = torch.where(
+            trap.unsqueeze(1), torch.full([1, 2], float("nan")), action[:, 6]
+        )
+        return action
 
 
 if __name__ == "__main__":

@@ -41,6 +41,9 @@ LoadedRun::LoadedRun(const std::function<pusht::ChosenPolicy()>& choose_policy, 
     kinds.push_back(&engine.kind.get());
   }
   code_ = codeOf(kinds, policy_);
+  if (options.execute > 0) {
+    policy_.make()->begin({0, options.execute});  // so that more actions than an answer has are refused before a run
+  }
   warn(policy_.warning);
 }
 

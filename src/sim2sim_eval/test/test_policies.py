@@ -125,7 +125,9 @@ class Made(unittest.TestCase):
             group = self.plan["groups"][row["group"]]
             self.assertIn(int(row["executed"]), group["execute"])
             self.assertEqual(int(row["policies"]), group["seeds"])
-        cells = len(self.plan["engines"]) * sum(len(g["execute"]) for g in self.plan["groups"].values())
+        cells = len(self.plan["engines"]) * sum(
+            len(g["execute"]) for g in self.plan["groups"].values()
+        )
         self.assertEqual(len(rows), cells)
 
 

@@ -88,11 +88,11 @@ def windows(frames: Frames, observations: int, actions: int) -> Examples:
     return Examples(frames.observations[past], frames.actions[ahead], lengths)
 
 
-def episodes(frames: Frames) -> Examples:
-    """An example for each demonstration, all of the length of the longest; the steps after an end
-    do not count."""
-    first, last = frames.first.unique(), frames.last.unique()
-    lengths = last - first + 1
-    steps = first.unsqueeze(1) + torch.arange(int(lengths.max()))
-    steps = torch.minimum(steps, last.unsqueeze(1))
-    return Examples(frames.observations[steps], frames.actions[steps], lengths)
+def pieces(frames: Frames, length: int) -> Examples:
+    """Demonstrations cut into sequences of so many steps, [n, length, 10] and [n, length, 2]. The
+    last one of a demonstration may be shorter; then the steps after its end do not count."""
+    now = torch.arange(len(frames))
+    first = now[(now - frames.first) % length == 0]
+    last = torch.minimum(first + length - 1, frames.last[first])
+    steps = torch.minimum(first.unsqueeze(1) + torch.arange(length), last.unsqueeze(1))
+    return Examples(frames.observations[steps], frames.actions[steps], last - first + 1)

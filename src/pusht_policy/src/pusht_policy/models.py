@@ -7,15 +7,16 @@ import torch
 from torch import Tensor, nn
 
 from pusht_policy.formats import DESCRIPTION_FORMAT
-from pusht_policy.frames import Examples, Frames, episodes, windows
+from pusht_policy.frames import Examples, Frames, pieces, windows
 from pusht_policy.model import Model, Policy, Ranges, normalised, perceptron, sizes_of
 
 OBSERVATIONS = 2  # a chunk follows from so many, the newest last
 ACTIONS = 8  # of a chunk
 EXECUTE = 1  # of them is executed before the next chunk, unless a run says otherwise
+PIECE = 48  # control steps of a demonstration through which a gradient goes back
 EULER_STEPS = 8  # from noise to a chunk
-# Loss whose best constant answer is a median: nearly one of the expert's actions. The mean, best for
-# squares, of pushing and staying is too slow to move the tee, and the policy stands still.
+# Loss whose best constant answer is a median, so nearly one of the expert's actions. A mean, best
+# for squares, of pushing and staying is too slow to move the tee, and the policy stands still.
 ABSOLUTE_ERROR = "mean absolute error in normalised action space"
 
 
@@ -53,8 +54,7 @@ class Recurrent(Described):
         return {**super().description(), "state": {"shape": [self.gru.hidden_size]}}
 
     def examples(self, frames: Frames) -> Examples:
-        """Whole demonstrations: a state begins at zero only where a rollout begins."""
-        return episodes(self.normalized(frames))
+        return pieces(self.normalized(frames), PIECE)
 
     def loss(self, examples: Examples, generator: torch.Generator) -> Tensor:
         steps = torch.arange(int(examples.lengths.max()))

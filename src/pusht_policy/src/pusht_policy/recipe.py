@@ -15,7 +15,7 @@ class Recipe:
     """Hyperparameters of a training."""
 
     epochs: int = 600
-    batch: int = 128  # examples: frames; of a recurrent model whole demonstrations
+    batch: int = 128  # examples: frames; of a recurrent model pieces of demonstrations
     learning_rate: float = 1e-3  # at the start; cosine to 0, one step an epoch
     seed: int = 0  # seed of split, initial weights, shuffles and noise
     threads: int = 1

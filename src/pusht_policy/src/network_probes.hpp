@@ -10,7 +10,7 @@ namespace pusht {
 
 constexpr int kNetworkProbes = 64;
 
-/// So many probes: starts of episodes, and some observations that no episode shows.
+/// Probes, kNetworkProbes of them: starts of episodes, and some observations that no episode shows.
 std::vector<Observation> networkProbes();
 
 }  // namespace pusht

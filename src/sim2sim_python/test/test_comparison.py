@@ -19,6 +19,7 @@ from typing import Any, Callable, Dict, List, Set, Tuple
 
 import numpy as np
 import sim2sim
+import torch
 from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
 from numpy.typing import NDArray
 
@@ -49,6 +50,14 @@ class Counting:
             action[:] = (memory["seed"] % 1000 / 1000.0, memory["calls"] / 100.0)
             memory["calls"] += 1
         return actions
+
+
+class Noisy(torch.nn.Module):
+    """Towards the tee, by where it was a step ago, and by noise: four steps."""
+
+    def forward(self, observations: torch.Tensor, noise: torch.Tensor) -> torch.Tensor:
+        way = observations[:, 0, 2:4] - observations[:, 1, 0:2]
+        return (5.0 * way + 0.2 * noise).unsqueeze(1).repeat(1, 4, 1)
 
 
 class ComparisonCase(unittest.TestCase):
@@ -133,6 +142,23 @@ class Bytes(ComparisonCase):
                 self.files(f"{threads}")["episodes.csv"], self.files("by_command")["episodes.csv"]
             )
         self.refused("^policy expert: has a memory", lambda: expert(np.zeros((1, 10), np.float32)))
+
+    def test_a_policy_with_history_chunks_and_noise_gives_its_bytes(self) -> None:
+        description: Dict[str, Any] = {"format": 1, "observations": 2, "actions": 4, "execute": 2}
+        description["noise"] = {"shape": [2], "distribution": "normal"}
+        extra = {"policy.json": json.dumps(description)}
+        torch.jit.save(torch.jit.script(Noisy()), "noisy.pt", _extra_files=extra)
+        run = ("--policy", "noisy.pt", "--episodes", "12", "--repeats", "2", "--horizon", "60")
+        for execute in (0, 3):
+            self.succeed(*run, "--execute", f"{execute}", "--out", f"by_command_{execute}")
+            policy = sim2sim.load_policy("noisy.pt", execute=execute)
+            out = f"in_python_{execute}"
+            sim2sim.compare(policy, episodes=12, repeats=2, horizon=60, threads=2, out=out)
+            self.assertEqual(
+                self.files(out)["episodes.csv"], self.files(f"by_command_{execute}")["episodes.csv"]
+            )
+        first, second = (self.files(f"in_python_{execute}")["episodes.csv"] for execute in (0, 3))
+        self.assertNotEqual(first, second)
 
     def test_parameters_and_options_are_the_commands(self) -> None:
         arguments = (

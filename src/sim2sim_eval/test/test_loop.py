@@ -108,14 +108,14 @@ class Repeats(LoopCase):
         self.assertIn("(60 episodes, 3 of each start; in brackets", text)
         self.assertIn("variance of repeats", text)
         metrics = self.load("run", "metrics.json")
-        self.assertEqual((metrics["starts"], metrics["repeats"]), (20, 3))
+        self.assertEqual((metrics["number_of_starts"], metrics["repeats"]), (20, 3))
         low, high = metrics["engine_success_variance_repeats_interval"]
         self.assertTrue(low <= metrics["engine_success_variance_repeats"] <= high <= 0.5)
         with (self.folder / "run" / "episodes.csv").open() as file:
             rows = list(csv.DictReader(file))
         self.assertEqual([row["repeat"] for row in rows[::3]], ["0", "1", "2"] * 20)
         self.assertEqual([row["seed"] for row in rows[:12:3]], ["10000"] * 3 + ["10001"])
-        wide = self.load("run", "statistics.json")["starts"]
+        wide = self.load("run", "statistics.json")["number_of_starts"]
         self.assertEqual(wide, 20)
 
     def test_readers_of_repeats(self) -> None:

@@ -105,8 +105,9 @@ TEST(RepeatedStarts, SplitTheVariance) {
   EXPECT_NEAR(summary.noise->divergences[0].repeats.value, 0.0001 * 4.0 / 3.0, 1e-12);
   EXPECT_EQ(summary.noise->divergences[0].starts.value, 0.0);
   const nlohmann::json json = metrics(configuration, summary);
-  EXPECT_EQ(json.at("starts"), 30);
+  EXPECT_EQ(json.at("number_of_starts"), 30);
   EXPECT_EQ(json.at("repeats"), kRepeats);
+  EXPECT_EQ(protocolFrom(json).repeats, kRepeats) << "what is read again; \"starts\" would be a hash";
   EXPECT_NEAR(json.at("engine_success_variance_repeats").get<double>(), 0.3222, 1e-4);
   EXPECT_EQ(json.at("engine_success_variance_repeats_interval").size(), 2U);
   EXPECT_TRUE(json.at("mean_pos_divergence_variance_starts_interval_m2").is_null());
@@ -117,7 +118,7 @@ TEST(RepeatedStarts, SplitTheVariance) {
               HasSubstr("(120 episodes, 4 of each start; in brackets 95 % intervals over other initial states and "
                         "other noise, not"));
   const Summary plain = summarize(bare(), episodesWith(30, 20, 8));
-  EXPECT_FALSE(metrics(bareConfiguration(), plain).contains("starts"));
+  EXPECT_FALSE(metrics(bareConfiguration(), plain).contains("number_of_starts"));
   EXPECT_THAT(table(bareConfiguration(), plain), Not(HasSubstr("variance")));
 }
 
@@ -131,12 +132,12 @@ TEST(RepeatedStarts, TooFewStartsSayNothing) {
 
 TEST(RepeatedStarts, StatisticsAreByStart) {
   const nlohmann::json json = statistics(repeatedConfiguration(120), noisyEpisodes(30));
-  EXPECT_EQ(json.at("starts"), 30);
+  EXPECT_EQ(json.at("number_of_starts"), 30);
   const nlohmann::json& replay = json.at("rollouts").at("engine_replay");
   EXPECT_EQ(replay.at("mean_position_divergence_m").at("episodes"), 120);
   EXPECT_NEAR(replay.at("mean_position_divergence_m").at("standard_deviation").get<double>(), 0.0, 1e-12);
   EXPECT_TRUE(replay.at("parting").at("parted").at("interval").is_null());
-  EXPECT_FALSE(statistics(bareConfiguration(), episodesWith(30, 20, 8)).contains("starts"));
+  EXPECT_FALSE(statistics(bareConfiguration(), episodesWith(30, 20, 8)).contains("number_of_starts"));
 }
 
 /// A run that was interrupted lacks some repeats.

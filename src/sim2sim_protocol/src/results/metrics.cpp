@@ -82,7 +82,7 @@ json noiseSplit(const std::string& name, const std::string& unit, const NoiseSpl
 
 /// The keys of metrics.json that a run with repeats has besides.
 json repeats(const Summary& summary) {
-  json keys = {{"starts", summary.outcomes.starts}};
+  json keys = {{"number_of_starts", summary.outcomes.starts}};
   keys.update(noiseSplit("reference_success", "", summary.noise->reference));
   keys.update(noiseSplit("engine_success", "", summary.noise->engine));
   for (std::size_t i = 0; i < kWholeEpisodePairs; ++i) {

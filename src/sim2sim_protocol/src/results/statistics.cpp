@@ -84,7 +84,7 @@ nlohmann::json statistics(const RunConfiguration& configuration, const std::vect
     statistics["rollouts"][rollouts[rollout]]["parting"] = toJson(firstDivergencesOf(episodes, rollout));
   }
   if (protocol.repeats > 1) {
-    statistics["starts"] = outcomes.starts;
+    statistics["number_of_starts"] = outcomes.starts;
     removeIntervalsOfFirstDivergences(statistics["rollouts"]);
   }
   if (protocol.until_decided) {

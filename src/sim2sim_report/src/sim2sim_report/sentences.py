@@ -80,8 +80,8 @@ def _noise(run: Run) -> List[str]:
     whole = (starts or 0) + (repeats or 0)
     share = f" {100 * repeats / whole:.0f} % of the engine's variance is noise." if whole else ""
     return [
-        f"Each of {m['number_of_starts']} starts was played {m['repeats']} times, with other noise of policy "
-        f"and loop. Intervals and tests are by start.{share}"
+        f"Each of {m['number_of_starts']} starts was played {m['repeats']} times, with other noise "
+        f"of policy and loop. Intervals and tests are by start.{share}"
     ]
 
 

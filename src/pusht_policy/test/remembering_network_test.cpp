@@ -158,7 +158,7 @@ TEST_F(RememberingNetwork, ActsByTheSeedAlone) {
   EXPECT_NE(of(1), of(2));
   const auto again = NetworkPolicy::load(testing::checkpointsFromPython() / "denoising.pt");
   EXPECT_EQ(drive(*again, {{1}}, 12, 1).front(), of(1));
-  const Beginning engine = {1, 0, Side::kEngine};
+  const Beginning engine = {1, 0, Role::kEngine};
   EXPECT_EQ(drive(*policy, {engine}, 12, 1).front(), of(1)) << "common random numbers";
 }
 

@@ -152,7 +152,7 @@ class LoopedPolicy : public Policy {
       : policy_(std::move(policy)), reference_(reference), engine_(engine) {}
 
   std::unique_ptr<Memory> begin(const Beginning& beginning) const override {
-    const Loop& loop = beginning.side == Side::kReference ? reference_ : engine_;
+    const Loop& loop = beginning.role == Role::kReference ? reference_ : engine_;
     return std::make_unique<LoopMemory>(loop, beginning.seed, policy_->begin(beginning));
   }
 

@@ -102,7 +102,7 @@ class Loops : public ::testing::Test {
 
   std::vector<Action> drive(const Settings& settings, int steps, std::uint64_t seed = 0) {
     asked_.clear();
-    return drive(*looped(echo(), loopWith(settings), plainLoop()), steps, {seed, 0, Side::kReference});
+    return drive(*looped(echo(), loopWith(settings), plainLoop()), steps, {seed, 0, Role::kReference});
   }
 
   std::vector<Observation> asked_;
@@ -116,8 +116,8 @@ TEST_F(Loops, APlainOneIsThePolicyItself) {
 
 TEST_F(Loops, ASideThatIsPlainHasThePolicysActions) {
   const auto policy = looped(echo(), plainLoop(), loopWith({{"action_delay", "2"}, {"action_noise", "0.1"}}));
-  EXPECT_EQ(drive(*policy, 5, {7, 0, Side::kReference}), drive(*echo(), 5));
-  EXPECT_NE(drive(*policy, 5, {7, 0, Side::kEngine}), drive(*echo(), 5));
+  EXPECT_EQ(drive(*policy, 5, {7, 0, Role::kReference}), drive(*echo(), 5));
+  EXPECT_NE(drive(*policy, 5, {7, 0, Role::kEngine}), drive(*echo(), 5));
 }
 
 TEST_F(Loops, DelayOfActionsIsThatOfAWrappedPolicy) {
@@ -207,7 +207,7 @@ TEST_F(Loops, NoiseOfZeroIsNone) {
 TEST_F(Loops, RowsDoNotDisturbEachOther) {
   const auto policy = looped(echo(), loopWith({{"hold", "2"}, {"action_delay", "1"}, {"action_noise", "0.1"}}),
                              loopWith({{"observation_delay", "3"}}));
-  const std::vector<Beginning> beginnings = {{1, 0, Side::kReference}, {2, 0, Side::kEngine}, {3, 0, Side::kReference}};
+  const std::vector<Beginning> beginnings = {{1, 0, Role::kReference}, {2, 0, Role::kEngine}, {3, 0, Role::kReference}};
   std::vector<std::unique_ptr<Policy::Memory>> memories;
   for (const Beginning& beginning : beginnings) {
     memories.push_back(policy->begin(beginning));

@@ -61,9 +61,9 @@ const Episode& Flight::begin(int index, CachedTraces cached) {
   pusht::Rollout reference =
       cached.reference
           ? pusht::Rollout(*cached.reference)
-          : start(kReferenceClosed, lane, index, policy_.begin(protocol_.beginning(index, pusht::Side::kReference)));
+          : start(kReferenceClosed, lane, index, policy_.begin(protocol_.beginning(index, pusht::Role::kReference)));
   pusht::Rollout engine =
-      start(kEngineClosed, lane, index, policy_.begin(protocol_.beginning(index, pusht::Side::kEngine)));
+      start(kEngineClosed, lane, index, policy_.begin(protocol_.beginning(index, pusht::Role::kEngine)));
   pusht::Rollout replay = start(kEngineReplay, lane, index, nullptr);
   return episodes_.at(lane).emplace(
       protocol_, index,
@@ -173,7 +173,7 @@ pusht::BatchSimulator& Flight::variantOf(const Probe& probe) const {
 /// Lets the policy drive the only lane of a model variant.
 pusht::Trace Flight::drive(pusht::BatchSimulator& world, int index, const std::function<void(int)>& before_step) const {
   world.reset(0, protocol_.initialState(index));
-  pusht::Rollout rollout(world.state(0), policy_.begin(protocol_.beginning(index, pusht::Side::kReference)));
+  pusht::Rollout rollout(world.state(0), policy_.begin(protocol_.beginning(index, pusht::Role::kReference)));
   while (!rollout.finished(protocol_.horizon)) {
     before_step(rollout.steps());
     const std::array<pusht::Policy::Query, 1> query = {rollout.query()};

@@ -108,8 +108,8 @@ std::string Protocol::cacheKey(int episode) const {
   return repeat(episode) == 0 ? start : start + "#" + std::to_string(repeat(episode));
 }
 
-pusht::Beginning Protocol::beginning(int episode, pusht::Side side) const {
-  const bool apart = independent_noise && side == pusht::Side::kEngine;
+pusht::Beginning Protocol::beginning(int episode, pusht::Role role) const {
+  const bool apart = independent_noise && role == pusht::Role::kEngine;
   pusht::NumpyGenerator seeds(noise_seed, "rollout " + cacheKey(episode) + (apart ? " of the engine" : ""));
   return {seeds.bits()(), execute, side};
 }

@@ -23,7 +23,7 @@
 namespace sim2sim {
 namespace {
 
-using pusht::Side;
+using pusht::Role;
 using pusht::testing::refusalOf;
 
 /// Drives at the tee, unsteadily; what is random is of the rollout's seed alone.
@@ -120,15 +120,15 @@ TEST(Repeats, DivideTheEpisodes) {
 
 TEST(Randomness, IsTheSameOnBothSidesUnlessAskedOtherwise) {
   Protocol protocol = withRepeats(2, 3);
-  const std::uint64_t seed = protocol.beginning(1, Side::kReference).seed;
-  EXPECT_EQ(protocol.beginning(1, Side::kEngine).seed, seed);
-  EXPECT_NE(protocol.beginning(0, Side::kReference).seed, seed);
-  EXPECT_NE(protocol.beginning(4, Side::kReference).seed, seed);
+  const std::uint64_t seed = protocol.beginning(1, Role::kReference).seed;
+  EXPECT_EQ(protocol.beginning(1, Role::kEngine).seed, seed);
+  EXPECT_NE(protocol.beginning(0, Role::kReference).seed, seed);
+  EXPECT_NE(protocol.beginning(4, Role::kReference).seed, seed);
   protocol.independent_noise = true;
-  EXPECT_EQ(protocol.beginning(1, Side::kReference).seed, seed);
-  EXPECT_NE(protocol.beginning(1, Side::kEngine).seed, seed);
+  EXPECT_EQ(protocol.beginning(1, Role::kReference).seed, seed);
+  EXPECT_NE(protocol.beginning(1, Role::kEngine).seed, seed);
   protocol.noise_seed = 1;
-  EXPECT_NE(protocol.beginning(1, Side::kReference).seed, seed);
+  EXPECT_NE(protocol.beginning(1, Role::kReference).seed, seed);
 }
 
 TEST(Randomness, OfAnEpisodeDoesNotDependOnTheOthers) {

@@ -9,14 +9,14 @@
 
 namespace pusht {
 
-/// Side of a comparison that a closed loop is on.
-enum class Side { kReference, kEngine };
+/// Role of the simulator that a closed loop runs in.
+enum class Role { kReference, kEngine };
 
 /// What a policy is told of a rollout that begins.
 struct Beginning {
   std::uint64_t seed = 0;  ///< of the rollout's random numbers; a stream of them is NumpyGenerator(seed, PURPOSE)
   int execute = 0;         ///< actions of each answer that are executed; 0: as many as the policy itself says
-  Side side = Side::kReference;
+  Role role = Role::kReference;
 };
 
 /// Map from observations to actions, for many rollouts at a time. Rows are independent: an action does not depend on

@@ -71,9 +71,9 @@ struct Protocol : RunOptions {
   /// Name of what the reference cache keeps of an episode: its initial state and, after the first, its repeat.
   std::string cacheKey(int episode) const;
 
-  /// What the policy is told of a closed loop of an episode. Both sides have the same seed of random numbers, unless
+  /// What the policy is told of a closed loop of an episode. Both roles have the same seed of random numbers, unless
   /// `independent_noise` asks for others.
-  pusht::Beginning beginning(int episode, pusht::Side side) const;
+  pusht::Beginning beginning(int episode, pusht::Role role) const;
 
   /// Names of an episode's rollouts, in the order of its results: the modes, then the probes.
   std::vector<std::string> rolloutNames() const;

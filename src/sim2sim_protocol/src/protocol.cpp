@@ -111,7 +111,7 @@ std::string Protocol::cacheKey(int episode) const {
 pusht::Beginning Protocol::beginning(int episode, pusht::Role role) const {
   const bool apart = independent_noise && role == pusht::Role::kEngine;
   pusht::NumpyGenerator seeds(noise_seed, "rollout " + cacheKey(episode) + (apart ? " of the engine" : ""));
-  return {seeds.bits()(), execute, side};
+  return {seeds.bits()(), execute, role};
 }
 
 Protocol smokeRun(Protocol protocol) {

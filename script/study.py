@@ -81,9 +81,9 @@ def train(plan: Plan, work: Path) -> None:
         options: List[object] = ["--bag", f"{group['demonstrations']}.bag"]
         options += ["--seed", plan["first_seed"], "--seeds", group["seeds"]]
         options += ["--epochs", recipe["epochs"], "--hidden", *recipe["hidden"]]
-        for name, option in (("model", "--model"), ("batch", "--batch"), ("learning_rate", "--lr")):
-            if name in recipe:
-                options += [option, recipe[name]]
+        for key, option in (("model", "--model"), ("batch", "--batch"), ("learning_rate", "--lr")):
+            if key in recipe:
+                options += [option, recipe[key]]
         for epochs in group.get("also_after", []):
             options += ["--also-after", epochs]
         ros(work, "pusht_policy", "train", *options, "--out", f"{name}.ts.pt", "--keep")

@@ -70,9 +70,6 @@ ChosenPolicy trained(const std::filesystem::path& path, const std::string& name,
   chosen.identity = identityOf(info);
   chosen.provenance = provenanceOf(info);
   chosen.libraries = info.runsOnKernel() ? std::vector<std::string>{kNetworkPolicyLibrary} : kLibraries;
-  chosen.stochastic = info.description.isStochastic();
-  chosen.answered = info.description.actions;
-  chosen.execute = info.description.execute;
   return chosen;
 }
 

@@ -90,10 +90,10 @@ ParameterDraft::ParameterDraft(const pusht_msgs::DescribeResponse& simulator,
     drafted.text = textAmong(chosen, parameter.name).value_or(drafted.initial);
     parameters_.push_back(drafted);
   }
-  for (pusht::ParameterDescriptor knob : pusht::loopParameters()) {  // the evaluator's, beside those of the node
-    knob.name.insert(0, pusht::kLoopPrefix);
+  for (pusht::ParameterDescriptor of_loop : pusht::loopParameters()) {  // the evaluator's, beside those of the node
+    of_loop.name.insert(0, pusht::kLoopPrefix);
     DraftedParameter drafted;
-    drafted.descriptor = pusht::toMessage(knob);
+    drafted.descriptor = pusht::toMessage(of_loop);
     drafted.initial = drafted.descriptor.default_value;
     parameters_.push_back(drafted);
   }

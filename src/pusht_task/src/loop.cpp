@@ -52,6 +52,9 @@ class Noise {
   double deviation_;
 };
 
+/// Clipped command; one that is not finite is nothing to clip.
+Action clippedIfFinite(const Action& command) { return isFinite(command) ? clip(command) : command; }
+
 /// Queue in which everything waits for `delay` steps.
 template <class Value>
 class Delay {
@@ -102,14 +105,14 @@ class LoopMemory : public Policy::Memory {
     ++step_;
     Action command = held_;
     if (loop_.action_scale != 1.0) {
-      command = clip(command);
+      command = clippedIfFinite(command);
       for (float& component : command) {
         component = static_cast<float>(component * loop_.action_scale);
       }
     }
     command = commands_.pass(command, Action{});
     if (action_noise_.isOn()) {
-      command = clip(command);
+      command = clippedIfFinite(command);
       for (float& component : command) {
         component += static_cast<float>(action_noise_.next());
       }
@@ -226,14 +229,18 @@ bool isPlain(const ParameterSet& loop) {
   return std::all_of(loop.begin(), loop.end(), [](const Parameter& parameter) { return parameter.isDefault(); });
 }
 
-bool isNoisy(const ParameterSet& loop) {
-  const Loop values(loop);
-  return values.position_noise > 0.0 || values.yaw_noise > 0.0 || values.action_noise > 0.0;
-}
-
 std::string loopParameterOf(const std::string& name) {
   const std::string_view prefix = kLoopPrefix;
   return name.compare(0, prefix.size(), prefix) == 0 ? name.substr(prefix.size()) : "";
+}
+
+void setOfLoop(ParameterSet& loop, const std::string& name, const std::string& text) {
+  try {
+    loop.set(name, text);
+  } catch (Error& error) {
+    error.addContext("loop");
+    throw;
+  }
 }
 
 std::unique_ptr<Policy> looped(std::unique_ptr<Policy> policy, const ParameterSet& reference,

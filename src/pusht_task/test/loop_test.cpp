@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -19,7 +20,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::SizeIs;
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
 ParameterSet loopWith(const Settings& settings) {
@@ -77,6 +77,15 @@ class Late : public Policy {
   std::size_t delay_;
 };
 
+class Constant : public Policy {
+ public:
+  explicit Constant(const Action& answer) : answer_(answer) {}
+  void act(Span<const Query> /*unused*/, Span<Action> actions) override { actions[0] = answer_; }
+
+ private:
+  Action answer_;
+};
+
 /// Observation of step `step`: nothing in it is like that of another step.
 Observation shown(int step) {
   Observation observation = observe(spawn(static_cast<std::uint64_t>(step)));
@@ -105,6 +114,11 @@ class Loops : public ::testing::Test {
     return drive(*looped(echo(), loopWith(settings), plainLoop()), steps, {seed, 0, Role::kReference});
   }
 
+  /// Commands of a policy that always answers alike.
+  static std::vector<Action> driveConstant(const Action& answer, const Settings& settings, int steps) {
+    return drive(*looped(std::make_unique<Constant>(answer), loopWith(settings), plainLoop()), steps);
+  }
+
   std::vector<Observation> asked_;
 };
 
@@ -114,7 +128,7 @@ TEST_F(Loops, APlainOneIsThePolicyItself) {
   EXPECT_EQ(looped(std::move(policy), plainLoop(), plainLoop()).get(), itself);
 }
 
-TEST_F(Loops, ASideThatIsPlainHasThePolicysActions) {
+TEST_F(Loops, ARoleThatIsPlainHasThePolicysActions) {
   const auto policy = looped(echo(), plainLoop(), loopWith({{"action_delay", "2"}, {"action_noise", "0.1"}}));
   EXPECT_EQ(drive(*policy, 5, {7, 0, Role::kReference}), drive(*echo(), 5));
   EXPECT_NE(drive(*policy, 5, {7, 0, Role::kEngine}), drive(*echo(), 5));
@@ -141,11 +155,17 @@ TEST_F(Loops, HoldAsksEveryFewSteps) {
 }
 
 TEST_F(Loops, ScaleIsOfTheClippedCommand) {
-  class Fast : public Policy {
-    void act(Span<const Query> /*unused*/, Span<Action> actions) override { actions[0] = {4.0F, 0.5F}; }
-  };
-  EXPECT_THAT(drive(*looped(std::make_unique<Fast>(), loopWith({{"action_scale", "0.5"}}), plainLoop()), 1),
-              ElementsAre(Action{0.5F, 0.25F}));
+  EXPECT_THAT(driveConstant({4.0F, 0.5F}, {{"action_scale", "0.5"}}, 1), ElementsAre(Action{0.5F, 0.25F}));
+}
+
+TEST_F(Loops, WhatIsNotFiniteStaysSo) {
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  for (const Settings& settings : std::vector<Settings>{
+           {{"action_scale", "0.5"}}, {{"action_scale", "0"}}, {{"action_noise", "0.1"}}, {{"hold", "2"}}}) {
+    for (const float bad : {kInfinite, -kInfinite, std::numeric_limits<float>::quiet_NaN()}) {
+      EXPECT_FALSE(isFinite(driveConstant({bad, 0.1F}, settings, 1).at(0))) << settings.begin()->first << ' ' << bad;
+    }
+  }
 }
 
 /// Mean and standard deviation.
@@ -163,20 +183,25 @@ std::pair<double, double> momentsOf(const std::vector<double>& values) {
 TEST_F(Loops, NoiseHasItsDeviation) {
   constexpr int kSteps = 4000;
   constexpr double kMost = 4.0 / 63.0;  // four standard errors of a mean over 4000, in deviations
-  const std::vector<Action> noisy = drive({{"action_noise", "0.05"}}, 40);
-  EXPECT_THAT(asked_, SizeIs(40));
+  std::vector<double> commands;
+  for (const Action& command : driveConstant({}, {{"action_noise", "0.05"}}, kSteps)) {
+    commands.push_back(command[0] / 0.05);
+    commands.push_back(command[1] / 0.05);
+  }
   std::vector<double> positions;
   std::vector<double> yaws;
   drive({{"observation_noise_position", "0.002"}, {"observation_noise_yaw", "0.1"}}, kSteps);
   for (int step = 0; step < kSteps; ++step) {
     const Observation truth = shown(step);
     const Observation& seen = asked_[static_cast<std::size_t>(step)];
-    positions.push_back((seen[3] - truth[3]) / 0.002);
+    for (std::size_t i = 0; i < 4; ++i) {
+      positions.push_back((seen[i] - truth[i]) / 0.002);
+    }
     yaws.push_back(std::remainder(std::atan2(seen[4], seen[5]) - std::atan2(truth[4], truth[5]), 2.0 * M_PI) / 0.1);
     EXPECT_NEAR(std::hypot(seen[4], seen[5]), 1.0, 1e-6);
     EXPECT_TRUE(std::equal(truth.begin() + 6, truth.end(), seen.begin() + 6)) << "the target is known";
   }
-  for (const auto& values : {positions, yaws}) {
+  for (const auto& values : {commands, positions, yaws}) {
     const auto [mean, deviation] = momentsOf(values);
     EXPECT_NEAR(mean, 0.0, kMost);
     EXPECT_NEAR(deviation, 1.0, kMost);
@@ -190,7 +215,7 @@ TEST_F(Loops, NoiseIsOfTheSeedAlone) {
   EXPECT_NE(drive(noise, 6, 4), commands);
 }
 
-TEST_F(Loops, AKnobChangesNoOtherNoise) {
+TEST_F(Loops, AParameterChangesNoOtherNoise) {
   const std::vector<Action> quiet = drive({}, 6, 3);
   const std::vector<Action> one = drive({{"action_noise", "0.01"}}, 6, 3);
   const std::vector<Action> two = drive({{"action_noise", "0.02"}, {"observation_noise_yaw", "0.3"}}, 6, 3);

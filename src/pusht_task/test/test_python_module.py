@@ -807,6 +807,12 @@ class Policies(unittest.TestCase):
         self.assertTrue(description.success)
         self.assertEqual((description.name, description.version), ("mine", "2"))
         self.assertEqual((description.parameters, description.parameters_hash), ([], ""))
+        self.assertNotIn("noise", json.loads(description.provenance))
+
+    def test_stochastic_one_says_so(self) -> None:
+        identity = Identity("mine", "2")
+        description = PolicySession(lambda rows: rows[:, :2], identity, stochastic=True).describe()
+        self.assertEqual(json.loads(description.provenance)["noise"], {"drawn_by": "the node"})
 
 
 class PoliciesWithMemory(unittest.TestCase):

@@ -21,20 +21,28 @@ const std::vector<int> kStarts = {20, 50, 200, 400};
 constexpr std::array kTried = {0.0, 1.0, 2.0, 4.0, 8.0};  // sizes of the error, in control steps
 constexpr double kHalf = 2.5;                             // size at which half of the success of an easy start is lost
 
-/// Probability of success with an error of this size, in a start of this difficulty.
-double successWith(double size, double difficulty) { return 1.0 / (1.0 + std::exp(size - kHalf + difficulty)); }
+/// Planted size, on a curve of success that falls so steeply.
+struct Planted {
+  double size;
+  double steepness;
+};
 
-/// Interval of the size of an engine that is the reference with an error of size `planted`. With `same_luck` a start
+/// Probability of success with an error of this size, in a start of this difficulty.
+double successWith(double size, double difficulty, double steepness) {
+  return 1.0 / (1.0 + std::exp(steepness * (size - kHalf) + difficulty));
+}
+
+/// Interval of the size of an engine that is the reference with the error `planted`. With `same_luck` a start
 /// that succeeds with a large error succeeds with every smaller one, as in simulators without noise.
-std::optional<Interval> intervalOf(double planted, bool same_luck, int starts, Random& random) {
+std::optional<Interval> intervalOf(const Planted& planted, bool same_luck, int starts, Random& random) {
   std::array<PairTable, kTried.size()> tables;
   for (int start = 0; start < starts; ++start) {
     const double difficulty = 2.0 * normal(random);
     const double luck = uniform(random);
     const auto succeeds = [&](double size) {
-      return (same_luck ? luck : uniform(random)) < successWith(size, difficulty);
+      return (same_luck ? luck : uniform(random)) < successWith(size, difficulty, planted.steepness);
     };
-    const bool in_engine = succeeds(planted);
+    const bool in_engine = succeeds(planted.size);
     for (std::size_t i = 0; i < kTried.size(); ++i) {
       tables[i].add(in_engine, succeeds(kTried[i]));
     }
@@ -50,10 +58,11 @@ std::optional<Interval> intervalOf(double planted, bool same_luck, int starts, R
 
 void equivalents(Simulation& simulation) {
   printHead("Share of repetitions in which the interval of an equivalent error holds its size [%], nominal 95",
-            withSizes(kStarts, {"size", "luck of a start"}));
-  for (const double planted : {1.0, 1.5, 2.0, 3.0}) {
+            withSizes(kStarts, {"size (steepness)", "luck of a start"}));
+  for (const Planted planted : {Planted{1.0, 1.0}, {1.5, 1.0}, {2.0, 1.0}, {3.0, 1.0}, {2.4, 4.0}, {2.4, 10.0}}) {
+    const std::string what = pusht::fixedText(planted.size, 1) + " (" + pusht::fixedText(planted.steepness, 0) + ")";
     for (const bool same_luck : {true, false}) {
-      printCoverage(simulation, kStarts, pusht::fixedText(planted, 1), same_luck ? "the same" : "independent", planted,
+      printCoverage(simulation, kStarts, what, same_luck ? "the same" : "independent", planted.size,
                     [&](int n, Random& random) { return intervalOf(planted, same_luck, n, random); });
     }
   }

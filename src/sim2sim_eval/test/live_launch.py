@@ -169,6 +169,27 @@ class Runs(LiveCase):
         until(lambda: status.exists() and status_of_file(status)["exit_code"] != 4, "a status")
         self.assertEqual(status_of_file(status)["reason"], "finished")
 
+    def test_policies_with_memory_chunks_and_noise_survive_a_killed_node(self) -> None:
+        """Their episode begins again, with the same noise."""
+        run: Dict[str, Any] = {"episodes": 2, "horizon": 60}
+        options = " ".join(f"--{name} {value}" for name, value in run.items())
+        for name, execute in (("gru", 0), ("chunk", 4), ("flow", 8)):
+            with self.subTest(name):
+                policy = str(rospkg.RosPack().get_path("pusht_policy")) + f"/policies/{name}.ts.pt"
+                given = {**run, "policy": policy, "execute": execute, "respawn": True, "rate": 5}
+                launch = Launch(self, out=name, **given)
+                launch.first("/sim2sim/divergence")
+                control = ("rosservice", "call", "/sim2sim/control")
+                launch.tool(*control, "{command: pause}")
+                os.kill(launch.node("/policy"), signal.SIGKILL)
+                launch.tool(*control, "{command: rate, rate: -1.0}")
+                launch.tool(*control, "{command: resume}")
+                self.assertEqual(launch.ended(), 0, launch.output)
+                self.assertEqual(launch.status()["faults_survived"], 1)
+                batch = ("--policy", policy, *options.split(), "--execute", str(execute))
+                self.assertEqual(result_bytes(launch.out), self.batch_bytes(*batch))
+                self.assert_recomputed(launch.out)
+
     def with_engine_from_elsewhere(self, *node: str, **arguments: Any) -> Launch:
         launch = Launch(
             self, policy="expert", episodes=1, engine_nodes=False, record=False, **arguments

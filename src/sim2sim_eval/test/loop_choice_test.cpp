@@ -15,7 +15,7 @@ namespace {
 
 using pusht::testing::refusalOf;
 
-TEST(LoopOfASide, IsSetBesideItsSimulator) {
+TEST(LoopOfARole, IsSetBesideItsSimulator) {
   const SimulatorChoice choice = chooseSimulator("two_mass", {"loop.action_delay=2", "loop.hold=1", "block_damp=20"});
   EXPECT_EQ(textOf(choice), "two_mass:block_damp=20.0:loop.action_delay=2");
   EXPECT_EQ(simulatorFromText(textOf(choice)), choice);
@@ -28,7 +28,7 @@ TEST(LoopOfASide, IsSetBesideItsSimulator) {
   EXPECT_EQ(refusalOf([&] { requireNoLoop(choice, "an audit"); }),
             "loop.action_delay 2: must be left out: an audit has no policy in a loop");
   EXPECT_EQ(refusalOf([&] { chooseSimulator("two_mass", {"loop.action_delay=-1"}); }),
-            "action_delay -1: must be from 0 to 100 [control steps]");
+            "loop: action_delay -1: must be from 0 to 100 [control steps]");
 }
 
 TEST(LoopOfASide, IsPartOfTheReferencesKey) {

@@ -4,6 +4,7 @@
 
 import csv
 import json
+import re
 import unittest
 from typing import List, Tuple
 
@@ -78,6 +79,7 @@ class Loops(LoopCase):
         self.sweep(plan, "whole")
         for shard in ("1/2", "2/2"):
             self.run_all((SWEEP, "plan.yaml", "--shard", shard, "--out", f"s{shard[0]}"))
+        self.assertFalse((self.folder / "whole" / "reference").exists(), "kept for the sweep alone")
         self.run_all((MERGE, "s1", "s2", "--out", "merged"))
         for row in ("rows/000", "rows/001"):
             self.assertEqual(self.episodes(f"merged/{row}"), self.episodes(f"whole/{row}"))
@@ -88,12 +90,12 @@ class Loops(LoopCase):
 
     def test_refusals(self) -> None:
         for arguments, words in {
-            ("--loop", "delay=1"): "parameter 'delay': unknown; known: action_delay, ",
-            ("--loop", "action_delay=-1"): "action_delay -1: must be from 0 to 100",
+            ("--loop", "delay=1"): "loop: parameter 'delay': unknown; known: action_delay, ",
+            ("--loop", "action_delay=-1"): "loop: action_delay -1: must be from 0 to 100",
             ("--loop-engine", "action_delay"): "'loop.action_delay': must be NAME=VALUE",
             ("--loop", "hold=2", "--loop-engine", "hold=3"): "loop.hold must be set once",
             ("--repeats", "3"): "repeats 3: must divide episodes 50",
-            ("--execute", "2"): "execute 2: must be from 1 to 1",
+            ("--execute", "2"): "policy expert: execute 2: must be from 1 to 1",
         }.items():
             self.assertIn(words, self.refused(COMPARE, *EXPERT, *arguments), arguments)
         audit = executable("sim2sim_eval", "audit")
@@ -161,13 +163,46 @@ class Equivalents(LoopCase):
         picture = self.folder / out / "sweep.png"
         self.run_all((PLOT, "--equivalents", out))
         self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
-        self.assertLess(low, 2.0)
-        self.assertGreater(high, 2.0)
-        self.assertLess(high - low, 1.5, "and not anything")
+        self.assertEqual((low, high), (1.0, 3.0))
         self.assertAlmostEqual(error, 2.0, delta=0.6)
-        self.assertRegex(
-            text, r"loop.action_delay \+ [0-9.]+ \[.*\] control steps, [0-9]+ \[.*\] ms"
+        found = re.search(
+            r"loop.action_delay \+ (.*) \[1, 3\] control steps, (.*) \[100, 300\] ms", text
         )
+        assert found
+        self.assertAlmostEqual(100.0 * float(found[1]), float(found[2]), delta=1.0)
+
+    def test_engines_stand_side_by_side_and_one_may_gain(self) -> None:
+        # The reference is late itself. So is an engine that loses more; one that is not gains.
+        late = "mujoco:loop.action_delay"
+        engines = [
+            "rigid_body:loop.action_delay=3",
+            "rigid_body",
+            *(f"{late}={n}" for n in (1, 3, 4, 5)),
+        ]
+        plan = {"policy": "expert", "episodes": 40, "floor": False, "engine": engines}
+        self.sweep(json.dumps({**plan, "reference": f"{late}=2"}), "both")
+        text = self.run_all((EQUIVALENT, "both"))
+        slower, gains = json.loads((self.folder / "both/equivalent.json").read_text())["engines"]
+        more, less = slower["equivalents"]
+        self.assertEqual((more["without"], less["without"]), (2, 2))
+        self.assertEqual([level["size"] for level in more["levels"]], [2, 3, 4, 5])
+        self.assertEqual([level["size"] for level in less["levels"]], [2, 1])
+        self.assertEqual(more["error_interval"], [0.0, 2.0])
+        self.assertEqual(less["error_interval"][1], None, "beyond: less delay costs nothing")
+        self.assertRegex(text, r"loop.action_delay - > 1 \[.*, > 1\] control steps")
+        self.assertIn("(it gains success: no loss has an equivalent)", text)
+        self.assertEqual({each["error"] for each in gains["equivalents"]}, {None})
+        self.run_all((PLOT, "--equivalents", "both"))
+
+    def test_repeats_count_by_start(self) -> None:
+        noisy = "loop.action_noise=0.2"
+        engines = [f"{kind}:{noisy}" for kind in ("two_mass", "mujoco:loop.action_delay=3")]
+        plan = {"policy": "expert", "episodes": 60, "repeats": 3, "floor": False, "engine": engines}
+        self.sweep(json.dumps({**plan, "reference": f"mujoco:{noisy}"}), "repeated")
+        self.run_all((EQUIVALENT, "repeated"))
+        (engine,) = json.loads((self.folder / "repeated/equivalent.json").read_text())["engines"]
+        low, high = self.load("repeated/rows/000", "metrics.json")["success_difference_interval"]
+        self.assertEqual(engine["lost_interval"], [-high, -low])
 
     def test_refusals(self) -> None:
         self.compare("run", "--episodes", "2")
@@ -181,6 +216,14 @@ class Equivalents(LoopCase):
         self.assertIn("has no engine but the reference", self.refused(EQUIVALENT, "errors"))
         self.sweep(f"{{policy: expert, episodes: 4, engine: [two_mass, {self.DELAYS}]}}", "few")
         self.assertIn("has 4 starts; must have at least 10", self.refused(EQUIVALENT, "few"))
+        plan = f"{{policies: [expert, bc], episodes: 12, engine: [two_mass, {self.DELAYS}]}}"
+        self.sweep(plan, "policies")
+        self.assertIn("is of another policy", self.refused(EQUIVALENT, "policies"))
+        self.sweep(plan.replace("[expert, bc]", "[expert]"), "shard", "--shard", "1/2")
+        self.assertIn("merge the shards first", self.refused(EQUIVALENT, "shard"))
+        self.sweep(plan.replace("[expert, bc]", "[expert]"), "whole")
+        self.run_all((EQUIVALENT, "whole"))
+        self.assertIn("equivalent.json", self.refused(EQUIVALENT, "whole"))
 
 
 if __name__ == "__main__":

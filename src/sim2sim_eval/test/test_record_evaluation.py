@@ -79,6 +79,10 @@ class RecordEvaluation(CommandCase):
             "smoke": True,
             "starts": "0123abcd",
             "until_decided": 0.5,
+            "repeats": 2,
+            "noise_seed": 7,
+            "independent_noise": True,
+            "execute": 4,
             "simulators": {"reference": {"changed": ["scene"]}},
         }
         for name, value in others.items():

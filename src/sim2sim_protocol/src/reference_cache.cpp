@@ -83,7 +83,7 @@ std::string ReferenceCache::filePattern() {
   for (const Probe& probe : floorProbes()) {
     rollouts += "|" + probe.name;
   }
-  return "[0-9a-f]+\\.(" + rollouts + "|(closed_)?variant_[\\w=.:+-]+)";
+  return "[0-9a-f]+(#[0-9]+)?\\.(" + rollouts + "|(closed_)?variant_[\\w=.:+-]+)";
 }
 
 std::optional<pusht::Trace> ReferenceCache::find(const std::string& state, const std::string& rollout) const {

@@ -66,7 +66,7 @@ using MakePolicy = std::function<std::unique_ptr<pusht::Policy>()>;
 
 std::unique_ptr<pusht::Policy> dice() { return std::make_unique<DicePolicy>(); }
 
-/// Expert in loops that differ between the sides, with noise of all kinds.
+/// Expert in loops that differ between the roles, with noise of all kinds.
 std::unique_ptr<pusht::Policy> noisyExpert() {
   pusht::ParameterSet reference = pusht::plainLoop();
   reference.set("action_noise", "0.2");
@@ -118,7 +118,7 @@ TEST(Repeats, DivideTheEpisodes) {
   EXPECT_EQ(refusalOf([&] { protocol.validate(); }), "repeats 0: must be from 1 to 1000");
 }
 
-TEST(Randomness, IsTheSameOnBothSidesUnlessAskedOtherwise) {
+TEST(Randomness, IsTheSameInBothRolesUnlessAskedOtherwise) {
   Protocol protocol = withRepeats(2, 3);
   const std::uint64_t seed = protocol.beginning(1, Role::kReference).seed;
   EXPECT_EQ(protocol.beginning(1, Role::kEngine).seed, seed);

@@ -205,16 +205,18 @@ TEST(RepeatedStarts, AreNotWatchedUntilDecided) {
   }
 }
 
-TEST(NoteOnNoise, IsForStochasticPoliciesThatWerePlayedOnce) {
+TEST(NoteOnNoise, IsForWhatIsRandomAndWasPlayedOnce) {
   const nlohmann::json stochastic = {{"policy", {{"noise", {{"distribution", "normal"}}}}}};
   RunConfiguration configuration = bareConfiguration();
   EXPECT_THAT(noteOnNoise(configuration, stochastic), HasSubstr("--repeats"));
   EXPECT_EQ(noteOnNoise(configuration, {{"policy", {{"sha256", "1"}}}}), "");
   EXPECT_EQ(noteOnNoise(repeatedConfiguration(8), stochastic), "");
   configuration.engine.changed = {"loop.action_noise"};
-  EXPECT_EQ(noteOnNoise(configuration, stochastic), "") << "the simulator's name says so";
+  EXPECT_THAT(noteOnNoise(configuration, stochastic), HasSubstr("Policy and loop draw"));
+  EXPECT_THAT(noteOnNoise(configuration, {}), HasSubstr("The loop draws"));
   configuration.engine.changed = {"loop.action_delay"};
-  EXPECT_NE(noteOnNoise(configuration, stochastic), "");
+  EXPECT_THAT(noteOnNoise(configuration, stochastic), HasSubstr("The policy draws"));
+  EXPECT_EQ(noteOnNoise(configuration, {}), "");
 }
 
 }  // namespace

@@ -57,6 +57,7 @@ TEST(ReferenceCachePattern, FollowsFromTheProbes) {
   const std::regex pattern(ReferenceCache::filePattern());
   EXPECT_TRUE(std::regex_match("10007.reference", pattern));
   EXPECT_TRUE(std::regex_match("0123456789abcdef.reference", pattern));
+  EXPECT_TRUE(std::regex_match("10007#2.reference", pattern)) << "a repeat";
   for (const Probe& probe : floorProbes()) {
     EXPECT_TRUE(std::regex_match("10007." + probe.name, pattern)) << probe.name;
   }

@@ -23,6 +23,7 @@ import torch
 from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
 from numpy.typing import NDArray
 
+REPORT: str = find_in_workspaces(["libexec"], "sim2sim_eval", "report", first_match_only=True)[0]
 COMPARE: str = find_in_workspaces(["libexec"], "sim2sim_eval", "compare", first_match_only=True)[0]
 DEADLINE = 240  # [s] for one command
 SHORT: Dict[str, Any] = {"engine": "two_mass", "episodes": 4, "horizon": 30, "floor": False}
@@ -204,6 +205,16 @@ class Results(ComparisonCase):
                     self.assertEqual(str(value).lower() if name == "success" else str(value), cell)
         self.assertEqual(results.episodes["seed"].dtype, np.uint64)
         self.assertEqual(len(rows), 1 + 4 * 3)
+
+    def test_repeats_are_a_column_of_whole_numbers(self) -> None:
+        repeat = sim2sim.compare(charge, repeats=2, **SHORT).episodes["repeat"]
+        self.assertEqual((repeat.dtype, repeat.tolist()), (np.int64, [0, 0, 0, 1, 1, 1] * 2))
+
+    def test_page_says_what_its_command_does_not_know(self) -> None:
+        sim2sim.compare(charge, out="out", **SHORT)
+        subprocess.run([REPORT, "out"], check=True, timeout=120, stdout=subprocess.DEVNULL)
+        page = (self.folder / "out" / "report.html").read_text()
+        self.assertIn("The policy was a Python object: give it to sim2sim.compare()", page)
 
     def test_nothing_is_written_unless_asked_for(self) -> None:
         results = sim2sim.compare(charge, **SHORT)

@@ -210,8 +210,12 @@ class ManyWorlds(unittest.TestCase):
         observation, of_single = single.reset()  # what follows from seed 5
         assert_array_equal(first[0], observation)
         self.assertNotEqual(of_single["seed"], 5)
+        self.assertEqual(int(info["seed"][0]), of_single["seed"])
+        self.assertEqual(info["_seed"].tolist(), [True, True])
         self.assertFalse((first == last).all())
-        assert_array_equal(worlds.step(np.ones((2, 2)))[4]["steps"], [1, 1])
+        info = worlds.step(np.ones((2, 2)))[4]
+        assert_array_equal(info["steps"], [1, 1])
+        self.assertNotIn("seed", info, "no episode has begun")
 
     def test_one_world_that_ends_leaves_the_others(self) -> None:
         on_target = [0.3, 0.3, 0, 0, 0, 0, 0, 0, 0, 0]

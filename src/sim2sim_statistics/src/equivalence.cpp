@@ -9,37 +9,39 @@
 namespace sim2sim {
 namespace {
 
-/// Size between two at which the line from `before` > 0 to `after` <= 0 is 0.
-double rootBetween(double low_size, double before, double high_size, double after) {
-  return low_size + (high_size - low_size) * (before / (before - after));
-}
+constexpr double kBeyond = std::numeric_limits<double>::infinity();  // the largest size
 
-/// Size at which `of` a surplus falls to 0 first.
-template <class Of>
-double firstRoot(const std::vector<Surplus>& surplus, const Of& of) {
-  if (of(surplus.front()) <= 0.0) {
+/// Size at which the surplus falls to 0 first, on lines between the sizes.
+double firstRoot(const std::vector<Surplus>& surplus) {
+  if (surplus.front().value <= 0.0) {
     return surplus.front().size;
   }
   for (std::size_t i = 1; i < surplus.size(); ++i) {
-    if (of(surplus[i]) <= 0.0) {
-      return rootBetween(surplus[i - 1].size, of(surplus[i - 1]), surplus[i].size, of(surplus[i]));
+    const Surplus& before = surplus[i - 1];
+    const Surplus& after = surplus[i];
+    if (after.value <= 0.0) {
+      return before.size + (after.size - before.size) * (before.value / (before.value - after.value));
     }
   }
-  return std::numeric_limits<double>::infinity();
+  return kBeyond;
 }
 
-/// Size at which `of` a surplus falls below 0 for good.
-template <class Of>
-double lastRoot(const std::vector<Surplus>& surplus, const Of& of) {
-  if (of(surplus.back()) >= 0.0) {
-    return std::numeric_limits<double>::infinity();
+/// Largest size up to which the surplus is surely above 0 at each that was tried; the smallest if there is none.
+double lowerEnd(const std::vector<Surplus>& surplus) {
+  std::size_t first = 0;
+  while (first < surplus.size() && surplus[first].interval.low > 0.0) {
+    ++first;
   }
-  for (std::size_t i = surplus.size() - 1; i > 0; --i) {
-    if (of(surplus[i - 1]) >= 0.0) {
-      return rootBetween(surplus[i - 1].size, of(surplus[i - 1]), surplus[i].size, of(surplus[i]));
-    }
+  return first == surplus.size() ? kBeyond : surplus[first == 0 ? 0 : first - 1].size;
+}
+
+/// Smallest size from which on the surplus is surely below 0 at each that was tried.
+double upperEnd(const std::vector<Surplus>& surplus) {
+  std::size_t sure = surplus.size();
+  while (sure > 0 && surplus[sure - 1].interval.high < 0.0) {
+    --sure;
   }
-  return surplus.front().size;
+  return sure == surplus.size() ? kBeyond : surplus[sure].size;
 }
 
 }  // namespace
@@ -53,9 +55,7 @@ EquivalentSize equivalentSize(const std::vector<Surplus>& surplus) {
       refuse("size", surplus[i].size, "above the one before it, " + shortestText(surplus[i - 1].size));
     }
   }
-  return {firstRoot(surplus, [](const Surplus& at) { return at.value; }),
-          {firstRoot(surplus, [](const Surplus& at) { return at.interval.low; }),
-           lastRoot(surplus, [](const Surplus& at) { return at.interval.high; })}};
+  return {firstRoot(surplus), {lowerEnd(surplus), upperEnd(surplus)}};
 }
 
 }  // namespace sim2sim

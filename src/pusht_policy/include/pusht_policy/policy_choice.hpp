@@ -38,9 +38,6 @@ struct ChosenPolicy {
   nlohmann::json provenance;           ///< origin, and what it runs on
   std::vector<std::string> libraries;  ///< prefixes of the names of libraries that compute it, besides pusht_policy
   std::string warning;                 ///< says that another policy runs than was asked for; else empty
-  bool stochastic = false;             ///< acts by noise that is drawn from the seed of a rollout
-  int answered = 1;                    ///< actions of an answer
-  int execute = 1;                     ///< of these, how many are executed unless a run says otherwise
 };
 
 /// Loads the policy of `choice`. `shipped` is the checkpoint that "bc" names. If it is not there, an untrained policy

@@ -18,18 +18,18 @@ constexpr const char* kDescriptionFile = "policy.json";
 struct PolicyDescription {
   /// Distribution of each number of the noise: standard normal, or uniform on [0, 1).
   enum class Distribution { kNormal, kUniform };
-  using Shape = std::vector<int>;  ///< of one rollout; empty: the network has none
+  using Shape = std::vector<int>;  ///< sizes for one rollout; empty: the network has none
 
-  // Limits of a description. A policy node keeps the memory of thousands of rollouts.
+  // Limits of a description. A policy node keeps the memory of a thousand rollouts.
   static constexpr int kMostObservations = 1000;
   static constexpr int kMostActions = 1000;
-  static constexpr int kMostNumbers = 65'536;  ///< in a state, and in a noise
+  static constexpr int kMostNumbers = 65'536;  ///< values of a state, and of a noise
   static constexpr int kMostDimensions = 8;
 
   bool described = false;  ///< false: no description; the network maps [1, 10] to [1, 2], without dimensions of time
-  int observations = 1;    ///< the latest ones, which the network gets at each call, the oldest first
-  int actions = 1;         ///< of an answer
-  int execute = 1;         ///< of these, how many are executed before the network is asked again
+  int observations = 1;    ///< observations that the network gets at each call: the latest ones, the oldest first
+  int actions = 1;         ///< actions of an answer
+  int execute = 1;         ///< actions that are executed before the network is asked again
   Shape state{};           ///< goes in and comes out at each call; zeros at the beginning of a rollout
   Shape noise{};           ///< drawn for each call
   Distribution distribution = Distribution::kNormal;

@@ -25,15 +25,16 @@ ParameterSet plainLoop();
 /// Whether all parameters of a loop have their defaults.
 bool isPlain(const ParameterSet& loop);
 
-/// Whether a loop has random numbers.
-bool isNoisy(const ParameterSet& loop);
-
 /// "action_delay" if `name` is "loop.action_delay"; empty if it does not begin with the prefix.
 std::string loopParameterOf(const std::string& name);
 
-/// `policy` in loops with these parameters, one for each side. Random numbers come from the seed of each rollout, a
-/// stream for each kind of noise, so a knob changes the size of its noise and no other number. It is `policy` itself if
-/// both loops are plain. A side whose loop is plain has the policy's actions, to the last bit.
+/// Sets a parameter of the loop by its name without the prefix. Throws as ParameterSet::set(), with the whole name.
+void setOfLoop(ParameterSet& loop, const std::string& name, const std::string& text);
+
+/// `policy` in loops with these parameters, one for each role. Random numbers come from the seed of each rollout, a
+/// stream for each kind of noise, so a parameter changes the size of its noise and no other number. It is `policy`
+/// itself if both loops are plain. A role whose loop is plain has the policy's actions, to the last bit.
+/// Commands that are not finite stay so, for the protocol to refuse.
 std::unique_ptr<Policy> looped(std::unique_ptr<Policy> policy, const ParameterSet& reference,
                                const ParameterSet& engine);
 

@@ -14,7 +14,7 @@ enum class Role { kReference, kEngine };
 
 /// What a policy is told of a rollout that begins.
 struct Beginning {
-  std::uint64_t seed = 0;  ///< of the rollout's random numbers; a stream of them is NumpyGenerator(seed, PURPOSE)
+  std::uint64_t seed = 0;  ///< seed of the rollout's random numbers; a stream of them is NumpyGenerator(seed, PURPOSE)
   int execute = 0;         ///< actions of each answer that are executed; 0: as many as the policy itself says
   Role role = Role::kReference;
 };

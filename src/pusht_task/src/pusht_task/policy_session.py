@@ -17,7 +17,7 @@ Act = Union[Callable[[np.ndarray], Any], Callable[[np.ndarray, List[Any]], Any]]
 # are executed; 0: as many as the policy itself says.
 Begin = Callable[[int, int], Any]
 
-MANY_ROLLOUTS = 65_536  # above it, those not asked for lately are forgotten: none says when it ends
+MANY_ROLLOUTS = 1_024  # above it, those not asked for lately are forgotten: none says when it ends
 LATELY = 1_000  # requests
 
 
@@ -36,13 +36,19 @@ class PolicySession:
     """A served policy. Without `begin` it has no memory: the same query gets the same answer."""
 
     def __init__(
-        self, act: Act, identity: Identity, begin: Optional[Begin] = None, answers: int = 1
+        self,
+        act: Act,
+        identity: Identity,
+        begin: Optional[Begin] = None,
+        answers: int = 1,
+        stochastic: bool = False,
     ) -> None:
         """`answers` is how many actions the policy answers with at a time, of which the first
-        ones may be executed before it looks again."""
+        ones may be executed before it looks again; a `stochastic` one draws random numbers."""
         self._policy: Callable[..., Any] = act
         self._begin = begin
         self._answers = answers
+        self._noise = {"noise": {"drawn_by": "the node"}} if stochastic else {}
         self._identity = identity
         self._lock = threading.Lock()
         self._rollouts: Dict[int, Remembered] = {}
@@ -65,7 +71,7 @@ class PolicySession:
             instance_id=self._identity.instance_id,
             name=self._identity.name,
             version=self._identity.version,
-            provenance=provenance(),
+            provenance=provenance(self._noise),
         )
 
     def _require(self, queries: Sequence[Any]) -> None:

@@ -83,7 +83,13 @@ def serve_simulator(
 
 
 def serve_policy(
-    act: Act, *, name: str, version: str, begin: Optional[Begin] = None, answers: int = 1
+    act: Act,
+    *,
+    name: str,
+    version: str,
+    begin: Optional[Begin] = None,
+    answers: int = 1,
+    stochastic: bool = False,
 ) -> int:
     """The main of a policy node: serves `act`; returns the exit code.
 
@@ -91,12 +97,13 @@ def serve_policy(
     [m/s]. It treats every row alike, whatever the others are. With `begin` the policy has a memory:
     `begin(seed, execute)` makes that of a rollout, any object, and `act(observations, memories)`
     changes those of its rows. All that is random must come from the seed. A policy that plans
-    ahead says with how many actions it `answers`; more than these to be executed are refused.
+    ahead says with how many actions it `answers`; more than these to be executed are refused. One
+    that draws random numbers is `stochastic`: a run that plays each start once says so then.
     """
 
     def start(identity: Identity) -> PolicySession:
         _private_parameters({})
-        return PolicySession(act, identity, begin, answers)
+        return PolicySession(act, identity, begin, answers, stochastic)
 
     return _serve(start, {"act": ActService}, Identity(name, version))
 

@@ -7,7 +7,7 @@ import platform
 import traceback
 import uuid
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Mapping
 
 import numpy as np
 from pusht_msgs.srv import DescribeResponse  # type: ignore[import]
@@ -75,6 +75,7 @@ def reported(failure: BaseException) -> str:
     return f"{type(failure).__name__}: {message} ({place.name}, line {place.lineno})"
 
 
-def provenance() -> str:
-    """JSON text: what numbers depend on besides the parameters."""
-    return json.dumps({"numpy": np.__version__, "python": platform.python_version()})
+def provenance(more: Mapping[str, Any]) -> str:
+    """JSON text: what numbers depend on besides the parameters, and what more there is to say."""
+    versions = {"numpy": np.__version__, "python": platform.python_version()}
+    return json.dumps({**versions, **more})

@@ -117,7 +117,7 @@ class SimulatorSession:
             parameter_descriptors=self._descriptors,
             start_tolerance=self._identity.start_tolerance,
             parameters_hash=hash_of(parameters) if as_it_is else "",
-            provenance=provenance() if as_it_is else "",
+            provenance=provenance({}) if as_it_is else "",
             frame_prefix=self._frame_prefix,
             stamp=_time(self._stamp),
         )

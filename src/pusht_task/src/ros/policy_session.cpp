@@ -16,7 +16,7 @@ namespace pusht {
 namespace {
 
 /// Number of rollouts above which those that were not asked for lately are forgotten: callers do not say when one ends.
-constexpr std::size_t kManyRollouts = 65'536;
+constexpr std::size_t kManyRollouts = 1'024;
 constexpr std::uint64_t kLately = 1'000;  // requests
 
 }  // namespace

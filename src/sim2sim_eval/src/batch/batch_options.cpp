@@ -93,12 +93,12 @@ void declare(CLI::App& app, RunOptions& options) {
 
 void declareLoop(CLI::App& app, std::vector<std::string>& reference, std::vector<std::string>& engine) {
   using Settings = std::vector<std::string>;
-  const auto declare_for = [&app](const std::string& name, const std::string& meaning, std::vector<Settings*> sides) {
+  const auto declare_for = [&app](const std::string& name, const std::string& meaning, std::vector<Settings*> roles) {
     app.add_option_function<Settings>(
            name,
-           [sides](const Settings& given) {
-             for (Settings* side : sides) {
-               std::transform(given.begin(), given.end(), std::back_inserter(*side),
+           [roles](const Settings& given) {
+             for (Settings* role : roles) {
+               std::transform(given.begin(), given.end(), std::back_inserter(*role),
                               [](const std::string& setting) { return pusht::kLoopPrefix + setting; });
              }
            },
@@ -110,11 +110,11 @@ void declareLoop(CLI::App& app, std::vector<std::string>& reference, std::vector
     names.push_back(parameter.name);
   }
   declare_for("--loop",
-              "NAME=VALUE: a parameter of the loop between policy and world, on both sides: " + pusht::joined(names) +
+              "NAME=VALUE: a parameter of the loop between policy and world, in both roles: " + pusht::joined(names) +
                   "; may be repeated",
               {&reference, &engine});
-  declare_for("--loop-reference", "NAME=VALUE: the same for the reference alone", {&reference});
-  declare_for("--loop-engine", "NAME=VALUE: the same for the engine alone", {&engine});
+  declare_for("--loop-reference", "NAME=VALUE: a parameter of the loop of the reference alone", {&reference});
+  declare_for("--loop-engine", "NAME=VALUE: a parameter of the loop of the engine alone", {&engine});
 }
 
 int BatchOptions::threadCount() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/batch/loaded_run.hpp"
 
+#include "pusht_task/error.hpp"
 #include "pusht_task/ros/installed_file.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/flight.hpp"
@@ -22,6 +23,19 @@ nlohmann::json codeOf(const std::vector<const pusht::SimulatorKind*>& kinds, con
   return codeFingerprint(libraries, policy.libraries);
 }
 
+/// Refuses more actions to be executed than an answer of the policy has, before a run begins.
+void requireActions(const pusht::ChosenPolicy& policy, int execute) {
+  if (execute == 0) {
+    return;
+  }
+  try {
+    policy.make()->begin({0, execute});
+  } catch (pusht::Error& error) {
+    error.addContext("policy " + policy.name);
+    throw;
+  }
+}
+
 }  // namespace
 
 LoadedRun::LoadedRun(const pusht::PolicyChoice& policy, const SimulatorChoice& reference,
@@ -41,9 +55,7 @@ LoadedRun::LoadedRun(const std::function<pusht::ChosenPolicy()>& choose_policy, 
     kinds.push_back(&engine.kind.get());
   }
   code_ = codeOf(kinds, policy_);
-  if (options.execute > 0) {
-    policy_.make()->begin({0, options.execute});  // so that more actions than an answer has are refused before a run
-  }
+  requireActions(policy_, options.execute);
   warn(policy_.warning);
 }
 

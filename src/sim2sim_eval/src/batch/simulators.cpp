@@ -12,7 +12,7 @@ namespace sim2sim {
 
 void SimulatorChoice::set(const std::string& name, const std::string& text) {
   const std::string of_loop = pusht::loopParameterOf(name);
-  of_loop.empty() ? parameters.set(name, text) : loop.set(of_loop, text);
+  of_loop.empty() ? parameters.set(name, text) : pusht::setOfLoop(loop, of_loop, text);
 }
 
 const pusht::Parameter& SimulatorChoice::at(const std::string& name) const {

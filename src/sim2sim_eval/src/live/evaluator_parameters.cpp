@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/live/evaluator_parameters.hpp"
 
+#include "sim2sim_eval/live/world_memory.hpp"
+
 namespace sim2sim {
 namespace {
 
@@ -63,6 +65,8 @@ EvaluatorParameters EvaluatorParameters::load(pusht::ParameterReader& parameters
   const auto values = [&](const std::string& key) { return parametersFrom(key, parameters.optionalText(key, kNone)); };
   request.simulators = {{parameters.optionalText("reference", kAuto), values("reference_parameters")},
                         {parameters.optionalText("engine", kAuto), values("engine_parameters")}};
+  loopOf(request.simulators.reference);  // refuses one that there is not, before nodes are waited for
+  loopOf(request.simulators.engine);
   loaded.start = parameters.flag("start", loaded.start);
   loaded.exit = parameters.flag("exit", loaded.exit) && !loaded.headless.empty();
   loaded.respawn = parameters.flag("respawn", loaded.respawn);

@@ -18,7 +18,7 @@ pusht::ParameterSet loopOf(const WorldRequest& asked) {
   pusht::ParameterSet loop = pusht::plainLoop();
   for (const pusht_msgs::Parameter& parameter : asked.parameters) {
     if (const std::string name = pusht::loopParameterOf(parameter.name); !name.empty()) {
-      loop.set(name, parameter.value);
+      pusht::setOfLoop(loop, name, parameter.value);
     }
   }
   return loop;

@@ -17,7 +17,8 @@ EVALUATED: Dict[str, Any] = {
     "first_episode": 0,
     "smoke": False,
 }
-FORBIDDEN = ("starts", "until_decided")  # keys of the configuration
+# Keys of the configuration that it must not have: each makes a rate another one.
+FORBIDDEN = ("starts", "until_decided", "repeats", "noise_seed", "independent_noise", "execute")
 
 
 def record_evaluation(checkpoint: Path, results: Path) -> None:

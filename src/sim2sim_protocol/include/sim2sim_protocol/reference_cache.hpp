@@ -18,8 +18,8 @@ std::string keptName(const nlohmann::json& key);
 inline constexpr const char* kReferenceRollout = "reference";
 
 /// Cache with a file for each rollout: FOLDER/HASH/STATE.ROLLOUT, a line of JSON and the trace's numbers as they are in
-/// memory. HASH is that of the cache's key, STATE the key of the initial state (Protocol::initialStateKey()). Threads
-/// and processes may share a folder.
+/// memory. HASH is that of the cache's key, STATE the key of an episode (Protocol::cacheKey()). Threads and processes may
+/// share a folder.
 class ReferenceCache {
  public:
   /// `key` is all that a rollout depends on besides its initial state. Throws RuntimeFault if the folder cannot be
@@ -30,7 +30,7 @@ class ReferenceCache {
   static std::string folderPattern();
   static std::string filePattern();
 
-  /// Trace of a rollout; empty if it is not in the cache. `state` is the key of its initial state, `rollout` is
+  /// Trace of a rollout; empty if it is not in the cache. `state` is the key of its episode, `rollout` is
   /// kReferenceRollout or the name of a probe. Throws BadDependency with the file if that is damaged or belongs to
   /// another key, state or rollout.
   std::optional<pusht::Trace> find(const std::string& state, const std::string& rollout) const;

@@ -23,6 +23,9 @@ constexpr double kMillisecondsPerStep = 1000.0 * pusht::kControlStep;
 
 json boundsOf(const Interval& interval) { return {readableJson(interval.low), readableJson(interval.high)}; }
 
+/// Whether an engine surely gains success, so that there is no loss to compare.
+bool gains(const EngineEquivalents& engine) { return engine.lost.interval.high < 0.0; }
+
 json rateJson(const SuccessRate& success) {
   return {{"rate", readable(success.rate)}, {"interval", readableJson(success.interval)}};
 }
@@ -73,8 +76,8 @@ json toJson(const Equivalents& equivalents) {
                         {"unit", equivalent.unit},
                         {"without", equivalent.without},
                         {"levels", levels},
-                        {"error", readableJson(equivalent.error.value)},
-                        {"error_interval", boundsOf(equivalent.error.interval)}});
+                        {"error", gains(engine) ? json() : readableJson(equivalent.error.value)},
+                        {"error_interval", gains(engine) ? json() : boundsOf(equivalent.error.interval)}});
     }
     engines.push_back({{"engine", engine.engine},
                        {"success", rateJson(engine.success)},
@@ -92,12 +95,15 @@ std::string toCsv(const Equivalents& equivalents) {
   const auto number = [](double value) { return std::isfinite(value) ? pusht::shortestText(readable(value)) : ""; };
   for (const EngineEquivalents& engine : equivalents.engines) {
     for (const Equivalent& equivalent : engine.equivalents) {
+      const std::string error = gains(engine)
+                                    ? ",,"
+                                    : number(equivalent.error.value) + ',' + number(equivalent.error.interval.low) +
+                                          ',' + number(equivalent.error.interval.high);
       for (const ErrorLevel& level : equivalent.levels) {
         const Interval success = level.success.interval.value_or(Interval{level.success.rate, level.success.rate});
         csv << csvText(engine.engine) << ',' << equivalent.parameter << ',' << csvText(equivalent.unit) << ','
             << number(level.size) << ',' << number(level.success.rate) << ',' << number(success.low) << ','
-            << number(success.high) << ',' << number(equivalent.error.value) << ','
-            << number(equivalent.error.interval.low) << ',' << number(equivalent.error.interval.high) << '\n';
+            << number(success.high) << ',' << error << '\n';
       }
     }
   }
@@ -113,10 +119,14 @@ std::string table(const Equivalents& equivalents) {
     const Interval& lost = engine.lost.interval;
     text << engine.engine << ": success " << cell(engine.success) << ", lost "
          << signedText(engine.lost.value, lost, "", kDigits) << '\n';
+    if (gains(engine)) {
+      text << "  (it gains success: no loss has an equivalent)\n";
+      continue;
+    }
     for (const Equivalent& equivalent : engine.equivalents) {
       text << "  " << textOf(equivalent) << '\n';
     }
-    if (lost.low <= 0.0 && lost.high >= 0.0) {
+    if (lost.low <= 0.0) {
       text << "  (that it loses success is not shown)\n";
     }
   }

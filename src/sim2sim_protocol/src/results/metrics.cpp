@@ -186,13 +186,18 @@ Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t qu
 }
 
 std::string noteOnNoise(const RunConfiguration& configuration, const json& provenance) {
-  const bool is_stochastic = !provenance.value(json::json_pointer("/policy/noise"), json()).is_null();
-  if (!is_stochastic || configuration.protocol.repeats > 1 || hasNoisyLoop(configuration.reference) ||
-      hasNoisyLoop(configuration.engine)) {
+  if (configuration.protocol.repeats > 1) {
     return "";
   }
-  return "The policy draws random numbers, and each start was played once: how much is chance is not known; see "
-         "--repeats.";
+  const bool by_policy = !provenance.value(json::json_pointer("/policy/noise"), json()).is_null();
+  const bool by_loop = hasNoisyLoop(configuration.reference) || hasNoisyLoop(configuration.engine);
+  if (!by_policy && !by_loop) {
+    return "";
+  }
+  return std::string(by_policy && by_loop ? "Policy and loop draw"
+                     : by_policy          ? "The policy draws"
+                                          : "The loop draws") +
+         " random numbers, and each start was played once: how much is chance is not known; see --repeats.";
 }
 
 std::string doubtAboutPolicy(const json& metrics, const json& provenance) {

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from sim2sim import _sim2sim
 from sim2sim.errors import InvalidInput
 
-INTEGERS = {"episode": np.int64, "seed": np.uint64, "steps": np.int64}  # columns
+INTEGERS = {"episode": np.int64, "seed": np.uint64, "steps": np.int64, "repeat": np.int64}
 TEXTS = ("mode", "parting_cause", "parting_first")
 
 

@@ -233,16 +233,24 @@ class VectorWorld(_Worlds):
         NDArray[np.bool_],
         Info,
     ]:
-        """Takes a control step in each world; arrays as World.step()."""
+        """Takes a control step in each world; arrays as World.step().
+
+        Where a world has begun its next episode, info has its `seed`, and `_seed` is true.
+        """
         if self._ended is None:
             raise InvalidInput("step: no episode has begun; reset the worlds")
         rows = _checked_actions("actions", actions, (self.num_envs, ACTION))
         ended = self._ended
         self._batch.step(rows, ~ended)
+        seeds = np.zeros(self.num_envs, np.int64)
         for world in np.flatnonzero(ended):
-            self._batch.spawn(int(world), self._starts[world].drawn())
+            seeds[world] = self._starts[world].drawn()
+            self._batch.spawn(int(world), int(seeds[world]))
         terminated, truncated = self._ends()
-        return self._batch.observations, self._batch.rewards, terminated, truncated, self._info()
+        info = self._info()
+        if ended.any():
+            info.update({"seed": seeds, "_seed": ended})
+        return self._batch.observations, self._batch.rewards, terminated, truncated, info
 
     def _seeds(self, seed: Union[None, int, Sequence[Optional[int]]]) -> List[Optional[int]]:
         if seed is None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, List, Sequence, Union
 
 from pusht_task.json_file import Json
+from pusht_task.task import HORIZON
 
 from sim2sim_report.results import Partial, Run
 
@@ -58,7 +59,7 @@ def command_of(run: AnyRun) -> str:
             add(option, c[option])
     if c.get("independent_noise"):
         words.append("independent_noise:=true" if live else "--independent-noise")
-    if live:
+    if live or c["horizon"] != HORIZON:
         add("horizon", c["horizon"])
     if c["smoke"]:
         words = words[:3] + ["smoke:=true" if live else "--smoke"]
@@ -79,6 +80,11 @@ def notes_on_command(run: AnyRun) -> List[str]:
     notes = []
     if "starts" in c:
         notes.append("STARTS.csv is the text under starts in the provenance.")
+    if "callable" in run.provenance.get("policy", {}):
+        notes.append(
+            "The policy was a Python object: give it to sim2sim.compare() with what these options "
+            "say; the command does not know it."
+        )
     if "nodes" in run.provenance:
         notes.append("The provenance names the nodes. Those of others must be started again, too.")
     for role, simulator in c["simulators"].items():

@@ -74,6 +74,8 @@ class Equivalents:
         curve = engine["equivalents"][number]
         rate = engine["success"]["rate"]
         axes.axhline(rate, color=color, linewidth=1.4, linestyle="--", label=engine["engine"])
+        if curve["error_interval"] is None:  # it gains success
+            return
         direction = -1.0 if curve["levels"][-1]["size"] < curve["without"] else 1.0
         largest = abs(curve["levels"][-1]["size"] - curve["without"])
         low, high = (largest if end is None else end for end in curve["error_interval"])

@@ -29,8 +29,8 @@ EARLY, FIVE_SECONDS = (  # likewise, over the first 2 s and 5 s
 STOPPED = "Nothing that compares a divergence with that tee holds in a run that may stop early."
 UNTRAINED = "fresh-untrained"
 PLAYED_ONCE = (
-    "The policy draws random numbers, and each start was played once: how much is chance is not "
-    "known."
+    "Policy or loop draws random numbers, and each start was played once: how much is chance is "
+    "not known."
 )
 CAUTION = [
     "Neither simulator is the truth. The gap says how far they agree, not which of them is right.",
@@ -66,7 +66,7 @@ def _mcnemar(m: Json) -> str:
 
 
 def _noise(run: Run) -> List[str]:
-    """Sentences on repeats, or on a policy that draws random numbers and was played without."""
+    """Sentences on repeats, or on random numbers of policy or loop without."""
     m = run.metrics
     if m.get("repeats", 1) == 1:
         noisy_loop = any(
@@ -75,7 +75,7 @@ def _noise(run: Run) -> List[str]:
             for name in simulator["changed"]
         )
         stochastic = run.provenance.get("policy", {}).get("noise") is not None
-        return [PLAYED_ONCE] if stochastic and not noisy_loop else []
+        return [PLAYED_ONCE] if stochastic or noisy_loop else []
     starts, repeats = (m[f"engine_success_variance_{source}"] for source in ("starts", "repeats"))
     whole = (starts or 0) + (repeats or 0)
     share = f" {100 * repeats / whole:.0f} % of the engine's variance is noise." if whole else ""

@@ -18,13 +18,14 @@ struct Surplus {
 
 /// Size of an error at which nothing is left over. Infinity: it is larger than the largest that was tried.
 struct EquivalentSize {
-  double value;
-  Interval interval;  ///< its lower end is the smallest size that was tried, or larger
+  double value;       ///< on a line between two sizes that were tried
+  Interval interval;  ///< its ends are sizes that were tried
 };
 
-/// Size at which the surplus, linear between the sizes that were tried, falls to 0 first. Its interval has the sizes
-/// that the intervals of the surplus do not exclude: from where the lower end falls to 0 first, to where the upper end
-/// does last. So it covers the truth at each size that was tried as often as those do.
+/// Size at which the surplus, linear between the sizes that were tried, falls to 0 first. Its interval goes from the
+/// last size up to which all surpluses are surely above 0, to the first one from which on all are surely below 0. It
+/// assumes nothing of the sizes between but that success falls there, and covers as often as the intervals of the
+/// surplus, or more often.
 /// `surplus` has at least two sizes, in rising order. Throws std::domain_error otherwise.
 /// Source: E. C. Fieller, "Some Problems in Interval Estimation" (1954), of inverted tests.
 EquivalentSize equivalentSize(const std::vector<Surplus>& surplus);

@@ -82,7 +82,7 @@ class LiveNodes {
   std::array<WorldNode, kModeCount> world_nodes_;
   pusht::Peer policy_peer_;
   Worlds worlds_;
-  std::unique_ptr<pusht::Policy> policy_;  // in the loops of both sides
+  std::unique_ptr<pusht::Policy> policy_;  // in the loops of both roles
   std::optional<std::string>
       identity_;  // name, version, parameters and provenance of all nodes at the first connection
 };

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Dict
 
 from live_runs import live
-from programs import json_of, numpy_rate, peak_memory, pieces, start_up, tool
+from programs import callable_over_command, json_of, numpy_rate, peak_memory, pieces, start_up, tool
 from pusht_task.command import OneLineParser, run_command, say
 from pusht_task.error import Error, ExitCode
 from pusht_task.json_file import write_json
@@ -37,6 +37,8 @@ def measure(episodes: int) -> Dict[str, Any]:
     memory = {str(count): peak_memory(count) for count in (few, many)}
     result["peak_memory_bytes"] = memory
     result["memory_per_episode_bytes"] = (memory[str(many)] - memory[str(few)]) / (many - few)
+    announce("a callable of Python")
+    result["callable_over_command"] = callable_over_command(1000)
     announce("the nodes")
     result["live"] = live()
     result["machine"] = {

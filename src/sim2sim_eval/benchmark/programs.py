@@ -77,6 +77,24 @@ def start_up() -> float:
     return statistics.median(differences)
 
 
+CALLABLE = """
+import sim2sim
+policy = sim2sim.load_policy("bc")
+sim2sim.compare(lambda observations: policy(observations), episodes={episodes}, threads=1)
+"""
+
+
+def callable_over_command(episodes: int) -> float:
+    """Time of a comparison with the shipped policy as a callable of Python, over the command's."""
+    command = [executable("compare"), "--overwrite", "--threads", "1", "--episodes", str(episodes)]
+    called = [sys.executable, "-c", CALLABLE.format(episodes=episodes)]
+    ratios = []
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(3):  # in turn
+            ratios.append(seconds_of(called) / seconds_of([*command, "--out", folder]))
+    return statistics.median(ratios)
+
+
 def peak_memory(episodes: int) -> int:
     """[bytes] of a comparison, at its peak."""
     with tempfile.TemporaryDirectory() as folder:

@@ -124,6 +124,14 @@ def figures(result: Dict[str, Any]) -> List[Figure]:
             None,
             2000,
         ),
+        Figure(
+            "P12",
+            "policy in Python over the command",
+            result["callable_over_command"],
+            "x",
+            None,
+            2.0,
+        ),
         Figure("", "libtorch over the kernel, whole protocol", ratios["libtorch_over_kernel"], "x"),
         Figure(
             "", "engine over numpy, in contact", rate["engine/contact/1"] / numpy["contact"], "x"

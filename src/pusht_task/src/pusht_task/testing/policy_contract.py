@@ -12,7 +12,7 @@ A policy with a memory keeps it by rollout:
 - Its steps come in their order. Another step, or the last one with another observation, is refused,
   and a refused request changes nothing.
 - An episode ends without a word. The node forgets rollouts when there are many, oldest first, but
-  none that was asked for lately; 65536 rollouts and 1000 requests in this suite.
+  none that was asked for lately; 1024 rollouts and 1000 requests in this suite.
 - An episode that a fault cut off is repeated from step 0, under the same number or a new one, with
   the same seed; it must go as it would have gone. A rollout in which the policy failed has to begin
   anew.
@@ -134,8 +134,8 @@ class PolicyContract(ServedCase):
 
     def test_more_actions_than_there_are(self) -> None:
         queries = self.queries(range(2))
-        queries[1].execute = 2**32 - 1
-        self.refused("execute 4294967295: must be from 1 to", "act", queries=queries)
+        queries[1].execute = 2**31 - 1
+        self.refused("execute 2147483647: must be from 1 to", "act", queries=queries)
         queries[1].execute = 1
         self.accepted("act", queries=queries)
 

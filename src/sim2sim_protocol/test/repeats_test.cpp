@@ -213,10 +213,10 @@ TEST(NoteOnNoise, IsForWhatIsRandomAndWasPlayedOnce) {
   EXPECT_EQ(noteOnNoise(repeatedConfiguration(8), stochastic), "");
   configuration.engine.changed = {"loop.action_noise"};
   EXPECT_THAT(noteOnNoise(configuration, stochastic), HasSubstr("Policy and loop draw"));
-  EXPECT_THAT(noteOnNoise(configuration, {}), HasSubstr("The loop draws"));
+  EXPECT_THAT(noteOnNoise(configuration, nlohmann::json::object()), HasSubstr("The loop draws"));
   configuration.engine.changed = {"loop.action_delay"};
   EXPECT_THAT(noteOnNoise(configuration, stochastic), HasSubstr("The policy draws"));
-  EXPECT_EQ(noteOnNoise(configuration, {}), "");
+  EXPECT_EQ(noteOnNoise(configuration, nlohmann::json::object()), "");
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ class Docs(CommandCase):
         return count
 
     def test_tutorial(self) -> None:
-        self.assertEqual(self.check(DOCS / "tutorial.md"), 13)
+        self.assertEqual(self.check(DOCS / "tutorial.md"), 14)
 
     def test_bring_your_own(self) -> None:
         self.assertEqual(self.check(DOCS / "bring_your_own.md"), 5)

@@ -454,6 +454,16 @@ TEST(Picture, TellsWhoActsInEachWorld) {
   EXPECT_THAT(titles("engine_replay"), Contains("same actions as the reference"));
 }
 
+TEST(Picture, TheLoopIsOfTheWorldThatThePolicyDrives) {
+  RunConfiguration run;
+  run.engine.parameters = {{"block_damp", 20.0}, {"loop.action_delay", 1}};
+  run.engine.changed = {"block_damp", "loop.action_delay"};
+  const Picture picture = Picture::of(run, {"reference", "engine", "engine_replay"});
+  EXPECT_THAT(texts(picture.scene(), "engine"), IsSupersetOf({"block_damp 20.0", "loop.action_delay 1"}));
+  EXPECT_THAT(texts(picture.scene(), "engine_replay"), Contains("block_damp 20.0"));
+  EXPECT_THAT(texts(picture.scene(), "engine_replay"), Not(Contains("loop.action_delay 1")));
+}
+
 TEST(Picture, SettingsThatDoNotFitAreCounted) {
   SimulatorRecord simulator;
   for (const char* name : {"servo", "pusher_inertia", "tee_inertia", "shape", "drag", "friction", "walls", "coulomb"}) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pusht_task/constants.hpp"
+#include "pusht_task/loop.hpp"
 #include "pusht_task/ros/transforms.hpp"
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
@@ -213,7 +214,12 @@ Picture::Picture(std::array<World, kModeCount> worlds) : worlds_(std::move(world
 Picture Picture::of(const RunConfiguration& run, const std::array<std::string, kModeCount>& frame_prefixes) {
   std::array<World, kModeCount> worlds;
   for (const Mode mode : kModes) {
-    const SimulatorRecord& simulator = mode == kReferenceClosed ? run.reference : run.engine;
+    SimulatorRecord simulator = mode == kReferenceClosed ? run.reference : run.engine;
+    if (mode == kEngineReplay) {  // its actions have passed the reference's loop
+      const auto is_of_loop = [](const std::string& name) { return !pusht::loopParameterOf(name).empty(); };
+      simulator.changed.erase(std::remove_if(simulator.changed.begin(), simulator.changed.end(), is_of_loop),
+                              simulator.changed.end());
+    }
     worlds[mode] = {frame_prefixes[mode], pusht::fitted(titleOf(mode, run), kLineLength),
                     pusht::fitted(subtitleOf(mode, run), kLineLength),
                     changedParameters(simulator, kParametersLines, kLineLength)};

@@ -107,7 +107,8 @@ class Made(unittest.TestCase):
                 self.assertEqual(provenance["checkpoint"]["file"], checkpoint.name)
                 group = self.plan["groups"][name]
                 recipe = self.plan["recipes"][group["recipe"]]
-                wanted = {key: recipe[key] for key in ("epochs", "batch", "learning_rate")}
+                named = ("epochs", "batch", "learning_rate")
+                wanted = {key: recipe[key] for key in named if key in recipe}
                 wanted["seed"] = self.plan["first_seed"]
                 training = provenance["training"]
                 self.assertEqual({key: training[key] for key in wanted}, wanted)

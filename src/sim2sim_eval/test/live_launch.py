@@ -176,7 +176,13 @@ class Runs(LiveCase):
         for name, execute in (("gru", 0), ("chunk", 4), ("flow", 8)):
             with self.subTest(name):
                 policy = str(rospkg.RosPack().get_path("pusht_policy")) + f"/policies/{name}.ts.pt"
-                given = {**run, "policy": policy, "execute": execute, "respawn": True, "rate": 5}
+                given: Dict[str, Any] = {
+                    **run,
+                    "policy": policy,
+                    "execute": execute,
+                    "respawn": True,
+                    "rate": 5,
+                }
                 launch = Launch(self, out=name, **given)
                 launch.first("/sim2sim/divergence")
                 control = ("rosservice", "call", "/sim2sim/control")

@@ -48,9 +48,8 @@ class KindsOfPolicy(CommandCase):
 
     def shards(self, name: str, options: Tuple[str, ...]) -> None:
         """Runs the same episodes in two shards, and merges them."""
-        pairs = dict(zip(*[iter((*SHORT, *options))] * 2))
-        plan = {key[2:]: value for key, value in pairs.items()}
-        lines = [f"{key}: {value}" for key, value in plan.items()]
+        words = (*SHORT, *options)
+        lines = [f"{option[2:]}: {value}" for option, value in zip(words[::2], words[1::2])]
         lines += [f"policy: {SHIPPED / name}.ts.pt", "grid: {block_damp: [6.0]}"]
         self.write(f"{name}.yaml", "\n".join(lines).encode())
         shards = [f"{name}_{number}_of_2" for number in (1, 2)]

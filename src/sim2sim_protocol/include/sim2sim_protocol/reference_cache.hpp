@@ -18,8 +18,8 @@ std::string keptName(const nlohmann::json& key);
 inline constexpr const char* kReferenceRollout = "reference";
 
 /// Cache with a file for each rollout: FOLDER/HASH/STATE.ROLLOUT, a line of JSON and the trace's numbers as they are in
-/// memory. HASH is that of the cache's key, STATE the key of an episode (Protocol::cacheKey()). Threads and processes may
-/// share a folder.
+/// memory. HASH is that of the cache's key, STATE the key of an episode (Protocol::cacheKey()). Threads and processes
+/// may share a folder.
 class ReferenceCache {
  public:
   /// `key` is all that a rollout depends on besides its initial state. Throws RuntimeFault if the folder cannot be

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Likely causes of findings, in words.
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -187,7 +188,7 @@ std::string causeInEngine(const Comparison& finding) {
 
 /// Whether the reference has the error and the engine does as the task says.
 bool isOfReference(const Comparison& finding) {
-  const auto& task = figuresOf({})[finding.property].value;
+  const std::optional<double> task = figuresOf({})[finding.property].value;
   return isContract(finding.property) && task &&
          std::abs(*finding.engine - *task) < std::abs(*finding.reference - *task);
 }

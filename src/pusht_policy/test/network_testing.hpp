@@ -96,6 +96,7 @@ inline std::vector<std::vector<Action>> drive(Policy& policy, const std::vector<
                                               std::size_t batch) {
   const std::vector<Observation> all = observations();
   std::vector<std::unique_ptr<Policy::Memory>> memories;
+  memories.reserve(beginnings.size());
   for (const Beginning& beginning : beginnings) {
     memories.push_back(policy.begin(beginning));
   }

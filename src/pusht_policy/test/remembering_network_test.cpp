@@ -68,7 +68,8 @@ TEST_F(RememberingNetwork, IsAskedWhenTheActionsToBeExecutedHaveRunOut) {
     const int executed = execute == 0 ? 3 : execute;
     const std::vector<Action> actions = drive(*policy, {{0, execute}}, 13, 1).front();
     for (int step = 0; step < 13; ++step) {
-      const Action expected = {static_cast<float>(step / executed + 1), static_cast<float>(step % executed)};
+      const int calls = step / executed + 1;
+      const Action expected = {static_cast<float>(calls), static_cast<float>(step % executed)};
       EXPECT_EQ(actions[step], expected) << "execute " << execute << ", step " << step;
     }
   }

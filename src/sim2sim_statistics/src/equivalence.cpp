@@ -32,7 +32,10 @@ double lowerEnd(const std::vector<Surplus>& surplus) {
   while (first < surplus.size() && surplus[first].interval.low > 0.0) {
     ++first;
   }
-  return first == surplus.size() ? kBeyond : surplus[first == 0 ? 0 : first - 1].size;
+  if (first == surplus.size()) {
+    return kBeyond;
+  }
+  return surplus[first == 0 ? 0 : first - 1].size;
 }
 
 /// Smallest size from which on the surplus is surely below 0 at each that was tried.
@@ -41,7 +44,10 @@ double upperEnd(const std::vector<Surplus>& surplus) {
   while (sure > 0 && surplus[sure - 1].interval.high < 0.0) {
     --sure;
   }
-  return sure == surplus.size() ? kBeyond : surplus[sure].size;
+  if (sure == surplus.size()) {
+    return kBeyond;
+  }
+  return surplus[sure].size;
 }
 
 }  // namespace

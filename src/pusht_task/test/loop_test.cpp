@@ -234,6 +234,7 @@ TEST_F(Loops, RowsDoNotDisturbEachOther) {
                              loopWith({{"observation_delay", "3"}}));
   const std::vector<Beginning> beginnings = {{1, 0, Role::kReference}, {2, 0, Role::kEngine}, {3, 0, Role::kReference}};
   std::vector<std::unique_ptr<Policy::Memory>> memories;
+  memories.reserve(beginnings.size());
   for (const Beginning& beginning : beginnings) {
     memories.push_back(policy->begin(beginning));
   }

@@ -40,12 +40,12 @@ def load_script(name: str) -> ModuleType:
     return module
 
 
-def until(holds: Callable[[], bool]) -> None:
+def until(holds: Callable[[], bool], deadline: float = DEADLINE) -> None:
     """Waits for what nothing tells of: asks again and again."""
-    expiry = time.monotonic() + DEADLINE
+    expiry = time.monotonic() + deadline
     while not holds():
         if time.monotonic() > expiry:
-            raise TimeoutError(f"not within {DEADLINE} s")
+            raise TimeoutError(f"not within {deadline} s")
 
 
 def catches(pid: int, number: signal.Signals) -> bool:

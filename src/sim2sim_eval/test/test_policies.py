@@ -51,7 +51,7 @@ class Script(CommandCase):
         process = self.start(name, *extra)
         try:
             path = self.folder / name / "work" / file
-            until(lambda: path.exists() or process.poll() is not None)
+            until(lambda: path.exists() or process.poll() is not None, DEADLINE)
             self.assertIsNone(process.poll(), f"ended before {file}")
         finally:
             os.killpg(process.pid, signal.SIGKILL)

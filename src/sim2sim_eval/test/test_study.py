@@ -52,7 +52,7 @@ class Study(CommandCase):
         process = self.start(name)
         try:
             path = self.folder / name / "work" / file
-            until(lambda: path.exists() or process.poll() is not None)
+            until(lambda: path.exists() or process.poll() is not None, DEADLINE)
             self.assertIsNone(process.poll(), f"ended before {file}")
         finally:
             os.killpg(process.pid, signal.SIGKILL)

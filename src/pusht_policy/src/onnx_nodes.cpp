@@ -150,7 +150,7 @@ OnnxReader::Constant OnnxReader::folded(const NodeProto& node) const {
   if (found == constants_.end()) {
     return nullptr;
   }
-  const Constant constant = found->second;
+  const Constant& constant = found->second;
   if (node.op_type() == "Identity") {
     return constant;
   }

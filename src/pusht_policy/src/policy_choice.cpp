@@ -33,13 +33,13 @@ const Policies& loadPolicies(const char* file, Library::Scope scope, const char*
 }
 
 const NetworkPolicies& networkPolicies() {
-  static const NetworkPolicies& policies = loadPolicies<NetworkPolicies>(
+  static const auto& policies = loadPolicies<NetworkPolicies>(
       kNetworkPolicyLibrary, Library::Scope::kGlobal, kNetworkPoliciesSymbol);  // global: to ask which BLAS there is
   return policies;
 }
 
 const OnnxPolicies& onnxPolicies() {
-  static const OnnxPolicies& policies =
+  static const auto& policies =
       loadPolicies<OnnxPolicies>(kOnnxPolicyLibrary, Library::Scope::kLocal, kOnnxPoliciesSymbol);
   return policies;
 }

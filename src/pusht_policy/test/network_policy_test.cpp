@@ -214,24 +214,24 @@ TEST_F(NetworkCheckpoint, MustNotFail) {
 /// What Python programs write.
 class NetworkFromPython : public ::testing::Test {
  protected:
-  const testing::TemporaryFolder* folder = &testing::checkpointsFromPython();
+  const testing::TemporaryFolder& folder_ = testing::checkpointsFromPython();
 };
 
 TEST_F(NetworkFromPython, RunsOnTheKernelScriptedAndTraced) {
   for (const std::string name : {"course", "single_rows", "extras"}) {
-    const auto scripted = NetworkPolicy::load(*folder / (name + "_scripted.pt"));
-    const auto traced = NetworkPolicy::load(*folder / (name + "_traced.pt"));
+    const auto scripted = NetworkPolicy::load(folder_ / (name + "_scripted.pt"));
+    const auto traced = NetworkPolicy::load(folder_ / (name + "_traced.pt"));
     EXPECT_EQ(scripted->info().why_not_on_kernel, "") << name;
     EXPECT_EQ(traced->info().why_not_on_kernel, "") << name;
     const std::vector<float> actual = flatten(act(*scripted, observations()));
     EXPECT_EQ(bits(actual), bits(flatten(act(*traced, observations())))) << name;
-    const std::vector<float> expected = onLibtorch(*folder / (name + "_scripted.pt"));
+    const std::vector<float> expected = onLibtorch(folder_ / (name + "_scripted.pt"));
     testing::expectNear(actual, expected, 1e-5F);
     if (testing::onReferenceBlas() && name != "extras") {  // which ends in a tanh
       EXPECT_EQ(bits(actual), bits(expected)) << name;
     }
   }
-  const auto frozen = NetworkPolicy::load(*folder / "course_frozen.pt");
+  const auto frozen = NetworkPolicy::load(folder_ / "course_frozen.pt");
   EXPECT_EQ(frozen->info().operations,
             "10, subtract, multiply, divide, subtract, max, min, matrix 48, add, max, matrix 48, add, max, matrix 2, "
             "add, add, divide, multiply, add");
@@ -240,16 +240,16 @@ TEST_F(NetworkFromPython, RunsOnTheKernelScriptedAndTraced) {
 TEST_F(NetworkFromPython, RunsOnLibtorchIfItIsNoStraightLine) {
   for (const char* name : {"residual_scripted.pt", "residual_traced.pt", "layer_norm_scripted.pt",
                            "layer_norm_traced.pt", "gelu_scripted.pt", "gelu_traced.pt"}) {
-    const auto policy = NetworkPolicy::load(*folder / name);
+    const auto policy = NetworkPolicy::load(folder_ / name);
     EXPECT_NE(policy->info().why_not_on_kernel, "") << name;
-    EXPECT_EQ(bits(flatten(act(*policy, observations()))), bits(onLibtorch(*folder / name))) << name;
+    EXPECT_EQ(bits(flatten(act(*policy, observations()))), bits(onLibtorch(folder_ / name))) << name;
   }
 }
 
 TEST_F(NetworkFromPython, MustLoadAndActInTime) {
   for (const char* name : {"endless_to_load.pt", "endless_to_act.pt"}) {
     try {
-      NetworkPolicy::load(*folder / name, InstructionSet::kBaseline, std::chrono::seconds(1));
+      NetworkPolicy::load(folder_ / name, InstructionSet::kBaseline, std::chrono::seconds(1));
       FAIL() << name << " is accepted";
     } catch (const RuntimeFault& error) {
       EXPECT_THAT(error.what(), HasSubstr(std::string(name) + ": must load and act within 1 s, but does not return"));
@@ -259,7 +259,7 @@ TEST_F(NetworkFromPython, MustLoadAndActInTime) {
 
 TEST_F(NetworkFromPython, IsRefusedIfItIsAPickle) {
   for (const char* name : {"state_dict.pt", "legacy_state_dict.pt", "pickled_module.pt", "pickle.pt"}) {
-    expectRefusal(*folder / name, ExitCode::kInvalidInput, {name, "must be TorchScript"});
+    expectRefusal(folder_ / name, ExitCode::kInvalidInput, {name, "must be TorchScript"});
   }
 }
 

@@ -78,15 +78,20 @@ std::vector<float> flatten(const std::vector<Array>& rows) {
   return values;
 }
 
-/// Checkpoints that make_checkpoints.py writes, once for all tests.
-inline const TemporaryFolder& checkpointsFromPython() {
-  static const TemporaryFolder folder;
-  static const std::string command =
-      std::string(PUSHT_PYTHON) + " " + PUSHT_MAKE_CHECKPOINTS + " " + (folder / "").string() + " 2>/dev/null";
-  static const int status = std::system(command.c_str());  // NOLINT(cert-env33-c): every word of it is ours
+/// Runs a Python program of the tests, with these arguments. Throws if it fails.
+inline void runPython(const std::string& arguments) {
+  const std::string command = std::string(PUSHT_PYTHON) + " " + arguments + " 2>/dev/null";
+  const int status = std::system(command.c_str());  // NOLINT(cert-env33-c): every word of it is ours
   if (status != 0) {
     throw std::runtime_error(command + " ends with " + std::to_string(status));
   }
+}
+
+/// Checkpoints that make_checkpoints.py writes, once for all tests.
+inline const TemporaryFolder& checkpointsFromPython() {
+  static const TemporaryFolder folder;
+  static const bool written = (runPython(std::string(PUSHT_MAKE_CHECKPOINTS) + " " + (folder / "").string()), true);
+  static_cast<void>(written);
   return folder;
 }
 

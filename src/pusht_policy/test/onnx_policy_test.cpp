@@ -38,21 +38,15 @@ void expectFileRefusal(const fs::path& path, ExitCode exit_code, const std::stri
   }
 }
 
-/// Files that torch exported, with the TorchScript that they were exported from.
-class OnnxFromTorch : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    folder_ = std::make_unique<testing::TemporaryFolder>();
-    const std::string command =
-        std::string(PUSHT_PYTHON) + " " + PUSHT_MAKE_ONNX + " " + PUSHT_POLICIES_DIR + " " + (*folder_ / "").string();
-    ASSERT_EQ(std::system(command.c_str()), 0) << command;
-  }
-  static void TearDownTestSuite() { folder_.reset(); }
-
-  static std::unique_ptr<testing::TemporaryFolder> folder_;
-};
-
-std::unique_ptr<testing::TemporaryFolder> OnnxFromTorch::folder_;
+/// Files that torch exports, with the TorchScript that they are exported from, once for all tests.
+const testing::TemporaryFolder& filesFromTorch() {
+  static const testing::TemporaryFolder folder;
+  static const bool written =
+      (testing::runPython(std::string(PUSHT_MAKE_ONNX) + " " + PUSHT_POLICIES_DIR + " " + (folder / "").string()),
+       true);
+  static_cast<void>(written);
+  return folder;
+}
 
 std::vector<Observation> manyObservations() {
   constexpr int kMany = 2000;
@@ -67,17 +61,17 @@ std::vector<Observation> manyObservations() {
   return observations;
 }
 
-TEST_F(OnnxFromTorch, ActsAsItsTorchScriptToTheLastBit) {
+TEST(OnnxFromTorch, ActsAsItsTorchScriptToTheLastBit) {
   const std::vector<Observation> observations = manyObservations();
   int files = 0;
-  for (const auto& entry : fs::directory_iterator(folder_->path())) {
+  for (const auto& entry : fs::directory_iterator(filesFromTorch().path())) {
     if (entry.path().extension() != ".onnx") {
       continue;
     }
     ++files;
     const std::string stem = entry.path().stem().string();
     const auto onnx = OnnxPolicy::load(entry.path());
-    const auto torch = NetworkPolicy::load(*folder_ / (stem.substr(0, stem.find('-')) + ".ts.pt"));
+    const auto torch = NetworkPolicy::load(filesFromTorch() / (stem.substr(0, stem.find('-')) + ".ts.pt"));
     EXPECT_EQ(onnx->info().operations, torch->info().operations) << stem;
     for (const std::size_t batch : {1, 7, 2000}) {
       EXPECT_EQ(testing::bits(testing::flatten(testing::act(*onnx, observations, batch))),
@@ -88,12 +82,12 @@ TEST_F(OnnxFromTorch, ActsAsItsTorchScriptToTheLastBit) {
   EXPECT_EQ(files, 17);
 }
 
-TEST_F(OnnxFromTorch, IsChosenByItsName) {
-  const ChosenPolicy chosen = choosePolicy({(*folder_ / "shipped.onnx").string()}, "none");
+TEST(OnnxFromTorch, IsChosenByItsName) {
+  const ChosenPolicy chosen = choosePolicy({(filesFromTorch() / "shipped.onnx").string()}, "none");
   const ChosenPolicy shipped = choosePolicy({}, fs::path(PUSHT_POLICIES_DIR) / "bc_policy.ts.pt");
-  EXPECT_EQ(chosen.name, (*folder_ / "shipped.onnx").string());
+  EXPECT_EQ(chosen.name, (filesFromTorch() / "shipped.onnx").string());
   EXPECT_EQ(chosen.identity.at("operations"), shipped.identity.at("operations"));
-  EXPECT_EQ(chosen.identity.at("sha256"), sha256(readFile(*folder_ / "shipped.onnx", "policy")));
+  EXPECT_EQ(chosen.identity.at("sha256"), sha256(readFile(filesFromTorch() / "shipped.onnx", "policy")));
   EXPECT_EQ(chosen.identity.size(), 2U);
   EXPECT_EQ(chosen.provenance.at("runs_on"), "fixed-order kernel");
   EXPECT_EQ(chosen.provenance.at("onnx").at("opset"), 14);
@@ -103,10 +97,10 @@ TEST_F(OnnxFromTorch, IsChosenByItsName) {
 }
 
 /// Its provenance is beside it, from the export.
-TEST_F(OnnxFromTorch, IsRefusedIfItIsNotTheOneOfItsProvenance) {
+TEST(OnnxFromTorch, IsRefusedIfItIsNotTheOneOfItsProvenance) {
   const testing::TemporaryFolder folder;
   for (const char* end : {"", ".provenance.json"}) {
-    fs::copy(*folder_ / (std::string("shipped.onnx") + end), folder / (std::string("policy.onnx") + end));
+    fs::copy(filesFromTorch() / (std::string("shipped.onnx") + end), folder / (std::string("policy.onnx") + end));
   }
   EXPECT_TRUE(OnnxPolicy::load(folder / "policy.onnx"));
   std::string bytes = readFile(folder / "policy.onnx", "policy");

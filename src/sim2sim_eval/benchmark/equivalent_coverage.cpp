@@ -19,7 +19,7 @@ namespace {
 
 const std::vector<int> kStarts = {20, 50, 200, 400};
 constexpr std::array kTried = {0.0, 1.0, 2.0, 4.0, 8.0};  // sizes of the error, in control steps
-constexpr double kHalf = 2.5;                             // size at which half of the success of an easy start is lost
+constexpr double kHalfSize = 2.5;                         // size at which half of the success of an easy start is lost
 
 /// Planted size, on a curve of success that falls so steeply.
 struct Planted {
@@ -29,7 +29,7 @@ struct Planted {
 
 /// Probability of success with an error of this size, in a start of this difficulty.
 double successWith(double size, double difficulty, double steepness) {
-  return 1.0 / (1.0 + std::exp(steepness * (size - kHalf) + difficulty));
+  return 1.0 / (1.0 + std::exp(steepness * (size - kHalfSize) + difficulty));
 }
 
 /// Interval of the size of an engine that is the reference with the error `planted`. With `same_luck` a start

@@ -79,18 +79,20 @@ std::vector<PairTable> play(const Coins& coins, const RepeatShape& shape, bool e
 
 std::vector<StartCount> countsOfSecond(const std::vector<PairTable>& starts) {
   std::vector<StartCount> counts;
+  counts.reserve(starts.size());
   for (const PairTable& start : starts) {
     counts.push_back({start.both + start.second_only, start.pairs()});
   }
   return counts;
 }
 
-/// Answers of one run, in the order of kFigures; then of intervals that take episodes for independent, by kOfEpisodes.
-constexpr std::array kFigures = {"success rate", "difference", "transfer", "variance between starts",
-                                 "variance between repeats"};
+/// Answers of one run, in the order of kRepeatFigures; then of intervals that take episodes for independent, by
+/// kOfEpisodes.
+constexpr std::array kRepeatFigures = {"success rate", "difference", "transfer", "variance between starts",
+                                       "variance between repeats"};
 constexpr std::array kOfEpisodes = {"success rate, Wilson", "difference, Tango", "transfer, Tang"};
 
-Answers<kFigures.size() + kOfEpisodes.size()> ask(const Coins& coins, const RepeatShape& shape, Random& random) {
+Answers<kRepeatFigures.size() + kOfEpisodes.size()> ask(const Coins& coins, const RepeatShape& shape, Random& random) {
   const std::vector<PairTable> starts = play(coins, shape, false, random);
   const std::vector<StartCount> counts = countsOfSecond(starts);
   const NoiseSplit split = successNoiseSplit(counts);
@@ -147,7 +149,7 @@ std::vector<double> meansOfStarts(const Population& starts, double noise, const 
 
 void repeats(Simulation& simulation) {
   const std::vector<Coins> coins = allCoins();
-  using Shares = std::array<Proportion, kFigures.size() + kOfEpisodes.size()>;
+  using Shares = std::array<Proportion, kRepeatFigures.size() + kOfEpisodes.size()>;
   std::vector<std::array<Shares, kRepeatShapes.size()>> shares(coins.size());
   for (std::size_t i = 0; i < coins.size(); ++i) {
     for (std::size_t j = 0; j < kRepeatShapes.size(); ++j) {
@@ -166,8 +168,8 @@ void repeats(Simulation& simulation) {
   };
   printHead("Share of repetitions in which the interval over starts x repeats holds the truth [%], nominal 95",
             repeatColumns("interval"));
-  for (std::size_t question = 0; question < kFigures.size(); ++question) {
-    print(kFigures.at(question), question);
+  for (std::size_t question = 0; question < kRepeatFigures.size(); ++question) {
+    print(kRepeatFigures.at(question), question);
   }
   for (const Population& population : {lognormal("position, lognormal", kPosition)}) {
     for (const double noise : {0.2, 1.0}) {
@@ -185,7 +187,7 @@ void repeats(Simulation& simulation) {
   printHead("The same of intervals that take repeats for independent episodes, which is wrong [%]",
             repeatColumns("interval"));
   for (std::size_t question = 0; question < kOfEpisodes.size(); ++question) {
-    print(kOfEpisodes.at(question), kFigures.size() + question);
+    print(kOfEpisodes.at(question), kRepeatFigures.size() + question);
   }
   printHead("Share of repetitions in which a test by start finds a difference that is not there [%], nominal 5",
             repeatColumns("test"));

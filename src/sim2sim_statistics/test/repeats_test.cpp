@@ -38,6 +38,7 @@ std::vector<PairTable> tossedCoins(int starts, int repeats, Random& random) {
 
 std::vector<StartCount> countsOfSecond(const std::vector<PairTable>& starts) {
   std::vector<StartCount> counts;
+  counts.reserve(starts.size());
   for (const PairTable& start : starts) {
     counts.push_back({start.both + start.second_only, start.pairs()});
   }
@@ -71,7 +72,7 @@ TEST(Repeats, IntervalsHoldPlantedTruths) {
   constexpr std::array kNames = {"rate", "difference", "ratio", "variance of starts", "variance of repeats"};
   std::array<int, kNames.size()> held{};
   int held_by_episodes = 0;
-  Random random(1);
+  Random random(1);  // NOLINT(cert-msc51-cpp): every run draws alike
   for (int run = 0; run < kRuns; ++run) {
     const std::vector<PairTable> starts = tossedCoins(25, 10, random);
     const std::vector<StartCount> counts = countsOfSecond(starts);
@@ -94,7 +95,7 @@ TEST(Repeats, IntervalsHoldPlantedTruths) {
 
 /// Repeats that are all alike say nothing more.
 TEST(Repeats, AllAlikeAreOneEpisode) {
-  Random random(2);
+  Random random(2);  // NOLINT(cert-msc51-cpp): every run draws alike
   const std::vector<PairTable> once = tossedCoins(30, 1, random);
   std::vector<PairTable> often = once;
   for (PairTable& start : often) {
@@ -110,7 +111,7 @@ TEST(Repeats, AllAlikeAreOneEpisode) {
 /// With one episode of each of many starts, Student's t is normal, and all is as of independent episodes.
 TEST(Repeats, OfOneEpisodeAreIndependentEpisodes) {
   constexpr double kNormal = 1e-4;
-  Random random(3);
+  Random random(3);  // NOLINT(cert-msc51-cpp): every run draws alike
   const std::vector<PairTable> starts = tossedCoins(20'000, 1, random);
   const PairTable sum = tableOf(starts);
   const auto expect_near = [&](const Interval& found, const Interval& expected) {
@@ -124,7 +125,7 @@ TEST(Repeats, OfOneEpisodeAreIndependentEpisodes) {
 }
 
 TEST(Repeats, TestAndIntervalOfADifferenceAgree) {
-  Random random(4);
+  Random random(4);  // NOLINT(cert-msc51-cpp): every run draws alike
   int found = 0;
   for (int run = 0; run < 300; ++run) {
     std::vector<PairTable> starts = tossedCoins(12, 2, random);
@@ -175,7 +176,7 @@ TEST(Repeats, VariancesByHand) {
 }
 
 TEST(Repeats, TooFewStarts) {
-  Random random(5);
+  Random random(5);  // NOLINT(cert-msc51-cpp): every run draws alike
   const std::vector<PairTable> starts = tossedCoins(kFewestEpisodes - 1, 50, random);
   EXPECT_FALSE(repeatedRateInterval(countsOfSecond(starts)));
   EXPECT_FALSE(repeatedRatioInterval(starts));

@@ -4,7 +4,15 @@
 
 #include <pybind11/pybind11.h>
 
+#include <tuple>
+
+#include "pusht_task/types.hpp"
+
 namespace sim2sim::python {
+
+/// Lengths of arrays: of an observation, of an action.
+constexpr pybind11::ssize_t kNumbers = std::tuple_size_v<pusht::Observation>;
+constexpr pybind11::ssize_t kAxes = std::tuple_size_v<pusht::Action>;
 
 /// Adds compare().
 void bindCompare(pybind11::module_& module);

@@ -21,9 +21,6 @@ namespace {
 
 namespace py = pybind11;
 
-constexpr py::ssize_t kNumbers = std::tuple_size_v<pusht::Observation>;
-constexpr py::ssize_t kAxes = std::tuple_size_v<pusht::Action>;
-
 /// Memory of a policy in one rollout, as an object of Python.
 struct PolicyMemory {
   std::unique_ptr<pusht::Policy::Memory> memory;  // null: the policy has none
@@ -127,7 +124,7 @@ class LoadedPolicy {
 }  // namespace
 
 void bindLoadedPolicy(py::module_& module) {
-  py::class_<PolicyMemory>(module, "PolicyMemory");
+  const py::class_<PolicyMemory> memory(module, "PolicyMemory");
   py::class_<LoadedPolicy>(module, "LoadedPolicy")
       .def(py::init<const std::string&, bool, std::uint64_t>(), py::arg("name"), py::arg("require_policy"),
            py::arg("untrained_seed"))

@@ -7,15 +7,13 @@
 #include <cstddef>
 #include <utility>
 
+#include "bindings.hpp"
 #include "pusht_task/error.hpp"
 
 namespace sim2sim::python {
 namespace {
 
 namespace py = pybind11;
-
-constexpr py::ssize_t kNumbers = std::tuple_size_v<pusht::Observation>;
-constexpr py::ssize_t kAxes = std::tuple_size_v<pusht::Action>;
 
 /// Memory of a rollout: what the callable is asked with, and the actions of its last answer that are left.
 struct RolloutMemory : pusht::Policy::Memory {

@@ -22,8 +22,6 @@ namespace {
 
 namespace py = pybind11;
 
-constexpr py::ssize_t kAxes = std::tuple_size_v<pusht::Action>;
-
 /// A number of a world state.
 struct Field {
   const char* name;
@@ -162,7 +160,6 @@ py::array_t<Value> WorldBatch::column(const Function& function) const {
 
 py::array_t<float> WorldBatch::observations() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  constexpr py::ssize_t kNumbers = std::tuple_size_v<pusht::Observation>;
   py::array_t<float> rows({static_cast<py::ssize_t>(episodes_.size()), kNumbers});
   float* number = rows.mutable_data();
   for (const Episode& episode : episodes_) {

@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "pusht_task/constants.hpp"
+#include "pusht_task/switches.hpp"
 
 namespace pusht {
 
@@ -28,12 +29,7 @@ struct RigidBodyParameters {
 
 namespace rigid_body {
 
-/// Description of one switch.
-struct Switch {
-  const char* name;
-  const char* meaning;  ///< faithful; simple
-  bool RigidBodyParameters::*value;
-};
+using Switch = pusht::Switch<RigidBodyParameters>;
 
 /// Descriptions of all switches, in the order of docs/ladder.md.
 inline constexpr std::array kSwitches = {

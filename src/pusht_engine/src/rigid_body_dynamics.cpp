@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "pusht_engine/continuous_contact.hpp"
 #include "pusht_task/constants.hpp"
 
 namespace pusht::rigid_body {
@@ -80,7 +81,10 @@ void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies)
   }
 
   // Velocities by the implicit integrator, positions by the new velocities.
-  const Vector acceleration = implicitAcceleration(model, tee, mass, velocities, force);
+  Vector acceleration = implicitAcceleration(model, tee, mass, velocities, force);
+  if (model.switches.continuous) {
+    acceleration = withoutOverlap(model, mass, bodies, acceleration);
+  }
   for (std::size_t i = 0; i < kCoordinateCount; ++i) {
     velocities[i] += model.substep * acceleration[i];
     positions[i] += model.substep * velocities[i];

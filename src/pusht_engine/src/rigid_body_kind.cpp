@@ -11,6 +11,7 @@ namespace {
 
 using rigid_body::kSwitches;
 
+constexpr const char* kContinuous = "continuous";
 constexpr const char* kSubstepLength = "substep";
 
 std::vector<ParameterDescriptor> describeRigidBody() {
@@ -20,6 +21,10 @@ std::vector<ParameterDescriptor> describeRigidBody() {
   std::vector<ParameterDescriptor> descriptors = switchDescriptors(
       kSwitches, {presetOf("faithful", kSwitches, true), presetOf("shaped", kSwitches, is_of_the_body),
                   presetOf("simple", kSwitches, false)});
+  descriptors.push_back({kContinuous, "",
+                         "bodies that would meet within a substep stop where they meet; off: they overlap or pass "
+                         "through each other first, as in MuJoCo",
+                         false});
   descriptors.push_back(substepDescriptor(kSubstepLength));
   return descriptors;
 }
@@ -27,6 +32,7 @@ std::vector<ParameterDescriptor> describeRigidBody() {
 SimulatorModel load(const ParameterSet& parameters) {
   RigidBodyParameters values;
   readSwitches(parameters, kSwitches, values);
+  values.continuous = parameters.get<bool>(kContinuous);
   values.substep = parameters.get<double>(kSubstepLength);
   return modelOfWorlds(parameters, [values] { return std::make_unique<RigidBodyEngine>(values); });
 }

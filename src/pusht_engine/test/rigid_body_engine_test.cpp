@@ -92,7 +92,8 @@ std::vector<Subject> presets() {
   shaped.shape = shaped.tee_inertia = true;
   Subject default_preset = subjectWith(faithful, {});
   default_preset.physics.replay_error = 1e-3;
-  return {default_preset, subjectWith(simple, {{"preset", "simple"}}), subjectWith(shaped, {{"preset", "shaped"}})};
+  return {default_preset, subjectWith(simple, {{"preset", "simple"}}), subjectWith(shaped, {{"preset", "shaped"}}),
+          subjectWith(faithful, {{"continuous", "true"}})};
 }
 
 /// Each switch alone is the two-mass engine's.

@@ -11,8 +11,8 @@
 
 namespace pusht {
 
-/// Length of a substep, and switches, one for each modeling choice: faithful (true: MuJoCo's in this scene) or simple
-/// (false: the two-mass engine's).
+/// Length of a substep; switches, one for each modeling choice: faithful (true: MuJoCo's in this scene) or simple
+/// (false: the two-mass engine's); and continuous contact, which neither has.
 struct RigidBodyParameters {
   bool servo = true;
   bool pusher_inertia = true;
@@ -24,6 +24,7 @@ struct RigidBodyParameters {
   bool softness = true;
   bool walls = true;
   bool narrow_phase = true;
+  bool continuous = false;    ///< whether bodies that meet within a substep stop there (continuous_contact.hpp)
   double substep = kSubstep;  ///< [s] a value of substepDescriptor()
 };
 

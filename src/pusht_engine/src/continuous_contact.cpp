@@ -147,20 +147,32 @@ class Speculation {
       return;
     }
     const double h = model_.substep;
+    const std::size_t rows = model_.switches.friction ? 3 : 1;
     if (row != kNone) {
       if (closing->excess > kPrecision) {
-        rows_.rows[row].wanted += closing->excess / (h * h);
+        for (std::size_t i = 0; i < rows; ++i) {
+          rows_.rows[row + i].wanted += closing->excess / (h * h);
+        }
         changed_ = true;
       }
       return;
     }
     row = rows_.count;
     changed_ = true;
-    const Vector jacobian = jacobianAlong(closing->normal, closing->arm, closing->pair);
-    const double inverse_inertia = dot(jacobian, solved(inertia_, jacobian));
-    constexpr double kHardness = (1.0 - simple::kCompliance) / simple::kCompliance;
-    rows_.add({jacobian, -(closing->gap / h + dot(jacobian, bodies_.velocities)) / h, kHardness / inverse_inertia, 0.0,
-               std::numeric_limits<double>::infinity()});
+    const auto add_row = [&](const Eigen::Vector2d& direction) {
+      const Vector jacobian = jacobianAlong(direction, closing->arm, closing->pair);
+      const double inverse_inertia = dot(jacobian, solved(inertia_, jacobian));
+      constexpr double kHardness = (1.0 - simple::kCompliance) / simple::kCompliance;
+      rows_.add({jacobian, -(closing->gap / h + dot(jacobian, bodies_.velocities)) / h, kHardness / inverse_inertia,
+                 0.0, std::numeric_limits<double>::infinity()});
+    };
+    add_row(closing->normal);
+    if (model_.switches.friction) {
+      constexpr double kMu = dynamics::kContactFriction;
+      const Eigen::Vector2d slanted(-kMu * closing->normal.y(), kMu * closing->normal.x());
+      add_row(closing->normal + slanted);
+      add_row(closing->normal - slanted);
+    }
   }
 
   static constexpr std::size_t kNone = Rows::kMost;

@@ -8,7 +8,7 @@
 /// each other are left alone, however fast they are. Motions are swept again until none is new: a tee that is hit may
 /// be thrown at a wall.
 ///
-/// A meeting gives nothing back and has no friction; friction begins with the substep after it, by the model's own law.
+/// A meeting gives nothing back; with `friction` it has the friction of any contact, MuJoCo's pyramid in the plane.
 /// Turns are linear first, then corrected until bodies just touch; where a turning tee is wedged between pusher and
 /// wall, 0.2 mm may remain.
 /// Sources: P. Firth, "Speculative Contacts" (wildbunny, 2011); E. Catto, "Continuous Collision" (GDC 2013); the swept

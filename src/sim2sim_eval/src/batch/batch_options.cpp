@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <iterator>
 #include <optional>
+#include <set>
 #include <string>
 #include <system_error>
 #include <type_traits>
@@ -86,9 +87,12 @@ int defaultEpisodes(const RunOptions& options, const std::filesystem::path& star
   return static_cast<int>(std::clamp<std::ptrdiff_t>(rows * options.repeats, 1, usual));
 }
 
-void declare(CLI::App& app, RunOptions& options) {
-  forEachOption(
-      [&](const auto& option) { declareOption(app, optionName(option.name), option.of(options), option.help()); });
+void declare(CLI::App& app, RunOptions& options, const std::set<std::string>& names) {
+  forEachOption([&](const auto& option) {
+    if (names.empty() || names.count(option.name) > 0) {
+      declareOption(app, optionName(option.name), option.of(options), option.help());
+    }
+  });
 }
 
 void declareLoop(CLI::App& app, std::vector<std::string>& reference, std::vector<std::string>& engine) {

@@ -7,25 +7,21 @@
 #include "sim2sim_protocol/results/attribution_files.hpp"
 
 namespace sim2sim {
-namespace {
 
 using nlohmann::json;
 using nlohmann::ordered_json;
 
-/// What all rows have in common, whatever their policy and their engine.
-json commonPart(const SweepPlan& plan, const LoadedRun& first) {
+json describeWithoutEngine(const Protocol& protocol, const LoadedRun& loaded) {
   RunConfiguration configuration;
-  configuration.protocol = plan.protocol;
-  configuration.policy = first.policyName();
-  configuration.reference = first.reference().record();
+  configuration.protocol = protocol;
+  configuration.policy = loaded.policyName();
+  configuration.reference = loaded.reference().record();
   json common = describe(configuration);
-  for (const char* of_a_row : {"engine_simulator", "knobs", "simulators", "config_hash"}) {
-    common.erase(of_a_row);
+  for (const char* of_engine : {"engine_simulator", "knobs", "simulators", "config_hash"}) {
+    common.erase(of_engine);
   }
   return common;
 }
-
-}  // namespace
 
 RunConfiguration rowConfiguration(const Protocol& protocol, const LoadedRun& loaded, const LoadedSimulator& engine) {
   RunConfiguration configuration;
@@ -38,7 +34,7 @@ RunConfiguration rowConfiguration(const Protocol& protocol, const LoadedRun& loa
 
 json describe(const SweepPlan& plan, const std::vector<LoadedRun>& loaded,
               const std::vector<SimulatorRecord>& engines) {
-  json description = commonPart(plan, loaded.front());
+  json description = describeWithoutEngine(plan.protocol, loaded.front());
   json& rows = description["rows"] = json::array();
   if (plan.lists_policies) {
     description.erase("policy");
@@ -89,7 +85,7 @@ ordered_json provenanceOf(const SweepPlan& plan, const Protocol& protocol, const
     provenance["policies"] = policies;
     provenance["code"] = code;
   }
-  provenance["format"] = commonPart(plan, loaded.front()).at("format");
+  provenance["format"] = describeWithoutEngine(plan.protocol, loaded.front()).at("format");
   return provenance;
 }
 

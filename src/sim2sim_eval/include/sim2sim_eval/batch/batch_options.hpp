@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "sim2sim_eval/batch/loaded_run.hpp"
@@ -37,7 +38,7 @@ int defaultEpisodes(const RunOptions& options, const std::filesystem::path& star
 /// Declares --loop, --loop-reference and --loop-engine, which set parameters of the loops: settings "loop.NAME=VALUE".
 void declareLoop(CLI::App& app, std::vector<std::string>& reference, std::vector<std::string>& engine);
 
-/// Declares each of RunOptions on a command line, by its table forEachOption().
-void declare(CLI::App& app, RunOptions& options);
+/// Declares options of a run on a command line, by their table forEachOption(): those in `names`, or all.
+void declare(CLI::App& app, RunOptions& options, const std::set<std::string>& names = {});
 
 }  // namespace sim2sim

@@ -11,6 +11,9 @@
 
 namespace sim2sim {
 
+/// Describes what runs have in common whatever their engine.
+nlohmann::json describeWithoutEngine(const Protocol& protocol, const LoadedRun& loaded);
+
 /// Run that a row of a plan is. `loaded` are the plan's policies, `protocol` the episodes of the row.
 RunConfiguration rowConfiguration(const Protocol& protocol, const LoadedRun& loaded, const LoadedSimulator& engine);
 

@@ -50,6 +50,7 @@ inline constexpr int kAttributionFormat = resultFile("attribution").format;
 inline constexpr int kMatrixFormat = resultFile("matrix").format;
 inline constexpr int kEquivalentFormat = resultFile("equivalent").format;
 inline constexpr int kContrastFormat = resultFile("contrast").format;
+inline constexpr int kAgreementFormat = resultFile("agreement").format;
 inline constexpr int kAuditFormat = resultFile("audit").format;
 inline constexpr int kVerdictFormat = resultFile("verdict").format;
 inline constexpr int kRolloutFormat = resultFile("rollout").format;

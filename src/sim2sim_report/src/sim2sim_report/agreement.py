@@ -1,0 +1,288 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The figure of an agreement: distances of all pairs of simulators as a matrix, as a tree, as means
+with intervals, and as a map."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Sequence, Tuple
+
+import numpy as np
+from matplotlib.patches import Circle  # type: ignore[import]
+from pusht_task.error import Error
+from pusht_task.json_file import Json, read_json, require_format
+from scipy.cluster import hierarchy  # type: ignore[import]
+from scipy.spatial.distance import squareform  # type: ignore[import]
+from sim2sim_protocol.result_files import format_of
+
+from sim2sim_report.colors import CARD, DIM, INK, SERIES
+from sim2sim_report.curves import OWN_STYLE
+from sim2sim_report.figures import COMPONENTS, Drawing, Figure, box, name_rows, styled
+from sim2sim_report.matrix import MARKERS, STRONGEST
+
+OPEN_LOOP = 0  # stands for a replay without resets
+USUAL = 5  # [control steps] between resets
+THOUSAND = 1000.0  # figures are in thousandths of the unit
+WIDE = (17.0, 9.6)  # [in]
+NARROW = (5.2, 3.6)  # [in] of a panel, for a phone: all below each other
+WIDTHS = (1.5, 0.9, 1.0, 1.2)  # of the panels beside each other
+MOST_WITH_INTERVALS = 6  # simulators of a matrix whose cells have room for intervals
+LABELS_APART = 0.075  # of the map's height
+STYLE = {**OWN_STYLE, "font.size": 12, "axes.labelsize": 12, "axes.grid.axis": "x"}
+
+
+def principal_coordinates(distances: Any) -> Tuple[Any, float]:
+    """Places in a plane whose distances are as near as can be to those given, and the share of the
+    squared distances that the plane has. Classical multidimensional scaling.
+    Source: W. S. Torgerson, "Multidimensional scaling: I. Theory and method" (1952)."""
+    count = len(distances)
+    center = np.eye(count) - 1.0 / count
+    values, vectors = np.linalg.eigh(-0.5 * center @ distances**2 @ center)
+    values, vectors = values[::-1], vectors[:, ::-1]
+    places = np.zeros((count, 2))
+    axes = min(2, count)
+    places[:, :axes] = vectors[:, :axes] * np.sqrt(np.maximum(values[:axes], 0.0))
+    farthest = places[np.abs(places).argmax(axis=0), range(2)]
+    total = np.abs(values).sum()
+    kept = np.maximum(values[:axes], 0.0).sum() / total if total > 0 else 1.0
+    return places * np.where(farthest < 0, -1.0, 1.0), float(kept)
+
+
+def tree(distances: Any) -> Any:
+    """Tree in which the two nearest groups are joined, again and again, at the mean distance of
+    their members (average linkage, UPGMA)."""
+    return hierarchy.linkage(squareform(distances, checks=False), "average", optimal_ordering=True)
+
+
+def text_of(value: float) -> str:
+    """Two digits that count: "0.013", "4.7", "120"."""
+    if value == 0:
+        return "0"
+    return f"{float(f'{value:.2g}'):.{max(0, 1 - math.floor(math.log10(abs(value))))}f}"
+
+
+@dataclass(frozen=True)
+class Component:
+    """Position or angle of one kind of replay, in thousandths of its unit."""
+
+    name: str
+    content: Json
+
+    @property
+    def unit(self) -> str:
+        return f"m{self.content['unit']}"
+
+    @property
+    def distances(self) -> Any:
+        """Mean of there and back, for what has no direction."""
+        rows = self.content["distances"]
+        values = THOUSAND * np.array([[cell["value"] for cell in row] for row in rows])
+        return (values + values.T) / 2
+
+    def farthest_variant(self, simulator: int) -> Optional[float]:
+        values = [each["value"] for each in self.content["variants"][simulator]]
+        return THOUSAND * max(values) if values else None
+
+
+@dataclass(frozen=True)
+class AgreementFigure:
+    """Content of an agreement's file, and the kind of replay that is drawn."""
+
+    content: Json
+    replay: Json
+
+    @property
+    def titles(self) -> List[str]:
+        return [each["title"] for each in self.content["simulators"]]
+
+    @property
+    def components(self) -> List[Component]:
+        return [Component(name, self.replay[name]) for name, _ in COMPONENTS]
+
+    def drawing(self, name: str) -> Drawing:
+        alt = f"Distances between {', '.join(self.titles)}: matrix, tree, means and map"
+        return styled(name, alt, self._figure, STYLE)
+
+    def _figure(self, narrow: bool) -> Any:
+        rows = len(self.components)
+        if narrow:
+            size = (NARROW[0], NARROW[1] * rows * len(WIDTHS))
+            figure = Figure(figsize=size, constrained_layout=True)
+            grid = figure.subplots(rows * len(WIDTHS), 1).reshape(rows, len(WIDTHS))
+        else:
+            figure = Figure(figsize=WIDE, constrained_layout=True)
+            grid = figure.subplots(rows, len(WIDTHS), width_ratios=WIDTHS)
+        for (matrix, branches, means, plane), component in zip(grid, self.components):
+            linked = tree(component.distances)
+            order = [int(leaf) for leaf in hierarchy.leaves_list(linked)]
+            self._matrix(matrix, component, order)
+            self._tree(branches, component, linked, order, narrow)
+            self._means(means, component, order, narrow)
+            self._map(plane, component)
+        figure.suptitle("\n".join(self._title(narrow)), fontsize=10 if narrow else 15)
+        figure.get_layout_engine().set(w_pad=0.08, h_pad=0.12)  # [in]
+        return figure
+
+    def _title(self, narrow: bool) -> List[str]:
+        run = self.content["run"]
+        every = self.replay["reset_every"]
+        how = (
+            "in open loop"
+            if every is None
+            else "reset to the reference every "
+            + ("control step" if every == 1 else f"{every} control steps")
+        )
+        reference = self.content["reference"]
+        along = f"{reference['title']}'s" if reference else "each simulator's"
+        lines = [f"How far apart do simulators take the tee? {how[0].upper()}{how[1:]}"]
+        lines.append(
+            f"all replay {along} actions; policy {run['policy']}, {run['episodes']:,} episodes,"
+            f" {100 * self.content['confidence']:g} % intervals"
+        )
+        return [part for line in lines for part in (line.split("? ") if narrow else [line])]
+
+    def _color(self, simulator: int) -> str:
+        return SERIES[simulator % len(SERIES)]
+
+    def _marker(self, simulator: int) -> str:
+        return MARKERS[simulator % len(MARKERS)]
+
+    def _matrix(self, axes: Any, component: Component, order: Sequence[int]) -> None:
+        """A cell for each pair: the farther, the darker, by the logarithm."""
+        rows = component.content["distances"]
+        logs = [math.log(cell["value"]) for row in rows for cell in row if cell["value"] > 0]
+        least, most = (min(logs), max(logs)) if logs else (0.0, 0.0)
+        for y, i in enumerate(order):
+            for x, j in enumerate(order):
+                cell = rows[i][j]
+                share = 0.0
+                if cell["value"] > 0:
+                    share = (math.log(cell["value"]) - least) / (most - least or 1.0)
+                    size = {"width": 0.94, "height": 0.94}
+                    opacity = STRONGEST * (0.08 + 0.92 * share)
+                    axes.add_patch(box((x - 0.47, y - 0.47), size, SERIES[0], opacity))
+                self._cell(axes, x, y, cell, i == j)
+        names = [self.titles[i].replace(", ", ",\n") for i in order]
+        name_rows(axes, names)
+        axes.set_xlim(-0.5, len(order) - 0.5)
+        axes.set_xticks(range(len(order)), names, rotation=30, ha="right", rotation_mode="anchor")
+        axes.tick_params(axis="x", length=0, labelcolor=INK)
+        axes.grid(visible=False)
+        for side in ("left", "bottom"):
+            axes.spines[side].set_visible(False)
+        axes.set_title(f"{component.name} [{component.unit}]", loc="left", color=INK, fontsize=14)
+
+    def _cell(self, axes: Any, x: int, y: int, cell: Json, is_itself: bool) -> None:
+        if is_itself:
+            axes.text(x, y, "·", ha="center", va="center", color=DIM)
+            return
+        interval = cell["interval"] if len(self.titles) <= MOST_WITH_INTERVALS else None
+        style: Dict[str, Any] = {"ha": "center", "color": INK}
+        up = 0.1 if interval else 0.0
+        text = text_of(THOUSAND * cell["value"])
+        axes.text(x, y - up, text, va="center", fontsize=13, **style)
+        if interval:
+            ends = ", ".join(text_of(THOUSAND * end) for end in interval)
+            axes.text(x, y + 0.24, f"[{ends}]", va="center", fontsize=8, **style)
+
+    def _tree(
+        self, axes: Any, component: Component, linked: Any, order: Sequence[int], narrow: bool
+    ) -> None:
+        """Branches from the right, where simulators are one, to the left: rows as in the matrix."""
+        drawn = hierarchy.dendrogram(linked, no_plot=True)
+        heights = linked[:, 2]
+        positive = heights[heights > 0]
+        least = positive.min() / 3 if len(positive) else 0.1
+        for ys, xs in zip(drawn["icoord"], drawn["dcoord"]):
+            rows = [(y - 5) / 10 for y in ys]  # scipy's leaves are 10 apart, the first at 5
+            axes.plot(np.maximum(xs, least), rows, color=INK, linewidth=1.8)
+        for row, simulator in enumerate(order):
+            style = {"color": self._color(simulator), "markersize": 9, "clip_on": False}
+            axes.plot(least, row, self._marker(simulator), **style)
+        axes.set_xscale("log")
+        axes.set_xlim(least, heights.max() * 1.6 if len(positive) else 1.0)
+        self._name_rows(axes, order, narrow)
+        axes.set_xlabel(f"joined at [{component.unit}]")
+
+    def _means(self, axes: Any, component: Component, order: Sequence[int], narrow: bool) -> None:
+        """Mean distance to all others with its interval, and to the own variant."""
+        central = component.content["most_central"]
+        for row, simulator in enumerate(order):
+            color = self._color(simulator)
+            others = component.content["others"][simulator]
+            if others["interval"]:
+                ends = [THOUSAND * end for end in others["interval"]]
+                axes.plot(ends, [row, row], color=color, linewidth=3)
+            value = THOUSAND * others["value"]
+            axes.plot(value, row, self._marker(simulator), color=color, markersize=9)
+            variant = component.farthest_variant(simulator)
+            if variant:
+                style = {"color": color, "markerfacecolor": CARD, "markersize": 8}
+                axes.plot(variant, row, self._marker(simulator), zorder=4, **style)
+            if central is not None and central[simulator] >= 0.005:
+                text = f"central in {100 * central[simulator]:.0f} %"
+                place = (0, 11)  # [points] above the mark
+                axes.annotate(
+                    text, (value, row), place, ha="center", fontsize=9, textcoords="offset points"
+                )
+        axes.set_xscale("log")
+        axes.margins(x=0.15)
+        self._name_rows(axes, order, narrow)
+        axes.set_xlabel(f"to all others, hollow: to own variant [{component.unit}]")
+
+    def _name_rows(self, axes: Any, order: Sequence[int], narrow: bool) -> None:
+        """Rows as those of the matrix, which has their names if it is beside."""
+        name_rows(axes, [self.titles[i] if narrow else "" for i in order])
+        axes.grid(axis="x", visible=True)
+
+    def _map(self, axes: Any, component: Component) -> None:
+        """Places by distance; the circle around each reaches as far as its own variant."""
+        places, kept = principal_coordinates(component.distances)
+        low, high = places.min(axis=0), places.max(axis=0)
+        half = 0.68 * max((high - low).max(), 1e-9)
+        center = (low + high) / 2
+        for simulator, place in enumerate(places):
+            color = self._color(simulator)
+            radius = component.farthest_variant(simulator)
+            if radius:
+                ring = {"fill": True, "facecolor": color, "alpha": 0.25, "edgecolor": "none"}
+                axes.add_patch(Circle(tuple(place), radius, **ring))
+            axes.plot(*place, self._marker(simulator), color=color, markersize=10, zorder=3)
+        self._labels(axes, places, center, half)
+        axes.set_xlim(center[0] - half, center[0] + half)
+        axes.set_ylim(center[1] - half, center[1] + half)
+        axes.set_aspect("equal")
+        axes.grid(visible=True, axis="both")
+        axes.locator_params(nbins=4)
+        axes.set_xlabel(f"map [{component.unit}]; it has {100 * kept:.0f} % of the squares")
+
+    def _labels(self, axes: Any, places: Any, center: Any, half: float) -> None:
+        """Names beside their places, one above the other where these are too near."""
+        for is_right in (False, True):
+            side = [i for i, place in enumerate(places) if (place[0] > center[0]) == is_right]
+            below = -math.inf
+            for i in sorted(side, key=lambda i: (places[i][1], i)):
+                y = max(places[i][1], below + 2 * half * LABELS_APART)
+                below = y
+                x = places[i][0] + (-1 if is_right else 1) * 0.12 * half
+                axes.plot([places[i][0], x], [places[i][1], y], color=DIM, linewidth=0.8, zorder=2)
+                style = {"ha": "right" if is_right else "left", "va": "center", "fontsize": 11}
+                axes.text(x, y, f" {self.titles[i]} ", color=INK, **style)
+
+
+def read_agreement(path: Path, reset_every: Optional[int]) -> AgreementFigure:
+    """The agreement of a file, for one kind of replay: by its resets, or the usual one."""
+    content = read_json(path)
+    require_format(path, content, format_of("agreement"))
+    try:
+        replays = {replay["reset_every"] or OPEN_LOOP: replay for replay in content["replays"]}
+        usual = USUAL if USUAL in replays else next(iter(replays))
+        chosen = usual if reset_every is None else reset_every
+        if chosen not in replays:
+            known = ", ".join(map(str, replays))
+            raise Error(f"reset_every {chosen}: must be one of {known} ({OPEN_LOOP}: open loop)")
+        figure = AgreementFigure(content, replays[chosen])
+        figure.drawing("check")
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise Error(f"{path}: is not as this version writes it: {error!r}") from None
+    return figure

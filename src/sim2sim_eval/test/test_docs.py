@@ -154,7 +154,7 @@ class Pasted(LiveCase):
 
     def test_commands(self) -> None:
         files = ("live/metrics.json", "first/report.html", "switches/attribution.json")
-        self.check(DOCS / "commands.md", 16, *files)
+        self.check(DOCS / "commands.md", 18, *files)
 
     def test_findings(self) -> None:
         self.check(DOCS / "findings.md", 4, "damp/sweep.png", "variants/sweep.json")

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
-from matplotlib.patches import Circle  # type: ignore[import]
 from pusht_task.error import Error
 from pusht_task.json_file import Json, read_json, require_format
 from scipy.cluster import hierarchy  # type: ignore[import]
@@ -17,7 +16,7 @@ from sim2sim_protocol.result_files import format_of
 
 from sim2sim_report.colors import CARD, DIM, INK, SERIES
 from sim2sim_report.curves import OWN_STYLE
-from sim2sim_report.figures import COMPONENTS, Drawing, Figure, box, name_rows, styled
+from sim2sim_report.figures import COMPONENTS, Drawing, Figure, box, disc, name_rows, styled
 from sim2sim_report.matrix import MARKERS, STRONGEST
 
 OPEN_LOOP = 0  # stands for a replay without resets
@@ -27,8 +26,11 @@ WIDE = (17.0, 9.6)  # [in]
 NARROW = (5.2, 3.6)  # [in] of a panel, for a phone: all below each other
 WIDTHS = (1.5, 0.9, 1.0, 1.2)  # of the panels beside each other
 MOST_WITH_INTERVALS = 6  # simulators of a matrix whose cells have room for intervals
-LABELS_APART = 0.075  # of the map's height
+LABELS_APART = 0.06  # half the height of a label, as a share of half the map
+LETTER = 0.055  # width of a letter, likewise
 STYLE = {**OWN_STYLE, "font.size": 12, "axes.labelsize": 12, "axes.grid.axis": "x"}
+
+Box = Tuple[float, float, float, float]  # left, right, low, high
 
 
 def principal_coordinates(distances: Any) -> Tuple[Any, float]:
@@ -58,7 +60,8 @@ def text_of(value: float) -> str:
     """Two digits that count: "0.013", "4.7", "120"."""
     if value == 0:
         return "0"
-    return f"{float(f'{value:.2g}'):.{max(0, 1 - math.floor(math.log10(abs(value))))}f}"
+    rounded = float(f"{value:.2g}")
+    return f"{rounded:.{max(0, 1 - math.floor(math.log10(abs(rounded))))}f}"
 
 
 @dataclass(frozen=True)
@@ -170,7 +173,9 @@ class AgreementFigure:
         axes.grid(visible=False)
         for side in ("left", "bottom"):
             axes.spines[side].set_visible(False)
-        axes.set_title(f"{component.name} [{component.unit}]", loc="left", color=INK, fontsize=14)
+        whose = "" if self.content["reference"] else "; rows: whose actions"
+        title = f"{component.name} [{component.unit}]{whose}"
+        axes.set_title(title, loc="left", color=INK, fontsize=14)
 
     def _cell(self, axes: Any, x: int, y: int, cell: Json, is_itself: bool) -> None:
         if is_itself:
@@ -182,8 +187,9 @@ class AgreementFigure:
         text = text_of(THOUSAND * cell["value"])
         axes.text(x, y - up, text, va="center", fontsize=13, **style)
         if interval:
+            small = 8 if len(self.titles) < 5 else 6.5
             ends = ", ".join(text_of(THOUSAND * end) for end in interval)
-            axes.text(x, y + 0.24, f"[{ends}]", va="center", fontsize=8, **style)
+            axes.text(x, y + 0.24, f"[{ends}]", va="center", fontsize=small, **style)
 
     def _tree(
         self, axes: Any, component: Component, linked: Any, order: Sequence[int], narrow: bool
@@ -245,8 +251,7 @@ class AgreementFigure:
             color = self._color(simulator)
             radius = component.farthest_variant(simulator)
             if radius:
-                ring = {"fill": True, "facecolor": color, "alpha": 0.25, "edgecolor": "none"}
-                axes.add_patch(Circle(tuple(place), radius, **ring))
+                axes.add_patch(disc(place, radius, color, 0.25))
             axes.plot(*place, self._marker(simulator), color=color, markersize=10, zorder=3)
         self._labels(axes, places, center, half)
         axes.set_xlim(center[0] - half, center[0] + half)
@@ -254,20 +259,43 @@ class AgreementFigure:
         axes.set_aspect("equal")
         axes.grid(visible=True, axis="both")
         axes.locator_params(nbins=4)
-        axes.set_xlabel(f"map [{component.unit}]; it has {100 * kept:.0f} % of the squares")
+        axes.set_xlabel(f"map [{component.unit}], {100 * kept:.0f} % of the variance")
 
     def _labels(self, axes: Any, places: Any, center: Any, half: float) -> None:
-        """Names beside their places, one above the other where these are too near."""
-        for is_right in (False, True):
-            side = [i for i, place in enumerate(places) if (place[0] > center[0]) == is_right]
-            below = -math.inf
-            for i in sorted(side, key=lambda i: (places[i][1], i)):
-                y = max(places[i][1], below + 2 * half * LABELS_APART)
-                below = y
-                x = places[i][0] + (-1 if is_right else 1) * 0.12 * half
-                axes.plot([places[i][0], x], [places[i][1], y], color=DIM, linewidth=0.8, zorder=2)
-                style = {"ha": "right" if is_right else "left", "va": "center", "fontsize": 11}
-                axes.text(x, y, f" {self.titles[i]} ", color=INK, **style)
+        """Names beside their places, where they cover neither a place nor each other."""
+        height = LABELS_APART * half
+        taken = [(x - height, x + height, y - height, y + height) for x, y in places]
+        for i in sorted(range(len(places)), key=lambda i: (places[i][0], places[i][1])):
+            width = LETTER * half * len(self.titles[i])
+            free = [
+                box_at
+                for box_at in label_boxes(places[i], width, height)
+                if not any(overlap(box_at, other) for other in taken)
+                and abs(box_at[0] - center[0]) < half
+                and abs(box_at[1] - center[0]) < half
+            ]
+            left, right, low, high = free[0] if free else label_boxes(places[i], width, height)[0]
+            taken.append((left, right, low, high))
+            middle = ((left + right) / 2, (low + high) / 2)
+            end = (min(max(places[i][0], left), right), middle[1])
+            axes.plot(*zip(places[i], end), color=DIM, linewidth=0.8, zorder=2)
+            axes.text(*middle, self.titles[i], ha="center", va="center", fontsize=10, color=INK)
+
+
+def label_boxes(place: Any, width: float, height: float) -> List[Box]:
+    """Boxes for a label of a place, the nearest first: above, below, right and left of it."""
+    boxes = []
+    for away in range(2, 14):
+        for side in (0.0, 1.0, -1.0):
+            for up in (1.0, -1.0):
+                x = place[0] + side * (width / 2 + 1.5 * height)
+                y = place[1] + up * (away if side == 0.0 else away - 2) * 1.2 * height
+                boxes.append((x - width / 2, x + width / 2, y - height, y + height))
+    return boxes
+
+
+def overlap(a: Box, b: Box) -> bool:
+    return a[0] < b[1] and b[0] < a[1] and a[2] < b[3] and b[2] < a[3]
 
 
 def read_agreement(path: Path, reset_every: Optional[int]) -> AgreementFigure:

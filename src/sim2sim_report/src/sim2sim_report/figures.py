@@ -23,7 +23,7 @@ import matplotlib  # type: ignore[import]  # noqa: E402
 matplotlib.use("Agg")
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import]  # noqa: E402
 from matplotlib.figure import Figure  # type: ignore[import]  # noqa: E402
-from matplotlib.patches import Rectangle  # type: ignore[import]  # noqa: E402
+from matplotlib.patches import Circle, Rectangle  # type: ignore[import]  # noqa: E402
 
 MARK = b"sim2sim report"  # in the page and the metadata of images, by which they are known as ours
 NARROW = 4.3  # [in] width of a figure on a phone
@@ -311,6 +311,11 @@ def box(place: Any, size: Dict[str, float], color: str, opacity: Optional[float]
     if opacity is None:
         return Rectangle(place, fill=False, edgecolor=color, linewidth=2, **size)
     return Rectangle(place, facecolor=color, alpha=opacity, edgecolor="none", **size)
+
+
+def disc(place: Any, radius: float, color: str, opacity: float) -> Any:
+    """A disc in the units of the axes."""
+    return Circle(tuple(place), radius, facecolor=color, alpha=opacity, edgecolor="none")
 
 
 def legend_above(figure: Any, handles: Dict[str, Any], across: int) -> None:

@@ -222,10 +222,10 @@ struct Along {
 };
 
 /// Measures along the episodes of one reference after the other.
-class Measurement {
+class PairsOfList {
  public:
   /// `options` have their number of episodes and their initial states.
-  Measurement(const AgreementOptions& options, const std::vector<Listed>& listed, const std::vector<Along>& alongs)
+  PairsOfList(const AgreementOptions& options, const std::vector<Listed>& listed, const std::vector<Along>& alongs)
       : options_(options),
         listed_(listed),
         alongs_(alongs),
@@ -371,7 +371,7 @@ void agreement(const AgreementOptions& given) {
       givenInitialStates(options.starts, options.protocol.firstStart(), options.protocol.starts());
   const std::vector<Listed> listed = listedFrom(options);
   const std::vector<Along> alongs = alongsOf(options, listed);
-  const Agreement result = Measurement(options, listed, alongs).agreement();
+  const Agreement result = PairsOfList(options, listed, alongs).agreement();
   requireNotInterrupted();
   std::cout << table(result);
   if (!options.out.empty()) {

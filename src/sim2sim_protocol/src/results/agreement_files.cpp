@@ -20,7 +20,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::array kComponents = {"position", "angle"};
+constexpr std::array kComponentNames = {"position", "angle"};
 
 const Quantity& quantityOf(std::size_t component) {
   return kQuantities[quantityIndex(kDivergencePairs.at(component).divergence)];
@@ -59,7 +59,11 @@ json simulatorJson(const SimulatorRecord& record) { return json(toJson(record));
 std::string distanceText(const Estimate& distance) {
   constexpr double kThousand = 1000.0;
   constexpr int kDigits = 3;
-  const auto text = [](double value) { return pusht::significantText(readable(value) * kThousand, kDigits); };
+  constexpr double kLarge = 1000.0;  // beyond it so few digits would need an exponent
+  const auto text = [](double value) {
+    const double shown = readable(value) * kThousand;
+    return shown < kLarge ? pusht::significantText(shown, kDigits) : pusht::fixedText(shown, 0);
+  };
   return text(distance.value) +
          (distance.interval ? " [" + text(distance.interval->low) + ", " + text(distance.interval->high) + "]" : "");
 }
@@ -77,7 +81,7 @@ std::string headingOf(const AgreementReplay& replay, std::size_t component) {
           ? "in open loop"
           : "reset to the reference's state every " +
                 (replay.reset_every == 1 ? "control step" : std::to_string(replay.reset_every) + " control steps");
-  return std::string(kComponents.at(component)) + " [m" + quantityOf(component).unit + "], " + how;
+  return std::string(kComponentNames.at(component)) + " [m" + quantityOf(component).unit + "], " + how;
 }
 
 std::string matrixOf(const Agreement& agreement, const AgreementFigures& figures) {
@@ -114,14 +118,14 @@ json toJson(const Agreement& agreement) {
   json replays = json::array();
   for (const AgreementReplay& replay : agreement.replays) {
     json content = {{"reset_every", replay.reset_every == 0 ? json() : json(replay.reset_every)}};
-    for (std::size_t component = 0; component < kComponents.size(); ++component) {
+    for (std::size_t component = 0; component < kComponentNames.size(); ++component) {
       const AgreementFigures& figures = replay.figures.at(component);
-      content[kComponents.at(component)] = {{"unit", quantityOf(component).unit},
-                                            {"distances", rowsJson(figures.distances)},
-                                            {"others", distancesJson(figures.others)},
-                                            {"variants", rowsJson(figures.variants)},
-                                            {"most_central", sharesJson(figures, &Centrality::most)},
-                                            {"least_central", sharesJson(figures, &Centrality::least)}};
+      content[kComponentNames.at(component)] = {{"unit", quantityOf(component).unit},
+                                                {"distances", rowsJson(figures.distances)},
+                                                {"others", distancesJson(figures.others)},
+                                                {"variants", rowsJson(figures.variants)},
+                                                {"most_central", sharesJson(figures, &Centrality::most)},
+                                                {"least_central", sharesJson(figures, &Centrality::least)}};
     }
     replays.push_back(content);
   }
@@ -137,7 +141,7 @@ std::string table(const Agreement& agreement) {
        << " episodes; all replay the actions of "
        << (agreement.reference ? titleOf(*agreement.reference) : "each row's simulator") << ": mean divergence\n";
   for (const AgreementReplay& replay : agreement.replays) {
-    for (std::size_t component = 0; component < kComponents.size(); ++component) {
+    for (std::size_t component = 0; component < kComponentNames.size(); ++component) {
       text << '\n' << headingOf(replay, component) << '\n' << matrixOf(agreement, replay.figures.at(component));
     }
   }

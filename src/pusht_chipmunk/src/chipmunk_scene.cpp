@@ -17,18 +17,25 @@ Eigen::Vector2d toEigen(const cpVect& vector) { return {vector.x, vector.y}; }
 /// Chipmunk would move a body before it looks for collisions.
 void stay(cpBody* /*body*/, cpFloat /*dt*/) {}
 
+/// Updates the velocity of a body that keeps the share of it which its user data point at.
+void keepAShare(cpBody* body, cpVect gravity, cpFloat /*damping*/, cpFloat dt) {
+  cpBodyUpdateVelocity(body, gravity, *static_cast<const double*>(cpBodyGetUserData(body)), dt);
+}
+
 }  // namespace
 
 Scene::Scene(const ChipmunkParameters& parameters, const Physics& physics)
-    : physics_(physics), substep_(parameters.substep), space_(cpSpaceNew()) {
+    : physics_(physics), parameters_(parameters), space_(cpSpaceNew()) {
   cpSpaceSetIterations(space_.get(), parameters.iterations);
-  cpSpaceSetCollisionSlop(space_.get(), parameters.collision_slop);
+  if (switches().slop) {
+    cpSpaceSetCollisionSlop(space_.get(), parameters.collision_slop);
+  }
   cpSpaceSetCollisionBias(space_.get(), parameters.overlap_left);
 }
 
 void Scene::start(const WorldState& state) {
   // Chipmunk solves in the order in which bodies and shapes were added, and last bits depend on it.
-  pusher_ = addBody(physics_.pusher_mass + substep_ * (physics_.servo_gain + physics_.pusher_damping), INFINITY);
+  pusher_ = addPusherBody();
   tee_ = addTeeBody();
   addWalls();
   addBox(tee_, cpv(0.0, 0.0), physics_.bar_half_length, physics_.bar_half_width);
@@ -44,20 +51,40 @@ void Scene::start(const WorldState& state) {
   cpBodySetVelocity(tee_, cpvadd(toChipmunk(state.tee_velocity), cpvmult(cpvperp(teeArm()), state.tee_yaw_rate)));
 }
 
+cpBody* Scene::addPusherBody() {
+  if (switches().servo) {
+    return addBody(physics_.pusher_mass + parameters_.substep * (physics_.servo_gain + physics_.pusher_damping),
+                   INFINITY);
+  }
+  cpBody* const pusher = addBody(physics_.pusher_mass, INFINITY);
+  bodies_.emplace_back(cpSpaceAddBody(space_.get(), cpBodyNewKinematic()));
+  command_ = bodies_.back().get();
+  addFriction(cpPivotJointNew2(command_, pusher, cpvzero, cpvzero), physics_.servo_limit);
+  return pusher;
+}
+
 cpBody* Scene::addTeeBody() {
-  // With the mass that makes its damping implicit, which sits at the origin.
-  const double mass = physics_.tee_mass + substep_ * physics_.tee_damping;  // [kg]
-  const double center = physics_.tee_first_moment / mass;                   // [m] along body -y
-  const double moment =                                                     // [kg m^2] about that center
-      physics_.tee_second_moment + substep_ * physics_.tee_yaw_damping - mass * center * center;
+  // With drag, the mass that makes it implicit, which sits at the origin.
+  const double added = switches().drag ? parameters_.substep : 0.0;      // [s]
+  const double mass = physics_.tee_mass + added * physics_.tee_damping;  // [kg]
+  const double center = physics_.tee_first_moment / mass;                // [m] along body -y
+  const double moment =                                                  // [kg m^2] about that center
+      physics_.tee_second_moment + added * physics_.tee_yaw_damping - mass * center * center;
   cpBody* const tee = addBody(mass, moment);
   cpBodySetCenterOfGravity(tee, cpv(0.0, -center));
+  if (!switches().drag) {
+    tee_keeps_ = std::exp(-parameters_.substep * physics_.tee_damping / physics_.tee_mass);
+    cpBodySetUserData(tee, &tee_keeps_);
+    cpBodySetVelocityUpdateFunc(tee, keepAShare);
+  }
   return tee;
 }
 
 cpBody* Scene::addBody(double mass, double moment) {
   bodies_.emplace_back(cpSpaceAddBody(space_.get(), cpBodyNew(mass, moment)));
-  cpBodySetPositionUpdateFunc(bodies_.back().get(), stay);
+  if (switches().order) {
+    cpBodySetPositionUpdateFunc(bodies_.back().get(), stay);
+  }
   return bodies_.back().get();
 }
 
@@ -87,6 +114,11 @@ void Scene::addFriction(cpConstraint* constraint, double force) {
 }
 
 void Scene::addDryFriction() {
+  if (!switches().table_friction) {
+    addFriction(cpPivotJointNew2(table(), tee_, cpvzero, cpvzero), physics_.tee_friction[0]);
+    addFriction(cpGearJointNew(table(), tee_, 0.0, 1.0), physics_.tee_yaw_friction);
+    return;
+  }
   addFriction(cpGrooveJointNew(table(), tee_, cpv(0.0, -kFar), cpv(0.0, kFar), cpvzero), physics_.tee_friction[0]);
   addFriction(cpGrooveJointNew(table(), tee_, cpv(-kFar, 0.0), cpv(kFar, 0.0), cpvzero), physics_.tee_friction[1]);
   addFriction(cpSimpleMotorNew(table(), tee_, 0.0), physics_.tee_yaw_friction);
@@ -101,6 +133,10 @@ cpVect Scene::teeVelocity() const {
 }
 
 void Scene::applyServo(const cpVect& command) {
+  if (command_ != nullptr) {
+    cpBodySetVelocity(command_, command);
+    return;
+  }
   const cpVect speed = cpBodyGetVelocity(pusher_);
   const auto servo = [this](double wanted, double found) {
     return std::clamp(physics_.servo_gain * (wanted - found), -physics_.servo_limit, physics_.servo_limit) -
@@ -111,6 +147,9 @@ void Scene::applyServo(const cpVect& command) {
 
 void Scene::applyForces(const cpVect& command) {
   applyServo(command);
+  if (!switches().drag) {
+    return;
+  }
   const cpVect drag = cpvmult(teeVelocity(), -physics_.tee_damping);
   cpBodySetForce(tee_, drag);
   cpBodySetTorque(tee_, -cpvcross(teeArm(), drag) - physics_.tee_yaw_damping * cpBodyGetAngularVelocity(tee_));
@@ -118,9 +157,10 @@ void Scene::applyForces(const cpVect& command) {
 
 void Scene::substep(const cpVect& command) {
   applyForces(command);
-  cpSpaceStep(space_.get(), substep_);
-  for (const Owned<cpBody>& body : bodies_) {
-    cpBodyUpdatePosition(body.get(), substep_);
+  cpSpaceStep(space_.get(), parameters_.substep);
+  if (switches().order) {
+    cpBodyUpdatePosition(pusher_, parameters_.substep);
+    cpBodyUpdatePosition(tee_, parameters_.substep);
   }
 }
 

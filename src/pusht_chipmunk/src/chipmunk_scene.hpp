@@ -57,11 +57,16 @@ class Scene {
 
  private:
   cpBody* addBody(double mass, double moment);
+  cpBody* addPusherBody();
   cpBody* addTeeBody();
   void addShape(cpShape* shape);
 
+  const ChipmunkSwitches& switches() const { return parameters_.switches; }
+
   Physics physics_;
-  double substep_;  ///< [s]
+  ChipmunkParameters parameters_;
+  double tee_keeps_ = 1.0;     ///< [-] share of the tee's velocities that is kept in a substep
+  cpBody* command_ = nullptr;  ///< moves as commanded; none with a servo
   cpBody* pusher_ = nullptr;
   cpBody* tee_ = nullptr;
   std::vector<Owned<cpBody>> bodies_;

@@ -60,7 +60,7 @@ std::vector<pusht::SimulatorKind> simulatorKinds() {
 
 TEST(SimulatorKinds, OfTheSuiteAreFoundByTheirNames) {
   EXPECT_THAT(pusht::SimulatorKinds::installed().names(),
-              IsSupersetOf({"chipmunk", kCourseReference, "rigid_body", kCourseEngine}));
+              IsSupersetOf({"box2d", "chipmunk", kCourseReference, "rigid_body", kCourseEngine}));
   EXPECT_EQ(refusalOf([] { simulatorKind("bullet"); }),
             "simulator 'bullet': unknown; known: " + pusht::joined(pusht::SimulatorKinds::installed().names()));
 }

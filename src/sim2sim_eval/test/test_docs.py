@@ -357,6 +357,7 @@ class Nodes(OwnMaster):
             ("sim2sim_eval", "simulator_node", ("_kind:=two_mass",)),
             ("pusht_engine", "engine_node", ()),
             ("pusht_mujoco", "mujoco_node", ()),
+            ("pusht_box2d", "box2d_node", ()),
             ("pusht_chipmunk", "chipmunk_node", ()),
         ):
             with self.subTest(node):

@@ -19,7 +19,8 @@ ROSDEP = {"eigen": "libeigen3-dev", "yaml-cpp": "libyaml-cpp-dev"}
 # What sources name is of a ROS package of the same name, or of these, by the names of rosdep.
 OF_INCLUDES = {
     **{"Eigen": "eigen", "boost": "libboost-dev", "ccd": "libccd-dev", "CLI": "libcli11-dev"},
-    **{"chipmunk": "libchipmunk-dev", "gsl": "libmsgsl-dev", "mujoco": "libmujoco-dev"},
+    **{"box2d": "libbox2d-dev", "chipmunk": "libchipmunk-dev", "gsl": "libmsgsl-dev"},
+    **{"mujoco": "libmujoco-dev"},
     **{"nlohmann": "nlohmann-json3-dev", "openssl": "libssl-dev", "yaml-cpp": "yaml-cpp"},
     **{"torch": "libtorch-dev", "ATen": "libtorch-dev", "caffe2": "libtorch-dev"},
     **{"benchmark": "libbenchmark-dev", "gmock": "libgmock-dev", "gtest": "libgtest-dev"},
@@ -29,6 +30,7 @@ OF_INCLUDES = {
 }
 OF_CMAKE = {
     **{"benchmark": "libbenchmark-dev", "Boost": "libboost-dev", "ccd": "libccd-dev"},
+    **{"box2d": "libbox2d-dev"},
     **{"CLI11": "libcli11-dev", "Eigen3": "eigen", "Microsoft.GSL": "libmsgsl-dev"},
     **{"mujoco": "libmujoco-dev", "nlohmann_json": "nlohmann-json3-dev", "OpenSSL": "libssl-dev"},
     **{"PkgConfig": "pkg-config", "Qt": "qtbase5-dev", "Torch": "libtorch-dev"},

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "box2d_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/numbers.hpp"
+
+namespace pusht::box2d {
+namespace {
+
+/// [1/m] The tee's sides are then 3 to 12 lengths, and the 0.005 lengths that bodies may overlap are 0.05 mm.
+constexpr double kScale = 100.0;
+
+/// [-] Parts of a substep, of which Box2D itself moves bodies for one. In a step it moves none by more than 2 lengths,
+/// which would be at most 2 m/s.
+constexpr double kParts = 32.0;
+
+/// [kg] Mass of each slider, taken from the tee at its origin, where it slides along: a body without mass is not to be
+/// had.
+constexpr double kSliderMass = 0.01;
+
+/// Nearest yaw in [-pi, pi) of single precision, which rounds the numbers next to pi beyond it.
+float narrowYaw(double yaw) {
+  const auto narrow = static_cast<float>(yaw);
+  return std::abs(static_cast<double>(narrow)) < kPi ? narrow : std::nextafter(narrow, 0.0F);
+}
+
+}  // namespace
+
+Scene::Scene(const Box2dParameters& parameters, const Physics& physics)
+    : physics_(physics),
+      parameters_(parameters),
+      scale_(parameters.switches.scale ? kScale : 1.0),
+      step_(parameters.switches.scale ? parameters.substep / kParts : parameters.substep),
+      world_(b2Vec2_zero) {
+  world_.SetAllowSleeping(false);
+  world_.SetContinuousPhysics(false);
+}
+
+b2Vec2 Scene::toBox2d(const Eigen::Vector2d& vector) const {
+  return {static_cast<float>(vector.x() * scale_), static_cast<float>(vector.y() * scale_)};
+}
+
+Eigen::Vector2d Scene::toEigen(const b2Vec2& vector) const {
+  return {static_cast<double>(vector.x) / scale_, static_cast<double>(vector.y) / scale_};
+}
+
+void Scene::start(const WorldState& state) {
+  // Box2D solves in the order in which bodies, shapes and joints were added, and last bits depend on it.
+  const b2BodyDef still;
+  table_ = world_.CreateBody(&still);
+  addWalls();
+  addPusher(state);
+  addTee(state);
+  addTableFriction();
+}
+
+b2Body* Scene::addBody(const char* name, b2BodyDef def, double mass) {
+  def.type = b2_dynamicBody;
+  b2Body* const body = world_.CreateBody(&def);
+  b2MassData data = {};
+  data.mass = static_cast<float>(mass);
+  body->SetMassData(&data);
+  bodies_.push_back({name, body});
+  return body;
+}
+
+void Scene::addPusher(const WorldState& state) {
+  b2BodyDef def;
+  def.position = toBox2d(state.pusher_position);
+  def.linearVelocity = toBox2d(state.pusher_velocity);
+  def.fixedRotation = true;
+  const double added = parameters_.substep * (physics_.servo_gain + physics_.pusher_damping);
+  pusher_ = addBody("pusher", def, physics_.pusher_mass + (switches().servo ? added : 0.0));
+  b2CircleShape disc;
+  disc.m_radius = static_cast<float>(physics_.pusher_radius * scale_);
+  b2FixtureDef fixture;
+  fixture.shape = &disc;
+  fixture.friction = static_cast<float>(physics_.contact_friction);
+  pusher_->CreateFixture(&fixture);
+  if (!switches().servo) {
+    addMotor();
+  }
+}
+
+void Scene::addMotor() {
+  b2MotorJointDef def;
+  def.Initialize(table_, pusher_);
+  def.maxForce = force(physics_.servo_limit);
+  def.maxTorque = 0.0F;
+  def.correctionFactor = 1.0F;
+  def.collideConnected = true;
+  motor_ = static_cast<b2MotorJoint*>(world_.CreateJoint(&def));  // NOLINT: Box2D knows no other way
+}
+
+void Scene::addTee(const WorldState& state) {
+  b2BodyDef def;
+  def.position = toBox2d(state.tee_position);
+  def.linearVelocity = toBox2d(state.tee_velocity);
+  def.angle = narrowYaw(state.tee_yaw);
+  def.angularVelocity = static_cast<float>(state.tee_yaw_rate);
+  double mass = physics_.tee_mass;                          // [kg]
+  double moment_about_origin = physics_.tee_second_moment;  // [kg m^2] about the origin
+  if (switches().drag) {  // the mass that makes its damping implicit, which sits at the origin
+    mass += parameters_.substep * physics_.tee_damping;
+    moment_about_origin += parameters_.substep * physics_.tee_yaw_damping;
+  } else {
+    def.linearDamping = rate(physics_.tee_damping / mass);
+    def.angularDamping = rate(physics_.tee_yaw_damping / moment_about_origin);
+  }
+  if (switches().table_friction) {
+    mass -= kSliderMass;
+  }
+  tee_ = addBody("tee", def, mass);
+  addBox(tee_, {0.0, 0.0}, physics_.bar_half_length, physics_.bar_half_width);
+  addBox(tee_, {0.0, -physics_.stem_offset}, physics_.stem_half_width, physics_.stem_half_length);
+  b2MassData data;
+  data.mass = static_cast<float>(mass);
+  data.center.Set(0.0F, static_cast<float>(-physics_.tee_first_moment / mass * scale_));
+  data.I = inertia(moment_about_origin);
+  tee_->SetMassData(&data);  // hands the velocity from the origin to the center of mass
+}
+
+void Scene::addBox(b2Body* body, const Eigen::Vector2d& center, double half_x, double half_y) {
+  const double skin = switches().scale ? static_cast<double>(b2_polygonRadius) : 0.0;
+  b2PolygonShape box;
+  box.SetAsBox(static_cast<float>(half_x * scale_ - skin), static_cast<float>(half_y * scale_ - skin), toBox2d(center),
+               0.0F);
+  b2FixtureDef fixture;
+  fixture.shape = &box;
+  fixture.friction = static_cast<float>(physics_.contact_friction);
+  body->CreateFixture(&fixture);
+}
+
+void Scene::addWalls() {
+  constexpr double kHalf = dynamics::kWallThickness / 2.0;
+  const double middle = physics_.wall_inner_face + kHalf;
+  const double half_length = physics_.wall_inner_face + dynamics::kWallThickness;
+  addBox(table(), {0.0, middle}, half_length, kHalf);
+  addBox(table(), {0.0, -middle}, half_length, kHalf);
+  addBox(table(), {middle, 0.0}, kHalf, half_length);
+  addBox(table(), {-middle, 0.0}, kHalf, half_length);
+}
+
+void Scene::addTableFriction() {
+  if (switches().table_friction) {
+    addFrictionPerAxis({0.0, 0.0});
+  } else {
+    addFrictionOfDisc(toEigen(tee_->GetLocalCenter()));
+  }
+}
+
+void Scene::addFrictionPerAxis(const Eigen::Vector2d& point) {
+  const b2Vec2 local = toBox2d(point);
+  addSlider({1.0F, 0.0F}, local, physics_.tee_friction[0], physics_.tee_yaw_friction);
+  addSlider({0.0F, 1.0F}, local, physics_.tee_friction[1], 0.0);
+}
+
+void Scene::addSlider(const b2Vec2& axis, const b2Vec2& point, double friction, double yaw_friction) {
+  const b2Vec2 velocity = tee_->GetLinearVelocityFromLocalPoint(point);
+  b2BodyDef def;
+  def.position = b2Dot(tee_->GetWorldPoint(point), axis) * axis;
+  def.linearVelocity = b2Dot(velocity, axis) * axis;
+  def.linearDamping = tee_->GetLinearDamping();
+  def.fixedRotation = true;
+  b2Body* const slider = addBody("tee's slider", def, kSliderMass);
+
+  b2PrismaticJointDef rail;
+  rail.bodyA = table_;
+  rail.bodyB = slider;
+  rail.localAxisA = axis;
+  rail.enableMotor = true;
+  rail.maxMotorForce = force(friction);
+  world_.CreateJoint(&rail);
+
+  b2WheelJointDef across;
+  across.bodyA = slider;
+  across.bodyB = tee_;
+  across.localAxisA = b2Vec2(-axis.y, axis.x);
+  across.localAnchorB = point;
+  across.enableMotor = yaw_friction > 0.0;
+  across.maxMotorTorque = moment(yaw_friction);
+  world_.CreateJoint(&across);
+}
+
+void Scene::addFrictionOfDisc(const Eigen::Vector2d& point) {
+  b2FrictionJointDef disc;
+  disc.bodyA = table_;
+  disc.bodyB = tee_;
+  disc.localAnchorB = toBox2d(point);
+  disc.maxForce = force(physics_.tee_friction[0]);
+  disc.maxTorque = moment(physics_.tee_yaw_friction);
+  disc.collideConnected = true;  // the table has the walls
+  world_.CreateJoint(&disc);
+}
+
+void Scene::applyServo(const Eigen::Vector2d& command) {
+  if (motor_ != nullptr) {
+    motor_->SetLinearOffset(pusher_->GetPosition() + toBox2d(step_ * command));
+    return;
+  }
+  const Eigen::Vector2d speed = toEigen(pusher_->GetLinearVelocity());
+  const auto servo = [this](double wanted, double found) {
+    return std::clamp(physics_.servo_gain * (wanted - found), -physics_.servo_limit, physics_.servo_limit) -
+           physics_.pusher_damping * found;
+  };
+  pusher_->ApplyForceToCenter({force(servo(command.x(), speed.x())), force(servo(command.y(), speed.y()))}, true);
+}
+
+void Scene::applyDrag(const Eigen::Vector2d& point) {
+  const b2Vec2 local = toBox2d(point);
+  const Eigen::Vector2d velocity = toEigen(tee_->GetLinearVelocityFromLocalPoint(local));
+  const Eigen::Vector2d drag = -physics_.tee_damping * velocity;
+  tee_->ApplyForce({force(drag.x()), force(drag.y())}, tee_->GetWorldPoint(local), true);
+  tee_->ApplyTorque(moment(-physics_.tee_yaw_damping * static_cast<double>(tee_->GetAngularVelocity())), true);
+}
+
+void Scene::applyForces(const Eigen::Vector2d& command) {
+  applyServo(command);
+  if (switches().drag) {
+    applyDrag({0.0, 0.0});
+  }
+}
+
+void Scene::substep(const Eigen::Vector2d& command) {
+  applyForces(command);
+  world_.Step(static_cast<float>(step_), parameters_.velocity_iterations, parameters_.position_iterations);
+  if (const double rest = parameters_.substep - step_; rest > 0.0) {
+    for (const NamedBody& each : bodies_) {
+      moveOn(*each.body, static_cast<float>(rest));
+    }
+  }
+}
+
+void Scene::moveOn(b2Body& body, float time) {
+  const float angle = body.GetAngle() + time * body.GetAngularVelocity();
+  const b2Vec2 center = body.GetWorldCenter() + time * body.GetLinearVelocity();
+  body.SetTransform(center - b2Mul(b2Rot(angle), body.GetLocalCenter()), angle);
+}
+
+WorldState Scene::state() const {
+  WorldState state;
+  state.pusher_position = toEigen(pusher_->GetPosition());
+  state.pusher_velocity = toEigen(pusher_->GetLinearVelocity());
+  state.tee_position = toEigen(tee_->GetPosition());
+  state.tee_velocity = toEigen(tee_->GetLinearVelocityFromLocalPoint(b2Vec2_zero));
+  state.tee_yaw = wrapAngle(static_cast<double>(tee_->GetAngle()));
+  state.tee_yaw_rate = static_cast<double>(tee_->GetAngularVelocity());
+  return state;
+}
+
+WorldState Scene::rounded(const WorldState& state) const {
+  WorldState result;
+  result.pusher_position = roundedVector(state.pusher_position);
+  result.pusher_velocity = roundedVector(state.pusher_velocity);
+  result.tee_position = roundedVector(state.tee_position);
+  result.tee_velocity = roundedVector(state.tee_velocity);
+  result.tee_yaw = static_cast<double>(narrowYaw(state.tee_yaw));
+  result.tee_yaw_rate = static_cast<double>(static_cast<float>(state.tee_yaw_rate));
+  return result;
+}
+
+std::string Scene::faultOfSpeed() const {
+  constexpr double kNearly = 1.0 - 1e-5;  // Box2D cuts off what is more, and rounds
+  const double most = static_cast<double>(b2_maxTranslation) / (scale_ * step_);  // [m/s]
+  const double most_rate = static_cast<double>(b2_maxRotation) / step_;           // [rad/s]
+  for (const NamedBody& each : bodies_) {
+    const double speed = toEigen(each.body->GetLinearVelocity()).norm();
+    if (!(speed < kNearly * most)) {
+      return std::string(each.name) + " at " + shortestText(speed) + " m/s: must be below " + shortestText(most) +
+             " m/s, where Box2D cuts speeds off";
+    }
+    const double rate = std::abs(static_cast<double>(each.body->GetAngularVelocity()));
+    if (!(rate < kNearly * most_rate)) {
+      return std::string(each.name) + " at " + shortestText(rate) + " rad/s: must be below " + shortestText(most_rate) +
+             " rad/s, where Box2D cuts rates off";
+    }
+  }
+  return "";
+}
+
+}  // namespace pusht::box2d

@@ -62,6 +62,7 @@ b2Body* Scene::addBody(const char* name, b2BodyDef def, double mass) {
   b2Body* const body = world_.CreateBody(&def);
   b2MassData data = {};
   data.mass = static_cast<float>(mass);
+  data.center.SetZero();  // a vector of Box2D has no value by itself
   body->SetMassData(&data);
   bodies_.push_back({name, body});
   return body;

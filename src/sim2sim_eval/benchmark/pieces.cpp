@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times the pieces of the protocol, each alone: engine, reference, policy, service, bag.
+// Times the pieces of the protocol, each alone: engine, reference, every kind, policy, service, bag.
 #include <benchmark/benchmark.h>
 #include <pusht_msgs/Describe.h>
 #include <pusht_msgs/Divergence.h>
@@ -27,6 +27,7 @@
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/ros/bag_file.hpp"
 #include "pusht_task/ros/installed_file.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/temporary_folder.hpp"
 #include "sim2sim_protocol/runner.hpp"
@@ -170,6 +171,40 @@ void faithfulEngine(State& state) {
 }
 BENCHMARK(faithfulEngine)->Name("faithful/world");
 
+// ---- The same actions in every kind that is installed, with its defaults
+
+void kindSteps(State& state, const pusht::SimulatorKind& kind) {
+  const auto world = kind.load(kind.defaults()).make_world();
+  for ([[maybe_unused]] auto _ : state) {
+    for (const pusht::Trace& trace : referenceTraces()) {
+      world->reset(trace.states.front());
+      for (const pusht::Action& action : trace.actions) {
+        world->step(action);
+      }
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * stepsOf(referenceTraces()));
+}
+
+void kindResets(State& state, const pusht::SimulatorKind& kind) {
+  const auto world = kind.load(kind.defaults()).make_world();
+  for ([[maybe_unused]] auto _ : state) {
+    for (const pusht::Trace& trace : referenceTraces()) {
+      world->reset(trace.states.front());
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(referenceTraces().size()));
+}
+
+void registerKinds() {
+  const auto& kinds = pusht::SimulatorKinds::installed();
+  for (const std::string& name : kinds.names()) {
+    const pusht::SimulatorKind& kind = kinds.named(name);
+    benchmark::RegisterBenchmark(("kind/" + name).c_str(), [&kind](State& state) { kindSteps(state, kind); });
+    benchmark::RegisterBenchmark(("reset/" + name).c_str(), [&kind](State& state) { kindResets(state, kind); });
+  }
+}
+
 // ---- Policy
 
 void policyRows(State& state, pusht::NetworkPolicy& policy) {
@@ -237,6 +272,7 @@ BENCHMARK(serviceRoundTrip)->Name("service/round_trip")->UseRealTime();
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "pieces", ros::init_options::AnonymousName | ros::init_options::NoSigintHandler);
+  registerKinds();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
     return static_cast<int>(pusht::ExitCode::kInvalidInput);

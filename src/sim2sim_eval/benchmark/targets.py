@@ -35,6 +35,22 @@ class Figure(NamedTuple):
         )
 
 
+def kinds(rate: Dict[str, float]) -> List[Figure]:
+    """Speed of each installed kind on the actions of the reference, and the time of its resets."""
+    rows: List[Figure] = []
+    for piece in sorted(rate):
+        if piece.startswith("kind/"):
+            name = piece[len("kind/") :]
+            ratio = rate[piece] / rate["mujoco/bare"]
+            reset = 1e6 / rate["reset/" + name]
+            rows += [
+                Figure("", name, rate[piece], "control steps/s"),
+                Figure("", f"{name} over bare mj_step", ratio, "x"),
+                Figure("", f"{name}, reset", reset, "us", at_most=50.0),
+            ]
+    return rows
+
+
 def figures(result: Dict[str, Any]) -> List[Figure]:
     ratios = result["protocol"]["ratios"]
     rate = result["pieces_per_second"]
@@ -80,6 +96,7 @@ def figures(result: Dict[str, Any]) -> List[Figure]:
             "x",
             5.0,
         ),
+        *kinds(rate),
         Figure("P6", "policy, one row at a time", rate[policy + "/1"], "rows/s", 60e3),
         Figure("P6", "policy, batches of 16", rate[policy + "/16"], "rows/s", 110e3),
         Figure("P7", "allocations in a control step (a test)", None, ""),

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How faithful the rigid-body engine is: against MuJoCo, on the same actions.
+// How faithful the rigid-body engine is, and engines by others: against MuJoCo, on the same actions.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <ostream>
 #include <random>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "pusht_engine/rigid_body_engine.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/contact.hpp"
+#include "pusht_task/ros/simulator_kinds.hpp"
 #include "pusht_task/task.hpp"
 #include "pusht_task/testing/golden.hpp"
 
@@ -102,9 +106,8 @@ double median(std::vector<double> values) {
 constexpr int kNever = 0;
 
 /// The engine gets MuJoCo's state every `anchor` steps.
-CaseDivergences divergenceOf(const std::vector<Case>& cases, const pusht::RigidBodyParameters& parameters, int anchor) {
+CaseDivergences divergenceOf(const std::vector<Case>& cases, pusht::Simulator& engine, int anchor) {
   pusht::MujocoWorld reference(std::make_shared<const pusht::MujocoScene>());
-  pusht::RigidBodyEngine engine(parameters);
   CaseDivergences result;
   for (const Case& one : cases) {
     reference.reset(one.start);
@@ -130,6 +133,11 @@ CaseDivergences divergenceOf(const std::vector<Case>& cases, const pusht::RigidB
   ::testing::Test::RecordProperty("median_position_nm", static_cast<int>(1e9 * median(result.position)));
   ::testing::Test::RecordProperty("mean_position_nm", static_cast<int>(1e9 * mean(result.position)));
   return result;
+}
+
+CaseDivergences divergenceOf(const std::vector<Case>& cases, const pusht::RigidBodyParameters& parameters, int anchor) {
+  pusht::RigidBodyEngine engine(parameters);
+  return divergenceOf(cases, engine, anchor);
 }
 
 // Bounds are those asked for. What was found is in docs/ladder.md; a few episodes decide the means.
@@ -184,6 +192,65 @@ TEST(FaithfulEngine, HasMuJoCosVelocitiesAfterAStep) {
   EXPECT_LE(errors[errors.size() / 2], 1e-6);
   EXPECT_LE(errors[errors.size() * 99 / 100], 1e-3);
 }
+
+// Engines by others: a mapping is judged by replays that are put back every five steps, as few of their differences
+// have grown by then.
+
+struct MappedKind {
+  const char* kind;
+  double mapped;  ///< [m] bound asked for
+  /// [m] What its README says of each idiom alone, and of all.
+  std::vector<std::pair<const char*, double>> idioms;
+};
+
+void PrintTo(const MappedKind& mapped, std::ostream* out) {  // NOLINT(readability-identifier-naming)
+  *out << mapped.kind;
+}
+
+class MappedEngine : public ::testing::TestWithParam<MappedKind> {
+ protected:
+  void SetUp() override {
+    const std::vector<std::string> names = pusht::SimulatorKinds::installed().names();
+    if (std::find(names.begin(), names.end(), GetParam().kind) == names.end()) {
+      GTEST_SKIP() << GetParam().kind << " is not installed";
+    }
+  }
+
+  static double meanDivergence(const std::vector<std::pair<std::string, std::string>>& settings) {
+    const pusht::SimulatorKind& kind = pusht::SimulatorKinds::installed().named(GetParam().kind);
+    pusht::ParameterSet parameters = kind.defaults();
+    for (const auto& [name, text] : settings) {
+      parameters.set(name, text);
+    }
+    return mean(divergenceOf(expertCases(), *kind.load(parameters).make_world(), 5).position);
+  }
+};
+
+TEST_P(MappedEngine, FollowsMuJoCoForFiveSteps) { EXPECT_LE(meanDivergence({}), GetParam().mapped); }
+
+TEST_P(MappedEngine, CostsWithAnIdiomWhatItsPackageSays) {
+  for (const auto& [name, expected] : GetParam().idioms) {
+    const bool all = std::string(name) == "preset";
+    EXPECT_NEAR(meanDivergence({{name, all ? "idiomatic" : "false"}}), expected, 0.1 * expected) << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Engines, MappedEngine,
+                         ::testing::Values(MappedKind{"box2d",
+                                                      1.1e-3,
+                                                      {{"servo", 7.38e-3},
+                                                       {"table_friction", 2.98e-3},
+                                                       {"drag", 2.80e-3},
+                                                       {"scale", 3.26e-3},
+                                                       {"preset", 12.64e-3}}},
+                                           MappedKind{"chipmunk",
+                                                      1.1e-3,
+                                                      {{"servo", 7.53e-3},
+                                                       {"table_friction", 2.45e-3},
+                                                       {"drag", 3.48e-3},
+                                                       {"slop", 1.09e-3},
+                                                       {"order", 1.36e-3},
+                                                       {"preset", 6.21e-3}}}));
 
 }  // namespace
 }  // namespace sim2sim

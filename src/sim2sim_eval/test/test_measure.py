@@ -9,7 +9,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmark"))
 from live_runs import median  # noqa: E402
-from targets import Figure  # noqa: E402
+from targets import Figure, kinds  # noqa: E402
 
 
 class Median(unittest.TestCase):
@@ -31,6 +31,23 @@ class Median(unittest.TestCase):
     def test_too_few_values_have_no_interval(self) -> None:
         with self.assertRaisesRegex(ValueError, "5 values: too few"):
             median([1.0] * 5)
+
+
+class Kinds(unittest.TestCase):
+    def test_every_kind_has_its_speed_and_its_reset(self) -> None:
+        rate = {"mujoco/bare": 20e3, "kind/box2d": 40e3, "reset/box2d": 500e3}
+        rate.update({"kind/apple": 10e3, "reset/apple": 10e3})
+        self.assertEqual(
+            [(f.meaning, f.measured, f.unit, f.verdict) for f in kinds(rate)],
+            [
+                ("apple", 10e3, "control steps/s", ""),
+                ("apple over bare mj_step", 0.5, "x", ""),
+                ("apple, reset", 100.0, "us", "NOT MET"),
+                ("box2d", 40e3, "control steps/s", ""),
+                ("box2d over bare mj_step", 2.0, "x", ""),
+                ("box2d, reset", 2.0, "us", "met"),
+            ],
+        )
 
 
 class Verdict(unittest.TestCase):

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bullet_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pusht_task/constants.hpp"
+
+namespace pusht::bullet {
+namespace {
+
+constexpr double kTeeMargin = 1e-4;         // [m]
+constexpr double kTeeHalfHeight = 0.015;    // [m]
+constexpr double kPusherHalfHeight = 0.02;  // [m]
+constexpr double kWallHalfHeight = 0.025;   // [m] so that no top is level with another
+constexpr double kGravity = 9.81;           // [m/s^2]
+constexpr int kTableGroup = 1 << 10;        // what the pusher does not touch
+const btVector3 kInThePlane = {1.0, 1.0, 0.0};
+
+btVector3 toBullet(const Eigen::Vector2d& vector) { return {vector.x(), vector.y(), 0.0}; }
+Eigen::Vector2d toEigen(const btVector3& vector) { return {vector.x(), vector.y()}; }
+
+btTransform at(const btVector3& place, double yaw = 0.0) {
+  const double c = std::cos(yaw);
+  const double s = std::sin(yaw);
+  return btTransform(btMatrix3x3(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0), place);
+}
+
+/// The setting d of Bullet's damping, which leaves (1 - d) of a velocity after a second, for a rate [1/s] of decay: in
+/// double precision at most 36.7, for the next number is 1, which stops a body at once.
+double dampingOf(double rate) { return std::min(-std::expm1(-rate), std::nextafter(1.0, 0.0)); }
+
+}  // namespace
+
+btDefaultCollisionConstructionInfo Scene::smallPools() {
+  constexpr int kEntries = 32;
+  btDefaultCollisionConstructionInfo info;
+  info.m_defaultMaxPersistentManifoldPoolSize = kEntries;
+  info.m_defaultMaxCollisionAlgorithmPoolSize = kEntries;
+  return info;
+}
+
+Scene::Scene(const BulletParameters& parameters, const Physics& physics)
+    : parameters_(parameters),
+      physics_(physics),
+      configuration_(smallPools()),
+      dispatcher_(&configuration_),
+      world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
+  world_.setGravity({0.0, 0.0, 0.0});
+  world_.getSolverInfo().m_numIterations = parameters.iterations;
+  world_.getSolverInfo().m_erp2 = parameters.overlap_rate;
+}
+
+template <class Shape>
+Shape* Scene::keep(std::unique_ptr<Shape> shape) {
+  Shape* const kept = shape.get();
+  shapes_.push_back(std::move(shape));
+  return kept;
+}
+
+void Scene::start(const WorldState& state) {
+  // Bullet solves in the order in which bodies and constraints were added, and last bits depend on it.
+  addTable();
+  addWalls();
+  addTee(state);
+  addPusher(state);
+  addTableFriction();
+}
+
+void Scene::addTable() {
+  btCollisionShape* shape = nullptr;
+  if (parameters_.table_friction) {
+    shape = keep(std::make_unique<btEmptyShape>());
+  } else {
+    const double margin = parameters_.margin ? 0.0 : CONVEX_DISTANCE_MARGIN;
+    shape = keep(std::make_unique<btStaticPlaneShape>(btVector3(0.0, 0.0, 1.0), -(kTeeHalfHeight + margin)));
+    shape->setMargin(0.0);
+  }
+  table_ = makeBody(0.0, 0.0, shape, at({0.0, 0.0, 0.0}), kInThePlane);
+}
+
+void Scene::addWalls() {
+  constexpr double kHalf = dynamics::kWallThickness / 2.0;
+  const double middle = physics_.wall_inner_face + kHalf;
+  const double half_length = physics_.wall_inner_face + dynamics::kWallThickness;
+  addWall({half_length, kHalf, kWallHalfHeight}, {0.0, middle, 0.0});
+  addWall({half_length, kHalf, kWallHalfHeight}, {0.0, -middle, 0.0});
+  addWall({kHalf, half_length, kWallHalfHeight}, {middle, 0.0, 0.0});
+  addWall({kHalf, half_length, kWallHalfHeight}, {-middle, 0.0, 0.0});
+}
+
+void Scene::addWall(const btVector3& half_sides, const btVector3& center) {
+  walls_.push_back(makeBody(0.0, 0.0, keep(std::make_unique<btBoxShape>(half_sides)), at(center), kInThePlane));
+  world_.addRigidBody(walls_.back().get());
+}
+
+Scene::Body Scene::makeBody(double mass, double moment, btCollisionShape* shape, const btTransform& pose,
+                            const btVector3& linear) {
+  // A moment of 0 is an infinite one to Bullet.
+  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, {0.0, 0.0, moment});
+  info.m_startWorldTransform = pose;
+  info.m_friction = physics_.contact_friction;
+  auto body = std::make_unique<btRigidBody>(info);
+  body->setLinearFactor(linear);
+  body->setAngularFactor({0.0, 0.0, 1.0});
+  body->setFlags(0);  // no gyroscopic forces, which a body that turns about one axis does not have
+  body->setActivationState(DISABLE_DEACTIVATION);
+  return body;
+}
+
+btCollisionShape* Scene::addHull(double half_x, double half_y) {
+  auto hull = std::make_unique<btConvexHullShape>();
+  double inside = 0.0;  // [m] how far the corners are within the box, so that its faces are where they should be
+  if (parameters_.margin) {
+    hull->setMargin(kTeeMargin);
+    inside = kTeeMargin;
+  }
+  for (const double x : {-1.0, 1.0}) {
+    for (const double y : {-1.0, 1.0}) {
+      for (const double z : {-1.0, 1.0}) {
+        hull->addPoint({x * (half_x - inside), y * (half_y - inside), z * (kTeeHalfHeight - inside)}, false);
+      }
+    }
+  }
+  hull->recalcLocalAabb();
+  return keep(std::move(hull));
+}
+
+void Scene::addTee(const WorldState& state) {
+  // With the mass that makes its damping implicit, which sits at the origin.
+  const double added = parameters_.drag ? parameters_.substep * physics_.tee_damping : 0.0;             // [kg]
+  const double added_moment = parameters_.drag ? parameters_.substep * physics_.tee_yaw_damping : 0.0;  // [kg m^2]
+  const double mass = physics_.tee_mass + added;
+  center_ = physics_.tee_first_moment / mass;
+  const double moment = physics_.tee_second_moment + added_moment - mass * center_ * center_;  // about the center
+
+  btCompoundShape* const shape = keep(std::make_unique<btCompoundShape>());
+  shape->addChildShape(at({0.0, center_, 0.0}), addHull(physics_.bar_half_length, physics_.bar_half_width));
+  shape->addChildShape(at({0.0, center_ - physics_.stem_offset, 0.0}),
+                       addHull(physics_.stem_half_width, physics_.stem_half_length));
+
+  btTransform pose = at({0.0, 0.0, 0.0}, state.tee_yaw);
+  pose.setOrigin(toBullet(state.tee_position) - pose.getBasis() * btVector3(0.0, center_, 0.0));
+  const bool lies = !parameters_.table_friction;
+  tee_ = makeBody(mass, moment, shape, pose, lies ? btVector3(1.0, 1.0, 1.0) : kInThePlane);
+  const btVector3 turning(0.0, 0.0, state.tee_yaw_rate);
+  tee_->setAngularVelocity(turning);
+  tee_->setLinearVelocity(toBullet(state.tee_velocity) - turning.cross(teeArm()));
+  if (!parameters_.drag) {
+    tee_->setDamping(dampingOf(physics_.tee_damping / mass), dampingOf(physics_.tee_yaw_damping / moment));
+  }
+  world_.addRigidBody(tee_.get());
+}
+
+void Scene::addPusher(const WorldState& state) {
+  const double added =
+      parameters_.servo ? parameters_.substep * (physics_.servo_gain + physics_.pusher_damping) : 0.0;  // [kg]
+  btCollisionShape* const shape = keep(
+      std::make_unique<btCylinderShapeZ>(btVector3(physics_.pusher_radius, physics_.pusher_radius, kPusherHalfHeight)));
+  pusher_ = makeBody(physics_.pusher_mass + added, 0.0, shape, at(toBullet(state.pusher_position)), kInThePlane);
+  pusher_->setLinearVelocity(toBullet(state.pusher_velocity));
+  world_.addRigidBody(pusher_.get(), btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter ^ kTableGroup);
+  if (!parameters_.servo) {
+    pusher_motors_ = addMotors(*pusher_, at({0.0, 0.0, 0.0}), {physics_.servo_limit, physics_.servo_limit});
+  }
+}
+
+Scene::Motors* Scene::addMotors(btRigidBody& body, const btTransform& frame, const std::array<double, 2>& force) {
+  motors_.push_back(std::make_unique<Motors>(*table_, body, at({0.0, 0.0, 0.0}), frame));
+  Motors& motors = *motors_.back();
+  motors.setLinearLowerLimit({1.0, 1.0, 1.0});  // above the upper ones: none
+  motors.setLinearUpperLimit({-1.0, -1.0, -1.0});
+  for (const int axis : {0, 1}) {
+    motors.enableMotor(axis, true);
+    motors.setMaxMotorForce(axis, force[static_cast<std::size_t>(axis)]);
+  }
+  world_.addConstraint(&motors);
+  return &motors;
+}
+
+void Scene::addFrictionMotors(const btVector3& point, const std::array<double, 2>& force, double moment) {
+  constexpr int kYaw = 5;
+  Motors* const motors = addMotors(*tee_, at(point + btVector3(0.0, center_, 0.0)), force);
+  motors->enableMotor(kYaw, true);
+  motors->setMaxMotorForce(kYaw, moment);
+}
+
+void Scene::addTableFriction() {
+  if (parameters_.table_friction) {
+    addFrictionMotors({0.0, 0.0, 0.0}, physics_.tee_friction, physics_.tee_yaw_friction);
+  } else {
+    addPlane();
+  }
+}
+
+void Scene::addPlane() {
+  // Bullet multiplies the coefficients of two bodies. The plane's makes friction the scene's in a straight slide.
+  const double weight = physics_.tee_mass * kGravity;  // [N]
+  table_->setFriction(physics_.tee_friction[0] / (weight * physics_.contact_friction));
+  world_.addRigidBody(table_.get(), kTableGroup, btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter);
+  tee_->setGravity({0.0, 0.0, -weight * tee_->getInvMass()});
+}
+
+btVector3 Scene::teeArm() const { return tee_->getWorldTransform().getBasis() * btVector3(0.0, center_, 0.0); }
+
+btVector3 Scene::teeVelocity() const { return tee_->getVelocityInLocalPoint(teeArm()); }
+
+void Scene::applyServo(const btVector3& command) {
+  if (pusher_motors_ != nullptr) {
+    for (const int axis : {0, 1}) {
+      pusher_motors_->setTargetVelocity(axis, command[axis]);
+    }
+    return;
+  }
+  const btVector3 speed = pusher_->getLinearVelocity();
+  const auto servo = [this](double wanted, double found) {
+    return std::clamp(physics_.servo_gain * (wanted - found), -physics_.servo_limit, physics_.servo_limit) -
+           physics_.pusher_damping * found;
+  };
+  pusher_->applyCentralForce({servo(command.x(), speed.x()), servo(command.y(), speed.y()), 0.0});
+}
+
+void Scene::applyForces(const btVector3& command) {
+  applyServo(command);
+  if (parameters_.drag) {
+    tee_->applyForce(-physics_.tee_damping * teeVelocity(), teeArm());
+    tee_->applyTorque({0.0, 0.0, -physics_.tee_yaw_damping * tee_->getAngularVelocity().z()});
+  }
+}
+
+void Scene::substep(const btVector3& command) {
+  applyForces(command);
+  world_.stepSimulation(parameters_.substep, 0);
+}
+
+WorldState Scene::state() const {
+  const btTransform& pose = tee_->getWorldTransform();
+  WorldState state;
+  state.pusher_position = toEigen(pusher_->getWorldTransform().getOrigin());
+  state.pusher_velocity = toEigen(pusher_->getLinearVelocity());
+  state.tee_position = toEigen(pose.getOrigin() + teeArm());
+  state.tee_velocity = toEigen(teeVelocity());
+  state.tee_yaw = wrapAngle(std::atan2(pose.getBasis()[1][0], pose.getBasis()[0][0]));
+  state.tee_yaw_rate = tee_->getAngularVelocity().z();
+  return state;
+}
+
+}  // namespace pusht::bullet

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_bullet/bullet_world.hpp"
+
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "../src/bullet_library.hpp"
+#include "../src/bullet_scene.hpp"
+#include "bullet_checks.hpp"
+#include "pusht_bullet/bullet_kind.hpp"
+#include "pusht_task/error.hpp"
+#include "pusht_task/testing/convergence_suite.hpp"
+#include "pusht_task/testing/kind_suites.hpp"
+#include "pusht_task/testing/refusal.hpp"
+
+namespace pusht::testing {
+namespace {
+
+std::vector<Subject> subjects() {
+  return {{bulletKind(), {}, bulletPhysics()},
+          {bulletKind(), {{"iterations", "20"}, {"overlap_rate", "0.5"}}, bulletPhysics()}};
+}
+
+/// Worlds of idioms keep the contract of every simulator, too. They have other physics.
+std::vector<Subject> idioms() { return {{bulletKind(), {{"preset", "idiomatic"}}, {}}}; }
+
+/// First order: Euler's integrator, implicit by the added mass.
+std::vector<ConvergenceSubject> convergence() {
+  return {{{bulletKind(), {}, bulletPhysics()},
+           "substep",
+           {{"servo", 4.724e-6, 1.2, 1.4},
+            {"servo at its limit", 0.1045, 0.95, 1.05},
+            {"slide", 0.01116, 0.95, 1.05},
+            {"slide to rest", 1.961e-3, 0.95, 1.05},
+            {"spin", 2.106e-4, 0.9, 1.05},
+            {"hit", 3.411e-6, 1.1, 1.3}}}};
+}
+
+}  // namespace
+
+INSTANTIATE_TEST_SUITE_P(BulletIdioms, SimulatorSuite, ::testing::ValuesIn(idioms()));
+INSTANTIATE_TEST_SUITE_P(BulletIdioms, BatchSimulatorSuite, ::testing::ValuesIn(idioms()));
+
+}  // namespace pusht::testing
+
+PUSHT_TEST_SIMULATOR_KIND(Bullet, subjects());
+PUSHT_TEST_CONVERGENCE(Bullet, convergence());
+
+namespace pusht {
+namespace {
+
+using testing::chaseFrom;
+
+BulletParameters idiomatic() {
+  BulletParameters parameters;
+  for (const bullet::BulletSwitch& each : bullet::kSwitches) {
+    parameters.*each.value = false;
+  }
+  return parameters;
+}
+
+constexpr int kSteps = 40;
+
+TEST(BulletWorld, HoldsItsStartItself) {
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    const WorldState start = testing::movingState(seed);
+    for (const BulletParameters& parameters : {BulletParameters(), idiomatic()}) {
+      bullet::Scene scene(parameters);
+      scene.start(start);
+      testing::expectNear(scene.state(), start, BulletWorld::kStartTolerance);
+    }
+  }
+}
+
+TEST(BulletWorld, HasTheSameBytesAfterAThousandResets) {
+  for (const BulletParameters& parameters : {BulletParameters(), idiomatic()}) {
+    BulletWorld world(parameters);
+    const std::vector<WorldState> first = chaseFrom(world, spawn(3), kSteps);
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+      world.reset(testing::movingState(seed));
+      world.step({1.0F, -1.0F});
+    }
+    EXPECT_EQ(chaseFrom(world, spawn(3), kSteps), first);
+  }
+}
+
+/// Worlds that are made here and move there, at the same time.
+TEST(BulletWorld, HasTheSameBytesInTwoThreads) {
+  constexpr std::uint64_t kSeeds = 20;
+  for (const BulletParameters& parameters : {BulletParameters(), idiomatic()}) {
+    using Episodes = std::vector<std::vector<WorldState>>;
+    const auto run = [](BulletWorld& world, Episodes& episodes) {
+      for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+        episodes.push_back(chaseFrom(world, spawn(seed), kSteps));
+      }
+    };
+    BulletWorld alone(parameters);
+    Episodes expected;
+    run(alone, expected);
+    std::array<BulletWorld, 2> worlds = {BulletWorld(parameters), BulletWorld(parameters)};
+    std::array<Episodes, 2> found;
+    std::thread second([&] { run(worlds[1], found[1]); });
+    run(worlds[0], found[0]);
+    second.join();
+    EXPECT_EQ(found[0], expected);
+    EXPECT_EQ(found[1], expected);
+  }
+}
+
+TEST(BulletWorld, RefusesATeeThatTurnsTooFast) {
+  BulletWorld world;
+  WorldState fast = spawn(3);
+  fast.tee_yaw_rate = -79.0;
+  EXPECT_EQ(
+      testing::refusalOf<SimulationFault>([&] { world.reset(fast); }),
+      "Bullet: reset: tee_yaw_rate -79.0 rad/s: must be within 78.54 rad/s: Bullet turns a body by at most pi/4 in "
+      "a substep");
+  EXPECT_THROW(world.step({0.0F, 0.0F}), InvalidInput);
+  fast.tee_yaw_rate = 78.0;
+  world.reset(fast);
+  world.step({0.0F, 0.0F});
+}
+
+/// Pushes as no episode has them, into walls and corners: numbers stay finite, or there is an error.
+TEST(BulletWorld, OutlivesAbsurdStarts) {
+  for (const BulletParameters& parameters : {BulletParameters(), idiomatic()}) {
+    BulletWorld world(parameters);
+    for (const double place : {0.0, 0.39, 0.41, 1000.0}) {
+      for (const double speed : {0.0, 100.0, kPlausibleSpeed}) {
+        WorldState start;
+        start.pusher_position = {place, place};
+        start.tee_position = {place, -place};
+        start.pusher_velocity = {speed, -speed};
+        start.tee_velocity = {-speed, speed};
+        start.tee_yaw = 3.0;
+        try {
+          world.reset(start);
+          for (int step = 0; step < kSteps; ++step) {
+            world.step({step % 3 == 0 ? 1e30F : -1e30F, 1.0F});
+            ASSERT_TRUE(isFinite(world.state()));
+          }
+        } catch (const SimulationFault&) {
+          EXPECT_THROW(world.step({0.0F, 0.0F}), InvalidInput);
+        }
+      }
+    }
+  }
+}
+
+TEST(BulletKind, RefusesAProcessWithBulletInSinglePrecision) {
+  const std::string file = "libLinearMath.so." + bullet::libraryVersion();
+  bulletKind().load(bulletKind().defaults());
+  void* const single = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  ASSERT_NE(single, nullptr) << dlerror();
+  const std::string message = testing::refusalOf<BadDependency>([] { bulletKind().load(bulletKind().defaults()); });
+  dlclose(single);
+  EXPECT_NE(message.find(file + ": must not be in a process with Bullet in double precision"), std::string::npos)
+      << message;
+  bulletKind().load(bulletKind().defaults());
+}
+
+/// An idiom, as its name, and the checks of the physics suite that find it.
+struct FoundIdiom {
+  const char* name;
+  std::vector<std::string> findings;
+};
+
+TEST(BulletIdioms, AreFoundByThePhysicsSuite) {
+  for (const bullet::BulletSwitch& each : bullet::kSwitches) {
+    BulletParameters parameters;
+    parameters.*each.value = false;
+    BulletWorld world(parameters);
+    EXPECT_EQ(testing::findingsIn(world), std::vector<std::string>()) << each.name;
+  }
+}
+
+}  // namespace
+}  // namespace pusht

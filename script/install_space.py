@@ -55,7 +55,7 @@ class InstallSpace(unittest.TestCase):
         self.assertIn("</html>", (self.folder / "live" / "report.html").read_text())
 
     def test_every_kind_by_name(self) -> None:
-        for kind in ("mujoco", "two_mass", "rigid_body", "chipmunk", "box2d"):
+        for kind in ("mujoco", "two_mass", "rigid_body", "chipmunk", "box2d", "bullet"):
             with self.subTest(kind):
                 run = ("rosrun", "sim2sim_eval", "compare", "--policy", "expert", "--engine", kind)
                 self.succeed(*run, "--episodes", "1", "--out", kind)

@@ -209,7 +209,7 @@ btVector3 Scene::teeVelocity() const { return tee_->getVelocityInLocalPoint(teeA
 void Scene::applyServo(const btVector3& command) {
   if (pusher_motors_ != nullptr) {
     for (const int axis : {0, 1}) {
-      pusher_motors_->setTargetVelocity(axis, command[axis]);
+      pusher_motors_->setTargetVelocity(axis, -command[axis]);  // of the table, seen from the pusher
     }
     return;
   }

@@ -374,7 +374,7 @@ class Refusals(LiveCase):
         self.assert_refused("block_damp 'abc': must be a", block_damp="abc")
 
     def test_f19_unknown_kind(self) -> None:
-        self.assert_refused("simulator 'bullet': unknown", engine="bullet")
+        self.assert_refused("simulator 'bulet': unknown", engine="bulet")
 
     def test_f19_negative_mass(self) -> None:
         self.assert_refused("pusher_mass -1.0: must be from", pusher_mass=-1)

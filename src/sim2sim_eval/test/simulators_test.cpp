@@ -60,9 +60,9 @@ std::vector<pusht::SimulatorKind> simulatorKinds() {
 
 TEST(SimulatorKinds, OfTheSuiteAreFoundByTheirNames) {
   EXPECT_THAT(pusht::SimulatorKinds::installed().names(),
-              IsSupersetOf({"box2d", "chipmunk", kCourseReference, "rigid_body", kCourseEngine}));
-  EXPECT_EQ(refusalOf([] { simulatorKind("bullet"); }),
-            "simulator 'bullet': unknown; known: " + pusht::joined(pusht::SimulatorKinds::installed().names()));
+              IsSupersetOf({"box2d", "bullet", "chipmunk", kCourseReference, "rigid_body", kCourseEngine}));
+  EXPECT_EQ(refusalOf([] { simulatorKind("bulet"); }),
+            "simulator 'bulet': unknown; known: " + pusht::joined(pusht::SimulatorKinds::installed().names()));
 }
 
 TEST(SimulatorKinds, AreDescribedInFull) {

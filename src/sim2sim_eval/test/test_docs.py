@@ -359,6 +359,7 @@ class Nodes(OwnMaster):
             ("pusht_mujoco", "mujoco_node", ()),
             ("pusht_box2d", "box2d_node", ()),
             ("pusht_chipmunk", "chipmunk_node", ()),
+            ("pusht_bullet", "bullet_node", ()),
         ):
             with self.subTest(node):
                 own = "pusht_engine" if kind else package

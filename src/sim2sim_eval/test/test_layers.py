@@ -40,7 +40,7 @@ class Layers(CommandCase):
 
     def engines(self, program: str) -> Set[str]:
         """What a library or program needs of simulators."""
-        words = ("mujoco", "chipmunk", "box2d", "ccd", "pusht_engine")
+        words = ("mujoco", "chipmunk", "box2d", "Bullet", "ccd", "pusht_engine")
         return {name for name in self.needed(program) if any(word in name for word in words)}
 
     def test_programs_know_no_simulator(self) -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from command_case import CommandCase
 
 PACKAGE = Path(__file__).resolve().parent / "data" / "pusht_toy"
-KNOWN = "box2d, chipmunk, mujoco, rigid_body, toy, two_mass"
+KNOWN = "box2d, bullet, chipmunk, mujoco, rigid_body, toy, two_mass"
 
 
 def free_port() -> str:

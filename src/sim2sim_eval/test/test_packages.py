@@ -19,6 +19,7 @@ ROSDEP = {"eigen": "libeigen3-dev", "yaml-cpp": "libyaml-cpp-dev"}
 # What sources name is of a ROS package of the same name, or of these, by the names of rosdep.
 OF_INCLUDES = {
     **{"Eigen": "eigen", "boost": "libboost-dev", "ccd": "libccd-dev", "CLI": "libcli11-dev"},
+    **{"LinearMath": "libbullet-dev", "btBulletDynamicsCommon.h": "libbullet-dev"},
     **{"box2d": "libbox2d-dev", "chipmunk": "libchipmunk-dev", "gsl": "libmsgsl-dev"},
     **{"mujoco": "libmujoco-dev"},
     **{"nlohmann": "nlohmann-json3-dev", "openssl": "libssl-dev", "yaml-cpp": "yaml-cpp"},

@@ -821,7 +821,7 @@ class BadPlans(SweepCase):
             "rows: [{block_damp: 1, block_damp: 2}]": "block_damp: must appear only once",
             "rows: [{}]\n---\nepisodes: 6": "must be one YAML document",
             "episodes: 010\nrows: [{}]": "'010' must be a decimal integer",
-            "engine: bullet\nrows: [{}]": "line 1: simulator 'bullet': unknown",
+            "engine: bulet\nrows: [{}]": "line 1: simulator 'bulet': unknown",
             "reference: 6\nrows: [{}]": "line 1: simulator '6': unknown",
             "engine: []": "line 1, engine: must be a simulator, or a list of simulators",
             "engine: [chipmunk, chipmunk]": "must appear only once",

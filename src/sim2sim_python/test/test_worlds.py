@@ -11,7 +11,7 @@ import sim2sim
 from numpy.testing import assert_array_equal
 from pusht_task.task import spawn
 
-KINDS = ("chipmunk", "mujoco", "rigid_body", "two_mass")
+KINDS = ("bullet", "chipmunk", "mujoco", "rigid_body", "two_mass")
 SMALL_STEPS = {"bound_position": 1.0, "bound_angle": math.pi}
 
 
@@ -136,7 +136,7 @@ class OneWorld(unittest.TestCase):
             ),
             (lambda: world.reset(options={"state": {}}), "^state: pusher_x is missing"),
             (lambda: world.reset(options={"state": [math.nan] * 10}), "must be finite"),
-            (lambda: sim2sim.make("two_mas"), "^simulator 'two_mas': unknown; known: chipmunk, "),
+            (lambda: sim2sim.make("two_mas"), "^simulator 'two_mas': unknown; known: bullet, chipmunk, "),
             (lambda: sim2sim.make("two_mass", block_damp=110), "^block_damp 110.0: must be from"),
             (lambda: sim2sim.make("two_mass", damp=1), "^parameter 'damp': unknown; known: "),
             (lambda: sim2sim.make("two_mass", horizon=0), "^horizon 0: must be from 1 to"),

@@ -78,6 +78,7 @@ void Scene::addTable() {
     shape->setMargin(0.0);
   }
   table_ = makeBody(0.0, 0.0, shape, at({0.0, 0.0, 0.0}), kInThePlane);
+  table_->setContactProcessingThreshold(BT_LARGE_FLOAT);
 }
 
 void Scene::addWalls() {
@@ -104,6 +105,9 @@ Scene::Body Scene::makeBody(double mass, double moment, btCollisionShape* shape,
   auto body = std::make_unique<btRigidBody>(info);
   body->setLinearFactor(linear);
   body->setAngularFactor({0.0, 0.0, 1.0});
+  if (parameters_.margin) {
+    body->setContactProcessingThreshold(0.0);  // contact from touch on; Bullet's acts before
+  }
   body->setFlags(0);  // no gyroscopic forces, which a body that turns about one axis does not have
   body->setActivationState(DISABLE_DEACTIVATION);
   return body;
@@ -147,6 +151,9 @@ void Scene::addTee(const WorldState& state) {
   const btVector3 turning(0.0, 0.0, state.tee_yaw_rate);
   tee_->setAngularVelocity(turning);
   tee_->setLinearVelocity(toBullet(state.tee_velocity) - turning.cross(teeArm()));
+  if (lies) {
+    tee_->setContactProcessingThreshold(BT_LARGE_FLOAT);  // or it would fall and be lifted in turn
+  }
   if (!parameters_.drag) {
     tee_->setDamping(dampingOf(physics_.tee_damping / mass), dampingOf(physics_.tee_yaw_damping / moment));
   }

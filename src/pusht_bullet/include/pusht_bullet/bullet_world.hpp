@@ -21,7 +21,7 @@ struct BulletParameters {
   bool drag = true;            ///< else Bullet's damping of a body
   bool margin = true;          ///< else Bullet's default
   int iterations = 50;         ///< of the constraint solver in a substep
-  double overlap_rate = 0.2;   ///< [-] share of an overlap that a substep takes away
+  double overlap_rate = 0.4;   ///< [-] share of an overlap that a substep takes away: 1 - exp(-0.01 s / 0.02 s)
   double substep = kSubstep;   ///< [s] a value of substepDescriptor()
 };
 
@@ -40,7 +40,8 @@ inline constexpr std::array kSwitches = {
                  &BulletParameters::table_friction},
     BulletSwitch{"drag", "damping of the tee at its origin, implicit; idiom: Bullet's damping, as far as it goes",
                  &BulletParameters::drag},
-    BulletSwitch{"margin", "collision margin of the tee within its boxes, 0.1 mm; idiom: Bullet's 0.04 m around them",
+    BulletSwitch{"margin",
+                 "the tee collides at its faces, from touch on; idiom: Bullet's default margin, 0.04 m around it",
                  &BulletParameters::margin},
 };
 

@@ -10,7 +10,8 @@
 namespace pusht::bullet {
 namespace {
 
-constexpr double kTeeMargin = 1e-4;         // [m]
+constexpr double kTeeMargin = 1e-4;  // [m]
+constexpr double kTouch = 1e-5;      // [m] distance from which on bodies touch; at 0 a contact that holds would flicker
 constexpr double kTeeHalfHeight = 0.015;    // [m]
 constexpr double kPusherHalfHeight = 0.02;  // [m]
 constexpr double kWallHalfHeight = 0.025;   // [m] so that no top is level with another
@@ -106,7 +107,7 @@ Scene::Body Scene::makeBody(double mass, double moment, btCollisionShape* shape,
   body->setLinearFactor(linear);
   body->setAngularFactor({0.0, 0.0, 1.0});
   if (parameters_.margin) {
-    body->setContactProcessingThreshold(0.0);  // contact from touch on; Bullet's acts before
+    body->setContactProcessingThreshold(kTouch);
   }
   body->setFlags(0);  // no gyroscopic forces, which a body that turns about one axis does not have
   body->setActivationState(DISABLE_DEACTIVATION);

@@ -2,6 +2,7 @@
 #include "pusht_bullet/bullet_world.hpp"
 
 #include <dlfcn.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "../src/bullet_library.hpp"
@@ -166,19 +168,35 @@ TEST(BulletKind, RefusesAProcessWithBulletInSinglePrecision) {
   bulletKind().load(bulletKind().defaults());
 }
 
-/// An idiom, as its name, and the checks of the physics suite that find it.
-struct FoundIdiom {
-  const char* name;
-  std::vector<std::string> findings;
-};
+/// Worlds with one switch off.
+BulletParameters without(bool BulletParameters::*choice) {
+  BulletParameters parameters;
+  parameters.*choice = false;
+  return parameters;
+}
 
 TEST(BulletIdioms, AreFoundByThePhysicsSuite) {
-  for (const bullet::BulletSwitch& each : bullet::kSwitches) {
-    BulletParameters parameters;
-    parameters.*each.value = false;
-    BulletWorld world(parameters);
-    EXPECT_EQ(testing::findingsIn(world), std::vector<std::string>()) << each.name;
+  const std::vector<std::pair<bool BulletParameters::*, const char*>> found_by = {
+      {&BulletParameters::servo, "servo"},
+      {&BulletParameters::table_friction, "slide across"},
+      {&BulletParameters::drag, "slide"},
+      {&BulletParameters::margin, "sizes"}};
+  ASSERT_EQ(found_by.size(), bullet::kSwitches.size());
+  for (const auto& [choice, check] : found_by) {
+    BulletWorld world(without(choice));
+    EXPECT_THAT(testing::findingsIn(world), ::testing::Contains(check));
   }
+}
+
+/// A motor that takes the whole error of the velocity away in a substep, as far as its force goes: m / h is its gain.
+TEST(BulletIdioms, TheMotorIsAsStiffAsASubstepAllows) {
+  testing::PhysicsOfKind motor = testing::bulletPhysics();
+  motor.implicit_servo = false;
+  motor.numbers.servo_gain = motor.numbers.pusher_mass / kSubstep;
+  motor.numbers.pusher_damping = 0.0;
+  BulletWorld world(without(&BulletParameters::servo));
+  EXPECT_EQ(testing::physics::servo(world, motor).list(), std::vector<std::string>());
+  EXPECT_EQ(testing::physics::servoLimit(world, motor).list(), std::vector<std::string>());
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace pusht::bullet {
 namespace {
 
 constexpr double kTeeMargin = 1e-4;  // [m]
-constexpr double kTouch = 1e-5;      // [m] distance from which on bodies touch; at 0 a contact that holds would flicker
+constexpr double kTouch = 1e-6;      // [m] distance from which on bodies touch; at 0 a contact that holds would flicker
 constexpr double kTeeHalfHeight = 0.015;    // [m]
 constexpr double kPusherHalfHeight = 0.02;  // [m]
 constexpr double kWallHalfHeight = 0.025;   // [m] so that no top is level with another

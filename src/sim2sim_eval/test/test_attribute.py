@@ -14,10 +14,13 @@ from pathlib import Path
 from typing import Any, Dict, List
 
 import numpy as np
+import yaml
 
 from command_case import CommandCase, catches, executable, until
 
 ATTRIBUTE = executable("sim2sim_eval", "attribute")
+CONFIG = Path(__file__).resolve().parents[1] / "config"
+PLOT = executable("sim2sim_eval", "plot_sweep")
 MERGE = executable("sim2sim_eval", "merge")
 SWEEP = executable("sim2sim_eval", "sweep")
 SWITCHES = ["servo", "drag", "coulomb"]
@@ -242,6 +245,46 @@ class Attributing(CommandCase):
         self.sweep(PLAN.replace("24", "22"), "sweep", "--overwrite")
         self.assertFalse((folder / "attribution.json").exists())
         self.assertFalse((folder / "attribution.csv").exists())
+
+    def test_idioms_are_the_whole_gap_of_an_engine_to_itself(self) -> None:
+        folders = []
+        for path in sorted(CONFIG.glob("idioms_*.yaml")):
+            plan = yaml.safe_load(path.read_text())
+            kind = plan["engine"]
+            short = {"policy": "expert", "episodes": 3, "horizon": 40, "floor": False}
+            folder = self.sweep(json.dumps({**plan, **short, "reference": kind}), kind)
+            content = self.attribute(folder)
+            folders.append(str(folder))
+            self.assertEqual(content["switches"], sorted(plan["grid"]))
+            for name in content["order"][:2]:
+                gap = content["gaps"][name]
+                self.assertRegex(gap["title"], "open loop")
+                self.assertEqual(gap["all_on"], 0.0, (kind, name))
+                shares = sum(found["share"] for found in gap["switches"].values())
+                self.assertAlmostEqual(shares, gap["all_off"], delta=5e-6)
+                for idiom, found in gap["switches"].items():
+                    self.assertGreater(found["leave_one_out"]["value"], 0.0, (kind, idiom))
+            for name in content["order"][2:6]:  # being put back clears an engine's hidden state
+                gap = content["gaps"][name]
+                self.assertRegex(gap["title"], "re-anchored")
+                self.assertLess(gap["all_on"], 0.1 * gap["all_off"], (kind, name))
+        self.assertEqual([Path(folder).name for folder in folders], ["box2d", "bullet", "chipmunk"])
+        picture = self.folder / "costs.png"
+        process = self.run_command(PLOT, *folders, "--costs", "--out", str(picture))
+        self.assertEqual((process.returncode, process.stderr), (0, ""))
+        self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
+
+    def test_refused_pictures_of_costs(self) -> None:
+        plan = PLAN.replace("reanchor: [5, 20]\n", "").replace("24", "2")
+        folder = self.sweep(plan)
+        self.attribute(folder)
+        process = self.run_command(PLOT, str(folder), "--costs")
+        self.assert_one_line(process, 2, "plot_sweep")
+        self.assertIn("has no re-anchored replay", process.stderr)
+        process = self.run_command(PLOT, str(folder), str(folder))
+        self.assert_one_line(process, 2, "plot_sweep")
+        self.assertIn("only --costs draws several sweeps", process.stderr)
+        self.assertFalse((folder / "sweep.png").exists())
 
     def test_help_names_what_it_needs(self) -> None:
         process = self.run_command(ATTRIBUTE, "--help")

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The figure of what switches cost when they are off, over several engines: a column for each sweep
+that `attribute` has looked at, position above and angle below."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, List, Sequence
+
+from pusht_task.error import Error
+from pusht_task.json_file import Json
+
+from sim2sim_report.attribution import Attribution, read_attribution
+from sim2sim_report.colors import COLORS, DIM, INK
+from sim2sim_report.curves import OWN_STYLE
+from sim2sim_report.figures import Drawing, Figure, name_rows, styled
+from sim2sim_report.results import ENGINE, REPLAY
+
+COLUMN, ROW = 5.0, 0.46  # [in] width of a panel, height of a row in it
+SERIES = (  # key of a figure in attribution.json, what it is, color, marker
+    ("share", "share of the whole gap (mean over all orders of switching on)", COLORS[REPLAY], "o"),
+    ("leave_one_out", "off alone", COLORS[ENGINE], "s"),
+)
+THOUSANDTH = {"m": "mm", "rad": "mrad"}
+
+
+@dataclass(frozen=True)
+class Costs:
+    attributions: Sequence[Attribution]
+    missing = ""  # only whole sweeps have been attributed
+
+    def drawing(self, name: str) -> Drawing:
+        engines = ", ".join(found.content["engine"] for found in self.attributions)
+        alt = f"What each switch costs in divergence when it is off, for {engines}"
+        return styled(name, alt, self._figure, OWN_STYLE)
+
+    def _figure(self, narrow: bool) -> Any:
+        count = len(self.attributions)
+        height = 1.6 + ROW * max(len(found.switches) for found in self.attributions)
+        if narrow:
+            figure = Figure(figsize=(COLUMN, 2 * count * height + 0.9), constrained_layout=True)
+            panels = figure.subplots(2 * count, 1, squeeze=False).reshape(count, 2).T
+        else:
+            size = (COLUMN * count + 0.6, 2 * height + 0.5)
+            figure = Figure(figsize=size, constrained_layout=True)
+            panels = figure.subplots(2, count, squeeze=False)
+        for line, component in zip(panels, ("position", "angle")):
+            for axes, found in zip(line, self.attributions):
+                _draw(axes, found, _shortest(found, component))
+            if not narrow:
+                farthest = max(axes.get_xlim()[1] for axes in line)
+                for axes in line:
+                    axes.set_xlim(min(axes.get_xlim()[0], -0.02 * farthest), farthest)
+        handles, labels = panels[0][0].get_legend_handles_labels()
+        inches = 0.9 if narrow else 0.5
+        figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - inches / figure.get_figheight()))
+        figure.legend(handles, labels, loc="upper center", ncols=1 if narrow else 2)
+        return figure
+
+
+def read_costs(folders: List[Path]) -> Costs:
+    found = [read_attribution(folder) for folder in folders]
+    for folder, attribution in zip(folders, found):
+        if len(attribution.gaps("position")) < 2:
+            raise Error(
+                f"results {folder}: has no re-anchored replay; run the sweep with `reanchor: [5]`"
+            )
+    return Costs(found)
+
+
+def _shortest(attribution: Attribution, component: str) -> Json:
+    """The gap of the shortest replay, in which effects do not saturate."""
+    return attribution.gaps(component)[1]
+
+
+def _draw(axes: Any, attribution: Attribution, gap: Json) -> None:
+    names = [name for name, _ in attribution.ranked(gap)]
+    for number, (key, label, color, marker) in enumerate(SERIES):
+        places = [row + 0.2 * (2 * number - 1) for row in range(len(names))]
+        values = [_value(gap["switches"][name], key) for name in names]
+        for place, name in zip(places, names):
+            ends = _interval(gap["switches"][name], key)
+            if ends:
+                axes.plot([1e3 * end for end in ends], [place, place], color=color)
+        axes.plot([1e3 * v for v in values], places, marker, color=color, label=label)
+    axes.axvline(0, color=INK, linewidth=1)
+    name_rows(axes, names)
+    unit = THOUSANDTH[gap["unit"]]
+    ends = f"all off {1e3 * gap['all_off']:.1f}, all on {1e3 * gap['all_on']:.1f} {unit}"
+    still = f"a tee that stands still {1e3 * gap['null_model']['value']:.1f}"
+    axes.set_title(attribution.content["engine"], fontsize=16, pad=24)
+    axes.text(
+        *(0.5, 1.03, f"{ends}; {still}"),
+        **{"transform": axes.transAxes, "ha": "center", "color": DIM, "fontsize": 11},
+    )
+    axes.set_xlabel(f"{gap['title'].replace('re-anchored ', '')} [{unit}]")
+    axes.locator_params(axis="x", nbins=6)
+
+
+def _value(switch: Json, key: str) -> float:
+    found = switch[key]
+    return float(found["value"] if isinstance(found, dict) else found)
+
+
+def _interval(switch: Json, key: str) -> Any:
+    found = switch[key]
+    return found["interval"] if isinstance(found, dict) else switch["share_interval"]

@@ -123,7 +123,7 @@ class Refusals(AgreementCase):
     def test_of_the_list(self) -> None:
         for arguments, words in (
             (("mujoco",), "simulators mujoco: must be two or more"),
-            (("mujoco", "mujoco:timestep=0.002"), "is there twice"),
+            (("mujoco", "mujoco:timestep=0.01"), "is there twice"),
             (("mujoco", "nowhere"), "nowhere"),
             (("mujoco", "chipmunk:depth=3"), "depth"),
             (("mujoco", "chipmunk:loop.action_delay=1"), "no policy in a loop"),

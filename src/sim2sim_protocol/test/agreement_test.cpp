@@ -75,8 +75,8 @@ TEST(AgreementFigures, HaveTheIntervalsOfARunsDivergences) {
   const AgreementFigures figures = figuresOf(samples, positionDivergence());
   const Interval interval = *tailMeanInterval(samples.pairs[0][1].divergence, kStill);
   for (const Estimate& estimate : {figures.distances[0][1], figures.variants[1][0], figures.others[0]}) {
-    EXPECT_EQ(estimate.interval->low, interval.low);
-    EXPECT_EQ(estimate.interval->high, interval.high);
+    EXPECT_NEAR(estimate.interval->low, interval.low, 1e-9);
+    EXPECT_NEAR(estimate.interval->high, interval.high, 1e-9);
   }
   EXPECT_TRUE(figures.variants[0].empty());
   EXPECT_NEAR((*figures.centrality)[0].most, 0.5, 1e-9);  // of two, none is more central

@@ -67,10 +67,10 @@ struct JointWithoutCollisions : Scene {
   }
 };
 
-/// A force that no servo has.
+/// A force that no servo has, along the line of centers, so that it does not turn the tee.
 struct Rocket : Scene {
   using Scene::Scene;
-  void applyForces(const Eigen::Vector2d& /*command*/) override { tee()->ApplyForceToCenter({1e9F, 0.0F}, true); }
+  void applyForces(const Eigen::Vector2d& /*command*/) override { tee()->ApplyForceToCenter({0.0F, 1e9F}, true); }
 };
 
 using MakeScene = std::function<std::unique_ptr<Scene>()>;

@@ -15,6 +15,7 @@ namespace pusht::testing {
 inline PhysicsOfKind bulletPhysics() {
   PhysicsOfKind physics;
   physics.replay_error = 0.15;
+  physics.contact_position = 5e-4;  // [m] gentle touches overlap by less
   return physics;
 }
 

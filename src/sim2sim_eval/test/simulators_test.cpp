@@ -312,12 +312,14 @@ TEST(EveryParameter, ChangesATrajectoryAndIsInRecordHashAndReadme) {
   }
 }
 
-/// The switches of the rigid-body engine, in its order.
+/// The switches of the rigid-body engine, in its order: what its presets set.
 std::vector<std::string> switches() {
   std::vector<std::string> names;
   for (const pusht::ParameterDescriptor& parameter : simulatorKind("rigid_body").parameters) {
-    if (std::holds_alternative<bool>(parameter.default_value)) {
-      names.push_back(parameter.name);
+    if (!parameter.presets.empty()) {
+      for (const auto& setting : parameter.presets.front().settings) {
+        names.push_back(setting.first);
+      }
     }
   }
   return names;

@@ -51,7 +51,9 @@ class Audits(CommandCase):
         kinds = re.search(r"kind of simulator: (.+)", self.run_command(AUDIT, "--help").stdout)
         assert kinds is not None
         names = re.findall(r"\w+", kinds[1])
-        self.assertLessEqual({"box2d", "bullet", "chipmunk", "mujoco", "rigid_body", "two_mass"}, set(names))
+        self.assertLessEqual(
+            {"box2d", "bullet", "chipmunk", "mujoco", "rigid_body", "two_mass"}, set(names)
+        )
         for name in names:
             with self.subTest(name):
                 audit = self.audit("--engine", name, "--against", "task")

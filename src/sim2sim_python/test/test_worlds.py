@@ -136,7 +136,10 @@ class OneWorld(unittest.TestCase):
             ),
             (lambda: world.reset(options={"state": {}}), "^state: pusher_x is missing"),
             (lambda: world.reset(options={"state": [math.nan] * 10}), "must be finite"),
-            (lambda: sim2sim.make("two_mas"), "^simulator 'two_mas': unknown; known: bullet, chipmunk, "),
+            (
+                lambda: sim2sim.make("two_mas"),
+                "^simulator 'two_mas': unknown; known: box2d, bullet, chipmunk, ",
+            ),
             (lambda: sim2sim.make("two_mass", block_damp=110), "^block_damp 110.0: must be from"),
             (lambda: sim2sim.make("two_mass", damp=1), "^parameter 'damp': unknown; known: "),
             (lambda: sim2sim.make("two_mass", horizon=0), "^horizon 0: must be from 1 to"),

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Dict, List
 
 import numpy as np
-import yaml
+import yaml  # type: ignore[import]
 
 from command_case import CommandCase, catches, executable, until
 

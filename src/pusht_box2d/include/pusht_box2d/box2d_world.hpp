@@ -25,11 +25,11 @@ struct Box2dSwitches {
   bool scale = true;
 };
 
-/// What Box2D can be told of its solver and its steps, and the choices of the mapping. The task's masses, forces and
+/// Settings of Box2D's solver and steps, and the choices of the mapping. The task's masses, forces and
 /// frictions are those of pusht_task.
 struct Box2dParameters {
-  int velocity_iterations = 30;  ///< of the solver in a substep
-  int position_iterations = 10;  ///< of the solver in a substep
+  int velocity_iterations = 30;  ///< sweeps of the solver over velocities in a substep
+  int position_iterations = 10;  ///< most sweeps over overlaps in a substep
   double substep = kSubstep;     ///< [s] a value of substepDescriptor()
   Box2dSwitches switches{};
 };

@@ -13,7 +13,7 @@
 
 namespace pusht {
 
-/// What Bullet can be told of its solver and its steps, and its idioms as switches. The task's masses, forces and
+/// Settings of Bullet's solver and steps, and its idioms as switches. The task's masses, forces and
 /// frictions are those of pusht_task.
 struct BulletParameters {
   bool servo = true;           ///< else a motor of Bullet

@@ -8,7 +8,9 @@
 /// each other are left alone, however fast they are. Motions are swept again until none is new: a tee that is hit may
 /// be thrown at a wall.
 ///
-/// A meeting gives nothing back; with `friction` it has the friction of any contact, MuJoCo's pyramid in the plane.
+/// Head on, a meeting gives nothing back. With `friction` it has the friction of any contact here, MuJoCo's pyramid in
+/// the plane, with what comes of that convex cone: bodies that slide past each other part a little. Energy never grows:
+/// resting is always allowed, and the result is the nearest allowed motion.
 /// Turns are linear first, then corrected until bodies just touch; where a turning tee is wedged between pusher and
 /// wall, 0.2 mm may remain.
 /// Sources: P. Firth, "Speculative Contacts" (wildbunny, 2011); E. Catto, "Continuous Collision" (GDC 2013); the swept

@@ -96,7 +96,11 @@ class AgreementFigure:
 
     @property
     def titles(self) -> List[str]:
-        return [each["title"] for each in self.content["simulators"]]
+        """Titles of the kinds, with what was said of them: not all that a preset sets."""
+        return [
+            ", ".join([each["simulator"]["title"], *each["name"].split(":")[1:]])
+            for each in self.content["simulators"]
+        ]
 
     @property
     def components(self) -> List[Component]:
@@ -271,8 +275,8 @@ class AgreementFigure:
                 box_at
                 for box_at in label_boxes(places[i], width, height)
                 if not any(overlap(box_at, other) for other in taken)
-                and abs(box_at[0] - center[0]) < half
-                and abs(box_at[1] - center[0]) < half
+                and all(abs(x - center[0]) < half for x in box_at[:2])
+                and all(abs(y - center[1]) < half for y in box_at[2:])
             ]
             left, right, low, high = free[0] if free else label_boxes(places[i], width, height)[0]
             taken.append((left, right, low, high))

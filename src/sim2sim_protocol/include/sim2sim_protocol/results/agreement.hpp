@@ -54,7 +54,7 @@ struct AgreementReplay {
 struct AgreementSimulator {
   std::string name;  ///< text that asks for it: "mujoco:timestep=0.005"
   SimulatorRecord record;
-  std::vector<std::string> variants;  ///< likewise, of its model variants
+  std::vector<std::string> variants;  ///< texts that ask for its model variants
 };
 
 /// Agreement of all pairs of a list of simulators.

@@ -42,7 +42,7 @@ std::vector<ConvergenceSubject> convergence() {
             {"slide", 0.01116, 0.95, 1.05},
             {"slide to rest", 1.961e-3, 0.95, 1.05},
             {"spin", 2.106e-4, 0.9, 1.05},
-            {"hit", 3.443e-6, 0.95, 1.1}}}};
+            {"hit", 3.443e-6, 1.0, 1.2}}}};
 }
 
 }  // namespace

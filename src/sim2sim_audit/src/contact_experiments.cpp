@@ -26,7 +26,7 @@ double surfaceAt(Bench& bench, const Eigen::Vector2d& beside, const Eigen::Vecto
   // [m] Below the nominal touch: one body inside the other, and less deep than MuJoCo's bodies are above each other
   // (30.2 mm), which would be pushed apart up and down, where they cannot move.
   constexpr double kDeep = 0.029;
-  constexpr double kClear = 0.04;  // [m] beyond it
+  constexpr double kClear = 0.1;  // [m] beyond it, and beyond a collision margin of 0.04 m
   const WorldState scene = teeAtYawZero(bench);
   const auto distance =
       touchDistance(bench, scene, scene.tee_position + beside, outward, nominal - kDeep, nominal + kClear);

@@ -64,8 +64,9 @@ inline constexpr std::array kSwitches = {
 /// the mass h D more than they have.
 class Box2dWorld : public Simulator {
  public:
-  static constexpr double kStartTolerance = 5e-7;  ///< [m, rad, m/s, rad/s] single precision within kReach
-  static constexpr double kReach = 8.0;            ///< [m] |x| or |y| within which a start must be
+  /// [m, rad, m/s, rad/s] Single precision within kReach, and up to 32 rad/s.
+  static constexpr double kStartTolerance = 1e-6;
+  static constexpr double kReach = 8.0;  ///< [m] |x| or |y| within which a start must be
 
   explicit Box2dWorld(const Box2dParameters& parameters = {});
   /// Builds its scene, of this substep [s], with `make_scene` at every reset; a test gives scenes with errors.

@@ -11,11 +11,11 @@
 
 namespace pusht::testing {
 
-/// Claims of the kind with all its switches on.
-inline PhysicsOfKind bulletPhysics() {
+/// Claims of the kind with all its switches on. Gentle touches overlap by less than `overlap` [m].
+inline PhysicsOfKind bulletPhysics(double overlap = 5e-4) {
   PhysicsOfKind physics;
   physics.replay_error = 0.15;
-  physics.contact_position = 5e-4;  // [m] gentle touches overlap by less
+  physics.contact_position = overlap;
   return physics;
 }
 

@@ -27,7 +27,7 @@ namespace {
 
 std::vector<Subject> subjects() {
   return {{bulletKind(), {}, bulletPhysics()},
-          {bulletKind(), {{"iterations", "100"}, {"overlap_rate", "0.2"}}, bulletPhysics()}};
+          {bulletKind(), {{"iterations", "100"}, {"overlap_rate", "0.2"}}, bulletPhysics(1e-3)}};
 }
 
 /// Worlds of idioms keep the contract of every simulator, too. They have other physics.

@@ -11,7 +11,7 @@ import sim2sim
 from numpy.testing import assert_array_equal
 from pusht_task.task import spawn
 
-KINDS = ("bullet", "chipmunk", "mujoco", "rigid_body", "two_mass")
+KINDS = ("box2d", "bullet", "chipmunk", "mujoco", "rigid_body", "two_mass")
 SMALL_STEPS = {"bound_position": 1.0, "bound_angle": math.pi}
 
 

@@ -104,7 +104,7 @@ class SimulatorContract(SimulatorCase):
                 steps += 1
             if not response.success:
                 self.assertTrue(response.message)
-                self.refused("needs a reset", "step", step=-1)
+                self.refused("needs a reset|call reset first", "step", step=-1)
             self.assert_near(self.accepted("reset", seed=3).state, spawn(3))
 
     def test_start_beyond_what_is_plausible_is_refused(self) -> None:

@@ -518,10 +518,10 @@ class Interruptions(ComparisonCase):
 
     def test_ctrl_c_reaches_a_callable_that_does_not_return(self) -> None:
         process = self.interrupted(
-            "import sim2sim, time\n"
+            "import signal, sim2sim\n"
             "def policy(rows):\n"
             "    print('runs', flush=True)\n"
-            "    while True: time.sleep(3600)\n"
+            "    while True: signal.pause()\n"
             "sim2sim.compare(policy, out='out')\n"
         )
         self.assertTrue(process.stderr.endswith("\nKeyboardInterrupt\n"), process.stderr)

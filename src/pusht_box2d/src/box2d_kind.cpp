@@ -2,9 +2,9 @@
 #include "pusht_box2d/box2d_kind.hpp"
 
 #include "pusht_box2d/box2d_world.hpp"
+#include "pusht_task/mapping.hpp"
 #include "pusht_task/simulator_plugin.hpp"
 #include "pusht_task/substeps.hpp"
-#include "pusht_task/switches.hpp"
 
 namespace pusht {
 namespace {
@@ -17,8 +17,7 @@ constexpr const char* kSubstepLength = "substep";
 
 std::vector<ParameterDescriptor> describe() {
   const Box2dParameters defaults;
-  std::vector<ParameterDescriptor> descriptors =
-      switchDescriptors(kSwitches, {presetOf("mapped", kSwitches, true), presetOf("idiomatic", kSwitches, false)});
+  std::vector<ParameterDescriptor> descriptors = mappingDescriptors(kSwitches);
   descriptors.push_back({kVelocityIterations, "", "sweeps over velocities in a substep",
                          std::int64_t{defaults.velocity_iterations}, 1, 1000,
                          "more sweeps make no visible difference"});

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "box2d_scene.hpp"
 
-#include <algorithm>
 #include <cmath>
 
-#include "pusht_task/constants.hpp"
+#include "pusht_task/mapping.hpp"
 #include "pusht_task/numbers.hpp"
 
 namespace pusht::box2d {
@@ -74,8 +73,7 @@ void Scene::addPusher(const WorldState& state) {
   def.position = toBox2d(state.pusher_position);
   def.linearVelocity = toBox2d(state.pusher_velocity);
   def.fixedRotation = true;
-  const double added = parameters_.substep * (physics_.servo_gain + physics_.pusher_damping);
-  pusher_ = addBody("pusher", def, physics_.pusher_mass + (switches().servo ? added : 0.0));
+  pusher_ = addBody("pusher", def, pusherMass(physics_, switches().servo ? parameters_.substep : 0.0));
   b2CircleShape disc;
   disc.m_radius = static_cast<float>(physics_.pusher_radius * scale_);
   b2FixtureDef fixture;
@@ -103,47 +101,40 @@ void Scene::addTee(const WorldState& state) {
   def.linearVelocity = toBox2d(state.tee_velocity);
   def.angle = narrowYaw(state.tee_yaw);
   def.angularVelocity = static_cast<float>(state.tee_yaw_rate);
-  double mass = physics_.tee_mass;                          // [kg]
-  double moment_about_origin = physics_.tee_second_moment;  // [kg m^2] about the origin
-  if (switches().drag) {  // the mass that makes its damping implicit, which sits at the origin
-    mass += parameters_.substep * physics_.tee_damping;
-    moment_about_origin += parameters_.substep * physics_.tee_yaw_damping;
-  } else {
-    def.linearDamping = rate(physics_.tee_damping / mass);
-    def.angularDamping = rate(physics_.tee_yaw_damping / moment_about_origin);
+  TeeInertia inertia = teeInertia(physics_, switches().drag ? parameters_.substep : 0.0);
+  if (!switches().drag) {
+    def.linearDamping = rate(physics_.tee_damping / inertia.mass);
+    def.angularDamping = rate(physics_.tee_yaw_damping / inertia.second_moment);
   }
   if (switches().table_friction) {
-    mass -= kSliderMass;
+    inertia.mass -= kSliderMass;
   }
-  tee_ = addBody("tee", def, mass);
-  addBox(tee_, {0.0, 0.0}, physics_.bar_half_length, physics_.bar_half_width);
-  addBox(tee_, {0.0, -physics_.stem_offset}, physics_.stem_half_width, physics_.stem_half_length);
+  tee_ = addBody("tee", def, inertia.mass);
+  for (const PlacedBox& box : teeBoxes(physics_)) {
+    addBox(tee_, box);
+  }
   b2MassData data;
-  data.mass = static_cast<float>(mass);
-  data.center.Set(0.0F, static_cast<float>(-physics_.tee_first_moment / mass * scale_));
-  data.I = inertia(moment_about_origin);
+  data.mass = static_cast<float>(inertia.mass);
+  data.center.Set(0.0F, static_cast<float>(-inertia.center() * scale_));
+  data.I = static_cast<float>(inertia.second_moment * scale_ * scale_);
   tee_->SetMassData(&data);  // hands the velocity from the origin to the center of mass
 }
 
-void Scene::addBox(b2Body* body, const Eigen::Vector2d& center, double half_x, double half_y) {
+void Scene::addBox(b2Body* body, const PlacedBox& box) {
   const double skin = switches().scale ? static_cast<double>(b2_polygonRadius) : 0.0;
-  b2PolygonShape box;
-  box.SetAsBox(static_cast<float>(half_x * scale_ - skin), static_cast<float>(half_y * scale_ - skin), toBox2d(center),
-               0.0F);
+  b2PolygonShape shape;
+  shape.SetAsBox(static_cast<float>(box.half_x * scale_ - skin), static_cast<float>(box.half_y * scale_ - skin),
+                 toBox2d({box.x, box.y}), 0.0F);
   b2FixtureDef fixture;
-  fixture.shape = &box;
+  fixture.shape = &shape;
   fixture.friction = static_cast<float>(physics_.contact_friction);
   body->CreateFixture(&fixture);
 }
 
 void Scene::addWalls() {
-  constexpr double kHalf = dynamics::kWallThickness / 2.0;
-  const double middle = physics_.wall_inner_face + kHalf;
-  const double half_length = physics_.wall_inner_face + dynamics::kWallThickness;
-  addBox(table(), {0.0, middle}, half_length, kHalf);
-  addBox(table(), {0.0, -middle}, half_length, kHalf);
-  addBox(table(), {middle, 0.0}, kHalf, half_length);
-  addBox(table(), {-middle, 0.0}, kHalf, half_length);
+  for (const PlacedBox& wall : wallBoxes(physics_)) {
+    addBox(table(), wall);
+  }
 }
 
 void Scene::addTableFriction() {
@@ -204,11 +195,9 @@ void Scene::applyServo(const Eigen::Vector2d& command) {
     return;
   }
   const Eigen::Vector2d speed = toEigen(pusher_->GetLinearVelocity());
-  const auto servo = [this](double wanted, double found) {
-    return std::clamp(physics_.servo_gain * (wanted - found), -physics_.servo_limit, physics_.servo_limit) -
-           physics_.pusher_damping * found;
-  };
-  pusher_->ApplyForceToCenter({force(servo(command.x(), speed.x())), force(servo(command.y(), speed.y()))}, true);
+  pusher_->ApplyForceToCenter(
+      {force(pusherForce(physics_, command.x(), speed.x())), force(pusherForce(physics_, command.y(), speed.y()))},
+      true);
 }
 
 void Scene::applyDrag(const Eigen::Vector2d& point) {

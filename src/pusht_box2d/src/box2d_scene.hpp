@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pusht_box2d/box2d_world.hpp"
+#include "pusht_task/mapping.hpp"
 #include "pusht_task/physics.hpp"
 #include "pusht_task/types.hpp"
 
@@ -42,7 +43,7 @@ class Scene {
   virtual void applyForces(const Eigen::Vector2d& command);
 
   /// Adds a box, with its skin within its sides if `switches().scale` [m].
-  void addBox(b2Body* body, const Eigen::Vector2d& center, double half_x, double half_y);
+  void addBox(b2Body* body, const PlacedBox& box);
   /// Adds Coulomb friction along each axis of the table, at a point of the tee [m], and on its yaw.
   void addFrictionPerAxis(const Eigen::Vector2d& point);
   /// Adds friction of a disc at a point of the tee [m].
@@ -77,7 +78,6 @@ class Scene {
   float rate(double per_second) const { return static_cast<float>(per_second * parameters_.substep / step_); }
   float force(double newtons) const { return rate(newtons * scale_); }
   float moment(double newton_meters) const { return rate(newton_meters * scale_ * scale_); }
-  float inertia(double kg_square_meters) const { return static_cast<float>(kg_square_meters * scale_ * scale_); }
   b2Vec2 toBox2d(const Eigen::Vector2d& vector) const;
   Eigen::Vector2d toEigen(const b2Vec2& vector) const;
   Eigen::Vector2d roundedVector(const Eigen::Vector2d& vector) const { return toEigen(toBox2d(vector)); }

@@ -2,17 +2,15 @@
 #include "pusht_box2d/box2d_world.hpp"
 
 #include <box2d/box2d.h>
-#include <dlfcn.h>
 
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <mutex>
-#include <regex>
 #include <utility>
 
 #include "box2d_scene.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/library.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/substeps.hpp"
 
@@ -31,17 +29,17 @@ void fillTableOfContacts() {
   });
 }
 
-/// Throws SimulationFault unless the start is where single precision keeps the kind's tolerance.
-void requireReach(const WorldState& start) {
+/// Throws SimulationFault unless single precision keeps the kind's tolerance where the bodies are.
+void requireReach(const char* when, const WorldState& state) {
   struct Coordinate {
     const char* name;
     double value;
   };
   for (const Coordinate& each :
-       std::array{Coordinate{"pusher_x", start.pusher_position.x()}, Coordinate{"pusher_y", start.pusher_position.y()},
-                  Coordinate{"tee_x", start.tee_position.x()}, Coordinate{"tee_y", start.tee_position.y()}}) {
+       std::array{Coordinate{"pusher_x", state.pusher_position.x()}, Coordinate{"pusher_y", state.pusher_position.y()},
+                  Coordinate{"tee_x", state.tee_position.x()}, Coordinate{"tee_y", state.tee_position.y()}}) {
     if (!(std::abs(each.value) < Box2dWorld::kReach)) {
-      throw SimulationFault("Box2D: reset: " + std::string(each.name) + " " + shortestText(each.value) +
+      throw SimulationFault("Box2D: " + std::string(when) + ": " + each.name + " " + shortestText(each.value) +
                             " m: must be within " + shortestText(Box2dWorld::kReach) +
                             " m, as Box2D computes in single precision");
     }
@@ -51,19 +49,8 @@ void requireReach(const WorldState& start) {
 }  // namespace
 
 std::string box2dVersion() {
-  // Its own variable still says 2.4.0 in 2.4.1; the name of its file is right.
-  Dl_info info = {};
-  const auto* const symbol = reinterpret_cast<const void*>(&b2Alloc_Default);
-  if (dladdr(symbol, &info) != 0 && info.dli_fname != nullptr) {
-    std::error_code ignored;
-    const std::string file = std::filesystem::canonical(info.dli_fname, ignored).filename();
-    std::smatch match;
-    if (std::regex_search(file, match, std::regex("\\.so\\.(\\d+\\.\\d+\\.\\d+)$"))) {
-      return match[1];
-    }
-  }
-  return std::to_string(b2_version.major) + "." + std::to_string(b2_version.minor) + "." +
-         std::to_string(b2_version.revision);
+  // Its own variable b2_version still says 2.4.0 in 2.4.1; the name of its file is right.
+  return versionOfLibrary(reinterpret_cast<const void*>(&b2Alloc_Default));
 }
 
 Box2dWorld::Box2dWorld(const Box2dParameters& parameters)
@@ -74,13 +61,13 @@ Box2dWorld::Box2dWorld(MakeScene make_scene, double substep)
       make_scene_(std::move(make_scene)),
       substeps_(substepsPerControlStep(substep)) {
   fillTableOfContacts();
-  doReset({});
+  Box2dWorld::doReset({});
 }
 
 Box2dWorld::~Box2dWorld() = default;
 
 void Box2dWorld::doReset(const WorldState& state) {
-  requireReach(state);
+  requireReach("reset", state);
   start_.reset();
   scene_ = make_scene_();
   scene_->start(state);
@@ -98,6 +85,7 @@ void Box2dWorld::doStep(const Action& action) {
       throw SimulationFault("Box2D: step: " + fault);
     }
   }
+  requireReach("step", scene_->state());
 }
 
 WorldState Box2dWorld::doState() const { return start_ ? *start_ : scene_->state(); }

@@ -3,6 +3,7 @@
 
 #include "bullet_library.hpp"
 #include "pusht_bullet/bullet_world.hpp"
+#include "pusht_task/mapping.hpp"
 #include "pusht_task/simulator_plugin.hpp"
 #include "pusht_task/substeps.hpp"
 
@@ -17,12 +18,11 @@ constexpr const char* kSubstepLength = "substep";
 
 std::vector<ParameterDescriptor> describeBullet() {
   const BulletParameters defaults;
-  std::vector<ParameterDescriptor> descriptors =
-      switchDescriptors(kSwitches, {presetOf("mapped", kSwitches, true), presetOf("idiomatic", kSwitches, false)});
+  std::vector<ParameterDescriptor> descriptors = mappingDescriptors(kSwitches);
   descriptors.push_back({kIterations, "", "sweeps of the constraint solver in a substep",
                          std::int64_t{defaults.iterations}, 1, 1000, "more sweeps make no visible difference"});
-  descriptors.push_back({kOverlapRate, "", "share of an overlap that a substep takes away", defaults.overlap_rate, 0.0,
-                         1.0, "it is a share"});
+  descriptors.push_back({kOverlapRate, "1/s", "rate at which overlaps go away", defaults.overlap_rate, 0.0, 100.0,
+                         "a substep of 0.01 s then takes all of it away"});
   descriptors.push_back(substepDescriptor(kSubstepLength));
   return descriptors;
 }

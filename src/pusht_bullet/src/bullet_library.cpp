@@ -2,13 +2,13 @@
 #include "bullet_library.hpp"
 
 #include <LinearMath/btAlignedAllocator.h>
-#include <dlfcn.h>
 #include <link.h>
 
 #include <cstddef>
 #include <string_view>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/library.hpp"
 
 namespace pusht::bullet {
 namespace {
@@ -28,16 +28,7 @@ int findSinglePrecision(dl_phdr_info* library, std::size_t /*size*/, void* found
 
 }  // namespace
 
-std::string libraryVersion() {
-  Dl_info library = {};
-  if (dladdr(reinterpret_cast<const void*>(&btAlignedAllocInternal), &library) == 0) {
-    return "";
-  }
-  constexpr std::string_view kExtension = ".so.";
-  const std::string file = library.dli_fname;
-  const std::size_t extension = file.rfind(kExtension);
-  return extension == std::string::npos ? "" : file.substr(extension + kExtension.size());
-}
+std::string libraryVersion() { return versionOfLibrary(reinterpret_cast<const void*>(&btAlignedAllocInternal)); }
 
 void requireOneBuild() {
   std::string single;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "pusht_task/constants.hpp"
+#include "pusht_task/mapping.hpp"
 
 namespace pusht::bullet {
 namespace {
@@ -50,7 +50,7 @@ Scene::Scene(const BulletParameters& parameters, const Physics& physics)
       world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
   world_.setGravity({0.0, 0.0, 0.0});
   world_.getSolverInfo().m_numIterations = parameters.iterations;
-  world_.getSolverInfo().m_erp2 = parameters.overlap_rate;
+  world_.getSolverInfo().m_erp2 = parameters.overlap_rate * parameters.substep;
 }
 
 template <class Shape>
@@ -83,17 +83,15 @@ void Scene::addTable() {
 }
 
 void Scene::addWalls() {
-  constexpr double kHalf = dynamics::kWallThickness / 2.0;
-  const double middle = physics_.wall_inner_face + kHalf;
-  const double half_length = physics_.wall_inner_face + dynamics::kWallThickness;
-  addWall({half_length, kHalf, kWallHalfHeight}, {0.0, middle, 0.0});
-  addWall({half_length, kHalf, kWallHalfHeight}, {0.0, -middle, 0.0});
-  addWall({kHalf, half_length, kWallHalfHeight}, {middle, 0.0, 0.0});
-  addWall({kHalf, half_length, kWallHalfHeight}, {-middle, 0.0, 0.0});
+  for (const PlacedBox& wall : wallBoxes(physics_)) {
+    addWall(wall);
+  }
 }
 
-void Scene::addWall(const btVector3& half_sides, const btVector3& center) {
-  walls_.push_back(makeBody(0.0, 0.0, keep(std::make_unique<btBoxShape>(half_sides)), at(center), kInThePlane));
+void Scene::addWall(const PlacedBox& box) {
+  btCollisionShape* const shape =
+      keep(std::make_unique<btBoxShape>(btVector3(box.half_x, box.half_y, kWallHalfHeight)));
+  walls_.push_back(makeBody(0.0, 0.0, shape, at({box.x, box.y, 0.0}), kInThePlane));
   world_.addRigidBody(walls_.back().get());
 }
 
@@ -133,22 +131,18 @@ btCollisionShape* Scene::addHull(double half_x, double half_y) {
 }
 
 void Scene::addTee(const WorldState& state) {
-  // With the mass that makes its damping implicit, which sits at the origin.
-  const double added = parameters_.drag ? parameters_.substep * physics_.tee_damping : 0.0;             // [kg]
-  const double added_moment = parameters_.drag ? parameters_.substep * physics_.tee_yaw_damping : 0.0;  // [kg m^2]
-  const double mass = physics_.tee_mass + added;
-  center_ = physics_.tee_first_moment / mass;
-  const double moment = physics_.tee_second_moment + added_moment - mass * center_ * center_;  // about the center
-
+  const TeeInertia inertia = teeInertia(physics_, parameters_.drag ? parameters_.substep : 0.0);
+  center_ = inertia.center();
   btCompoundShape* const shape = keep(std::make_unique<btCompoundShape>());
-  shape->addChildShape(at({0.0, center_, 0.0}), addHull(physics_.bar_half_length, physics_.bar_half_width));
-  shape->addChildShape(at({0.0, center_ - physics_.stem_offset, 0.0}),
-                       addHull(physics_.stem_half_width, physics_.stem_half_length));
+  for (const PlacedBox& box : teeBoxes(physics_)) {
+    shape->addChildShape(at({box.x, center_ + box.y, 0.0}), addHull(box.half_x, box.half_y));
+  }
 
   btTransform pose = at({0.0, 0.0, 0.0}, state.tee_yaw);
   pose.setOrigin(toBullet(state.tee_position) - pose.getBasis() * btVector3(0.0, center_, 0.0));
   const bool lies = !parameters_.table_friction;
-  tee_ = makeBody(mass, moment, shape, pose, lies ? btVector3(1.0, 1.0, 1.0) : kInThePlane);
+  tee_ =
+      makeBody(inertia.mass, inertia.momentAboutCenter(), shape, pose, lies ? btVector3(1.0, 1.0, 1.0) : kInThePlane);
   const btVector3 turning(0.0, 0.0, state.tee_yaw_rate);
   tee_->setAngularVelocity(turning);
   tee_->setLinearVelocity(toBullet(state.tee_velocity) - turning.cross(teeArm()));
@@ -156,17 +150,17 @@ void Scene::addTee(const WorldState& state) {
     tee_->setContactProcessingThreshold(BT_LARGE_FLOAT);  // or it would fall and be lifted in turn
   }
   if (!parameters_.drag) {
-    tee_->setDamping(dampingOf(physics_.tee_damping / mass), dampingOf(physics_.tee_yaw_damping / moment));
+    tee_->setDamping(dampingOf(physics_.tee_damping / inertia.mass),
+                     dampingOf(physics_.tee_yaw_damping / inertia.momentAboutCenter()));
   }
   world_.addRigidBody(tee_.get());
 }
 
 void Scene::addPusher(const WorldState& state) {
-  const double added =
-      parameters_.servo ? parameters_.substep * (physics_.servo_gain + physics_.pusher_damping) : 0.0;  // [kg]
+  const double mass = pusherMass(physics_, parameters_.servo ? parameters_.substep : 0.0);
   btCollisionShape* const shape = keep(
       std::make_unique<btCylinderShapeZ>(btVector3(physics_.pusher_radius, physics_.pusher_radius, kPusherHalfHeight)));
-  pusher_ = makeBody(physics_.pusher_mass + added, 0.0, shape, at(toBullet(state.pusher_position)), kInThePlane);
+  pusher_ = makeBody(mass, 0.0, shape, at(toBullet(state.pusher_position)), kInThePlane);
   pusher_->setLinearVelocity(toBullet(state.pusher_velocity));
   world_.addRigidBody(pusher_.get(), btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter ^ kTableGroup);
   if (!parameters_.servo) {
@@ -222,18 +216,15 @@ void Scene::applyServo(const btVector3& command) {
     return;
   }
   const btVector3 speed = pusher_->getLinearVelocity();
-  const auto servo = [this](double wanted, double found) {
-    return std::clamp(physics_.servo_gain * (wanted - found), -physics_.servo_limit, physics_.servo_limit) -
-           physics_.pusher_damping * found;
-  };
-  pusher_->applyCentralForce({servo(command.x(), speed.x()), servo(command.y(), speed.y()), 0.0});
+  pusher_->applyCentralForce(
+      {pusherForce(physics_, command.x(), speed.x()), pusherForce(physics_, command.y(), speed.y()), 0.0});
 }
 
 void Scene::applyForces(const btVector3& command) {
   applyServo(command);
   if (parameters_.drag) {
     tee_->applyForce(-physics_.tee_damping * teeVelocity(), teeArm());
-    tee_->applyTorque({0.0, 0.0, -physics_.tee_yaw_damping * tee_->getAngularVelocity().z()});
+    tee_->applyTorque({0.0, 0.0, -physics_.tee_yaw_damping * teeYawRate()});
   }
 }
 
@@ -250,7 +241,7 @@ WorldState Scene::state() const {
   state.tee_position = toEigen(pose.getOrigin() + teeArm());
   state.tee_velocity = toEigen(teeVelocity());
   state.tee_yaw = wrapAngle(std::atan2(pose.getBasis()[1][0], pose.getBasis()[0][0]));
-  state.tee_yaw_rate = tee_->getAngularVelocity().z();
+  state.tee_yaw_rate = teeYawRate();
   return state;
 }
 

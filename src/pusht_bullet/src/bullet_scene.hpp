@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pusht_bullet/bullet_world.hpp"
+#include "pusht_task/mapping.hpp"
 #include "pusht_task/physics.hpp"
 #include "pusht_task/types.hpp"
 
@@ -28,6 +29,8 @@ class Scene {
   /// Moves on by a substep, with the pusher commanded to a velocity [m/s].
   void substep(const btVector3& command);
   WorldState state() const;
+  /// [rad/s]
+  double teeYawRate() const { return tee_->getAngularVelocity().z(); }
 
  protected:
   virtual void addWalls();
@@ -35,7 +38,7 @@ class Scene {
   /// Sets servo and damping for the substep that comes.
   virtual void applyForces(const btVector3& command);
 
-  void addWall(const btVector3& half_sides, const btVector3& center);
+  void addWall(const PlacedBox& box);
   /// Adds motors that hold velocity 0 between the table and this point of the tee (body axes, from its origin [m]).
   void addFrictionMotors(const btVector3& point, const std::array<double, 2>& force, double moment);
   void applyServo(const btVector3& command);

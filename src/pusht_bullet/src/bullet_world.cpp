@@ -2,6 +2,7 @@
 #include "pusht_bullet/bullet_world.hpp"
 
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "bullet_scene.hpp"
@@ -12,7 +13,15 @@
 namespace pusht {
 namespace {
 
-constexpr double kMostTurn = kPi / 4.0;  // [rad] by which Bullet turns a body in a substep at most
+/// Throws SimulationFault if Bullet would turn the tee by less than its rate [rad/s] says.
+void requireTurn(const char* when, double yaw_rate, double substep) {
+  constexpr double kMostTurn = kPi / 4.0;  // [rad] in a substep
+  if (!(std::abs(yaw_rate) * substep <= kMostTurn)) {
+    throw SimulationFault("Bullet: " + std::string(when) + ": tee_yaw_rate " + shortestText(yaw_rate) +
+                          " rad/s: must be within " + significantText(kMostTurn / substep, 4) +
+                          " rad/s: Bullet turns a body by at most pi/4 in a substep");
+  }
+}
 
 }  // namespace
 
@@ -24,17 +33,13 @@ BulletWorld::BulletWorld(MakeScene make_scene, double substep)
       make_scene_(std::move(make_scene)),
       substep_(substep),
       substeps_(substepsPerControlStep(substep)) {
-  doReset({});
+  BulletWorld::doReset({});
 }
 
 BulletWorld::~BulletWorld() = default;
 
 void BulletWorld::doReset(const WorldState& state) {
-  if (!(std::abs(state.tee_yaw_rate) * substep_ <= kMostTurn)) {
-    throw SimulationFault("Bullet: reset: tee_yaw_rate " + shortestText(state.tee_yaw_rate) +
-                          " rad/s: must be within " + significantText(kMostTurn / substep_, 4) +
-                          " rad/s: Bullet turns a body by at most pi/4 in a substep");
-  }
+  requireTurn("reset", state.tee_yaw_rate, substep_);
   scene_ = make_scene_();
   scene_->start(state);
   requireStart(state, scene_->state(), kStartTolerance);
@@ -46,6 +51,7 @@ void BulletWorld::doStep(const Action& action) {
   const btVector3 command(action[0], action[1], 0.0);
   for (int i = 0; i < substeps_; ++i) {
     scene_->substep(command);
+    requireTurn("step", scene_->teeYawRate(), substep_);
   }
 }
 

@@ -5,11 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cmath>
 #include <cstdint>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -20,6 +17,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/testing/convergence_suite.hpp"
 #include "pusht_task/testing/kind_suites.hpp"
+#include "pusht_task/testing/planted_errors.hpp"
 #include "pusht_task/testing/refusal.hpp"
 
 namespace pusht::testing {
@@ -27,7 +25,7 @@ namespace {
 
 std::vector<Subject> subjects() {
   return {{bulletKind(), {}, bulletPhysics()},
-          {bulletKind(), {{"iterations", "100"}, {"overlap_rate", "0.2"}}, bulletPhysics(1e-3)}};
+          {bulletKind(), {{"iterations", "100"}, {"overlap_rate", "20"}}, bulletPhysics(1e-3)}};
 }
 
 /// Worlds of idioms keep the contract of every simulator, too. They have other physics.
@@ -58,8 +56,6 @@ PUSHT_TEST_CONVERGENCE(Bullet, convergence());
 namespace pusht {
 namespace {
 
-using testing::chaseFrom;
-
 BulletParameters idiomatic() {
   BulletParameters parameters;
   for (const bullet::BulletSwitch& each : bullet::kSwitches) {
@@ -67,8 +63,6 @@ BulletParameters idiomatic() {
   }
   return parameters;
 }
-
-constexpr int kSteps = 40;
 
 TEST(BulletWorld, HoldsItsStartItself) {
   for (std::uint64_t seed = 0; seed < 1000; ++seed) {
@@ -78,41 +72,6 @@ TEST(BulletWorld, HoldsItsStartItself) {
       scene.start(start);
       testing::expectNear(scene.state(), start, BulletWorld::kStartTolerance);
     }
-  }
-}
-
-TEST(BulletWorld, HasTheSameBytesAfterAThousandResets) {
-  for (const BulletParameters& parameters : {BulletParameters(), idiomatic()}) {
-    BulletWorld world(parameters);
-    const std::vector<WorldState> first = chaseFrom(world, spawn(3), kSteps);
-    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
-      world.reset(testing::movingState(seed));
-      world.step({1.0F, -1.0F});
-    }
-    EXPECT_EQ(chaseFrom(world, spawn(3), kSteps), first);
-  }
-}
-
-/// Worlds that are made here and move there, at the same time.
-TEST(BulletWorld, HasTheSameBytesInTwoThreads) {
-  constexpr std::uint64_t kSeeds = 20;
-  for (const BulletParameters& parameters : {BulletParameters(), idiomatic()}) {
-    using Episodes = std::vector<std::vector<WorldState>>;
-    const auto run = [](BulletWorld& world, Episodes& episodes) {
-      for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
-        episodes.push_back(chaseFrom(world, spawn(seed), kSteps));
-      }
-    };
-    BulletWorld alone(parameters);
-    Episodes expected;
-    run(alone, expected);
-    std::array<BulletWorld, 2> worlds = {BulletWorld(parameters), BulletWorld(parameters)};
-    std::array<Episodes, 2> found;
-    std::thread second([&] { run(worlds[1], found[1]); });
-    run(worlds[0], found[0]);
-    second.join();
-    EXPECT_EQ(found[0], expected);
-    EXPECT_EQ(found[1], expected);
   }
 }
 
@@ -128,32 +87,6 @@ TEST(BulletWorld, RefusesATeeThatTurnsTooFast) {
   fast.tee_yaw_rate = 78.0;
   world.reset(fast);
   world.step({0.0F, 0.0F});
-}
-
-/// Pushes as no episode has them, into walls and corners: numbers stay finite, or there is an error.
-TEST(BulletWorld, OutlivesAbsurdStarts) {
-  for (const BulletParameters& parameters : {BulletParameters(), idiomatic()}) {
-    BulletWorld world(parameters);
-    for (const double place : {0.0, 0.39, 0.41, 1000.0}) {
-      for (const double speed : {0.0, 100.0, kPlausibleSpeed}) {
-        WorldState start;
-        start.pusher_position = {place, place};
-        start.tee_position = {place, -place};
-        start.pusher_velocity = {speed, -speed};
-        start.tee_velocity = {-speed, speed};
-        start.tee_yaw = 3.0;
-        try {
-          world.reset(start);
-          for (int step = 0; step < kSteps; ++step) {
-            world.step({step % 3 == 0 ? 1e30F : -1e30F, 1.0F});
-            ASSERT_TRUE(isFinite(world.state()));
-          }
-        } catch (const SimulationFault&) {
-          EXPECT_THROW(world.step({0.0F, 0.0F}), InvalidInput);
-        }
-      }
-    }
-  }
 }
 
 TEST(BulletKind, RefusesAProcessWithBulletInSinglePrecision) {
@@ -184,7 +117,7 @@ TEST(BulletIdioms, AreFoundByThePhysicsSuite) {
   ASSERT_EQ(found_by.size(), bullet::kSwitches.size());
   for (const auto& [choice, check] : found_by) {
     BulletWorld world(without(choice));
-    EXPECT_THAT(testing::findingsIn(world), ::testing::Contains(check));
+    EXPECT_THAT(testing::findingsIn(world, testing::bulletPhysics()), ::testing::Contains(check));
   }
 }
 

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "pusht_chipmunk/chipmunk_world.hpp"
+#include "pusht_task/mapping.hpp"
 #include "pusht_task/simulator_plugin.hpp"
 #include "pusht_task/substeps.hpp"
-#include "pusht_task/switches.hpp"
 
 namespace pusht {
 namespace {
@@ -28,8 +28,7 @@ std::vector<ParameterDescriptor> describeChipmunk() {
       {kOverlapLeft, "", "share of an overlap that is left after a second", defaults.overlap_left, 0.0, 1.0,
        "it is a share"},
       substepDescriptor(kSubstepLength)};
-  for (ParameterDescriptor& each :
-       switchDescriptors(kSwitches, {presetOf("mapped", kSwitches, true), presetOf("idiomatic", kSwitches, false)})) {
+  for (ParameterDescriptor& each : mappingDescriptors(kSwitches)) {
     descriptors.push_back(std::move(each));
   }
   return descriptors;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "chipmunk_scene.hpp"
 
-#include <algorithm>
 #include <cmath>
 
-#include "pusht_task/constants.hpp"
+#include "pusht_task/mapping.hpp"
 
 namespace pusht::chipmunk {
 namespace {
@@ -38,8 +37,9 @@ void Scene::start(const WorldState& state) {
   pusher_ = addPusherBody();
   tee_ = addTeeBody();
   addWalls();
-  addBox(tee_, cpv(0.0, 0.0), physics_.bar_half_length, physics_.bar_half_width);
-  addBox(tee_, cpv(0.0, -physics_.stem_offset), physics_.stem_half_width, physics_.stem_half_length);
+  for (const PlacedBox& box : teeBoxes(physics_)) {
+    addBox(tee_, box);
+  }
   addShape(cpCircleShapeNew(pusher_, physics_.pusher_radius, cpvzero));
   addDryFriction();
 
@@ -52,11 +52,10 @@ void Scene::start(const WorldState& state) {
 }
 
 cpBody* Scene::addPusherBody() {
+  cpBody* const pusher = addBody(pusherMass(physics_, switches().servo ? parameters_.substep : 0.0), INFINITY);
   if (switches().servo) {
-    return addBody(physics_.pusher_mass + parameters_.substep * (physics_.servo_gain + physics_.pusher_damping),
-                   INFINITY);
+    return pusher;
   }
-  cpBody* const pusher = addBody(physics_.pusher_mass, INFINITY);
   bodies_.emplace_back(cpSpaceAddBody(space_.get(), cpBodyNewKinematic()));
   command_ = bodies_.back().get();
   addFriction(cpPivotJointNew2(command_, pusher, cpvzero, cpvzero), physics_.servo_limit);
@@ -64,14 +63,9 @@ cpBody* Scene::addPusherBody() {
 }
 
 cpBody* Scene::addTeeBody() {
-  // With drag, the mass that makes it implicit, which sits at the origin.
-  const double added = switches().drag ? parameters_.substep : 0.0;      // [s]
-  const double mass = physics_.tee_mass + added * physics_.tee_damping;  // [kg]
-  const double center = physics_.tee_first_moment / mass;                // [m] along body -y
-  const double moment =                                                  // [kg m^2] about that center
-      physics_.tee_second_moment + added * physics_.tee_yaw_damping - mass * center * center;
-  cpBody* const tee = addBody(mass, moment);
-  cpBodySetCenterOfGravity(tee, cpv(0.0, -center));
+  const TeeInertia inertia = teeInertia(physics_, switches().drag ? parameters_.substep : 0.0);
+  cpBody* const tee = addBody(inertia.mass, inertia.momentAboutCenter());
+  cpBodySetCenterOfGravity(tee, cpv(0.0, -inertia.center()));
   if (!switches().drag) {
     tee_keeps_ = std::exp(-parameters_.substep * physics_.tee_damping / physics_.tee_mass);
     cpBodySetUserData(tee, &tee_keeps_);
@@ -93,18 +87,14 @@ void Scene::addShape(cpShape* shape) {
   cpShapeSetFriction(shape, physics_.contact_friction);
 }
 
-void Scene::addBox(cpBody* body, cpVect center, double half_x, double half_y) {
-  addShape(cpBoxShapeNew2(body, cpBBNewForExtents(center, half_x, half_y), 0.0));
+void Scene::addBox(cpBody* body, const PlacedBox& box) {
+  addShape(cpBoxShapeNew2(body, cpBBNewForExtents(cpv(box.x, box.y), box.half_x, box.half_y), 0.0));
 }
 
 void Scene::addWalls() {
-  constexpr double kHalf = dynamics::kWallThickness / 2.0;
-  const double middle = physics_.wall_inner_face + kHalf;
-  const double half_length = physics_.wall_inner_face + dynamics::kWallThickness;
-  addBox(table(), cpv(0.0, middle), half_length, kHalf);
-  addBox(table(), cpv(0.0, -middle), half_length, kHalf);
-  addBox(table(), cpv(middle, 0.0), kHalf, half_length);
-  addBox(table(), cpv(-middle, 0.0), kHalf, half_length);
+  for (const PlacedBox& wall : wallBoxes(physics_)) {
+    addBox(table(), wall);
+  }
 }
 
 void Scene::addFriction(cpConstraint* constraint, double force) {
@@ -138,11 +128,7 @@ void Scene::applyServo(const cpVect& command) {
     return;
   }
   const cpVect speed = cpBodyGetVelocity(pusher_);
-  const auto servo = [this](double wanted, double found) {
-    return std::clamp(physics_.servo_gain * (wanted - found), -physics_.servo_limit, physics_.servo_limit) -
-           physics_.pusher_damping * found;
-  };
-  cpBodySetForce(pusher_, cpv(servo(command.x, speed.x), servo(command.y, speed.y)));
+  cpBodySetForce(pusher_, cpv(pusherForce(physics_, command.x, speed.x), pusherForce(physics_, command.y, speed.y)));
 }
 
 void Scene::applyForces(const cpVect& command) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pusht_chipmunk/chipmunk_world.hpp"
+#include "pusht_task/mapping.hpp"
 #include "pusht_task/physics.hpp"
 #include "pusht_task/types.hpp"
 
@@ -43,7 +44,7 @@ class Scene {
   /// Sets servo and damping for the substep that comes.
   virtual void applyForces(const cpVect& command);
 
-  void addBox(cpBody* body, cpVect center, double half_x, double half_y);
+  void addBox(cpBody* body, const PlacedBox& box);
   /// Adds a constraint that never pulls back, and uses at most `force` [N, or N m].
   void addFriction(cpConstraint* constraint, double force);
   void applyServo(const cpVect& command);

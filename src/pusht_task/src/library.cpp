@@ -3,6 +3,9 @@
 
 #include <dlfcn.h>
 
+#include <string_view>
+#include <system_error>
+
 #include "pusht_task/error.hpp"
 
 namespace pusht {
@@ -22,5 +25,17 @@ Library::Library(const std::filesystem::path& path, Scope scope)
 }
 
 const void* Library::address(const std::string& symbol) const { return dlsym(handle_, symbol.c_str()); }
+
+std::string versionOfLibrary(const void* symbol) {
+  Dl_info info = {};
+  if (dladdr(symbol, &info) == 0 || info.dli_fname == nullptr) {
+    return "";
+  }
+  std::error_code unreadable;
+  const std::string file = std::filesystem::canonical(info.dli_fname, unreadable).filename();
+  constexpr std::string_view kExtension = ".so.";
+  const std::size_t extension = file.rfind(kExtension);
+  return extension == std::string::npos ? "" : file.substr(extension + kExtension.size());
+}
 
 }  // namespace pusht

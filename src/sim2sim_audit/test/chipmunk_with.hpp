@@ -98,13 +98,12 @@ struct Bouncing : pusht::chipmunk::Scene {
 struct WallTooFar : pusht::chipmunk::Scene {
   using Scene::Scene;
   void addWalls() override {
-    const double half = 0.5 * pusht::dynamics::kWallThickness;
-    const double middle = physics().wall_inner_face + half;
-    const double long_half = middle + half;
-    addBox(table(), cpv(0.0, middle), long_half, half);
-    addBox(table(), cpv(0.0, -middle), long_half, half);
-    addBox(table(), cpv(middle + 0.005, 0.0), half, long_half);
-    addBox(table(), cpv(-middle, 0.0), half, long_half);
+    for (pusht::PlacedBox wall : pusht::wallBoxes(physics())) {
+      if (wall.x > 0.0) {
+        wall.x += 0.005;
+      }
+      addBox(table(), wall);
+    }
   }
 };
 

@@ -57,16 +57,13 @@ inline constexpr std::array kSwitches = {
 
 }  // namespace box2d
 
-/// One world. The tee is one rigid body of two boxes, the pusher a disc that does not turn.
-///
-/// Box2D has forces that are constant in a substep, but in the reference servo and damping act at the velocity at its
-/// end (implicit). With a force F - D v and a mass M + h D the explicit step is that implicit one; so the bodies carry
-/// the mass h D more than they have.
+/// One world. The tee is one rigid body of two boxes, the pusher a disc that does not turn. Servo and damping are
+/// implicit, as in pusht_task/mapping.hpp.
 class Box2dWorld : public Simulator {
  public:
   /// [m, rad, m/s, rad/s] Single precision within kReach, and up to 32 rad/s.
   static constexpr double kStartTolerance = 1e-6;
-  static constexpr double kReach = 8.0;  ///< [m] |x| or |y| within which a start must be
+  static constexpr double kReach = 8.0;  ///< [m] |x| or |y| within which bodies must be
 
   explicit Box2dWorld(const Box2dParameters& parameters = {});
   /// Builds its scene, of this substep [s], with `make_scene` at every reset; a test gives scenes with errors.
@@ -78,7 +75,7 @@ class Box2dWorld : public Simulator {
   /// Builds the scene anew: Box2D remembers contacts, impulses and their order. Throws SimulationFault for a start that
   /// single precision or the engine's limits of speed cannot hold.
   void doReset(const WorldState& state) override;
-  /// Throws SimulationFault if a body reaches the engine's limits of speed.
+  /// Throws SimulationFault if a body leaves that range, or reaches the engine's limits of speed.
   void doStep(const Action& action) override;
   WorldState doState() const override;
 

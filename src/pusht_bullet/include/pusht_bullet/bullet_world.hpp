@@ -21,7 +21,7 @@ struct BulletParameters {
   bool drag = true;            ///< else Bullet's damping of a body
   bool margin = true;          ///< else Bullet's default
   int iterations = 50;         ///< of the constraint solver in a substep
-  double overlap_rate = 0.4;   ///< [-] share of an overlap that a substep takes away: 1 - exp(-0.01 s / 0.02 s)
+  double overlap_rate = 40.0;  ///< [1/s] of an overlap's decay, about that of MuJoCo's contacts
   double substep = kSubstep;   ///< [s] a value of substepDescriptor()
 };
 
@@ -48,12 +48,9 @@ inline constexpr std::array kSwitches = {
 }  // namespace bullet
 
 /// One world: a planar task in a three-dimensional engine. The tee is one rigid body of two convex hulls, the pusher a
-/// cylinder that does not turn; both move in a plane and turn about z alone.
-///
-/// Bullet has forces that are constant in a substep, but in the reference servo and damping act at the velocity at its
-/// end (implicit). With a force F - D v and a mass M + h D the explicit step is that implicit one; so the bodies carry
-/// the mass h D more than they have. Friction of the table acts along each of its axes: motors of a 6-DoF constraint
-/// that hold velocity 0, each with at most so much force.
+/// cylinder that does not turn; both move in a plane and turn about z alone. Servo and damping are implicit, as in
+/// pusht_task/mapping.hpp. Friction of the table acts along each of its axes: motors of a 6-DoF constraint that hold
+/// velocity 0, each with at most so much force.
 class BulletWorld : public Simulator {
  public:
   static constexpr double kStartTolerance = 1e-12;  ///< [m, rad, m/s, rad/s]
@@ -68,6 +65,7 @@ class BulletWorld : public Simulator {
   /// Builds the scene anew: Bullet remembers contacts and their order. Throws SimulationFault for a tee that turns
   /// faster than Bullet can follow.
   void doReset(const WorldState& state) override;
+  /// Throws SimulationFault for a tee that comes to turn so fast.
   void doStep(const Action& action) override;
   WorldState doState() const override;
 

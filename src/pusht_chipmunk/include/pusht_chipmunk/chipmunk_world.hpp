@@ -60,11 +60,8 @@ inline constexpr std::array kSwitches = {
 
 }  // namespace chipmunk
 
-/// One world. The tee is one rigid body of two boxes, the pusher a disc that does not turn.
-///
-/// Chipmunk has forces that are constant in a substep, but in the reference servo and damping act at the velocity at
-/// its end (implicit). With a force F - D v and a mass M + h D the explicit step is that implicit one; so the bodies
-/// carry the mass h D more than they have. Dry friction acts along each axis of the table: a groove joint for each,
+/// One world. The tee is one rigid body of two boxes, the pusher a disc that does not turn. Servo and damping are
+/// implicit, as in pusht_task/mapping.hpp. Dry friction acts along each axis of the table: a groove joint for each,
 /// which may use so much force and never pulls back. Bodies move after their collision was solved, as in the reference.
 class ChipmunkWorld : public Simulator {
  public:

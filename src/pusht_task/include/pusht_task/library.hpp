@@ -29,4 +29,8 @@ class Library {
   void* handle_;
 };
 
+/// Version in the name of the file that a function or variable of this process was loaded from: "3.24" of libX.so.3.24.
+/// Empty if the file says none.
+std::string versionOfLibrary(const void* symbol);
+
 }  // namespace pusht

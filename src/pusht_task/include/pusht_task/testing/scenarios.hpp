@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/spawn.hpp"
@@ -24,15 +25,29 @@ inline WorldState movingState(std::uint64_t seed) {
   return state;
 }
 
-/// Starts that are allowed, and that no simulation can make sense of: too fast for a table, one body inside the other.
-inline std::array<WorldState, 2> absurdStates() {
+/// Starts that are allowed, and that no simulation can make sense of: too fast for a table, one body inside the other,
+/// in walls and far beyond them.
+inline std::vector<WorldState> absurdStates() {
   WorldState fast = spawn(3);
   fast.tee_velocity.x() = kPlausibleSpeed;
   fast.pusher_velocity.y() = -kPlausibleSpeed;
   fast.tee_yaw_rate = kPlausibleYawRate;
   WorldState overlapping = spawn(3);
   overlapping.pusher_position = overlapping.tee_position;
-  return {fast, overlapping};
+  std::vector<WorldState> states = {fast, overlapping};
+  for (const double place : {1e-30, kWallInnerFace, 0.41, 7.9, 0.999 * kPlausibleDistance}) {  // [m]
+    for (const double speed : {1e-30, 60.0, 199.0, kPlausibleSpeed}) {                         // [m/s]
+      WorldState state;
+      state.pusher_position = {place, -place};
+      state.tee_position = {-place, 0.5 * place};
+      state.pusher_velocity = {-speed, speed};
+      state.tee_velocity = {speed, 0.0};
+      state.tee_yaw = 3.0;
+      state.tee_yaw_rate = 0.3 * speed;
+      states.push_back(state);
+    }
+  }
+  return states;
 }
 
 /// Starts that are not allowed.

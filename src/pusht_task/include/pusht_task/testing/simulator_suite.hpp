@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <future>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -74,9 +75,13 @@ TEST_P(SimulatorSuite, ResetToItsOwnStateIsAFixedPointBitForBit) {
   }
 }
 
-TEST_P(SimulatorSuite, ResetClearsAllHiddenState) {
+TEST_P(SimulatorSuite, AThousandResetsClearAllHiddenState) {
   const auto used = makeWorld();
   chaseFrom(*used, spawn(7), 40);
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+    used->reset(movingState(seed));
+    used->step({1.0F, -1.0F});
+  }
   const auto fresh = makeWorld();
   EXPECT_EQ(chaseFrom(*used, spawn(3), 40), chaseFrom(*fresh, spawn(3), 40));
 }
@@ -92,6 +97,22 @@ TEST_P(SimulatorSuite, TwoWorldsDoNotShareState) {
     b->step(chase(b->state()));
     ASSERT_EQ(a->state(), alone[i + 1]);
   }
+}
+
+/// Worlds that are made and moved at the same time.
+TEST_P(SimulatorSuite, TwoThreadsDoNotShareState) {
+  const auto chase_some = [this] {
+    const auto world = makeWorld();
+    std::vector<std::vector<WorldState>> episodes;
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      episodes.push_back(chaseFrom(*world, spawn(seed), 40));
+    }
+    return episodes;
+  };
+  const auto alone = chase_some();
+  auto other = std::async(std::launch::async, chase_some);
+  EXPECT_EQ(chase_some(), alone);
+  EXPECT_EQ(other.get(), alone);
 }
 
 TEST_P(SimulatorSuite, ChasingMovesTheTee) {
@@ -166,7 +187,7 @@ TEST_P(SimulatorSuite, AbsurdStatesAreAnErrorOrStayFinite) {
     try {
       world->reset(start);
       for (int i = 0; i < 20; ++i) {
-        world->step({0.0F, 0.0F});
+        world->step({i % 3 == 0 ? 3e38F : -3e38F, 1.0F});
         ASSERT_TRUE(isFinite(world->state()));
         ASSERT_NE(world->state(), WorldState()) << "reset to the origin on its own";
       }

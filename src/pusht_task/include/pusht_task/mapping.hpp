@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// The task's physics in the terms of an engine by others, which has rigid bodies, boxes and forces that are constant
+/// in a substep; and the parameter `preset` of such a kind.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/parameters.hpp"
+#include "pusht_task/physics.hpp"
+#include "pusht_task/switches.hpp"
+
+namespace pusht {
+
+// In the reference, servo and damping act at the velocity at a substep's end (implicit). With a force F - D v, a mass M
+// and a substep h, an explicit step of a body of the mass M + h D is that implicit one.
+
+/// [kg] Mass of a pusher whose servo and damping are implicit in substeps of this length [s]; 0: they are explicit.
+constexpr double pusherMass(const Physics& physics, double implicit_in) {
+  return physics.pusher_mass + implicit_in * (physics.servo_gain + physics.pusher_damping);
+}
+
+/// Inertia of a tee as one rigid body.
+struct TeeInertia {
+  double mass;           ///< [kg]
+  double first_moment;   ///< [kg m] mass times center of mass, along body -y
+  double second_moment;  ///< [kg m^2] moment of inertia about the tee origin
+
+  /// [m] from the tee origin to its center of mass, along body -y.
+  constexpr double center() const { return first_moment / mass; }
+  /// [kg m^2] Moment of inertia about the center of mass.
+  constexpr double momentAboutCenter() const { return second_moment - mass * center() * center(); }
+};
+
+/// Inertia of a tee whose damping is implicit in substeps of this length [s]; 0: it is explicit. The mass that makes it
+/// so sits at the origin, where the damping acts.
+constexpr TeeInertia teeInertia(const Physics& physics, double implicit_in) {
+  return {physics.tee_mass + implicit_in * physics.tee_damping, physics.tee_first_moment,
+          physics.tee_second_moment + implicit_in * physics.tee_yaw_damping};
+}
+
+/// [N] Force of servo and damping on the pusher along an axis, for its commanded and its present velocity [m/s].
+constexpr double pusherForce(const Physics& physics, double command, double velocity) {
+  return std::clamp(physics.servo_gain * (command - velocity), -physics.servo_limit, physics.servo_limit) -
+         physics.pusher_damping * velocity;
+}
+
+/// Box along the axes of its body, or of the table [m].
+struct PlacedBox {
+  double x;
+  double y;
+  double half_x;
+  double half_y;
+};
+
+/// Bar and stem, in the tee's frame.
+constexpr std::array<PlacedBox, 2> teeBoxes(const Physics& physics) {
+  return {{{0.0, 0.0, physics.bar_half_length, physics.bar_half_width},
+           {0.0, -physics.stem_offset, physics.stem_half_width, physics.stem_half_length}}};
+}
+
+/// The walls at +y, -y, +x and -x, which meet in the corners.
+constexpr std::array<PlacedBox, 4> wallBoxes(const Physics& physics) {
+  constexpr double kHalf = dynamics::kWallThickness / 2.0;
+  const double middle = physics.wall_inner_face + kHalf;
+  const double half_length = physics.wall_inner_face + dynamics::kWallThickness;
+  return {{{0.0, middle, half_length, kHalf},
+           {0.0, -middle, half_length, kHalf},
+           {middle, 0.0, kHalf, half_length},
+           {-middle, 0.0, kHalf, half_length}}};
+}
+
+/// Descriptors of the switches of a mapping, each on as in the reference's scene and off as users of the engine write
+/// it, and of `preset`: `mapped` (all on) or `idiomatic` (all off).
+template <typename Switches>
+std::vector<ParameterDescriptor> mappingDescriptors(const Switches& switches) {
+  return switchDescriptors(switches, {presetOf("mapped", switches, true), presetOf("idiomatic", switches, false)});
+}
+
+}  // namespace pusht

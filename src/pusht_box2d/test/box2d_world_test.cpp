@@ -101,6 +101,22 @@ TEST(Box2dWorld, SaysWhichStartItCannotHold) {
   EXPECT_THAT([&] { world->reset(start); }, ThrowsMessage<SimulationFault>(HasSubstr("tee at 5100.0 rad/s: must be")));
 }
 
+TEST(Box2dWorld, ReportsABodyThatLeavesItsReach) {
+  const auto world = worldWith({});
+  WorldState start;
+  start.pusher_position = {7.9, 0.0};
+  start.pusher_velocity.x() = 10.0;
+  world->reset(start);
+  EXPECT_THAT(
+      [&] {
+        world->step({1.0F, 0.0F});
+      },
+      ThrowsMessage<SimulationFault>(HasSubstr("Box2D: step: pusher_x 8.")));
+  EXPECT_THROW(world->step({0.0F, 0.0F}), InvalidInput) << "it must be reset";
+}
+
+TEST(Box2dKind, HasTheVersionOfItsFile) { EXPECT_THAT(box2dVersion(), ::testing::MatchesRegex("2\\.4\\.[0-9]+")); }
+
 /// Leaves bytes on the stack, where the calls that follow have their variables.
 [[gnu::noinline]] void leaveOnTheStack(unsigned char byte) {
   std::array<volatile unsigned char, 16384> bytes;  // NOLINT(cppcoreguidelines-pro-type-member-init): set below

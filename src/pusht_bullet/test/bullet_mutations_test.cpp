@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "../src/bullet_scene.hpp"
 #include "bullet_checks.hpp"
 #include "pusht_bullet/bullet_world.hpp"
+#include "pusht_task/error.hpp"
 #include "pusht_task/mapping.hpp"
 #include "pusht_task/testing/planted_errors.hpp"
 
@@ -12,6 +16,9 @@ namespace pusht {
 namespace {
 
 using bullet::Scene;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 struct FrictionAtTheCenterOfMass : Scene {
   using Scene::Scene;
@@ -40,6 +47,12 @@ struct ThreeWalls : Scene {
   }
 };
 
+/// A moment that turns the tee faster than Bullet can.
+struct Top : Scene {
+  using Scene::Scene;
+  void applyForces(const btVector3& /*command*/) override { tee().applyTorque({0.0, 0.0, 100.0}); }
+};
+
 using Planted = testing::PlantedIn<BulletWorld, Scene, BulletParameters>;
 
 std::vector<testing::PlantedError> errors() {
@@ -48,6 +61,18 @@ std::vector<testing::PlantedError> errors() {
                               {Planted::withLaw<ThreeWalls>("three walls", claims),
                                Planted::withLaw<FrictionAtTheCenterOfMass>("friction at the center of mass", claims),
                                Planted::withLaw<DampingAtTheCenterOfMass>("damping at the center of mass", claims)});
+}
+
+TEST(BulletWorld, ReportsATeeThatBulletSlowsDown) {
+  BulletWorld world([] { return std::make_unique<Top>(BulletParameters()); });
+  world.reset({});
+  EXPECT_THAT(
+      [&] {
+        world.step({0.0F, 0.0F});
+      },
+      ThrowsMessage<SimulationFault>(
+          AllOf(HasSubstr("Bullet: step: tee_yaw_rate "), HasSubstr("must be within 78.5"))));
+  EXPECT_THROW(world.step({0.0F, 0.0F}), InvalidInput) << "it must be reset";
 }
 
 }  // namespace

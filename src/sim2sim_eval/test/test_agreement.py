@@ -13,6 +13,7 @@ from sim2sim_report.agreement import principal_coordinates, text_of, tree
 AGREEMENT = executable("sim2sim_eval", "agreement")
 COMPARE = executable("sim2sim_eval", "compare")
 PLOT = executable("sim2sim_eval", "plot_agreement")
+REPORT = executable("sim2sim_eval", "report")
 KINDS = ("mujoco", "chipmunk", "two_mass")
 SHORT = ("--policy", "expert", "--episodes", "4", "--horizon", "60", "--reanchor", "5")
 REPLAYS = {5: "engine_reanchored_5", None: "engine_replay"}
@@ -165,6 +166,34 @@ class Picture(AgreementCase):
         content["format"] = 0
         self.write("old.json", json.dumps(content).encode())
         self.assertIn("format", self.refused(PLOT, "old.json"))
+
+
+class Page(AgreementCase):
+    def test_has_the_figures_of_the_file(self) -> None:
+        content = self.agree("a.json", *KINDS)
+        self.run_all((REPORT, "a.json", "--images", "drawn"))
+        page = (self.folder / "a.html").read_text("utf-8")
+        head = page[page.index("<h1>") : page.index("</h1>")]
+        self.assertRegex(
+            head, r"MuJoCo and Chipmunk are nearest, [\d.]+ mm; two-mass engine is far"
+        )
+        for replay in content["replays"]:
+            for component in COMPONENTS:
+                for cell in replay[component]["distances"][0][1:]:
+                    self.assertTrue(f">{text_of(1000 * cell['value'])}<" in page, cell)
+        drawn = {path.name for path in (self.folder / "drawn").iterdir()}
+        self.assertEqual(
+            drawn, {f"agreement-{k}.{e}" for k in ("5", "open") for e in ("png", "pdf")}
+        )
+        self.assertIn("a.html", self.refused(REPORT, "a.json"))
+        self.assertIn(
+            "has no --animate", self.refused(REPORT, "a.json", "--out", "b.html", "--animate", "1")
+        )
+
+    def test_of_another_file_is_refused(self) -> None:
+        self.write("other.json", b'{"format": 1}')
+        self.assertIn("other.json", self.refused(REPORT, "other.json"))
+        self.assertFalse((self.folder / "other.html").exists())
 
 
 class Places(unittest.TestCase):

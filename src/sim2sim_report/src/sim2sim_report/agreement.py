@@ -130,18 +130,25 @@ class AgreementFigure:
         figure.get_layout_engine().set(w_pad=0.08, h_pad=0.12)  # [in]
         return figure
 
+    @property
+    def how(self) -> str:
+        every = self.replay["reset_every"]
+        if every is None:
+            return "In open loop"
+        steps = "control step" if every == 1 else f"{every} control steps"
+        return f"Reset to the reference every {steps}"
+
+    @property
+    def is_usual(self) -> bool:
+        """Whether this kind of replay is the one to show where one is shown."""
+        kinds = [replay["reset_every"] for replay in self.content["replays"]]
+        return bool(self.replay["reset_every"] == (USUAL if USUAL in kinds else kinds[0]))
+
     def _title(self, narrow: bool) -> List[str]:
         run = self.content["run"]
-        every = self.replay["reset_every"]
-        how = (
-            "in open loop"
-            if every is None
-            else "reset to the reference every "
-            + ("control step" if every == 1 else f"{every} control steps")
-        )
         reference = self.content["reference"]
         along = f"{reference['title']}'s" if reference else "each simulator's"
-        lines = [f"How far apart do simulators take the tee? {how[0].upper()}{how[1:]}"]
+        lines = [f"How far apart do simulators take the tee? {self.how}"]
         lines.append(
             f"all replay {along} actions; policy {run['policy']}, {run['episodes']:,} episodes,"
             f" {100 * self.content['confidence']:g} % intervals"
@@ -302,19 +309,30 @@ def overlap(a: Box, b: Box) -> bool:
     return a[0] < b[1] and b[0] < a[1] and a[2] < b[3] and b[2] < a[3]
 
 
-def read_agreement(path: Path, reset_every: Optional[int]) -> AgreementFigure:
-    """The agreement of a file, for one kind of replay: by its resets, or the usual one."""
+def read_agreement(path: Path) -> List[AgreementFigure]:
+    """The agreement of a file, by its kinds of replay."""
     content = read_json(path)
     require_format(path, content, format_of("agreement"))
     try:
-        replays = {replay["reset_every"] or OPEN_LOOP: replay for replay in content["replays"]}
-        usual = USUAL if USUAL in replays else next(iter(replays))
-        chosen = usual if reset_every is None else reset_every
-        if chosen not in replays:
-            known = ", ".join(map(str, replays))
-            raise Error(f"reset_every {chosen}: must be one of {known} ({OPEN_LOOP}: open loop)")
-        figure = AgreementFigure(content, replays[chosen])
-        figure.drawing("check")
+        figures = [AgreementFigure(content, replay) for replay in content["replays"]]
+        for figure in figures:
+            figure.drawing("check")
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
         raise Error(f"{path}: is not as this version writes it: {error!r}") from None
-    return figure
+    return figures
+
+
+def names_of(figures: Sequence[AgreementFigure]) -> List[str]:
+    """Names of their pictures: "agreement-5", "agreement-open"."""
+    return [f"agreement-{figure.replay['reset_every'] or 'open'}" for figure in figures]
+
+
+def of_replay(figures: Sequence[AgreementFigure], reset_every: Optional[int]) -> AgreementFigure:
+    """That of one kind of replay: by its resets [control steps], or the usual one."""
+    if reset_every is None:
+        return next(figure for figure in figures if figure.is_usual)
+    replays = {figure.replay["reset_every"] or OPEN_LOOP: figure for figure in figures}
+    if reset_every not in replays:
+        known = ", ".join(map(str, replays))
+        raise Error(f"reset_every {reset_every}: must be one of {known} ({OPEN_LOOP}: open loop)")
+    return replays[reset_every]

@@ -6,6 +6,7 @@ from typing import List, Sequence, Tuple
 
 from pusht_task.error import Error
 
+from sim2sim_report.agreement import names_of, read_agreement
 from sim2sim_report.attribution import draw as draw_attribution
 from sim2sim_report.attribution import is_attributed, read_attribution
 from sim2sim_report.curves import draw as draw_sweep
@@ -30,6 +31,8 @@ def make(
 ) -> Tuple[str, List[Drawing]]:
     """The page of results, and the figures on it. Refuses what is not as this version writes it."""
     try:
+        if len(folders) == 1 and folders[0].is_file():
+            return _of_agreement(folders[0], animate, suite)
         if len(folders) == 1 and is_sweep(folders[0]):
             return _of_sweep(folders[0], animate, suite)
         if len(folders) == 1 and is_partial(folders[0]):
@@ -43,6 +46,14 @@ def make(
     except RecursionError:
         names = ", ".join(map(str, folders))
         raise Error(f"{names}: must have files that are less deeply nested") from None
+
+
+def _of_agreement(file: Path, animate: Sequence[int], suite: Suite) -> Tuple[str, List[Drawing]]:
+    if animate:
+        raise Error(f"{file}: is an agreement, which has no --animate")
+    figures = read_agreement(file)
+    drawings = [figure.drawing(name) for name, figure in zip(names_of(figures), figures)]
+    return Page(suite).of_agreement(file, figures), drawings
 
 
 def _of_sweep(folder: Path, animate: Sequence[int], suite: Suite) -> Tuple[str, List[Drawing]]:

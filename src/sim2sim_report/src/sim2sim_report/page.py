@@ -9,8 +9,9 @@ import jinja2
 from pusht_task.error import Error
 from pusht_task.json_file import Json
 
-from sim2sim_report import audit, colors, figures
+from sim2sim_report import agreement_tables, audit, colors, figures
 from sim2sim_report.again import command_of, notes_on_command, suggested_attribution
+from sim2sim_report.agreement import AgreementFigure
 from sim2sim_report.animation import GEOMETRY, animated, player, poster
 from sim2sim_report.attribution import read_attribution
 from sim2sim_report.cause import section as attribution_section
@@ -134,6 +135,17 @@ class Page:
             matrix=section,
         )
 
+    def of_agreement(self, file: Path, found: Sequence[AgreementFigure]) -> str:
+        """Distances of all pairs of simulators."""
+        section = agreement_tables.section(found)
+        return self._render(
+            title=f"Agreement of simulators, {file.stem}",
+            question="Which simulators agree?",
+            headline=agreement_tables.headline(found),
+            caution=[*section["caution"], CAUTION[0]],
+            agreement=section,
+        )
+
     def of_partial(self, partial: Partial) -> str:
         """A run that was interrupted, or failed: its episodes, without figures."""
         status, configuration = partial.status, partial.provenance["configuration"]
@@ -167,7 +179,15 @@ class Page:
         )
 
     def _render(self, **context: Any) -> str:
-        for name in ("rates", "sweep", "attribution", "matrix", "partial", "unfinished"):
+        for name in (
+            "rates",
+            "sweep",
+            "attribution",
+            "matrix",
+            "agreement",
+            "partial",
+            "unfinished",
+        ):
             context.setdefault(name, None)
         for name in ("answers", "contrasts", "runs"):
             context.setdefault(name, [])

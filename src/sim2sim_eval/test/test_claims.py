@@ -16,7 +16,13 @@ sys.path.insert(0, str(BENCHMARK))
 import claims  # noqa: E402
 
 # Documents of which every interval is a claim.
-DOCUMENTS = ("README.md", "docs/findings.md", "docs/ladder.md", "docs/study/findings.md")
+DOCUMENTS = (
+    "README.md",
+    "docs/findings.md",
+    "docs/ladder.md",
+    "docs/study/engines.md",
+    "docs/study/findings.md",
+)
 INTERVAL = re.compile(r"\[[+-]?\d[^\[\],]*, [+-]?\d[^\[\],]*\]")
 RUNS = claims.read(claims.TABLE)
 TOY = """

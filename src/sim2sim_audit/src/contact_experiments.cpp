@@ -58,21 +58,22 @@ void shapes(Bench& bench, Measurements& found) {
   constexpr double kAside = 0.045;  // [m] along the bar, clear of the stem
   const double right = surfaceAt(bench, {0.0, 0.0}, {1.0, 0.0}, task.bar_half_length + radius);
   const double left = surfaceAt(bench, {0.0, 0.0}, {-1.0, 0.0}, task.bar_half_length + radius);
-  const double back = surfaceAt(bench, {kAside, 0.0}, {0.0, 1.0}, task.bar_half_width + radius);
-  const double front = surfaceAt(bench, {kAside, 0.0}, {0.0, -1.0}, task.bar_half_width + radius);
-  const double end = surfaceAt(bench, {0.0, 0.0}, {0.0, -1.0}, task.stem_offset + task.stem_half_length + radius);
-  constexpr double kAlongStem = -0.08;  // [m]
-  const double stem_right = surfaceAt(bench, {0.0, kAlongStem}, {1.0, 0.0}, task.stem_half_width + radius);
-  const double stem_left = surfaceAt(bench, {0.0, kAlongStem}, {-1.0, 0.0}, task.stem_half_width + radius);
   const double origin_x = 0.5 * (right - left);
-  const double origin_y = 0.5 * (back - front);
   found.set(Property::kOriginX, origin_x);
-  found.set(Property::kOriginY, origin_y);
+  const double back = surfaceAt(bench, {kAside, 0.0}, {0.0, 1.0}, task.bar_half_width + radius);
   const double found_radius = radiusByCorner(bench, right, back);
   found.set(Property::kPusherRadius, found_radius);
   found.set(Property::kBarHalfLength, 0.5 * (right + left) - found_radius);
+  // Bodies that touch from afar leave no way into the notch between bar and stem.
+  const double front = surfaceAt(bench, {kAside, 0.0}, {0.0, -1.0}, task.bar_half_width + radius);
+  const double origin_y = 0.5 * (back - front);
+  found.set(Property::kOriginY, origin_y);
   found.set(Property::kBarHalfWidth, 0.5 * (back + front) - found_radius);
+  const double end = surfaceAt(bench, {0.0, 0.0}, {0.0, -1.0}, task.stem_offset + task.stem_half_length + radius);
   found.set(Property::kStemEnd, end + origin_y - found_radius);
+  constexpr double kAlongStem = -0.08;  // [m]
+  const double stem_right = surfaceAt(bench, {0.0, kAlongStem}, {1.0, 0.0}, task.stem_half_width + radius);
+  const double stem_left = surfaceAt(bench, {0.0, kAlongStem}, {-1.0, 0.0}, task.stem_half_width + radius);
   found.set(Property::kStemHalfWidth, 0.5 * (stem_right + stem_left) - found_radius);
   found.set(Property::kStemPlace, 0.5 * (stem_right - stem_left) - origin_x);
 }

@@ -42,6 +42,20 @@ class Audits(CommandCase):
         audit = self.audit("--engine", "rigid_body", "--set", "coulomb=false")
         self.assertIn(audit["findings"][0], ("tee_friction_x", "tee_friction_y"))
 
+    def test_each_idiom_of_bullet_is_a_finding_of_its_own(self) -> None:
+        contract_broken = 5  # a tee on a plane has a height and a tilt, which no reset sets
+        for switch, expected, code in (
+            ("servo", "pusher_damping", 0),
+            ("table_friction", "friction_shape", contract_broken),
+            ("drag", "damping_point", 0),
+            ("margin", "pusher_radius", 0),
+        ):
+            with self.subTest(switch):
+                engine = ("--engine", "bullet", "--set", f"{switch}=false", "--against", "task")
+                process = self.run_command(AUDIT, "--out", f"{switch}.json", *engine)
+                self.assertEqual(process.returncode, code, process.stderr)
+                self.assertIn(expected, self.load(".", f"{switch}.json")["findings"])
+
     def test_against_the_task(self) -> None:
         audit = self.audit("--engine", "chipmunk", "--against", "task")
         self.assertEqual((audit["reference"], audit["findings"]), ("the task", []))

@@ -7,11 +7,11 @@
 namespace sim2sim {
 namespace {
 
-nlohmann::ordered_json numberOf(const std::optional<double>& value) {
+nlohmann::ordered_json numberOf(const std::optional<double>& value, const char* infinite = "none") {
   if (!value) {
     return nullptr;
   }
-  return std::isfinite(*value) ? nlohmann::ordered_json(*value) : nlohmann::ordered_json("none");
+  return std::isfinite(*value) ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(infinite);
 }
 
 nlohmann::ordered_json toJson(const Comparison& comparison) {
@@ -23,8 +23,8 @@ nlohmann::ordered_json toJson(const Comparison& comparison) {
                                  {"contract", isContract(comparison.property)},
                                  {"declared", comparison.is_declared},
                                  {"verdict", nameOf(comparison.verdict)},
-                                 {"reference", numberOf(comparison.reference)},
-                                 {"engine", numberOf(comparison.engine)}};
+                                 {"reference", numberOf(comparison.reference, nameOfInfinity(comparison.property))},
+                                 {"engine", numberOf(comparison.engine, nameOfInfinity(comparison.property))}};
   if (comparison.verdict == PropertyVerdict::kCannotTell) {
     json["reason"] = comparison.reason;
     return json;

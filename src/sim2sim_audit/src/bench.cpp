@@ -22,6 +22,22 @@ Eigen::Vector2d shiftOf(std::uint64_t seed) {
   return {x, generator.uniform(-Bench::kShift, Bench::kShift)};
 }
 
+/// Least distance of `approach` at which is_touching() fails, by bisection; none if it fails where bodies overlap.
+template <class IsTouching>
+std::optional<double> edgeOf(const Approach& approach, const IsTouching& is_touching) {
+  constexpr double kPrecision = 1e-7;  // [m]
+  double touching = approach.overlapping;
+  double free = approach.apart;
+  if (!is_touching(touching)) {
+    return std::nullopt;
+  }
+  while (std::abs(free - touching) > kPrecision) {
+    const double middle = 0.5 * (free + touching);
+    (is_touching(middle) ? touching : free) = middle;
+  }
+  return free;
+}
+
 }  // namespace
 
 Bench::Bench(pusht::Simulator& world, WorldFactory make_second, std::uint64_t seed)
@@ -56,27 +72,50 @@ bool Bench::isPushedApart(const pusht::WorldState& state) {
   return distanceBetween(before, step({0.0, 0.0})) > kMotion;
 }
 
-std::optional<double> touchDistance(Bench& bench, const pusht::WorldState& scene, const Eigen::Vector2d& center,
-                                    const Eigen::Vector2d& outward, double overlapping, double apart) {
-  constexpr double kPrecision = 1e-7;  // [m]
-  const auto with_pusher_at = [&](double distance) {
-    pusht::WorldState state = scene;
-    state.pusher_position = center + distance * outward;
-    return state;
-  };
-  const auto is_pushed_at = [&](double distance) { return bench.isPushedApart(with_pusher_at(distance)); };
-  bench.reset(with_pusher_at(apart));  // a world that refuses this start refuses for another reason
-  if (is_pushed_at(apart)) {
+Bench::Way Bench::slowWay(const pusht::WorldState& start, const Eigen::Vector2d& direction) {
+  // [m/s] So slow that what the pusher goes in a control step is less than what counts of a length, and so fast that
+  // rounding in single precision is a small share of it.
+  constexpr double kSlow = 1e-3;
+  const pusht::WorldState before = reset(start);
+  const pusht::WorldState after = step(kSlow * direction);
+  const double turned = std::abs(pusht::wrapAngle(after.tee_yaw - before.tee_yaw));
+  return {after.pusher_position - before.pusher_position,
+          std::max((after.tee_position - before.tee_position).norm(), pusht::kStemOffset * turned)};
+}
+
+bool Bench::isHeld(const pusht::WorldState& state, const Eigen::Vector2d& direction, const Way& free) {
+  constexpr double kShare = 0.05;  // [-] of the free way
+  const Way way = slowWay(state, direction);
+  return (way.of_pusher - free.of_pusher).norm() > kShare * free.of_pusher.norm() || way.of_tee > free.of_tee + kMotion;
+}
+
+pusht::WorldState Approach::at(double distance) const {
+  pusht::WorldState state = scene;
+  state.pusher_position = center + distance * outward;
+  return state;
+}
+
+std::optional<double> pushedDistance(Bench& bench, const Approach& approach) {
+  const auto is_pushed_at = [&](double distance) { return bench.isPushedApart(approach.at(distance)); };
+  bench.reset(approach.at(approach.apart));  // a world that refuses this start refuses for another reason
+  if (is_pushed_at(approach.apart)) {
     throw std::runtime_error("the world moves where nothing touches");
   }
-  if (!is_pushed_at(overlapping)) {
-    return std::nullopt;
-  }
-  while (std::abs(apart - overlapping) > kPrecision) {
-    const double middle = 0.5 * (apart + overlapping);
-    (is_pushed_at(middle) ? overlapping : apart) = middle;
-  }
-  return apart;
+  return edgeOf(approach, is_pushed_at);
+}
+
+std::optional<double> heldDistance(Bench& bench, const Approach& approach) {
+  const double sign = approach.overlapping < approach.apart ? -1.0 : 1.0;  // of the way to the surface
+  const Eigen::Vector2d inward = sign * approach.outward;
+  const Bench::Way free = bench.slowWay(approach.at(approach.apart), inward);
+  const auto edge =
+      edgeOf(approach, [&](double distance) { return bench.isHeld(approach.at(distance), inward, free); });
+  return edge ? std::optional(*edge + sign * free.of_pusher.norm()) : std::nullopt;  // where it was held in the end
+}
+
+std::optional<double> touchDistance(Bench& bench, const Approach& approach) {
+  const std::optional<double> pushed = pushedDistance(bench, approach);
+  return pushed ? pushed : heldDistance(bench, approach);
 }
 
 double distanceBetween(const pusht::WorldState& a, const pusht::WorldState& b) {

@@ -118,6 +118,24 @@ std::string difference(const Comparison& finding) {
          (is_length ? " mm" : std::string(" ") + description.unit);
 }
 
+std::string causeOfServoGain(const Comparison& finding) {
+  const std::string stiff = "moves as commanded, whatever it pushes: a motor as stiff as its limit allows";
+  if (!std::isfinite(*finding.engine)) {
+    return "the pusher " + stiff + ", not a soft servo";
+  }
+  return std::isfinite(*finding.reference) ? ratio(finding) : "the reference's pusher " + stiff;
+}
+
+std::string causeOfMoveOrder(double lead) {
+  return lead > 0.0 ? "bodies move with the velocities of a substep's begin: before collisions are solved, not after"
+                    : "bodies move with the velocities of a substep's end: after collisions are solved, not before";
+}
+
+std::string causeOfSlop(double least) {
+  return std::isfinite(least) ? "bodies that overlap by up to " + number(1e3 * least) + " mm are left alone"
+                              : "bodies that overlap are not pushed apart";
+}
+
 /// Cause of what the engine does.
 std::string causeInEngine(const Comparison& finding) {
   const double engine = *finding.engine;
@@ -180,6 +198,12 @@ std::string causeInEngine(const Comparison& finding) {
                           : "Coulomb friction has a limit along each axis (a box), not one in all directions";
     case Property::kContactFriction:
       return ratio(finding);
+    case Property::kServoGain:
+      return causeOfServoGain(finding);
+    case Property::kMoveOrder:
+      return causeOfMoveOrder(engine);
+    case Property::kSlop:
+      return causeOfSlop(engine);
     default:
       break;
   }

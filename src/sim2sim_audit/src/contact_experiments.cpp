@@ -2,6 +2,8 @@
 // Shapes by touch, and what contacts do under a push.
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -21,19 +23,36 @@ WorldState teeAtYawZero(const Bench& bench) {
   return scene;
 }
 
-/// [m] Distance from the tee origin along `outward` (body frame), plus `beside` across it, at which the tee is touched.
-double surfaceAt(Bench& bench, const Eigen::Vector2d& beside, const Eigen::Vector2d& outward, double nominal) {
+/// Approach to the tee from `outward` (body frame), `beside` its origin, to a touch that is to be at `nominal` [m].
+Approach approachTo(const Bench& bench, const Eigen::Vector2d& beside, const Eigen::Vector2d& outward, double nominal) {
   // [m] Below the nominal touch: one body inside the other, and less deep than MuJoCo's bodies are above each other
   // (30.2 mm), which would be pushed apart up and down, where they cannot move.
   constexpr double kDeep = 0.029;
   constexpr double kClear = 0.1;  // [m] beyond it, and beyond a collision margin of 0.04 m
   const WorldState scene = teeAtYawZero(bench);
-  const auto distance =
-      touchDistance(bench, scene, scene.tee_position + beside, outward, nominal - kDeep, nominal + kClear);
+  return {scene, scene.tee_position + beside, outward, nominal - kDeep, nominal + kClear};
+}
+
+/// Throws std::runtime_error if there is none.
+double needTouch(const std::optional<double>& distance) {
   if (!distance) {
     throw std::runtime_error("the tee is not touched where it should be");
   }
   return *distance;
+}
+
+/// [m] Distance from the tee origin along `outward`, plus `beside` across it, at which the tee is touched.
+double surfaceAt(Bench& bench, const Eigen::Vector2d& beside, const Eigen::Vector2d& outward, double nominal) {
+  return needTouch(touchDistance(bench, approachTo(bench, beside, outward, nominal)));
+}
+
+/// Overlap that bodies at rest keep, at the bar's end: where a pusher is held, less where it is pushed away.
+void overlapLeftAlone(Bench& bench, Measurements& found) {
+  const pusht::Physics task;
+  const Approach approach = approachTo(bench, {0.0, 0.0}, {1.0, 0.0}, task.bar_half_length + task.pusher_radius);
+  const double held = needTouch(heldDistance(bench, approach));
+  const std::optional<double> pushed = pushedDistance(bench, approach);
+  found.set(Property::kSlop, pushed ? held - *pushed : std::numeric_limits<double>::infinity());
 }
 
 /// Radius of the pusher from the corner of the bar: on the diagonal a round pusher comes nearer than it comes to the
@@ -43,7 +62,7 @@ double radiusByCorner(Bench& bench, double end, double back) {
   const double diagonal = std::sqrt(0.5);
   const WorldState scene = teeAtYawZero(bench);
   const Eigen::Vector2d inside = scene.tee_position + Eigen::Vector2d(end - kInside, back - kInside);
-  const auto distance = touchDistance(bench, scene, inside, {diagonal, diagonal}, 0.0, 2.0 * kInside);
+  const auto distance = touchDistance(bench, {scene, inside, {diagonal, diagonal}, 0.0, 2.0 * kInside});
   if (!distance) {
     throw std::runtime_error("the bar's corner is not touched where it should be");
   }
@@ -58,21 +77,22 @@ void shapes(Bench& bench, Measurements& found) {
   constexpr double kAside = 0.045;  // [m] along the bar, clear of the stem
   const double right = surfaceAt(bench, {0.0, 0.0}, {1.0, 0.0}, task.bar_half_length + radius);
   const double left = surfaceAt(bench, {0.0, 0.0}, {-1.0, 0.0}, task.bar_half_length + radius);
-  const double back = surfaceAt(bench, {kAside, 0.0}, {0.0, 1.0}, task.bar_half_width + radius);
-  const double front = surfaceAt(bench, {kAside, 0.0}, {0.0, -1.0}, task.bar_half_width + radius);
-  const double end = surfaceAt(bench, {0.0, 0.0}, {0.0, -1.0}, task.stem_offset + task.stem_half_length + radius);
-  constexpr double kAlongStem = -0.08;  // [m]
-  const double stem_right = surfaceAt(bench, {0.0, kAlongStem}, {1.0, 0.0}, task.stem_half_width + radius);
-  const double stem_left = surfaceAt(bench, {0.0, kAlongStem}, {-1.0, 0.0}, task.stem_half_width + radius);
   const double origin_x = 0.5 * (right - left);
-  const double origin_y = 0.5 * (back - front);
   found.set(Property::kOriginX, origin_x);
-  found.set(Property::kOriginY, origin_y);
+  const double back = surfaceAt(bench, {kAside, 0.0}, {0.0, 1.0}, task.bar_half_width + radius);
   const double found_radius = radiusByCorner(bench, right, back);
   found.set(Property::kPusherRadius, found_radius);
   found.set(Property::kBarHalfLength, 0.5 * (right + left) - found_radius);
+  // Bodies that touch from afar leave no way into the notch between bar and stem.
+  const double front = surfaceAt(bench, {kAside, 0.0}, {0.0, -1.0}, task.bar_half_width + radius);
+  const double origin_y = 0.5 * (back - front);
+  found.set(Property::kOriginY, origin_y);
   found.set(Property::kBarHalfWidth, 0.5 * (back + front) - found_radius);
+  const double end = surfaceAt(bench, {0.0, 0.0}, {0.0, -1.0}, task.stem_offset + task.stem_half_length + radius);
   found.set(Property::kStemEnd, end + origin_y - found_radius);
+  constexpr double kAlongStem = -0.08;  // [m]
+  const double stem_right = surfaceAt(bench, {0.0, kAlongStem}, {1.0, 0.0}, task.stem_half_width + radius);
+  const double stem_left = surfaceAt(bench, {0.0, kAlongStem}, {-1.0, 0.0}, task.stem_half_width + radius);
   found.set(Property::kStemHalfWidth, 0.5 * (stem_right + stem_left) - found_radius);
   found.set(Property::kStemPlace, 0.5 * (stem_right - stem_left) - origin_x);
 }
@@ -148,7 +168,8 @@ std::vector<Experiment> shapeExperiments() {
   return {{"shapes by touch",
            {Property::kOriginX, Property::kOriginY, Property::kPusherRadius, Property::kBarHalfLength,
             Property::kBarHalfWidth, Property::kStemEnd, Property::kStemHalfWidth, Property::kStemPlace},
-           shapes}};
+           shapes},
+          {"overlap left alone", {Property::kSlop}, overlapLeftAlone}};
 }
 
 std::vector<Experiment> contactExperiments() {

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -22,20 +23,44 @@ WorldState teeAt(const Bench& bench, double yaw) {
   return scene;
 }
 
-/// [rad] Direction of the stem, to a twelfth of a turn: on this circle about the tee origin the pusher touches nothing
-/// else.
-double stemByTouch(Bench& bench, const WorldState& scene) {
+/// Whether the pusher at `outward` times a distance [m] from the tee touches it.
+using IsTouched = std::function<bool(const Eigen::Vector2d& outward, double distance)>;
+
+/// Sum of the directions, by twelfths of a turn, in which the stem is: on this circle about the tee origin the pusher
+/// touches nothing else.
+Eigen::Vector2d touchedDirections(const IsTouched& is_touched) {
   constexpr double kCircle = 0.09;  // [m]
   constexpr int kDirections = 24;
   Eigen::Vector2d touched = Eigen::Vector2d::Zero();
   for (int i = 0; i < kDirections; ++i) {
     const double angle = 2.0 * pusht::kPi * i / kDirections;
-    WorldState state = scene;
     const Eigen::Vector2d outward(std::cos(angle), std::sin(angle));
-    state.pusher_position = scene.tee_position + kCircle * outward;
-    touched += bench.isPushedApart(state) ? outward : Eigen::Vector2d::Zero();
+    touched += is_touched(outward, kCircle) ? outward : Eigen::Vector2d::Zero();
   }
+  return touched;
+}
+
+/// [rad] Direction of the stem, to a twelfth of a turn: where the pusher is pushed away; in a world that leaves
+/// overlaps alone, where it is held beside it.
+double stemByTouch(Bench& bench, const WorldState& scene) {
+  constexpr double kFree = 0.2;   // [m]
   constexpr double kLeast = 0.5;  // of a direction
+  const auto at = [&](const Eigen::Vector2d& outward, double distance) {
+    WorldState state = scene;
+    state.pusher_position = scene.tee_position + distance * outward;
+    return state;
+  };
+  Eigen::Vector2d touched = touchedDirections(
+      [&](const Eigen::Vector2d& outward, double distance) { return bench.isPushedApart(at(outward, distance)); });
+  if (touched.norm() < kLeast) {
+    touched = touchedDirections([&](const Eigen::Vector2d& outward, double distance) {
+      const Eigen::Vector2d beside(-outward.y(), outward.x());
+      const auto is_held = [&](const Eigen::Vector2d& direction) {
+        return bench.isHeld(at(outward, distance), direction, bench.slowWay(at(outward, kFree), direction));
+      };
+      return is_held(beside) || is_held(-beside);
+    });
+  }
   if (touched.norm() < kLeast) {
     throw std::runtime_error("the tee has no stem");
   }
@@ -53,7 +78,8 @@ double yawByTouch(Bench& bench, double yaw) {
   const WorldState scene = teeAt(bench, yaw);
   const Eigen::Rotation2Dd turn(stemByTouch(bench, scene));
   const auto surface = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& outward) {
-    const auto distance = touchDistance(bench, scene, scene.tee_position + turn * from, turn * outward, kInside, kFree);
+    const auto distance =
+        touchDistance(bench, {scene, scene.tee_position + turn * from, turn * outward, kInside, kFree});
     if (!distance) {
       throw std::runtime_error("the bar is not where the stem says");
     }

@@ -22,6 +22,10 @@ void Measurements::fail(Property property, std::string problem) {
   }
 }
 
+void Measurements::withdraw(Property property, std::string problem) {
+  estimates_[index(property)] = {std::nullopt, 0.0, std::move(problem)};
+}
+
 double Measurements::need(Property property) const {
   const Measurement& estimate = (*this)[property];
   if (!estimate.value) {

@@ -31,6 +31,8 @@ const Properties kContract = kStarts + kReports + kYaw + kTeeVelocities + kTime 
                              Properties{P::kOriginX,      P::kOriginY,      P::kPusherVelocityFactor, P::kActionScaleX,
                                         P::kActionScaleY, P::kSmallCommand, P::kActionLimit};
 const Properties kPusherForces = {P::kServoGain, P::kServoLimit, P::kPusherDamping, P::kPusherMass};
+/// What is told of masses and forces by how far bodies go.
+const Properties kBalances = kContract + Properties{P::kMoveOrder};
 const Properties kTeeForces = {P::kTeeMass,       P::kCenterOfMass, P::kTeeMoment,    P::kTeeDamping,
                                P::kTeeYawDamping, P::kTeeFrictionX, P::kTeeFrictionY, P::kTeeYawFriction,
                                P::kFrictionShape, P::kDampingPoint, P::kFrictionPoint};
@@ -143,34 +145,36 @@ std::vector<PropertyDescription> describeAll() {
       {P::kPusherDamping, "pusher_damping", "pusher damping", "N s/m", kPusher, {0.0, 0.1}, true, 0.003,
        "damping of the pusher; steady error of its servo", kContract},
       {P::kPusherMass, "pusher_mass", "pusher mass", "kg", kPusher, kMasses, true, 0.003,
-       "mass of the pusher; the time in which its servo settles", kContract},
+       "mass of the pusher; the time in which its servo settles", kBalances},
       {P::kOvershoot, "overshoot", "overshoot of the pusher", "", kPusher, {0.01}, false, 0.01,
        "integral part or underdamping of the servo", kContract + kPusherForces},
-      {P::kTeeMass, "tee_mass", "tee mass", "kg", kTee, kMasses, true, 0.0013, "mass of the tee", kContract},
+      {P::kMoveOrder, "move_order", "time by which a coasting pusher's way is ahead of its velocities", "s", kPusher,
+       {5e-3}, false, 0.14, "order in a substep: velocities change first, then bodies move with them", kContract},
+      {P::kTeeMass, "tee_mass", "tee mass", "kg", kTee, kMasses, true, 0.0013, "mass of the tee", kBalances},
       {P::kCenterOfMass, "center_of_mass", "center of mass, from the tee origin along -y", "m", kTee, {1e-3}, false,
-       0.025, "center of mass of the tee; masses of bar and stem", kContract},
+       0.025, "center of mass of the tee; masses of bar and stem", kBalances},
       {P::kTeeMoment, "tee_moment", "moment of inertia about the center of mass", "kg m^2", kTee, kTurning, true,
-       0.001, "moment of inertia: about which point, with the offset of the stem", kContract},
+       0.001, "moment of inertia: about which point, with the offset of the stem", kBalances},
       {P::kTeeDamping, "tee_damping", "damping of the tee", "N s/m", kTee, kMasses, true, 0.006,
-       "viscous friction of the tee with the table", kContract},
+       "viscous friction of the tee with the table", kBalances},
       {P::kTeeYawDamping, "tee_yaw_damping", "damping of the tee's yaw", "N m s", kTee, kTurning, true, 0.005,
-       "viscous friction of the yaw", kContract},
+       "viscous friction of the yaw", kBalances},
       {P::kTeeFrictionX, "tee_friction_x", "Coulomb friction of the tee along x", "N", kTee, kMasses, true, 0.006,
-       "Coulomb friction of the tee with the table", kContract},
+       "Coulomb friction of the tee with the table", kBalances},
       {P::kTeeFrictionY, "tee_friction_y", "Coulomb friction of the tee along y", "N", kTee, kMasses, true, 0.006,
-       "Coulomb friction of the tee with the table", kContract},
+       "Coulomb friction of the tee with the table", kBalances},
       {P::kTeeYawFriction, "tee_yaw_friction", "Coulomb friction of the tee's yaw", "N m", kTee, kTurning, true,
-       0.0007, "Coulomb friction of the yaw", kContract},
+       0.0007, "Coulomb friction of the yaw", kBalances},
       {P::kFrictionShape, "friction_shape", "Coulomb friction at 45 degrees over that along an axis", "", kTee, {0.03},
-       false, 0.009, "a limit for each axis (1.41) or one for all directions (1.00)", kContract},
+       false, 0.009, "a limit for each axis (1.41) or one for all directions (1.00)", kBalances},
       {P::kDampingPoint, "damping_point", "point on which the damping acts, from the tee origin", "m", kTee, {3e-3},
        false, 0.1, "point of the damping: the tee origin or the center of mass",
-       kContract + Properties{P::kCenterOfMass}},
+       kBalances + Properties{P::kCenterOfMass}},
       {P::kFrictionPoint, "friction_point", "point on which the Coulomb friction acts, from the tee origin", "m", kTee,
        {3e-3}, false, 0.1, "point of the friction: the tee origin or the center of mass",
-       kContract + Properties{P::kCenterOfMass}},
-      {P::kPusherRadius, "pusher_radius", "pusher radius", "m", kTouch, kLengths, false, 0.7, "radius of the pusher",
-       kContract},
+       kBalances + Properties{P::kCenterOfMass}},
+      {P::kPusherRadius, "pusher_radius", "pusher radius", "m", kTouch, kLengths, false, 0.7,
+       "radius of the pusher; a margin or a skin around bodies", kContract},
       {P::kBarHalfLength, "bar_half_length", "half-length of the bar", "m", kTouch, kLengths, false, 0.17,
        "size of the bar's box", kContract},
       {P::kBarHalfWidth, "bar_half_width", "half-width of the bar", "m", kTouch, kLengths, false, 0.7,
@@ -181,6 +185,8 @@ std::vector<PropertyDescription> describeAll() {
        "size of the stem's box", kContract},
       {P::kStemPlace, "stem_place", "middle of the stem, from the bar's", "m", kTouch, kLengths, false, 0.2,
        "place of the stem's box", kContract},
+      {P::kSlop, "slop", "least overlap that is pushed apart", "m", kTouch, kLengths, false, 0.07,
+       "overlap that the solver leaves alone: slop, allowed penetration", kContract},
       {P::kContactFriction, "contact_friction", "friction between the bodies", "", kTouch, {0.05}, false, 0.004,
        "coefficient of friction of contacts, and how two of them are combined", kContract},
       {P::kOverlap, "overlap", "overlap in a steady push", "m", kTouch, {3e-4}, false, 1.0, "softness of contacts",
@@ -213,6 +219,8 @@ std::vector<PropertyDescription> describeAll() {
 }
 
 }  // namespace
+
+const char* nameOfInfinity(Property property) { return property == P::kServoGain ? "unlimited" : "none"; }
 
 const char* nameOf(Area area) {
   switch (area) {

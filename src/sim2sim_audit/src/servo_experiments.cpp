@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 
 #include "free_pusher.hpp"
 #include "pusht_task/constants.hpp"
@@ -88,12 +89,29 @@ void overshoot(Bench& bench, Measurements& found) {
   found.set(Property::kOvershoot, highest / states.back().pusher_velocity.norm() - 1.0);
 }
 
+/// How far a coasting pusher goes over its speed, less what it would go if that fell steadily as it falls in a control
+/// step. That is below 0 where bodies move with the velocities of a substep's end, above 0 with those of its begin, and
+/// about half a substep, whatever mass and servo are.
+void moveOrder(Bench& bench, Measurements& found) {
+  constexpr double kVelocity = 0.1;  // [m/s]
+  pusht::WorldState start = free_pusher::startFor(bench, -kAxes[0]);
+  start.pusher_velocity = kVelocity * kAxes[0];
+  const double left = bench.run(start, {{0.0, 0.0}}).back().pusher_velocity.dot(kAxes[0]) / kVelocity;
+  constexpr double kLeast = 1e-9;
+  if (!(left > kLeast && left < 1.0)) {
+    throw std::runtime_error("the pusher does not coast");
+  }
+  const double steady = -found.need(Property::kControlStep) / std::log(left);  // [s]
+  found.set(Property::kMoveOrder, free_pusher::timeConstant(bench, kAxes[0]) - steady);
+}
+
 }  // namespace
 
 std::vector<Experiment> servoExperiments() {
   return {
       {"servo", {Property::kServoGain, Property::kServoLimit, Property::kPusherDamping, Property::kPusherMass}, servo},
-      {"overshoot", {Property::kOvershoot}, overshoot}};
+      {"overshoot", {Property::kOvershoot}, overshoot},
+      {"order of moves", {Property::kMoveOrder}, moveOrder}};
 }
 
 }  // namespace sim2sim

@@ -25,6 +25,13 @@ void setContract(Measurements& figures) {
   figures.set(Property::kActionLimit, pusht::kActionLimit);
 }
 
+/// [s] How far a coasting pusher goes over its speed, less what it would go if that fell steadily: it keeps the share q
+/// of it in each substep, and moves with what is left.
+double moveOrder(const pusht::Physics& physics) {
+  const double rate = (physics.servo_gain + physics.pusher_damping) / physics.pusher_mass;  // [1/s]
+  return 1.0 / rate - pusht::kSubstep / std::log1p(pusht::kSubstep * rate);
+}
+
 /// Masses and forces over the servo's gain, as free motions show them.
 void setForces(const pusht::Physics& physics, Measurements& figures) {
   const double gain = physics.servo_gain;
@@ -34,6 +41,7 @@ void setForces(const pusht::Physics& physics, Measurements& figures) {
   figures.set(Property::kPusherDamping, physics.pusher_damping / gain);
   figures.set(Property::kPusherMass, physics.pusher_mass / gain);
   figures.set(Property::kOvershoot, 0.0);
+  figures.set(Property::kMoveOrder, moveOrder(physics));
   figures.set(Property::kTeeMass, physics.tee_mass / gain);
   figures.set(Property::kCenterOfMass, center);
   figures.set(Property::kTeeMoment, (physics.tee_second_moment - physics.tee_mass * center * center) / gain);
@@ -54,6 +62,7 @@ void setShapes(const pusht::Physics& physics, Measurements& figures) {
   figures.set(Property::kStemEnd, physics.stem_offset + physics.stem_half_length);
   figures.set(Property::kStemHalfWidth, physics.stem_half_width);
   figures.set(Property::kStemPlace, 0.0);
+  figures.set(Property::kSlop, 0.0);
   figures.set(Property::kContactFriction, physics.contact_friction);
   for (const Property wall :
        {Property::kWallUp, Property::kWallDown, Property::kWallRight, Property::kWallLeft, Property::kTeeAtWallUp,

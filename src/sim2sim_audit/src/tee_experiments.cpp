@@ -3,12 +3,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <vector>
 
 #include "force_sensor.hpp"
 #include "pusht_task/constants.hpp"
+#include "pusht_task/physics.hpp"
 #include "sim2sim_audit/experiments.hpp"
 #include "slide_law.hpp"
 #include "tee_fit.hpp"
@@ -77,6 +79,38 @@ double momentOverGain(Bench& bench, const Measurements& found, double center_of_
   return torque / taken;
 }
 
+/// Whether a tee that is thrown goes on, and so has a mass.
+bool hasInertia(Bench& bench) {
+  constexpr double kSpeed = 2.0;  // [m/s]
+  constexpr double kLeast = 0.1;  // [-] of the way at that speed; the task's tee goes 0.17 of it
+  WorldState start;
+  start.tee_position = bench.shift();
+  start.tee_velocity = {0.0, kSpeed};
+  start.pusher_position = {0.3, 0.0};
+  const WorldState end = bench.run(start, {{0.0, 0.0}}).back();
+  return (end.tee_position - start.tee_position).y() > kLeast * kSpeed * pusht::kControlStep;
+}
+
+/// Whether the pusher does not feel a tee of this mass over the servo's gain [s], though the tee has a mass.
+bool doesNotYield(Bench& bench, double mass) {
+  constexpr double kFelt = 1e-3;  // [-] of the task's
+  const pusht::Physics task;
+  return std::abs(mass) < kFelt * task.tee_mass / task.servo_gain && hasInertia(bench);
+}
+
+/// Forces are known in units of the gain. Of one without limit only the tee's own are left, in units of its mass, which
+/// is taken to be the task's. Returns that [s].
+double withdrawServo(Measurements& found) {
+  const char* const reason = "the pusher does not yield, so it shows no force";
+  for (const Property property :
+       {Property::kServoLimit, Property::kPusherDamping, Property::kPusherMass, Property::kTeeMass}) {
+    found.withdraw(property, reason);
+  }
+  found.set(Property::kServoGain, std::numeric_limits<double>::infinity());
+  const pusht::Physics task;
+  return task.tee_mass / task.servo_gain;
+}
+
 constexpr double kNone = 0.3;    // [m/s^2] and [1/s] below which a force is none: a fortieth of the task's
 constexpr double kSigmas = 3.0;  // of what a fit found
 
@@ -131,8 +165,11 @@ void freeTee(Bench& bench, Measurements& found) {
   const SlideLaw along_x = lawOf(slides[0], fit.numbers.damping, fit.numbers.friction_x);
   const SlideLaw along_y = lawOf(slides[1], fit.numbers.damping, fit.numbers.friction_y);
   const double damping = 0.5 * (along_x.damping + along_y.damping);
-  const double mass = massOverGain(bench, found, along_y);
+  double mass = massOverGain(bench, found, along_y);
   found.set(Property::kTeeMass, mass);
+  if (doesNotYield(bench, mass)) {
+    mass = withdrawServo(found);
+  }
   found.set(Property::kTeeDamping, damping * mass);
   found.set(Property::kTeeFrictionX, along_x.friction * mass);
   found.set(Property::kTeeFrictionY, along_y.friction * mass);

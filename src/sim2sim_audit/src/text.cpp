@@ -13,8 +13,8 @@
 namespace sim2sim {
 namespace {
 
-std::string shown(double value) {
-  return std::isfinite(value) ? pusht::significantText(value, 4) : std::string("none");
+std::string shown(double value, Property property) {
+  return std::isfinite(value) ? pusht::significantText(value, 4) : std::string(nameOfInfinity(property));
 }
 
 std::string withUnit(const std::string& text, const char* unit) { return unit[0] == '\0' ? text : text + " " + unit; }
@@ -35,8 +35,9 @@ std::string lines(std::size_t rank, const Comparison& finding) {
   const PropertyDescription& description = describe(finding.property);
   constexpr double kMillimeter = 1e-3;
   return std::to_string(rank) + ". " + labelOf(finding) + causeOf(finding) + "\n   " + description.title + ": " +
-         shown(*finding.reference) + ", here " + withUnit(shown(*finding.engine), description.unit) +
-         "; same would be within " + shown(finding.allowed) + " (" + finding.held_against + "). About " +
+         shown(*finding.reference, finding.property) + ", here " +
+         withUnit(shown(*finding.engine, finding.property), description.unit) + "; same would be within " +
+         pusht::significantText(finding.allowed, 4) + " (" + finding.held_against + "). About " +
          pusht::significantText(finding.effect / kMillimeter, 2) + " mm in 0.5 s. Look at: " + description.look_at +
          "\n";
 }

@@ -25,13 +25,14 @@ const std::array<Wall, 4>& walls() {
 }
 
 void wallsByTouch(Bench& bench, Measurements& found) {
-  constexpr double kInWall = pusht::kWallInnerFace + 0.5 * pusht::dynamics::kWallThickness;
+  // Nearer to the wall's inner face than to the outer one, out of which a pusher would not be held.
+  constexpr double kInWall = pusht::kWallInnerFace + 0.25 * pusht::dynamics::kWallThickness;
   constexpr double kClear = 0.1;  // [m]
   pusht::WorldState scene;
   for (const Wall& wall : walls()) {
     const Eigen::Vector2d beside(-wall.outward.y(), wall.outward.x());
     scene.tee_position = 0.15 * beside - 0.1 * wall.outward;
-    const auto distance = touchDistance(bench, scene, -0.2 * beside, wall.outward, kInWall, kInWall - kClear);
+    const auto distance = touchDistance(bench, {scene, -0.2 * beside, wall.outward, kInWall, kInWall - kClear});
     found.set(wall.for_pusher,
               distance ? *distance + found.need(Property::kPusherRadius) : std::numeric_limits<double>::infinity());
   }

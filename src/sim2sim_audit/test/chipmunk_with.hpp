@@ -29,6 +29,13 @@ inline WorldFactory chipmunkWith(const ChangePhysics& change) {
   };
 }
 
+/// A choice of the mapping made as Chipmunk's users make it.
+inline WorldFactory chipmunkWithout(bool pusht::ChipmunkSwitches::*choice) {
+  pusht::ChipmunkParameters parameters;
+  parameters.switches.*choice = false;
+  return [parameters] { return std::make_unique<pusht::ChipmunkWorld>(parameters); };
+}
+
 inline ChangePhysics scaled(double Physics::*number, double factor) {
   return [=](Physics& physics) { physics.*number *= factor; };
 }

@@ -88,6 +88,12 @@ std::vector<PlantedFault> pusherFaults() {
        mujocoWith(scaledMass("pusher", 1.5, true)),
        chipmunkWith(scaled(&Physics::pusher_mass, 1.5)),
        rigidWith(scaled(&RigidModel::pusher_mass, 1.5))},
+      {"a motor as stiff as 30 N allow", {P::kServoGain}, {}, chipmunkWithout(&pusht::ChipmunkSwitches::servo), {}},
+      {"bodies move before their velocities change",
+       {P::kMoveOrder},
+       {},
+       chipmunkWithout(&pusht::ChipmunkSwitches::order),
+       {}},
   };
 }
 
@@ -193,6 +199,7 @@ std::vector<PlantedFault> contactFaults() {
        chipmunkWith(scaled(&Physics::contact_friction, 0.0)),
        rigidWith([](RigidModel& m) { m.switches.friction = false; })},
       {"restitution 0.5", {P::kHit}, {}, chipmunkOf<Bouncing>(), {}},
+      {"overlaps up to 0.1 m left alone", {P::kSlop}, {}, chipmunkWithout(&pusht::ChipmunkSwitches::slop), {}},
       {"pusher radius + 1 mm",
        {P::kPusherRadius},
        mujocoWith([](mjModel& m) {

@@ -42,6 +42,17 @@ class Bench {
   /// overlap.
   bool isPushedApart(const pusht::WorldState& state);
 
+  /// How far bodies go in a control step.
+  struct Way {
+    Eigen::Vector2d of_pusher;  ///< [m]
+    double of_tee;              ///< [m]
+  };
+  /// Way from `start`, at rest, with the pusher commanded slowly along the unit vector `direction`: about 0.1 mm.
+  Way slowWay(const pusht::WorldState& start, const Eigen::Vector2d& direction);
+  /// Whether the pusher touches something where it is commanded slowly along `direction`: it goes otherwise than on
+  /// the way `free`, or moves the tee.
+  bool isHeld(const pusht::WorldState& state, const Eigen::Vector2d& direction, const Way& free);
+
   /// Another world of the same model; null if there is none.
   std::unique_ptr<pusht::Simulator> secondWorld() const { return make_second_ ? make_second_() : nullptr; }
 
@@ -58,11 +69,27 @@ class Bench {
   Eigen::Vector2d shift_;
 };
 
-/// Least distance [m] from `center` along the unit vector `outward` at which the pusher, at rest, is not pushed away:
-/// the place of a surface, by bisection to 0.1 um between `overlapping` and `apart` [m]. `scene` has the tee. None if
-/// nothing is there. Throws std::runtime_error if the pusher is pushed even at `apart`.
-std::optional<double> touchDistance(Bench& bench, const pusht::WorldState& scene, const Eigen::Vector2d& center,
-                                    const Eigen::Vector2d& outward, double overlapping, double apart);
+/// Line along which the pusher is put nearer and nearer to a surface.
+struct Approach {
+  pusht::WorldState scene;  ///< has the tee
+  Eigen::Vector2d center;   ///< [m] from where distances count
+  Eigen::Vector2d outward;  ///< unit vector
+  double overlapping;       ///< [m] distance at which bodies overlap
+  double apart;             ///< [m] distance at which nothing touches
+
+  pusht::WorldState at(double distance) const;
+};
+
+/// Distance [m] nearest to the surface at which the pusher, at rest, is not pushed away, by bisection to 0.1 um. None
+/// if it is pushed nowhere. Throws std::runtime_error if it is pushed even apart.
+std::optional<double> pushedDistance(Bench& bench, const Approach& approach);
+
+/// Distance [m] at which the pusher, commanded slowly inwards, is held, to about 10 um. None if it is held nowhere.
+std::optional<double> heldDistance(Bench& bench, const Approach& approach);
+
+/// Place of a surface [m]: pushedDistance(), or heldDistance() in a world that leaves such overlaps alone. None if
+/// nothing is there. Throws as pushedDistance().
+std::optional<double> touchDistance(Bench& bench, const Approach& approach);
 
 /// [m] Greatest distance of two states in positions, velocities over a control step, and yaw at the tee's size.
 double distanceBetween(const pusht::WorldState& a, const pusht::WorldState& b);

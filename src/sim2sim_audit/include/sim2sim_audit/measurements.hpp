@@ -27,6 +27,8 @@ class Measurements {
   void set(Property property, double value, double uncertainty = 0.0);
   /// States why a property has no value. A value that is there stays.
   void fail(Property property, std::string problem);
+  /// Takes a value back that a later experiment shows to be none, and states why.
+  void withdraw(Property property, std::string problem);
   /// Value of a property that another experiment needs. Throws std::runtime_error that names it if there is none.
   double need(Property property) const;
 

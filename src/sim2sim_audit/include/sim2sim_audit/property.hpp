@@ -54,6 +54,7 @@ enum class Property : std::size_t {
   kPusherDamping,
   kPusherMass,
   kOvershoot,
+  kMoveOrder,
   // Tee.
   kTeeMass,
   kCenterOfMass,
@@ -73,6 +74,7 @@ enum class Property : std::size_t {
   kStemEnd,
   kStemHalfWidth,
   kStemPlace,
+  kSlop,
   kContactFriction,
   kOverlap,
   kHit,
@@ -127,6 +129,9 @@ const PropertyDescription& describe(Property property);
 
 /// Descriptions of all properties, in the order of the enumeration.
 const std::vector<PropertyDescription>& allProperties();
+
+/// What an infinite value of `property` means: "none" of a wall or a limit; "unlimited" of a servo that does not yield.
+const char* nameOfInfinity(Property property);
 
 /// Whether a difference in `property` is an error of the contract and not another physics.
 constexpr bool isContract(Property property) { return property <= kLastContractProperty; }

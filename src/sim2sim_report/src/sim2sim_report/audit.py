@@ -124,9 +124,9 @@ def _property(found: Json) -> Json:
 
 
 def _value(value: Any, unit: str) -> str:
-    """A value with its unit; "none" stands for infinity, a dash for what is not known."""
+    """A value with its unit; a word stands for infinity, a dash for what is not known."""
     if value is None:
         return "-"
-    if value == "none":
-        return "none"
+    if isinstance(value, str):
+        return value
     return " ".join(filter(None, [f"{value:.{DIGITS}g}", unit]))

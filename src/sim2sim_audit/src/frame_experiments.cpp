@@ -272,9 +272,13 @@ void teeVelocities(Bench& bench, Measurements& found) {
   const double factor = reading.values[0];
   found.set(Property::kTeeVelocityFrame, table ? 0.0 : 1.0);
   found.set(Property::kTeeVelocityFactor, factor, uncertaintyOf(reading.errors[0], kOfFactor));
-  found.set(Property::kTeeVelocityPoint, reading.values[1] / factor,
-            uncertaintyOf(reading.errors[1] / std::abs(factor), kOfPoint));
   found.set(Property::kYawRateFactor, yaw_rate.values[0], uncertaintyOf(yaw_rate.errors[0], kOfFactor));
+  const double point = reading.values[1] / factor;
+  const double error = reading.errors[1] / std::abs(factor);
+  if (std::abs(point) > kOfPoint && std::abs(point) <= 3.0 * error) {
+    throw std::runtime_error("reported velocities fit a point of the tee to within some millimeters only");
+  }
+  found.set(Property::kTeeVelocityPoint, point, uncertaintyOf(error, kOfPoint));
 }
 
 }  // namespace

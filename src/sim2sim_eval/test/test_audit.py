@@ -67,6 +67,10 @@ class Audits(CommandCase):
         # A tee on a plane has a height and a tilt, which no reset sets.
         self.check_idioms("bullet", expected, broken="table_friction")
 
+    def test_idiomatic_bullet_breaks_no_contract(self) -> None:
+        audit = self.audit("--engine", "bullet", "--set", "preset=idiomatic", "--against", "task")
+        self.assertIn("pusher_radius", audit["findings"])
+
     def test_each_idiom_of_box2d_is_a_finding_of_its_own(self) -> None:
         expected = {
             "servo": ["servo_gain"],

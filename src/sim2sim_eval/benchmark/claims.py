@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Set
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
 
 import yaml  # type: ignore[import]
 
@@ -43,7 +43,7 @@ class Claim(NamedTuple):
     document: str  # relative to the root of the project
     says: str  # what the document says, each figure in braces
     file: str  # of the results; after a # the JSON pointer under which the keys are
-    keys: List[str]  # one for each figure
+    keys: List[str]  # one for each figure, with its unit if the figure is printed without
     where: List[str]  # what else must hold, such as KEY < NUMBER
 
     @property
@@ -174,10 +174,16 @@ def _interval(holder: Dict[str, Any], key: str) -> Any:
     return next((holder[name] for name in names if name in holder), None)
 
 
-def in_form_of(printed: str, numbers: List[Optional[float]]) -> str:
+def _with_unit(key: str) -> Tuple[str, str]:
+    """A key, and the unit that follows it; keys may have spaces."""
+    begin, _, last = key.rpartition(" ")
+    return (begin, last) if last in SCALES else (key, "")
+
+
+def in_form_of(printed: str, numbers: List[Optional[float]], unit: str = "") -> str:
     """Numbers with the digits, the signs and the unit of a printed figure."""
     rest = iter(numbers)
-    unit = re.split(r"[\s[]+", NUMBER.sub("", printed, count=1).strip())[0]
+    unit = unit or re.split(r"[\s[]+", NUMBER.sub("", printed, count=1).strip())[0]
 
     def measured(match: "re.Match[str]") -> str:
         number = next(rest, None)
@@ -197,8 +203,11 @@ def check(run: Run, folder: Path) -> Iterator[Row]:
     results = Results(folder)
     for claim in run.claims:
         for i, figure in enumerate(claim.figures):
-            numbers = results.numbers(claim, claim.keys[i]) if run.is_measured else []
-            yield Row(claim.name, figure, in_form_of(figure, numbers) if run.is_measured else "")
+            measured = ""
+            if run.is_measured:
+                key, unit = _with_unit(claim.keys[i])
+                measured = in_form_of(figure, results.numbers(claim, key), unit)
+            yield Row(claim.name, figure, measured)
         for condition in claim.where:
             key, relation, bound = CONDITION.fullmatch(condition).groups()  # type: ignore
             value = results.numbers(claim, key)[0]

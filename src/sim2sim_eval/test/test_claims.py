@@ -18,7 +18,10 @@ import claims  # noqa: E402
 # Documents of which every interval is a claim.
 DOCUMENTS = (
     "README.md",
+    "docs/agreement.md",
+    "docs/continuous_contact.md",
     "docs/findings.md",
+    "docs/idioms.md",
     "docs/ladder.md",
     "docs/study/engines.md",
     "docs/study/findings.md",
@@ -62,21 +65,26 @@ class Table(CommandCase):
 
     def test_commands_are_those_of_the_suite(self) -> None:
         """Each option is in the command's help, each plan is there."""
-        help_of: Dict[str, str] = {}
+        help_of: Dict[Tuple[str, ...], str] = {}
         for command in (command for run in RUNS for command in run.commands):
             words = shlex.split(
                 command.replace("$(rospack find sim2sim_eval)", str(BENCHMARK.parent))
             )
             with self.subTest(command):
-                if words[0] != "rosrun":
-                    self.assertEqual(words[0], "echo")
+                if words[0] == "echo":
                     continue
-                program = executable(*words[1:3])
+                program: Tuple[str, ...] = tuple(words[:2])
+                arguments = words[2:]
+                if words[0] == "rosrun":
+                    program, arguments = (executable(*words[1:3]),), words[3:]
+                else:
+                    self.assertEqual(words[0], "/usr/bin/python3")
+                    self.assertEqual(Path(words[1]).parent, BENCHMARK)
                 if program not in help_of:
-                    process = self.run_command(program, "--help")
+                    process = self.run_command(*program, "--help")
                     self.assertEqual(process.returncode, 0, process.stderr)
                     help_of[program] = process.stdout
-                for word in words[3:]:
+                for word in arguments:
                     if word.startswith("--"):
                         self.assertIn(word, re.findall(r"--[\w-]+", help_of[program]))
                     if "/config/" in word:
@@ -159,6 +167,16 @@ class Compared(CommandCase):
         ]
         for printed, numbers, expected in cases:
             self.assertEqual(claims.in_form_of(printed, [*numbers]), expected)
+
+    def test_unit_that_the_document_names_elsewhere(self) -> None:
+        claim = "gap: {in: README.md, says: '| {7.1 [6.0, 9]} |', file: toy.json, keys: [gap_m mm]}"
+        self.write("README.md", b"| gap [mm] |\n| 7.1 [6.0, 9] |")
+        (self.folder / "docs").mkdir()
+        self.write("docs/toy.json", b'{"gap_m": 0.00712, "gap_interval_m": [0.006, 0.0089]}')
+        table = self.write(
+            "docs/claims.yaml", f"toy:\n  kept: docs\n  claims:\n    {claim}".encode()
+        )
+        self.assertEqual(claims.main(["--table", table]), 0)
 
     def test_results_that_stand_in_the_project(self) -> None:
         """A longer program left them there; no command is run."""

@@ -42,7 +42,7 @@ class Scene {
   /// Sets servo and damping for the substep that comes.
   virtual void applyForces(const Eigen::Vector2d& command);
 
-  /// Adds a box, with its skin within its sides if `switches().scale` [m].
+  /// Adds a box, with its skin within its sides if `switches().scale`.
   void addBox(b2Body* body, const PlacedBox& box);
   /// Adds Coulomb friction along each axis of the table, at a point of the tee [m], and on its yaw.
   void addFrictionPerAxis(const Eigen::Vector2d& point);

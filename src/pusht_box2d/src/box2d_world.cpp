@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <string>
 #include <utility>
 
 #include "box2d_scene.hpp"
@@ -50,7 +51,10 @@ void requireReach(const char* when, const WorldState& state) {
 
 std::string box2dVersion() {
   // Its own variable b2_version still says 2.4.0 in 2.4.1; the name of its file is right.
-  return versionOfLibrary(reinterpret_cast<const void*>(&b2Alloc_Default));
+  const std::string version = versionOfLibrary(reinterpret_cast<const void*>(&b2Alloc_Default));
+  return !version.empty() ? version
+                          : std::to_string(b2_version.major) + "." + std::to_string(b2_version.minor) + "." +
+                                std::to_string(b2_version.revision);
 }
 
 Box2dWorld::Box2dWorld(const Box2dParameters& parameters)

@@ -79,6 +79,10 @@ std::vector<testing::PlantedError> errors() {
            Planted::withLaw<JointWithoutCollisions>("a joint without collisions", {})});
 }
 
+TEST(PhysicsSuiteOverAScene, FindsNothingWhereNothingIsPlanted) {
+  EXPECT_THAT(testing::findingsIn(*Planted::sound(), {}), ::testing::IsEmpty());
+}
+
 TEST(Box2dWorld, ReportsABodyThatBox2dSlowsDown) {
   Box2dWorld world([] { return std::make_unique<Rocket>(Box2dParameters()); });
   world.reset({});

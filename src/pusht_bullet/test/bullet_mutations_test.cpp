@@ -63,6 +63,10 @@ std::vector<testing::PlantedError> errors() {
                                Planted::withLaw<DampingAtTheCenterOfMass>("damping at the center of mass", claims)});
 }
 
+TEST(PhysicsSuiteOverAScene, FindsNothingWhereNothingIsPlanted) {
+  EXPECT_THAT(testing::findingsIn(*Planted::sound(), testing::bulletPhysics()), ::testing::IsEmpty());
+}
+
 TEST(BulletWorld, ReportsATeeThatBulletSlowsDown) {
   BulletWorld world([] { return std::make_unique<Top>(BulletParameters()); });
   world.reset({});

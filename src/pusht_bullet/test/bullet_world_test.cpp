@@ -17,7 +17,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/testing/convergence_suite.hpp"
 #include "pusht_task/testing/kind_suites.hpp"
-#include "pusht_task/testing/planted_errors.hpp"
+#include "pusht_task/testing/physics_checks.hpp"
 #include "pusht_task/testing/refusal.hpp"
 
 namespace pusht::testing {

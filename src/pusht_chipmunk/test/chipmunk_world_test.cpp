@@ -117,6 +117,10 @@ std::vector<testing::PlantedError> errors() {
                                Planted::withLaw<DampingAtTheCenterOfMass>("damping at the center of mass", claims)});
 }
 
+TEST(PhysicsSuiteOverAScene, FindsNothingWhereNothingIsPlanted) {
+  EXPECT_THAT(testing::findingsIn(*Planted::sound(), testing::chipmunkPhysics()), ::testing::IsEmpty());
+}
+
 /// Slop and order show in contacts alone, less than a check resolves: an idiom that is off changes a chase, at least.
 TEST(PhysicsSuiteOverAnIdiom, FindsServoFrictionAndDrag) {
   const auto found_without = [](bool ChipmunkSwitches::*choice) {

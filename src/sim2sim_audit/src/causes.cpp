@@ -126,9 +126,13 @@ std::string causeOfServoGain(const Comparison& finding) {
   return std::isfinite(*finding.reference) ? ratio(finding) : "the reference's pusher " + stiff;
 }
 
-std::string causeOfMoveOrder(double lead) {
-  return lead > 0.0 ? "bodies move with the velocities of a substep's begin: before collisions are solved, not after"
-                    : "bodies move with the velocities of a substep's end: after collisions are solved, not before";
+std::string causeOfMoveOrder(const Comparison& finding) {
+  const bool ahead = *finding.engine > 0.0;
+  if (ahead == (*finding.reference > 0.0)) {
+    return difference(finding);
+  }
+  return ahead ? "bodies move with the velocities of a substep's begin: before collisions are solved, not after"
+               : "bodies move with the velocities of a substep's end: after collisions are solved, not before";
 }
 
 std::string causeOfSlop(double least) {
@@ -201,7 +205,7 @@ std::string causeInEngine(const Comparison& finding) {
     case Property::kServoGain:
       return causeOfServoGain(finding);
     case Property::kMoveOrder:
-      return causeOfMoveOrder(engine);
+      return causeOfMoveOrder(finding);
     case Property::kSlop:
       return causeOfSlop(engine);
     default:

@@ -31,7 +31,7 @@ const Properties kContract = kStarts + kReports + kYaw + kTeeVelocities + kTime 
                              Properties{P::kOriginX,      P::kOriginY,      P::kPusherVelocityFactor, P::kActionScaleX,
                                         P::kActionScaleY, P::kSmallCommand, P::kActionLimit};
 const Properties kPusherForces = {P::kServoGain, P::kServoLimit, P::kPusherDamping, P::kPusherMass};
-/// What is told of masses and forces by how far bodies go.
+/// Properties of masses and forces, which are estimated from displacements.
 const Properties kBalances = kContract + Properties{P::kMoveOrder};
 const Properties kTeeForces = {P::kTeeMass,       P::kCenterOfMass, P::kTeeMoment,    P::kTeeDamping,
                                P::kTeeYawDamping, P::kTeeFrictionX, P::kTeeFrictionY, P::kTeeYawFriction,

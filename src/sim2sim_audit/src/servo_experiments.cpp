@@ -89,9 +89,9 @@ void overshoot(Bench& bench, Measurements& found) {
   found.set(Property::kOvershoot, highest / states.back().pusher_velocity.norm() - 1.0);
 }
 
-/// How far a coasting pusher goes over its speed, less what it would go if that fell steadily as it falls in a control
-/// step. That is below 0 where bodies move with the velocities of a substep's end, above 0 with those of its begin, and
-/// about half a substep, whatever mass and servo are.
+/// Distance that a coasting pusher goes, over its speed, less that with a speed that falls steadily as it falls in a
+/// control step. That is below 0 where bodies move with the velocities of a substep's end, above 0 with those of its
+/// begin, and about half a substep, whatever mass and servo are.
 void moveOrder(Bench& bench, Measurements& found) {
   constexpr double kVelocity = 0.1;  // [m/s]
   pusht::WorldState start = free_pusher::startFor(bench, -kAxes[0]);

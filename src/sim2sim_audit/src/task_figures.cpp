@@ -25,8 +25,8 @@ void setContract(Measurements& figures) {
   figures.set(Property::kActionLimit, pusht::kActionLimit);
 }
 
-/// [s] How far a coasting pusher goes over its speed, less what it would go if that fell steadily: it keeps the share q
-/// of it in each substep, and moves with what is left.
+/// [s] Distance that a coasting pusher goes, over its speed, less that with a speed that falls steadily: it keeps the
+/// share q of it in each substep, and moves with what is left.
 double moveOrder(const pusht::Physics& physics) {
   const double rate = (physics.servo_gain + physics.pusher_damping) / physics.pusher_mass;  // [1/s]
   return 1.0 / rate - pusht::kSubstep / std::log1p(pusht::kSubstep * rate);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether attribution tells the truth: defects are planted in a copy of the faithful engine, and it must find them.
+// Whether attribution tells the truth: defects are planted in a copy of the faithful engine, and in a switch of
+// Chipmunk, and it must find them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -9,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "chipmunk_scene.hpp"
+#include "pusht_chipmunk/chipmunk_world.hpp"
 #include "pusht_engine/rigid_body_engine.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/task.hpp"
@@ -85,9 +89,8 @@ const std::vector<Recorded>& episodes() {
 }
 
 /// [m] Mean distance of the tees over an episode in which the engine gets MuJoCo's state every 20 steps.
-double gapOf(const Recorded& episode, const PlantedPhysics::Parameters& parameters) {
+double gapOf(const Recorded& episode, pusht::Simulator& engine) {
   constexpr std::size_t kAnchor = 20;
-  PlantedEngine engine(parameters);
   double sum = 0.0;
   for (std::size_t step = 0; step < episode.actions.size(); ++step) {
     if (step % kAnchor == 0) {
@@ -99,15 +102,40 @@ double gapOf(const Recorded& episode, const PlantedPhysics::Parameters& paramete
   return sum / static_cast<double>(episode.actions.size());
 }
 
-/// By coalition of repairs, each one run, also those of what is whole.
-Game gameOf(Coalition planted) {
-  std::vector<std::vector<double>> gaps(std::size_t{1} << kPlayers);
-  for (Coalition repaired = 0; repaired < gaps.size(); ++repaired) {
+/// Gaps by coalition, each one run.
+template <class MakeWorld>
+Game gameOf(int players, const MakeWorld& make_world) {
+  std::vector<std::vector<double>> gaps(std::size_t{1} << players);
+  for (Coalition on = 0; on < gaps.size(); ++on) {
+    const std::unique_ptr<pusht::Simulator> world = make_world(on);
     for (const Recorded& episode : episodes()) {
-      gaps[repaired].push_back(gapOf(episode, {planted, repaired}));
+      gaps[on].push_back(gapOf(episode, *world));
     }
   }
-  return Game(kPlayers, gaps);
+  return Game(players, gaps);
+}
+
+/// Repairs are the players, also those of what is whole.
+Game gameOf(Coalition planted) {
+  return gameOf(kPlayers, [planted](Coalition repaired) {
+    return std::make_unique<PlantedEngine>(PlantedPhysics::Parameters{planted, repaired});
+  });
+}
+
+/// The switches of Chipmunk's mapping are the players. Where the servo is the task's, its gain is so many times the
+/// task's.
+Game gameOfChipmunk(double gain) {
+  constexpr int kSwitches = static_cast<int>(pusht::chipmunk::kSwitches.size());
+  return gameOf(kSwitches, [gain](Coalition on) {
+    pusht::ChipmunkParameters parameters;
+    for (std::size_t i = 0; i < kSwitches; ++i) {
+      parameters.switches.*pusht::chipmunk::kSwitches[i].value = (on >> i & 1U) != 0;
+    }
+    pusht::Physics physics;
+    physics.servo_gain *= parameters.switches.servo ? gain : 1.0;
+    return std::make_unique<pusht::ChipmunkWorld>(
+        [=] { return std::make_unique<pusht::chipmunk::Scene>(parameters, physics); });
+  });
 }
 
 /// [m] The faithful engine's own gap to MuJoCo is less than that.
@@ -146,6 +174,24 @@ TEST(TwoDefects, ShareTheGap) {
     }
   }
   EXPECT_NEAR(sum, game.meanGap(0) - game.meanGap(game.all()), 1e-15);
+}
+
+/// Its share falls, beyond its interval, and by more than that of any other switch.
+TEST(DefectInASwitch, IsFound) {
+  const Game sound = gameOfChipmunk(1.0);
+  const Game defective = gameOfChipmunk(0.25);
+  const std::vector<Share> before = shares(sound);
+  const std::vector<Share> after = shares(defective);
+  std::vector<double> changes;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    changes.push_back(std::abs(after[i].value - before[i].value));
+    sum += after[i].value;
+  }
+  const auto most = static_cast<std::size_t>(std::max_element(changes.begin(), changes.end()) - changes.begin());
+  EXPECT_STREQ(pusht::chipmunk::kSwitches[most].name, "servo");
+  EXPECT_LT(after[most].interval->high, before[most].interval->low);
+  EXPECT_NEAR(sum, defective.meanGap(0) - defective.meanGap(defective.all()), 1e-12);
 }
 
 TEST(NoDefect, NothingIsFound) {

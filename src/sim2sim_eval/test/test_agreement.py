@@ -190,6 +190,16 @@ class Page(AgreementCase):
             "has no --animate", self.refused(REPORT, "a.json", "--out", "b.html", "--animate", "1")
         )
 
+    def test_with_intervals(self) -> None:
+        short = ("--policy", "expert", "--episodes", "20", "--horizon", "30", "--reanchor", "5")
+        self.run_all((AGREEMENT, *KINDS, *short, "--out", "a.json"), (REPORT, "a.json"))
+        page = (self.folder / "a.html").read_text("utf-8")
+        head = page[page.index("<h1>") : page.index("</h1>")]
+        self.assertRegex(
+            head, r"nearest, [\d.]+ mm\W\[[\d.]+,\W[\d.]+\]; .* in 100 % of resamples\."
+        )
+        self.assertIn("In brackets 95 % intervals", page)
+
     def test_of_another_file_is_refused(self) -> None:
         self.write("other.json", b'{"format": 1}')
         self.assertIn("other.json", self.refused(REPORT, "other.json"))

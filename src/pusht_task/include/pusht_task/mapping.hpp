@@ -18,8 +18,8 @@ namespace pusht {
 // and a substep h, an explicit step of a body of the mass M + h D is that implicit one.
 
 /// [kg] Mass of a pusher whose servo and damping are implicit in substeps of this length [s]; 0: they are explicit.
-constexpr double pusherMass(const Physics& physics, double implicit_in) {
-  return physics.pusher_mass + implicit_in * (physics.servo_gain + physics.pusher_damping);
+constexpr double pusherMass(const Physics& physics, double implicit_substep) {
+  return physics.pusher_mass + implicit_substep * (physics.servo_gain + physics.pusher_damping);
 }
 
 /// Inertia of a tee as one rigid body.
@@ -36,9 +36,9 @@ struct TeeInertia {
 
 /// Inertia of a tee whose damping is implicit in substeps of this length [s]; 0: it is explicit. The mass that makes it
 /// so sits at the origin, where the damping acts.
-constexpr TeeInertia teeInertia(const Physics& physics, double implicit_in) {
-  return {physics.tee_mass + implicit_in * physics.tee_damping, physics.tee_first_moment,
-          physics.tee_second_moment + implicit_in * physics.tee_yaw_damping};
+constexpr TeeInertia teeInertia(const Physics& physics, double implicit_substep) {
+  return {physics.tee_mass + implicit_substep * physics.tee_damping, physics.tee_first_moment,
+          physics.tee_second_moment + implicit_substep * physics.tee_yaw_damping};
 }
 
 /// [N] Force of servo and damping on the pusher along an axis, for its commanded and its present velocity [m/s].
@@ -47,12 +47,12 @@ constexpr double pusherForce(const Physics& physics, double command, double velo
          physics.pusher_damping * velocity;
 }
 
-/// Box along the axes of its body, or of the table [m].
+/// Box along the axes of its body, or of the table.
 struct PlacedBox {
-  double x;
-  double y;
-  double half_x;
-  double half_y;
+  double x;       ///< [m] of its center
+  double y;       ///< [m] of its center
+  double half_x;  ///< [m] half its length along x
+  double half_y;  ///< [m] half its length along y
 };
 
 /// Bar and stem, in the tee's frame.

@@ -42,7 +42,7 @@ class Bench {
   /// overlap.
   bool isPushedApart(const pusht::WorldState& state);
 
-  /// How far bodies go in a control step.
+  /// Displacements of the bodies in a control step.
   struct Way {
     Eigen::Vector2d of_pusher;  ///< [m]
     double of_tee;              ///< [m]

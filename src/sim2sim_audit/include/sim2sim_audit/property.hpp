@@ -130,7 +130,7 @@ const PropertyDescription& describe(Property property);
 /// Descriptions of all properties, in the order of the enumeration.
 const std::vector<PropertyDescription>& allProperties();
 
-/// What an infinite value of `property` means: "none" of a wall or a limit; "unlimited" of a servo that does not yield.
+/// Name of an infinite value of `property`: "none" of a wall or a limit; "unlimited" of a servo that does not yield.
 const char* nameOfInfinity(Property property);
 
 /// Whether a difference in `property` is an error of the contract and not another physics.

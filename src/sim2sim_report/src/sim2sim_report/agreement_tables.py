@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sentences and tables on an agreement of simulators."""
 
-from typing import List, Optional
+from typing import Optional, Sequence
 
 from pusht_task.json_file import Json
 
@@ -9,14 +9,14 @@ from sim2sim_report.agreement import (
     THOUSAND,
     AgreementFigure,
     Component,
-    names_of,
     of_replay,
     text_of,
 )
+from sim2sim_report.figures import Drawing
 from sim2sim_report.words import FEWEST_PAIRS
 
 
-def headline(figures: List[AgreementFigure]) -> str:
+def headline(figures: Sequence[AgreementFigure]) -> str:
     """The nearest pair in position, and which simulator is at the edge."""
     usual = of_replay(figures, None)
     position, titles = usual.components[0], usual.titles
@@ -35,7 +35,7 @@ def headline(figures: List[AgreementFigure]) -> str:
     return f"{nearest}; {titles[far]} is farthest from the others{share}."
 
 
-def section(figures: List[AgreementFigure]) -> Json:
+def section(figures: Sequence[AgreementFigure], drawings: Sequence[Drawing]) -> Json:
     """The sentences, figures and tables of the page."""
     content = figures[0].content
     run, reference = content["run"], content["reference"]
@@ -48,13 +48,14 @@ def section(figures: List[AgreementFigure]) -> Json:
             f" episodes. Above: {usual.how[0].lower()}{usual.how[1:]}.",
         ],
         "few": run["episodes"] < FEWEST_PAIRS,
+        "confidence": f"{100 * content['confidence']:g} %",
         "replays": [
             {
                 "title": figure.how,
-                "drawing": figure.drawing(name),
+                "drawing": drawing,
                 "tables": [_table(figure, component) for component in figure.components],
             }
-            for name, figure in zip(names_of(figures), figures)
+            for figure, drawing in zip(figures, drawings)
         ],
         "caution": [
             "The most central simulator, and the one at the edge, are those of this list: two of a"

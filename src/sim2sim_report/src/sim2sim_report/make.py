@@ -53,7 +53,7 @@ def _of_agreement(file: Path, animate: Sequence[int], suite: Suite) -> Tuple[str
         raise Error(f"{file}: is an agreement, which has no --animate")
     figures = read_agreement(file)
     drawings = [figure.drawing(name) for name, figure in zip(names_of(figures), figures)]
-    return Page(suite).of_agreement(file, figures), drawings
+    return Page(suite).of_agreement(file, figures, drawings), drawings
 
 
 def _of_sweep(folder: Path, animate: Sequence[int], suite: Suite) -> Tuple[str, List[Drawing]]:

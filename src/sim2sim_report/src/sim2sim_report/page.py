@@ -135,9 +135,11 @@ class Page:
             matrix=section,
         )
 
-    def of_agreement(self, file: Path, found: Sequence[AgreementFigure]) -> str:
+    def of_agreement(
+        self, file: Path, found: Sequence[AgreementFigure], drawings: Sequence[figures.Drawing]
+    ) -> str:
         """Distances of all pairs of simulators."""
-        section = agreement_tables.section(found)
+        section = agreement_tables.section(found, drawings)
         return self._render(
             title=f"Agreement of simulators, {file.stem}",
             question="Which simulators agree?",

@@ -378,4 +378,15 @@ inline constexpr std::array kPhysicsChecks = {
     NamedPhysicsCheck{"contact friction", physics::contactFriction},
 };
 
+/// Names of the physics checks that find a deviation from what is claimed.
+inline std::vector<std::string> findingsIn(Simulator& world, const PhysicsOfKind& claims) {
+  std::vector<std::string> names;
+  for (const NamedPhysicsCheck& named : kPhysicsChecks) {
+    if (!named.check(world, claims).list().empty()) {
+      names.emplace_back(named.name);
+    }
+  }
+  return names;
+}
+
 }  // namespace pusht::testing

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// Errors that are easily made in an engine, planted in its scene: the physics suite finds each. A package whose world
 /// builds a scene from numbers of the task (Physics) instantiates the suite over them, and over scenes with laws of
-/// their own:
+/// their own, in one source of a test:
 ///
 ///     using Planted = PlantedIn<MineWorld, mine::Scene, MineParameters>;
 ///     std::vector<PlantedError> errors() {
@@ -28,17 +28,6 @@
 
 namespace pusht::testing {
 
-/// Names of the physics checks that find a deviation from what is claimed.
-inline std::vector<std::string> findingsIn(Simulator& world, const PhysicsOfKind& claims) {
-  std::vector<std::string> names;
-  for (const NamedPhysicsCheck& named : kPhysicsChecks) {
-    if (!named.check(world, claims).list().empty()) {
-      names.emplace_back(named.name);
-    }
-  }
-  return names;
-}
-
 /// World with an error, and what its kind claims.
 struct PlantedError {
   std::string name;
@@ -46,6 +35,7 @@ struct PlantedError {
   PhysicsOfKind claims;
 };
 
+/// Name of the error in gtest's output.
 inline void PrintTo(const PlantedError& error, std::ostream* out) {  // NOLINT(readability-identifier-naming)
   *out << error.name;
 }
@@ -56,6 +46,7 @@ struct WrongNumbers {
   Physics physics;
 };
 
+/// Each number of the task that a motion depends on, too small or too large, and some that are easily confused.
 inline std::vector<WrongNumbers> wrongNumbers() {
   const auto changed = [](const std::function<void(Physics&)>& change) {
     Physics physics;
@@ -113,6 +104,9 @@ inline std::vector<WrongNumbers> wrongNumbers() {
 /// Planted errors of worlds that build a scene from parameters and numbers of the task.
 template <class World, class Scene, class Parameters>
 struct PlantedIn {
+  /// World without an error.
+  static std::unique_ptr<Simulator> sound() { return worlds<Scene>({})(); }
+
   /// Every one of wrongNumbers(), and then `laws`.
   static std::vector<PlantedError> withNumbers(const PhysicsOfKind& claims, const std::vector<PlantedError>& laws) {
     std::vector<PlantedError> errors;

@@ -66,7 +66,9 @@ def section(figures: Sequence[AgreementFigure], drawings: Sequence[Drawing]) -> 
 
 def _table(figure: AgreementFigure, component: Component) -> Json:
     content = component.content
-    variants = [max(found, key=lambda v: v["value"], default=None) for found in content["variants"]]
+    variants = [
+        max(found, key=lambda v: v["value"]) if found else None for found in content["variants"]
+    ]
     rows = [
         {
             "name": title,

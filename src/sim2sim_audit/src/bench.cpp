@@ -14,7 +14,7 @@ namespace sim2sim {
 namespace {
 
 /// [m] Motion that tells a push from rounding, also in single precision.
-constexpr double kMotion = 3e-7;
+constexpr double kLeastMotion = 3e-7;
 
 Eigen::Vector2d shiftOf(std::uint64_t seed) {
   pusht::NumpyGenerator generator(seed, "audit");
@@ -69,7 +69,7 @@ bool Bench::isPushedApart(const pusht::WorldState& state) {
   } catch (const pusht::SimulationFault&) {
     return true;
   }
-  return distanceBetween(before, step({0.0, 0.0})) > kMotion;
+  return distanceBetween(before, step({0.0, 0.0})) > kLeastMotion;
 }
 
 Bench::Way Bench::slowWay(const pusht::WorldState& start, const Eigen::Vector2d& direction) {
@@ -86,7 +86,8 @@ Bench::Way Bench::slowWay(const pusht::WorldState& start, const Eigen::Vector2d&
 bool Bench::isHeld(const pusht::WorldState& state, const Eigen::Vector2d& direction, const Way& free) {
   constexpr double kShare = 0.05;  // [-] of the free way
   const Way way = slowWay(state, direction);
-  return (way.of_pusher - free.of_pusher).norm() > kShare * free.of_pusher.norm() || way.of_tee > free.of_tee + kMotion;
+  return (way.of_pusher - free.of_pusher).norm() > kShare * free.of_pusher.norm() ||
+         way.of_tee > free.of_tee + kLeastMotion;
 }
 
 pusht::WorldState Approach::at(double distance) const {

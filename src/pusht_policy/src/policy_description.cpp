@@ -69,7 +69,7 @@ void requireKeys(const json& object, const std::vector<std::string>& known, cons
   }
 }
 
-const json& valueOf(const json& object, const std::string& key, const std::string& where) {
+const json& valueOf(const json& object, const char* key, const std::string& where) {
   const auto found = object.find(key);
   if (found == object.end()) {
     throw InvalidInput(where + ": must have the key " + key);
@@ -80,7 +80,7 @@ const json& valueOf(const json& object, const std::string& key, const std::strin
 bool isWholeNumber(const json& value, int most) { return value.is_number_integer() && value >= 1 && value <= most; }
 
 int countFrom(const json& object, const std::string& key, int most, const std::string& what, const std::string& where) {
-  const json& value = valueOf(object, key, where);
+  const json& value = valueOf(object, key.c_str(), where);
   if (!isWholeNumber(value, most)) {
     refuseValue(where, key, value, "a whole number from 1 to " + std::to_string(most) + what);
   }

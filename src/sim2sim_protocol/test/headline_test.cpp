@@ -36,9 +36,9 @@ TEST(Headline, Transfers) {
          "Yes: with this policy the rigid-body engine has 101 % [97, 104] of MuJoCo's success.");
 }
 
-TEST(Headline, TransfersAndMore) {
-  expect(headline("Chipmunk", {300, 5, 120, 75}), "transfers",
-         "Yes, and more: with this policy Chipmunk has 138 % [130, 147] of MuJoCo's success.");
+TEST(Headline, MoreSuccessThanInTheReferenceIsNoYes) {
+  expect(headline("Chipmunk", {300, 5, 120, 75}), "exceeds",
+         "More, not alike: with this policy Chipmunk has 138 % [130, 147] of MuJoCo's success.");
 }
 
 TEST(Headline, TransfersInPart) {
@@ -130,6 +130,8 @@ TEST(Headline, TellsTwoOfOneKindApartByTheirRoles) {
 /// The scale of words at its bounds, each of which belongs to the firmer word.
 TEST(Headline, VerdictFollowsFromTheInterval) {
   const auto verdict = [](const Interval& interval) { return nameOf(verdictOf(interval)); };
+  EXPECT_EQ(verdict({1.101, 2.0}), "exceeds");
+  EXPECT_EQ(verdict({1.1, 2.0}), "transfers");
   EXPECT_EQ(verdict({0.9, 2.0}), "transfers");
   EXPECT_EQ(verdict({0.899, 2.0}), "cannot_say");
   EXPECT_EQ(verdict({0.0, 0.9}), "cannot_say");

@@ -21,8 +21,10 @@ constexpr const char* kTooEarly = "Cannot say yet";
 /// The answer's first words, those of `verdict` with what more the interval says.
 std::string wordsOf(TransferVerdict verdict, const Interval& transfer) {
   switch (verdict) {
+    case TransferVerdict::kExceeds:
+      return "More, not alike";
     case TransferVerdict::kTransfers:
-      return transfer.low > kMore ? "Yes, and more" : "Yes";
+      return "Yes";
     case TransferVerdict::kTransfersInPart:
       return "In part";
     case TransferVerdict::kAtMostInPart:
@@ -67,12 +69,15 @@ Headline tooFew(int starts, int repeats) {
 }  // namespace
 
 std::string nameOf(TransferVerdict verdict) {
-  constexpr std::array kNames = {"transfers",         "transfers_in_part", "at_most_in_part",
-                                 "does_not_transfer", "cannot_say",        "nothing_to_transfer"};
+  constexpr std::array kNames = {"exceeds",           "transfers",  "transfers_in_part",  "at_most_in_part",
+                                 "does_not_transfer", "cannot_say", "nothing_to_transfer"};
   return kNames.at(static_cast<std::size_t>(verdict));
 }
 
 TransferVerdict verdictOf(const Interval& transfer) {
+  if (transfer.low > kMore) {
+    return TransferVerdict::kExceeds;
+  }
   if (transfer.low >= kWhole) {
     return TransferVerdict::kTransfers;
   }

@@ -14,13 +14,14 @@ namespace sim2sim {
 
 /// Bounds of the scale of words [share of the reference's success]. Between kNotEnough and kWhole the skill transfers
 /// in part.
+constexpr double kMore = 1.1;       ///< an interval beyond: more success, so the two are not alike
 constexpr double kWhole = 0.9;      ///< an interval from here on up: it transfers
-constexpr double kMore = 1.1;       ///< an interval beyond: it transfers, and more
 constexpr double kNotEnough = 0.5;  ///< an interval up to here: it does not transfer
 
 /// Verdict on the interval [low, high] of the transfer.
 enum class TransferVerdict {
-  kTransfers,         ///< kWhole <= low
+  kExceeds,           ///< kMore < low
+  kTransfers,         ///< kWhole <= low <= kMore
   kTransfersInPart,   ///< kNotEnough <= low, high < kWhole
   kAtMostInPart,      ///< low < kNotEnough < high < kWhole
   kDoesNotTransfer,   ///< high <= kNotEnough
@@ -28,7 +29,7 @@ enum class TransferVerdict {
   kNothingToTransfer  ///< the reference never succeeds
 };
 
-/// Name in files: "transfers", "transfers_in_part", "at_most_in_part", "does_not_transfer", "cannot_say",
+/// Name in files: "exceeds", "transfers", "transfers_in_part", "at_most_in_part", "does_not_transfer", "cannot_say",
 /// "nothing_to_transfer".
 std::string nameOf(TransferVerdict verdict);
 

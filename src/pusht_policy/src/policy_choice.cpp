@@ -20,10 +20,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Functions of a library beside this one.
+/// Functions of a library beside this one. Throws BadDependency if it is not built, or not that library.
 template <class Policies>
 const Policies& loadPolicies(const char* file, Library::Scope scope, const char* symbol) {
   const fs::path path = fs::path(boost::dll::this_line_location().string()).replace_filename(file);
+  std::error_code ignored;
+  if (fs::status(path, ignored).type() == fs::file_type::not_found) {
+    throw BadDependency("library " + path.string() + ": cannot be loaded: is not built: script/build builds it");
+  }
   const Library library(path, scope);
   const auto* const policies = library.find<Policies>(symbol);
   if (policies == nullptr) {

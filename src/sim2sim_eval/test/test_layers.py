@@ -24,13 +24,20 @@ class Layers(CommandCase):
         return needed - own - {"libpusht_task.so"} - self.needed("libpusht_task.so")
 
     def test_statistics_protocol_and_results_need_no_ros(self) -> None:
-        for layer in ("statistics", "audit", "protocol", "results"):
+        for layer in ("statistics", "audit", "protocol", "results", "analyses"):
             self.assertEqual(self.foreign(layer), set(), layer)
         self.assertIn("libpusht_task.so", self.needed("libsim2sim_protocol.so"))
 
     def test_statistics_need_nothing_of_the_suite(self) -> None:
         ours = {name for name in self.needed("libsim2sim_statistics.so") if "pusht" in name}
         self.assertEqual(ours, set())
+
+    def test_a_comparison_needs_neither_audits_nor_analyses(self) -> None:
+        """Nor ONNX: `script/compare` builds none of them."""
+        foreign = {"libsim2sim_analyses.so", "libsim2sim_audit.so", "libpusht_onnx_policy.so"}
+        for program in ("sim2sim_eval/evaluator_node", "sim2sim_eval/simulator_node"):
+            self.assertEqual(foreign & self.needed(program), set(), program)
+        self.assertTrue(foreign & self.needed("sim2sim_eval/compare"))
 
     def test_those_that_need_it_show_it(self) -> None:
         """Or the other tests could not fail."""

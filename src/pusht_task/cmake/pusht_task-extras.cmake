@@ -12,6 +12,12 @@ function(pusht_compile_options target)
   endif()
 endfunction()
 
+# What script/compare builds, of the packages that are configured: nodes, simulators, policies, views. Those who are part
+# of it add themselves.
+if(NOT TARGET comparison)
+  add_custom_target(comparison)
+endif()
+
 # Compiles the sources of a target four at a time, unless all are compiled jointly anyway: they share most of their
 # headers. Not for engines and policies, whose speed and bits may depend on what the compiler sees at once.
 function(pusht_join_sources target)
@@ -73,6 +79,7 @@ function(pusht_simulator_package)
   target_include_directories(${PROJECT_NAME} PUBLIC include ${catkin_INCLUDE_DIRS})
   target_link_libraries(${PROJECT_NAME} PUBLIC ${task} ${_kind_PUBLIC} PRIVATE ${_kind_PRIVATE})
   pusht_compile_options(${PROJECT_NAME})
+  add_dependencies(comparison ${PROJECT_NAME})
 
   file(CONFIGURE OUTPUT ${name}_node.cpp @ONLY CONTENT [[
 #include "pusht_task/ros/serve.hpp"

@@ -3,7 +3,7 @@
 """The last lines of a script that tests: every case that failed or was skipped, then
 "N passed, N failed", and ", N skipped" where some were.
 
-A test that left no result has failed: one that CMake registered, or, with --all, a file of tests in
+Before them, the ten files of tests that took longest. A test that left no result has failed: one that CMake registered, or, with --all, a file of tests in
 the source tree. Lint is one test more. A report of a sanitizer is a failure.
 """
 
@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Dict, Iterator, List
 from xml.etree import ElementTree
 
+SLOWEST = 10
 RUNNER = "run_tests.py"  # catkin's; the file of results is its first argument
 TESTS = re.compile(r"^\s*def test_|^TEST(_F|_P)?\(", re.MULTILINE)
 
@@ -40,6 +41,14 @@ def test_files(packages: Path) -> Iterator[Path]:
             path.suffix in (".cpp", ".py") and TESTS.search(path.read_text())
         ):
             yield path
+
+
+def slowest(times: Path) -> Iterator[str]:
+    """The longest tests in ctest's report, a line each."""
+    cases = ElementTree.parse(times).getroot().iter("testcase")
+    seconds = {str(case.get("name")): float(case.get("time") or 0) for case in cases}
+    for name in sorted(seconds, key=lambda name: -seconds[name])[:SLOWEST]:
+        yield f"{seconds[name]:6.1f} s  {name.replace('_ctest_', '')}"
 
 
 class Count:
@@ -147,6 +156,12 @@ def main(arguments: List[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--lint", choices=("passed", "failed", "skipped"), required=True)
     parser.add_argument(
+        "--failed", action="append", default=[], metavar="WHAT", help="what else has failed"
+    )
+    parser.add_argument(
+        "--times", type=Path, metavar="FILE", help="ctest's report: print its longest tests"
+    )
+    parser.add_argument(
         "--all", type=Path, metavar="SRC", help="every test file in SRC must have run"
     )
     parser.add_argument(
@@ -168,6 +183,9 @@ def main(arguments: List[str]) -> int:
             count.failed.append(f"{path}: has no test that ran")
     if options.all:
         count.require_tree(options.all)
+    count.failed.extend(options.failed)
+    if options.times:
+        print("the longest tests:", *slowest(options.times), sep="\n")
     print(count)
     return 1 if count.failed else 0
 

@@ -44,10 +44,11 @@ function(pusht_add_gtest target)
 endfunction()
 
 # A file of Python tests, which pytest runs (catkin_add_nosetests needs nose, which Debian 13 has no more).
-# TIMEOUT is the limit of each test [s], 60 if not given. pytest returns 1 if tests fail; after any other failure it may
+# TIMEOUT is the limit of each test [s], 60 if not given; COST what the file takes [s], where that is much: ctest begins
+# with the longest. pytest returns 1 if tests fail; after any other failure it may
 # not have run them all, so no results may stay: a test without results is a failed one.
 function(pusht_add_pytest file)
-  cmake_parse_arguments(_pytest "" "TIMEOUT" "DEPENDENCIES" ${ARGN})
+  cmake_parse_arguments(_pytest "" "TIMEOUT;COST" "DEPENDENCIES" ${ARGN})
   if(NOT _pytest_TIMEOUT)
     set(_pytest_TIMEOUT 60)
   endif()
@@ -59,6 +60,14 @@ function(pusht_add_pytest file)
     " --timeout=${_pytest_TIMEOUT} --override-ini=junit_family=xunit1 --junitxml=${path}"
     " ${CMAKE_CURRENT_SOURCE_DIR}/${file} || [ $? -eq 1 ] || rm -f ${path}")
   catkin_run_tests_target(pytest ${name} ${results} COMMAND ${command} DEPENDENCIES ${_pytest_DEPENDENCIES})
+  pusht_test_cost(pytest_${name} ${_pytest_COST})
+endfunction
+
+# Says what a test takes [s], such as gtest_audit_test or rostest_test_live_session.test.
+function(pusht_test_cost name)
+  if(ARGN)
+    set_tests_properties(_ctest_${PROJECT_NAME}_${name} PROPERTIES COST ${ARGN})
+  endif()
 endfunction()
 
 # The rest of a package pusht_NAME for kinds of simulators, after find_package and catkin_package: the library SOURCES,

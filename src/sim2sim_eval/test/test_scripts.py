@@ -244,8 +244,8 @@ class Lint(ScriptCase):
         self.git("add", "--all")
         self.git("commit", "--quiet", "--message=deploy")
 
-    def assert_lint(self, finds_fault: bool) -> None:
-        process = self.run_in_folder("script/lint", "--changed")
+    def assert_lint(self, finds_fault: bool, *options: str) -> None:
+        process = self.run_in_folder("script/lint", *options)
         if "VERSION_CODENAME=bookworm" not in Path("/etc/os-release").read_text():
             self.assertRegex(process.stdout, r"\Alint: skipped: .* Debian 12, and this is .+\n\Z")
             self.assertEqual(process.returncode, 77)
@@ -272,6 +272,7 @@ class Lint(ScriptCase):
             "file": str(source),
         }
         self.write("build/compile_commands.json", json.dumps([entry]))
+        self.write("build/CMakeCache.txt", "")
 
         def lint() -> str:
             output = self.run_in_folder("script/lint").stdout
@@ -290,22 +291,35 @@ class Lint(ScriptCase):
         self.assertIn("lint: clang-tidy FAILED", output)
         self.assertIn("toy.hpp:2:15: error: invalid case style for", output)
 
-    def test_committed_work_without_an_upstream_branch(self) -> None:
+    def test_reads_what_changed_since_the_commit_that_is_known_to_be_clean(self) -> None:
         self.commit(self.FAULTY)
         self.assert_lint(True)
         self.assert_lint(True)  # it has not passed
+        known = self.run_in_folder("git", "rev-parse", "HEAD").stdout
+        self.write(".ci/lint_clean", known)
+        self.git("add", "--all")
+        self.git("commit", "--quiet", "--message=clean")
+        self.assert_lint(False)  # whatever is in it
+        self.write("script/other", self.FAULTY)
+        self.assert_lint(True)
+
+    def test_reads_what_changed_since_it_passed(self) -> None:
         self.commit(self.SOUND)
         self.assert_lint(False)
         self.commit(self.FAULTY)
         self.assert_lint(True)
 
-    def test_committed_work_with_an_upstream_branch(self) -> None:
-        self.commit(self.SOUND)
-        self.git("checkout", "--quiet", "-b", "work", "--track", "main")
+    def test_all_files_are_read_on_demand(self) -> None:
         self.commit(self.FAULTY)
+        known = self.run_in_folder("git", "rev-parse", "HEAD").stdout
+        self.write(".ci/lint_clean", known)
+        self.assert_lint(False)
+        self.assert_lint(True, "--all")
+
+    def test_commit_that_is_not_there_is_not_known(self) -> None:
+        self.commit(self.FAULTY)
+        self.write(".ci/lint_clean", "0" * 40 + "\n")
         self.assert_lint(True)
-        self.git("branch", "--quiet", "--force", "main", "work")
-        self.assert_lint(False)  # upstream has it
 
     def test_pass_with_uncommitted_changes_is_not_remembered(self) -> None:
         self.commit(self.FAULTY)

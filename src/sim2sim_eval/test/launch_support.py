@@ -207,10 +207,10 @@ class Run(Process):
         """Waits for a message."""
         return rospy.wait_for_message(topic, rospy.AnyMsg, DEADLINE)
 
-    def control(self, command: str, rate: float = 0.0) -> None:
+    def control(self, command: str, **fields: Any) -> None:
         """Calls ~control of the evaluator, as soon as it is there."""
         service = connected("/sim2sim/control", Control)
-        answer = service(command=command, rate=rate)
+        answer = service(command=command, **fields)
         service.close()
         self._test.assertTrue(answer.success, answer.message)
 

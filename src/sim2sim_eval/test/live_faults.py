@@ -154,7 +154,7 @@ class LostRuns(LiveCase):
         run = Start(self, policy="expert", episodes=2, rate=1, record=False)
         run.first("/sim2sim/divergence")
         resource.prlimit(run.pid, resource.RLIMIT_FSIZE, (1000, 1000))
-        run.control("rate", 100000)
+        run.control("rate", rate=100000)
         run.ended()
         status = run.status()
         self.assertEqual((status["exit_code"], status["episodes_finished"]), (4, 2))

@@ -121,7 +121,7 @@ class SharedMaster:
     def __init__(self) -> None:
         self._folder = tempfile.TemporaryDirectory()
         self.uri = f"http://127.0.0.1:{free_port()}"
-        # Those of rospy.
+        # Read by rospy, and by what the tests start.
         os.environ.update(
             ROS_MASTER_URI=self.uri, ROS_IP="127.0.0.1", ROS_LOG_DIR=self._folder.name
         )
@@ -261,7 +261,8 @@ class SharedLaunch(Launch):
         master = shared_master()
         master.end_nodes()
         master.forget(keep=set())
-        super().__init__(test, master_uri=master.uri, **{"rviz": False, **arguments})
+        arguments.setdefault("rviz", False)
+        super().__init__(test, master_uri=master.uri, **arguments)
 
 
 class Start(Run):

@@ -86,6 +86,7 @@ class LostNodes(LiveCase):
         """In episode 1 MuJoCo succeeds after 73 of 300 control steps."""
         run = Start(self, keep=False, policy="expert", first_episode=1, episodes=1, rate=50)
         step = Inbox("/sim2sim/divergence", Divergence)
+        self.addCleanup(step.close)
         step.until(lambda message: math.isnan(message.closed_position))
         run.control("pause")
         os.kill(run.node("/reference"), signal.SIGKILL)

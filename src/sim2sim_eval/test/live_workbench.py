@@ -120,7 +120,7 @@ class Replay(LiveCase):
     def test_replay_begins_where_it_is_told(self) -> None:
         path = self.record()
         steps = self.steps_of(path)
-        shown = Inbox("/sim2sim/divergence", Divergence)  # without one, nothing is shown
+        shown = self.inbox("/sim2sim/divergence", Divergence)  # without one, nothing is shown
         self.replay(bag=path, episode=1, start=0.5, speed=0.001)  # 100 s after the first step
         seen = shown.until(lambda message: look(message) == steps[1, 5])
         self.assertEqual({message.episode for message in seen}, {1})
@@ -130,7 +130,7 @@ class Replay(LiveCase):
         recorded = self.steps_of(path)
         node = self.replay(bag=path, speed=0)
         node.control("pause")
-        shown = Inbox("/sim2sim/divergence", Divergence)
+        shown = self.inbox("/sim2sim/divergence", Divergence)  # which is told the whole curve
         seen: "Counter[str]" = Counter()
 
         def expect(*places: Tuple[int, int], times: int = 1) -> None:
@@ -155,12 +155,18 @@ class Replay(LiveCase):
         self.assertEqual((answer.success, "only in a live run" in answer.message), (False, True))
         node.control("resume")
         expect(max(recorded))
-        progress = Inbox("/sim2sim/progress", Progress)
+        progress = self.inbox("/sim2sim/progress", Progress)
         progress.until(lambda message: bool(message.paused))  # at the end
         episodes = connected("/sim2sim/episodes", Episodes)().episodes
         self.assertEqual(len(episodes), 2)
         summary = rospy.wait_for_message("/sim2sim/summary", Summary, DEADLINE)
         self.assertEqual(summary.episodes_finished, 2)
+
+    def inbox(self, topic: str, message_type: Any) -> Inbox:
+        """Messages during this test. A replay begins as soon as there is a subscriber."""
+        inbox = Inbox(topic, message_type)
+        self.addCleanup(inbox.close)
+        return inbox
 
     def refusal(self, episode: int, step: int = 0) -> str:
         """Why the replay cannot go there."""

@@ -22,6 +22,7 @@
 #include "pusht_mujoco/mujoco_kind.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/split.hpp"
+#include "pusht_task/testing/long_tests.hpp"
 #include "sim2sim_audit/audit.hpp"
 
 namespace sim2sim::testing {
@@ -177,7 +178,7 @@ TEST_P(SamePair, MujocoAndItsModelVariants) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, SamePair, ::testing::Range(std::uint64_t{0}, std::uint64_t{20}));
+INSTANTIATE_TEST_SUITE_P(Seeds, SamePair, ::testing::Range(std::uint64_t{0}, std::uint64_t{pusht::testing::longTests() ? 20U : 2U}));
 
 /// A seed moves every scene; 1e-6 m is less than that.
 TEST(SamePairs, StartsThatAreNudged) {

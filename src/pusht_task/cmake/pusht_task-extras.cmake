@@ -61,7 +61,7 @@ function(pusht_add_pytest file)
     " ${CMAKE_CURRENT_SOURCE_DIR}/${file} || [ $? -eq 1 ] || rm -f ${path}")
   catkin_run_tests_target(pytest ${name} ${results} COMMAND ${command} DEPENDENCIES ${_pytest_DEPENDENCIES})
   pusht_test_cost(pytest_${name} ${_pytest_COST})
-endfunction
+endfunction()
 
 # Says what a test takes [s], such as gtest_audit_test or rostest_test_live_session.test.
 function(pusht_test_cost name)

@@ -77,12 +77,12 @@ function(pusht_test_cost name)
   endif()
 endfunction()
 
-# The rest of a package pusht_NAME for kinds of simulators, after find_package and catkin_package: the library SOURCES,
-# which other packages see together with the libraries PUBLIC; the node NAME_node, which serves KIND (NAME, if not
-# given); the rostest test/NAME.test; and their installation, with that of DIRECTORIES. (Headers and
-# plugin_description.xml the package installs itself, where catkin_lint looks for it.)
+# The rest of a package pusht_NAME for kinds of simulators, after find_package and catkin_package: the library SOURCES
+# (those APART are not joined), which other packages see together with the libraries PUBLIC; the node NAME_node, which
+# serves KIND (NAME, if not given); the rostest test/NAME.test; and their installation, with that of DIRECTORIES.
+# (Headers and plugin_description.xml the package installs itself, where catkin_lint looks for it.)
 function(pusht_simulator_package)
-  cmake_parse_arguments(_kind "" "KIND" "SOURCES;PUBLIC;PRIVATE;DIRECTORIES" ${ARGN})
+  cmake_parse_arguments(_kind "" "KIND" "SOURCES;APART;PUBLIC;PRIVATE;DIRECTORIES" ${ARGN})
   string(REGEX REPLACE "^pusht_" "" name ${PROJECT_NAME})
   if(NOT _kind_KIND)
     set(_kind_KIND ${name})
@@ -96,7 +96,7 @@ function(pusht_simulator_package)
   target_link_libraries(${PROJECT_NAME} PUBLIC ${task} ${_kind_PUBLIC} PRIVATE ${_kind_PRIVATE})
   pusht_compile_options(${PROJECT_NAME})
   add_dependencies(comparison ${PROJECT_NAME})
-  pusht_join_sources(${PROJECT_NAME} COUNT 7)
+  pusht_join_sources(${PROJECT_NAME} COUNT 7 APART ${_kind_APART})
 
   file(CONFIGURE OUTPUT ${name}_node.cpp @ONLY CONTENT [[
 #include "pusht_task/ros/serve_simulator.hpp"

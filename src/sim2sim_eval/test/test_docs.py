@@ -80,9 +80,11 @@ class Docs(CommandCase):
     def test_tutorial(self) -> None:
         self.assertEqual(self.check(DOCS / "tutorial.md"), 14)
 
+    @long_form
     def test_bring_your_own(self) -> None:
         self.assertEqual(self.check(DOCS / "bring_your_own.md"), 5)
 
+    @long_form
     def test_commands(self) -> None:
         self.assertEqual(self.check(DOCS / "commands.md"), 13)
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs commands as a user does, for tests."""
 
+import functools
 import json
 import os
 import signal
@@ -22,6 +23,7 @@ from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
 DEADLINE = 120.0  # s, for one command
 
 
+@functools.lru_cache(maxsize=None)
 def executable(package: str, name: str) -> str:
     """An executable of a package, in the devel or the install space."""
     found: List[str] = find_in_workspaces(["libexec"], package, name, first_match_only=True)

@@ -6,16 +6,21 @@ import json
 import re
 import unittest
 from pathlib import Path
-from typing import Any, Dict, List
-
-import roslaunch  # type: ignore[import]
-import rospkg  # type: ignore[import]
+from typing import Any, Dict
 
 from command_case import executable
-from live_support import OwnMaster, Process
+from launch_support import (
+    LAUNCHES,
+    Start,
+    environment_of,
+    node_file,
+    parameters_of,
+    shared_master,
+)
+from live_support import LiveCase, Process, free_port
 
 MOST = 60.0  # [s] that an audit of the suite's own simulators may take, its nodes' start included
-LAUNCH = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "launch" / "audit.launch"
+AUDIT = LAUNCHES / "audit.launch"
 DEADLINE = "_deadline:=2"  # [s]
 
 
@@ -35,76 +40,79 @@ def of(audit: Dict[str, Any], key: str) -> Dict[str, Any]:
     return entry
 
 
-class Launches(OwnMaster):
+class Launches(LiveCase):
     deadline = MOST
 
-    def launched(self, *arguments: str) -> Process:
-        port = self.use_own_master().split(":")[-1]
-        command = ("roslaunch", "-p", port, "sim2sim_eval", "audit.launch", *arguments)
-        return Process(self, *command, environment=self.environment)
-
     def test_same_bytes_as_in_process(self) -> None:
-        cases: Dict[str, List[str]] = {
-            "--seed 3": ["seed:=3"],
+        """By roslaunch, which says what the audit says, and ends with it."""
+        arguments = ("seed:=3", "out:=live.json")
+        uri = f"http://127.0.0.1:{free_port()}"
+        command = ("roslaunch", "-p", uri.split(":")[-1], "sim2sim_eval", "audit.launch")
+        launch = Process(self, *command, *arguments, environment=environment_of(self, uri))
+        launch.ended(MOST)
+        code = self.assert_same_bytes(launch, "--seed 3")
+        how = "process has finished cleanly" if code == 0 else f"exit code {code}, cmd"
+        self.assertIn(how, launch.output)
+
+    def test_same_bytes_of_other_kinds(self) -> None:
+        cases: Dict[str, Dict[str, str]] = {
             "--reference chipmunk --set-reference iterations=12 --engine rigid_body"
-            " --set preset=simple --set drag=true": [
-                "reference:=chipmunk",
-                "reference_parameters:=iterations=12",
-                "engine:=rigid_body",
-                "engine_parameters:=preset=simple drag=true",
-            ],
-            "--engine chipmunk --against task": ["engine:=chipmunk", "against:=task"],
+            " --set preset=simple --set drag=true": {
+                "reference": "chipmunk",
+                "reference_parameters": "iterations=12",
+                "engine": "rigid_body",
+                "engine_parameters": "preset=simple drag=true",
+            },
+            "--engine chipmunk --against task": {"engine": "chipmunk", "against": "task"},
         }
-        for number, (options, arguments) in enumerate(cases.items()):
+        for options, arguments in cases.items():
             with self.subTest(options):
-                live, batch = f"live{number}.json", f"batch{number}.json"
-                launch = self.launched(*arguments, f"out:={live}")
-                launch.ended(MOST)
-                command = (executable("sim2sim_eval", "audit"), *options.split())
-                process = self.run_command(*command, "--out", batch)
-                self.assertTrue((self.folder / live).exists(), launch.output)
-                self.assertEqual(load(self.folder / live), load(self.folder / batch))
-                self.assertEqual(
-                    (self.folder / live).read_bytes(), (self.folder / batch).read_bytes()
-                )
-                self.assertIn(process.stdout, launch.output)
-                code = process.returncode
-                how = "process has finished cleanly" if code == 0 else f"exit code {code}, cmd"
-                self.assertIn(how, launch.output)
+                run = Start(self, file="audit", out="live.json", overwrite=True, **arguments)
+                code = run.ended(MOST)
+                self.assertEqual(self.assert_same_bytes(run, options), code)
+
+    def assert_same_bytes(self, live: Process, options: str) -> int:
+        """An audit over nodes has said what the command says; the command's exit code."""
+        command = (executable("sim2sim_eval", "audit"), *options.split())
+        process = self.run_command(*command, "--out", "batch.json", "--overwrite")
+        self.assertTrue((self.folder / "live.json").exists(), live.output)
+        self.assertEqual(load(self.folder / "live.json"), load(self.folder / "batch.json"))
+        batch = (self.folder / "batch.json").read_bytes()
+        self.assertEqual((self.folder / "live.json").read_bytes(), batch)
+        self.assertIn(process.stdout, live.output)
+        return process.returncode
 
     def test_own_node_takes_kind_and_parameters(self) -> None:
-        launch = self.launched("engine_node:=false", "engine:=two_mass", "against:=task")
-        launch.line(r"process\[audit-\d+\]: started")
-        node = ("rosrun", "pusht_engine", "engine_node", "__name:=engine", "_block_damp:=20")
-        Process(self, *node, environment=self.environment)
-        launch.line("^audit of two-mass engine against the task, seed 0$")
-        launch.ended()
+        node = {"engine_node": False, "engine": "two_mass"}
+        run = Start(self, file="audit", against="task", **node)
+        command = (node_file("pusht_engine", "engine_node"), "__name:=engine", "_block_damp:=20")
+        Process(self, *command, environment=run.environment)
+        run.line("^audit of two-mass engine against the task, seed 0$")
+        run.ended()
 
     def test_every_parameter_of_the_node_is_an_argument(self) -> None:
-        launch = self.launched("against:=nature")
-        launch.line("audit: against 'nature': must be task, or left out")
-        config = roslaunch.config.ROSLaunchConfig()
-        roslaunch.xmlloader.XmlLoader().load(str(LAUNCH), config, argv=[], verbose=False)
-        given = {re.sub("^/audit/", "", name) for name in config.params if "/audit/" in name}
-        node = (executable("sim2sim_eval", "audit_node"), "__name:=other", "_nonsense:=1")
-        launch.ended()
-        self.start_master()
-        process = self.run_command(*node, environment=self.environment)
-        known = process.stderr.split("known: ")[1].strip().split(", ")
+        parameters = parameters_of(AUDIT)
+        given = {re.sub("^/audit/", "", name) for name in parameters if "/audit/" in name}
+        run = Start(self, {"audit/nonsense": 1}, file="audit")
+        run.ended()
+        known = run.output.split("known: ")[1].split("\n")[0].strip().split(", ")
         self.assertEqual(given | {"reference_namespace", "engine_namespace"}, set(known))
 
 
-class OwnNodes(OwnMaster):
+class OwnNodes(LiveCase):
     """Nodes in Python, audited against the task."""
 
     deadline = MOST
 
     def setUp(self) -> None:
         super().setUp()
-        self.start_master()
+        master = shared_master()
+        master.end_nodes()
+        master.forget(keep=set())
+        self.environment = environment_of(self, master.uri)
 
     def start_node(self, name: str, *arguments: str) -> Process:
-        command = ("rosrun", "sim2sim_eval", name, "__name:=engine", *arguments)
+        command = (node_file("sim2sim_eval", name), "__name:=engine", *arguments)
         return Process(self, *command, environment=self.environment)
 
     def audit(self, code: int, *arguments: str) -> str:
@@ -220,7 +228,7 @@ class OwnNodes(OwnMaster):
             ("_deadline:=0", "deadline 0: must be finite and > 0"),
         ):
             with self.subTest(argument):
-                self.run_command("rosparam", "delete", "/audit", environment=self.environment)
+                shared_master().forget(keep=set())
                 said = self.audit(2, argument)
                 self.assertEqual(said.count("\n"), 1, said)
                 self.assertIn(reason, said)

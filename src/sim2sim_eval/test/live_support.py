@@ -21,7 +21,7 @@ import actionlib  # type: ignore[import]
 import rosgraph  # type: ignore[import]
 import rospy  # type: ignore[import]
 from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
-from command_case import CommandCase
+from command_case import CommandCase, executable
 from pusht_msgs.msg import (  # type: ignore[import]
     CompareAction,
     CompareActionFeedback,
@@ -40,6 +40,7 @@ ROLLOUTS = 5  # three modes and the floor
 CALLER = "/live_test"
 WORLDS = ["reference", "engine", "engine_replay"]
 NODES = [*WORLDS, "policy"]
+BATCHES: Dict[Tuple[str, ...], bytes] = {}  # what `compare` said to these arguments, which stays so
 
 
 class LiveCase(CommandCase):
@@ -55,9 +56,12 @@ class LiveCase(CommandCase):
 
     def batch_bytes(self, *arguments: str) -> bytes:
         """The results of `compare`, which needs no nodes."""
-        out = Path(tempfile.mkdtemp(dir=self.folder))
-        self.succeed("rosrun", "sim2sim_eval", "compare", *arguments, "--out", str(out))
-        return result_bytes(out)
+        if arguments not in BATCHES:
+            out = Path(tempfile.mkdtemp(dir=self.folder))
+            compare = executable("sim2sim_eval", "compare")
+            self.succeed(compare, *arguments, "--out", str(out))
+            BATCHES[arguments] = result_bytes(out)
+        return BATCHES[arguments]
 
     def open_display(self, screen: str = "1366x768x24") -> str:
         """A virtual screen."""
@@ -69,7 +73,8 @@ class LiveCase(CommandCase):
         """The results in `out` are those of the bag beside them."""
         again = Path(tempfile.mkdtemp(dir=self.folder))
         bag = str(out / "compare.bag")
-        self.succeed("rosrun", "sim2sim_eval", "recompute", bag, "--out", str(again))
+        recompute = executable("sim2sim_eval", "recompute")
+        self.succeed(recompute, bag, "--out", str(again))
         self.assertEqual(result_bytes(again), result_bytes(out))
 
     def assert_not_whole(self, out: Path, reason: str, bag: bool = True) -> Dict[str, Any]:
@@ -91,7 +96,11 @@ def result_bytes(out: Path) -> bytes:
 
 
 def status_of(out: Path) -> Dict[str, Any]:
-    status: Dict[str, Any] = json.loads((out / "status.json").read_text())
+    return status_of_file(out / "status.json")
+
+
+def status_of_file(path: Path) -> Dict[str, Any]:
+    status: Dict[str, Any] = json.loads(path.read_text())
     return status
 
 
@@ -239,62 +248,6 @@ def kill(pid: int, number: int) -> None:
         pass
 
 
-class Launch(Process):
-    """The user's own launch, with a master of its own; headless, with the results in `out`."""
-
-    def __init__(
-        self,
-        test: LiveCase,
-        parameters: Optional[Dict[str, Any]] = None,  # set beside those of compare.launch
-        beside: str = "",  # what else is in the user's launch file
-        display: str = "",  # none
-        master_uri: str = "",  # of a master that runs already; empty: the launch's own
-        file_limit: Optional[int] = None,
-        **arguments: Any,
-    ) -> None:
-        self.out = test.folder / str(arguments.setdefault("out", "out"))
-        self.uri = master_uri or f"http://127.0.0.1:{free_port()}"
-        self.environment = {
-            "ROS_MASTER_URI": self.uri,
-            "ROS_IP": "127.0.0.1",
-            "ROS_HOME": str(test.folder / "ros"),
-            "ROS_LOG_DIR": str(test.folder / "ros"),
-            "DISPLAY": display,
-            "LIBGL_ALWAYS_SOFTWARE": "1",
-            "PWD": str(test.folder),
-        }
-        self._test = test
-        launch = ["sim2sim_eval", "compare.launch"]
-        if parameters is not None or beside:
-            launch = [extended_launch(test.folder, arguments, parameters or {}, beside)]
-        given = [f"{name}:={text_of(value)}" for name, value in arguments.items()]
-        port = [] if master_uri else ["-p", self.uri.split(":")[-1]]
-        super().__init__(
-            test,
-            "roslaunch",
-            *port,
-            *launch,
-            *given,
-            environment=self.environment,
-            file_limit=file_limit,
-        )
-
-    def tool(self, *command: str) -> str:
-        """What a command prints that must succeed in the launch's environment."""
-        return self._test.succeed(*command, environment=self.environment)
-
-    def first(self, topic: str) -> None:
-        """Waits for a message."""
-        self.line(r"process\[sim2sim-\d+\]: started")
-        self.tool("rostopic", "echo", "-n1", topic)
-
-    def node(self, name: str) -> int:
-        return pid_of(name, self.uri)
-
-    def status(self) -> Dict[str, Any]:
-        return status_of(self.out)
-
-
 class OwnMaster(LiveCase):
     """Nodes of a master that only this test knows."""
 
@@ -321,19 +274,6 @@ class OwnMaster(LiveCase):
 
 def text_of(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def extended_launch(
-    folder: Path, arguments: Dict[str, Any], parameters: Dict[str, Any], beside: str
-) -> str:
-    """A launch file of a user who wants more than compare.launch has arguments for."""
-    lines = ["<launch>"]
-    lines += [f'<arg name="{name}"/>' for name in arguments]
-    lines += ['<include file="$(find sim2sim_eval)/launch/compare.launch" pass_all_args="true"/>']
-    lines += [f'<param name="{k}" value="{text_of(v)}"/>' for k, v in parameters.items()]
-    path = folder / "mine.launch"
-    path.write_text("\n".join([*lines, beside, "</launch>"]))
-    return str(path)
 
 
 def connected(service: str, service_type: Any) -> Any:

@@ -2,34 +2,40 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The workbench in rviz: the panel drives runs, and a bag is shown as if it were live."""
 
-import re
+from collections import Counter
 from typing import Any, Dict, List, Tuple
 
 import rosbag  # type: ignore[import]
+import rospy  # type: ignore[import]
+from pusht_msgs.msg import Divergence, Progress, Summary  # type: ignore[import]
+from pusht_msgs.srv import Control, Episodes  # type: ignore[import]
+from pusht_task.testing.nodes import Inbox
+from tf2_msgs.msg import TFMessage  # type: ignore[import]
 
+from command_case import executable
+from launch_support import Start, environment_of, node_file, shared_master
 from live_support import (
+    DEADLINE,
     RECORDED_RESULTS,
-    Launch,
     LiveCase,
     Process,
+    connected,
+    describe,
     files,
     free_port,
     result_bytes,
-    until,
 )
 
 
 class Panel(LiveCase):
-    def launch(self, **arguments: Any) -> Launch:
+    def launch(self, **arguments: Any) -> Start:
         """An evaluator that waits for what the panel asks for."""
-        launch = Launch(self, start=False, rviz=False, **arguments)
-        launch.line(r"process\[sim2sim-\d+\]: started")
-        return launch
+        return Start(self, keep=False, start=False, **arguments)
 
-    def drive(self, launch: Launch, test: str, **environment: str) -> None:
+    def drive(self, launch: Start, test: str, **environment: str) -> None:
         """Runs one test of panel_test, in a real rviz."""
         everything = {**launch.environment, "DISPLAY": self.open_display(), **environment}
-        command = ("rosrun", "pusht_rviz", "panel_test", f"--gtest_filter=*.{test}")
+        command = (node_file("pusht_rviz", "panel_test"), f"--gtest_filter=*.{test}")
         panel = Process(self, *command, environment=everything)
         self.assertEqual(panel.ended(5 * self.deadline), 0, panel.output)
         self.assertIn("[  PASSED  ] 1 test", panel.output)
@@ -48,7 +54,7 @@ class Panel(LiveCase):
 
     def test_node_that_dies_shows_as_lost(self) -> None:
         launch = self.launch(policy="expert")
-        launch.tool("rosservice", "call", "--wait", "/engine/describe", "{}")
+        describe("engine")
         victim = str(launch.node("/engine"))
         self.drive(launch, "ShowsANodeThatDiesAndGoesOn", PANEL_TEST_VICTIM=victim)
 
@@ -56,29 +62,23 @@ class Panel(LiveCase):
 class Replay(LiveCase):
     """replay.launch, without rviz."""
 
-    def replay(self, display: str = "", **arguments: Any) -> Process:
-        self.uri = f"http://127.0.0.1:{free_port()}"
-        self.environment = {
-            "ROS_MASTER_URI": self.uri,
-            "ROS_IP": "127.0.0.1",
-            "ROS_HOME": str(self.folder / "ros"),
-            "DISPLAY": display,
-            "LIBGL_ALWAYS_SOFTWARE": "1",
-            "PWD": str(self.folder),
-        }
-        given = [f"{name}:={value}" for name, value in {"rviz": "false", **arguments}.items()]
-        command = ("roslaunch", "-p", self.uri.split(":")[-1], "sim2sim_eval", "replay.launch")
-        launch = Process(self, *command, *given, environment=self.environment)
-        launch.line(r"process\[sim2sim-\d+\]: started")
-        return launch
+    def setUp(self) -> None:
+        super().setUp()
+        shared_master()  # before anything is subscribed to
 
-    def control(self, command: str) -> str:
-        call = ("rosservice", "call", "--wait", "/sim2sim/control", command)
-        return self.succeed(*call, environment=self.environment)
+    def replay(self, **arguments: Any) -> Start:
+        return Start(self, file="replay", **arguments)
+
+    def launch(self, display: str = "", **arguments: str) -> Process:
+        """The user's own, with rviz."""
+        uri = f"http://127.0.0.1:{free_port()}"
+        given = [f"{name}:={value}" for name, value in arguments.items()]
+        command = ("roslaunch", "-p", uri.split(":")[-1], "sim2sim_eval", "replay.launch")
+        return Process(self, *command, *given, environment=environment_of(self, uri, display))
 
     def record(self) -> str:
         """The bag of two episodes."""
-        command = ("rosrun", "sim2sim_eval", "compare", "--policy", "expert", "--record")
+        command = (executable("sim2sim_eval", "compare"), "--policy", "expert", "--record")
         self.succeed(*command, "--seed", "3", "--episodes", "2", "--out", str(self.folder / "out"))
         return "out/compare.bag"
 
@@ -95,88 +95,85 @@ class Replay(LiveCase):
         ]
         for arguments, reason in cases:
             with self.subTest(arguments):
-                launch = self.replay(**arguments)
-                launch.ended()
-                self.assertRegex(launch.output, f"(?m)^sim2sim: {reason}$")
-                self.assertIn("exit code 2", launch.output)
+                node = self.replay(**arguments)
+                self.assertEqual(node.ended(), 2, node.output)
+                self.assertRegex(node.output, f"(?m)^sim2sim: {reason}$")
 
     def test_replay_without_a_display_ends(self) -> None:
-        launch = self.replay(bag=self.record(), rviz="true")
+        launch = self.launch(bag=self.record())
         launch.ended()
         self.assertRegex(launch.output, "(?m)^no display .*: nothing can be shown")
         self.assertNotIn("Traceback", launch.output)
 
     def test_replay_without_its_bag_ends_though_rviz_is_there(self) -> None:
-        launch = self.replay(display=self.open_display(), bag="missing.bag", rviz="true")
+        launch = self.launch(self.open_display("320x240x24"), bag="missing.bag")
         launch.ended()
         self.assertIn("sim2sim: bag missing.bag: must be a readable file", launch.output)
+        self.assertIn("exit code 2", launch.output)
 
     def steps_of(self, bag: str) -> Dict[Tuple[int, int], str]:
         """How each step looks that the bag tells of, by episode and step."""
         with rosbag.Bag(str(self.folder / bag)) as recorded:
-            messages = [str(m) for _, m, _ in recorded.read_messages(["/sim2sim/divergence"])]
-        steps = {}
-        for message in messages:
-            look = message[message.index("episode:") :]
-            episode, step = re.findall(r"(?m)^(?:episode|step): (\d+)$", look)
-            steps[int(episode), int(step)] = look
-        return steps
-
-    def watch(self) -> Process:
-        """A subscriber; without one, nothing is shown."""
-        topic = ("rostopic", "echo", "/sim2sim/divergence")
-        return Process(self, *topic, environment=self.environment)
+            messages = [m for _, m, _ in recorded.read_messages(["/sim2sim/divergence"])]
+        return {(message.episode, message.step): look(message) for message in messages}
 
     def test_replay_begins_where_it_is_told(self) -> None:
         path = self.record()
         steps = self.steps_of(path)
+        shown = Inbox("/sim2sim/divergence", Divergence)  # without one, nothing is shown
         self.replay(bag=path, episode=1, start=0.5, speed=0.001)  # 100 s after the first step
-        shown = self.watch()
-        until(lambda: steps[1, 5] in shown.output, "the control step at 0.5 s")
-        self.assertNotIn("episode: 0", shown.output)
+        seen = shown.until(lambda message: look(message) == steps[1, 5])
+        self.assertEqual({message.episode for message in seen}, {1})
 
     def test_replay_goes_where_it_is_told(self) -> None:
         path = self.record()
         recorded = self.steps_of(path)
-        self.replay(bag=path, speed=0)
-        self.control("{command: pause}")
-        shown = self.watch()
+        node = self.replay(bag=path, speed=0)
+        node.control("pause")
+        shown = Inbox("/sim2sim/divergence", Divergence)
+        seen: "Counter[str]" = Counter()
 
-        def expect(place: Tuple[int, int]) -> None:
-            until(lambda: recorded[place] in shown.output, f"episode and step {place}")
+        def expect(*places: Tuple[int, int], times: int = 1) -> None:
+            """Waits until each of these has been told so often."""
+            while any(seen[recorded[place]] < times for place in places):
+                seen.update(look(message) for message in shown.until(lambda _: True))
 
-        for place in recorded:  # the curve of the episode that is shown is whole
-            if place[0] == 0:
-                expect(place)
-        self.control("{command: seek, episode: 1, step: 5}")
-        for step in range(6):  # a curve is whole
-            expect((1, step))
-        self.control("{command: step}")
+        expect(*(place for place in recorded if place[0] == 0))  # the curve is whole
+        node.control("seek", episode=1, step=5)
+        expect(*((1, step) for step in range(6)))  # a curve is whole
+        node.control("step")
         expect((1, 6))
-        self.control("{command: seek, episode: 1, step: 9}")
-        until(lambda: shown.output.count(recorded[1, 9]) == 2, "the step, which was foretold, too")
-        self.assertEqual(shown.output.count(recorded[1, 2]), 1, "the others are not told again")
-        self.control("{command: seek, episode: 0, step: 3}")
+        node.control("seek", episode=1, step=9)
+        expect((1, 9), times=2)  # it was foretold, too
+        self.assertEqual(seen[recorded[1, 2]], 1, "the others are not told again")
+        node.control("seek", episode=0, step=3)
         expect((0, 3))
-        frames = ("rostopic", "echo", "-n1", "/tf")  # again, for late subscribers
-        self.assertIn("child_frame_id", self.succeed(*frames, environment=self.environment))
-        answer = self.control("{command: seek, episode: 2}")
-        self.assertIn("episode 2: must be one that the bag holds: 0 to 1", answer)
-        answer = self.control("{command: seek, episode: 1, step: 9999}")
-        self.assertIn("step 9999: must be from 0 to ", answer)
-        self.assertIn("cancel: only in a live run", self.control("{command: cancel}"))
-        self.control("{command: resume}")
+        rospy.wait_for_message("/tf", TFMessage, DEADLINE)  # again, for late subscribers
+        self.assertIn("episode 2: must be one that the bag holds: 0 to 1", self.refusal(2))
+        self.assertIn("step 9999: must be from 0 to ", self.refusal(1, 9999))
+        answer = connected("/sim2sim/control", Control)(command="cancel")
+        self.assertEqual((answer.success, "only in a live run" in answer.message), (False, True))
+        node.control("resume")
         expect(max(recorded))
-        until(lambda: self.latched("progress", "paused: True"), "a pause at the end")
-        episodes = self.succeed(
-            "rosservice", "call", "/sim2sim/episodes", environment=self.environment
-        )
-        self.assertEqual(episodes.count("seed: "), 2)
-        self.assertTrue(self.latched("summary", "episodes_finished: 2"))
+        progress = Inbox("/sim2sim/progress", Progress)
+        progress.until(lambda message: bool(message.paused))  # at the end
+        episodes = connected("/sim2sim/episodes", Episodes)().episodes
+        self.assertEqual(len(episodes), 2)
+        summary = rospy.wait_for_message("/sim2sim/summary", Summary, DEADLINE)
+        self.assertEqual(summary.episodes_finished, 2)
 
-    def latched(self, topic: str, text: str) -> bool:
-        echo = ("rostopic", "echo", "-n", "1", f"/sim2sim/{topic}")
-        return text in self.succeed(*echo, environment=self.environment)
+    def refusal(self, episode: int, step: int = 0) -> str:
+        """Why the replay cannot go there."""
+        control = connected("/sim2sim/control", Control)
+        answer = control(command="seek", episode=episode, step=step)
+        self.assertFalse(answer.success)
+        return str(answer.message)
+
+
+def look(message: Any) -> str:
+    """What a step shows, without its header."""
+    text = str(message)
+    return text[text.index("episode:") :]
 
 
 if __name__ == "__main__":

@@ -87,6 +87,10 @@ class Inbox:
             topic, message_type, self._messages.put, tcp_nodelay=True
         )
 
+    def close(self) -> None:
+        """Ends the subscription, which otherwise lasts as long as the process."""
+        self._subscriber.unregister()
+
     def until(self, last: Callable[[Any], bool], deadline: float = DEADLINE) -> List[Any]:
         """Messages up to the one that is `last`. Raises queue.Empty if it does not come."""
         messages = [self._messages.get(timeout=deadline)]

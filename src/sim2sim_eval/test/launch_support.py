@@ -261,7 +261,8 @@ class SharedLaunch(Launch):
         master = shared_master()
         master.end_nodes()
         master.forget(keep=set())
-        super().__init__(test, master_uri=master.uri, **{"rviz": False, **arguments})
+        arguments.setdefault("rviz", False)
+        super().__init__(test, master_uri=master.uri, **arguments)
 
 
 class Start(Run):

@@ -55,7 +55,7 @@ class Launches(LiveCase):
         self.assertIn(how, launch.output)
 
     def test_same_bytes_of_other_kinds(self) -> None:
-        cases: Dict[str, Dict[str, str]] = {
+        cases: Dict[str, Dict[str, Any]] = {
             "--reference chipmunk --set-reference iterations=12 --engine rigid_body"
             " --set preset=simple --set drag=true": {
                 "reference": "chipmunk",
@@ -83,7 +83,7 @@ class Launches(LiveCase):
         return process.returncode
 
     def test_own_node_takes_kind_and_parameters(self) -> None:
-        node = {"engine_node": False, "engine": "two_mass"}
+        node: Dict[str, Any] = {"engine_node": False, "engine": "two_mass"}
         run = Start(self, file="audit", against="task", **node)
         command = (node_file("pusht_engine", "engine_node"), "__name:=engine", "_block_damp:=20")
         Process(self, *command, environment=run.environment)

@@ -302,7 +302,8 @@ class Refusals(LiveCase):
     """Runs that never begin."""
 
     def assert_refused(self, reason: str, code: int = 2, **arguments: Any) -> None:
-        run = Start(self, status_file="copy.json", **{"policy": "expert", **arguments})
+        arguments.setdefault("policy", "expert")
+        run = Start(self, status_file="copy.json", **arguments)
         self.assertEqual(run.ended(), code, run.output)
         self.assert_refusal(run, reason, code)
 
@@ -379,7 +380,7 @@ class Refusals(LiveCase):
         scene = self.folder / "out" / "rows" / "scene.xml"
         scene.parent.mkdir(parents=True)
         scene.write_bytes(shipped.read_bytes())
-        place = {"scene": "out/rows/scene.xml", "overwrite": True}
+        place: Dict[str, Any] = {"scene": "out/rows/scene.xml", "overwrite": True}
         run = Start(self, policy="expert", status_file="copy.json", **place)
         run.ended()
         status = status_of_file(self.folder / "copy.json")

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The last lines of a script that tests: every case that failed or was skipped, then
-"N passed, N failed", and ", N skipped" where some were.
+"""The last lines of a script that tests: the files that took longest, every case that failed or was
+skipped, then "N passed, N failed", and ", N skipped" where some were.
 
-Before them, the ten files of tests that took longest. A test that left no result has failed: one that CMake registered, or, with --all, a file of tests in
+A test that left no result has failed: one that CMake registered, or, with --all, a file of tests in
 the source tree. Lint is one test more. A report of a sanitizer is a failure.
 """
 

@@ -16,6 +16,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/spawn.hpp"
+#include "pusht_task/testing/long_tests.hpp"
 
 namespace pusht {
 namespace {
@@ -28,7 +29,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::observations;
 
-constexpr int kMutationsOfAKind = 60;
+const int kMutationsOfAKind = testing::longTests() ? 60 : 20;
 
 /// The shipped checkpoint, alone.
 class DamagedCheckpoint : public ::testing::Test {

@@ -22,6 +22,7 @@ from pusht_policy.frames import Examples, Frames, frames_of, pieces, windows
 from pusht_policy.model import DESCRIPTION, Model, Policy, ranges_of
 from pusht_policy.models import ACTIONS, MODELS, OBSERVATIONS
 from pusht_policy.recipe import MODELS as NAMES
+from pusht_task.testing.long_tests import LONG
 
 from test_training import DEADLINE, SMALL, CommandCase, TrainerCase, demonstration, never, weights
 
@@ -246,10 +247,10 @@ class Checkpoints(CommandCase):
             self.assertNotIn(f"archive/extra/{DESCRIPTION}", archive.namelist())
 
     def test_bytes_depend_on_no_order_of_a_set(self) -> None:
-        for name in DESCRIBED:
+        for name in DESCRIBED if LONG else ("flow",):
             with self.subTest(name):
                 contents = set()
-                for hash_seed in ("1", "2", "3"):
+                for hash_seed in ("1", "2", "3") if LONG else ("1", "2"):
                     self.train(name, "--overwrite", hash_seed=hash_seed)
                     contents.add(self.out.read_bytes())
                 self.assertEqual(len(contents), 1)

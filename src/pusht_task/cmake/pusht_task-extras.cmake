@@ -18,17 +18,24 @@ if(NOT TARGET comparison)
   add_custom_target(comparison)
 endif()
 
-# Compiles the sources of a target four at a time, unless all are compiled jointly anyway: they share most of their
-# headers. Not for engines and policies, whose speed and bits may depend on what the compiler sees at once.
+# Compiles the sources of a target jointly, in units of COUNT (12, if not given): they share most of their headers, so
+# that takes a third of the time. Who changes one source at a time may switch it off. Not for the inner loops of engines
+# and policies, whose speed may depend on what the compiler sees at once: they stay APART.
+option(PUSHT_JOIN_SOURCES "Compile the sources of a target jointly" ON)
 function(pusht_join_sources target)
-  if(NOT CMAKE_UNITY_BUILD)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
+  cmake_parse_arguments(_join "" "COUNT" "APART" ${ARGN})
+  if(NOT _join_COUNT)
+    set(_join_COUNT 12)
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${PUSHT_JOIN_SOURCES} UNITY_BUILD_BATCH_SIZE ${_join_COUNT})
+  if(_join_APART)
+    set_source_files_properties(${_join_APART} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
 endfunction()
 
-# Tests of a release are compiled at -O1, in 70 % of the time of -O3, and run as fast; at -O0, in 60 %, those of the
-# engines would run for 35 s instead of 2. The libraries that they test stay at -O3.
-function(pusht_test_options target)
+# In a release, code that computes nothing at length is compiled at -O1, in 70 % of the time of -O3, and runs as fast.
+# Tests, too: at -O0, in 60 %, those of the engines would run for 35 s instead of 2.
+function(pusht_optimize_little target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
@@ -37,7 +44,7 @@ set(PUSHT_GOLDEN_DIR ${CMAKE_CURRENT_LIST_DIR}/../test/data)
 function(pusht_add_gtest target)
   catkin_add_gmock(${target} ${ARGN})
   pusht_compile_options(${target})
-  pusht_test_options(${target})
+  pusht_optimize_little(${target})
   pusht_join_sources(${target})
   target_compile_definitions(${target} PRIVATE PUSHT_GOLDEN_DIR="${PUSHT_GOLDEN_DIR}")
   target_link_libraries(${target} gmock_main gmock nlohmann_json::nlohmann_json)
@@ -61,7 +68,7 @@ function(pusht_add_pytest file)
     " ${CMAKE_CURRENT_SOURCE_DIR}/${file} || [ $? -eq 1 ] || rm -f ${path}")
   catkin_run_tests_target(pytest ${name} ${results} COMMAND ${command} DEPENDENCIES ${_pytest_DEPENDENCIES})
   pusht_test_cost(pytest_${name} ${_pytest_COST})
-endfunction
+endfunction()
 
 # Says what a test takes [s], such as gtest_audit_test or rostest_test_live_session.test.
 function(pusht_test_cost name)
@@ -70,12 +77,12 @@ function(pusht_test_cost name)
   endif()
 endfunction()
 
-# The rest of a package pusht_NAME for kinds of simulators, after find_package and catkin_package: the library SOURCES,
-# which other packages see together with the libraries PUBLIC; the node NAME_node, which serves KIND (NAME, if not
-# given); the rostest test/NAME.test; and their installation, with that of DIRECTORIES. (Headers and
-# plugin_description.xml the package installs itself, where catkin_lint looks for it.)
+# The rest of a package pusht_NAME for kinds of simulators, after find_package and catkin_package: the library SOURCES
+# (those APART are not joined), which other packages see together with the libraries PUBLIC; the node NAME_node, which
+# serves KIND (NAME, if not given); the rostest test/NAME.test; and their installation, with that of DIRECTORIES.
+# (Headers and plugin_description.xml the package installs itself, where catkin_lint looks for it.)
 function(pusht_simulator_package)
-  cmake_parse_arguments(_kind "" "KIND" "SOURCES;PUBLIC;PRIVATE;DIRECTORIES" ${ARGN})
+  cmake_parse_arguments(_kind "" "KIND" "SOURCES;APART;PUBLIC;PRIVATE;DIRECTORIES" ${ARGN})
   string(REGEX REPLACE "^pusht_" "" name ${PROJECT_NAME})
   if(NOT _kind_KIND)
     set(_kind_KIND ${name})
@@ -89,9 +96,10 @@ function(pusht_simulator_package)
   target_link_libraries(${PROJECT_NAME} PUBLIC ${task} ${_kind_PUBLIC} PRIVATE ${_kind_PRIVATE})
   pusht_compile_options(${PROJECT_NAME})
   add_dependencies(comparison ${PROJECT_NAME})
+  pusht_join_sources(${PROJECT_NAME} COUNT 7 APART ${_kind_APART})
 
   file(CONFIGURE OUTPUT ${name}_node.cpp @ONLY CONTENT [[
-#include "pusht_task/ros/serve.hpp"
+#include "pusht_task/ros/serve_simulator.hpp"
 #include "pusht_task/simulator_plugin.hpp"
 
 extern "C" const pusht::SimulatorPlugin pusht_simulator_@_kind_KIND@;
@@ -104,6 +112,7 @@ int main(int argc, char** argv) {
   target_link_libraries(${name}_node PRIVATE ${PROJECT_NAME} ${catkin_LIBRARIES})
   add_dependencies(${name}_node ${catkin_EXPORTED_TARGETS})
   pusht_compile_options(${name}_node)
+  pusht_optimize_little(${name}_node)
 
   install(TARGETS ${PROJECT_NAME}
     ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}

@@ -22,6 +22,7 @@
 #include "pusht_mujoco/mujoco_kind.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/split.hpp"
+#include "pusht_task/testing/long_tests.hpp"
 #include "sim2sim_audit/audit.hpp"
 
 namespace sim2sim::testing {
@@ -109,14 +110,29 @@ struct Table {
   int missed = 0;
 };
 
+using WorldOfEachKind = std::array<const WorldFactory*, 3>;
+
+std::array<Clean, 3> cleanKinds() {
+  return {Clean(pusht::mujocoKind()), Clean(pusht::chipmunkKind()), Clean(pusht::rigidBodyKind())};
+}
+
+/// Worlds with the fault, in the order of cleanKinds(); empty where it cannot be planted.
+WorldOfEachKind worldsWith(const PlantedFault& fault) {
+  return {&fault.in_mujoco, &fault.in_chipmunk, &fault.in_rigid_body};
+}
+
+/// Beginning of the fault's row.
+std::string headingOf(const PlantedFault& fault) {
+  return "| " + fault.name + " | " + pusht::joined(keysOf(fault.named_by)) + " |";
+}
+
 Table tableOfFaults() {
-  const std::array<Clean, 3> clean = {Clean(pusht::mujocoKind()), Clean(pusht::chipmunkKind()),
-                                      Clean(pusht::rigidBodyKind())};
+  const std::array<Clean, 3> clean = cleanKinds();
   Table table;
   table.text = "| fault | named by | in MuJoCo | in Chipmunk | in the rigid body |\n|---|---|---|---|---|\n";
   for (const PlantedFault& fault : plantedFaults()) {
-    table.text += "| " + fault.name + " | " + pusht::joined(keysOf(fault.named_by)) + " |";
-    const std::array<const WorldFactory*, 3> makers = {&fault.in_mujoco, &fault.in_chipmunk, &fault.in_rigid_body};
+    table.text += headingOf(fault);
+    const WorldOfEachKind makers = worldsWith(fault);
     for (std::size_t kind = 0; kind < makers.size(); ++kind) {
       if (!*makers[kind]) {
         table.text += " - |";
@@ -139,7 +155,39 @@ std::string documentation() {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// Cells of the fault's row in docs/audit.md, one for each kind.
+std::vector<std::string> documentedCells(const PlantedFault& fault) {
+  const std::string page = documentation();
+  const std::string heading = headingOf(fault);
+  const std::size_t row = page.find(heading);
+  if (row == std::string::npos) {
+    return {};
+  }
+  const std::size_t begin = row + heading.size();
+  return pusht::split(page.substr(begin, page.find('\n', begin) - begin), '|');
+}
+
+/// The short form: each fault in one kind, as the table has it.
+TEST(PlantedFaults, AreNamedInOneKindEach) {
+  const std::array<Clean, 3> clean = cleanKinds();
+  std::size_t kind = 0;
+  for (const PlantedFault& fault : plantedFaults()) {
+    const WorldOfEachKind makers = worldsWith(fault);
+    do {
+      kind = (kind + 1) % makers.size();
+    } while (!*makers[kind]);
+    const std::vector<Comparison> findings = clean[kind].against(measured(*makers[kind])).findings();
+    EXPECT_NE(outcomeOf(fault, findings), Outcome::kMissed) << fault.name;
+    const std::vector<std::string> cells = documentedCells(fault);
+    ASSERT_GE(cells.size(), makers.size()) << fault.name << ": must have a row in docs/audit.md";
+    EXPECT_EQ(cells[kind], " " + cellOf(fault, findings) + " ") << fault.name << ", kind " << kind;
+  }
+}
+
 TEST(PlantedFaults, AreNamed) {
+  if (!pusht::testing::longTests()) {
+    GTEST_SKIP() << "long form: script/test --long";
+  }
   const Table table = tableOfFaults();
   EXPECT_GE(plantedFaults().size(), 30U);
   EXPECT_EQ(table.missed, 0) << table.text;
@@ -177,7 +225,8 @@ TEST_P(SamePair, MujocoAndItsModelVariants) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, SamePair, ::testing::Range(std::uint64_t{0}, std::uint64_t{20}));
+INSTANTIATE_TEST_SUITE_P(Seeds, SamePair,
+                         ::testing::Range(std::uint64_t{0}, std::uint64_t{pusht::testing::longTests() ? 20U : 2U}));
 
 /// A seed moves every scene; 1e-6 m is less than that.
 TEST(SamePairs, StartsThatAreNudged) {

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/batch/equivalent.hpp"
 
-#include <CLI/CLI.hpp>
-
 #include "sim2sim_eval/batch/command_line.hpp"
 
 int main(int argc, char** argv) {
-  CLI::App app(
+  sim2sim::EquivalentOptions options;
+  return sim2sim::runCommand(
+      "equivalent",
       "Says how large an error of the reference, or of the loop between policy and reference, costs as much success as "
       "changing to the engine does: a delay, noise, a mass. Reads a sweep over engines and errors, such as "
       "config/equivalent.yaml. Writes equivalent.json and equivalent.csv into its folder.",
-      "equivalent");
-  sim2sim::EquivalentOptions options;
-  options.declare(app);
-  return sim2sim::runCommand(app, argc, argv, [&] { sim2sim::equivalent(options); });
+      argc, argv, [&](CLI::App& app) { options.declare(app); }, [&] { sim2sim::equivalent(options); });
 }

@@ -4,7 +4,7 @@
 
 #include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/live/evaluator.hpp"
+#include "sim2sim_eval/live/evaluate.hpp"
 
 int main(int argc, char** argv) {
   sim2sim::catchInterruptsAside("sim2sim");  // before all else, so that status.json tells of any

@@ -4,7 +4,7 @@
 
 #include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/live/playback.hpp"
+#include "sim2sim_eval/live/serve_playback.hpp"
 
 int main(int argc, char** argv) {
   sim2sim::catchInterruptsAside("sim2sim");

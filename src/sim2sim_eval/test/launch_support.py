@@ -121,7 +121,7 @@ class SharedMaster:
     def __init__(self) -> None:
         self._folder = tempfile.TemporaryDirectory()
         self.uri = f"http://127.0.0.1:{free_port()}"
-        # Read by rospy, and by what the tests start.
+        # rospy reads these when it begins.
         os.environ.update(
             ROS_MASTER_URI=self.uri, ROS_IP="127.0.0.1", ROS_LOG_DIR=self._folder.name
         )

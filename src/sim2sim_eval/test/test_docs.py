@@ -19,6 +19,7 @@ import rosgraph  # type: ignore[import]
 import rospkg  # type: ignore[import]
 import rosservice  # type: ignore[import]
 import yaml  # type: ignore[import]
+from pusht_task.testing.long_tests import long_form
 
 from command_case import CommandCase, executable, until
 from live_support import CALLER, DEADLINE, LiveCase, OwnMaster, Process, free_port
@@ -79,9 +80,11 @@ class Docs(CommandCase):
     def test_tutorial(self) -> None:
         self.assertEqual(self.check(DOCS / "tutorial.md"), 14)
 
+    @long_form
     def test_bring_your_own(self) -> None:
         self.assertEqual(self.check(DOCS / "bring_your_own.md"), 5)
 
+    @long_form
     def test_commands(self) -> None:
         self.assertEqual(self.check(DOCS / "commands.md"), 13)
 
@@ -152,10 +155,12 @@ class Pasted(LiveCase):
         self.assertLessEqual(len((ROOT / "README.md").read_text().splitlines()), 110)
         self.check(ROOT / "README.md", 0)
 
+    @long_form
     def test_commands(self) -> None:
         files = ("live/metrics.json", "first/report.html", "switches/attribution.json")
         self.check(DOCS / "commands.md", 18, *files)
 
+    @long_form
     def test_findings(self) -> None:
         self.check(DOCS / "findings.md", 4, "damp/sweep.png", "variants/sweep.json")
 

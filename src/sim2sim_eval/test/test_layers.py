@@ -1,13 +1,91 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The libraries that know no ROS need none of its libraries, nor those of a simulator."""
+"""The libraries that know no ROS need none of its libraries, nor those of a simulator. Headers that
+take long to compile are included only where they are needed.
+"""
 
+import re
+import unittest
 from pathlib import Path
-from typing import Set
+from typing import Dict, Set
 
 from command_case import CommandCase, executable
 
 LIBRARIES = Path(executable("sim2sim_eval", "compare")).parents[1]
+SOURCES = Path(__file__).resolve().parents[2]
+# Headers of others that take a second or more to compile in each unit, with those of ours that may
+# include them. For most purposes nlohmann/json_fwd.hpp or a declaration of CLI::App is enough.
+HEAVY: Dict[str, Set[str]] = {
+    "CLI/": set(),
+    "boost/math/": {"sim2sim_statistics/src/pair_scores.hpp"},
+    "boost/process/": set(),
+    "nlohmann/json.hpp": {
+        "pusht_policy/include/pusht_policy/policy_choice.hpp",
+        "pusht_policy/include/pusht_policy/policy_description.hpp",
+        "pusht_task/include/pusht_task/ros/policy_session.hpp",
+        "pusht_task/include/pusht_task/simulator_kind.hpp",
+        "pusht_task/include/pusht_task/testing/golden.hpp",
+        "sim2sim_eval/include/sim2sim_eval/bag/recorded_run.hpp",
+        "sim2sim_eval/include/sim2sim_eval/batch/comparison.hpp",
+        "sim2sim_eval/include/sim2sim_eval/batch/demonstration_simulators.hpp",
+        "sim2sim_eval/include/sim2sim_eval/batch/loaded_run.hpp",
+        "sim2sim_eval/include/sim2sim_eval/batch/sweep_description.hpp",
+        "sim2sim_eval/include/sim2sim_eval/batch/sweep_folder.hpp",
+        "sim2sim_protocol/include/sim2sim_protocol/reference_cache.hpp",
+        "sim2sim_protocol/include/sim2sim_protocol/results/agreement.hpp",
+        "sim2sim_protocol/include/sim2sim_protocol/results/audit_files.hpp",
+        "sim2sim_protocol/include/sim2sim_protocol/results/contrast.hpp",
+        "sim2sim_protocol/include/sim2sim_protocol/results/run.hpp",
+        "sim2sim_protocol/include/sim2sim_protocol/results/run_configuration.hpp",
+        "sim2sim_protocol/include/sim2sim_protocol/results/run_folder.hpp",
+    },
+    "regex": set(),
+    "ros/ros.h": set(),
+    "torch/": {"pusht_policy/src/graph_sizes.hpp"},
+    "yaml-cpp/": {
+        "sim2sim_eval/src/batch/plan_policies.hpp",
+        "sim2sim_eval/src/batch/plan_values.hpp",
+    },
+}
+
+
+def includes(file: Path) -> Set[str]:
+    return set(re.findall(r'^ *#include [<"](.+)[>"]', file.read_text(), re.M))
+
+
+class Headers(unittest.TestCase):
+    headers = [
+        file
+        for folder in ("include", "src")
+        for file in SOURCES.glob(f"*/{folder}/**/*.hpp")
+        if "test" not in file.parts
+    ]
+
+    def test_heavy_ones_are_included_where_they_are_needed_alone(self) -> None:
+        self.assertGreater(len(self.headers), 200)
+        for heavy, allowed in HEAVY.items():
+            found = {
+                str(file.relative_to(SOURCES))
+                for file in self.headers
+                if any(name.startswith(heavy) for name in includes(file))
+            }
+            self.assertEqual(found, allowed, heavy)
+
+    def test_a_main_needs_few_headers(self) -> None:
+        """Or each command and node takes ten seconds to compile."""
+        ours = {str(file).rsplit("/include/", 1)[-1]: file for file in self.headers}
+        for main in ("batch/command_line", "live/evaluate", "live/serve_playback"):
+            with self.subTest(main):
+                seen: Set[str] = set()
+                left = {f"sim2sim_eval/{main}.hpp"}
+                while left:
+                    name = left.pop()
+                    seen.add(name)
+                    left |= (includes(ours[name]) if name in ours else set()) - seen
+                heavy = {name for name in seen for begin in HEAVY if name.startswith(begin)}
+                self.assertEqual(
+                    {*heavy, *(name for name in seen if name.startswith("ros/"))}, set()
+                )
 
 
 class Layers(CommandCase):

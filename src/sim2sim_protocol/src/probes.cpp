@@ -2,9 +2,9 @@
 #include "sim2sim_protocol/probes.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
 #include <optional>
-#include <regex>
 #include <utility>
 
 #include "pusht_task/constants.hpp"
@@ -35,6 +35,23 @@ void addOnce(const char* option, const std::string& entry, Probe&& probe, std::v
   probes.push_back(std::move(probe));
 }
 
+bool isDigit(char character) { return '0' <= character && character <= '9'; }
+
+bool consistsOf(const std::string& characters, const std::string& text) {
+  return !text.empty() && text.find_first_not_of(characters) == std::string::npos;
+}
+
+/// Whether `variant` is NAME=VALUE, or several joined by ':'.
+bool areSettings(const std::string& variant) {
+  const std::string word = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_0123456789";
+  const std::vector<std::string> settings = pusht::split(variant, ':');
+  return std::all_of(settings.begin(), settings.end(), [&](const std::string& setting) {
+    const std::size_t sign = setting.find('=');
+    return sign != std::string::npos && consistsOf(word, setting.substr(0, sign)) && !isDigit(setting.front()) &&
+           consistsOf(word + ".+-", setting.substr(sign + 1));
+  });
+}
+
 }  // namespace
 
 const std::vector<Probe>& floorProbes() {
@@ -52,9 +69,8 @@ Probe stateResetReplay(int every) {
 }
 
 Probe modelVariant(const std::string& variant, bool closed) {
-  static const std::regex settings("[A-Za-z_]\\w*=[\\w.+-]+(:[A-Za-z_]\\w*=[\\w.+-]+)*");
   constexpr std::size_t kLongest = 200;  // [bytes] it becomes the name of a file
-  if (variant.size() > kLongest || !std::regex_match(variant, settings)) {
+  if (variant.size() > kLongest || !areSettings(variant)) {
     throw pusht::InvalidInput("model variant '" + variant + "': must be NAME=VALUE, or several joined by ':'");
   }
   return {(closed ? kClosedVariant : kVariant) + variant, ProbedWorld::kVariant, 0.0, 0, variant, closed};

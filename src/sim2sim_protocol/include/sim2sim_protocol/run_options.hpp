@@ -71,7 +71,7 @@ struct RunOption {
   std::string help() const { return (*unit == '\0' ? "" : "[" + std::string(unit) + "] ") + meaning; }
 
   bool isDefault(const RunOptions& options) const {
-    const RunOptions usual;
+    static const RunOptions usual;
     return of(options) == of(usual);
   }
 };

@@ -2,11 +2,10 @@
 /// Shared parts of the statistics: refusal of bad input, sums, and the search for an end of an interval.
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <boost/math/tools/roots.hpp>
 #include <charconv>
 #include <cstddef>
+#include <functional>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -46,15 +45,6 @@ inline double averageOf(const std::vector<double>& values) {
 
 /// Last point at which `holds` is true on the way from `inside`, where it is, to `outside`; `outside` itself if it is
 /// true there too. It must change once in between. The result has `bits` correct bits. Source: bisection.
-template <class Predicate>
-double edge(const Predicate& holds, double inside, double outside, int bits = 52) {
-  if (inside == outside || holds(outside)) {
-    return outside;
-  }
-  const auto side = [&](double x) { return x == inside || holds(x) ? 1.0 : -1.0; };
-  const auto [low, high] = boost::math::tools::bisect(side, std::min(inside, outside), std::max(inside, outside),
-                                                      boost::math::tools::eps_tolerance<double>(bits));
-  return inside < outside ? low : high;
-}
+double edge(const std::function<bool(double)>& holds, double inside, double outside, int bits = 52);
 
 }  // namespace sim2sim

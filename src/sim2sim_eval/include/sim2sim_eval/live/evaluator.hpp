@@ -21,6 +21,7 @@
 #include "pusht_task/ros/parameters.hpp"
 #include "sim2sim_eval/live/activity.hpp"
 #include "sim2sim_eval/live/broadcast.hpp"
+#include "sim2sim_eval/live/evaluate.hpp"
 #include "sim2sim_eval/live/evaluator_parameters.hpp"
 #include "sim2sim_eval/live/live_nodes.hpp"
 #include "sim2sim_eval/live/live_run.hpp"
@@ -107,8 +108,5 @@ class Evaluator : private LiveObserver {
   ros::ServiceServer control_;
   Server server_;
 };
-
-/// Body of the evaluator's node, after catchInterrupts(). status.json tells the reason if it cannot start.
-pusht::ExitCode evaluate();
 
 }  // namespace sim2sim

@@ -25,6 +25,7 @@
 #include "sim2sim_eval/bag/recorded_run.hpp"
 #include "sim2sim_eval/live/broadcast.hpp"
 #include "sim2sim_eval/live/pacer.hpp"
+#include "sim2sim_eval/live/serve_playback.hpp"
 
 namespace sim2sim {
 
@@ -94,8 +95,5 @@ class Playback {
   ros::ServiceServer control_;
   ros::SteadyTimer repeating_;  // declared last, because its callback uses the members above
 };
-
-/// Body of replay_node, after catchInterrupts().
-pusht::ExitCode servePlayback();
 
 }  // namespace sim2sim

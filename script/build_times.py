@@ -59,14 +59,14 @@ class Place:
                 shutil.copy(Path("/etc", name), system / "etc" / name)
             run(["mount", "-t", "proc", "proc", str(system / "proc")])
             self._proc = system / "proc"
-            self.clone = system / "root" / "clone"
-            plain = ["HOME=/root", "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "LANG=C.UTF-8"]
+            self.clone = system / "clone"
+            plain = ["HOME=/clone", "PATH=/usr/sbin:/usr/bin:/sbin:/bin", "LANG=C.UTF-8"]
             self._chroot = ["chroot", str(system), "env", "--ignore-environment", *plain]
         run(["git", "clone", "--quiet", str(ROOT), str(self.clone)])
 
     def seconds(self, script: str) -> float:
         """What a script takes that must succeed."""
-        inside = f"cd /root/clone && {script}" if self._chroot else f"cd {self.clone} && {script}"
+        inside = f"cd /clone && {script}" if self._chroot else f"cd {self.clone} && {script}"
         begin = time.monotonic()
         run([*self._chroot, "bash", "-c", inside])
         return time.monotonic() - begin

@@ -54,7 +54,7 @@ nlohmann::json identityOf(const NetworkInfo& info) {
   } else {
     identity["libtorch"] = info.libtorch_version;
     identity["libtorch_choices"] = libtorchChoices();
-    identity["blas"] = info.blas.empty() ? "" : sha256(readFile(info.blas, "BLAS"));
+    identity["blas"] = info.blas.empty() ? "" : sha256OfFile(info.blas, "BLAS");
   }
   addDescription(info, identity);
   return identity;

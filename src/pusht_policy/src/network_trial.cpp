@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "network_trial.hpp"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -65,9 +67,22 @@ std::vector<float> answersTo(const std::vector<float>& histories, TorchNetwork& 
   return answers;
 }
 
+/// Throws RuntimeFault unless there is memory for the buffers of OpenBLAS, of one of its threads and of the caller's:
+/// it asks for them in an endless loop.
+void requireMemoryOfBlas(const std::string& name) {
+  constexpr std::size_t kBuffers = std::size_t{2} << 27U;  // bytes, as Debian builds it
+  void* const buffers = mmap(nullptr, kBuffers, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (buffers == MAP_FAILED) {
+    throw RuntimeFault(name + ": its matrices need " + std::to_string(kBuffers >> 20U) +
+                       " MB more of memory for the BLAS");
+  }
+  munmap(buffers, kBuffers);
+}
+
 }  // namespace
 
 std::vector<float> tryOut(TorchNetwork& network, const std::string& name) {
+  requireMemoryOfBlas(name);
   const std::vector<float> histories = probeHistories(network.description().observations);
   std::vector<float> answers = answersTo(histories, network, name);
   if (answersTo(histories, network, name) != answers) {

@@ -33,6 +33,7 @@ from pusht_policy.recipe import Recipe
 from pusht_policy.trainer import Trainer
 from pusht_task.error import Error, ExitCode
 from pusht_task.testing.long_tests import LONG
+from pusht_task.testing.warm_commands import run_warm, warm
 
 SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
 DEADLINE = 120  # s, for a started command
@@ -41,6 +42,7 @@ ORIGIN = {
     "simulators": [{"name": "none", "parameters": {}, "drawn": {}}],
     "format": DEMONSTRATION_FORMAT,
 }
+warm([], "pusht_policy.several", "pusht_policy.training")
 SMALL = Recipe(epochs=12, batch=16, hidden=(8, 6))
 
 
@@ -495,9 +497,7 @@ class CommandCase(TemporaryFolderCase):
         return [sys.executable, str(SCRIPTS / "train"), *arguments, *sizes, *extra]
 
     def run_command(self, command: Sequence[str]) -> "subprocess.CompletedProcess[str]":
-        return subprocess.run(
-            command, timeout=DEADLINE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        )
+        return run_warm(command[1:], self.folder, DEADLINE)
 
     def assert_refused(
         self, finished: "subprocess.CompletedProcess[str]", code: int, text: str

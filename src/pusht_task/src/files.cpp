@@ -3,13 +3,14 @@
 
 #include <fcntl.h>
 #include <openssl/evp.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <sstream>
+#include <memory>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -39,19 +40,69 @@ void write(const fs::path& path, const std::string& content, bool to_disk) {
   file.moveIntoPlace();
 }
 
+/// Reads a plain file and passes its bytes on, piece by piece. Throws as readFile().
+template <class Take>
+void readPieces(const fs::path& path, const std::string& what, const Take& take) {
+  constexpr std::size_t kPiece = 1U << 20U;
+  const std::string name = what + " " + path.string();
+  std::error_code error;
+  struct stat status {};
+  // Asked first: opening a device may do something. (And what takes its place meanwhile must not block.)
+  const int file = fs::is_regular_file(path, error) ? ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK) : -1;
+  const auto close = [](const int* open) { ::close(*open); };
+  const std::unique_ptr<const int, decltype(close)> closing(file < 0 ? nullptr : &file, close);
+  if (file < 0 || ::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
+    throw InvalidInput(name + ": must be a readable file");
+  }
+  std::string piece(kPiece, '\0');
+  std::size_t bytes = 0;
+  for (ssize_t count = 1; count != 0;) {
+    count = ::read(file, piece.data(), piece.size());
+    if (count < 0 && errno != EINTR) {
+      throw RuntimeFault("cannot read " + name + ": " + std::strerror(errno));
+    }
+    bytes += count > 0 ? static_cast<std::size_t>(count) : 0;
+    take(std::string_view(piece).substr(0, count > 0 ? static_cast<std::size_t>(count) : 0));
+  }
+  if (::fstat(file, &status) == 0 && status.st_size != 0 && static_cast<std::size_t>(status.st_size) != bytes) {
+    throw RuntimeFault("cannot read " + name + ": it has " + std::to_string(status.st_size) + " bytes, but " +
+                       std::to_string(bytes) + " were read; it must not change meanwhile");
+  }
+}
+
+class Digest {
+ public:
+  explicit Digest(const EVP_MD* algorithm) { require(EVP_DigestInit_ex(context_.get(), algorithm, nullptr)); }
+
+  void add(std::string_view bytes) { require(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size())); }
+
+  std::string hex() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
+    unsigned int size = 0;
+    require(EVP_DigestFinal_ex(context_.get(), hash.data(), &size));
+    constexpr const char* kHexDigits = "0123456789abcdef";
+    std::string hex;
+    for (unsigned int i = 0; i < size; ++i) {
+      hex += kHexDigits[hash.at(i) >> 4U];
+      hex += kHexDigits[hash.at(i) & 15U];
+    }
+    return hex;
+  }
+
+ private:
+  static void require(int succeeded) {
+    if (succeeded != 1) {
+      throw InternalError("OpenSSL: a digest failed");
+    }
+  }
+
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_{EVP_MD_CTX_new(), &EVP_MD_CTX_free};
+};
+
 std::string digest(const EVP_MD* algorithm, const std::string& bytes) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> hash{};
-  unsigned int size = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), hash.data(), &size, algorithm, nullptr) != 1) {
-    throw InternalError("the digest of " + std::to_string(bytes.size()) + " bytes failed");
-  }
-  constexpr const char* kHexDigits = "0123456789abcdef";
-  std::string hex;
-  for (unsigned int i = 0; i < size; ++i) {
-    hex += kHexDigits[hash.at(i) >> 4U];
-    hex += kHexDigits[hash.at(i) & 15U];
-  }
-  return hex;
+  Digest digest(algorithm);
+  digest.add(bytes);
+  return digest.hex();
 }
 
 }  // namespace
@@ -64,17 +115,9 @@ void requireNewFile(const std::string& what, const fs::path& path) {
 }
 
 std::string readFile(const fs::path& path, const std::string& what) {
-  std::error_code error;
-  std::ifstream file;
-  if (fs::is_regular_file(path, error)) {  // asked first: to open a pipe may block for ever
-    file.open(path, std::ios::binary);
-  }
-  if (!file.is_open()) {
-    throw InvalidInput(what + " " + path.string() + ": must be a readable file");
-  }
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  return bytes.str();
+  std::string bytes;
+  readPieces(path, what, [&](std::string_view piece) { bytes += piece; });
+  return bytes;
 }
 
 AsideFile::AsideFile(fs::path path) : path_(std::move(path)) {
@@ -122,6 +165,12 @@ void writeFile(const fs::path& path, const std::string& content) { write(path, c
 void writeCacheFile(const fs::path& path, const std::string& content) { write(path, content, false); }
 
 std::string sha256(const std::string& bytes) { return digest(EVP_sha256(), bytes); }
+
+std::string sha256OfFile(const fs::path& path, const std::string& what) {
+  Digest digest(EVP_sha256());
+  readPieces(path, what, [&](std::string_view piece) { digest.add(piece); });
+  return digest.hex();
+}
 
 std::string md5(const std::string& bytes) { return digest(EVP_md5(), bytes); }
 

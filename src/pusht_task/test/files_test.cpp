@@ -103,6 +103,20 @@ TEST_F(Files, AMissingFolderIsNamed) {
   }
 }
 
+TEST_F(Files, ReadIsWholeOrAFault) {
+  constexpr std::size_t kMoreThanIsReadAtOnce = 2'500'000;
+  const std::string whole(kMoreThanIsReadAtOnce, 'x');
+  writeFile(folder_ / "a", whole);
+  EXPECT_EQ(readFile(folder_ / "a", "file"), whole);
+  EXPECT_EQ(sha256OfFile(folder_ / "a", "file"), sha256(whole));
+  try {
+    readFile("/proc/self/mem", "memory");  // whose first page cannot be read
+    FAIL();
+  } catch (const RuntimeFault& fault) {
+    EXPECT_STREQ(fault.what(), "cannot read memory /proc/self/mem: Input/output error");
+  }
+}
+
 TEST_F(Files, ReadNamesWhatIsMissing) {
   EXPECT_THROW(readFile(folder_ / "a", "scene"), InvalidInput);
   EXPECT_THROW(readFile(folder_.path(), "scene"), InvalidInput);

@@ -17,8 +17,8 @@ from types import ModuleType
 from typing import Any, Callable, Dict, List, Optional, Sequence, Set
 from unittest import mock
 
-import torch
 from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
+from pusht_task.testing.warm_commands import is_warm, run_warm
 
 DEADLINE = 120.0  # s, for one command
 
@@ -61,29 +61,6 @@ def signals(pid: int, which: str) -> int:
     return next(int(line.split()[1], 16) for line in lines if line.startswith(which))
 
 
-class Charge(torch.nn.Module):
-    def forward(self, obs: torch.Tensor) -> torch.Tensor:
-        return torch.clamp(100.0 * (obs[:, 2:4] - obs[:, 0:2]), -1.0, 1.0)
-
-
-class Endless(torch.nn.Module):
-    """To the right, and without end where x is from `low` to `high`."""
-
-    def __init__(self, low: float, high: float) -> None:
-        super().__init__()
-        self.low = low
-        self.high = high
-
-    def forward(self, obs: torch.Tensor) -> torch.Tensor:
-        x = obs[:, :1]
-        endless = bool(((x > self.low) & (x < self.high)).any())
-        if endless:
-            print("never returns")
-        while endless:
-            x = x + 0.0
-        return torch.cat([torch.ones_like(x), torch.zeros_like(x)], dim=1)
-
-
 class CommandCase(unittest.TestCase):
     """Runs commands in a folder of its own."""
 
@@ -100,6 +77,8 @@ class CommandCase(unittest.TestCase):
         environment: Optional[Dict[str, str]] = None,
         deadline: Optional[float] = None,
     ) -> "subprocess.CompletedProcess[str]":
+        if is_warm(command[0]) and environment is None:
+            return run_warm(command, self.folder, deadline or self.deadline)
         return subprocess.run(
             command,
             cwd=self.folder,
@@ -140,8 +119,10 @@ class CommandCase(unittest.TestCase):
 
     def charging_policy(self) -> str:
         """Drives into the tee at full speed, which a soft link does not survive."""
+        from torch_policies import save_charging  # takes a second
+
         path = str(self.folder / "charge.pt")
-        torch.jit.script(Charge()).save(path)
+        save_charging(path)
         return path
 
     def write(self, name: str, content: bytes) -> str:

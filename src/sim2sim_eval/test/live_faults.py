@@ -20,7 +20,7 @@ import torch
 from pusht_msgs.msg import Divergence  # type: ignore[import]
 from pusht_task.testing.nodes import Inbox
 
-from command_case import Endless, catches, executable, signals
+from command_case import catches, executable, signals
 from launch_support import Launch, Run, SharedLaunch, Start, node_file
 from live_support import (
     DEADLINE,
@@ -40,6 +40,7 @@ from live_support import (
     status_of_file,
     until,
 )
+from torch_policies import Endless
 
 CONTRACT = "simulator_contract"
 ESCALATION = 15.0  # [s] after which roslaunch sends SIGTERM

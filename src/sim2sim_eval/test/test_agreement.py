@@ -7,6 +7,8 @@ import unittest
 from typing import Any, Dict, List
 
 import numpy as np
+from pusht_task.testing.warm_commands import warm
+
 from command_case import CommandCase, executable
 from sim2sim_report.agreement import principal_coordinates, text_of, tree
 
@@ -14,6 +16,7 @@ AGREEMENT = executable("sim2sim_eval", "agreement")
 COMPARE = executable("sim2sim_eval", "compare")
 PLOT = executable("sim2sim_eval", "plot_agreement")
 REPORT = executable("sim2sim_eval", "report")
+warm([PLOT, REPORT], "sim2sim_report.make", "sim2sim_eval.command")
 KINDS = ("mujoco", "chipmunk", "two_mass")
 SHORT = ("--policy", "expert", "--episodes", "4", "--horizon", "60", "--reanchor", "5")
 REPLAYS = {5: "engine_reanchored_5", None: "engine_replay"}

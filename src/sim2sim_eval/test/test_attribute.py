@@ -15,12 +15,15 @@ from typing import Any, Dict, List
 
 import numpy as np
 import yaml  # type: ignore[import]
+from pusht_task.testing.warm_commands import warm
 
 from command_case import CommandCase, catches, executable, until
 
 ATTRIBUTE = executable("sim2sim_eval", "attribute")
 CONFIG = Path(__file__).resolve().parents[1] / "config"
 PLOT = executable("sim2sim_eval", "plot_sweep")
+REPORT = executable("sim2sim_eval", "report")
+warm([PLOT, REPORT], "sim2sim_report.make", "sim2sim_eval.command")
 MERGE = executable("sim2sim_eval", "merge")
 SWEEP = executable("sim2sim_eval", "sweep")
 SWITCHES = ["servo", "drag", "coulomb"]
@@ -178,8 +181,7 @@ class Attributing(CommandCase):
                 sampled["gaps"][name]["all_off"] - sampled["gaps"][name]["all_on"],
                 delta=4e-6,
             )
-        report = executable("sim2sim_eval", "report")
-        process = self.run_command(report, "sampled")
+        process = self.run_command(REPORT, "sampled")
         self.assertEqual(process.returncode, 0, process.stderr)
         page = (self.folder / "sampled" / "report.html").read_text(encoding="utf-8")
         self.assertIn("along 40 random orders of switching on", page)

@@ -29,14 +29,8 @@ from pusht_policy.demonstrations import (
 )
 from sim2sim_report.results import METRICS_FORMAT
 
-from command_case import (
-    DEADLINE,
-    CommandCase,
-    Endless,
-    executable,
-    signals,
-    until,
-)
+from command_case import DEADLINE, CommandCase, executable, signals, until
+from torch_policies import Endless
 
 PACKAGES = rospkg.RosPack()
 PATIENCE = 10.0  # s, in which a command that was asked to end must have ended
@@ -54,6 +48,7 @@ RECOMPUTE = executable("sim2sim_eval", "recompute")
 RECORD_EVALUATION = executable("sim2sim_eval", "record_evaluation")
 SWEEP = executable("sim2sim_eval", "sweep")
 TRAIN = executable("pusht_policy", "train")
+SHORT = ("--policy", "expert", "--episodes", "2", "--horizon", "40")  # needs no libtorch
 PRELOAD = "libraise_mujoco_error.so"  # found in the workspace by the loader
 
 
@@ -279,19 +274,19 @@ class Measurement(CompareCase):
 class ResultsFolder(CompareCase):
     def test_default_is_the_next_free_folder(self) -> None:
         for number in (1, 2):
-            process = self.compare("--smoke")
+            process = self.compare(*SHORT)
             self.assertEqual(process.returncode, 0, process.stderr)
             self.assertIn(f"results/compare-{number}", process.stdout)
         self.assertTrue((self.folder / "results" / "compare-2" / "metrics.json").exists())
 
     def test_results_are_not_overwritten_unless_told_to(self) -> None:
-        self.finished("--smoke")
+        self.finished(*SHORT)
         before = self.result_bytes("out")
-        process = self.compare("--smoke", "--seed", "1", "--out", "out")
+        process = self.compare(*SHORT, "--seed", "1", "--out", "out")
         self.assert_one_line(process, 2)
         self.assertIn("holds results", process.stderr)
         self.assertEqual(self.result_bytes("out"), before)
-        self.finished("--smoke", "--seed", "1", "--overwrite")
+        self.finished(*SHORT, "--seed", "1", "--overwrite")
         self.assertNotEqual(self.result_bytes("out"), before)
 
     def test_bag_belongs_to_the_results(self) -> None:
@@ -299,11 +294,11 @@ class ResultsFolder(CompareCase):
             (self.folder / name).mkdir()
             bag = self.folder / name / name
             bag.write_bytes(b"mine")
-            process = self.compare("--smoke", "--out", name)
+            process = self.compare(*SHORT, "--out", name)
             self.assert_one_line(process, 2)
             self.assertIn(f"holds results ({name})", process.stderr)
             self.assertEqual(bag.read_bytes(), b"mine")
-            process = self.compare("--smoke", "--out", name, "--overwrite")
+            process = self.compare(*SHORT, "--out", name, "--overwrite")
             self.assertEqual(process.returncode, 0, process.stderr)
             self.assertEqual(self.files(name), RESULTS)
 
@@ -322,7 +317,7 @@ class ResultsFolder(CompareCase):
             (self.folder / "out" / name).symlink_to(target)
         ways: List[List[str]] = [[], ["--overwrite"], ["--overwrite", "--record"]]
         for overwrite in ways:
-            process = self.compare("--smoke", "--out", "out", *overwrite)
+            process = self.compare(*SHORT, "--out", "out", *overwrite)
             self.assertEqual(process.returncode, 0, process.stderr)
             for name, path in mine.items():
                 self.assertEqual(path.read_bytes(), name.encode())
@@ -332,7 +327,7 @@ class ResultsFolder(CompareCase):
 
     def test_folder_under_the_name_of_a_result_is_refused(self) -> None:
         mine = self.write_below("out", "metrics.json/notes.txt")
-        process = self.compare("--smoke", "--out", "out", "--overwrite")
+        process = self.compare(*SHORT, "--out", "out", "--overwrite")
         self.assert_one_line(process, 2)
         self.assertIn("holds a folder where results are written (metrics.json)", process.stderr)
         self.assertTrue(mine.exists())
@@ -342,8 +337,8 @@ class ResultsFolder(CompareCase):
         target.write_bytes(b"mine")
         (self.folder / "out").mkdir()
         (self.folder / "out" / "metrics.json").symlink_to(target)
-        self.assert_one_line(self.compare("--smoke", "--out", "out"), 2)
-        self.finished("--smoke", "--overwrite")
+        self.assert_one_line(self.compare(*SHORT, "--out", "out"), 2)
+        self.finished(*SHORT, "--overwrite")
         self.assertEqual(target.read_bytes(), b"mine")
         self.assertFalse((self.folder / "out" / "metrics.json").is_symlink())
 
@@ -395,7 +390,7 @@ class ResultsFolder(CompareCase):
         refused: Dict[str, Any] = {"format": 1, "exit_code": 2, "reason": "episodes 0"}
         status = {**refused, "episodes_finished": 0, "episodes": 0}
         self.write_below("out", "status.json", json.dumps(status).encode())
-        self.finished("--smoke")
+        self.finished(*SHORT)
         finished = {**status, "exit_code": 0}
         of_another_suite = {**status, "format": 2}  # there the same words may mean anything
         for content in (
@@ -403,7 +398,7 @@ class ResultsFolder(CompareCase):
             *(json.dumps(other).encode() for other in (finished, of_another_suite)),
         ):
             self.write_below("mine", "status.json", content)
-            process = self.compare("--smoke", "--out", "mine")
+            process = self.compare(*SHORT, "--out", "mine")
             self.assert_one_line(process, 2)
             self.assertIn("holds results (status.json)", process.stderr)
             self.assertIn("--overwrite (overwrite:=true in a launch file)", process.stderr)
@@ -416,7 +411,7 @@ class ResultsFolder(CompareCase):
 
     def test_runs_at_once_get_folders_of_their_own(self) -> None:
         runs = [
-            subprocess.Popen([COMPARE, "--smoke"], cwd=self.folder, stdout=subprocess.DEVNULL)
+            subprocess.Popen([COMPARE, *SHORT], cwd=self.folder, stdout=subprocess.DEVNULL)
             for _ in range(3)
         ]
         self.assertEqual([run.wait(DEADLINE) for run in runs], [0, 0, 0])
@@ -430,17 +425,17 @@ class ResultsFolder(CompareCase):
             descriptor = os.open(out, os.O_RDONLY)
             self.addCleanup(os.close, descriptor)
             fcntl.flock(descriptor, fcntl.LOCK_EX)
-            process = self.compare("--smoke", "--out", "out")
+            process = self.compare(*SHORT, "--out", "out")
         self.assert_one_line(process, 2)
         self.assertIn("in use by another run", process.stderr)
 
     def test_out_that_is_a_file_is_refused(self) -> None:
         self.write("out", b"mine")
-        self.assert_one_line(self.compare("--smoke", "--out", "out"), 2)
+        self.assert_one_line(self.compare(*SHORT, "--out", "out"), 2)
         self.assertEqual((self.folder / "out").read_bytes(), b"mine")
 
     def test_nothing_but_the_table_is_printed_without_a_terminal(self) -> None:
-        process = self.compare("--smoke", "--out", "out")
+        process = self.compare(*SHORT, "--out", "out")
         self.assertEqual(process.stderr, "")
 
 
@@ -573,7 +568,7 @@ class Recompute(CompareCase):
             self.assertEqual(provenance, self.load(out, "provenance.json"))
 
     def test_bag_that_was_tampered_with_is_refused(self) -> None:
-        self.finished("--smoke", "--record")
+        self.finished(*SHORT, "--record")
 
         def at(topic: str, message: Any, world: str, step: int) -> bool:
             return topic == f"{world}/state" and (message.episode, message.step) == (0, step)
@@ -664,7 +659,7 @@ class Recompute(CompareCase):
         self.assertGreater(self.load("again", "status.json")["episodes_finished"], 0)
 
     def test_what_is_no_bag_of_a_run_is_refused(self) -> None:
-        self.finished("--smoke", "--record")
+        self.finished(*SHORT, "--record")
         whole = (self.folder / "out" / "compare.bag").read_bytes()
         self.write("half.bag", whole[: len(whole) // 2])
         self.write("text.bag", b"no bag")
@@ -707,7 +702,7 @@ class Recompute(CompareCase):
         self.assertIn(f"bag {bag}: {rule}", self.refused_bag(2, bag))
 
     def test_bag_is_not_replaced_by_what_comes_of_it(self) -> None:
-        self.finished("--smoke", "--record")
+        self.finished(*SHORT, "--record")
         before = (self.folder / "out" / "compare.bag").read_bytes()
         (self.folder / "link.bag").symlink_to("out/compare.bag")
         for bag in ("out/compare.bag", "link.bag"):
@@ -908,10 +903,10 @@ class Faults(CompareCase):
 
     def test_f20_seeds(self) -> None:
         for seed in (0, 2**32 - 1, 2**63):
-            metrics = self.finished("--smoke", "--seed", str(seed), out=f"seed-{seed}")
+            metrics = self.finished(*SHORT, "--seed", str(seed), out=f"seed-{seed}")
             self.assertEqual(metrics["seed"], seed)
         for seed in (-1, 2**64 - 1, 2**64):
-            self.assertIn("seed", self.refused(2, "--smoke", "--seed", str(seed)))
+            self.assertIn("seed", self.refused(2, *SHORT, "--seed", str(seed)))
 
     def test_f21_engine_that_flies_apart(self) -> None:
         charge = ["--policy", self.charging_policy(), "--first-episode", "3", "--episodes", "1"]
@@ -955,7 +950,7 @@ class Faults(CompareCase):
     def test_f22_reader_that_has_gone(self) -> None:
         reader, writer = os.pipe()
         os.close(reader)
-        command = [COMPARE, "--smoke", "--out", "out"]
+        command = [COMPARE, *SHORT, "--out", "out"]
         process = subprocess.run(
             command,
             cwd=self.folder,
@@ -970,7 +965,7 @@ class Faults(CompareCase):
         self.assertEqual(self.files("out"), RESULTS)
 
     def test_f22_folder_that_cannot_be_made(self) -> None:
-        self.assert_one_line(self.compare("--smoke", "--out", "/proc/none/out"), 4)
+        self.assert_one_line(self.compare(*SHORT, "--out", "/proc/none/out"), 4)
 
     def test_f22_interrupted(self) -> None:
         """Once, or twice at once, as `timeout` does: it signals the command and its group."""

@@ -11,6 +11,7 @@ from typing import Any, Dict, List
 
 import numpy as np
 from scipy import stats  # type: ignore[import]
+from pusht_task.testing.warm_commands import warm
 
 from command_case import CommandCase, executable
 
@@ -18,6 +19,7 @@ COMPARE = executable("sim2sim_eval", "compare")
 CONTRAST = executable("sim2sim_eval", "contrast")
 PLAN = executable("sim2sim_eval", "plan")
 PLOT = executable("sim2sim_eval", "plot_sweep")
+warm([PLOT], "sim2sim_report.make", "sim2sim_eval.command")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
 SWEEP = executable("sim2sim_eval", "sweep")
 BOUND = 0.03  # m, the default

@@ -11,7 +11,8 @@ from typing import Dict, List, Tuple
 
 import torch
 
-from command_case import CommandCase, Endless, executable, until
+from command_case import CommandCase, executable, until
+from torch_policies import Endless
 
 COMPARE = executable("sim2sim_eval", "compare")
 SWEEP = executable("sim2sim_eval", "sweep")

@@ -124,8 +124,8 @@ class Files(LimitCase):
 
 class ClosedStreams(LimitCase):
     def test_commands_work(self) -> None:
-        self.write("plan.yaml", b"{policy: bc, episodes: 2, rows: [{}, {block_damp: 20}]}")
-        compare = (COMPARE, "--policy", "bc", *RUN)
+        self.write("plan.yaml", b"{policy: expert, episodes: 2, rows: [{}, {block_damp: 20}]}")
+        compare = (COMPARE, "--policy", "bc", *RUN)  # tries it out in a copy of the process
         sweep = (SWEEP, "plan.yaml", "--threads", "1")
         for name, command in (("compare", compare), ("sweep", sweep)):
             whole = self.run_command(*command, "--out", name)

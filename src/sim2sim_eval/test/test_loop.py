@@ -7,6 +7,7 @@ import json
 import re
 import unittest
 from typing import List, Tuple
+from pusht_task.testing.warm_commands import warm
 
 from command_case import CommandCase, executable
 
@@ -18,6 +19,7 @@ MATRIX = executable("sim2sim_eval", "matrix")
 MERGE = executable("sim2sim_eval", "merge")
 PLAN = executable("sim2sim_eval", "plan")
 REPORT = executable("sim2sim_eval", "report")
+warm([PLOT, REPORT], "sim2sim_report.make", "sim2sim_eval.command")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
 SWEEP = executable("sim2sim_eval", "sweep")
 EXPERT = ("--policy", "expert")

@@ -14,6 +14,7 @@ from typing import Any, Dict, List, Optional
 import rospkg  # type: ignore[import]
 import torch
 from pusht_task.testing.long_tests import LONG, long_form
+from pusht_task.testing.warm_commands import warm
 
 from command_case import CommandCase, executable
 
@@ -23,6 +24,7 @@ COMPARE = executable("sim2sim_eval", "compare")
 PLAN_COMMAND = executable("sim2sim_eval", "plan")
 MATRIX = executable("sim2sim_eval", "matrix")
 PLOT = executable("sim2sim_eval", "plot_sweep")
+warm([PLOT], "sim2sim_report.make", "sim2sim_eval.command")
 SHIPPED = Path(rospkg.RosPack().get_path("pusht_policy"), "policies", "bc_policy.ts.pt")
 OF_ROW = ("metrics.json", "episodes.csv")
 OF_MATRIX = ("matrix.json", "matrix.csv")
@@ -407,7 +409,7 @@ engine: [two_mass, chipmunk]
         self.good_and_bad(5)
         plan = (
             "{policies: [{files: 'good-*.ts.pt', group: good}, {files: 'bad-*.ts.pt', group: bad}],"
-            " episodes: 21, horizon: 200, engine: chipmunk}"
+            " episodes: 21, horizon: 200, floor: false, engine: chipmunk}"
         )
         self.finished("whole", plan)
         for shard in ("1", "2"):
@@ -429,7 +431,7 @@ engine: [two_mass, chipmunk]
         self.good_and_bad(5)
         plan = (
             "{policies: [{files: 'good-*.ts.pt', group: good}, {files: 'bad-*.ts.pt', group: bad}],"
-            " episodes: 30, horizon: 250, engine: [chipmunk, two_mass]}"
+            " episodes: 30, horizon: 250, floor: false, engine: [chipmunk, two_mass]}"
         )
         self.finished("out", plan)
         expected = self.write(

@@ -10,12 +10,15 @@ from typing import Any, Callable, Dict, Optional
 import onnx  # type: ignore[import]
 import rospkg  # type: ignore[import]
 import torch
+from pusht_task.testing.warm_commands import warm
 
-from command_case import Charge, CommandCase, executable
+from command_case import CommandCase, executable
+from torch_policies import Charge
 
 COMPARE = executable("sim2sim_eval", "compare")
 SWEEP = executable("sim2sim_eval", "sweep")
 EXPORT = executable("pusht_policy", "export_onnx")
+warm([EXPORT], "pusht_policy.onnx_export")
 SHIPPED = Path(rospkg.RosPack().get_path("pusht_policy"), "policies", "bc_policy.ts.pt")
 
 

@@ -13,7 +13,7 @@ from typing import Any, Dict
 
 import yaml  # type: ignore[import]
 from pusht_policy.checkpoint import provenance_path, read_provenance, sha256_of
-from pusht_task.testing.long_tests import LONG
+from pusht_task.testing.long_tests import long_form
 
 from command_case import CommandCase, until
 
@@ -58,8 +58,9 @@ class Script(CommandCase):
             os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
 
+    @long_form
     def test_ends_with_the_same_bytes_after_kills(self) -> None:
-        """The long form: of one that nothing disturbed."""
+        """The bytes are those of a run that nothing disturbed."""
         plan = yaml.safe_load(PLAN.read_text())
         last = f"{plan['shipped'][-1]}-{plan['first_seed']}.ts.pt"
         self.kill_after("killed", last)
@@ -71,8 +72,7 @@ class Script(CommandCase):
             provenance = read_provenance(self.folder / "killed" / "shipped" / file)
             self.assertEqual(provenance["checkpoint"]["file"], file.name)
             self.assertEqual(provenance["evaluation"]["episodes"], 2)
-        if LONG:
-            self.kill_after("killed", "execute-1/rows/003/metrics.json", "--table")
+        self.kill_after("killed", "execute-1/rows/003/metrics.json", "--table")
         made = self.finish("killed", "--table")
         rows = list(csv.DictReader(made["policies.csv"].decode().splitlines()))
         expected = {
@@ -83,9 +83,8 @@ class Script(CommandCase):
         }
         self.assertEqual({(r["group"], r["executed"], r["simulator"]) for r in rows}, expected)
         self.assertEqual(len(rows), len(expected))
-        if LONG:
-            self.finish("whole")
-            self.assertEqual(made, self.finish("whole", "--table"))
+        self.finish("whole")
+        self.assertEqual(made, self.finish("whole", "--table"))
 
     def test_smoke_has_folders_of_its_own(self) -> None:
         command = [sys.executable, str(ROOT / "script" / "policies.py"), "--smoke"]

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Dict
 
 import yaml  # type: ignore[import]
-from pusht_task.testing.long_tests import LONG
+from pusht_task.testing.long_tests import long_form
 
 from command_case import CommandCase, until
 
@@ -59,9 +59,10 @@ class Study(CommandCase):
             os.killpg(process.pid, signal.SIGKILL)
             process.communicate()
 
+    @long_form
     def test_ends_with_the_same_bytes_after_kills(self) -> None:
-        """The long form: of one that nothing disturbed, wherever it is killed."""
-        for file in KILLS if LONG else KILLS[1:2]:
+        """The bytes are those of a run that nothing disturbed, wherever it is killed."""
+        for file in KILLS:
             self.kill_after("killed", file)
         tables = self.finish("killed")
         csv = [
@@ -79,8 +80,7 @@ class Study(CommandCase):
         self.assertIn(
             b"H11 the two-mass engine ranks them the other way round:", tables["matrix.txt"]
         )
-        if LONG:
-            self.assertEqual(tables, self.finish("whole"))
+        self.assertEqual(tables, self.finish("whole"))
 
     def test_a_folder_is_of_one_plan(self) -> None:
         work = self.folder / "one" / "work"

@@ -21,7 +21,7 @@ DEADLINE = 120  # s, for one command
 SHARDS = 6
 
 CONFIG = """
-policy: fresh-untrained
+policy: expert
 episodes: 6
 horizon: 40
 grid: {block_damp: [2, 6]}
@@ -82,6 +82,11 @@ class SweepDask(unittest.TestCase):
         self.config(CONFIG)
 
     def test_bytes_are_those_of_a_plain_sweep(self) -> None:
+        """The status of a run that was refused is no result, which would stay."""
+        out = self.folder / "out"
+        out.mkdir()
+        status = {"format": 1, "exit_code": 2, "reason": "refused", "rows_finished": 0}
+        out.joinpath("status.json").write_text(json.dumps(status))
         self.finish(self.start())
         self.assert_plain_bytes()
 
@@ -158,14 +163,6 @@ class SweepDask(unittest.TestCase):
         _, line = process.communicate(timeout=DEADLINE)
         self.assertEqual(process.returncode, 2, line)
         self.assertIn("holds results (metrics.json); name another folder\n", line)
-
-    def test_status_of_a_refused_run_is_no_result(self) -> None:
-        out = self.folder / "out"
-        out.mkdir()
-        status = {"format": 1, "exit_code": 2, "reason": "refused", "rows_finished": 0}
-        out.joinpath("status.json").write_text(json.dumps(status))
-        self.finish(self.start())
-        self.assert_plain_bytes()
 
     def config(self, text: str) -> None:
         self.folder.joinpath("sweep.yaml").write_text(text)

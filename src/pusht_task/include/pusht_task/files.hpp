@@ -8,7 +8,8 @@
 
 namespace pusht {
 
-/// The bytes of `path`. Throws InvalidInput, naming `what` and the path, if it cannot be read.
+/// The bytes of `path`, all of them. Throws, naming `what` and the path, InvalidInput if it is no plain file that can
+/// be opened, RuntimeFault if reading fails or if the file changes meanwhile.
 std::string readFile(const std::filesystem::path& path, const std::string& what);
 
 /// Throws InvalidInput, with `what` in front, if there is something at `path`. An empty path passes.
@@ -55,6 +56,8 @@ void writeCacheFile(const std::filesystem::path& path, const std::string& conten
 
 /// Digest in lower-case hex.
 std::string sha256(const std::string& bytes);
+/// Digest of a file that may be large. Throws as readFile().
+std::string sha256OfFile(const std::filesystem::path& path, const std::string& what);
 /// MD5 digest in lower-case hex.
 std::string md5(const std::string& bytes);
 

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr std::size_t kTablesWritten = 100;  // in the course of a sweep, about
+constexpr std::size_t kTablesWritten = 20;  // in the course of a sweep, about
 
 json parsedFile(const fs::path& path, const std::string& what) {
   json parsed = json::parse(pusht::readFile(path, what), nullptr, false);

@@ -100,9 +100,9 @@ nlohmann::json codeFingerprint(const std::vector<std::string>& libraries, const 
       return file.compare(0, library.size(), library) == 0;
     };
     if (const auto library = std::find_if(libraries.begin(), libraries.end(), begins); library != libraries.end()) {
-      fingerprint[*library] = pusht::sha256(pusht::readFile(path, "library"));
+      fingerprint[*library] = pusht::sha256OfFile(path, "library");
     } else if (std::any_of(if_loaded.begin(), if_loaded.end(), begins)) {
-      fingerprint[file] = pusht::sha256(pusht::readFile(path, "library"));
+      fingerprint[file] = pusht::sha256OfFile(path, "library");
     }
   });
   for (const std::string& library : libraries) {

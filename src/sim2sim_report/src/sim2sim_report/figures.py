@@ -26,6 +26,7 @@ from matplotlib.figure import Figure  # type: ignore[import]  # noqa: E402
 from matplotlib.patches import Circle, Rectangle  # type: ignore[import]  # noqa: E402
 
 MARK = b"sim2sim report"  # in the page and the metadata of images, by which they are known as ours
+PAPER_KINDS = ("png", "pdf")
 NARROW = 4.3  # [in] width of a figure on a phone
 STYLE: Dict[str, Any] = {
     "axes.axisbelow": True,
@@ -52,13 +53,26 @@ _LEVELS = ("0.05", "0.25", "0.50", "0.75", "0.95")  # levels of the bands
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure with its name for files and what it shows, in words."""
+    """A figure with its name for files and what it shows, in words. It is built when asked for."""
 
     name: str
     alt: str
-    wide: Any  # figure for screens and papers
-    narrow: Any  # figure for phones: its panels stand below each other
+    build: Callable[[bool], Any]
     style: Dict[str, Any]
+
+    @functools.cached_property
+    def wide(self) -> Any:
+        """The figure for screens and papers."""
+        return self._built(False)
+
+    @functools.cached_property
+    def narrow(self) -> Any:
+        """The figure for phones: its panels stand below each other."""
+        return self._built(True)
+
+    def _built(self, narrow: bool) -> Any:
+        with matplotlib.rc_context(self.style):
+            return self.build(narrow)
 
     @property
     def width(self) -> int:
@@ -89,19 +103,21 @@ class Drawing:
             )
         return content.getvalue()
 
+    def paths(self, folder: Path) -> List[Path]:
+        """Where save() writes."""
+        return [folder / f"{self.name}.{kind}" for kind in PAPER_KINDS]
+
     def save(self, folder: Path) -> Iterator[Tuple[Path, bytes]]:
         """The files for papers."""
-        for kind in ("png", "pdf"):
-            yield folder / f"{self.name}.{kind}", self.file(kind, MARK.decode())
+        for path, kind in zip(self.paths(folder), PAPER_KINDS):
+            yield path, self.file(kind, MARK.decode())
 
 
 def styled(
     name: str, alt: str, build: Callable[[bool], Any], style: Optional[Dict[str, Any]] = None
 ) -> Drawing:
     """The drawing whose figures `build` makes: the wide one (False) and the narrow one."""
-    style = style or STYLE
-    with matplotlib.rc_context(style):
-        return Drawing(name, alt, build(False), build(True), style)
+    return Drawing(name, alt, build, style or STYLE)
 
 
 def require_picture_format(out: Path) -> None:

@@ -102,7 +102,6 @@ class Docs(CommandCase):
     def test_packages_that_show_faults_and_worlds(self) -> None:
         for package, commands_shown in (
             ("pusht_engine", 1),
-            ("pusht_task", 1),
             ("sim2sim_python", 1),
         ):
             self.assertEqual(self.check(PACKAGES / package / "README.md"), commands_shown, package)

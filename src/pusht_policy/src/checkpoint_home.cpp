@@ -5,6 +5,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/json_text.hpp"
 
 namespace pusht {
 namespace {
@@ -36,7 +37,7 @@ CheckpointHome homeOf(const std::filesystem::path& checkpoint) {
   const std::filesystem::path path = provenancePath(checkpoint);
   const std::string text = readFile(path, "provenance");
   try {
-    return homeIn(json::parse(text).at("demonstrations").at("bags").at(0).at("origin"));
+    return homeIn(parseJson(text).at("demonstrations").at("bags").at(0).at("origin"));
   } catch (InvalidInput& error) {
     error.addContext("provenance " + path.string() + ": home");
     throw;

@@ -8,6 +8,7 @@
 #include "pusht_policy/formats.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/json_text.hpp"
 
 namespace pusht {
 
@@ -22,7 +23,7 @@ void requireHashOfProvenance(const std::filesystem::path& path, const std::strin
   nlohmann::json format = kProvenanceFormat;
   std::string expected;
   try {
-    const nlohmann::json content = nlohmann::json::parse(text);
+    const nlohmann::json content = parseJson(text);
     format = content.value("format", format);
     expected = content.at("checkpoint").at("sha256").get<std::string>();
   } catch (const nlohmann::json::exception&) {

@@ -19,6 +19,7 @@ using nlohmann::json;
 using Shape = PolicyDescription::Shape;
 
 constexpr std::size_t kLongestDescription = 65'536;           // [bytes]
+constexpr int kDeepestDescription = 10;                       // levels
 constexpr std::array kDistributions = {"normal", "uniform"};  // in the order of the enumeration
 
 /// Text of a JSON value or key for a message, on one line.
@@ -36,7 +37,10 @@ json parseDescription(const std::string& text, const std::string& where) {
                        std::to_string(kLongestDescription));
   }
   std::vector<std::set<std::string>> objects;  // keys of those that are open
-  const auto check = [&](int /*depth*/, json::parse_event_t event, const json& parsed) {
+  const auto check = [&](int depth, json::parse_event_t event, const json& parsed) {
+    if (depth > kDeepestDescription) {
+      throw InvalidInput(where + ": must be nested at most " + std::to_string(kDeepestDescription) + " levels deep");
+    }
     if (event == json::parse_event_t::object_start) {
       objects.emplace_back();
     } else if (event == json::parse_event_t::object_end) {
@@ -54,6 +58,8 @@ json parseDescription(const std::string& text, const std::string& where) {
     }
   } catch (const json::parse_error& error) {
     bad = error.byte;
+  } catch (const json::out_of_range&) {
+    throw InvalidInput(where + ": must have numbers within double");
   }
   throw InvalidInput(where + ": must be JSON, but is not at byte " + std::to_string(bad));
 }

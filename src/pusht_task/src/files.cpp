@@ -40,6 +40,10 @@ void write(const fs::path& path, const std::string& content, bool to_disk) {
   file.moveIntoPlace();
 }
 
+[[noreturn]] void refuseOccupied(const std::string& what, const fs::path& path) {
+  throw InvalidInput(what + " " + path.string() + ": is there already; name a new file");
+}
+
 /// Reads a plain file and passes its bytes on, piece by piece. Throws as readFile().
 template <class Take>
 void readPieces(const fs::path& path, const std::string& what, const Take& take) {
@@ -110,7 +114,7 @@ std::string digest(const EVP_MD* algorithm, const std::string& bytes) {
 void requireNewFile(const std::string& what, const fs::path& path) {
   std::error_code ignored;
   if (!path.empty() && fs::symlink_status(path, ignored).type() != fs::file_type::not_found) {
-    throw InvalidInput(what + " " + path.string() + ": is there already; name a new file");
+    refuseOccupied(what, path);
   }
 }
 
@@ -158,9 +162,32 @@ void AsideFile::moveIntoPlace() {
   aside_.clear();
 }
 
+void AsideFile::moveIntoNewPlace(const std::string& what) {
+  int result = ::renameat2(AT_FDCWD, aside_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE);
+  if (result != 0 && errno == EINVAL) {  // the file system cannot do this; a link does not replace either
+    result = ::link(aside_.c_str(), path_.c_str());
+    if (result == 0) {
+      ::unlink(aside_.c_str());
+    }
+  }
+  if (result != 0 && errno == EEXIST) {
+    refuseOccupied(what, path_);
+  }
+  if (result != 0) {
+    fail();
+  }
+  aside_.clear();
+}
+
 void AsideFile::fail() const { throw RuntimeFault("cannot write " + path_.string() + ": " + std::strerror(errno)); }
 
 void writeFile(const fs::path& path, const std::string& content) { write(path, content, true); }
+
+void writeNewFile(const std::string& what, const fs::path& path, const std::string& content) {
+  AsideFile file(path);
+  file.write(content, true);
+  file.moveIntoNewPlace(what);
+}
 
 void writeCacheFile(const fs::path& path, const std::string& content) { write(path, content, false); }
 

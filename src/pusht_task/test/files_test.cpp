@@ -85,6 +85,21 @@ TEST_F(Files, ALinkIsReplacedAndNotFollowed) {
   EXPECT_FALSE(fs::is_symlink(folder_ / "a"));
 }
 
+TEST_F(Files, ANewFileReplacesNothingThatHasComeMeanwhile) {
+  AsideFile file(folder_ / "a");
+  file.write("mine", false);
+  writeNewFile("out", folder_ / "a", "theirs");
+  try {
+    file.moveIntoNewPlace("out");
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_EQ(error.what(), "out " + (folder_ / "a").string() + ": is there already; name a new file");
+  }
+  EXPECT_EQ(readFile(folder_ / "a", "file"), "theirs");
+  EXPECT_THROW(writeNewFile("out", folder_ / "a", "mine"), InvalidInput);
+  EXPECT_EQ(readFile(folder_ / "a", "file"), "theirs");
+}
+
 TEST_F(Files, AFileThatIsNotMovedLeavesNothing) {
   {
     AsideFile file(folder_ / "a");

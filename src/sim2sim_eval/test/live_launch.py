@@ -26,6 +26,7 @@ from launch_support import (
     configuration,
     node_file,
     parameters_of,
+    shared_master,
 )
 from live_support import (
     DEADLINE,
@@ -59,6 +60,22 @@ class Runs(LiveCase):
         self.assert_recomputed(out)
         page = (out / "report.html").read_text(encoding="utf-8")
         self.assertIn("roslaunch sim2sim_eval compare.launch", page)
+
+    def test_nothing_of_an_earlier_launch_comes_in(self) -> None:
+        """Parameters that it has left under the names of the nodes, on a master that stays."""
+        short: Dict[str, Any] = {"policy": "expert", "episodes": 2, "horizon": 30}
+        master = shared_master()
+        master.end_nodes()
+        master.forget(keep=set())
+        given = ("starts:=s.csv", "reanchor:=5", "rate:=7", "model_variants:=cone=elliptic")
+        for name in parameters_of(COMPARE, "rviz:=false", "smoke:=true", *given):
+            rospy.set_param(name, "left by another")
+        for node in ("sim2sim", "policy", "reference", "engine", "engine_replay"):
+            rospy.set_param(f"/{node}/none_such", "would be refused")
+        launch = Launch(self, master_uri=master.uri, rviz=False, **short)
+        self.assertEqual(launch.ended(), 0, launch.output)
+        words = ("--policy", "expert", "--episodes", "2", "--horizon", "30")
+        self.assertEqual(result_bytes(launch.out), self.batch_bytes(*words))
 
     def test_report_that_cannot_be_written(self) -> None:
         (self.folder / "rosrun").write_text("#!/bin/sh\nexit 3\n")

@@ -101,6 +101,14 @@ class Packages(unittest.TestCase):
         self.assertGreater(len(of_debian), 20)
         self.assertEqual(of_debian - installed, set())
 
+    def test_nodes_begin_without_parameters_of_an_earlier_launch(self) -> None:
+        files = list((ROOT / "src").glob("*/launch/*.launch"))
+        nodes = [(file.name, *node) for file in files for node in nodes_of(file)]
+        self.assertGreater(len(nodes), 10)
+        for file, kind, cleared in nodes:
+            if not kind.startswith("rviz"):
+                self.assertEqual(cleared, "true", f"{file}: {kind}")
+
     def test_what_sources_use_is_a_dependency(self) -> None:
         """By name, and not only by way of another package: so rosdep installs what is needed."""
         for name, root in MANIFESTS.items():
@@ -115,6 +123,12 @@ class Packages(unittest.TestCase):
 
 def dependencies(manifest: ElementTree.Element) -> Set[str]:
     return {str(entry.text) for entry in manifest if re.fullmatch(r"(\w+_)?depend", entry.tag)}
+
+
+def nodes_of(launch_file: Path) -> Iterator[Tuple[str, str]]:
+    """Type of each node in a launch file, and whether it begins without parameters of others."""
+    for node in ElementTree.parse(launch_file).iter("node"):
+        yield node.attrib["type"], node.attrib.get("clear_params", "false")
 
 
 def uses_of(package: str) -> Iterator[Tuple[Path, str]]:

@@ -11,6 +11,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/json_text.hpp"
 #include "sim2sim_protocol/probes.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 
@@ -103,7 +104,7 @@ std::optional<pusht::Trace> ReferenceCache::find(const std::string& state, const
     refuse("must be a readable file");
   }
   const std::size_t end_of_head = std::min(text.find('\n'), text.size());
-  const auto head = nlohmann::json::parse(text.substr(0, end_of_head), nullptr, false);
+  const auto head = pusht::parseJson(text.substr(0, end_of_head));
   const nlohmann::json format = head.is_object() ? head.value("format", nlohmann::json()) : nlohmann::json();
   if (format.is_string() && format != formatText()) {
     refuse("format " + format.dump() + ": must be \"" + formatText() + "\"; another version of the suite wrote it");

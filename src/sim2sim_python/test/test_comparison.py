@@ -397,6 +397,10 @@ class Failures(ComparisonCase):
         ):
             with self.subTest(line):
                 self.refused(rf"^policy .*: answered {line}: {must}", of(answer), 3)
+        ragged = self.failing(lambda rows: [[0.0, 0.0], [0.0]], episodes=1)
+        self.refused(
+            r"^policy .*: answered a <class 'list'> that is no array: setting an", ragged, 3
+        )
         chunk = self.failing(lambda rows: np.zeros((len(rows), 4, 2)), execute=5)
         self.refused("^execute 5: must be from 1 to 4, the actions of an answer", chunk)
 
@@ -448,11 +452,31 @@ class Failures(ComparisonCase):
             ("^reference_cache c: must be left out without a version", {"reference_cache": "c"}),
             ("^history 0: must be an integer from 1 to 1000$", {"history": 0}),
             (r"^episodes \{'a': 1\}: must not be a dict$", {"episodes": {"a": 1}}),
+            (r"^'a\\x00b': must have no NUL character$", {"out": "a\0b"}),
+            (r"^'starts\\x00': must have no NUL character$", {"write_starts": "starts\0"}),
+            (r"^'\\ud800': must be text that UTF-8 can hold$", {"engine": "\ud800"}),
+            (r"^help: there is no such option; ", {"help": True}),
         ]
         for line, options in cases:
             self.refused(line, partial(sim2sim.compare, charge, **options))
         self.refused("^history 2: must be left out", lambda: sim2sim.compare("expert", history=2))
         self.refused("^policy 3: must be a name, a file", lambda: sim2sim.compare(3))
+        expert, rows = sim2sim.load_policy("expert"), np.zeros((1, 10), np.float32)
+        memories: List[Any] = [None]
+        self.refused("^memories: the one of row 0 must be", lambda: expert.act(rows, memories))
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_a_callable_that_changes_folders(self) -> None:
+        (self.folder / "elsewhere").mkdir()
+
+        def policy(observations: Rows) -> Rows:
+            os.chdir(self.folder / "elsewhere")
+            return charge(observations)
+
+        found = sim2sim.compare(policy, out="out", write_starts="s.csv", **SHORT)
+        self.assertEqual(found.folder, self.folder / "out")
+        self.assertEqual({"elsewhere", "out", "s.csv"}, {f.name for f in self.folder.iterdir()})
+        self.assertEqual(list((self.folder / "elsewhere").iterdir()), [])
 
     def test_a_run_beside_itself(self) -> None:
         def policy(observations: Rows) -> Rows:
@@ -547,6 +571,24 @@ class Interruptions(ComparisonCase):
         )
         self.assertEqual([name for name in self.files("out") if name.endswith(".part")], [])
 
+    def test_an_interpreter_that_ends_ends_the_run_of_a_daemon_thread(self) -> None:
+        program = (
+            "import numpy, sim2sim, threading\n"
+            "runs = threading.Event()\n"
+            "def policy(rows):\n"
+            "    runs.set()\n"
+            "    return numpy.zeros((len(rows), 2))\n"
+            "def run():\n"
+            "    sim2sim.compare(policy, episodes=100000, out='out')\n"
+            "threading.Thread(target=run, daemon=True).start()\n"
+            "runs.wait()\n"
+        )
+        process = subprocess.run(
+            [sys.executable, "-c", program], cwd=self.folder, capture_output=True, timeout=DEADLINE
+        )
+        self.assertEqual(process.returncode, 0, process.stderr)
+        self.assertEqual(self.load("out", "status.json")["exit_code"], 4)
+
     def test_a_version_lets_a_run_go_on(self) -> None:
         calls = 0
 
@@ -564,7 +606,7 @@ class Interruptions(ComparisonCase):
         finished = self.load("out", "status.json")["episodes_finished"]
         self.assertGreater(finished, 0)
         self.refused(
-            r"^journal out/episodes.journal: is of another run \(.*version",
+            rf"^journal {self.folder}/out/episodes.journal: is of another run \(.*version",
             lambda: sim2sim.compare(policy, version="2", out="out", **run),
         )
         calls_before = calls

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from pusht_policy.formats import PROVENANCE_FORMAT
 from pusht_task.error import Error
+from pusht_task.files import read_file
 from pusht_task.json_file import Json, read_json, require_format
 
 ARCHIVE_MARK = b"PK\x03\x04"  # at the beginning of a TorchScript archive
@@ -27,11 +28,7 @@ def read_provenance(checkpoint: Path) -> Json:
 
 def sha256_of(path: Path) -> str:
     """Hexadecimal SHA-256 of a file."""
-    digest = hashlib.sha256()
     try:
-        with path.open("rb") as file:
-            for chunk in iter(lambda: file.read(1 << 20), b""):
-                digest.update(chunk)
+        return hashlib.sha256(read_file(path)).hexdigest()
     except FileNotFoundError:
         raise Error(f"{path}: no such file; it must exist") from None
-    return digest.hexdigest()

@@ -16,6 +16,7 @@ import rosbag  # type: ignore[import]
 from pusht_msgs.msg import DemonstrationEnd, DemonstrationStep  # type: ignore[import]
 from pusht_policy.formats import DEMONSTRATION_FORMAT
 from pusht_task.error import Error
+from pusht_task.files import require_plain_file
 from pusht_task.json_file import require_format
 
 ORIGIN_TOPIC = "/demonstration/origin"
@@ -80,6 +81,7 @@ def read_demonstrations(bags: Sequence[Path]) -> List[Demonstration]:
 def _opened(path: Path) -> Iterator[Any]:
     """A bag to read. What cannot be written is in the temporary folder: modules of rosbag."""
     try:
+        require_plain_file(path)
         with rosbag.Bag(str(path)) as bag:
             yield bag
     except OSError as error:
@@ -119,9 +121,7 @@ def _read_bag(path: Path) -> List[Demonstration]:
                     _add_end(path, recording, message)
     except FileNotFoundError:
         raise Error(f"{path}: no such file; a rosbag is needed") from None
-    except IsADirectoryError:
-        raise Error(f"{path}: is a folder; a rosbag is needed") from None
-    except (Error, OSError):
+    except (Error, MemoryError, OSError):
         raise
     except rosbag.ROSBagUnindexedException:
         raise Error(f"{path}: not indexed; run `rosbag reindex` on it first") from None

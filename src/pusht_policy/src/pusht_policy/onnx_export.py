@@ -23,7 +23,7 @@ from pusht_policy.checkpoint import (
 )
 from pusht_task.command import require_new_file
 from pusht_task.error import Error, ExitCode
-from pusht_task.files import write_file
+from pusht_task.files import read_file, write_file
 from pusht_task.json_file import Json, write_json
 
 OPSET = 14  # version of ONNX's operators; torch 1.13 and 2.6 both write it
@@ -65,7 +65,7 @@ def load(path: Path) -> torch.jit.ScriptModule:
     """The module of a checkpoint. Raises Error unless it maps float32 [1, 10] to [1, 2], alone."""
     extra: Dict[str, Any] = {DESCRIPTION: ""}
     try:
-        module = torch.jit.load(io.BytesIO(path.read_bytes()), "cpu", extra).eval()
+        module = torch.jit.load(io.BytesIO(read_file(path)), "cpu", extra).eval()
     except (RuntimeError, ValueError) as error:
         raise Error(f"{path}: must be TorchScript: {_first_line(error)}") from None
     if extra[DESCRIPTION]:

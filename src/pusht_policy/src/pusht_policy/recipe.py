@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The recipe of a training: what decides the weights, besides demonstrations and software."""
 
-import math
 from dataclasses import dataclass
 from typing import Tuple
 
-from pusht_task.error import Error
+from pusht_task.error import Error, clipped
 
 MODELS = ("mlp", "gru", "chunk", "flow")  # models.py has what they are
+MOST = {"epochs": 1_000_000, "batch": 1_000_000, "threads": 1024}  # slips of the hand are more
+MOST_HIDDEN = 10_000  # units of a layer: weights of 400 MB between two
+LARGEST_RATE = 10.0
 
 
 @dataclass(frozen=True)
@@ -25,13 +27,17 @@ class Recipe:
 
     def check(self) -> None:
         """Raises Error for the first value that breaks its rule."""
-        for name in ("epochs", "batch", "threads"):
-            if getattr(self, name) < 1:
-                raise Error(f"{name} is {getattr(self, name)}; it must be at least 1")
-        if min(self.hidden) < 1:
-            raise Error(f"hidden is {list(self.hidden)}; both sizes must be at least 1")
-        if not (math.isfinite(self.learning_rate) and self.learning_rate > 0):
-            raise Error(f"lr is {self.learning_rate}; it must be finite and greater than 0")
+        for name, most in MOST.items():
+            value = getattr(self, name)
+            if not 1 <= value <= most:
+                shown = clipped(str(value), 40)
+                raise Error(f"{name} is {shown}; it must be at least 1 and at most {most}")
+        if not 1 <= min(self.hidden) <= max(self.hidden) <= MOST_HIDDEN:
+            rule = f"both sizes must be at least 1 and at most {MOST_HIDDEN}"
+            raise Error(f"hidden is {clipped(str(list(self.hidden)), 80)}; {rule}")
+        if not 0 < self.learning_rate <= LARGEST_RATE:
+            rule = f"it must be greater than 0 and at most {LARGEST_RATE}"
+            raise Error(f"lr is {self.learning_rate}; {rule}")
         if not 0 <= self.seed < 2**63:
             raise Error(f"seed is {self.seed}; it must be in [0, 2^63)")
         if self.model not in MODELS:

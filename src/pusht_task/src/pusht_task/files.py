@@ -1,12 +1,38 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Files that are complete or absent."""
+"""Files that are read whole, and written whole or not at all."""
 
 import contextlib
 import os
+import stat
 from pathlib import Path
 from typing import BinaryIO, Iterator, Tuple
 
+from pusht_task.error import Error, ExitCode
+
 MODE = 0o644
+
+
+def require_plain_file(path: Path) -> None:
+    """Raises Error for a folder, a pipe, a device: opening one may wait for ever, or never end."""
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise Error(f"{path}: must be a plain file")
+
+
+def read_file(path: Path) -> bytes:
+    """All bytes of a plain file. Raises Error if it is none, or if it changes meanwhile."""
+    require_plain_file(path)
+    with named(path), open(path, "rb") as file:
+        content = file.read()
+        size = os.fstat(file.fileno()).st_size
+    if size != len(content):
+        changed = f"has {size} bytes, but {len(content)} were read; it must not change meanwhile"
+        raise Error(f"{path}: {changed}", ExitCode.RUNTIME_FAULT)
+    return content
+
+
+def read_text(path: Path) -> str:
+    """The text of a file in UTF-8. Raises Error as read_file(), ValueError for other bytes."""
+    return read_file(path).decode("utf-8")
 
 
 @contextlib.contextmanager

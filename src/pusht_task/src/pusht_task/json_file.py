@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Dict
 
 from pusht_task.error import Error
-from pusht_task.files import write_file
+from pusht_task.files import read_text, write_file
 
 Json = Dict[str, Any]  # the content of a file: an object
 
@@ -17,9 +17,7 @@ def read_json(path: Path, rule: str = "it is needed") -> Json:
     Raises Error for anything else in the file, and for numbers that are not finite.
     """
     try:
-        content = json.loads(
-            path.read_text(encoding="utf-8"), parse_float=_finite, parse_constant=_finite
-        )
+        content = json.loads(read_text(path), parse_float=_finite, parse_constant=_finite)
     except (FileNotFoundError, NotADirectoryError):
         raise Error(f"{path}: no such file; {rule}") from None
     except ValueError as error:

@@ -47,7 +47,7 @@ void BagFile::close() {
 
 void BagFile::finish() {
   attempt([this] { bag_->close(); });
-  file_.moveIntoPlace();
+  file_.moveIntoNewPlace("bag");
 }
 
 void BagFile::attempt(const std::function<void()>& action) const {

@@ -81,11 +81,12 @@ Audit carryOut(const AuditRun& run) {
   return result;
 }
 
-void report(const AuditRun& run, const Audit& audit, const std::filesystem::path& out) {
+void report(const AuditRun& run, const Audit& audit, const std::filesystem::path& out, bool overwrite) {
   std::cout << textOf(audit) << std::flush;
   if (!out.empty()) {
     const auto reference = run.reference ? std::optional(run.reference->record) : std::nullopt;
-    pusht::writeFile(out, auditText(toJson(audit), reference, run.engine.record));
+    const std::string text = auditText(toJson(audit), reference, run.engine.record);
+    overwrite ? pusht::writeFile(out, text) : pusht::writeNewFile("audit", out, text);
   }
 }
 

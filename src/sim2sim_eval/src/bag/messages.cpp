@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/json_text.hpp"
 #include "pusht_task/parameters.hpp"
 #include "pusht_task/ros/conversions.hpp"
 #include "sim2sim_protocol/divergence.hpp"
@@ -174,7 +175,7 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
 }
 
 nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
-  nlohmann::json provenance = nlohmann::json::parse(node.provenance, nullptr, false);
+  nlohmann::json provenance = pusht::parseJson(node.provenance);
   if (!provenance.is_object()) {
     throw pusht::BadDependency(node.name + ": provenance '" + node.provenance + "': must be a JSON object");
   }

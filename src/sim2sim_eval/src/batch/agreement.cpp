@@ -375,7 +375,7 @@ void agreement(const AgreementOptions& given) {
   requireNotInterrupted();
   std::cout << table(result);
   if (!options.out.empty()) {
-    pusht::writeFile(options.out, jsonText(toJson(result)));
+    pusht::writeNewFile("out", options.out, jsonText(toJson(result)));
   }
 }
 

@@ -89,7 +89,7 @@ void auditSimulators(const AuditOptions& options) {
   run.seed = options.seed;
   run.threads = batch.threadCount();
   const Audit result = carryOut(run);
-  report(run, result, options.out);
+  report(run, result, options.out, options.overwrite);
   if (reference) {
     keepVerdict(result, keptVerdict(*reference, engine));
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/batch/command_line.hpp"
 
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -11,6 +12,7 @@
 #include <cstdint>
 #include <iostream>
 #include <optional>
+#include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -147,7 +149,9 @@ ProgressBar::ProgressBar(std::string title, std::int64_t total, bool wanted)
       shown_(wanted && isatty(STDERR_FILENO) != 0),
       start_(std::chrono::steady_clock::now()) {}
 
-ProgressBar::~ProgressBar() {
+ProgressBar::~ProgressBar() { clear(); }
+
+void ProgressBar::clear() const {
   if (shown_) {
     std::cerr << "\r\033[K" << std::flush;
   }
@@ -163,8 +167,12 @@ void ProgressBar::advance(const std::string& note) {
   const auto seconds_left =
       std::lround(elapsed.count() / static_cast<double>(done_) * static_cast<double>(total_ - done_));
   const auto filled = static_cast<std::size_t>(kWidth * done_ / total_);
-  std::cerr << "\r\033[K" << title_ << " [" << std::string(filled, '#') << std::string(kWidth - filled, '.') << "] "
-            << done_ << "/" << total_ << "  " << seconds_left << " s left  " << note << std::flush;
+  std::ostringstream line;
+  line << title_ << " [" << std::string(filled, '#') << std::string(kWidth - filled, '.') << "] " << done_ << "/"
+       << total_ << "  " << seconds_left << " s left  " << note;
+  winsize terminal{};
+  const bool has_width = ioctl(STDERR_FILENO, TIOCGWINSZ, &terminal) == 0 && terminal.ws_col > 1;
+  std::cerr << "\r\033[K" << line.str().substr(0, has_width ? terminal.ws_col - 1U : std::string::npos) << std::flush;
 }
 
 }  // namespace sim2sim

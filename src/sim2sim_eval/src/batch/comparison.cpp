@@ -244,8 +244,8 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   identity["configuration"].erase("config_hash");  // it follows from the rest
   Run run(configuration, folder ? &*folder : nullptr, origin, identity);
   try {
-    if (!options.write_starts.empty()) {
-      pusht::writeFile(options.write_starts, startsOf(configuration.protocol));
+    if (!options.write_starts.empty() && !fs::exists(options.write_starts)) {  // else by the run that goes on
+      pusht::writeNewFile("write_starts", options.write_starts, startsOf(configuration.protocol));
     }
     std::optional<Recorder> recorder;
     if (options.record) {

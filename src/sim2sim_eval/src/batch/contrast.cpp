@@ -49,7 +49,7 @@ void contrast(const ContrastOptions& options) {
   requireNotInterrupted();
   std::cout << table(baseline, runs, contrasts);
   if (!options.out.empty()) {
-    pusht::writeFile(options.out, jsonText(toJson(baseline, runs, contrasts)));
+    pusht::writeNewFile("out", options.out, jsonText(toJson(baseline, runs, contrasts)));
   }
 }
 

@@ -48,6 +48,7 @@ void demonstrate(const DemonstrateOptions& options) {
         bar.advance(std::to_string(so_far.successes) + " solved");
         return !interrupted();
       });
+  bar.clear();
   std::cout << tally.episodes << " demonstrations, " << tally.successes << " solved, " << tally.frames
             << " frames: " << options.out << std::endl;
 }

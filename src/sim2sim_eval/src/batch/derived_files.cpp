@@ -12,7 +12,7 @@ namespace sim2sim {
 
 DerivedFiles::DerivedFiles(const std::string& what, const std::filesystem::path& folder, const char* json_name,
                            const char* table_name, bool overwrite)
-    : json_(folder / json_name), table_(folder / table_name) {
+    : what_(what), json_(folder / json_name), table_(folder / table_name), overwrite_(overwrite) {
   for (const std::filesystem::path& path : {table_, json_}) {
     std::error_code ignored;
     if (!overwrite && std::filesystem::symlink_status(path, ignored).type() != std::filesystem::file_type::not_found) {
@@ -26,8 +26,19 @@ void DerivedFiles::write(const nlohmann::json& json, const std::string& table) c
   pusht::AsideFile new_json(json_);
   new_table.write(table, true);
   new_json.write(jsonText(json), true);
-  new_table.moveIntoPlace();
-  new_json.moveIntoPlace();
+  if (overwrite_) {
+    new_table.moveIntoPlace();
+    new_json.moveIntoPlace();
+    return;
+  }
+  new_table.moveIntoNewPlace(what_);
+  try {
+    new_json.moveIntoNewPlace(what_);
+  } catch (const pusht::Error&) {
+    std::error_code ignored;
+    std::filesystem::remove(table_, ignored);  // both or none
+    throw;
+  }
 }
 
 }  // namespace sim2sim

@@ -123,6 +123,7 @@ class Sweeper {
       row.emplace(configuration, runRow(index, engine, configuration));
       folder_.keep(index, configuration, *row);
     }
+    bar_.clear();
     printRow(configuration, parametersText(index), row->summary);
   }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pusht_task/files.hpp"
+#include "pusht_task/json_text.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/difference.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
@@ -23,7 +24,7 @@ using nlohmann::json;
 constexpr std::size_t kTablesWritten = 20;  // in the course of a sweep, about
 
 json parsedFile(const fs::path& path, const std::string& what) {
-  json parsed = json::parse(pusht::readFile(path, what), nullptr, false);
+  json parsed = pusht::parseJson(pusht::readFile(path, what));
   if (!parsed.is_object()) {
     throw pusht::InvalidInput(what + " " + path.string() + ": must be a JSON object");
   }

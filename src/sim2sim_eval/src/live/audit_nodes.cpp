@@ -46,6 +46,7 @@ struct AuditParameters {
   bool against_task;
   std::uint64_t seed;
   std::filesystem::path out;  ///< empty: none
+  bool overwrite;
   milliseconds deadline;
   milliseconds patience;
 
@@ -58,9 +59,10 @@ struct AuditParameters {
                               againstTask(parameters),
                               parameters.seed("seed", 0),
                               parameters.optionalText("out", "none"),
+                              parameters.flag("overwrite", false),
                               duration("deadline", 5.0),
                               duration("patience", 30.0)};
-    if (!parameters.flag("overwrite", false)) {
+    if (!loaded.overwrite) {
       pusht::requireNewFile("out", loaded.out);
     }
     const WorldRequest& reference = loaded.reference.asked;
@@ -250,7 +252,7 @@ void auditNodes(const AuditParameters& parameters) {
   if (!ros::ok()) {
     throw pusht::RuntimeFault("shut down before the audit was done");
   }
-  report(run, result, parameters.out);
+  report(run, result, parameters.out, parameters.overwrite);
   requireContract(result);
   engine.requireNeverLost();
   if (reference) {

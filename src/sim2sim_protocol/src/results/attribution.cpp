@@ -11,7 +11,6 @@
 #include <optional>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/attribution_files.hpp"
@@ -95,13 +94,12 @@ std::vector<Coalition> allOf(std::size_t switches) {
 
 /// Random orders of the sweep in `folder`; empty if it has all combinations.
 std::optional<OrderSample> sampleIn(const fs::path& folder) {
-  const json sweep = json::parse(pusht::readFile(folder / kSweepFile, "results"), nullptr, false);
-  const json::json_pointer place("/sweep/permutations");
-  if (!sweep.is_object() || !sweep.contains(place)) {
+  const json sweep = sweepIn(folder);
+  if (!sweep.contains("permutations")) {
     return std::nullopt;
   }
   try {
-    return pusht::asInput([&] { return orderSampleFrom(sweep.at(place)); });
+    return pusht::asInput([&] { return orderSampleFrom(sweep.at("permutations")); });
   } catch (pusht::InvalidInput& error) {
     error.addContext("results " + (folder / kSweepFile).string());
     throw;
@@ -113,11 +111,7 @@ std::vector<RunResults> read(const fs::path& folder, const std::function<void()>
     throw pusht::InvalidInput("results " + folder.string() + ": is a run; a sweep over switches is needed");
   }
   const std::vector<fs::path> rows = runsIn(folder);
-  const json sweep = json::parse(pusht::readFile(folder / kSweepFile, "results"), nullptr, false);
-  if (const json::json_pointer shard("/sweep/shard"); sweep.is_object() && sweep.contains(shard)) {
-    throw pusht::InvalidInput("results " + folder.string() + ": is shard " + sweep.at(shard).dump() +
-                              " of a sweep; merge the shards first");
-  }
+  wholeSweepIn(folder);
   std::vector<RunResults> runs;
   for (const fs::path& run : rows) {
     go_on();

@@ -7,6 +7,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/json_text.hpp"
 #include "sim2sim_protocol/reference_cache.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
@@ -56,7 +57,7 @@ std::optional<std::vector<std::string>> KeptVerdict::find() const {
   } catch (const pusht::InvalidInput&) {
     refuse("must be a readable file");
   }
-  const json content = json::parse(text, nullptr, false);
+  const json content = pusht::parseJson(text);
   const json format = content.is_object() ? content.value("format", json()) : json();
   if (format.is_string() && format != formatText()) {
     refuse("format " + format.dump() + ": must be \"" + formatText() + "\"; another version of the suite wrote it");

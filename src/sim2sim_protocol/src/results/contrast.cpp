@@ -8,6 +8,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/json_text.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/results/answers.hpp"
@@ -200,7 +201,10 @@ RunResults readResults(const fs::path& folder) {
     throw pusht::InvalidInput("results " + (folder / file).string() + ": " + why);
   };
   RunResults results{folder, {}, {}, {}};
-  results.metrics = json::parse(pusht::readFile(folder / kMetricsFile, "results"), nullptr, false);
+  results.metrics = pusht::parseJson(pusht::readFile(folder / kMetricsFile, "results"));
+  if (!results.metrics.is_object()) {
+    refuse(kMetricsFile, "must be a JSON object");
+  }
   try {
     results.protocol = protocolFrom(results.metrics);
     results.title();
@@ -219,6 +223,25 @@ RunResults readResults(const fs::path& folder) {
   return results;
 }
 
+json sweepIn(const fs::path& folder) {
+  const fs::path file = folder / kSweepFile;
+  const json content = pusht::parseJson(pusht::readFile(file, "results"));
+  json sweep = content.is_object() ? content.value("sweep", json()) : json();
+  if (!sweep.is_object()) {
+    throw pusht::InvalidInput("results " + file.string() + ": must be that of a sweep");
+  }
+  return sweep;
+}
+
+json wholeSweepIn(const fs::path& folder) {
+  json sweep = sweepIn(folder);
+  if (sweep.contains("shard")) {
+    throw pusht::InvalidInput("results " + folder.string() + ": is shard " + sweep.at("shard").dump() +
+                              " of a sweep; merge the shards first");
+  }
+  return sweep;
+}
+
 std::vector<fs::path> runsIn(const fs::path& folder) {
   std::error_code ignored;
   if (fs::exists(folder / kMetricsFile, ignored)) {
@@ -227,9 +250,8 @@ std::vector<fs::path> runsIn(const fs::path& folder) {
   if (!fs::exists(folder / kSweepFile, ignored)) {
     throw pusht::InvalidInput("results " + folder.string() + ": must be the folder of a whole run or of a sweep");
   }
-  const json sweep = json::parse(pusht::readFile(folder / kSweepFile, "results"), nullptr, false);
-  const std::size_t count =
-      sweep.is_object() ? sweep.value(json::json_pointer("/sweep/rows"), json::array()).size() : 0;
+  const json listed = sweepIn(folder).value("rows", json());
+  const std::size_t count = listed.is_array() ? listed.size() : 0;
   if (count == 0) {
     throw pusht::InvalidInput("results " + (folder / kSweepFile).string() + ": must be that of a sweep");
   }

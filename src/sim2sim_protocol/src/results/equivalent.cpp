@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/files.hpp"
 #include "pusht_task/loop.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
@@ -99,10 +98,7 @@ std::vector<RunResults> rowsOf(const fs::path& folder, const std::function<void(
     }
     requirePairs(rows.front(), rows.back());
   }
-  const json sweep = json::parse(pusht::readFile(folder / kSweepFile, "results"), nullptr, false);
-  if (const json::json_pointer shard("/sweep/shard"); sweep.is_object() && sweep.contains(shard)) {
-    refuseFolder(folder, "is shard " + sweep.at(shard).dump() + " of a sweep; merge the shards first");
-  }
+  wholeSweepIn(folder);
   if (const int starts = rows.front().protocol.starts(); starts < kFewestEpisodes) {
     refuseFolder(folder, "has " + std::to_string(starts) + " starts; must have at least " +
                              std::to_string(kFewestEpisodes) + " for an interval");

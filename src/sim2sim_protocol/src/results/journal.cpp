@@ -14,6 +14,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/json_text.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/results/difference.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
@@ -38,8 +39,7 @@ json contentOf(std::string_view line) {
     return {};
   }
   const std::string text(line.substr(kDigits + 1));
-  return pusht::sha256(text).compare(0, kDigits, line.substr(0, kDigits)) == 0 ? json::parse(text, nullptr, false)
-                                                                               : json();
+  return pusht::sha256(text).compare(0, kDigits, line.substr(0, kDigits)) == 0 ? pusht::parseJson(text) : json();
 }
 
 }  // namespace

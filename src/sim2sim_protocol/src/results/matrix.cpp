@@ -10,7 +10,6 @@
 
 #include "group_tables.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/split.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
@@ -40,20 +39,10 @@ std::string titleOf(const std::string& name, const std::string& title) {
 
 /// Description of the sweep in `folder`. Throws InvalidInput unless it is a whole one that lists policies.
 json descriptionIn(const fs::path& folder) {
-  const fs::path file = folder / kSweepFile;
-  const json content = json::parse(pusht::readFile(file, "results"), nullptr, false);
-  json sweep = content.is_object() ? content.value("sweep", json()) : json();
-  const auto refuse = [&](const std::string& why) {
-    throw pusht::InvalidInput("results " + file.string() + ": " + why);
-  };
-  if (!sweep.is_object()) {
-    refuse("must be that of a sweep");
-  }
-  if (sweep.contains("shard")) {
-    refuse("is shard " + sweep.at("shard").dump() + " of a sweep; merge the shards first");
-  }
+  json sweep = wholeSweepIn(folder);
   if (!sweep.contains("policies")) {
-    refuse("lists no policies; a plan with the key policies is needed");
+    throw pusht::InvalidInput("results " + (folder / kSweepFile).string() +
+                              ": lists no policies; a plan with the key policies is needed");
   }
   return sweep;
 }

@@ -16,6 +16,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/json_text.hpp"
 #include "sim2sim_protocol/reference_cache.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 
@@ -125,7 +126,7 @@ bool tellsOfNoRun(const fs::path& status) {
   if (!fs::is_regular_file(fs::symlink_status(status, ignored))) {
     return false;
   }
-  const auto content = nlohmann::json::parse(pusht::readFile(status, "status"), nullptr, false);
+  const auto content = pusht::parseJson(pusht::readFile(status, "status"));
   return content.is_object() && content.value("format", nlohmann::json()) == kStatusFormat &&
          content.value("exit_code", nlohmann::json(0)) != 0 &&
          (content.value("episodes_finished", nlohmann::json()) == 0 ||

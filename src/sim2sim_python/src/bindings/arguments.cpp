@@ -96,7 +96,17 @@ std::string textOf(const py::handle& value) {
   if (py::isinstance<py::bool_>(value)) {
     return value.cast<bool>() ? "true" : "false";
   }
-  return py::hasattr(value, "__fspath__") ? py::str(value.attr("__fspath__")()) : py::str(value);
+  const py::object given = py::hasattr(value, "__fspath__") ? value.attr("__fspath__")() : py::object(py::str(value));
+  std::string text;
+  try {
+    text = py::str(given);
+  } catch (const py::error_already_set&) {  // a surrogate
+    throw pusht::InvalidInput(std::string(py::repr(value)) + ": must be text that UTF-8 can hold");
+  }
+  if (text.find('\0') != std::string::npos) {
+    throw pusht::InvalidInput(std::string(py::repr(value)) + ": must have no NUL character");
+  }
+  return text;
 }
 
 std::vector<std::string> argumentsOf(const CLI::App& app, const py::dict& options) {
@@ -104,6 +114,9 @@ std::vector<std::string> argumentsOf(const CLI::App& app, const py::dict& option
   for (const auto& [name, value] : options) {
     if (value.is_none()) {
       continue;
+    }
+    if (std::string(py::str(name)) == "help") {  // is the command's
+      throw pusht::InvalidInput("help: there is no such option; help(sim2sim.compare) says what there is");
     }
     const std::vector<std::string> more = Option(app, py::str(name)).arguments(value);
     arguments.insert(arguments.end(), more.begin(), more.end());

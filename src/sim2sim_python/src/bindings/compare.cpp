@@ -4,7 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <future>
 #include <optional>
@@ -40,24 +42,51 @@ struct CallablePolicy {
 /// Time between two looks at the signals that Python has got, while no query comes.
 constexpr std::chrono::milliseconds kSignalPeriod{50};
 
-std::atomic<bool> is_running = false;
+/// Time for a run to end with the interpreter; its callable may not return.
+constexpr std::chrono::seconds kLeavingPatience{10};
+
+/// Whether a run is under way in this process, and whether the interpreter ends.
+struct Runs {
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool is_running = false;
+  std::atomic<bool> is_leaving = false;
+};
+
+Runs& runs() {
+  static Runs runs;
+  return runs;
+}
 
 /// The right to run, and to take the warnings of the process. Throws InvalidInput if another run has it.
 class OneRun {
  public:
   explicit OneRun(std::function<void(const std::string&)> take_warning) {
-    if (is_running.exchange(true)) {
+    const std::lock_guard<std::mutex> lock(runs().mutex);
+    if (runs().is_running) {
       throw pusht::InvalidInput("compare: runs already in this process; must not be called beside itself");
     }
+    runs().is_running = true;
     sendWarningsTo(std::move(take_warning));
   }
   OneRun(const OneRun&) = delete;
   OneRun& operator=(const OneRun&) = delete;
   ~OneRun() {
     sendWarningsTo({});
-    is_running = false;
+    const std::lock_guard<std::mutex> lock(runs().mutex);
+    runs().is_running = false;
+    runs().changed.notify_all();
   }
 };
+
+/// Ends the run of a daemon thread before the interpreter ends: later, a thread that wants the GIL is killed within
+/// C++.
+void leave() {
+  const py::gil_scoped_release released;
+  runs().is_leaving = true;
+  std::unique_lock<std::mutex> lock(runs().mutex);
+  runs().changed.wait_for(lock, kLeavingPatience, [] { return !runs().is_running; });
+}
 
 /// A comparison in a thread of its own, and its service in the thread that called Python's compare().
 class ServedComparison {
@@ -137,6 +166,9 @@ class ServedComparison {
         if (PyErr_CheckSignals() != 0) {
           throw py::error_already_set();
         }
+        if (runs().is_leaving) {
+          throw pusht::RuntimeFault("compare: the interpreter ends");
+        }
         for (const std::string& warning : work.warnings) {
           if (PyErr_WarnEx(PyExc_RuntimeWarning, warning.c_str(), 2) != 0) {
             throw py::error_already_set();
@@ -211,6 +243,11 @@ py::dict compareInPython(const py::dict& keywords, const py::object& policy, con
   const CallablePolicy callable = {policy, name, version, history};
   requireFitting(options, callable);
   const bool files = !options.out.empty();
+  for (std::string* const written : {&options.out, &options.write_starts}) {
+    if (!policy.is_none() && !written->empty()) {  // the callable may change folders
+      *written = std::filesystem::absolute(*written).string();
+    }
+  }
   ServedComparison comparison(std::move(options), callable, files, progress);
   const ComparisonResults result = comparison.run();
   py::dict answer;
@@ -227,6 +264,7 @@ py::dict compareInPython(const py::dict& keywords, const py::object& policy, con
 void bindCompare(py::module_& module) {
   module.def("compare", compareInPython, py::arg("options"), py::arg("policy"), py::arg("name"), py::arg("version"),
              py::arg("history"), py::arg("progress"));
+  py::module_::import("atexit").attr("register")(py::cpp_function(leave));
 }
 
 }  // namespace sim2sim::python

@@ -50,12 +50,12 @@ class LoadedPolicy {
     }
     std::vector<pusht::Policy::Query> queries;
     for (py::ssize_t row = 0; row < count; ++row) {
-      const PolicyMemory& memory = *memories[static_cast<std::size_t>(row)];
-      if (memory.policy != policy_) {
+      const PolicyMemory* const given = memories[static_cast<std::size_t>(row)];  // null: None
+      if (given == nullptr || given->policy != policy_) {
         throw pusht::InvalidInput("memories: the one of row " + std::to_string(row) +
                                   " must be from begin() of this policy");
       }
-      queries.push_back({observationIn(observations, row), memory.memory.get()});
+      queries.push_back({observationIn(observations, row), given->memory.get()});
     }
     return answers(queries);
   }

@@ -88,6 +88,18 @@ Callable::Callable(py::object policy, std::string name, int history)
       history_(history),
       has_memory_(py::hasattr(policy_, "begin") && py::hasattr(policy_, "act")) {}
 
+py::array Callable::arrayOf(const py::object& answer) const {
+  try {
+    return as_array_(answer);
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_ValueError) && !error.matches(PyExc_TypeError)) {
+      throw;
+    }
+    throw pusht::BadDependency("policy " + name_ + ": answered a " + std::string(py::str(py::type::of(answer))) +
+                               " that is no array: " + std::string(py::str(error.value())));
+  }
+}
+
 py::object Callable::ask(const std::vector<Row*>& rows) const {
   const auto count = static_cast<py::ssize_t>(rows.size());
   std::vector<py::ssize_t> shape = {count, kNumbers};
@@ -116,7 +128,7 @@ py::object Callable::ask(const std::vector<Row*>& rows) const {
 
 void Callable::answer(const std::vector<Row*>& rows) const {
   const auto count = static_cast<py::ssize_t>(rows.size());
-  const py::array answered = as_array_(ask(rows));
+  const py::array answered = arrayOf(ask(rows));
   const char kind = answered.dtype().kind();
   const bool is_real = kind == 'f' && (answered.itemsize() == sizeof(float) || answered.itemsize() == sizeof(double));
   const bool has_steps = answered.ndim() == 3;

@@ -2,7 +2,7 @@
 /// Policy that is a Python callable.
 #pragma once
 
-#include <pybind11/pybind11.h>
+#include <pybind11/numpy.h>
 
 #include <memory>
 #include <string>
@@ -42,6 +42,9 @@ class Callable {
 
  private:
   pybind11::object ask(const std::vector<Row*>& rows) const;
+
+  /// Throws BadDependency unless NumPy can make an array of it.
+  pybind11::array arrayOf(const pybind11::object& answer) const;
 
   pybind11::object policy_;
   pybind11::object as_array_;  // numpy.asarray

@@ -12,7 +12,9 @@ INK, DIM, GRID, CARD = (LIGHT[name] for name in ("ink", "dim", "grid", "card"))
 COLORS = {"reference": LIGHT["reference"], ENGINE: LIGHT["engine"], REPLAY: LIGHT["replay"]}
 SERIES = [color for name, color in LIGHT.items() if name.startswith("series")]  # for any eye
 VARIABLES = {
-    color: f"var(--{name})" for name, color in LIGHT.items() if name not in ("paper", "line")
+    color: f"var(--{name}, {color})"  # the color itself where a page may have no styles
+    for name, color in LIGHT.items()
+    if name not in ("paper", "line")
 }
 
 # Tables are dark in every theme, as in rviz.

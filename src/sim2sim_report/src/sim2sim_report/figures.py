@@ -27,6 +27,7 @@ from matplotlib.patches import Circle, Rectangle  # type: ignore[import]  # noqa
 
 MARK = b"sim2sim report"  # in the page and the metadata of images, by which they are known as ours
 PAPER_KINDS = ("png", "pdf")
+PIXELS = 120  # of an inch of a figure on the page
 NARROW = 4.3  # [in] width of a figure on a phone
 STYLE: Dict[str, Any] = {
     "axes.axisbelow": True,
@@ -77,7 +78,7 @@ class Drawing:
     @property
     def width(self) -> int:
         """[px] on the page, at which its letters are as large as those of the text."""
-        return round(self.wide.get_figwidth() * 120)
+        return round(self.wide.get_figwidth() * PIXELS)
 
     def svg(self, narrow: bool = False) -> str:
         """Inline SVG: its colors are those of the page, its ids its own; the same bytes again."""
@@ -139,18 +140,41 @@ def panels(narrow: bool, width: float, height: float, **options: Any) -> Tuple[A
 
 
 def inline(svg: str, name: str) -> str:
-    """An SVG file as a part of a page: with the page's colors, and ids of its own."""
+    """An SVG file as a part of a page: with the page's colors, and ids of its own.
+
+    It has attributes in place of styles, which a build server may forbid.
+    """
     svg = svg[svg.index("<svg") :]
+    svg = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>", "", svg, flags=re.DOTALL)
+    svg = re.sub(r' style="([^"]*)"', lambda m: _attributes(m[1]), svg)
     for color, variable in VARIABLES.items():
         svg = svg.replace(color, variable)
-    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     ids = set(re.findall(r'id="([^"]+)"', svg))
     svg = re.sub(
         r'(id="|href="#|url\(#)([^")]+)',
         lambda m: f"{m[1]}{name}-{m[2]}" if m[2] in ids else m[0],
         svg,
     )
-    return re.sub(r' width="[\d.]+pt" height="[\d.]+pt"', "", svg, count=1)
+    svg = re.sub(r'( (?:width|height)=")([\d.]+)pt', lambda m: m[1] + _pixels(m[2]), svg, count=2)
+    return svg.replace(
+        "<svg", '<svg stroke-linejoin="round"', 1
+    )  # of each line, in Matplotlib's style
+
+
+def _attributes(style: str) -> str:
+    """Attributes for the properties of a style. Of a font they have the size: the page has its own."""
+    texts = []
+    for prop, value in (part.split(": ", 1) for part in style.split("; ")):
+        if prop == "font":
+            size = next(word for word in value.split() if word.endswith("px"))
+            texts += [f'font-size="{size}"', 'font-family="sans-serif"']
+        else:
+            texts.append(f'{prop}="{value}"')
+    return "".join(f" {text}" for text in texts)
+
+
+def _pixels(points: str) -> str:
+    return str(round(float(points) / 72 * PIXELS))
 
 
 def draw(run: Run, prefix: str) -> Dict[str, Drawing]:

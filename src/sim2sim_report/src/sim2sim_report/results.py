@@ -2,6 +2,7 @@
 """The results of runs, as the commands have written them, checked."""
 
 import csv
+import io
 import math
 import tempfile
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
 import numpy as np
 
 from pusht_task.error import Error
+from pusht_task.files import read_file, read_text
 from pusht_task.json_file import Json, read_json, require_format
 from sim2sim_protocol.result_files import format_of, name_of
 
@@ -195,7 +197,7 @@ def read_traces(run: Run, suite: "Suite") -> Optional[Traces]:
         again = Path(scratch, "again")
         suite.recompute(bag, again)
         metrics = name_of("metrics")
-        if (again / metrics).read_bytes() != (run.folder / metrics).read_bytes():
+        if read_file(again / metrics) != read_file(run.folder / metrics):
             raise Error(f"{bag}: must be of the run of the metrics.json beside it")
         return _traces(again / name_of("traces"), run)
 
@@ -219,8 +221,7 @@ def _still_running(episodes: Sequence[Episode], mode: str) -> List[int]:
 
 def _rows(path: Path) -> List[Dict[str, str]]:
     try:
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
+        rows = list(csv.DictReader(io.StringIO(read_text(path), newline="")))
     except FileNotFoundError:
         raise Error(f"{path}: no such file; it is needed") from None
     except (csv.Error, ValueError) as error:
@@ -264,8 +265,8 @@ def _bands(path: Path) -> Dict[str, Dict[str, Any]]:
 
 def _traces(path: Path, run: Run) -> Traces:
     try:
-        records = np.load(path, allow_pickle=False)
-    except (EOFError, OSError, ValueError) as error:
+        records = np.load(io.BytesIO(read_file(path)), allow_pickle=False)
+    except (EOFError, ValueError) as error:
         raise Error(f"{path}: must be a NumPy array: {error}") from None
     if not isinstance(records, np.ndarray) or records.dtype.names != TRACE_FIELDS:
         raise Error(f"{path}: must be one array with the fields {', '.join(TRACE_FIELDS)}")

@@ -43,8 +43,11 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar();
 
-  /// Counts one more as finished; `note` is shown behind the bar.
+  /// Counts one more as finished; `note` is shown behind the bar, as far as the terminal is wide.
   void advance(const std::string& note);
+
+  /// Takes the bar off the terminal until it advances, so that a line can be printed in its place.
+  void clear() const;
 
   /// Takes `count` off the total.
   void skip(std::int64_t count) { total_ -= count; }

@@ -16,12 +16,14 @@ class DerivedFiles {
   DerivedFiles(const std::string& what, const std::filesystem::path& folder, const char* json_name,
                const char* table_name, bool overwrite);
 
-  /// Throws RuntimeFault if they cannot be written.
+  /// Throws InvalidInput if one of them is there by now, unless `overwrite`; RuntimeFault if they cannot be written.
   void write(const nlohmann::json& json, const std::string& table) const;
 
  private:
+  std::string what_;
   std::filesystem::path json_;
   std::filesystem::path table_;
+  bool overwrite_;
 };
 
 }  // namespace sim2sim

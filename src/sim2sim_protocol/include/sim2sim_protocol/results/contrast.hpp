@@ -34,6 +34,12 @@ struct RunResults {
 /// Reads the results of a whole run. Throws InvalidInput with the file if `folder` does not hold them.
 RunResults readResults(const std::filesystem::path& folder);
 
+/// Description in the sweep.json of a folder, an object. Throws InvalidInput with the file if there is none.
+nlohmann::json sweepIn(const std::filesystem::path& folder);
+
+/// Likewise; throws InvalidInput for one shard of a sweep, too.
+nlohmann::json wholeSweepIn(const std::filesystem::path& folder);
+
 /// Folders of all rows of a sweep, in order; `folder` itself if it is a run. Throws InvalidInput if it is neither.
 std::vector<std::filesystem::path> runsIn(const std::filesystem::path& folder);
 

@@ -156,13 +156,12 @@ def inline(svg: str, name: str) -> str:
         svg,
     )
     svg = re.sub(r'( (?:width|height)=")([\d.]+)pt', lambda m: m[1] + _pixels(m[2]), svg, count=2)
-    return svg.replace(
-        "<svg", '<svg stroke-linejoin="round"', 1
-    )  # of each line, in Matplotlib's style
+    # Matplotlib's style, which is left out, says it of every line.
+    return svg.replace("<svg", '<svg stroke-linejoin="round"', 1)
 
 
 def _attributes(style: str) -> str:
-    """Attributes for the properties of a style. Of a font they have the size: the page has its own."""
+    """Attributes for the properties of a style. A font keeps its size; its family is the page's."""
     texts = []
     for prop, value in (part.split(": ", 1) for part in style.split("; ")):
         if prop == "font":

@@ -14,8 +14,10 @@ MODE = 0o644
 
 def require_plain_file(path: Path) -> None:
     """Raises Error for a folder, a pipe, a device: opening one may wait for ever, or never end."""
-    if not stat.S_ISREG(path.stat().st_mode):
-        raise Error(f"{path}: must be a plain file")
+    mode = path.stat().st_mode
+    if not stat.S_ISREG(mode):
+        found = "is a folder; it " if stat.S_ISDIR(mode) else ""
+        raise Error(f"{path}: {found}must be a plain file")
 
 
 def read_file(path: Path) -> bytes:

@@ -66,6 +66,8 @@ TEST(Simulators, MustStartWhereTheyAreTold) {
   WorldState moving = teeAt(0.1, 3.0);
   moving.tee_velocity.y() = 0.2;
   EXPECT_EQ(reset(moving), "/mine: reset: tee_vy 0.2: must be within 1e-06 of 0");
+  moving.tee_velocity.y() = -0.2;
+  EXPECT_EQ(reset(moving), "/mine: reset: tee_vy -0.2: must be within 1e-06 of 0");
   EXPECT_THROW(puppet.step({}), InvalidInput) << "it needs a reset";
 }
 

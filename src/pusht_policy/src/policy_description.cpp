@@ -19,7 +19,6 @@ using nlohmann::json;
 using Shape = PolicyDescription::Shape;
 
 constexpr std::size_t kLongestDescription = 65'536;           // [bytes]
-constexpr int kDeepestDescription = 10;                       // levels
 constexpr std::array kDistributions = {"normal", "uniform"};  // in the order of the enumeration
 
 /// Text of a JSON value or key for a message, on one line.
@@ -37,10 +36,7 @@ json parseDescription(const std::string& text, const std::string& where) {
                        std::to_string(kLongestDescription));
   }
   std::vector<std::set<std::string>> objects;  // keys of those that are open
-  const auto check = [&](int depth, json::parse_event_t event, const json& parsed) {
-    if (depth > kDeepestDescription) {
-      throw InvalidInput(where + ": must be nested at most " + std::to_string(kDeepestDescription) + " levels deep");
-    }
+  const auto check = [&](int /*depth*/, json::parse_event_t event, const json& parsed) {
     if (event == json::parse_event_t::object_start) {
       objects.emplace_back();
     } else if (event == json::parse_event_t::object_end) {

@@ -40,10 +40,6 @@ void write(const fs::path& path, const std::string& content, bool to_disk) {
   file.moveIntoPlace();
 }
 
-[[noreturn]] void refuseOccupied(const std::string& what, const fs::path& path) {
-  throw InvalidInput(what + " " + path.string() + ": is there already; name a new file");
-}
-
 /// Reads a plain file and passes its bytes on, piece by piece. Throws as readFile().
 template <class Take>
 void readPieces(const fs::path& path, const std::string& what, const Take& take) {
@@ -114,7 +110,7 @@ std::string digest(const EVP_MD* algorithm, const std::string& bytes) {
 void requireNewFile(const std::string& what, const fs::path& path) {
   std::error_code ignored;
   if (!path.empty() && fs::symlink_status(path, ignored).type() != fs::file_type::not_found) {
-    refuseOccupied(what, path);
+    throw InvalidInput(what + " " + path.string() + ": is there already; name a new file");
   }
 }
 
@@ -171,7 +167,7 @@ void AsideFile::moveIntoNewPlace(const std::string& what) {
     }
   }
   if (result != 0 && errno == EEXIST) {
-    refuseOccupied(what, path_);
+    throw RuntimeFault(what + " " + path_.string() + ": has come there meanwhile; it stays, and nothing is written");
   }
   if (result != 0) {
     fail();

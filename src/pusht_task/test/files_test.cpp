@@ -92,11 +92,12 @@ TEST_F(Files, ANewFileReplacesNothingThatHasComeMeanwhile) {
   try {
     file.moveIntoNewPlace("out");
     FAIL();
-  } catch (const InvalidInput& error) {
-    EXPECT_EQ(error.what(), "out " + (folder_ / "a").string() + ": is there already; name a new file");
+  } catch (const RuntimeFault& fault) {
+    EXPECT_EQ(fault.what(),
+              "out " + (folder_ / "a").string() + ": has come there meanwhile; it stays, and nothing is written");
   }
   EXPECT_EQ(readFile(folder_ / "a", "file"), "theirs");
-  EXPECT_THROW(writeNewFile("out", folder_ / "a", "mine"), InvalidInput);
+  EXPECT_THROW(writeNewFile("out", folder_ / "a", "mine"), RuntimeFault);
   EXPECT_EQ(readFile(folder_ / "a", "file"), "theirs");
 }
 

@@ -38,8 +38,8 @@ class AsideFile {
   /// Puts the file in place of `path`. Throws RuntimeFault if that fails.
   void moveIntoPlace();
 
-  /// Puts the file at `path`. Throws InvalidInput, with `what` in front, if there is something by now; RuntimeFault if
-  /// that fails.
+  /// Puts the file at `path`. Throws RuntimeFault, with `what` in front, if there is something by now, or if that
+  /// fails.
   void moveIntoNewPlace(const std::string& what);
 
  private:
@@ -54,7 +54,7 @@ class AsideFile {
 /// Throws RuntimeFault if that fails (disk full, folder not writable); nothing is left behind.
 void writeFile(const std::filesystem::path& path, const std::string& content);
 
-/// Likewise, at a `path` where nothing is. Throws InvalidInput, with `what` in front, if there is something by then.
+/// Likewise, at a `path` where nothing is. Throws RuntimeFault, with `what` in front, if there is something by then.
 void writeNewFile(const std::string& what, const std::filesystem::path& path, const std::string& content);
 
 /// Writes `content` aside and renames it, without waiting for the disk; for files that can be made again. Several

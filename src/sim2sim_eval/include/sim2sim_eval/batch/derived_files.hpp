@@ -16,7 +16,7 @@ class DerivedFiles {
   DerivedFiles(const std::string& what, const std::filesystem::path& folder, const char* json_name,
                const char* table_name, bool overwrite);
 
-  /// Throws InvalidInput if one of them is there by now, unless `overwrite`; RuntimeFault if they cannot be written.
+  /// Throws RuntimeFault if one of them is there by now, unless `overwrite`, or if they cannot be written.
   void write(const nlohmann::json& json, const std::string& table) const;
 
  private:

@@ -244,7 +244,9 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   identity["configuration"].erase("config_hash");  // it follows from the rest
   Run run(configuration, folder ? &*folder : nullptr, origin, identity);
   try {
-    if (!options.write_starts.empty() && !fs::exists(options.write_starts)) {  // else by the run that goes on
+    const bool goes_on =
+        folder && folder->takesUp();  // the starts may be written: requireNewStarts() has compared them
+    if (!options.write_starts.empty() && !(goes_on && fs::exists(options.write_starts))) {
       pusht::writeNewFile("write_starts", options.write_starts, startsOf(configuration.protocol));
     }
     std::optional<Recorder> recorder;

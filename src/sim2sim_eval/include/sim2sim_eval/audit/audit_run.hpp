@@ -39,7 +39,7 @@ std::vector<AuditedWorld> variantsOf(const pusht::SimulatorKind& kind, const pus
 /// Carries the audit out. Once the process is interrupted no world is asked any more. Throws RuntimeFault then.
 Audit carryOut(const AuditRun& run);
 
-/// Prints the audit, and writes it into the file `out`, unless that is empty. Throws InvalidInput if there is such a
+/// Prints the audit, and writes it into the file `out`, unless that is empty. Throws RuntimeFault if there is such a
 /// file by now, unless `overwrite`.
 void report(const AuditRun& run, const Audit& audit, const std::filesystem::path& out, bool overwrite);
 

@@ -88,6 +88,13 @@ class PanelTest : public testing::Test {
         boost::function<void(const pusht_msgs::EpisodeResultConstPtr&)>([this](const auto&) { ++episodes_; }));
   }
 
+  /// A run of a moment may otherwise be over before its first episode is heard of.
+  void SetUp() override {
+    for (const ros::Subscriber* topic : {&progress_topic_, &divergence_topic_, &summary_topic_, &episode_topic_}) {
+      ASSERT_TRUE(waitUntil([&] { return topic->getNumPublishers() > 0; })) << topic->getTopic();
+    }
+  }
+
   template <class Widget>
   Widget* find(const char* name) {
     auto* const widget = dock_->findChild<Widget*>(name);

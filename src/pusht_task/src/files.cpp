@@ -159,20 +159,18 @@ void AsideFile::moveIntoPlace() {
 }
 
 void AsideFile::moveIntoNewPlace(const std::string& what) {
-  int result = ::renameat2(AT_FDCWD, aside_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE);
-  if (result != 0 && errno == EINVAL) {  // the file system cannot do this; a link does not replace either
-    result = ::link(aside_.c_str(), path_.c_str());
-    if (result == 0) {
-      ::unlink(aside_.c_str());
-    }
+  if (::renameat2(AT_FDCWD, aside_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) == 0) {
+    aside_.clear();
+    return;
   }
-  if (result != 0 && errno == EEXIST) {
+  // A file system that cannot do this may link: that does not replace either, and leaves the file aside to be removed.
+  if (errno == EINVAL && ::link(aside_.c_str(), path_.c_str()) == 0) {
+    return;
+  }
+  if (errno == EEXIST) {
     throw RuntimeFault(what + " " + path_.string() + ": has come there meanwhile; it stays, and nothing is written");
   }
-  if (result != 0) {
-    fail();
-  }
-  aside_.clear();
+  fail();
 }
 
 void AsideFile::fail() const { throw RuntimeFault("cannot write " + path_.string() + ": " + std::strerror(errno)); }

@@ -154,7 +154,7 @@ def result_names(path: Path, text: str) -> List[str]:
 
 def main(arguments: List[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--lint", choices=("passed", "failed", "skipped"), required=True)
+    parser.add_argument("--lint", choices=("passed", "failed", "skipped"), help="if it ran")
     parser.add_argument(
         "--failed", action="append", default=[], metavar="WHAT", help="what else has failed"
     )
@@ -174,7 +174,8 @@ def main(arguments: List[str]) -> int:
     )  # fmt: skip
     options = parser.parse_args(arguments)
     count = Count()
-    count.lint(options.lint)
+    if options.lint:
+        count.lint(options.lint)
     for build, *targets in options.ran:
         count.folder(Path(build))
         count.require(Path(build), targets)
@@ -184,7 +185,7 @@ def main(arguments: List[str]) -> int:
     if options.all:
         count.require_tree(options.all)
     count.failed.extend(options.failed)
-    if options.times:
+    if options.times and options.times.exists():  # what did not start has none
         print("the longest tests:", *slowest(options.times), sep="\n")
     print(count)
     return 1 if count.failed else 0

@@ -86,7 +86,7 @@ class Trees(unittest.TestCase):
         self.assertEqual(mutants.run_control(tree, record, ["toy_test"]), [])
         defects = [self.defect("sign", "-"), self.defect("none", "+ 0 +")]
         defects += [self.defect("nonsense", "nonsense"), self.defect("loop", "loop")]
-        with mock.patch.multiple(mutants, LEAST_LIMIT=0.1):
+        with mock.patch.multiple(mutants, LEAST_LIMIT=2):
             self.assertEqual(mutants.run_defects(tree, record, defects), ["none"])
         found = {name: row["found_by"] for name, row in record.defects.items()}
         expected = {"sign": "toy_test", "none": "", "nonsense": "the compiler", "loop": "toy_test"}

@@ -180,12 +180,6 @@ class Docs(ScriptCase):
         self.write("src/toys/include/toys/toy.hpp", self.HEADER + header)
         return self.run_in_folder("script/docs")
 
-    def test_every_class_and_free_function_of_the_project_is_explained(self) -> None:
-        if "VERSION_CODENAME=bookworm" not in Path("/etc/os-release").read_text():
-            self.skipTest("comments are checked with the Doxygen of Debian 12")
-        process = self.run_in_folder(str(ROOT / "script" / "docs"))
-        self.assertEqual(process.returncode, 0, process.stdout)
-
     def test_pages_have_the_comments(self) -> None:
         process = self.docs("/// A thing that rolls.\nstruct Toy {\n  int wheels;\n};\n")
         self.assertEqual(process.returncode, 0, process.stdout)
@@ -218,6 +212,60 @@ class Docs(ScriptCase):
                 self.assertIn(complaint, process.stdout)
 
 
+class Environment(ScriptCase):
+    """The functions that scripts share."""
+
+    def bash(self, command: str, **environment: str) -> "subprocess.CompletedProcess[str]":
+        source = f"source {ROOT}/script/environment"
+        variables = [f"{name}={value}" for name, value in environment.items()]
+        return self.run_in_folder("env", *variables, "bash", "-c", f"{source}; {command}")
+
+    def test_comparison_needs_the_packages_of_its_kinds_views_and_files(self) -> None:
+        for arguments, display, packages in (
+            ("", "", {"pusht_mujoco", "pusht_engine"}),
+            ("", ":0", {"pusht_mujoco", "pusht_engine", "pusht_rviz"}),
+            ("rviz:=False", ":0", {"pusht_mujoco", "pusht_engine"}),
+            ("rviz:=false rviz:=1", ":0", {"pusht_mujoco", "pusht_engine", "pusht_rviz"}),
+            ("engine:=auto reference:=auto", "", {"pusht_mujoco", "pusht_engine"}),
+            ("engine:=bullet reference:=box2d", "", {"pusht_bullet", "pusht_box2d"}),
+            ("'engine:=.*'", "", {"pusht_mujoco"}),
+            ("report:=True", "", {"pusht_mujoco", "pusht_engine", "sim2sim_report"}),
+            ("policy:=my.onnx", "", {"pusht_mujoco", "pusht_engine", "onnx"}),
+        ):
+            with self.subTest(arguments=arguments, display=display):
+                process = self.bash(f"needs_of_comparison {arguments}", DISPLAY=display)
+                self.assertEqual(set(process.stdout.split()), packages)
+
+    def test_box_around_a_good_end_is_left_out(self) -> None:
+        line = "=" * 80
+        for end, shown in (("has finished cleanly", False), ("has died [exit code -11]", True)):
+            box = f"\033[31m{line}REQUIRED process [sim2sim-5] has died!\nprocess {end}\n"
+            box += f"Initiating shutdown!\n{line}\033[0m\n"
+            self.write("said", f"before\n{box}after\n")
+            process = self.bash("without_good_ends <said")
+            self.assertEqual(process.stdout, f"before\n{box if shown else ''}after\n")
+
+    def test_work_that_fails_shows_its_end_and_returns_its_code(self) -> None:
+        work = "printf 'Scanning dependencies\\n[ 50%%] Building\\nerror: no\\n'; exit 7"
+        process = self.bash(f'with_progress "$PWD/log" bash -c "{work}" || echo "returned $?"')
+        log = self.folder / "log"
+        failed = f"bash: failed with exit code 7; all of its output is in {log}"
+        self.assertEqual(process.stdout.splitlines(), ["error: no", failed, "returned 7"])
+        self.assertIn("[ 50%] Building", log.read_text())
+        alone = self.bash(f'with_progress "$PWD/log" bash -c "{work}"')
+        self.assertEqual(alone.returncode, 7)
+        self.assertIn("error: no", alone.stdout)
+
+    def test_progress_is_shown_at_every_tenth(self) -> None:
+        """Also where make steps over it; nothing of what ends within seconds."""
+        steps = "".join(f"[{share:3}%] Building\n" for share in (2, 9, 13, 17, 24, 47, 100))
+        self.write("said", steps)
+        process = self.bash("show_progress 0 <said")
+        shown = [line.split(",")[0] for line in process.stdout.splitlines()]
+        self.assertEqual(shown, [f"compiling: {share} %" for share in (13, 24, 47, 100)])
+        self.assertEqual(self.bash("show_progress 3 <said").stdout, "")
+
+
 class Lint(ScriptCase):
     """script/lint in a repository of its own, where the script `deploy` has a fault."""
 
@@ -230,7 +278,8 @@ class Lint(ScriptCase):
             self.write(f"script/{name}", (ROOT / "script" / name).read_text())
             shutil.copymode(ROOT / "script" / name, self.folder / "script" / name)
         # What it calls, and looks into.
-        self.write("script/setup", "#!/usr/bin/env bash\n").chmod(0o755)
+        for name in ("setup", "docs"):
+            self.write(f"script/{name}", "#!/usr/bin/env bash\n").chmod(0o755)
         (self.folder / "src").mkdir()
         self.write(".gitignore", "build/\n")
         self.git("init", "--quiet", "--initial-branch=main")
@@ -290,6 +339,19 @@ class Lint(ScriptCase):
         output = lint()
         self.assertIn("lint: clang-tidy FAILED", output)
         self.assertIn("toy.hpp:2:15: error: invalid case style for", output)
+        self.assertIn("lint: API pages ok", output)  # of a header that changed
+
+    def test_source_that_nothing_compiles_is_named(self) -> None:
+        if "VERSION_CODENAME=bookworm" not in Path("/etc/os-release").read_text():
+            self.skipTest("style is checked with the tools of Debian 12")
+        self.write("build/CMakeCache.txt", "")
+        self.write("build/compile_commands.json", "[]")
+        self.write("script/build", "#!/usr/bin/env bash\n").chmod(0o755)  # CMake finds it neither
+        source = self.write("src/pusht_toy/src/toy.cpp", "int toys() { return 3; }\n")
+        self.commit(self.SOUND)
+        process = self.run_in_folder("script/lint")
+        self.assertEqual(process.returncode, 1, process.stdout)
+        self.assertIn(f"not compiled by anything, so not read: {source}", process.stdout)
 
     def test_reads_what_changed_since_the_commit_that_is_known_to_be_clean(self) -> None:
         self.commit(self.FAULTY)

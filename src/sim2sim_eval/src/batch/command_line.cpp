@@ -167,12 +167,20 @@ void ProgressBar::advance(const std::string& note) {
   const auto seconds_left =
       std::lround(elapsed.count() / static_cast<double>(done_) * static_cast<double>(total_ - done_));
   const auto filled = static_cast<std::size_t>(kWidth * done_ / total_);
-  std::ostringstream line;
-  line << title_ << " [" << std::string(filled, '#') << std::string(kWidth - filled, '.') << "] " << done_ << "/"
+  std::ostringstream text;
+  text << title_ << " [" << std::string(filled, '#') << std::string(kWidth - filled, '.') << "] " << done_ << "/"
        << total_ << "  " << seconds_left << " s left  " << note;
   winsize terminal{};
   const bool has_width = ioctl(STDERR_FILENO, TIOCGWINSZ, &terminal) == 0 && terminal.ws_col > 1;
-  std::cerr << "\r\033[K" << line.str().substr(0, has_width ? terminal.ws_col - 1U : std::string::npos) << std::flush;
+  std::string line = text.str();
+  if (has_width && line.size() >= terminal.ws_col) {
+    std::size_t end = terminal.ws_col - 1U;
+    while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0U) == 0x80U) {
+      --end;  // not within a character of UTF-8
+    }
+    line.resize(end);
+  }
+  std::cerr << "\r\033[K" << line << std::flush;
 }
 
 }  // namespace sim2sim

@@ -409,7 +409,7 @@ engine: [two_mass, chipmunk]
         self.good_and_bad(5)
         plan = (
             "{policies: [{files: 'good-*.ts.pt', group: good}, {files: 'bad-*.ts.pt', group: bad}],"
-            " episodes: 21, horizon: 200, floor: false, engine: chipmunk}"
+            " episodes: 20, horizon: 100, floor: false, engine: chipmunk}"
         )
         self.finished("whole", plan)
         for shard in ("1", "2"):

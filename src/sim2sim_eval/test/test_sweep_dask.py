@@ -16,9 +16,11 @@ from typing import Dict, List
 
 import torch
 from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
+from pusht_task.testing.long_tests import LONG
 
 DEADLINE = 120  # s, for one command
 SHARDS = 6
+SMALL = ("--workers", "1", "--shards", "2")  # enough where no worker takes the place of another
 
 CONFIG = """
 policy: expert
@@ -81,15 +83,6 @@ class SweepDask(unittest.TestCase):
             each.mkdir()
         self.config(CONFIG)
 
-    def test_bytes_are_those_of_a_plain_sweep(self) -> None:
-        """The status of a run that was refused is no result, which would stay."""
-        out = self.folder / "out"
-        out.mkdir()
-        status = {"format": 1, "exit_code": 2, "reason": "refused", "rows_finished": 0}
-        out.joinpath("status.json").write_text(json.dumps(status))
-        self.finish(self.start())
-        self.assert_plain_bytes()
-
     def test_policies_in_a_plan(self) -> None:
         """Results and matrix are those of a plain sweep."""
         for seed in range(2):
@@ -114,9 +107,9 @@ class SweepDask(unittest.TestCase):
         self.assert_plain_bytes()
 
     def test_interrupt(self) -> None:
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in (signal.SIGTERM, signal.SIGINT)[: 2 if LONG else 1]:
             started = self.stop_first_shard()
-            process = self.start()
+            process = self.start(*SMALL)
             self.read(started)
             process.send_signal(number)
             self.assertIn("interrupted", self.fail_with(4, process))
@@ -125,17 +118,17 @@ class SweepDask(unittest.TestCase):
 
     def test_command_that_refuses_its_input(self) -> None:
         self.config("rows: [{block_damp: -1}]")
-        line = self.fail_with(2, self.start())
-        self.assertRegex(line, r"shard \d/6: sweep: .*block_damp -1")
+        line = self.fail_with(2, self.start(*SMALL))
+        self.assertRegex(line, r"shard \d/2: sweep: .*block_damp -1")
 
     def test_transient_failure_is_tried_again_twice(self) -> None:
         self.hook(FAIL_SHARD, tries="1 2")
-        self.finish(self.start())
+        self.finish(self.start(*SMALL))
         self.assert_plain_bytes()
         shutil.rmtree(self.folder / "out")
         self.hook(FAIL_SHARD, tries="3 4 5")
-        line = self.fail_with(4, self.start())
-        self.assertRegex(line, "sweep-dask: shard 1/6: sweep: disk full; finished shards are kept")
+        line = self.fail_with(4, self.start(*SMALL))
+        self.assertRegex(line, "sweep-dask: shard 1/2: sweep: disk full; finished shards are kept")
 
     def test_bad_arguments(self) -> None:
         for arguments, named in (
@@ -148,7 +141,13 @@ class SweepDask(unittest.TestCase):
         self.assertIn("sweep.yaml: No such file", self.fail_with(2, self.start()))
 
     def test_results_are_not_overwritten_unless_told_to(self) -> None:
-        self.finish(self.start())
+        """The status of a run that was refused is no result."""
+        out = self.folder / "out"
+        out.mkdir()
+        status = {"format": 1, "exit_code": 2, "reason": "refused", "rows_finished": 0}
+        out.joinpath("status.json").write_text(json.dumps(status))
+        self.finish(self.start(*SMALL))
+        self.assert_plain_bytes()
         before = self.result_bytes("out")
         process = self.start()
         _, line = process.communicate(timeout=DEADLINE)
@@ -156,7 +155,7 @@ class SweepDask(unittest.TestCase):
         self.assertIn("holds results (sweep.json)", line)
         self.assertEqual(self.result_bytes("out"), before)
         self.config(CONFIG + "seed: 1\n")
-        self.finish(self.start("--overwrite"))
+        self.finish(self.start("--overwrite", *SMALL))
         self.assertNotEqual(self.result_bytes("out"), before)
         self.folder.joinpath("out", "metrics.json").write_text("of a run")
         process = self.start("--overwrite")

@@ -18,6 +18,7 @@
 #include "pusht_task/simulator.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/testing/bits.hpp"
+#include "pusht_task/testing/long_tests.hpp"
 #include "pusht_task/testing/refusal.hpp"
 #include "pusht_task/testing/scenarios.hpp"
 #include "pusht_task/testing/subject.hpp"
@@ -32,6 +33,7 @@ class BatchSimulatorSuite : public SubjectSuite {
  protected:
   static constexpr int kNone = -1;  // lane
   static constexpr int kFewSteps = 20;
+  static int manySteps() { return longTests() ? 2 * kHorizon : kHorizon / 2; }
 
   /// Lanes, each in a moving state of its own, and the worlds that they must be.
   struct Lockstep {
@@ -106,7 +108,7 @@ TEST_P(BatchSimulatorSuite, EveryLaneIsAWorldBitForBit) {
   for (const int lanes : kLaneCounts) {
     Lockstep both = inLockstep(lanes);
     ASSERT_EQ(both.different(), kNone) << "after the reset";
-    for (int step = 0; step < 2 * kHorizon; ++step) {
+    for (int step = 0; step < manySteps(); ++step) {
       for (int lane = 0; lane < lanes; ++lane) {
         if ((step + lane) % 101 == 100) {
           both.reset(lane, spawn(1000 * step + lane));

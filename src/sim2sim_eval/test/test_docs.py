@@ -524,10 +524,10 @@ class Exercises(CommandCase):
         mine.write_text("no python")
         self.assertEqual(self.check("observation", str(mine))[0], 2)
 
+    @long_form
     def test_parameter(self) -> None:
-        if LONG:
-            code, text = self.check("parameter", *PARAMETER)
-            self.assertEqual((code, text.count(": right")), (0, 3))
+        code, text = self.check("parameter", *PARAMETER)
+        self.assertEqual((code, text.count(": right")), (0, 3))
         code, text = self.check("parameter", *PARAMETER[:2], "rises")
         self.assertEqual((code, text.count("not right"), text.count(": right")), (1, 1, 2))
 

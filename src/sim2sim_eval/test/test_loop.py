@@ -207,21 +207,24 @@ class Equivalents(LoopCase):
     def test_refusals(self) -> None:
         self.compare("run", "--episodes", "2")
         self.assertIn("is a run", self.refused(EQUIVALENT, "run"))
-        self.sweep("{policy: expert, episodes: 12, engine: [two_mass, chipmunk]}", "engines")
+        short = "policy: expert, episodes: 12, horizon: 30, floor: false"
+        self.sweep(f"{{{short}, engine: [two_mass, chipmunk]}}", "engines")
         self.assertIn(
             "equivalent.json: is not there", self.refused(PLOT, "--equivalents", "engines")
         )
         self.assertIn("has no row in the reference's kind", self.refused(EQUIVALENT, "engines"))
-        self.sweep(f"{{policy: expert, episodes: 12, engine: [{self.DELAYS}]}}", "errors")
+        self.sweep(f"{{{short}, engine: [{self.DELAYS}]}}", "errors")
         self.assertIn("has no engine but the reference", self.refused(EQUIVALENT, "errors"))
-        self.sweep(f"{{policy: expert, episodes: 4, engine: [two_mass, {self.DELAYS}]}}", "few")
+        few = short.replace("12", "4")
+        self.sweep(f"{{{few}, engine: [two_mass, {self.DELAYS}]}}", "few")
         self.assertIn("has 4 starts; must have at least 10", self.refused(EQUIVALENT, "few"))
-        plan = f"{{policies: [expert, bc], episodes: 12, engine: [two_mass, {self.DELAYS}]}}"
-        self.sweep(plan, "policies")
+        engines = f"engine: [two_mass, {self.DELAYS}]"
+        both = short.replace("policy: expert", "policies: [expert, bc]")
+        self.sweep(f"{{{both}, {engines}}}", "policies")
         self.assertIn("is of another policy", self.refused(EQUIVALENT, "policies"))
-        self.sweep(plan.replace("[expert, bc]", "[expert]"), "shard", "--shard", "1/2")
+        self.sweep(f"{{{short}, {engines}}}", "shard", "--shard", "1/2")
         self.assertIn("merge the shards first", self.refused(EQUIVALENT, "shard"))
-        self.sweep(plan.replace("[expert, bc]", "[expert]"), "whole")
+        self.sweep(f"{{policy: expert, episodes: 12, floor: false, {engines}}}", "whole")
         self.run_all((EQUIVALENT, "whole"))
         self.assertIn("is there already; replace it", self.refused(EQUIVALENT, "whole"))
 

@@ -3,6 +3,7 @@
 """Reports: what they say, what they refuse, and how they look and move in a browser."""
 
 import base64
+import functools
 import html
 import json
 import logging
@@ -123,28 +124,41 @@ def plant(path: Path, *planted: str) -> None:
     path.write_text(json.dumps(audit))
 
 
-class ReportCase(CommandCase):
-    """The run of all tests is made once."""
+@functools.lru_cache(maxsize=None)
+def made() -> Tuple[CommandCase, str]:
+    """Where the run of all tests is, and what it printed."""
+    case = CommandCase()
+    case.setUp()
+    unittest.addModuleCleanup(case.doCleanups)
+    process = case.run_command(
+        *(COMPARE, "--episodes", str(EPISODES), "--traces", "--record", "--out", "run")
+    )
+    assert process.returncode == 0, process.stderr
+    return case, process.stdout
 
-    made: "Any" = None
+
+@functools.lru_cache(maxsize=None)
+def audited() -> Path:
+    """A copy of that run with its audit."""
+    case, _ = made()
+    folder = case.folder / "audited"
+    shutil.copytree(case.folder / "run", folder)
+    process = case.run_command(AUDIT, "--out", "audited/audit.json")
+    assert process.returncode in (0, 5), process.stderr
+    return folder
+
+
+class ReportCase(CommandCase):
+    """The run of all tests is made once; what tests add to it has names of its own."""
+
+    made: "CommandCase"
     printed: str  # by the run
     run_folder: Path
 
     @classmethod
     def setUpClass(cls) -> None:
-        case = CommandCase()
-        case.setUp()
-        cls.made = case
-        cls.run_folder = case.folder / "run"
-        process = case.run_command(
-            *(COMPARE, "--episodes", str(EPISODES), "--traces", "--record", "--out", "run")
-        )
-        assert process.returncode == 0, process.stderr
-        cls.printed = process.stdout
-
-    @classmethod
-    def tearDownClass(cls) -> None:
-        cls.made.doCleanups()
+        cls.made, cls.printed = made()
+        cls.run_folder = cls.made.folder / "run"
 
     def report(self, *arguments: str) -> str:
         process = self.run_command(REPORT, *arguments, "--out", "report.html", "--overwrite")
@@ -493,8 +507,7 @@ class Audited(ReportCase):
     @classmethod
     def setUpClass(cls) -> None:
         super().setUpClass()
-        process = cls.made.run_command(AUDIT, "--out", "run/audit.json")
-        assert process.returncode in (0, 5), process.stderr
+        cls.run_folder = audited()
 
     def setUp(self) -> None:
         super().setUp()
@@ -862,11 +875,9 @@ class Browser(ReportCase):
         ):
             process = cls.made.run_command(*words)
             assert process.returncode == 0, process.stderr
-        shutil.copytree(cls.run_folder, cls.made.folder / "audited")
-        process = cls.made.run_command(AUDIT, "--out", "audited/audit.json")
-        assert process.returncode in (0, 5), process.stderr
-        plant(cls.made.folder / "audited" / "audit.json", *PLANTED)
-        process = cls.made.run_command(REPORT, "audited", "--out", "audited.html")
+        shutil.copytree(audited(), cls.made.folder / "planted")
+        plant(cls.made.folder / "planted" / "audit.json", *PLANTED)
+        process = cls.made.run_command(REPORT, "planted", "--out", "audited.html")
         assert process.returncode == 0, process.stderr
         options = Options()
         options.binary_location = program("chromium")

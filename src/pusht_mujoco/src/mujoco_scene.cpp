@@ -44,7 +44,7 @@ MujocoModel copyOf(const mjModel& model) {
 MujocoScene::MujocoScene() : sha256_(pusht::sha256(kShippedScene)), model_(compileShippedScene()) {}
 
 MujocoScene::MujocoScene(const std::filesystem::path& path) {
-  const std::string xml = readFile(path, "scene");
+  const std::string xml = readFile(path, "scene", kLargestSmallFile);
   if (xml.find("<include") != std::string::npos) {
     throw InvalidInput("scene " + path.string() + ": must not include other files, which its checksum would not cover");
   }

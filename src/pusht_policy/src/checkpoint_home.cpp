@@ -35,7 +35,7 @@ CheckpointHome homeIn(const json& origin) {
 
 CheckpointHome homeOf(const std::filesystem::path& checkpoint) {
   const std::filesystem::path path = provenancePath(checkpoint);
-  const std::string text = readFile(path, "provenance");
+  const std::string text = readFile(path, "provenance", kLargestSmallFile);
   try {
     return homeIn(parseJson(text).at("demonstrations").at("bags").at(0).at("origin"));
   } catch (InvalidInput& error) {

@@ -19,7 +19,7 @@ void requireHashOfProvenance(const std::filesystem::path& path, const std::strin
   if (type == std::filesystem::file_type::not_found || error == std::errc::filename_too_long) {
     return;
   }
-  const std::string text = readFile(provenance, "provenance");
+  const std::string text = readFile(provenance, "provenance", kLargestSmallFile);
   nlohmann::json format = kProvenanceFormat;
   std::string expected;
   try {

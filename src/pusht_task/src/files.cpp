@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <string_view>
 #include <system_error>
@@ -40,9 +41,9 @@ void write(const fs::path& path, const std::string& content, bool to_disk) {
   file.moveIntoPlace();
 }
 
-/// Reads a plain file and passes its bytes on, piece by piece. Throws as readFile().
+/// Reads a plain file of at most so many bytes and passes them on, piece by piece. Throws as readFile().
 template <class Take>
-void readPieces(const fs::path& path, const std::string& what, const Take& take) {
+void readPieces(const fs::path& path, const std::string& what, std::size_t most, const Take& take) {
   constexpr std::size_t kPiece = 1U << 20U;
   const std::string name = what + " " + path.string();
   std::error_code error;
@@ -54,6 +55,12 @@ void readPieces(const fs::path& path, const std::string& what, const Take& take)
   if (file < 0 || ::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
     throw InvalidInput(name + ": must be a readable file");
   }
+  const auto require_few = [&](std::size_t count) {
+    if (count > most) {
+      throw InvalidInput(name + ": has " + std::to_string(count) + " bytes, must have at most " + std::to_string(most));
+    }
+  };
+  require_few(static_cast<std::size_t>(status.st_size));
   std::string piece(kPiece, '\0');
   std::size_t bytes = 0;
   for (ssize_t count = 1; count != 0;) {
@@ -62,6 +69,7 @@ void readPieces(const fs::path& path, const std::string& what, const Take& take)
       throw RuntimeFault("cannot read " + name + ": " + std::strerror(errno));
     }
     bytes += count > 0 ? static_cast<std::size_t>(count) : 0;
+    require_few(bytes);  // it may grow
     take(std::string_view(piece).substr(0, count > 0 ? static_cast<std::size_t>(count) : 0));
   }
   if (::fstat(file, &status) == 0 && status.st_size != 0 && static_cast<std::size_t>(status.st_size) != bytes) {
@@ -114,9 +122,9 @@ void requireNewFile(const std::string& what, const fs::path& path) {
   }
 }
 
-std::string readFile(const fs::path& path, const std::string& what) {
+std::string readFile(const fs::path& path, const std::string& what, std::size_t most) {
   std::string bytes;
-  readPieces(path, what, [&](std::string_view piece) { bytes += piece; });
+  readPieces(path, what, most, [&](std::string_view piece) { bytes += piece; });
   return bytes;
 }
 
@@ -189,7 +197,7 @@ std::string sha256(const std::string& bytes) { return digest(EVP_sha256(), bytes
 
 std::string sha256OfFile(const fs::path& path, const std::string& what) {
   Digest digest(EVP_sha256());
-  readPieces(path, what, [&](std::string_view piece) { digest.add(piece); });
+  readPieces(path, what, std::numeric_limits<std::size_t>::max(), [&](std::string_view piece) { digest.add(piece); });
   return digest.hex();
 }
 

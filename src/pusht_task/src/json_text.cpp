@@ -6,27 +6,30 @@
 namespace pusht {
 namespace {
 
-using nlohmann::json;
-
 constexpr int kDeepest = 100;  // levels; no file of the suite has more than 12
 
 struct TooDeep {};
 
-}  // namespace
-
-json parseJson(const std::string& text) {
-  const auto check = [](int depth, json::parse_event_t event, const json& /*parsed*/) {
-    const bool opens = event == json::parse_event_t::object_start || event == json::parse_event_t::array_start;
+template <class Json>
+Json parsed(const std::string& text) {
+  const auto check = [](int depth, typename Json::parse_event_t event, const Json& /*value*/) {
+    const bool opens = event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
     if (opens && depth >= kDeepest) {
       throw TooDeep();
     }
     return true;
   };
   try {
-    return json::parse(text, check, false);
+    return Json::parse(text, check, false);
   } catch (const TooDeep&) {
-    return json(json::value_t::discarded);
+    return Json(Json::value_t::discarded);
   }
 }
+
+}  // namespace
+
+nlohmann::json parseJson(const std::string& text) { return parsed<nlohmann::json>(text); }
+
+nlohmann::ordered_json parseOrderedJson(const std::string& text) { return parsed<nlohmann::ordered_json>(text); }
 
 }  // namespace pusht

@@ -133,9 +133,17 @@ TEST_F(Files, ReadIsWholeOrAFault) {
   }
 }
 
-TEST_F(Files, ReadNamesWhatIsMissing) {
+TEST_F(Files, ReadNamesWhatIsMissingOrTooLarge) {
   EXPECT_THROW(readFile(folder_ / "a", "scene"), InvalidInput);
   EXPECT_THROW(readFile(folder_.path(), "scene"), InvalidInput);
+  writeFile(folder_ / "b", "12345");
+  EXPECT_EQ(readFile(folder_ / "b", "scene", 5), "12345");
+  try {
+    readFile(folder_ / "b", "scene", 4);
+    FAIL();
+  } catch (const InvalidInput& refusal) {
+    EXPECT_EQ(refusal.what(), "scene " + (folder_ / "b").string() + ": has 5 bytes, must have at most 4");
+  }
 }
 
 TEST(Digest, KnownAnswers) {

@@ -700,6 +700,24 @@ class Files(unittest.TestCase):
     def found(self) -> Dict[str, str]:
         return {path.name: path.read_text() for path in self.path.parent.iterdir()}
 
+    def test_is_read_whole_or_refused_by_name(self) -> None:
+        self.path.write_bytes(b"12345")
+        self.assertEqual(files.read_file(self.path, 5), b"12345")
+        pipe = self.path.with_name("pipe")
+        os.mkfifo(pipe)
+        for path, rule in (
+            (self.path, "has 5 bytes, must have at most 4"),
+            (self.path.parent, "is a folder; it must be a plain file"),
+            (pipe, "must be a plain file"),
+            (Path("/dev/zero"), "must be a plain file"),
+        ):
+            with self.subTest(path):
+                with self.assertRaisesRegex(Error, f"^{path}: {rule}$"):
+                    files.read_file(path, 4)
+        with self.assertRaises(OSError) as raised:
+            files.read_file(Path("/proc/self/mem"))  # whose first page cannot be read
+        self.assertEqual(raised.exception.filename, "/proc/self/mem")
+
     def test_takes_the_place_of_an_older_one(self) -> None:
         self.path.write_text("old")
         with files.aside(self.path) as file:

@@ -688,6 +688,16 @@ class Recompute(CompareCase):
 
         self.assertIn("config_hash", self.refused_bag(2, self.edited(other_configuration)))
 
+        for text in ("", "no JSON", "[]", '{"a":' * 100_000):
+
+            def damaged(topic: str, message: Any, text: str = text) -> bool:
+                if topic == "/sim2sim/configuration":
+                    message.data = text
+                return True
+
+            said = self.refused_bag(2, self.edited(damaged))
+            self.assertIn("on /sim2sim/configuration must hold a JSON object", said)
+
         def older_format(topic: str, message: Any) -> bool:
             if topic == "/sim2sim/configuration":
                 ours, other = (

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """The libraries that know no ROS need none of its libraries, nor those of a simulator. Headers that
-take long to compile are included only where they are needed.
+take long to compile are included only where they are needed. Files that come from outside are read
+by one owner in C++ and one in Python.
 """
 
 import re
@@ -48,6 +49,37 @@ HEAVY: Dict[str, Set[str]] = {
     },
 }
 
+# What reads a file, or a text in JSON or YAML, and the sources that may: the owners, and what reads
+# something that is no input (the package's own data, /proc, what it has just written).
+READING_CPP = re.compile(
+    r"\bw?[if]stream\b|\brdbuf\b|\bf(?:re)?open\(|\b[Jj]son::parse\(|\bLoad(?:All|File)?\("
+)
+READERS_CPP = {
+    "pusht_policy/src/policy_description.cpp",  # refuses a key that is there twice, and is small
+    "pusht_task/include/pusht_task/testing/golden.hpp",
+    "pusht_task/src/json_text.cpp",
+    "pusht_task/src/ros/simulator_kinds.cpp",  # what a package describes, in XML
+    "sim2sim_eval/src/batch/plan_values.hpp",  # YAML
+}
+READING_PYTHON = re.compile(
+    r"(?<!os)(?<!_)\bopen\(|\bread_(?:text|bytes)\(\)|\bread_text\(\""
+    r"|\bjson\.load\(|\b(?:np|numpy)\.load|\byaml\.(?:safe_)?load"
+)
+READERS_PYTHON = {
+    "pusht_policy/src/pusht_policy/formats.py",
+    "pusht_policy/src/pusht_policy/software.py",
+    "pusht_policy/src/pusht_policy/training.py",  # a lock
+    "pusht_task/src/pusht_task/command.py",  # the mark of a file that is to be replaced
+    "pusht_task/src/pusht_task/files.py",
+    "pusht_task/src/pusht_task/machine.py",
+    "sim2sim_eval/scripts/rviz_window",
+    "sim2sim_eval/scripts/sweep_dask",  # what its command has just written
+    "sim2sim_protocol/src/sim2sim_protocol/result_files.py",
+    "sim2sim_report/src/sim2sim_report/page.py",
+    "sim2sim_report/src/sim2sim_report/results.py",  # an array, of bytes that the owner has read
+    "sim2sim_report/src/sim2sim_report/words.py",
+}
+
 
 def includes(file: Path) -> Set[str]:
     return set(re.findall(r'^ *#include [<"](.+)[>"]', file.read_text(), re.M))
@@ -86,6 +118,29 @@ class Headers(unittest.TestCase):
                 self.assertEqual(
                     {*heavy, *(name for name in seen if name.startswith("ros/"))}, set()
                 )
+
+
+class Reading(unittest.TestCase):
+    def assert_read_by(self, readers: Set[str], reading: "re.Pattern[str]", *patterns: str) -> None:
+        sources = {file for pattern in patterns for file in SOURCES.glob(pattern) if file.is_file()}
+        self.assertGreater(len(sources), 30)
+        found = {
+            str(file.relative_to(SOURCES))
+            for file in sources
+            if "testing" not in file.parts or str(file.relative_to(SOURCES)) in readers
+            if reading.search(file.read_text())
+        }
+        self.assertEqual(found, readers)
+
+    def test_cpp_reads_files_in_one_place(self) -> None:
+        folders = ("include", "src", "nodes", "apps")
+        ends = ("cpp", "hpp")
+        patterns = [f"*/{folder}/**/*.{end}" for folder in folders for end in ends]
+        self.assert_read_by(READERS_CPP, READING_CPP, *patterns)
+
+    def test_python_reads_files_in_one_place(self) -> None:
+        patterns = ("*/src/**/*.py", "*/scripts/*")
+        self.assert_read_by(READERS_PYTHON, READING_PYTHON, *patterns)
 
 
 class Layers(CommandCase):

@@ -99,7 +99,7 @@ std::optional<pusht::Trace> ReferenceCache::find(const std::string& state, const
   };
   std::string text;
   try {
-    text = pusht::readFile(file, "file");
+    text = pusht::readFile(file, "reference cache");
   } catch (const pusht::InvalidInput&) {
     refuse("must be a readable file");
   }

@@ -8,9 +8,12 @@
 
 namespace pusht {
 
+constexpr std::size_t kLargestFile = 1U << 30U;       // bytes of a file that is read at once
+constexpr std::size_t kLargestSmallFile = 1U << 24U;  // of one that people or a run write about something else
+
 /// The bytes of `path`, all of them. Throws, naming `what` and the path, InvalidInput if it is no plain file that can
-/// be opened, RuntimeFault if reading fails or if the file changes meanwhile.
-std::string readFile(const std::filesystem::path& path, const std::string& what);
+/// be opened or has more than `most` bytes, RuntimeFault if reading fails or if the file changes meanwhile.
+std::string readFile(const std::filesystem::path& path, const std::string& what, std::size_t most = kLargestFile);
 
 /// Throws InvalidInput, with `what` in front, if there is something at `path`. An empty path passes.
 void requireNewFile(const std::string& what, const std::filesystem::path& path);

@@ -11,4 +11,7 @@ namespace pusht {
 /// beyond double, or is nested deeper than 100 levels: copies and texts of a value recurse.
 nlohmann::json parseJson(const std::string& text);
 
+/// parseJson(), with the keys of each object in the order of the text.
+nlohmann::ordered_json parseOrderedJson(const std::string& text);
+
 }  // namespace pusht

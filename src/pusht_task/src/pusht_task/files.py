@@ -10,6 +10,7 @@ from typing import BinaryIO, Iterator, Tuple
 from pusht_task.error import Error, ExitCode
 
 MODE = 0o644
+LARGEST_FILE = 2**30  # bytes of a file that is read at once, as in files.hpp
 
 
 def require_plain_file(path: Path) -> None:
@@ -20,10 +21,14 @@ def require_plain_file(path: Path) -> None:
         raise Error(f"{path}: {found}must be a plain file")
 
 
-def read_file(path: Path) -> bytes:
-    """All bytes of a plain file. Raises Error if it is none, or if it changes meanwhile."""
+def read_file(path: Path, most: int = LARGEST_FILE) -> bytes:
+    """All bytes of a plain file. Raises Error if it is none, has more than `most` bytes, or changes
+    meanwhile."""
     require_plain_file(path)
     with named(path), open(path, "rb") as file:
+        size = os.fstat(file.fileno()).st_size
+        if size > most:
+            raise Error(f"{path}: has {size} bytes, must have at most {most}")
         content = file.read()
         size = os.fstat(file.fileno()).st_size
     if size not in (0, len(content)):  # what the kernel makes as it is read has no size

@@ -21,6 +21,8 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/json_text.hpp"
 #include "pusht_task/ros/conversions.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
@@ -190,7 +192,12 @@ nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
     throw pusht::InvalidInput(std::string("holds 0 messages on ") + kConfigurationTopic +
                               ", must be 1: the bag of one run");
   }
-  return nlohmann::ordered_json::parse(messageIn<std_msgs::String>(*std::next(view.begin(), view.size() - 1)).data);
+  const std::string text = messageIn<std_msgs::String>(*std::next(view.begin(), view.size() - 1)).data;
+  nlohmann::ordered_json description = pusht::parseOrderedJson(text);
+  if (!description.is_object()) {
+    throw pusht::InvalidInput(std::string("its last message on ") + kConfigurationTopic + " must hold a JSON object");
+  }
+  return description;
 }
 
 /// Takes the initial states from the bag, if they were given to the run. `protocol` has their hash.
@@ -273,6 +280,7 @@ RecordedRun readRun(const fs::path& path, const std::function<bool()>& stop,
   } catch (const rosbag::BagUnindexedException&) {
     throw pusht::InvalidInput(name + ": was not closed; `rosbag reindex " + path.string() + "` recovers it");
   } catch (const ros::Exception& error) {  // of rosbag and of the messages
+    pusht::sha256OfFile(path, "bag");      // a fault of the disk is told as one
     throw pusht::InvalidInput(name + ": must be a whole bag: " + error.what() +
                               "; if it was cut short, `rosbag reindex " + path.string() + "` recovers what is left");
   }

@@ -68,7 +68,7 @@ inline void requireDistinctKeys(const YAML::Node& map) {
 /// Reads a file of one YAML document: build(root). Errors name `what`, the file and, of YAML itself, the line.
 template <class Build>
 auto fromYaml(const std::filesystem::path& path, const std::string& what, Build build) {
-  const std::string text = pusht::readFile(path, what);
+  const std::string text = pusht::readFile(path, what, pusht::kLargestSmallFile);
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.size() > 1) {

@@ -53,7 +53,7 @@ std::optional<std::vector<std::string>> KeptVerdict::find() const {
   };
   std::string text;
   try {
-    text = pusht::readFile(file_, "file");
+    text = pusht::readFile(file_, "kept audit", pusht::kLargestSmallFile);
   } catch (const pusht::InvalidInput&) {
     refuse("must be a readable file");
   }

@@ -126,7 +126,7 @@ bool tellsOfNoRun(const fs::path& status) {
   if (!fs::is_regular_file(fs::symlink_status(status, ignored))) {
     return false;
   }
-  const auto content = pusht::parseJson(pusht::readFile(status, "status"));
+  const auto content = pusht::parseJson(pusht::readFile(status, "status", pusht::kLargestSmallFile));
   return content.is_object() && content.value("format", nlohmann::json()) == kStatusFormat &&
          content.value("exit_code", nlohmann::json(0)) != 0 &&
          (content.value("episodes_finished", nlohmann::json()) == 0 ||

@@ -67,6 +67,18 @@ class Memory(LimitCase):
                 process = self.shell(f"ulimit -v {megabytes}000", COMPARE, *run, "--out", out)
                 self.assertFalse(self.assert_finished_or_fault(process, out))
 
+    def test_python_does_not_wait_for_memory_of_its_libraries(self) -> None:
+        """Where there is more than the least, the command is refused for what it is to read."""
+        train = (TRAIN, "--bag", "no", "--out", "x.pt")
+        for command, needed in (((REPORT, "none"), 300), ((PLOT, "none"), 300), (train, 800)):
+            for megabytes in (100, 150, 200, 260, needed):
+                with self.subTest(command=command[0], megabytes=megabytes):
+                    process = self.shell(f"ulimit -v {megabytes}000", *command)
+                    self.assert_one_line(process, 4, Path(command[0]).name)
+                    self.assertIn(f"memory: {needed} MB more are needed", process.stderr)
+            process = self.run_command(*command)
+            self.assert_one_line(process, 2, Path(command[0]).name)
+
 
 class Files(LimitCase):
     def test_few_files_are_a_fault_of_the_run(self) -> None:

@@ -8,6 +8,7 @@ obeys them before it loads the libraries that it needs.
 import argparse
 import contextlib
 import io
+import mmap
 import os
 import signal
 import sys
@@ -21,6 +22,8 @@ from pusht_task.files import named
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 ONE_SIGNAL = 0.5  # [s] Closer signals are one: `timeout` sends to the command and to its group
 PATIENCE = 10  # [s] for an end in order after a signal
+BLAS_MEMORY = 300  # MB, of numpy with OpenBLAS and of what draws with it
+TORCH_MEMORY = 800  # MB
 MARK_WITHIN = 4096  # bytes at either end of a file, in which a command's own mark stands
 
 
@@ -30,6 +33,22 @@ class OneLineParser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         complain(self.prog, message)
         sys.exit(ExitCode.INVALID_INPUT)
+
+
+@contextlib.contextmanager
+def loading(megabytes: int = BLAS_MEMORY) -> Iterator[None]:
+    """Around the imports of numpy and of what needs it, in the body of a command.
+
+    A signal waits for their end. Raises Error at once if there is no such memory: OpenBLAS asks for
+    its own in an endless loop, and an import of torch names a module that is there.
+    """
+    try:
+        mmap.mmap(-1, megabytes << 20, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS).close()
+    except OSError as error:
+        needed = f"memory: {megabytes} MB more are needed: {error.strerror}"
+        raise Error(needed, ExitCode.RUNTIME_FAULT) from None
+    with interrupts.held():
+        yield
 
 
 # In front of a command that must not outlive this process.

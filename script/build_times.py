@@ -27,14 +27,14 @@ PROTOCOL_HEADER = "src/sim2sim_protocol/include/sim2sim_protocol/quantities.hpp"
 
 
 class Step(NamedTuple):
-    """A script that is timed; `touched` gets a comment more before."""
+    """A script that is timed; a comment is added to the file `touched` first."""
 
     name: str
     script: str
     reach: float  # [s]
     touched: str = ""
     timed: bool = True
-    with_last: bool = False  # what the step before took is a part of it
+    with_last: bool = False  # includes the time of the step before
 
 
 STEPS = (

@@ -88,7 +88,7 @@ class PanelTest : public testing::Test {
         boost::function<void(const pusht_msgs::EpisodeResultConstPtr&)>([this](const auto&) { ++episodes_; }));
   }
 
-  /// A run of a moment may otherwise be over before its first episode is heard of.
+  /// Waits until the topics are connected: a short run may be over before its first episode is heard of.
   void SetUp() override {
     for (const ros::Subscriber* topic : {&progress_topic_, &divergence_topic_, &summary_topic_, &episode_topic_}) {
       ASSERT_TRUE(waitUntil([&] { return topic->getNumPublishers() > 0; })) << topic->getTopic();

@@ -72,7 +72,9 @@ void readPieces(const fs::path& path, const std::string& what, std::size_t most,
     require_few(bytes);  // it may grow
     take(std::string_view(piece).substr(0, count > 0 ? static_cast<std::size_t>(count) : 0));
   }
-  if (::fstat(file, &status) == 0 && status.st_size != 0 && static_cast<std::size_t>(status.st_size) != bytes) {
+  const bool has_size = status.st_size != 0;  // what the kernel makes as it is read has none
+  if (::fstat(file, &status) == 0 && (has_size || status.st_size != 0) &&
+      static_cast<std::size_t>(status.st_size) != bytes) {
     throw RuntimeFault("cannot read " + name + ": it has " + std::to_string(status.st_size) + " bytes, but " +
                        std::to_string(bytes) + " were read; it must not change meanwhile");
   }

@@ -700,6 +700,19 @@ class Files(unittest.TestCase):
     def found(self) -> Dict[str, str]:
         return {path.name: path.read_text() for path in self.path.parent.iterdir()}
 
+    def changing(self, text: bytes) -> Any:
+        """Instead of os.fstat: the file gets another text before the second look at it."""
+        looks: List[int] = []
+        look = os.fstat
+
+        def fstat(file: int) -> os.stat_result:
+            looks.append(file)
+            if len(looks) == 2:
+                self.path.write_bytes(text)
+            return look(file)
+
+        return fstat
+
     def test_is_read_whole_or_refused_by_name(self) -> None:
         self.path.write_bytes(b"12345")
         self.assertEqual(files.read_file(self.path, 5), b"12345")
@@ -714,6 +727,12 @@ class Files(unittest.TestCase):
             with self.subTest(path):
                 with self.assertRaisesRegex(Error, f"^{path}: {rule}$"):
                     files.read_file(path, 4)
+        for text in (b"", b"123", b"1234567"):
+            with self.subTest(text), mock.patch.object(os, "fstat", self.changing(text)):
+                self.path.write_bytes(b"12345")
+                with self.assertRaisesRegex(Error, "it must not change meanwhile$") as refused:
+                    files.read_file(self.path)
+                self.assertEqual(refused.exception.exit_code, ExitCode.RUNTIME_FAULT)
         with self.assertRaises(OSError) as raised:
             files.read_file(Path("/proc/self/mem"))  # whose first page cannot be read
         self.assertEqual(raised.exception.filename, "/proc/self/mem")

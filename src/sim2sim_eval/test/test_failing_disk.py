@@ -7,6 +7,7 @@ import signal
 import subprocess
 import unittest
 from pathlib import Path
+from typing import Dict
 
 import rospkg  # type: ignore[import]
 
@@ -38,6 +39,7 @@ class Reading(CommandCase):
         """A file of each kind that commands read."""
         cls.made = case = CommandCase()
         case.setUp()
+        cls.addClassCleanup(case.doCleanups)
         for path in (CHECKPOINT, Path(f"{CHECKPOINT}.provenance.json"), SCENE):
             shutil.copy(path, case.folder)
         case.write("plan.yaml", PLAN.encode())
@@ -61,27 +63,28 @@ class Reading(CommandCase):
             (SWEEP, "plan.yaml", "--shard", "2/2", "--out", "shard-2"),
         )
 
-    @classmethod
-    def tearDownClass(cls) -> None:
-        cls.made.doCleanups()
-
     def setUp(self) -> None:
         super().setUp()
         shutil.copytree(self.made.folder, self.folder, dirs_exist_ok=True)
+
+    def contents(self) -> Dict[Path, bytes]:
+        """Of all files but the status, in which a command says how it ended."""
+        files = (path for path in self.folder.rglob("*") if path.is_file())
+        return {path: path.read_bytes() for path in files if path.name != "status.json"}
 
     def assert_told(self, name: str, *command: str) -> None:
         """Reading the file fails after some bytes: a fault that names it, and no results. What a
         run has finished until then may stay, as of every run that fails.
         """
-        files = set(self.folder.rglob("*"))
+        before = self.contents()
         failing = {"LD_PRELOAD": PRELOAD, "FAIL_TO_READ": f"/{name}"}
         process = self.run_command(*command, environment=failing)
         self.assert_one_line(process, 4, Path(command[0]).name)
         self.assertIn(name, process.stderr)
         self.assertIn("Input/output error", process.stderr)
         new = self.folder / "new"
-        written = set(self.folder.rglob("*")) - files - {new, *new.glob("*")}
-        self.assertEqual(written - {self.folder / "sweep" / "status.json"}, set())
+        after = {path: text for path, text in self.contents().items() if new not in path.parents}
+        self.assertEqual(after, before)
         for name in ("metrics.json", "sweep.json"):
             self.assertFalse((new / name).exists())
         shutil.rmtree(new, ignore_errors=True)
@@ -135,6 +138,7 @@ class Reading(CommandCase):
         ) as process:
             until(begun)
             process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.returncode, 4)
         before = journal.read_bytes()
         self.assert_told("long/episodes.journal", *command)
         self.assertEqual(journal.read_bytes(), before)

@@ -52,26 +52,34 @@ HEAVY: Dict[str, Set[str]] = {
 # What reads a file, or a text in JSON or YAML, and the sources that may: the owners, and what reads
 # something that is no input (the package's own data, /proc, what it has just written).
 READING_CPP = re.compile(
-    r"\bw?[if]stream\b|\brdbuf\b|\bf(?:re)?open\(|\b[Jj]son::parse\(|\bLoad(?:All|File)?\("
+    r"\bw?i?fstream\b|\brdbuf\b|\bf(?:re)?open\(|[Jj]son::parse\(|\bLoad(?:All|File)?\(|[^:\w]::open\("
 )
 READERS_CPP = {
     "pusht_policy/src/policy_description.cpp",  # refuses a key that is there twice, and is small
     "pusht_task/include/pusht_task/testing/golden.hpp",
+    "pusht_policy/src/rehearsal.cpp",  # /dev/null
+    "pusht_task/include/pusht_task/standard_streams.hpp",  # /dev/null
+    "pusht_task/src/files.cpp",
     "pusht_task/src/json_text.cpp",
     "pusht_task/src/ros/simulator_kinds.cpp",  # what a package describes, in XML
     "sim2sim_eval/src/batch/plan_values.hpp",  # YAML
+    "sim2sim_protocol/src/results/journal.cpp",  # to write
+    "sim2sim_protocol/src/results/output_folder.cpp",  # a folder, to lock it
 }
 READING_PYTHON = re.compile(
-    r"(?<!os)(?<!_)\bopen\(|\bread_(?:text|bytes)\(\)|\bread_text\(\""
-    r"|\bjson\.load\(|\b(?:np|numpy)\.load|\byaml\.(?:safe_)?load"
+    r"(?<!os\.)(?<!fd)\bopen\(|\bread_bytes\(|\.read_text\(|\bfromfile\("
+    r"|\bjson\.load\(|\b(?:np|numpy)\.load|\byaml\.(?:safe_)?load|\btorch\.(?:jit\.)?load\("
 )
 READERS_PYTHON = {
     "pusht_policy/src/pusht_policy/formats.py",
+    "pusht_policy/src/pusht_policy/onnx_export.py",  # what the owner has read
     "pusht_policy/src/pusht_policy/software.py",
+    "pusht_policy/src/pusht_policy/trainer.py",  # what the owner has read
     "pusht_policy/src/pusht_policy/training.py",  # a lock
     "pusht_task/src/pusht_task/command.py",  # the mark of a file that is to be replaced
     "pusht_task/src/pusht_task/files.py",
     "pusht_task/src/pusht_task/machine.py",
+    "pusht_task/src/pusht_task/palette.py",
     "sim2sim_eval/scripts/rviz_window",
     "sim2sim_eval/scripts/sweep_dask",  # what its command has just written
     "sim2sim_protocol/src/sim2sim_protocol/result_files.py",
@@ -131,6 +139,21 @@ class Reading(unittest.TestCase):
             if reading.search(file.read_text())
         }
         self.assertEqual(found, readers)
+
+    def test_each_way_to_read_is_known(self) -> None:
+        for text in (
+            *("std::ifstream file(path);", "std::fstream file(path);", "bytes << file.rdbuf();"),
+            *("fopen(name)", "nlohmann::json::parse(text)", "nlohmann::ordered_json::parse(text)"),
+            *("YAML::LoadFile(path)", "const int file = ::open(path)"),
+        ):
+            self.assertRegex(text, READING_CPP)
+        for text in (
+            *("open(path)", "path.open()", "path.read_text()", 'path.read_text(encoding="utf-8")'),
+            *("path.read_bytes()", "json.load(file)", "np.load(path)", "numpy.fromfile(path)"),
+            *("yaml.safe_load(text)", "torch.load(path)", "torch.jit.load(path)"),
+        ):
+            self.assertRegex(text, READING_PYTHON)
+        self.assertNotRegex("os.open(os.devnull, os.O_WRONLY)", READING_PYTHON)
 
     def test_cpp_reads_files_in_one_place(self) -> None:
         folders = ("include", "src", "nodes", "apps")

@@ -129,7 +129,6 @@ def made() -> Tuple[CommandCase, str]:
     """Where the run of all tests is, and what it printed."""
     case = CommandCase()
     case.setUp()
-    unittest.addModuleCleanup(case.doCleanups)
     process = case.run_command(
         *(COMPARE, "--episodes", str(EPISODES), "--traces", "--record", "--out", "run")
     )
@@ -146,6 +145,11 @@ def audited() -> Path:
     process = case.run_command(AUDIT, "--out", "audited/audit.json")
     assert process.returncode in (0, 5), process.stderr
     return folder
+
+
+def tearDownModule() -> None:
+    if made.cache_info().currsize:
+        made()[0].doCleanups()
 
 
 class ReportCase(CommandCase):

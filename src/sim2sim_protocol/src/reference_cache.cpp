@@ -100,8 +100,9 @@ std::optional<pusht::Trace> ReferenceCache::find(const std::string& state, const
   std::string text;
   try {
     text = pusht::readFile(file, "reference cache");
-  } catch (const pusht::InvalidInput&) {
-    refuse("must be a readable file");
+  } catch (const pusht::InvalidInput& error) {
+    const std::string why = error.what();
+    refuse(why.substr(why.rfind(": ") + 2));
   }
   const std::size_t end_of_head = std::min(text.find('\n'), text.size());
   const auto head = pusht::parseJson(text.substr(0, end_of_head));

@@ -3,6 +3,8 @@
 """Worlds in Python: the interface of Gymnasium over the suite's own worlds."""
 
 import math
+import subprocess
+import sys
 import unittest
 from typing import Any, Tuple
 
@@ -175,6 +177,40 @@ class OneWorld(unittest.TestCase):
         self.assertEqual(world.observation_space.shape, (10,))
         self.assertIs(world.unwrapped, world)
         self.assertEqual(repr(world.action_space), "Box(-1.0, 1.0, (2,), float32)")
+
+
+class EndOfTheInterpreter(unittest.TestCase):
+    """Daemon threads that are within C++ then do not end the process."""
+
+    def assert_ends(self, work: str) -> None:
+        program = (
+            "import numpy, sim2sim, threading\n"
+            "begun = threading.Semaphore(0)\n"
+            "def run():\n"
+            f"    {work}\n"
+            "for _ in range(3):\n"
+            "    threading.Thread(target=run, daemon=True).start()\n"
+            "    begun.acquire()\n"
+        )
+        for _ in range(5):
+            process = subprocess.run(
+                [sys.executable, "-c", program], capture_output=True, timeout=60, text=True
+            )
+            self.assertEqual((process.returncode, process.stderr), (0, ""))
+
+    def test_steps_of_a_world(self) -> None:
+        self.assert_ends(
+            "world = sim2sim.make('two_mass'); world.reset(seed=0); begun.release()\n"
+            "    while True: world.step(numpy.zeros(2)) if world.reset(seed=1) else 0"
+        )
+
+    def test_answers_of_a_policy(self) -> None:
+        self.assert_ends(
+            "policy = sim2sim.load_policy('expert'); begun.release()\n"
+            "    rows = numpy.zeros((16, 10), numpy.float32)\n"
+            "    memories = [policy.begin(row) for row in range(16)]\n"
+            "    while True: policy.act(rows, memories)"
+        )
 
 
 class ManyWorlds(unittest.TestCase):

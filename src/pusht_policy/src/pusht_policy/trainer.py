@@ -19,7 +19,7 @@ from pusht_policy.recipe import Recipe
 from pusht_policy.software import software
 from pusht_task.command import say
 from pusht_task.error import Error, ExitCode
-from pusht_task.files import write_file
+from pusht_task.files import read_file, write_file
 
 STATE_INTERVAL = 10  # epochs between two saved states
 HISTORY_INTERVAL = 50  # epochs between two entries of the validation loss history
@@ -94,8 +94,9 @@ class Trainer:
         """Takes over a saved state, if there is one; refuses that of another run."""
         if not path.exists():
             return
+        content = read_file(path)
         try:
-            state = torch.load(str(path), weights_only=False)
+            state = torch.load(io.BytesIO(content), weights_only=False)
             found = state["identity"]
         except Exception:  # unpickling damaged bytes can raise anything
             raise Error(f"{path}: not a readable training state; delete it to start anew") from None

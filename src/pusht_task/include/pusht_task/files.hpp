@@ -9,7 +9,7 @@
 namespace pusht {
 
 constexpr std::size_t kLargestFile = 1U << 30U;       // bytes of a file that is read at once
-constexpr std::size_t kLargestSmallFile = 1U << 24U;  // of one that people or a run write about something else
+constexpr std::size_t kLargestSmallFile = 1U << 24U;  // bytes of a plan, scene, provenance, status or verdict
 
 /// The bytes of `path`, all of them. Throws, naming `what` and the path, InvalidInput if it is no plain file that can
 /// be opened or has more than `most` bytes, RuntimeFault if reading fails or if the file changes meanwhile.

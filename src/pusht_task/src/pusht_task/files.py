@@ -26,12 +26,12 @@ def read_file(path: Path, most: int = LARGEST_FILE) -> bytes:
     meanwhile."""
     require_plain_file(path)
     with named(path), open(path, "rb") as file:
-        size = os.fstat(file.fileno()).st_size
-        if size > most:
-            raise Error(f"{path}: has {size} bytes, must have at most {most}")
+        before = os.fstat(file.fileno()).st_size
+        if before > most:
+            raise Error(f"{path}: has {before} bytes, must have at most {most}")
         content = file.read()
         size = os.fstat(file.fileno()).st_size
-    if size not in (0, len(content)):  # what the kernel makes as it is read has no size
+    if size != len(content) and (before, size) != (0, 0):  # the kernel makes some as they are read
         changed = f"has {size} bytes, but {len(content)} were read; it must not change meanwhile"
         raise Error(f"{path}: {changed}", ExitCode.RUNTIME_FAULT)
     return content

@@ -280,7 +280,9 @@ RecordedRun readRun(const fs::path& path, const std::function<bool()>& stop,
   } catch (const rosbag::BagUnindexedException&) {
     throw pusht::InvalidInput(name + ": was not closed; `rosbag reindex " + path.string() + "` recovers it");
   } catch (const ros::Exception& error) {  // of rosbag and of the messages
-    pusht::sha256OfFile(path, "bag");      // a fault of the disk is told as one
+    if (dynamic_cast<const rosbag::BagIOException*>(&error) != nullptr) {
+      pusht::sha256OfFile(path, "bag");  // throws if the disk is at fault
+    }
     throw pusht::InvalidInput(name + ": must be a whole bag: " + error.what() +
                               "; if it was cut short, `rosbag reindex " + path.string() + "` recovers what is left");
   }

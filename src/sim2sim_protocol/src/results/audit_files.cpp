@@ -54,8 +54,9 @@ std::optional<std::vector<std::string>> KeptVerdict::find() const {
   std::string text;
   try {
     text = pusht::readFile(file_, "kept audit", pusht::kLargestSmallFile);
-  } catch (const pusht::InvalidInput&) {
-    refuse("must be a readable file");
+  } catch (const pusht::InvalidInput& error) {
+    const std::string why = error.what();
+    refuse(why.substr(why.rfind(": ") + 2));
   }
   const json content = pusht::parseJson(text);
   const json format = content.is_object() ? content.value("format", json()) : json();

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <limits>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -70,7 +71,7 @@ bool Journal::read(const Protocol& protocol, const json& identity) {
     throw pusht::BadDependency("journal " + path_.string() + ": line " + std::to_string(line) + " " + why +
                                "; begin again with --overwrite");
   };
-  const std::string text = pusht::readFile(path_, "journal");
+  const std::string text = pusht::readFile(path_, "journal", std::numeric_limits<std::size_t>::max());
   std::size_t begin = 0;
   std::size_t number = 0;
   std::set<int> seen;

@@ -25,6 +25,7 @@
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
 #include "sim2sim_protocol/results/json.hpp"
+#include "without_gil.hpp"
 
 namespace sim2sim::python {
 namespace {
@@ -82,10 +83,13 @@ class OneRun {
 /// Ends the run of a daemon thread before the interpreter ends: later, a thread that wants the GIL is killed within
 /// C++.
 void leave() {
-  const py::gil_scoped_release released;
-  runs().is_leaving = true;
-  std::unique_lock<std::mutex> lock(runs().mutex);
-  runs().changed.wait_for(lock, kLeavingPatience, [] { return !runs().is_running; });
+  {
+    const py::gil_scoped_release released;
+    runs().is_leaving = true;
+    std::unique_lock<std::mutex> lock(runs().mutex);
+    runs().changed.wait_for(lock, kLeavingPatience, [] { return !runs().is_running; });
+  }
+  endWithoutGil();
 }
 
 /// A comparison in a thread of its own, and its service in the thread that called Python's compare().

@@ -15,6 +15,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/policy.hpp"
 #include "pusht_task/ros/installed_file.hpp"
+#include "without_gil.hpp"
 
 namespace sim2sim::python {
 namespace {
@@ -104,7 +105,7 @@ class LoadedPolicy {
   py::array_t<float> answers(const std::vector<pusht::Policy::Query>& queries) {
     std::vector<pusht::Action> actions(queries.size());
     if (!queries.empty()) {
-      const py::gil_scoped_release released;
+      const WithoutGil released;
       const std::lock_guard<std::mutex> lock(mutex_);
       policy_->act(queries, actions);
     }

@@ -16,6 +16,7 @@
 #include "pusht_task/ros/simulator_kinds.hpp"
 #include "pusht_task/simulator.hpp"
 #include "pusht_task/spawn.hpp"
+#include "without_gil.hpp"
 
 namespace sim2sim::python {
 namespace {
@@ -104,7 +105,7 @@ void WorldBatch::reset(int world, const States& state) {
 
 void WorldBatch::begin(int world, const pusht::WorldState& start) {
   const auto index = static_cast<std::size_t>(world);
-  const py::gil_scoped_release released;
+  const WithoutGil released;
   const std::lock_guard<std::mutex> lock(mutex_);
   inWorld(index, episodes_.size(), [&] {
     worlds_->reset(world, start);
@@ -122,7 +123,7 @@ void WorldBatch::step(const Actions& actions, const Mask& mask) {
       inWorld(world, count, [&] { pusht::checkedAction(*wanted[world]); });
     }
   }
-  const py::gil_scoped_release released;
+  const WithoutGil released;
   const std::lock_guard<std::mutex> lock(mutex_);
   actions_ = wanted;
   worlds_->step(actions_);

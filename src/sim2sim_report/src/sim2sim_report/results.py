@@ -4,6 +4,7 @@
 import csv
 import io
 import math
+import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -265,7 +266,7 @@ def _bands(path: Path) -> Dict[str, Dict[str, Any]]:
 
 def _traces(path: Path, run: Run) -> Traces:
     try:
-        records = np.load(io.BytesIO(read_file(path)), allow_pickle=False)
+        records = np.load(io.BytesIO(read_file(path, sys.maxsize)), allow_pickle=False)
     except (EOFError, ValueError) as error:
         raise Error(f"{path}: must be a NumPy array: {error}") from None
     if not isinstance(records, np.ndarray) or records.dtype.names != TRACE_FIELDS:

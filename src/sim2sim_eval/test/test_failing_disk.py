@@ -68,7 +68,7 @@ class Reading(CommandCase):
         shutil.copytree(self.made.folder, self.folder, dirs_exist_ok=True)
 
     def contents(self) -> Dict[Path, bytes]:
-        """Of all files but the status, in which a command says how it ended."""
+        """All files but the status, in which a command says how it ended."""
         files = (path for path in self.folder.rglob("*") if path.is_file())
         return {path: path.read_bytes() for path in files if path.name != "status.json"}
 

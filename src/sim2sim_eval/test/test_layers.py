@@ -52,7 +52,8 @@ HEAVY: Dict[str, Set[str]] = {
 # What reads a file, or a text in JSON or YAML, and the sources that may: the owners, and what reads
 # something that is no input (the package's own data, /proc, what it has just written).
 READING_CPP = re.compile(
-    r"\bw?i?fstream\b|\brdbuf\b|\bf(?:re)?open\(|[Jj]son::parse\(|\bLoad(?:All|File)?\(|[^:\w]::open\("
+    r"\bw?i?fstream\b|\brdbuf\b|\bf(?:re)?open\(|[^:\w]::open\("
+    r"|[Jj]son::parse\(|\bLoad(?:All|File)?\("
 )
 READERS_CPP = {
     "pusht_policy/src/policy_description.cpp",  # refuses a key that is there twice, and is small

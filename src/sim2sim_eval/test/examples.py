@@ -5,26 +5,17 @@
 Each contract runs as a user runs it, against the nodes of one launch.
 """
 
-import subprocess
-import unittest
-
 from pusht_task.testing.nodes import run
 
-from command_case import DEADLINE, executable
+from command_case import CommandCase, executable
 
 
-class Examples(unittest.TestCase):
+class Examples(CommandCase):
     def assert_kept(self, contract: str, *parameters: str) -> None:
-        process = subprocess.run(
-            [executable("pusht_task", contract), "--text", *parameters],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            timeout=DEADLINE,
-        )
-        self.assertEqual(process.returncode, 0, process.stdout)
-        self.assertRegex(process.stdout, r"Ran [1-9]\d* tests?")
+        process = self.run_command(executable("pusht_task", contract), "--text", *parameters)
+        said = process.stdout + process.stderr
+        self.assertEqual(process.returncode, 0, said)
+        self.assertRegex(said, r"Ran [1-9]\d* tests?")
 
     def test_simulator(self) -> None:
         for contract in ("simulator_contract", "own_simulator_contract"):

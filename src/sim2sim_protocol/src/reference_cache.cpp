@@ -93,16 +93,15 @@ std::optional<pusht::Trace> ReferenceCache::find(const std::string& state, const
   if (fs::symlink_status(file, ignored).type() == fs::file_type::not_found) {
     return std::nullopt;
   }
+  const std::string remedy = "; delete it to have the reference rolled out again";
   const auto refuse = [&](const std::string& why) {
-    throw pusht::BadDependency("reference cache " + file.string() + ": " + why +
-                               "; delete it to have the reference rolled out again");
+    throw pusht::BadDependency("reference cache " + file.string() + ": " + why + remedy);
   };
   std::string text;
   try {
     text = pusht::readFile(file, "reference cache");
   } catch (const pusht::InvalidInput& error) {
-    const std::string why = error.what();
-    refuse(why.substr(why.rfind(": ") + 2));
+    throw pusht::BadDependency(std::string(error.what()) + remedy);
   }
   const std::size_t end_of_head = std::min(text.find('\n'), text.size());
   const auto head = pusht::parseJson(text.substr(0, end_of_head));

@@ -48,15 +48,15 @@ std::optional<std::vector<std::string>> KeptVerdict::find() const {
   if (fs::symlink_status(file_, ignored).type() == fs::file_type::not_found) {
     return std::nullopt;
   }
+  const std::string remedy = "; delete it and audit the pair again";
   const auto refuse = [&](const std::string& why) {
-    throw pusht::BadDependency("kept audit " + file_.string() + ": " + why + "; delete it and audit the pair again");
+    throw pusht::BadDependency("kept audit " + file_.string() + ": " + why + remedy);
   };
   std::string text;
   try {
     text = pusht::readFile(file_, "kept audit", pusht::kLargestSmallFile);
   } catch (const pusht::InvalidInput& error) {
-    const std::string why = error.what();
-    refuse(why.substr(why.rfind(": ") + 2));
+    throw pusht::BadDependency(std::string(error.what()) + remedy);
   }
   const json content = pusht::parseJson(text);
   const json format = content.is_object() ? content.value("format", json()) : json();

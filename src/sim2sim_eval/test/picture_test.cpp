@@ -67,19 +67,25 @@ Picture picture() {
                    {"engine_replay", "engine", "same actions as MuJoCo"}}});
 }
 
-class IdlePolicy : public pusht::Policy {
+class ConstantPolicy : public pusht::Policy {
  public:
+  explicit ConstantPolicy(const pusht::Action& action) : action_(action) {}
+
   void act(pusht::Span<const Query> /*queries*/, pusht::Span<pusht::Action> actions) override {
-    std::fill(actions.begin(), actions.end(), pusht::Action{0.0F, 0.0F});
+    std::fill(actions.begin(), actions.end(), action_);
   }
+
+ private:
+  pusht::Action action_;
 };
 
 /// Episode 7, in which the tee of the reference rests and the engine's drift away.
 class DriftingEpisode {
  public:
   DriftingEpisode(const Eigen::Vector2d& start, double replay_speed, double replay_yaw_rate,
-                  double engine_speed = -0.02, int index = 7)
-      : worlds_{std::make_unique<DriftingWorld>(start, 0.0, 0.0),
+                  double engine_speed = -0.02, int index = 7, const pusht::Action& action = {0.0F, 0.0F})
+      : policy_(action),
+        worlds_{std::make_unique<DriftingWorld>(start, 0.0, 0.0),
                 std::make_unique<DriftingWorld>(start, engine_speed, 0.1),
                 std::make_unique<DriftingWorld>(start, replay_speed, replay_yaw_rate)},
         flight_(protocol_, worlds_, policy_, variants_),
@@ -106,7 +112,7 @@ class DriftingEpisode {
     return run;
   }
 
-  IdlePolicy policy_;
+  ConstantPolicy policy_;
   Protocol protocol_;
   Worlds worlds_;
   VariantWorlds variants_;
@@ -300,6 +306,27 @@ TEST(Picture, NothingIsDrawnBeyondTheEdgesOfAWindow) {
         }
       }
     }
+  }
+}
+
+TEST(Picture, EveryWorldShowsWhatItsPusherIsTold) {
+  DriftingEpisode episode(kAway, 0.02, 0.0, -0.02, 7, {0.3F, 0.0F});
+  const auto arrows = [&](const char* prefix) {
+    std::vector<Marker> shown = drawn(episode.update(), prefix, Marker::ARROW);
+    shown.erase(std::remove_if(shown.begin(), shown.end(), [](const Marker& m) { return m.action != Marker::ADD; }),
+                shown.end());
+    return shown;
+  };
+  for (const char* prefix : {"mujoco", "engine", "engine_replay"}) {
+    EXPECT_THAT(arrows(prefix), IsEmpty()) << prefix << " has not been told anything";
+  }
+  episode.advance(3);
+  for (const char* prefix : {"mujoco", "engine", "engine_replay"}) {
+    EXPECT_THAT(arrows(prefix), SizeIs(1)) << prefix << ": the command alone, since no pusher moves";
+  }
+  episode.advance(pusht::kHorizon);
+  for (const char* prefix : {"mujoco", "engine", "engine_replay"}) {
+    EXPECT_THAT(arrows(prefix), IsEmpty()) << prefix << " has come to its end";
   }
 }
 

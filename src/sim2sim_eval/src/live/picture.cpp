@@ -120,6 +120,11 @@ void drawAxis(Canvas& canvas, const TableView& view, const pusht::WorldState& st
             {state.tee_position, state.tee_position + (pusht::kStemOffset + pusht::kStemHalfLength) * stem}, kMarkZ);
 }
 
+/// Whether a world moves on. A replay has always made the reference's steps, and moves as long as the reference does.
+bool moves(Mode mode, const Episode& episode) {
+  return episode.goesOn(mode == kEngineReplay ? kReferenceClosed : mode);
+}
+
 /// The pusher; what it was told in the last control step, in white, and how fast it is, unless the world rests.
 void drawPusher(Canvas& canvas, const TableView& view, Mode mode, const Episode& episode,
                 const std_msgs::ColorRGBA& body) {
@@ -127,7 +132,7 @@ void drawPusher(Canvas& canvas, const TableView& view, Mode mode, const Episode&
   const pusht::WorldState& state = trace.states.back();
   Vector2d commanded = Vector2d::Zero();
   Vector2d actual = Vector2d::Zero();
-  if (episode.goesOn(mode) && trace.steps() > 0) {
+  if (moves(mode, episode) && trace.steps() > 0) {
     commanded = kArrowTime * Vector2d(trace.actions.back()[0], trace.actions.back()[1]);
     actual = kArrowTime * state.pusher_velocity;
   }

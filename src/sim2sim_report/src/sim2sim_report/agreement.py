@@ -16,7 +16,16 @@ from sim2sim_protocol.result_files import format_of
 
 from sim2sim_report.colors import CARD, DIM, INK, SERIES
 from sim2sim_report.curves import OWN_STYLE
-from sim2sim_report.figures import COMPONENTS, Drawing, Figure, box, disc, name_rows, styled
+from sim2sim_report.figures import (
+    COMPONENTS,
+    Drawing,
+    Figure,
+    box,
+    disc,
+    entitle,
+    name_rows,
+    styled,
+)
 from sim2sim_report.matrix import MARKERS, STRONGEST
 
 OPEN_LOOP = 0  # stands for a replay without resets
@@ -126,7 +135,7 @@ class AgreementFigure:
             self._tree(branches, component, linked, order, narrow)
             self._means(means, component, order, narrow)
             self._map(plane, component)
-        figure.suptitle("\n".join(self._title(narrow)), fontsize=10 if narrow else 15)
+        entitle(figure, self._title(narrow), 10 if narrow else 15)
         figure.get_layout_engine().set(w_pad=0.08, h_pad=0.12)  # [in]
         return figure
 

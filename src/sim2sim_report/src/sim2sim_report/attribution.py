@@ -16,7 +16,7 @@ from sim2sim_report.figures import (
     NARROW,
     Drawing,
     Figure,
-    legend_above,
+    add_legend,
     name_rows,
     panels,
     styled,
@@ -103,10 +103,10 @@ def _shares(attribution: Attribution, narrow: bool) -> Any:
     height = 0.8 + 0.5 * len(names)
     count = len(columns)
     if narrow:
-        figure = Figure(figsize=(NARROW, count * (height + 0.2) + 0.6), constrained_layout=True)
+        figure = Figure(figsize=(NARROW, count * (height + 0.2)), constrained_layout=True)
         shape: Any = figure.subplots(count, 1)
     else:
-        figure = Figure(figsize=(9.6, height + 0.7), constrained_layout=True)
+        figure = Figure(figsize=(9.6, height + 0.3), constrained_layout=True)
         shape = figure.subplots(1, count, sharey=True)
     for axes, (component, gaps) in zip(shape, columns.items()):
         for number, gap in enumerate(gaps):
@@ -132,7 +132,7 @@ def _shares(attribution: Attribution, narrow: bool) -> Any:
     handles = {
         label: handle for axes in shape for handle, label in zip(*axes.get_legend_handles_labels())
     }
-    legend_above(figure, handles, 1 if narrow else 4)
+    add_legend(figure, "upper", handles, 1 if narrow else 4)
     return figure
 
 

@@ -12,10 +12,21 @@ from pusht_task.json_file import Json
 from sim2sim_report.attribution import Attribution, read_attribution
 from sim2sim_report.colors import COLORS, DIM, INK
 from sim2sim_report.curves import OWN_STYLE
-from sim2sim_report.figures import Drawing, Figure, name_rows, styled
+from sim2sim_report.figures import (
+    POINTS,
+    Drawing,
+    Figure,
+    add_legend,
+    fitted,
+    name_rows,
+    styled,
+)
 from sim2sim_report.results import ENGINE, REPLAY
 
 COLUMN, ROW = 5.0, 0.46  # [in] width of a panel, height of a row in it
+MARGIN = 0.5  # [in] beside a panel's title
+TITLE, SUBTITLE = 16, 11  # [pt]
+LINE = 1.3  # height of a line, in font sizes
 SERIES = (  # key of a figure in attribution.json, what it is, color, marker
     ("share", "share of the whole gap (mean over all orders of switching on)", COLORS[REPLAY], "o"),
     ("leave_one_out", "off alone", COLORS[ENGINE], "s"),
@@ -35,12 +46,14 @@ class Costs:
 
     def _figure(self, narrow: bool) -> Any:
         count = len(self.attributions)
-        height = 1.6 + ROW * max(len(found.switches) for found in self.attributions)
+        rows = max(len(found.switches) for found in self.attributions)
+        wrapped = max(_title(found).count("\n") for found in self.attributions)
+        height = 1.8 + ROW * rows + wrapped * LINE * TITLE / POINTS
         if narrow:
-            figure = Figure(figsize=(COLUMN, 2 * count * height + 0.9), constrained_layout=True)
+            figure = Figure(figsize=(COLUMN, 2 * count * height), constrained_layout=True)
             panels = figure.subplots(2 * count, 1, squeeze=False).reshape(count, 2).T
         else:
-            size = (COLUMN * count + 0.6, 2 * height + 0.5)
+            size = (COLUMN * count + 0.6, 2 * height)
             figure = Figure(figsize=size, constrained_layout=True)
             panels = figure.subplots(2, count, squeeze=False)
         for line, component in zip(panels, ("position", "angle")):
@@ -51,9 +64,7 @@ class Costs:
                 for axes in line:
                     axes.set_xlim(min(axes.get_xlim()[0], -0.02 * farthest), farthest)
         handles, labels = panels[0][0].get_legend_handles_labels()
-        inches = 0.9 if narrow else 0.5
-        figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - inches / figure.get_figheight()))
-        figure.legend(handles, labels, loc="upper center", ncols=1 if narrow else 2)
+        add_legend(figure, "upper", dict(zip(labels, handles)), 1 if narrow or count == 1 else 2)
         return figure
 
 
@@ -87,13 +98,18 @@ def _draw(axes: Any, attribution: Attribution, gap: Json) -> None:
     unit = THOUSANDTH[gap["unit"]]
     ends = f"all off {1e3 * gap['all_off']:.1f}, all on {1e3 * gap['all_on']:.1f} {unit}"
     still = f"a tee that stands still {1e3 * gap['null_model']['value']:.1f}"
-    axes.set_title(attribution.content["engine"], fontsize=16, pad=24)
-    axes.text(
-        *(0.5, 1.03, f"{ends}; {still}"),
-        **{"transform": axes.transAxes, "ha": "center", "color": DIM, "fontsize": 11},
+    below = fitted(f"{ends}; {still}", COLUMN, SUBTITLE)
+    axes.set_title(_title(attribution), fontsize=TITLE, pad=8 + LINE * SUBTITLE * (1 + below.count("\n")))
+    axes.annotate(
+        *(below, (0.5, 1.0), (0, 6), "axes fraction", "offset points"),
+        **{"ha": "center", "color": DIM, "fontsize": SUBTITLE},
     )
     axes.set_xlabel(f"{gap['title'].replace('re-anchored ', '')} [{unit}]")
     axes.locator_params(axis="x", nbins=6)
+
+
+def _title(attribution: Attribution) -> str:
+    return fitted(attribution.content["engine"], COLUMN - MARGIN, TITLE)
 
 
 def _value(switch: Json, key: str) -> float:

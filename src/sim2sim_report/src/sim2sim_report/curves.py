@@ -2,7 +2,6 @@
 """The figure of a sweep: success and divergence over each parameter with more than one value."""
 
 import math
-import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence
@@ -11,7 +10,7 @@ from pusht_task.error import Error
 from sim2sim_protocol.result_files import name_of
 
 from sim2sim_report.colors import CARD, DIM, INK, SERIES
-from sim2sim_report.figures import STYLE, Drawing, Figure, styled
+from sim2sim_report.figures import STYLE, Drawing, Figure, entitle, styled
 from sim2sim_report.suite import Suite
 from sim2sim_report.sweep_rows import (
     AGAINST,
@@ -38,7 +37,6 @@ MARKERS = ["o", "s", "^", "D", "v", "P"]
 MOST_LINES = len(SERIES)  # more in one panel cannot be told apart
 LOGARITHMIC_FROM = 10.0  # largest over smallest value of a parameter
 CHARACTER = 0.1  # [in] that one takes in a tick's label
-TITLE_CHARACTER = 0.135  # [in] that one takes in the title
 LONGEST_BESIDE = 26  # characters of labels that stand beside each other in a legend
 DODGE = 0.01  # share of the axis between lines at one value, whose bars must not hide each other
 DODGE_OF_WORDS = 0.04
@@ -259,10 +257,7 @@ class Curves:
                     one.set_ylim(0, 1 if panel is SUCCESS else None)
         if not narrow:
             figure.align_ylabels()
-        title = title_of(self.rows, self.whole)
-        width = int(figure.get_figwidth() / TITLE_CHARACTER)
-        lines = [part for line in title.splitlines() for part in textwrap.wrap(line, width)]
-        figure.suptitle("\n".join(lines), fontsize=14)
+        entitle(figure, title_of(self.rows, self.whole).splitlines(), 14)
         layout = figure.get_layout_engine()
         layout.set(w_pad=0.1, h_pad=0.1, wspace=0.05)  # [in], but wspace
         return figure

@@ -13,9 +13,11 @@ from sim2sim_protocol.result_files import format_of, name_of
 
 from sim2sim_report.colors import COLORS, SERIES
 from sim2sim_report.curves import OWN_STYLE
-from sim2sim_report.figures import Drawing, Figure, styled
+from sim2sim_report.figures import Drawing, Figure, add_legend, entitle, styled
+from sim2sim_report.words import RATE_DIGITS, in_sentence, interval
 
 FILE = name_of("equivalent")
+DRAWING = "equivalents"  # name of the figure
 PANEL = (5.2, 4.2)  # [in]
 ENGINE_COLORS = SERIES[1:]  # the first is like the reference's
 
@@ -48,8 +50,9 @@ class Equivalents:
             axes.remove()
         for number, axes in enumerate(all_axes[: len(panels)]):
             self._panel(axes, number)
-        all_axes[0].legend(loc="upper right", fontsize=10)
-        figure.suptitle("\n".join(self._title()), fontsize=10 if narrow else 13)
+        handles, labels = all_axes[0].get_legend_handles_labels()
+        add_legend(figure, "lower", dict(zip(labels, handles)), across)
+        entitle(figure, self._title(), 10 if across == 1 else 13)
         return figure
 
     def _panel(self, axes: Any, number: int) -> None:
@@ -96,6 +99,63 @@ class Equivalents:
         ]
 
 
+def has_equivalents(folder: Path) -> bool:
+    return (folder / FILE).exists()
+
+
+def section(equivalents: Equivalents) -> Json:
+    """The sentences, the figure and the table of the page."""
+    content = equivalents.content
+    sentence = "; ".join(map(_answer, equivalents.engines)) + "."
+    rows = [(engine, curve) for engine in equivalents.engines for curve in engine["equivalents"]]
+    success = {
+        engine["engine"]: f"{engine['success']['rate']:.{RATE_DIGITS}f}"
+        f"{interval(engine['success']['interval'], RATE_DIGITS)}"
+        for engine in equivalents.engines
+    }
+    return {
+        "reference": content["reference"],
+        "headline": sentence[0].upper() + sentence[1:],
+        "sentences": [
+            f"Policy {content['policy']}, {content['episodes']} episodes. In brackets "
+            f"{100 * content['confidence']:g} % intervals over further starts.",
+        ],
+        "drawing": equivalents.drawing(DRAWING),
+        "rows": [
+            {
+                "engine": engine["engine"],
+                "success": success[engine["engine"]],
+                "parameter": curve["parameter"],
+                "error": _error_text(curve),
+            }
+            for engine, curve in rows
+        ],
+    }
+
+
+def _answer(engine: Json) -> str:
+    """ "as much as Chipmunk costs loop.action_delay + 2 [1, 3] control steps": the first error."""
+    name = in_sentence(engine["engine"])
+    if engine["lost_interval"][0] <= 0.0:
+        return f"that {name} costs success is not shown"
+    curve = engine["equivalents"][0]
+    return f"as much as {name} costs {curve['parameter']} {_error_text(curve)}"
+
+
+def _error_text(curve: Json) -> str:
+    """ "+ 3.2 [2.8, > 4] control steps": an open end is beyond the largest that was tried."""
+    if curve["error_interval"] is None:
+        return "none: it gains success"
+    last = curve["levels"][-1]["size"]
+    largest = f"> {abs(last - curve['without']):.3g}"
+    value, low, high = (
+        largest if size is None else f"{size:.3g}"
+        for size in (curve["error"], *curve["error_interval"])
+    )
+    sign = "-" if last < curve["without"] else "+"
+    return f"{sign} {value} [{low}, {high}] {curve['unit']}".rstrip()
+
+
 def read_equivalents(folder: Path) -> Equivalents:
     """The equivalents in the folder of a sweep. Raises Error if there are none."""
     path = folder / FILE
@@ -105,7 +165,7 @@ def read_equivalents(folder: Path) -> Equivalents:
     require_format(path, content, format_of("equivalent"))
     equivalents = Equivalents(content)
     try:
-        equivalents.drawing("check")
-    except (KeyError, TypeError, IndexError) as error:
+        equivalents.drawing("check").wide, section(equivalents)
+    except (AttributeError, LookupError, TypeError, ValueError) as error:
         raise Error(f"{path}: is not as this version writes it: {error!r}") from None
     return equivalents

@@ -23,6 +23,7 @@ import matplotlib  # type: ignore[import]  # noqa: E402
 matplotlib.use("Agg")
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import]  # noqa: E402
 from matplotlib.figure import Figure  # type: ignore[import]  # noqa: E402
+from matplotlib.font_manager import FontProperties  # type: ignore[import]  # noqa: E402
 from matplotlib.patches import Circle, Rectangle  # type: ignore[import]  # noqa: E402
 
 MARK = b"sim2sim report"  # in the page and the metadata of images, by which they are known as ours
@@ -48,6 +49,9 @@ STYLE: Dict[str, Any] = {
     "ytick.color": DIM,
 }
 LONGEST_LINE = 26  # characters of a name beside its bar
+POINTS = 72  # of an inch
+CHARACTER = 0.62  # width of one in a title or a legend, in font sizes
+LEGEND_LINE, LEGEND_HANDLE = 1.57, 4.0  # height of a line, width of a handle, in font sizes
 COMPONENTS = (("position", "m"), ("angle", "rad"))
 _LEVELS = ("0.05", "0.25", "0.50", "0.75", "0.95")  # levels of the bands
 
@@ -357,11 +361,32 @@ def disc(place: Any, radius: float, color: str, opacity: float) -> Any:
     return Circle(tuple(place), radius, facecolor=color, alpha=opacity, edgecolor="none")
 
 
-def legend_above(figure: Any, handles: Dict[str, Any], across: int) -> None:
-    """A legend above all panels: handles by label, `across` in a line."""
-    inches = 0.1 + 0.24 * -(-len(handles) // across)
-    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - inches / figure.get_figheight()))
-    figure.legend(handles.values(), handles, loc="upper center", ncols=across)
+def entitle(figure: Any, lines: Sequence[str], size: float) -> None:
+    """The title of a figure, in lines that are no wider than it is."""
+    width = figure.get_figwidth()
+    figure.suptitle("\n".join(fitted(line, width, size) for line in lines), fontsize=size)
+
+
+def add_legend(figure: Any, place: str, handles: Dict[str, Any], across: int) -> None:
+    """Adds a legend over the whole width, "upper" or "lower", by which the figure grows: handles by
+    label, `across` in a line."""
+    size = FontProperties(size=matplotlib.rcParams["legend.fontsize"]).get_size_in_points()
+    room = figure.get_figwidth() / across - LEGEND_HANDLE * size / POINTS
+    labels = [fitted(label, room, size) for label in handles]
+    lines = [1 + label.count("\n") for label in labels]
+    column = -(-len(lines) // across)  # entries; Matplotlib fills columns one by one
+    most = max(sum(lines[begin : begin + column]) for begin in range(0, len(lines), column))
+    inches = 0.1 + LEGEND_LINE * size / POINTS * most
+    figure.set_figheight(figure.get_figheight() + inches)
+    share = inches / figure.get_figheight()
+    begin = share if place == "lower" else 0.0
+    figure.get_layout_engine().set(rect=(0.0, begin, 1.0, 1.0 - share))
+    figure.legend(handles.values(), labels, loc=f"{place} center", ncols=across)
+
+
+def fitted(text: str, width: float, size: float) -> str:
+    """Text in lines of a width [in] at most, in a font of a size [pt]. It is no mathematics."""
+    return textwrap.fill(text, int(width * POINTS / (CHARACTER * size))).replace("$", r"\$")
 
 
 def name_rows(axes: Any, names: Sequence[str]) -> None:

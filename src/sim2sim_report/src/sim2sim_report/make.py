@@ -10,6 +10,8 @@ from sim2sim_report.agreement import names_of, read_agreement
 from sim2sim_report.attribution import draw as draw_attribution
 from sim2sim_report.attribution import is_attributed, read_attribution
 from sim2sim_report.curves import draw as draw_sweep
+from sim2sim_report.equivalents import DRAWING as EQUIVALENTS
+from sim2sim_report.equivalents import has_equivalents, read_equivalents
 from sim2sim_report.figures import MARK, Drawing, draw, draw_rates
 from sim2sim_report.matrix import draw as draw_matrix
 from sim2sim_report.matrix import has_matrix, read_matrix
@@ -63,6 +65,8 @@ def _of_sweep(folder: Path, animate: Sequence[int], suite: Suite) -> Tuple[str, 
         return Page(suite).of_matrix(folder), draw_matrix(read_matrix(folder))
     if is_attributed(folder):
         return Page(suite).of_attribution(folder), draw_attribution(read_attribution(folder))
+    if has_equivalents(folder):
+        return Page(suite).of_equivalents(folder), [read_equivalents(folder).drawing(EQUIVALENTS)]
     return Page(suite).of_sweep(folder), draw_sweep(folder, suite)
 
 

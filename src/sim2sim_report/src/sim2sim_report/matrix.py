@@ -16,7 +16,7 @@ from sim2sim_report.figures import (
     Drawing,
     Figure,
     box,
-    legend_above,
+    add_legend,
     name_rows,
     styled,
 )
@@ -146,7 +146,7 @@ def _heatmap(matrix: Matrix, narrow: bool) -> Any:
 def _spread(matrix: Matrix, narrow: bool) -> Any:
     """Shares of the variance of the cells, stacked, a bar for each figure."""
     spreads = matrix.content["spreads"]
-    size = (NARROW if narrow else 9.6, 1.7 + 0.5 * len(spreads))
+    size = (NARROW if narrow else 9.6, 1.2 + 0.5 * len(spreads))
     figure = Figure(figsize=size, constrained_layout=True)
     axes = figure.subplots()
     for row, spread in enumerate(spreads):
@@ -162,7 +162,7 @@ def _spread(matrix: Matrix, narrow: bool) -> Any:
     name_rows(axes, [_wrapped(s["figure"].replace("_", " "), 16) for s in spreads])
     axes.set_xlim(0, 100)
     axes.set_xlabel("share of the variance of the cells [%]")
-    legend_above(figure, _labeled(axes), 2 if narrow else 3)
+    add_legend(figure, "upper", _labeled(axes), 2 if narrow else 3)
     return figure
 
 
@@ -173,7 +173,7 @@ def _rankings(matrix: Matrix, narrow: bool) -> Any:
     down = -(-len(rankings) // across)
     groups = list(dict.fromkeys(policy["group"] for policy in matrix.policies))
     beside = 1 if narrow else 3
-    size = (NARROW if narrow else 9.8, 3.2 * down + 0.24 * -(-len(groups) // beside))
+    size = (NARROW if narrow else 9.8, 3.2 * down)
     figure = Figure(figsize=size, constrained_layout=True)
     panels = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True).flat
     for axes in panels[len(rankings) :]:
@@ -181,7 +181,7 @@ def _rankings(matrix: Matrix, narrow: bool) -> Any:
     for axes, ranking in zip(panels, rankings):
         _draw_ranking(axes, matrix, ranking, groups)
     if groups != [""]:
-        legend_above(figure, _labeled(figure.axes[0]), beside)
+        add_legend(figure, "upper", _labeled(figure.axes[0]), beside)
     return figure
 
 

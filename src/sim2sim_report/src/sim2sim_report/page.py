@@ -9,7 +9,7 @@ import jinja2
 from pusht_task.error import Error
 from pusht_task.json_file import Json
 
-from sim2sim_report import agreement_tables, audit, colors, figures
+from sim2sim_report import agreement_tables, audit, colors, equivalents, figures
 from sim2sim_report.again import command_of, notes_on_command, suggested_attribution
 from sim2sim_report.agreement import AgreementFigure
 from sim2sim_report.animation import GEOMETRY, animated, player, poster
@@ -123,6 +123,17 @@ class Page:
             attribution=section,
         )
 
+    def of_equivalents(self, folder: Path) -> str:
+        """A sweep over engines and errors of the reference, held against each other."""
+        section = equivalents.section(equivalents.read_equivalents(folder))
+        return self._render(
+            title=f"Sweep {folder.resolve().name}",
+            question=f"Which error of {section['reference']} costs as much as an engine?",
+            headline=section["headline"],
+            caution=[CAUTION[0]],
+            equivalents=section,
+        )
+
     def of_matrix(self, folder: Path) -> str:
         """A sweep over policies of which the matrix is known."""
         matrix = read_matrix(folder)
@@ -185,6 +196,7 @@ class Page:
             "rates",
             "sweep",
             "attribution",
+            "equivalents",
             "matrix",
             "agreement",
             "partial",

@@ -81,7 +81,10 @@ def read_rows(folder: Path) -> Tuple[List[Row], int]:
                 )
         first = next(r for r in rows if r["engine_simulator"] == row["engine_simulator"])
         if row["knobs"].keys() != first["knobs"].keys():
-            raise Error(f"{path}: row {number}: must have the parameters of the rows of its engine")
+            raise Error(
+                f"{path}: row {number}: must have the parameters of the rows of its engine "
+                "(`equivalent` takes errors of several parameters)"
+            )
     try:
         return rows, len(content["sweep"]["rows"])
     except (KeyError, TypeError):

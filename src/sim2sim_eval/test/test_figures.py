@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Titles and legends of figures stay within them, however long the names of simulators are."""
+
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any, Iterator, List
+
+from pusht_task.error import Error
+from pusht_task.json_file import Json, write_json
+from sim2sim_protocol.result_files import format_of
+from sim2sim_report.attribution import Attribution
+from sim2sim_report.costs import Costs
+from sim2sim_report.equivalents import FILE, Equivalents, read_equivalents, section
+from sim2sim_report.figures import Drawing, FigureCanvasAgg, matplotlib
+
+LONG = "rigid-body engine, preset faithful, substep 0.0025, table_friction false, loop.hold 2"
+
+
+def equivalents(parameters: int, engines: int = 3) -> Json:
+    """What `equivalent` writes: an error costs an engine's success at 2.5, or beyond all sizes."""
+    rates = (0.9, 0.7, 0.5, 0.3)
+    levels = [
+        {"size": size, "success": {"rate": rate, "interval": [rate - 0.1, rate + 0.05]}}
+        for size, rate in enumerate(rates)
+    ]
+    curve = {"unit": "control steps", "without": 0, "levels": levels}
+    found = [
+        {"parameter": "loop.action_delay", **curve, "error": 2.5, "error_interval": [1.5, None]},
+        {"parameter": "loop.hold", **curve, "error": None, "error_interval": [None, None]},
+    ]
+    engine = {
+        "success": {"rate": 0.4, "interval": [0.3, 0.5]},
+        "lost": 0.5,
+        "lost_interval": [0.4, 0.6],
+        "equivalents": found[:parameters],
+    }
+    return {
+        "format": format_of("equivalent"),
+        "confidence": 0.95,
+        "reference": f"MuJoCo, {LONG}",
+        "policy": "trained_elsewhere_with_another_seed.ts.pt",
+        "episodes": 400,
+        "engines": [{"engine": f"{LONG} {number}", **engine} for number in range(engines)],
+    }
+
+
+def attribution() -> Attribution:
+    """What `attribute` writes on two switches, as far as the figure of costs takes it."""
+    switch = {
+        "part": 0.5,
+        "share": 0.004,
+        "share_interval": [0.003, 0.005],
+        "leave_one_out": {"value": 0.006, "interval": [0.005, 0.007]},
+    }
+    gap = {
+        "all_off": 0.008,
+        "all_on": 0.0,
+        "null_model": {"value": 0.014, "interval": [0.012, 0.016]},
+        "switches": {"servo": switch, "table_friction": switch},
+    }
+    gaps = {
+        f"{component} {replay}": {"title": f"{component}, {replay}", "unit": unit, **gap}
+        for replay in ("open loop", "re-anchored every 5 steps")
+        for component, unit in (("position", "m"), ("angle", "rad"))
+    }
+    content = {"engine": LONG, "switches": ["servo", "table_friction"], "gaps": gaps}
+    return Attribution({**content, "order": list(gaps)})
+
+
+def words_of(figure: Any) -> Iterator[Any]:
+    """What a figure says beside its axes."""
+    yield from figure.legends
+    if figure._suptitle:
+        yield figure._suptitle
+    for axes in figure.axes:
+        yield from (axes.title, axes.xaxis.label, axes.yaxis.label, *axes.texts)
+
+
+class Words(unittest.TestCase):
+    def check(self, drawing: Drawing) -> None:
+        for figure in (drawing.wide, drawing.narrow):
+            FigureCanvasAgg(figure).draw()
+            boxes: List[Any] = []
+            for words in words_of(figure):
+                if not (hasattr(words, "get_text") and not words.get_text()):
+                    boxes.append(words.get_window_extent())
+            self.assertGreater(len(boxes), 3)
+            for number, box in enumerate(boxes):
+                within = figure.bbox.contains(*box.min) and figure.bbox.contains(*box.max)
+                self.assertTrue(within, (box, figure.bbox))
+                for other in boxes[:number]:
+                    self.assertFalse(box.overlaps(other), (box, other))
+            for axes in figure.axes:
+                self.assertGreater(axes.bbox.height / figure.dpi, 0.7, "[in] of a panel")
+
+    def test_equivalents(self) -> None:
+        for parameters, engines in ((1, 1), (1, 5), (2, 3)):
+            with self.subTest(parameters=parameters, engines=engines):
+                self.check(Equivalents(equivalents(parameters, engines)).drawing("equivalents"))
+
+    def test_costs(self) -> None:
+        for sweeps in (1, 3):
+            with self.subTest(sweeps=sweeps):
+                self.check(Costs([attribution()] * sweeps).drawing("costs"))
+
+    def test_a_name_is_no_mathematics(self) -> None:
+        content = equivalents(1)
+        content["policy"] = content["engines"][0]["engine"] = "a$b$c_d"
+        with matplotlib.rc_context():
+            (legend,) = Equivalents(content).drawing("equivalents").wide.legends
+        self.assertEqual(legend.get_texts()[1].get_text(), r"a\$b\$c_d")
+
+
+class PageOfEquivalents(unittest.TestCase):
+    def test_answer_and_table(self) -> None:
+        content = equivalents(2, 2)
+        content["engines"][0]["engine"] = "two-mass engine"
+        content["engines"][1].update(engine="Chipmunk", lost_interval=[-0.1, 0.3])
+        found = section(Equivalents(content))
+        self.assertEqual(
+            found["headline"],
+            "As much as the two-mass engine costs loop.action_delay + 2.5 [1.5, > 3] control "
+            "steps; that Chipmunk costs success is not shown.",
+        )
+        self.assertEqual(
+            [row["error"] for row in found["rows"][:2]],
+            ["+ 2.5 [1.5, > 3] control steps", "+ > 3 [> 3, > 3] control steps"],
+        )
+
+    def test_damaged(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            for damage in ([[1]], [1], "text", 5):
+                content = equivalents(1)
+                content["engines"][0]["equivalents"][0]["error_interval"] = damage
+                write_json(Path(folder, FILE), content)
+                with self.assertRaisesRegex(Error, f"{FILE}: is not as this version writes it"):
+                    read_equivalents(Path(folder))
+
+
+if __name__ == "__main__":
+    unittest.main()

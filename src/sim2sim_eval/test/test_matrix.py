@@ -5,6 +5,7 @@
 import csv
 import hashlib
 import json
+import os
 import shutil
 import subprocess
 import unittest
@@ -199,12 +200,21 @@ class Plans(PolicyCase):
 
     def test_f48_refused_by_name_line_and_rule(self) -> None:
         nowhere = self.checkpoint("nowhere.ts.pt", None)
+        shutil.copyfile(SHIPPED, self.folder / "twin-1.ts.pt")
+        os.link(self.folder / "twin-1.ts.pt", self.folder / "twin-2.ts.pt")
+        for number, other in ((1, 2), (2, 1)):
+            (self.folder / f"loop-{number}.ts.pt").symlink_to(f"loop-{other}.ts.pt")
         plans = {
             "policies: 5\nengine: chipmunk": "line 1, policies: must be a list of policies",
             "policies: []\nengine: chipmunk": "line 1, policies: must be a list of policies",
             "policy: bc\npolicies: [bc]": "line 1, policy: must not be there beside policies",
             "policies:\n- none-*.pt": "line 2, policies: no file is named like 'none-*.pt'",
             "policies:\n- bc\n- bc": "line 3, policies: 'bc' must appear only once",
+            "policies:\n- 'twin-*.ts.pt'\nengine: chipmunk": "line 2, policies: 'twin-2.ts.pt' is "
+            "'twin-1.ts.pt' under another name; a policy must appear only once",
+            "policies: ['loop-*.ts.pt']\nengine: chipmunk": "policy loop-1.ts.pt: must be a "
+            "readable file",
+            f"policies: [{300 * 'a'}.ts.pt]\nengine: chipmunk": "must be a readable file",
             "policies:\n- {group: a}": "line 2, policies: must have files",
             "policies:\n- {files: bc, seed: 1}": "line 2, seed: there is no such key; there are "
             "files, group, reference",
@@ -384,9 +394,9 @@ engine: [two_mass, chipmunk]
 
     @long_form
     def test_a_planted_tie_ends_in_cannot_say(self) -> None:
-        """One checkpoint under eight names; eight whose weights differ by a thousandth."""
+        """One network in eight files; eight whose weights differ by a thousandth."""
         for number in range(8):
-            shutil.copyfile(SHIPPED, self.folder / f"same-{number}.ts.pt")
+            self.perturbed(f"same-{number}.ts.pt", 0.0, number)
             self.perturbed(f"alike-{number}.ts.pt", 0.001, number)
         plan = (
             "{policies: [{files: 'same-*.ts.pt', group: same}, "

@@ -4,14 +4,18 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
-#include <set>
+#include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "plan_values.hpp"
 #include "pusht_policy/checkpoint_home.hpp"
 #include "pusht_policy/policy_choice.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
 #include "pusht_task/ros/installed_file.hpp"
 
 namespace sim2sim {
@@ -43,6 +47,33 @@ std::vector<std::string> policiesNamed(const YAML::Node& node, const std::string
 
 bool isName(const std::string& policy) {
   return policy == pusht::kShippedPolicy || policy == pusht::kExpertPolicy || policy == pusht::kUntrainedPolicy;
+}
+
+/// What tells policies apart: a name of ours, or the bytes of a file; for one that cannot be read, its path.
+std::string identityOf(const std::string& policy) {
+  if (isName(policy)) {
+    return policy;
+  }
+  try {
+    return pusht::sha256OfFile(policy, "policy " + policy);
+  } catch (const pusht::Error&) {  // whoever loads it says why
+    return policy;
+  }
+}
+
+/// Refuses a policy that is in the list already, under another name too: a group would count it twice. The same file
+/// trained in two places, by its provenances, is two policies.
+void requireNew(const YAML::Node& node, const PlannedPolicy& policy, const std::string& identity,
+                const std::vector<PlannedPolicy>& before, const std::vector<std::string>& identities) {
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i].policy == policy.policy) {
+      refuse(node, "policies", "'" + policy.policy + "' must appear only once");
+    }
+    if (identities[i] == identity && before[i].reference == policy.reference) {
+      refuse(node, "policies", "'" + policy.policy + "' is '" + before[i].policy +
+                                   "' under another name; a policy must appear only once");
+    }
+  }
 }
 
 /// What an entry of the list says of its policies.
@@ -94,18 +125,19 @@ std::vector<PlannedPolicy> policiesIn(const YAML::Node& list, const std::optiona
     refuse(list, "policies", "must be a list of policies");
   }
   std::vector<PlannedPolicy> policies;
-  std::set<std::string> seen;
+  std::vector<std::string> identities;
   for (const YAML::Node& node : list) {
     const ListEntry entry = entryIn(node, reference);
     for (const std::string& policy : entry.policies) {
-      if (!seen.insert(isName(policy) ? policy : std::filesystem::weakly_canonical(policy).string()).second) {
-        refuse(node, "policies", "'" + policy + "' must appear only once");
-      }
       std::optional<SimulatorChoice> own = entry.reference;
       if (!own) {
         inLineOf(node, [&] { own = homeOfPolicy(policy); });
       }
-      policies.push_back({policy, entry.group, *own});
+      PlannedPolicy planned{policy, entry.group, *own};
+      std::string identity = identityOf(policy);
+      requireNew(node, planned, identity, policies, identities);
+      policies.push_back(std::move(planned));
+      identities.push_back(std::move(identity));
     }
   }
   return policies;

@@ -34,6 +34,7 @@ from pusht_msgs.srv import (  # type: ignore[import]
 )
 
 from pusht_task import files, task
+from pusht_task.command import require_folder_of
 from pusht_task.error import Error, ExitCode
 from pusht_task.parameters import Value, merged
 from pusht_task.policy_session import PolicySession
@@ -760,6 +761,22 @@ class Files(unittest.TestCase):
         self.assertTrue(link.is_symlink())
         kept = dict.fromkeys(("mine", "result.json.part", "result.json.2.part"), "mine")
         self.assertEqual(self.found(), {"result.json": "new", **kept})
+
+
+class Places(unittest.TestCase):
+    """Where a command will write, before it works."""
+
+    def test_a_folder_that_lets_nothing_in_is_refused_at_once(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "out.html")
+            require_folder_of("out", path)
+            with self.assertRaisesRegex(Error, "out .*none/a: its folder does not exist") as refused:
+                require_folder_of("out", Path(folder, "none", "a"))
+            self.assertEqual(refused.exception.exit_code, ExitCode.INVALID_INPUT)
+            with mock.patch.object(os, "access", return_value=False):
+                with self.assertRaisesRegex(Error, "out.html: cannot be written") as refused:
+                    require_folder_of("out", path)
+            self.assertEqual(refused.exception.exit_code, ExitCode.RUNTIME_FAULT)
 
 
 class Contracts(unittest.TestCase):

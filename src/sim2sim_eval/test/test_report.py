@@ -767,6 +767,9 @@ class Refusals(ReportCase):
         self.assert_one_line(process, 2, "report")
         self.assertIn("out copy/report.html: is there already", process.stderr)
         self.assertEqual(self.run_command(REPORT, "copy", "--overwrite").returncode, 0)
+        self.assertIn(
+            "out none/a.html: its folder does not exist", self.refused("copy", "--out", "none/a.html")
+        )
         (folder / "report.html").unlink()
         (folder / "report.html").symlink_to("metrics.json")
         self.assert_one_line(self.run_command(REPORT, "copy", "--overwrite"), 2, "report")

@@ -21,7 +21,7 @@ from pusht_policy.checkpoint import (
     read_provenance,
     sha256_of,
 )
-from pusht_task.command import require_new_file
+from pusht_task.command import require_folder_of, require_new_file
 from pusht_task.error import Error, ExitCode
 from pusht_task.files import read_file, write_file
 from pusht_task.json_file import Json, write_json
@@ -43,6 +43,7 @@ def export(source: Path, target: Path, overwrite: bool = False) -> None:
     if target.suffix != SUFFIX:
         raise Error(f"out {target}: must end in {SUFFIX}, by which the suite knows ONNX")
     require_new_file("out", target, MARK if overwrite else None)
+    require_folder_of("out", target)
     if not overwrite:
         require_new_file("provenance", provenance_path(target))
     digest = sha256_of(source)

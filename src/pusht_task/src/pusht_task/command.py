@@ -178,6 +178,15 @@ def require_new_file(option: str, path: Path, mark: Optional[bytes] = None) -> N
         raise Error(f"{option} {path}: is there already, and is not this command's own")
 
 
+def require_folder_of(option: str, path: Path) -> None:
+    """Refuses a file whose folder is none, or lets nothing in, before there is work to lose."""
+    folder = path.parent
+    if not folder.is_dir():
+        raise Error(f"{option} {path}: its folder does not exist; it must exist")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise Error(f"{option} {path}: cannot be written in that folder", ExitCode.RUNTIME_FAULT)
+
+
 def _has_mark(path: Path, mark: bytes) -> bool:
     with open(path, "rb") as file:
         if mark in file.read(MARK_WITHIN):

@@ -772,7 +772,7 @@ class Places(unittest.TestCase):
             require_folder_of("out", path)
             with self.assertRaisesRegex(Error, "out .*none/a: its folder does not exist") as refused:
                 require_folder_of("out", Path(folder, "none", "a"))
-            self.assertEqual(refused.exception.exit_code, ExitCode.INVALID_INPUT)
+            self.assertEqual(refused.exception.exit_code, ExitCode.RUNTIME_FAULT)
             with mock.patch.object(os, "access", return_value=False):
                 with self.assertRaisesRegex(Error, "out.html: cannot be written") as refused:
                     require_folder_of("out", path)

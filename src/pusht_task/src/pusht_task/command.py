@@ -182,7 +182,8 @@ def require_folder_of(option: str, path: Path) -> None:
     """Refuses a file whose folder is none, or lets nothing in, before there is work to lose."""
     folder = path.parent
     if not folder.is_dir():
-        raise Error(f"{option} {path}: its folder does not exist; it must exist")
+        text = f"{option} {path}: its folder does not exist; it must exist"
+        raise Error(text, ExitCode.RUNTIME_FAULT)
     if not os.access(folder, os.W_OK | os.X_OK):
         raise Error(f"{option} {path}: cannot be written in that folder", ExitCode.RUNTIME_FAULT)
 

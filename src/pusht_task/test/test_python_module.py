@@ -770,7 +770,9 @@ class Places(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "out.html")
             require_folder_of("out", path)
-            with self.assertRaisesRegex(Error, "out .*none/a: its folder does not exist") as refused:
+            with self.assertRaisesRegex(
+                Error, "out .*none/a: its folder does not exist"
+            ) as refused:
                 require_folder_of("out", Path(folder, "none", "a"))
             self.assertEqual(refused.exception.exit_code, ExitCode.RUNTIME_FAULT)
             with mock.patch.object(os, "access", return_value=False):

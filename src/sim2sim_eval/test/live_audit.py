@@ -129,9 +129,9 @@ class OwnNodes(LiveCase):
 
     def assert_asked_besides(self, audit: Dict[str, Any]) -> None:
         """Before the fault, and after it."""
-        self.assertEqual(of(audit, "delay")["verdict"], "same")
-        self.assertEqual(of(audit, "pusher_radius")["verdict"], "same")
-        self.assertEqual(of(audit, "wall_up")["verdict"], "differs")
+        for name, verdict in (("delay", "same"), ("pusher_radius", "same"), ("wall_up", "differs")):
+            found = of(audit, name)
+            self.assertEqual(found["verdict"], verdict, found.get("reason"))
 
     def test_the_example_keeps_the_contract(self) -> None:
         self.start_node("quasi_static_simulator")
@@ -211,6 +211,17 @@ class OwnNodes(LiveCase):
         Process(self, "/usr/bin/python3", "other.py", environment=self.environment)
         said = self.audit(2)
         self.assertRegex(said, r"audit: /engine/describe: .* is it a node of another task\?\n")
+
+    def test_description_that_raises(self) -> None:
+        (self.folder / "raises.py").write_text(
+            "import rospy\nfrom pusht_msgs.srv import Describe\nrospy.init_node('engine')\n"
+            "def describe(_): raise ValueError('no idea')\n"
+            "rospy.Service('~describe', Describe, describe)\nrospy.spin()\n"
+        )
+        Process(self, "/usr/bin/python3", "raises.py", environment=self.environment)
+        said = self.audit(3)
+        self.assertRegex(said, r"no idea(.|\n)*\naudit: /engine/describe: .* answers with an error")
+        self.assertLess(said.count("\n"), 25, said)
 
     def test_one_node_in_both_roles(self) -> None:
         self.start_node("quasi_static_simulator")

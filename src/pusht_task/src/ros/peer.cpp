@@ -6,6 +6,7 @@
 #include <ros/service.h>
 #include <ros/service_manager.h>
 
+#include <algorithm>
 #include <gsl/util>
 #include <utility>
 
@@ -14,9 +15,10 @@
 namespace pusht {
 namespace {
 
-constexpr std::chrono::milliseconds kConnectPeriod{20};
-constexpr std::chrono::seconds kSilence{1};      // wait before it is logged
-constexpr std::chrono::seconds kDeadOrNever{3};  // a node accepts connections before it is registered
+constexpr std::chrono::milliseconds kConnectPeriod{20};          // doubles while a node refuses,
+constexpr std::chrono::milliseconds kLongestConnectPeriod{320};  // for roscpp logs each refusal
+constexpr std::chrono::seconds kSilence{1};                      // wait before it is logged
+constexpr std::chrono::seconds kDeadOrNever{3};                  // a node accepts connections before it is registered
 
 /// Host and port of the node that the master knows for `service`; empty if there is none.
 std::string ownerOf(const std::string& service) {
@@ -73,6 +75,7 @@ void Peer::connect(const Wait& wait) {
   bool answered = false;
   bool said = false;
   auto last_sign = begin;  // of life
+  auto period = kConnectPeriod;
   while (!answered) {
     if (!said && std::chrono::steady_clock::now() - begin > kSilence) {
       ROS_WARN_STREAM("waiting for the node of "
@@ -89,6 +92,7 @@ void Peer::connect(const Wait& wait) {
     }
     const std::string owner = std::exchange(owner_, ownerOf(service));
     bool late = false;
+    bool errs = false;
     if (!owner_.empty()) {
       ros::ServiceClient client = ros::NodeHandle().serviceClient<pusht_msgs::Describe>(service, true);
       watchdog_.run([&] { answered = client.isValid() && client.call(describe); },
@@ -96,12 +100,16 @@ void Peer::connect(const Wait& wait) {
                       late = true;
                       client.shutdown();
                     });
+      errs = !answered && !late && client.isValid();  // a service of another type, and a dead node, do not connect
     }
     const bool may_live = owner_.empty() || owner_ != owner || late || answered;
     answered = answered && ownerOf(service) == owner_;  // not one that has come in its place meanwhile
     if (may_live) {
       last_sign = std::chrono::steady_clock::now();
     } else if (!wait.respawn && std::chrono::steady_clock::now() - last_sign > kDeadOrNever) {
+      if (errs) {  // a node that begins, or ends, may do so for a moment
+        throw BadDependency(service + ": the node at " + owner_ + " answers with an error, which is logged above");
+      }
       if (ros::service::exists(service, false)) {  // takes connections, and refuses each call
         throw InvalidInput(service + ": the service of the node at " + owner_ +
                            " is of another type than pusht_msgs/Describe: is it a node of another task?");
@@ -109,8 +117,9 @@ void Peer::connect(const Wait& wait) {
       throw NodeMissing(service + ": the master knows a node at " + owner_ + ", but nothing answers there: it has died",
                         services_);
     }
+    period = may_live ? kConnectPeriod : std::min(2 * period, kLongestConnectPeriod);
     if (!answered) {
-      ros::WallDuration(std::chrono::duration<double>(kConnectPeriod).count()).sleep();
+      ros::WallDuration(std::chrono::duration<double>(period).count()).sleep();
     }
   }
   if (said) {

@@ -70,8 +70,9 @@ void requireNew(const YAML::Node& node, const PlannedPolicy& policy, const std::
       refuse(node, "policies", "'" + policy.policy + "' must appear only once");
     }
     if (identities[i] == identity && before[i].reference == policy.reference) {
-      refuse(node, "policies", "'" + policy.policy + "' is '" + before[i].policy +
-                                   "' under another name; a policy must appear only once");
+      refuse(
+          node, "policies",
+          "'" + policy.policy + "' is '" + before[i].policy + "' under another name; a policy must appear only once");
     }
   }
 }

@@ -99,7 +99,9 @@ def _draw(axes: Any, attribution: Attribution, gap: Json) -> None:
     ends = f"all off {1e3 * gap['all_off']:.1f}, all on {1e3 * gap['all_on']:.1f} {unit}"
     still = f"a tee that stands still {1e3 * gap['null_model']['value']:.1f}"
     below = fitted(f"{ends}; {still}", COLUMN, SUBTITLE)
-    axes.set_title(_title(attribution), fontsize=TITLE, pad=8 + LINE * SUBTITLE * (1 + below.count("\n")))
+    axes.set_title(
+        _title(attribution), fontsize=TITLE, pad=8 + LINE * SUBTITLE * (1 + below.count("\n"))
+    )
     axes.annotate(
         *(below, (0.5, 1.0), (0, 6), "axes fraction", "offset points"),
         **{"ha": "center", "color": DIM, "fontsize": SUBTITLE},

@@ -12,7 +12,7 @@ import numpy as np
 from pusht_task.files import write_file
 from scipy import stats  # type: ignore[import]
 from sim2sim_report.colors import DIM, SERIES
-from sim2sim_report.figures import NARROW, Figure, legend_above, styled
+from sim2sim_report.figures import NARROW, Figure, add_legend, styled
 
 import study_statistics as statistics
 from study_conduct import HOME, conduct_runs, policy_conduct
@@ -177,7 +177,7 @@ def _draw_curves(rows: Sequence[Row], narrow: bool) -> Any:
         axes.set_xlabel("epochs of training")
     panels[0].set_ylabel("success rate")
     handles, labels = figure.axes[0].get_legend_handles_labels()
-    legend_above(figure, dict(zip(labels, handles)), 2 if narrow else 4)
+    add_legend(figure, "upper", dict(zip(labels, handles)), 2 if narrow else 4)
     return figure
 
 

@@ -764,14 +764,14 @@ class Files(unittest.TestCase):
 
 
 class Places(unittest.TestCase):
-    """Where a command will write, before it works."""
+    """Folders in which a command will write, before it works."""
 
     def test_a_folder_that_lets_nothing_in_is_refused_at_once(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "out.html")
             require_folder_of("out", path)
             with self.assertRaisesRegex(
-                Error, "out .*none/a: its folder does not exist"
+                Error, "out .*none/a: must be in a folder that is there"
             ) as refused:
                 require_folder_of("out", Path(folder, "none", "a"))
             self.assertEqual(refused.exception.exit_code, ExitCode.RUNTIME_FAULT)

@@ -25,12 +25,12 @@ def equivalents(parameters: int, engines: int = 3) -> Json:
         {"size": size, "success": {"rate": rate, "interval": [rate - 0.1, rate + 0.05]}}
         for size, rate in enumerate(rates)
     ]
-    curve = {"unit": "control steps", "without": 0, "levels": levels}
+    curve: Json = {"unit": "control steps", "without": 0, "levels": levels}
     found = [
         {"parameter": "loop.action_delay", **curve, "error": 2.5, "error_interval": [1.5, None]},
         {"parameter": "loop.hold", **curve, "error": None, "error_interval": [None, None]},
     ]
-    engine = {
+    engine: Json = {
         "success": {"rate": 0.4, "interval": [0.3, 0.5]},
         "lost": 0.5,
         "lost_interval": [0.4, 0.6],
@@ -54,7 +54,7 @@ def attribution() -> Attribution:
         "share_interval": [0.003, 0.005],
         "leave_one_out": {"value": 0.006, "interval": [0.005, 0.007]},
     }
-    gap = {
+    gap: Json = {
         "all_off": 0.008,
         "all_on": 0.0,
         "null_model": {"value": 0.014, "interval": [0.012, 0.016]},
@@ -123,6 +123,19 @@ class PageOfEquivalents(unittest.TestCase):
             found["headline"],
             "As much as the two-mass engine costs loop.action_delay + 2.5 [1.5, > 3] control "
             "steps; that Chipmunk costs success is not shown.",
+        )
+        one, other = content["engines"]
+        one["equivalents"].reverse()
+        other["lost_interval"] = [-0.3, -0.1]
+        self.assertEqual(
+            section(Equivalents(content))["headline"],
+            "As much as the two-mass engine costs loop.action_delay + 2.5 [1.5, > 3] control "
+            "steps; Chipmunk gains success.",
+        )
+        one["equivalents"].pop()
+        self.assertIn(
+            "No error that was tried costs as much as the two-mass engine;",
+            section(Equivalents(content))["headline"],
         )
         self.assertEqual(
             [row["error"] for row in found["rows"][:2]],

@@ -165,6 +165,10 @@ class Equivalents(LoopCase):
         picture = self.folder / out / "sweep.png"
         self.run_all((PLOT, "--equivalents", out))
         self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
+        self.run_all((REPORT, out))
+        page = (self.folder / out / "report.html").read_text()
+        self.assertIn("Which error of MuJoCo costs as much as an engine?", page)
+        self.assertIn("[1, 3] control steps</td>", page)
         self.assertEqual((low, high), (1.0, 3.0))
         self.assertAlmostEqual(error, 2.0, delta=0.6)
         found = re.search(

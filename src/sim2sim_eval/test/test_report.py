@@ -847,7 +847,7 @@ class Refusals(ReportCase):
     def test_folder_that_cannot_be_written(self) -> None:
         process = self.run_command(REPORT, str(self.run_folder), "--out", "none/report.html")
         self.assert_one_line(process, 4, "report")
-        self.assertIn("out none/report.html: its folder does not exist", process.stderr)
+        self.assertIn("out none/report.html: must be in a folder that is there", process.stderr)
 
 
 class Browser(ReportCase):

@@ -179,10 +179,10 @@ def require_new_file(option: str, path: Path, mark: Optional[bytes] = None) -> N
 
 
 def require_folder_of(option: str, path: Path) -> None:
-    """Refuses a file whose folder is none, or lets nothing in, before there is work to lose."""
+    """Refuses a file in no folder, or in one that is not writable, before there is work to lose."""
     folder = path.parent
     if not folder.is_dir():
-        text = f"{option} {path}: its folder does not exist; it must exist"
+        text = f"{option} {path}: must be in a folder that is there"
         raise Error(text, ExitCode.RUNTIME_FAULT)
     if not os.access(folder, os.W_OK | os.X_OK):
         raise Error(f"{option} {path}: cannot be written in that folder", ExitCode.RUNTIME_FAULT)

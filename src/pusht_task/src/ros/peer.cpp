@@ -15,8 +15,8 @@
 namespace pusht {
 namespace {
 
-constexpr std::chrono::milliseconds kConnectPeriod{20};          // doubles while a node refuses,
-constexpr std::chrono::milliseconds kLongestConnectPeriod{320};  // for roscpp logs each refusal
+constexpr std::chrono::milliseconds kConnectPeriod{20};          // doubles with each refusal
+constexpr std::chrono::milliseconds kLongestConnectPeriod{320};  // between refusals, each of which roscpp logs
 constexpr std::chrono::seconds kSilence{1};                      // wait before it is logged
 constexpr std::chrono::seconds kDeadOrNever{3};                  // a node accepts connections before it is registered
 
@@ -108,7 +108,7 @@ void Peer::connect(const Wait& wait) {
       last_sign = std::chrono::steady_clock::now();
     } else if (!wait.respawn && std::chrono::steady_clock::now() - last_sign > kDeadOrNever) {
       if (errs) {  // a node that begins, or ends, may do so for a moment
-        throw BadDependency(service + ": the node at " + owner_ + " answers with an error, which is logged above");
+        throw BadDependency(service + ": the node at " + owner_ + " answers with an error; its log says why");
       }
       if (ros::service::exists(service, false)) {  // takes connections, and refuses each call
         throw InvalidInput(service + ": the service of the node at " + owner_ +

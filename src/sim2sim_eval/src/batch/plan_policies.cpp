@@ -45,24 +45,27 @@ std::vector<std::string> policiesNamed(const YAML::Node& node, const std::string
   return files;
 }
 
-bool isName(const std::string& policy) {
-  return policy == pusht::kShippedPolicy || policy == pusht::kExpertPolicy || policy == pusht::kUntrainedPolicy;
+/// File of a policy; the installed one of the shipped policy.
+std::filesystem::path fileOf(const std::string& policy) {
+  const bool is_shipped = policy == pusht::kShippedPolicy;
+  return is_shipped ? pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint) : std::filesystem::path(policy);
 }
 
-/// What tells policies apart: a name of ours, or the bytes of a file; for one that cannot be read, its path.
+/// Bytes that tell policies apart, as their digest; of a name without a file, and of a file that cannot be read, the
+/// name.
 std::string identityOf(const std::string& policy) {
-  if (isName(policy)) {
+  if (policy == pusht::kExpertPolicy || policy == pusht::kUntrainedPolicy) {
     return policy;
   }
   try {
-    return pusht::sha256OfFile(policy, "policy " + policy);
-  } catch (const pusht::Error&) {  // whoever loads it says why
+    return pusht::sha256OfFile(fileOf(policy), "policy " + policy);
+  } catch (const pusht::Error&) {  // loading it says why
     return policy;
   }
 }
 
-/// Refuses a policy that is in the list already, under another name too: a group would count it twice. The same file
-/// trained in two places, by its provenances, is two policies.
+/// Refuses a policy that is in the list already, under another name too: a group would count it twice. The same bytes
+/// beside another reference are another policy.
 void requireNew(const YAML::Node& node, const PlannedPolicy& policy, const std::string& identity,
                 const std::vector<PlannedPolicy>& before, const std::vector<std::string>& identities) {
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -115,9 +118,7 @@ SimulatorChoice homeOfPolicy(const std::string& policy) {
   if (policy == pusht::kExpertPolicy || policy == pusht::kUntrainedPolicy) {
     throw pusht::InvalidInput("policy " + policy + ": has no home; name its reference");
   }
-  const bool is_shipped = policy == pusht::kShippedPolicy;
-  const pusht::CheckpointHome home = pusht::homeOf(
-      is_shipped ? pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint) : std::filesystem::path(policy));
+  const pusht::CheckpointHome home = pusht::homeOf(fileOf(policy));
   return chooseSimulator(home.simulator, home.settings);
 }
 

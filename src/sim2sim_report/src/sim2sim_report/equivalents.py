@@ -134,11 +134,15 @@ def section(equivalents: Equivalents) -> Json:
 
 
 def _answer(engine: Json) -> str:
-    """ "as much as Chipmunk costs loop.action_delay + 2 [1, 3] control steps": the first error."""
+    """ "as much as Chipmunk costs loop.action_delay + 2 [1, 3] control steps": the first that does."""
     name = in_sentence(engine["engine"])
+    if engine["lost_interval"][1] < 0.0:
+        return f"{name} gains success"
     if engine["lost_interval"][0] <= 0.0:
         return f"that {name} costs success is not shown"
-    curve = engine["equivalents"][0]
+    curve = next((c for c in engine["equivalents"] if c["error"] is not None), None)
+    if curve is None:
+        return f"no error that was tried costs as much as {name}"
     return f"as much as {name} costs {curve['parameter']} {_error_text(curve)}"
 
 

@@ -5,7 +5,7 @@
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Any, Iterator, List
+from typing import Any, Iterator, List, cast
 
 from pusht_task.error import Error
 from pusht_task.json_file import Json, write_json
@@ -14,6 +14,8 @@ from sim2sim_report.attribution import Attribution
 from sim2sim_report.costs import Costs
 from sim2sim_report.equivalents import FILE, Equivalents, read_equivalents, section
 from sim2sim_report.figures import Drawing, FigureCanvasAgg, matplotlib
+from sim2sim_report.suite import Suite
+from sim2sim_report.sweep_rows import PANELS, contrasted
 
 LONG = "rigid-body engine, preset faithful, substep 0.0025, table_friction false, loop.hold 2"
 
@@ -111,6 +113,25 @@ class Words(unittest.TestCase):
         with matplotlib.rc_context():
             (legend,) = Equivalents(content).drawing("equivalents").wide.legends
         self.assertEqual(legend.get_texts()[1].get_text(), r"a\$b\$c_d")
+
+
+class Differences(unittest.TestCase):
+    def test_each_row_has_its_own_and_the_one_it_is_held_against_none(self) -> None:
+        keys = [panel.value for panel in PANELS]
+
+        class Contrasts:
+            def contrast(self, folders: Any, against: int) -> Json:
+                figures = [
+                    {key: {"difference": row + 1.0, "interval": None} for key in keys}
+                    for row in range(3)
+                    if row != against
+                ]
+                return {"contrasts": [{"figures": one} for one in figures]}
+
+        for against in range(3):
+            rows = contrasted(Path("any"), [{}, {}, {}], against, cast(Suite, Contrasts()))
+            wanted = [0.0 if row == against else row + 1.0 for row in range(3)]
+            self.assertEqual([row[keys[0]] for row in rows], wanted)
 
 
 class PageOfEquivalents(unittest.TestCase):

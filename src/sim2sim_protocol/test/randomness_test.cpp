@@ -114,6 +114,12 @@ TEST(Repeats, DivideTheEpisodes) {
             "the other");
   protocol.episodes = 51;
   protocol.validate();
+  protocol.first_episode = 1;
+  EXPECT_EQ(refusalOf([&] { protocol.validate(); }),
+            "repeats 3: must divide episodes 51 and first_episode 1, because a start has that many episodes, one after "
+            "the other");
+  protocol.first_episode = 3;
+  protocol.validate();
   protocol.repeats = 0;
   EXPECT_EQ(refusalOf([&] { protocol.validate(); }), "repeats 0: must be from 1 to 1000");
 }

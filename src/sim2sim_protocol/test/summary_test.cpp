@@ -29,6 +29,12 @@ TEST(Summarize, CountsTheClosedLoopsAndAveragesTheReplay) {
   EXPECT_NEAR(summary.mean(kEngineReplay, "mean_angle_divergence").value, 0.05 * 24.5, 1e-14);
 }
 
+TEST(Summarize, TransferCountsWhatOnlyTheEngineSolves) {
+  const Outcomes outcomes = summarize(bare(), episodesWith(50, 10, 31)).outcomes;
+  EXPECT_EQ(outcomes.table.second_only, 21);
+  EXPECT_NEAR(outcomes.transfer.value(), 31.0 / 10.0, 1e-15);
+}
+
 TEST(Summarize, TransferIsUndefinedWithoutReferenceSuccess) {
   const Summary summary = summarize(bare(), episodesWith(5, 0, 1));
   EXPECT_FALSE(summary.outcomes.transfer);

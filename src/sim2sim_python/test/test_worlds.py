@@ -94,6 +94,12 @@ class OneWorld(unittest.TestCase):
             assert_array_equal(again["state"], info["state"])
             self.assertNotIn("seed", again)
 
+    def test_each_field_of_a_state_is_its_own(self) -> None:
+        values = (0.3, 0.25, 0.02, 0.03, -0.1, -0.05, 0.4, 0.05, -0.06, 0.07)
+        state = dict(zip(sim2sim.STATE_FIELDS, values))
+        _, info = sim2sim.make("two_mass").reset(options={"state": state})
+        assert_array_equal(info["state"], values)
+
     def test_resets_without_a_seed_follow_from_the_last_seed(self) -> None:
         def drawn() -> Any:
             world = sim2sim.make("two_mass")

@@ -134,7 +134,7 @@ def section(equivalents: Equivalents) -> Json:
 
 
 def _answer(engine: Json) -> str:
-    """ "as much as Chipmunk costs loop.action_delay + 2 [1, 3] control steps": the first that does."""
+    """ "as much as Chipmunk costs loop.action_delay + 2 [1, 3] control steps": the first error."""
     name = in_sentence(engine["engine"])
     if engine["lost_interval"][1] < 0.0:
         return f"{name} gains success"

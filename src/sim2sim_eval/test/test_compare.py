@@ -133,7 +133,8 @@ class Measurement(CompareCase):
         self.assertAlmostEqual(recorded["evaluation"]["successes"], successes, delta=5)
 
     def test_provenance_names_the_versions_of_those_who_took_part(self) -> None:
-        self.finished("--policy", "expert", "--episodes", "1", "--engine", "chipmunk")
+        process = self.run_command(COMPARE, *SHORT, "--engine", "chipmunk", "--out", "out")
+        self.assertIn("engine - reference", process.stdout, "Chipmunk's greeting alone is silenced")
         provenance = self.load("out", "provenance.json")
         self.assertRegex(provenance["engine"]["version"], r"^7\.\d+\.\d+$")
         self.assertRegex(provenance["reference"]["version"], r"^\d+\.\d+\.\d+$")

@@ -176,6 +176,20 @@ TEST(Protocol, DivergenceIsTheMeanOverCommonStepsStartIncluded) {
   }
 }
 
+/// Tees 4 mm further apart in each control step leave the bound of 30 mm in the eighth, in closed and in open loop.
+TEST(Protocol, EveryRolloutOfTheEngineHasAFirstDivergence) {
+  Protocol protocol;
+  protocol.episodes = 2;
+  protocol.horizon = 12;
+  for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.05, 0.01), idlePolicy})) {
+    EXPECT_FALSE(episode.rollouts[kReferenceClosed].first_divergence);
+    for (const Mode mode : {kEngineClosed, kEngineReplay}) {
+      ASSERT_TRUE(episode.rollouts[mode].first_divergence) << mode;
+      EXPECT_EQ(episode.rollouts[mode].first_divergence->step, 8) << mode;
+    }
+  }
+}
+
 TEST(Protocol, HeldOutSeeds) {
   Protocol protocol;
   protocol.seed = 7;

@@ -122,6 +122,17 @@ TEST(RepeatedStarts, SplitTheVariance) {
   EXPECT_THAT(table(bareConfiguration(), plain), Not(HasSubstr("variance")));
 }
 
+TEST(RepeatedStarts, WithoutAFigureDoNotCount) {
+  std::vector<EpisodeResult> episodes = repeated(episodesWith(3, 2, 1));
+  for (std::size_t i = 0; i < episodes.size(); i += 2) {
+    episodes[i].rollouts[kEngineReplay].at("mean_position_divergence") = std::nan("");
+  }
+  const std::vector<EpisodeResult> means = meansOfStarts(repeatedConfiguration(12).protocol, episodes);
+  ASSERT_EQ(means.size(), 3U);
+  EXPECT_NEAR(means[2].rollouts[kEngineReplay].at("mean_position_divergence"), 0.02, 1e-15)
+      << "the mean of two, not four";
+}
+
 TEST(RepeatedStarts, TooFewStartsSayNothing) {
   const RunConfiguration configuration = repeatedConfiguration(36);
   const Summary summary = summarize(configuration.protocol, noisyEpisodes(9));

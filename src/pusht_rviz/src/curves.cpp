@@ -48,7 +48,7 @@ Curves::Curves(QWidget* parent) : QWidget(parent), plot_(new QCustomPlot(this)) 
   all->setContentsMargins(0, 0, 0, 0);
   all->addWidget(plot_);
   plot_->setObjectName("curves");
-  plot_->setMinimumHeight(theme::px(120));  // below a long answer and a failure the figures come first
+  plot_->setMinimumHeight(theme::px(180));
   plot_->setBackground(QBrush(theme::kPaper));
   plot_->setNoAntialiasingOnDrag(true);
   plot_->plotLayout()->clear();

@@ -651,6 +651,14 @@ class Refusals(ReportCase):
         self.assertFalse(list(self.folder.glob("refused*")), "nothing is written")
         return process.stderr
 
+    def test_traces_with_more_than_an_array(self) -> None:
+        path = self.copy() / "traces.npy"
+        with path.open("ab") as file:
+            file.write(b"more")
+        self.assertIn("traces.npy: must end after its array", self.refused("copy"))
+        os.truncate(path, 3 << 30)
+        self.assertIn("traces.npy: has 3221225472 bytes, must have at most", self.refused("copy"))
+
     def test_what_is_no_run(self) -> None:
         self.assertIn("none/metrics.json: no such file", self.refused("none"))
         (self.folder / "empty").mkdir()

@@ -4,7 +4,6 @@
 import csv
 import io
 import math
-import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,6 +28,7 @@ KINDS = {  # kind of an episode by success (in the reference, in the engine)
     (False, False): "neither_succeeds",
     (False, True): "only_engine_succeeds",
 }
+LARGEST_HEAD, LARGEST_RECORD = 4096, 256  # [bytes] of a file of traces
 TRACE_FIELDS = (
     *("episode", "mode", "step", "pusher_x", "pusher_y", "tee_x", "tee_y", "tee_yaw"),
     *("action_x", "action_y"),
@@ -265,12 +265,16 @@ def _bands(path: Path) -> Dict[str, Dict[str, Any]]:
 
 
 def _traces(path: Path, run: Run) -> Traces:
+    wanted = {(e.index, mode): e.steps(mode) + 1 for e in run.episodes for mode in MODES}
+    content = io.BytesIO(read_file(path, LARGEST_HEAD + LARGEST_RECORD * sum(wanted.values())))
     try:
-        records = np.load(io.BytesIO(read_file(path, sys.maxsize)), allow_pickle=False)
+        records = np.load(content, allow_pickle=False)
     except (EOFError, ValueError) as error:
         raise Error(f"{path}: must be a NumPy array: {error}") from None
     if not isinstance(records, np.ndarray) or records.dtype.names != TRACE_FIELDS:
         raise Error(f"{path}: must be one array with the fields {', '.join(TRACE_FIELDS)}")
+    if content.read(1):
+        raise Error(f"{path}: must end after its array")
     _require_finite(path, records)
     begins = np.flatnonzero(records["step"] == 0)
     traces = {
@@ -278,7 +282,6 @@ def _traces(path: Path, run: Run) -> Traces:
         for trace in np.split(records, begins[1:])
         if len(trace)
     }
-    wanted = {(e.index, mode): e.steps(mode) + 1 for e in run.episodes for mode in MODES}
     if {key: len(trace) for key, trace in traces.items()} != wanted:
         raise Error(f"{path}: must have the steps of episodes.csv beside it")
     for episode in run.episodes:

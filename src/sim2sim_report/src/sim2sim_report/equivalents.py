@@ -107,12 +107,6 @@ def section(equivalents: Equivalents) -> Json:
     """The sentences, the figure and the table of the page."""
     content = equivalents.content
     sentence = "; ".join(map(_answer, equivalents.engines)) + "."
-    rows = [(engine, curve) for engine in equivalents.engines for curve in engine["equivalents"]]
-    success = {
-        engine["engine"]: f"{engine['success']['rate']:.{RATE_DIGITS}f}"
-        f"{interval(engine['success']['interval'], RATE_DIGITS)}"
-        for engine in equivalents.engines
-    }
     return {
         "reference": content["reference"],
         "headline": sentence[0].upper() + sentence[1:],
@@ -124,11 +118,13 @@ def section(equivalents: Equivalents) -> Json:
         "rows": [
             {
                 "engine": engine["engine"],
-                "success": success[engine["engine"]],
+                "success": f"{engine['success']['rate']:.{RATE_DIGITS}f}"
+                f"{interval(engine['success']['interval'], RATE_DIGITS)}",
                 "parameter": curve["parameter"],
                 "error": _error_text(curve),
             }
-            for engine, curve in rows
+            for engine in equivalents.engines
+            for curve in engine["equivalents"]
         ],
     }
 

@@ -730,7 +730,7 @@ class TrainCommand(CommandCase):
                 self.assert_refused(finished, 2, (values[-2:-1] or [option])[0].strip("-"))
         with self.subTest("folder"):
             finished = self.run_command(self.command(out="absent/policy.pt"))
-            self.assert_refused(finished, 2, "its folder does not exist")
+            self.assert_refused(finished, 4, "must be in a folder that is there")
         self.assertEqual(list(self.folder.iterdir()), [self.bag])
 
     def test_state_folder_in_use(self) -> None:

@@ -728,6 +728,9 @@ class Files(unittest.TestCase):
             with self.subTest(path):
                 with self.assertRaisesRegex(Error, f"^{path}: {rule}$"):
                     files.read_file(path, 4)
+        with mock.patch.object(os, "access", return_value=False):  # root may read all
+            with self.assertRaisesRegex(Error, f"^{self.path}: must be a readable file$"):
+                files.read_file(self.path)
         for text in (b"", b"123", b"1234567"):
             with self.subTest(text), mock.patch.object(os, "fstat", self.changing(text)):
                 self.path.write_bytes(b"12345")

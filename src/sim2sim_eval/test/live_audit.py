@@ -161,6 +161,20 @@ class OwnNodes(LiveCase):
         self.assertRegex(reason, r"^reset: ValueError: too fast for me \(reset, line \d+\)$")
         self.assert_asked_besides(audit)
 
+    def test_describes_itself_otherwise_each_time(self) -> None:
+        self.start_node("faulty_simulator", "_fault:=other version")
+        said = self.audit(3)
+        self.assertRegex(
+            said,
+            r"\Aaudit: /engine: is 'faulty' in version '.*': must be in '.*', as it said before\n\Z",
+        )
+
+    def test_describes_more_parameters_than_anybody_reads(self) -> None:
+        self.start_node("faulty_simulator", "_fault:=many parameters")
+        said = self.audit(3)
+        rule = "describes 100000 parameters: must be at most 1000"
+        self.assertEqual(said, f"audit: /engine: {rule}\n")
+
     def assert_lost(self, audit: Dict[str, Any], reason: str) -> None:
         """Nothing was asked of the node after its loss, which every property says that is left."""
         self.assertEqual(of(audit, "delay")["verdict"], "same")

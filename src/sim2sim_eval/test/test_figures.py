@@ -6,14 +6,23 @@ import tempfile
 import unittest
 from pathlib import Path
 from typing import Any, Iterator, List, cast
+from unittest import mock
 
 from pusht_task.error import Error
 from pusht_task.json_file import Json, write_json
 from sim2sim_protocol.result_files import format_of
 from sim2sim_report.attribution import Attribution
+from sim2sim_report.convergence import Convergence, Line, Point
 from sim2sim_report.costs import Costs
 from sim2sim_report.equivalents import FILE, Equivalents, read_equivalents, section
-from sim2sim_report.figures import Drawing, FigureCanvasAgg, matplotlib
+from sim2sim_report.figures import (
+    Drawing,
+    Figure,
+    FigureCanvasAgg,
+    entitle_axes,
+    matplotlib,
+)
+from sim2sim_report.results import REPLAY
 from sim2sim_report.suite import Suite
 from sim2sim_report.sweep_rows import PANELS, contrasted
 
@@ -106,6 +115,31 @@ class Words(unittest.TestCase):
         for sweeps in (1, 3):
             with self.subTest(sweeps=sweeps):
                 self.check(Costs([attribution()] * sweeps).drawing("costs"))
+
+    def test_convergence(self) -> None:
+        row: Json = {"policy": LONG, "seed": 0, "episodes": 300, "confidence": 0.95}
+        for name in ("mean_pos_divergence", "mean_ang_divergence"):
+            row.update({f"{name}_m": 0.01, f"{name}_rad": 0.1, f"{name}_median_m": 0.005})
+        points = [Point(value, row, REPLAY) for value in (0.001, 0.01)]
+        lines = [Line("substep", "s", f"{LONG} {number}", points) for number in range(2)]
+        with mock.patch.object(Convergence, "_title", lambda _: [LONG]):
+            drawing = Convergence([row], 1, lines).drawing("convergence")
+            figures = (drawing.wide, drawing.narrow)
+        for figure in figures:
+            FigureCanvasAgg(figure).draw()
+            legend = figure.axes[0].get_legend()
+            self.assertTrue(all("\n" in text.get_text() for text in legend.get_texts()))
+            box, room = legend.get_window_extent(), figure.axes[0].bbox
+            self.assertTrue(room.x0 <= box.x0 and box.x1 <= room.x1, (box, room))
+
+    def test_axes(self) -> None:
+        with matplotlib.rc_context():
+            figure = Figure(figsize=(8.0, 3.0), constrained_layout=True)
+            axes = figure.subplots(1, 2)[0]
+            entitle_axes(axes, LONG, 11)
+            FigureCanvasAgg(figure).draw()
+            box = axes.title.get_window_extent()
+            self.assertTrue(figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1 / 2, box)
 
     def test_a_name_is_no_mathematics(self) -> None:
         content = equivalents(1)

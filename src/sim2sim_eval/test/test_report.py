@@ -791,6 +791,16 @@ class Refusals(ReportCase):
             self.assertEqual(process.returncode, 0, process.stderr)
         self.assertIn("success.png: is there already", self.refused(*images))
 
+    def test_a_place_for_images_is_asked_for_first(self) -> None:
+        self.write("mine", b"mine")
+        folder = self.copy()
+        (folder / "metrics.json").write_text("{}")  # what is in it comes later
+        for images in ("mine/images", "mine/images/of/it"):
+            process = self.run_command(REPORT, str(folder), "--images", images)
+            self.assert_one_line(process, 4, "report")
+            self.assertIn("images mine/images: must be in a folder that is there", process.stderr)
+        self.assertFalse((folder / "report.html").exists())
+
     def test_numbers_that_are_not_finite(self) -> None:
         folder = self.copy()
         whole = np.load(folder / "traces.npy")

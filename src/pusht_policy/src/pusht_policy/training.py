@@ -26,7 +26,7 @@ from pusht_policy.model import torchscript_bytes
 from pusht_policy.recipe import Recipe
 from pusht_policy.software import set_up_torch, software
 from pusht_policy.trainer import Trainer
-from pusht_task.command import SIGNALS, require_new_file, say
+from pusht_task.command import SIGNALS, require_folder_of, require_new_file, say
 from pusht_task.error import Error
 from pusht_task.files import write_file
 from pusht_task.json_file import Json, write_json
@@ -48,8 +48,7 @@ class Targets:
 
     def check(self, recipe: Recipe) -> None:
         """Raises Error for the first checkpoint that cannot be written, whatever is there."""
-        if not self.out.parent.is_dir():
-            raise Error(f"{self.out}: its folder does not exist; it must exist")
+        require_folder_of("out", self.out)
         if self.out.is_dir():
             raise Error(f"{self.out}: is a folder; it must be a file name")
         for epoch in self.also_after:

@@ -14,11 +14,14 @@ LARGEST_FILE = 2**30  # bytes of a file that is read at once, as in files.hpp
 
 
 def require_plain_file(path: Path) -> None:
-    """Raises Error for a folder, a pipe, a device: opening one may wait for ever, or never end."""
+    """Raises Error for a folder, a pipe, a device, where opening one may wait for ever or never
+    end; and for a file that this user may not read."""
     mode = path.stat().st_mode
     if not stat.S_ISREG(mode):
         found = "is a folder; it " if stat.S_ISDIR(mode) else ""
         raise Error(f"{path}: {found}must be a plain file")
+    if not os.access(path, os.R_OK):
+        raise Error(f"{path}: must be a readable file")
 
 
 def read_file(path: Path, most: int = LARGEST_FILE) -> bytes:

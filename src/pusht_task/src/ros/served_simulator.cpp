@@ -56,8 +56,9 @@ void StampSource::advance() { now_ += ros::Duration(kControlStep); }
 
 void StampSource::startAbove(const ros::Time& stamp) { now_ = std::max(now_, stamp); }
 
-ServedSimulator::ServedSimulator(const Peer& peer, const StampSource& stamps, double start_tolerance)
-    : Simulator(peer.services(), start_tolerance),
+ServedSimulator::ServedSimulator(const Peer& peer, const StampSource& stamps,
+                                 const pusht_msgs::DescribeResponse& description)
+    : Simulator(peer.services(), startToleranceOf(description)),
       peer_(peer),
       stamps_(stamps),
       describe_(peer, "describe"),
@@ -65,12 +66,13 @@ ServedSimulator::ServedSimulator(const Peer& peer, const StampSource& stamps, do
       reset_(peer, "reset"),
       step_(peer, "step"),
       kind_(peer.description().name),
+      version_(description.version),
       parameters_hash_(peer.description().parameters_hash) {}
 
 // Delegates, so that the destructor lets go of a world that refuses what follows.
 ServedSimulator::ServedSimulator(const Peer& peer, StampSource& stamps, const std::string& kind,
                                  const Parameters& changes)
-    : ServedSimulator(peer, stamps, startToleranceOf(describedAs(kind, peer))) {
+    : ServedSimulator(peer, stamps, describedAs(kind, peer)) {
   stamps.startAbove(peer.description().stamp);
   stamps.advance();
   silent_ = true;  // what is shown of the last run stays, should this one not begin
@@ -109,6 +111,10 @@ pusht_msgs::DescribeResponse ServedSimulator::describe() {
   if (description.name != kind_) {
     throw RuntimeFault(peer_.services() + ": is '" + description.name + "': must be '" + kind_ +
                        "'; another caller has configured the world");
+  }
+  if (description.version != version_) {
+    throw BadDependency(peer_.services() + ": is '" + kind_ + "' in version '" + description.version + "': must be in '" +
+                        version_ + "', as it said before");
   }
   requireParameters(description.parameters_hash);
   return description;

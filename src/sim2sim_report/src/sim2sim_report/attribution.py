@@ -17,6 +17,7 @@ from sim2sim_report.figures import (
     Drawing,
     Figure,
     add_legend,
+    entitle_axes,
     name_rows,
     panels,
     styled,
@@ -159,7 +160,7 @@ def _staircase(attribution: Attribution, narrow: bool) -> Any:
             end = max(end, right)
         axes.set_xlim(0, 1.25 * (end or 1.0))
         axes.locator_params(axis="x", nbins=5)
-        axes.set_title(f"{gap['title'].split(', ')[0]}, in its own best order", fontsize=11)
+        entitle_axes(axes, f"{gap['title'].split(', ')[0]}, in its own best order", 11)
         axes.set_xlabel(f"{gap['title']} [{gap['unit']}]")
         name_rows(axes, [name for name, _ in rows])
     return figure

@@ -12,7 +12,7 @@ from sim2sim_protocol.result_files import name_of
 from sim2sim_report.again import VARIANT
 from sim2sim_report.colors import CARD, DIM, SERIES
 from sim2sim_report.curves import MARKERS, MOST_LINES, OWN_STYLE, what_is_missing
-from sim2sim_report.figures import COMPONENTS, Drawing, Figure, entitle, styled
+from sim2sim_report.figures import COMPONENTS, Drawing, Figure, entitle, legend_labels, styled
 from sim2sim_report.results import REPLAY
 from sim2sim_report.sweep_rows import (
     Row,
@@ -193,6 +193,8 @@ class Convergence:
             if narrow or number >= 2:
                 axes.set_xlabel(names + unit_of_all)
         handles, labels = all_axes[0].get_legend_handles_labels()
+        width = figure.get_figwidth() / (1 if narrow else 2)
+        labels = legend_labels(labels, 0.75 * width, 11)
         all_axes[0].legend(handles, labels, loc="best", fontsize=11)
         entitle(figure, self._title(), 10 if narrow else 14)
         return figure

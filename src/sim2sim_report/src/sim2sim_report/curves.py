@@ -10,7 +10,7 @@ from pusht_task.error import Error
 from sim2sim_protocol.result_files import name_of
 
 from sim2sim_report.colors import CARD, DIM, INK, SERIES
-from sim2sim_report.figures import STYLE, Drawing, Figure, entitle, styled
+from sim2sim_report.figures import STYLE, Drawing, Figure, entitle, legend_labels, styled
 from sim2sim_report.suite import Suite
 from sim2sim_report.sweep_rows import (
     AGAINST,
@@ -182,8 +182,9 @@ def draw_column(
             axes.set_xlabel(f"{parameter} [{unit}]" if unit else parameter)
     handles = {label: h for axes in column for h, label in zip(*axes.get_legend_handles_labels())}
     beside = 1 if narrow or max(map(len, handles)) > LONGEST_BESIDE else 2
+    labels = legend_labels(handles, inches / beside, OWN_STYLE["legend.fontsize"])
     column[0].legend(
-        handles.values(), handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=beside
+        handles.values(), labels, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=beside
     )
 
 

@@ -8,7 +8,7 @@ import re
 import textwrap
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
 
 from pusht_task.error import Error
 from pusht_task.json_file import Json
@@ -367,12 +367,17 @@ def entitle(figure: Any, lines: Sequence[str], size: float) -> None:
     figure.suptitle("\n".join(fitted(line, width, size) for line in lines), fontsize=size)
 
 
+def entitle_axes(axes: Any, text: str, size: float) -> None:
+    """The title of axes, in lines that are no wider than their share of the figure."""
+    across = axes.get_subplotspec().get_gridspec().ncols
+    axes.set_title(fitted(text, axes.figure.get_figwidth() / across, size), fontsize=size)
+
+
 def add_legend(figure: Any, place: str, handles: Dict[str, Any], across: int) -> None:
     """Adds a legend over the whole width, "upper" or "lower", by which the figure grows: handles by
     label, `across` in a line."""
     size = FontProperties(size=matplotlib.rcParams["legend.fontsize"]).get_size_in_points()
-    room = figure.get_figwidth() / across - LEGEND_HANDLE * size / POINTS
-    labels = [fitted(label, room, size) for label in handles]
+    labels = legend_labels(handles, figure.get_figwidth() / across, size)
     lines = [1 + label.count("\n") for label in labels]
     column = -(-len(lines) // across)  # entries; Matplotlib fills columns one by one
     most = max(sum(lines[begin : begin + column]) for begin in range(0, len(lines), column))
@@ -382,6 +387,11 @@ def add_legend(figure: Any, place: str, handles: Dict[str, Any], across: int) ->
     begin = share if place == "lower" else 0.0
     figure.get_layout_engine().set(rect=(0.0, begin, 1.0, 1.0 - share))
     figure.legend(handles.values(), labels, loc=f"{place} center", ncols=across)
+
+
+def legend_labels(labels: Iterable[str], width: float, size: float) -> List[str]:
+    """Labels of a legend with columns of a width [in], in a font of a size [pt]."""
+    return [fitted(label, width - LEGEND_HANDLE * size / POINTS, size) for label in labels]
 
 
 def fitted(text: str, width: float, size: float) -> str:

@@ -17,6 +17,7 @@ from sim2sim_report.figures import (
     Figure,
     box,
     add_legend,
+    entitle_axes,
     name_rows,
     styled,
 )
@@ -221,4 +222,4 @@ def _draw_ranking(axes: Any, matrix: Matrix, ranking: Json, groups: Sequence[str
     ends = kendall["interval"]
     found = "" if kendall["value"] is None else f", tau {kendall['value']:.2f}"
     found += f" [{ends[0]:.2f}, {ends[1]:.2f}]" if ends else ""
-    axes.set_title(f"ranking: {ranking['verdict']}{found}", fontsize=9)
+    entitle_axes(axes, f"ranking: {ranking['verdict']}{found}", 9)

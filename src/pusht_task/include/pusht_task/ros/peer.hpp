@@ -75,8 +75,8 @@ class Peer {
   /// Waits until the peer describes itself. From then on, that instance must answer. Logs a wait of more than a second.
   /// Throws NodeMissing if no node answers within the patience or before `stop` holds, or if the node that the master
   /// knows is dead and `respawn` is false; InvalidInput if that node lives, but its service is of another type;
-  /// BadDependency if that node answers with errors; the
-  /// peer's own error if the peer failed at its start.
+  /// BadDependency if that node answers with errors, or describes more than a thousand parameters; the peer's own error
+  /// if the peer failed at its start.
   void connect(const Wait& wait);
 
   /// Throws PeerFault if the master names another node, or none, as the owner of the services.

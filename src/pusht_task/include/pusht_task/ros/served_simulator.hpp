@@ -53,12 +53,12 @@ class ServedSimulator : public Simulator {
   void silence() { silent_ = true; }
 
   /// Description of the node. Throws PeerFault if the node was replaced, RuntimeFault if its kind or parameters have
-  /// changed.
+  /// changed, BadDependency if it has another version than at first.
   pusht_msgs::DescribeResponse describe();
 
  private:
   /// Simulator that has not taken the world over yet.
-  ServedSimulator(const Peer& peer, const StampSource& stamps, double start_tolerance);
+  ServedSimulator(const Peer& peer, const StampSource& stamps, const pusht_msgs::DescribeResponse& description);
 
   void doReset(const WorldState& state) override;
   void doStep(const Action& action) override;
@@ -75,6 +75,7 @@ class ServedSimulator : public Simulator {
   ServiceCaller<pusht_msgs::Reset> reset_;
   ServiceCaller<pusht_msgs::Step> step_;
   std::string kind_;             // kind that the world must have; kinds with equal parameters have equal hashes
+  std::string version_;          // version that the kind had when the world was taken over
   std::string parameters_hash_;  // hash of the parameters that the world must have
   std::string token_;            // token of the hold; a new one for each reset
   std::uint64_t episode_ = 0;

@@ -166,7 +166,7 @@ class OwnNodes(LiveCase):
         said = self.audit(3)
         self.assertRegex(
             said,
-            r"\Aaudit: /engine: is 'faulty' in version '.*': must be in '.*', as it said before\n\Z",
+            r"\Aaudit: /engine: is 'faulty' in version '.*': must be in '.*', as it said before\n",
         )
 
     def test_describes_more_parameters_than_anybody_reads(self) -> None:

@@ -113,8 +113,8 @@ pusht_msgs::DescribeResponse ServedSimulator::describe() {
                        "'; another caller has configured the world");
   }
   if (description.version != version_) {
-    throw BadDependency(peer_.services() + ": is '" + kind_ + "' in version '" + description.version + "': must be in '" +
-                        version_ + "', as it said before");
+    throw BadDependency(peer_.services() + ": is '" + kind_ + "' in version '" + description.version +
+                        "': must be in '" + version_ + "', as it said before");
   }
   requireParameters(description.parameters_hash);
   return description;

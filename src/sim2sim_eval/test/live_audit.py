@@ -168,6 +168,7 @@ class OwnNodes(LiveCase):
             said,
             r"\Aaudit: /engine: is 'faulty' in version '.*': must be in '.*', as it said before\n",
         )
+        self.assertEqual(said.count("\n"), 1, said)
 
     def test_describes_more_parameters_than_anybody_reads(self) -> None:
         self.start_node("faulty_simulator", "_fault:=many parameters")

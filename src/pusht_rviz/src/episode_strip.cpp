@@ -95,10 +95,10 @@ void EpisodeStrip::paintEvent(QPaintEvent* /*event*/) {
       painter.fillRect(square, theme::kGrid);
       const QRect left(square.left(), square.top(), side / 2, side);
       const QRect right(square.left() + side / 2, square.top(), side - side / 2, side);
-      if (outcome.reference_success) {
+      if (outcome.reference.success) {
         painter.fillRect(left, theme::kReference);
       }
-      if (outcome.engine_success) {
+      if (outcome.engine.success) {
         painter.fillRect(right, theme::kEngine);
       }
     } else {
@@ -126,7 +126,7 @@ QString EpisodeStrip::toolTipOf(std::uint64_t episode) const {
   }
   const EpisodeRow& outcome = episodes_->row(*row);
   const auto words = [](bool success) { return success ? "succeeds" : "fails"; };
-  return name + ": reference " + words(outcome.reference_success) + ", engine " + words(outcome.engine_success);
+  return name + ": reference " + words(outcome.reference.success) + ", engine " + words(outcome.engine.success);
 }
 
 bool EpisodeStrip::event(QEvent* event) {

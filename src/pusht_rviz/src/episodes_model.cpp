@@ -18,7 +18,17 @@ QString inWords(const std::string& name) { return QString::fromStdString(name).r
 
 QString seconds(std::uint32_t steps) { return QString::number(pusht::kControlStep * steps, 'f', 1) + " s"; }
 
-QString outcome(bool success) { return success ? QString::fromUtf8("✓ solved") : QString::fromUtf8("✗ failed"); }
+QString outcome(const EpisodeRow::Closed& closed) {
+  return closed.success ? QString::fromUtf8("✓ solved") : QString::fromUtf8("✗ ") + inWords(closed.ending);
+}
+
+/// "stuck after 30.0 s: its tee lies still from 4.1 s on, its pusher is still"
+QString outcomeText(const EpisodeRow::Closed& closed) {
+  const QString after = outcome(closed) + " after " + seconds(closed.steps);
+  return closed.ending != "stuck" ? after
+                                  : after + ": its tee lies still from " + seconds(closed.still_step) +
+                                        " on; its pusher then: " + inWords(closed.pusher_ending);
+}
 
 QString text(const EpisodeRow& row, int column) {
   switch (column) {
@@ -27,9 +37,9 @@ QString text(const EpisodeRow& row, int column) {
     case EpisodesModel::kSeed:
       return row.seed == 0 ? QString::fromUtf8(kDash) : QString::number(row.seed);
     case EpisodesModel::kReference:
-      return outcome(row.reference_success);
+      return outcome(row.reference);
     case EpisodesModel::kEngine:
-      return outcome(row.engine_success);
+      return outcome(row.engine);
     case EpisodesModel::kParting:
       return row.parting_step == 0 ? QString::fromUtf8(kDash) : seconds(row.parting_step);
     case EpisodesModel::kCause:
@@ -42,9 +52,9 @@ QString text(const EpisodeRow& row, int column) {
 QString toolTip(const EpisodeRow& row, int column) {
   switch (column) {
     case EpisodesModel::kReference:
-      return "reference: " + outcome(row.reference_success) + " after " + seconds(row.reference_steps);
+      return "reference: " + outcomeText(row.reference);
     case EpisodesModel::kEngine:
-      return "engine, closed loop: " + outcome(row.engine_success) + " after " + seconds(row.engine_steps);
+      return "engine, closed loop: " + outcomeText(row.engine);
     case EpisodesModel::kParting:
     case EpisodesModel::kCause:
       return row.parting_step == 0 ? QString("the replay stays within the bound around the reference")
@@ -58,7 +68,7 @@ QString toolTip(const EpisodeRow& row, int column) {
 
 QVariant color(const EpisodeRow& row, int column) {
   if (column == EpisodesModel::kReference || column == EpisodesModel::kEngine) {
-    const bool success = column == EpisodesModel::kReference ? row.reference_success : row.engine_success;
+    const bool success = (column == EpisodesModel::kReference ? row.reference : row.engine).success;
     return QBrush(success ? theme::kGood : theme::kBad);
   }
   return {};
@@ -70,6 +80,11 @@ int alignment(int column) {
   return static_cast<int>((number ? Qt::AlignRight : Qt::AlignLeft) | Qt::AlignVCenter);
 }
 
+EpisodeRow::Closed closedFrom(const pusht_msgs::RolloutResult& rollout) {
+  return {rollout.success != 0, rollout.steps, rollout.ending.empty() ? "failed" : rollout.ending, rollout.still_step,
+          rollout.pusher_ending};
+}
+
 }  // namespace
 
 EpisodeRow rowFrom(const pusht_msgs::EpisodeResult& result) {
@@ -78,11 +93,9 @@ EpisodeRow rowFrom(const pusht_msgs::EpisodeResult& result) {
   row.seed = result.seed;
   for (const pusht_msgs::RolloutResult& rollout : result.rollouts) {
     if (rollout.mode == "reference_closed") {
-      row.reference_success = rollout.success != 0;
-      row.reference_steps = rollout.steps;
+      row.reference = closedFrom(rollout);
     } else if (rollout.mode == "engine_closed") {
-      row.engine_success = rollout.success != 0;
-      row.engine_steps = rollout.steps;
+      row.engine = closedFrom(rollout);
       row.closed_parting_step = rollout.parting_step;
     } else if (rollout.mode == "engine_replay") {
       row.parting_step = rollout.parting_step;

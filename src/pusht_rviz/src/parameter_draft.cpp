@@ -92,6 +92,11 @@ ParameterDraft::ParameterDraft(const pusht_msgs::DescribeResponse& simulator,
   }
   for (pusht::ParameterDescriptor of_loop : pusht::loopParameters()) {  // the evaluator's, beside those of the node
     of_loop.name.insert(0, pusht::kLoopPrefix);
+    for (pusht::Preset& preset : of_loop.presets) {
+      for (auto& [name, value] : preset.settings) {
+        name.insert(0, pusht::kLoopPrefix);
+      }
+    }
     DraftedParameter drafted;
     drafted.descriptor = pusht::toMessage(of_loop);
     drafted.initial = drafted.descriptor.default_value;

@@ -30,6 +30,7 @@ QLabel* figure(QWidget* parent, const char* name) {
 SummaryView::SummaryView(QWidget* strip, QWidget* parent)
     : QWidget(parent),
       headline_(new QLabel(this)),
+      caveat_(new QLabel(this)),
       reference_(figure(this, "reference_success")),
       engine_(figure(this, "engine_success")),
       transfer_(figure(this, "transfer")),
@@ -65,6 +66,11 @@ SummaryView::SummaryView(QWidget* strip, QWidget* parent)
   headline_->setWordWrap(true);
   headline_->setTextInteractionFlags(Qt::TextSelectableByMouse);
   headline_->hide();
+  caveat_->setObjectName("caveat");
+  caveat_->setProperty("dim", true);
+  caveat_->setWordWrap(true);
+  caveat_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  caveat_->hide();
   pairs_->setProperty("dim", true);
   pairs_->setToolTip(
       "the same episodes in both worlds; a square: reference on the left, engine on the right, filled "
@@ -73,6 +79,7 @@ SummaryView::SummaryView(QWidget* strip, QWidget* parent)
   auto* const all = new QVBoxLayout(this);
   all->setContentsMargins(4, 4, 4, 2);
   all->setSpacing(4);
+  all->addWidget(caveat_);  // to be known before the answer
   all->addWidget(headline_);
   all->addLayout(rates);
   all->addWidget(strip);
@@ -82,6 +89,8 @@ SummaryView::SummaryView(QWidget* strip, QWidget* parent)
 void SummaryView::show(const pusht_msgs::Summary& summary) {
   headline_->setText(QString::fromStdString(summary.headline));
   headline_->setVisible(!summary.headline.empty());
+  caveat_->setText(QString::fromStdString(summary.caveat));
+  caveat_->setVisible(!summary.caveat.empty());
   reference_->setText(QString::fromStdString(orDash(summary.reference.text)));
   engine_->setText(QString::fromStdString(orDash(summary.engine.text)));
   transfer_->setText(QString::fromStdString(orDash(summary.transfer_text)));

@@ -64,8 +64,8 @@ TEST(EpisodesModel, ReplacesAnEpisodeThatIsThere) {
   model.add({episode(1, true), episode(2)});
   model.add({episode(3), episode(3, true)});
   EXPECT_EQ(model.rowCount(), 4);
-  EXPECT_TRUE(model.row(1).engine_success);
-  EXPECT_TRUE(model.row(3).engine_success);
+  EXPECT_TRUE(model.row(1).engine.success);
+  EXPECT_TRUE(model.row(3).engine.success);
 }
 
 TEST(EpisodesModel, FindsEpisodesAndSeeds) {

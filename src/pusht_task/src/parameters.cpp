@@ -152,6 +152,25 @@ const Parameter& ParameterSet::at(const std::string& name) const {
   return *place;
 }
 
+std::vector<std::pair<std::string, std::string>> fewestSettings(const ParameterSet& set, ParameterSet defaults) {
+  std::vector<std::pair<std::string, std::string>> settings;
+  const auto add = [&](const Parameter& parameter) {
+    settings.emplace_back(parameter.name(), textOf(parameter.value));
+    defaults.set(settings.back().first, settings.back().second);
+  };
+  for (const Parameter& parameter : set) {  // presets first: they set others
+    if (!parameter.descriptor.presets.empty() && parameter.value != defaults.at(parameter.name()).value) {
+      add(parameter);
+    }
+  }
+  for (const Parameter& parameter : set) {
+    if (parameter.value != defaults.at(parameter.name()).value) {
+      add(parameter);
+    }
+  }
+  return settings;
+}
+
 bool operator==(const ParameterSet& a, const ParameterSet& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const Parameter& x, const Parameter& y) { return x.name() == y.name() && x.value == y.value; });

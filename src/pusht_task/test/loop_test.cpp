@@ -257,6 +257,20 @@ TEST_F(Loops, RowsDoNotDisturbEachOther) {
   EXPECT_EQ(together[2], drive(*policy, 6, beginnings[2]));
 }
 
+TEST_F(Loops, HaveNamesThatSetWhatIsNotSetByName) {
+  const ParameterSet tracker = loopWith({{"preset", "tracker"}});
+  EXPECT_EQ(tracker.get<std::int64_t>("observation_delay"), 1);
+  EXPECT_EQ(tracker.get<double>("observation_noise_position"), 0.002);
+  EXPECT_EQ(tracker.get<double>("observation_noise_yaw"), 0.01);
+  EXPECT_EQ(textOf(tracker), "tracker");
+  EXPECT_EQ(textOf(loopWith({{"observation_delay", "2"}, {"preset", "tracker"}})), "tracker, observation_delay 2");
+  EXPECT_EQ(textOf(loopWith({{"hold", "2"}})), "hold 2");
+  EXPECT_EQ(textOf(plainLoop()), "");
+  EXPECT_TRUE(isPlain(loopWith({{"preset", "none"}})));
+  EXPECT_EQ(loopSettingFrom("tracker"), std::pair(std::string("preset"), std::string("tracker")));
+  EXPECT_EQ(loopSettingFrom("hold=2"), std::pair(std::string("hold"), std::string("2")));
+}
+
 TEST_F(Loops, RefuseWhatIsOutOfRange) {
   const auto refusal = [](const std::string& name, const std::string& value) -> std::string {
     try {

@@ -20,6 +20,8 @@ TEST(LoopOfARole, IsSetBesideItsSimulator) {
   EXPECT_EQ(textOf(choice), "two_mass:block_damp=20.0:loop.action_delay=2");
   EXPECT_EQ(simulatorFromText(textOf(choice)), choice);
   EXPECT_FALSE(choice == chooseSimulator("two_mass", {"block_damp=20"}));
+  EXPECT_EQ(textOf(chooseSimulator("two_mass", {"loop.preset=tracker", "loop.observation_delay=1"})),
+            "two_mass:loop.preset=tracker");
   const SimulatorRecord record = LoadedSimulator(choice).record();
   EXPECT_EQ(titleOf(record), "two-mass engine, block_damp 20.0, loop.action_delay 2");
   EXPECT_EQ(record.parameters.at("loop.hold"), 1) << "set, though it is the default";

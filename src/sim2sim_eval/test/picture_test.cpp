@@ -19,6 +19,7 @@
 #include "pusht_task/ros/world_markers.hpp"
 #include "sim2sim_eval/live/captions.hpp"
 #include "sim2sim_eval/live/table_view.hpp"
+#include "sim2sim_protocol/ending.hpp"
 #include "sim2sim_protocol/flight.hpp"
 
 namespace sim2sim {

@@ -90,11 +90,44 @@ class Loops(LoopCase):
         with (self.folder / "whole" / "sweep.csv").open() as file:
             self.assertEqual([r["loop.action_noise"] for r in csv.DictReader(file)], ["0.0", "0.3"])
 
+    def test_a_loop_with_a_name_is_its_parameters(self) -> None:
+        parameters = {
+            "observation_delay": "1",
+            "observation_noise_position": "0.002",
+            "observation_noise_yaw": "0.01",
+        }
+        each = [word for item in parameters.items() for word in ("--loop", "=".join(item))]
+        run = ("--episodes", "4", "--no-floor")
+        self.compare("one_by_one", *run, *each)
+        self.compare("named", *run, "--loop", "tracker")
+        self.compare("after", *run, "--loop", "tracker", "--loop", "observation_delay=0")
+        self.assertEqual(self.episodes("named"), self.episodes("one_by_one"))
+        self.assertNotEqual(self.episodes("after"), self.episodes("named"))
+        loop = self.load("named", "metrics.json")["simulators"]["engine"]["parameters"]
+        self.assertEqual(loop["loop.preset"], "tracker")
+        self.assertEqual(loop["loop.observation_noise_yaw"], 0.01)
+
+    def test_the_loops_of_a_plan_are_in_both_roles(self) -> None:
+        loops = "[none, tracker, {observation_noise_position: 0.005}]"
+        self.sweep(f"{{policy: expert, episodes: 4, floor: false, loop: {loops}}}", "loops")
+        for row, loop in enumerate(("none", "tracker", "observation_noise_position=0.005")):
+            self.compare(f"run{row}", "--episodes", "4", "--no-floor", "--loop", loop)
+            self.assertEqual(self.episodes(f"loops/rows/00{row}"), self.episodes(f"run{row}"))
+        self.sweep("{policy: expert, episodes: 4, floor: false, loop: tracker, rows: [{}]}", "one")
+        self.assertEqual(self.episodes("one/rows/000"), self.episodes("run1"))
+        for plan, rule in {
+            "loop: camera": "preset 'camera': must be one of: none, tracker",
+            "loop: []": "loop: must be a loop, or a list of loops",
+            "loop: {hold: 2}, engine: ['two_mass:loop.hold=3']": "loop.hold: must appear only once",
+        }.items():
+            self.write("plan.yaml", f"{{policy: expert, rows: [{{}}], {plan}}}".encode())
+            self.assertIn(rule, self.refused(SWEEP, "plan.yaml", "--out", "refused"))
+
     def test_refusals(self) -> None:
         for arguments, words in {
-            ("--loop", "delay=1"): "loop: parameter 'delay': unknown; known: action_delay, ",
+            ("--loop", "delay=1"): "loop: parameter 'delay': unknown; known: preset, action_delay, ",
             ("--loop", "action_delay=-1"): "loop: action_delay -1: must be from 0 to 100",
-            ("--loop-engine", "action_delay"): "'loop.action_delay': must be NAME=VALUE",
+            ("--loop-engine", "action_delay"): "preset 'action_delay': must be one of: none, tracker",
             ("--loop", "hold=2", "--loop-engine", "hold=3"): "loop.hold must be set once",
             ("--repeats", "3"): "repeats 3: must divide episodes 50",
             ("--execute", "2"): "policy expert: execute 2: must be from 1 to 1",

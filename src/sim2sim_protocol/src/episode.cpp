@@ -15,6 +15,9 @@ RolloutResult resultOf(const Protocol& protocol, std::size_t rollout, const Roll
       result.quantities[i] = kQuantities[i].compute(view);
     }
   }
+  if (protocol.isClosed(rollout)) {
+    result.ending = endingOf(view.rollout);
+  }
   if (rollout != kReferenceClosed) {
     result.first_divergence = firstDivergenceOf(view.reference, view.rollout.trace(), protocol.bound());
   }

@@ -81,9 +81,17 @@ std::vector<std::string> Protocol::rolloutNames() const {
   return names;
 }
 
+std::optional<Probe> Protocol::probeOf(std::size_t rollout) const {
+  return rollout < kModeCount ? std::nullopt : std::optional(probes().at(rollout - kModeCount));
+}
+
+bool Protocol::isClosed(std::size_t rollout) const {
+  const std::optional<Probe> probe = probeOf(rollout);
+  return probe ? probe->closed : rollout != kEngineReplay;
+}
+
 bool Protocol::has(std::size_t rollout, Scope scope) const {
-  const std::optional<Probe> probe =
-      rollout < kModeCount ? std::nullopt : std::optional(probes().at(rollout - kModeCount));
+  const std::optional<Probe> probe = probeOf(rollout);
   switch (scope) {
     case Scope::kModes:
       return !probe || probe->closed;

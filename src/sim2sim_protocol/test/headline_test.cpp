@@ -23,7 +23,7 @@ RunConfiguration configurationOf(const std::string& engine, int episodes) {
 /// The headline of a whole run with `engine` in place of the engine; counts: both succeed, only the reference, only
 /// the engine, neither.
 Headline headline(const std::string& engine, const PairTable& successes) {
-  return headlineOf(configurationOf(engine, successes.pairs()), outcomesOf(successes));
+  return headlineOf(configurationOf(engine, successes.pairs()), outcomesOf(successes), {});
 }
 
 void expect(const Headline& headline, const std::string& verdict, const std::string& answer) {
@@ -76,7 +76,7 @@ TEST(Headline, CannotSayOfFewEpisodes) {
          "Cannot say yet: 2 episodes can say nothing; it takes 10 or more.");
   expect(headline("Chipmunk", {0, 0, 0, 1}), "cannot_say",
          "Cannot say yet: 1 episode can say nothing; it takes 10 or more.");
-  expect(headlineOf(configurationOf("Chipmunk", 50), outcomesOf(PairTable{})), "cannot_say",
+  expect(headlineOf(configurationOf("Chipmunk", 50), outcomesOf(PairTable{}), {}), "cannot_say",
          "Cannot say yet: no episode has finished; it takes 10 or more.");
 }
 
@@ -87,13 +87,13 @@ TEST(Headline, NothingToTransfer) {
 
 TEST(Headline, SaysThatARunGoesOn) {
   const RunConfiguration configuration = configurationOf("two-mass engine", 10'000);
-  expect(headlineOf(configuration, outcomesOf(PairTable{5, 25, 1, 19})), "does_not_transfer",
+  expect(headlineOf(configuration, outcomesOf(PairTable{5, 25, 1, 19}), {}), "does_not_transfer",
          "So far no: with this policy the two-mass engine keeps 20 % [9, 40] of MuJoCo's success (50 of 10000 "
          "episodes).");
-  expect(headlineOf(configuration, outcomesOf(PairTable{4, 5, 2, 9})), "cannot_say",
+  expect(headlineOf(configuration, outcomesOf(PairTable{4, 5, 2, 9}), {}), "cannot_say",
          "Cannot say yet: with this policy the two-mass engine keeps 67 % [31, 138] of MuJoCo's success (20 of 10000 "
          "episodes).");
-  expect(headlineOf(configuration, outcomesOf(PairTable{0, 0, 0, 20})), "nothing_to_transfer",
+  expect(headlineOf(configuration, outcomesOf(PairTable{0, 0, 0, 20}), {}), "nothing_to_transfer",
          "So far nothing to transfer: with this policy MuJoCo never succeeds (20 of 10000 episodes).");
 }
 
@@ -102,23 +102,23 @@ TEST(Headline, SaysThatARunGoesOn) {
 TEST(Headline, ARunThatEndsWhenItIsDecidedHasTheIntervalThatHoldsThen) {
   RunConfiguration configuration = configurationOf("two-mass engine", 1000);
   configuration.protocol.until_decided = 0.5;
-  expect(headlineOf(configuration, outcomesOf(PairTable{10, 50, 2, 38})), "does_not_transfer",
+  expect(headlineOf(configuration, outcomesOf(PairTable{10, 50, 2, 38}), {}), "does_not_transfer",
          "No: with this policy the two-mass engine keeps 20 % [6, 40] of MuJoCo's success.");
-  expect(headlineOf(configuration, outcomesOf(PairTable{5, 5, 1, 19})), "cannot_say",
+  expect(headlineOf(configuration, outcomesOf(PairTable{5, 5, 1, 19}), {}), "cannot_say",
          "Cannot say yet: with this policy the two-mass engine keeps 60 % [0, 228] of MuJoCo's success.");
-  expect(headlineOf(configuration, outcomesOf(PairTable{1, 0, 0, 9})), "cannot_say",
+  expect(headlineOf(configuration, outcomesOf(PairTable{1, 0, 0, 9}), {}), "cannot_say",
          "Cannot say yet: with this policy the two-mass engine keeps 100 % [0 or more] of MuJoCo's success.");
 }
 
 /// A run may be decided before its tenth episode.
 TEST(Headline, ARunThatEndsWhenItIsDecidedHasAnAnswerFromTheFirstEpisodeOn) {
   RunConfiguration configuration = configurationOf("two-mass engine", 1000);
-  EXPECT_NE(headlineOf(configuration, outcomesOf(PairTable{0, 9, 0, 0})).answer.find("9 episodes can say nothing"),
+  EXPECT_NE(headlineOf(configuration, outcomesOf(PairTable{0, 9, 0, 0}), {}).answer.find("9 episodes can say nothing"),
             std::string::npos);
   configuration.protocol.until_decided = 0.9;
-  EXPECT_NE(headlineOf(configuration, outcomesOf(PairTable{0, 9, 0, 0})).answer.find("keeps 0 % [0, "),
+  EXPECT_NE(headlineOf(configuration, outcomesOf(PairTable{0, 9, 0, 0}), {}).answer.find("keeps 0 % [0, "),
             std::string::npos);
-  EXPECT_NE(headlineOf(configuration, outcomesOf(PairTable{0, 0, 0, 9})).answer.find("9 episodes can say nothing"),
+  EXPECT_NE(headlineOf(configuration, outcomesOf(PairTable{0, 0, 0, 9}), {}).answer.find("9 episodes can say nothing"),
             std::string::npos);
 }
 

@@ -9,6 +9,7 @@
 #include <QVariant>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
@@ -16,13 +17,20 @@ namespace pusht_rviz {
 
 /// One finished episode.
 struct EpisodeRow {
+  /// Closed loop of a role.
+  struct Closed {
+    bool success = false;
+    std::uint32_t steps = 0;
+    std::string ending{};          ///< as in RolloutResult.msg; "failed" if that says none
+    std::uint32_t still_step = 0;  ///< control steps after which its tee stays where it ends
+    std::string pusher_ending{};
+  };
+
   std::uint64_t episode = 0;
   std::uint64_t seed = 0;   ///< spawn seed; 0: the initial state came from a file
   std::uint32_t steps = 0;  ///< of the longest of the three rollouts
-  std::uint32_t reference_steps = 0;
-  std::uint32_t engine_steps = 0;
-  bool reference_success = false;
-  bool engine_success = false;
+  Closed reference{};
+  Closed engine{};
   std::uint32_t parting_step = 0;         ///< first divergence of the replay; 0: it stays within the bound
   std::uint32_t closed_parting_step = 0;  ///< the same for the engine in closed loop
   QString parting_cause;                  ///< of the replay, in words

@@ -11,7 +11,7 @@
 namespace pusht_rviz {
 
 /// Headline, success rates, transfer, strip of episodes, and mean divergence. It computes nothing: figures come as
-/// texts, in the digits of the terminal. Object names: headline, reference_success, engine_success, transfer, pairs,
+/// texts, in the digits of the terminal. Object names: headline, caveat, reference_success, engine_success, transfer, pairs,
 /// mean_position, mean_angle.
 class SummaryView : public QWidget {
   Q_OBJECT
@@ -25,6 +25,7 @@ class SummaryView : public QWidget {
 
  private:
   QLabel* headline_;
+  QLabel* caveat_;
   QLabel* reference_;
   QLabel* engine_;
   QLabel* transfer_;

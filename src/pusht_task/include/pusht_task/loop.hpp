@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pusht_task/parameters.hpp"
@@ -16,7 +17,8 @@ constexpr const char* kLoopPrefix = "loop.";
 
 /// Parameters of the loop: what happens to an observation on its way to the policy, and to a command on its way to the
 /// world, in this order: noise of the sensor, delay, policy every h-th step, clip, scale, delay, noise of the actuator.
-/// The defaults change nothing.
+/// The defaults change nothing. `preset` sets those that are not set by name: `none`, or `tracker`, a camera that follows
+/// tags on pusher and tee (docs/loop.md has its sources).
 const std::vector<ParameterDescriptor>& loopParameters();
 
 /// Parameters of the loop with their defaults.
@@ -27,6 +29,12 @@ bool isPlain(const ParameterSet& loop);
 
 /// "action_delay" if `name` is "loop.action_delay"; empty if it does not begin with the prefix.
 std::string loopParameterOf(const std::string& name);
+
+/// Name and value of a setting of the loop, from "NAME=VALUE" or from the word of a preset.
+std::pair<std::string, std::string> loopSettingFrom(const std::string& text);
+
+/// Loop for people: "tracker", "tracker, action_delay 2", "observation_noise_position 0.01"; empty if it is plain.
+std::string textOf(const ParameterSet& loop);
 
 /// Sets a parameter of the loop by its name without the prefix. Throws as ParameterSet::set(), with the whole name.
 void setOfLoop(ParameterSet& loop, const std::string& name, const std::string& text);

@@ -104,6 +104,9 @@ class ParameterSet {
   std::vector<Parameter> parameters_;
 };
 
+/// Fewest settings, as names and values, that make `set` from `defaults`: presets, and what differs from them.
+std::vector<std::pair<std::string, std::string>> fewestSettings(const ParameterSet& set, ParameterSet defaults);
+
 /// Whether names and values are the same.
 bool operator==(const ParameterSet& a, const ParameterSet& b);
 

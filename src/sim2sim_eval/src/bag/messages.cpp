@@ -118,6 +118,11 @@ pusht_msgs::EpisodeResult toMessage(const Protocol& protocol, const EpisodeResul
       rollout.parting_cause = nameOf(result.first_divergence->cause).name;
       rollout.parting_first = nameOf(result.first_divergence->first);
     }
+    if (result.ending) {
+      rollout.ending = nameOf(result.ending->ending);
+      rollout.still_step = static_cast<std::uint32_t>(result.ending->still_step);
+      rollout.pusher_ending = nameOf(result.ending->pusher);
+    }
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
       pusht_msgs::Quantity quantity;
       quantity.name = kQuantities[i].name;
@@ -168,9 +173,12 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
                   finished && rollout == kEngineReplay ? markOf(summary, kQuantities[i].name) : ""));
   });
   message.policy = configuration.policy;
-  const Headline headline = headlineOf(configuration, summary.outcomes);
+  const Headline headline = headlineOf(configuration, summary.outcomes, summary.endings);
   message.verdict = nameOf(headline.verdict);
-  message.headline = headline.text();
+  message.caveat = headline.caveat;
+  message.headline = headline.question + " " + headline.answer;
+  message.reference_stuck = static_cast<std::uint32_t>(summary.endings.reference.of(Ending::kStuck));
+  message.engine_stuck = static_cast<std::uint32_t>(summary.endings.engine.of(Ending::kStuck));
   return message;
 }
 

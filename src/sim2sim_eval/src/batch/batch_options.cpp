@@ -103,7 +103,10 @@ void declareLoop(CLI::App& app, std::vector<std::string>& reference, std::vector
            [roles](const Settings& given) {
              for (Settings* role : roles) {
                std::transform(given.begin(), given.end(), std::back_inserter(*role),
-                              [](const std::string& setting) { return pusht::kLoopPrefix + setting; });
+                              [](const std::string& setting) {
+                                const auto [parameter, value] = pusht::loopSettingFrom(setting);
+                                return pusht::kLoopPrefix + parameter + "=" + value;
+                              });
              }
            },
            meaning)
@@ -114,11 +117,12 @@ void declareLoop(CLI::App& app, std::vector<std::string>& reference, std::vector
     names.push_back(parameter.name);
   }
   declare_for("--loop",
-              "NAME=VALUE: a parameter of the loop between policy and world, in both roles: " + pusht::joined(names) +
-                  "; may be repeated",
+              "tracker, a loop as a camera makes it, or NAME=VALUE: a parameter of the loop between policy and world, in "
+              "both roles: " +
+                  pusht::joined(names) + "; may be repeated",
               {&reference, &engine});
-  declare_for("--loop-reference", "NAME=VALUE: a parameter of the loop of the reference alone", {&reference});
-  declare_for("--loop-engine", "NAME=VALUE: a parameter of the loop of the engine alone", {&engine});
+  declare_for("--loop-reference", "tracker, or NAME=VALUE: a parameter of the loop of the reference alone", {&reference});
+  declare_for("--loop-engine", "tracker, or NAME=VALUE: a parameter of the loop of the engine alone", {&engine});
 }
 
 int BatchOptions::threadCount() const {

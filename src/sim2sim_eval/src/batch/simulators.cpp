@@ -62,27 +62,12 @@ bool operator==(const SimulatorChoice& a, const SimulatorChoice& b) {
 }
 
 std::vector<std::string> settingsOf(const SimulatorChoice& simulator) {
-  pusht::ParameterSet without_settings = simulator.kind.get().defaults();
   std::vector<std::string> settings;
-  const auto add = [&](const pusht::Parameter& parameter) {
-    const std::string value = pusht::textOf(parameter.value);
-    without_settings.set(parameter.name(), value);
-    settings.push_back(std::string(parameter.name()).append("=").append(value));
-  };
-  for (const pusht::Parameter& parameter : simulator.parameters) {  // presets first: they set others
-    if (!parameter.descriptor.presets.empty() && !parameter.isDefault()) {
-      add(parameter);
-    }
+  for (const auto& [name, value] : pusht::fewestSettings(simulator.parameters, simulator.kind.get().defaults())) {
+    settings.push_back(std::string(name).append("=").append(value));
   }
-  for (const pusht::Parameter& parameter : simulator.parameters) {
-    if (parameter.value != without_settings.at(parameter.name()).value) {
-      add(parameter);
-    }
-  }
-  for (const pusht::Parameter& parameter : simulator.loop) {
-    if (!parameter.isDefault()) {
-      settings.push_back(pusht::kLoopPrefix + parameter.name() + "=" + pusht::textOf(parameter.value));
-    }
+  for (const auto& [name, value] : pusht::fewestSettings(simulator.loop, pusht::plainLoop())) {
+    settings.push_back(pusht::kLoopPrefix + name + "=" + value);
   }
   return settings;
 }

@@ -14,6 +14,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
+#include "pusht_task/loop.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
@@ -218,8 +219,8 @@ std::vector<SimulatorChoice> rowsIn(const YAML::Node& root, const std::optional<
   if (ways > 1) {
     throw pusht::InvalidInput("must have either grid, rows or permutations");
   }
-  if (ways == 0 && engines.size() == 1 && !root["policies"].IsDefined()) {
-    throw pusht::InvalidInput("must have grid, rows, permutations, or a list of engines or policies");
+  if (ways == 0 && engines.size() == 1 && !root["policies"].IsDefined() && !root["loop"].IsSequence()) {
+    throw pusht::InvalidInput("must have grid, rows, permutations, or a list of engines, policies or loops");
   }
   if (sample && engines.size() > 1) {
     throw pusht::InvalidInput("permutations: must be of one engine");
@@ -317,26 +318,94 @@ std::vector<PlannedPolicy> plannedPolicies(const YAML::Node& root) {
   return {{policy, "", *home}};
 }
 
-/// Rows of all policies. Listed policies have none in their references: a matrix has their success there already.
-std::vector<PlannedRow> crossed(const SweepPlan& plan, const std::vector<SimulatorChoice>& engines) {
-  std::vector<PlannedRow> rows;
-  for (std::size_t policy = 0; policy < plan.policies.size(); ++policy) {
-    const std::size_t before = rows.size();
+/// Names and values of the parameters of a loop.
+using LoopSettings = std::vector<std::pair<std::string, std::string>>;
+
+/// A loop: the word of a preset, or a map of parameters to values.
+LoopSettings loopAt(const YAML::Node& node) {
+  if (!node.IsMap()) {
+    return {pusht::loopSettingFrom(textAt(node, "loop"))};
+  }
+  requireDistinctKeys(node);
+  LoopSettings settings;
+  for (const auto& entry : node) {
+    const std::string name = textAt(entry.first, "parameter");
+    settings.emplace_back(name, textAt(entry.second, name));
+  }
+  return settings;
+}
+
+/// Loops of the plan, each with the node that names it; without any the simulators' own.
+std::vector<std::pair<LoopSettings, YAML::Node>> loopsIn(const YAML::Node& root) {
+  const YAML::Node node = root["loop"];
+  if (!node.IsDefined()) {
+    return {{{}, node}};
+  }
+  if (!node.IsSequence()) {
+    return {{loopAt(node), node}};
+  }
+  std::vector<std::pair<LoopSettings, YAML::Node>> loops;
+  for (const YAML::Node& loop : node) {
+    loops.emplace_back(loopAt(loop), loop);
+  }
+  if (loops.empty()) {
+    refuse(node, "loop", "must be a loop, or a list of loops");
+  }
+  return loops;
+}
+
+/// Puts the policy of a simulator into a loop. Throws InvalidInput in the line of `node` for a parameter that the
+/// simulator has in the plan already.
+void putInLoop(SimulatorChoice& simulator, const LoopSettings& loop, const YAML::Node& node) {
+  for (const auto& [name, value] : loop) {
+    inLineOf(node, [&, name = name, value = value] {
+      if (simulator.at(pusht::kLoopPrefix + name).set_by_name) {
+        throw pusht::InvalidInput(pusht::kLoopPrefix + name + ": must appear only once; " + textOf(simulator) +
+                                  " has it too");
+      }
+      simulator.set(pusht::kLoopPrefix + name, value);
+    });
+  }
+}
+
+/// Adds rows of the policies from `first` on. Listed policies have none in their references: a matrix has their success
+/// there already.
+void addRows(SweepPlan& plan, std::size_t first, const std::vector<SimulatorChoice>& engines) {
+  for (std::size_t policy = first; policy < plan.policies.size(); ++policy) {
+    const std::size_t before = plan.rows.size();
     for (const SimulatorChoice& engine : engines) {
       if (!plan.lists_policies || !(engine == plan.policies[policy].reference)) {
-        rows.push_back({policy, engine});
+        plan.rows.push_back({policy, engine});
       }
     }
-    if (rows.size() == before && plan.policies.size() > 1) {
+    if (plan.rows.size() == before && plan.policies.size() > 1) {
       throw pusht::InvalidInput("policy " + plan.policies[policy].policy +
                                 ": must have an engine beside its reference, has none");
     }
   }
-  if (rows.empty() || rows.size() > kMostRows) {
-    throw pusht::InvalidInput("must give from 1 to " + std::to_string(kMostRows) + " rows, gives " +
-                              std::to_string(rows.size()));
+}
+
+/// Adds each policy in each loop, which is the same in its reference and in its engines.
+void addPoliciesInLoops(SweepPlan& plan, const YAML::Node& root, const std::vector<PlannedPolicy>& policies,
+                        const std::vector<SimulatorChoice>& engines) {
+  const auto loops = loopsIn(root);
+  plan.lists_policies = root["policies"].IsDefined() || loops.size() > 1;
+  for (const auto& [loop, node] : loops) {
+    const std::size_t first = plan.policies.size();
+    for (PlannedPolicy policy : policies) {
+      putInLoop(policy.reference, loop, node);
+      plan.policies.push_back(std::move(policy));
+    }
+    std::vector<SimulatorChoice> in_loop = engines;
+    for (SimulatorChoice& engine : in_loop) {
+      putInLoop(engine, loop, node);
+    }
+    addRows(plan, first, in_loop);
   }
-  return rows;
+  if (plan.rows.empty() || plan.rows.size() > kMostRows) {
+    throw pusht::InvalidInput("must give from 1 to " + std::to_string(kMostRows) + " rows, gives " +
+                              std::to_string(plan.rows.size()));
+  }
 }
 
 SweepPlan planFrom(const YAML::Node& root) {
@@ -344,7 +413,7 @@ SweepPlan planFrom(const YAML::Node& root) {
     throw pusht::InvalidInput("must map keys to values");
   }
   requireDistinctKeys(root);
-  std::vector<std::string> keys = {"policy", "policies", "reference", "reference_parameters", "engine", "starts"};
+  std::vector<std::string> keys = {"policy", "policies", "reference", "reference_parameters", "loop", "engine", "starts"};
   forEachOption([&](const auto& option) {
     if (option.in_plan) {
       keys.emplace_back(option.name);
@@ -364,9 +433,7 @@ SweepPlan planFrom(const YAML::Node& root) {
     sample = sampleIn(permutations);
   }
   SweepPlan plan;
-  plan.lists_policies = root["policies"].IsDefined();
-  plan.policies = plannedPolicies(root);
-  plan.rows = crossed(plan, rowsIn(root, sample));
+  addPoliciesInLoops(plan, root, plannedPolicies(root), rowsIn(root, sample));
   plan.sample = sample;
   if (const YAML::Node starts = root["starts"]; starts.IsDefined()) {
     plan.starts = textAt(starts, "starts");

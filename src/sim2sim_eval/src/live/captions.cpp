@@ -5,7 +5,7 @@
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
-#include "sim2sim_eval/live/table_view.hpp"
+#include "sim2sim_protocol/ending.hpp"
 #include "sim2sim_protocol/results/table.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 
@@ -90,9 +90,13 @@ std::string statusOf(Mode mode, const Episode& episode) {
   if (rollout.success()) {
     return "success" + (mode == kEngineReplay ? "" : " after " + secondsText(rollout.steps())) + " (" + off + ")";
   }
+  const bool ended = episode.finished();
+  const RolloutEnding end = endingOf(rollout);
   const std::string where = isOffTable(rollout.trace().states.back()) ? "off the table: "
-                            : episode.finished()                      ? "no success: "
-                                                                      : "";
+                            : !ended                                  ? ""
+                            : mode != kEngineReplay && end.ending == Ending::kStuck
+                                ? "stuck since " + secondsText(end.still_step) + ": "
+                                : "no success: ";
   return where + off + " target";
 }
 

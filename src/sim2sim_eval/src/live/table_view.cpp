@@ -259,8 +259,4 @@ std::vector<Vector2d> circleOf(const Vector2d& center, double radius) {
   return points;
 }
 
-bool isOffTable(const pusht::WorldState& state) {
-  return state.tee_position.cwiseAbs().maxCoeff() > pusht::kWallInnerFace;
-}
-
 }  // namespace sim2sim

@@ -78,8 +78,15 @@ struct Protocol : RunOptions {
   /// Names of an episode's rollouts, in the order of its results: the modes, then the probes.
   std::vector<std::string> rolloutNames() const;
 
+  /// Whether a policy drives a rollout; `rollout` is an index of rolloutNames().
+  bool isClosed(std::size_t rollout) const;
+
   /// Whether a rollout has the quantities of `scope`; `rollout` is an index of rolloutNames().
   bool has(std::size_t rollout, Scope scope) const;
+
+ private:
+  /// Probe of a rollout; empty for a mode.
+  std::optional<Probe> probeOf(std::size_t rollout) const;
 };
 
 /// Calls function(rollout, index in kQuantities) for every quantity of every rollout of `protocol`.

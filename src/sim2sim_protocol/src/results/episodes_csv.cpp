@@ -19,6 +19,7 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kFixedColumns = 5;            // before the quantities
 constexpr std::size_t kFirstDivergenceColumns = 3;  // behind the quantities; with repeats one more follows
+constexpr std::size_t kEndingColumns = 3;           // the last ones
 
 template <class Number>
 Number numberFrom(const std::string& text) {
@@ -32,7 +33,8 @@ std::string csvHead(const Protocol& protocol) {
   for (const Quantity& quantity : kQuantities) {
     head.append(",").append(quantity.name).append("_").append(quantity.unit);
   }
-  return head + ",parting_step,parting_cause,parting_first" + (protocol.repeats > 1 ? ",repeat\n" : "\n");
+  return head + ",parting_step,parting_cause,parting_first" + (protocol.repeats > 1 ? ",repeat" : "") +
+         ",ending,still_step,pusher_ending\n";
 }
 
 std::string csvRow(const Protocol& protocol, const EpisodeResult& episode, const std::string& mode,
@@ -47,7 +49,11 @@ std::string csvRow(const Protocol& protocol, const EpisodeResult& episode, const
   row += divergence ? "," + std::to_string(divergence->step) + "," + nameOf(divergence->cause).name + "," +
                           nameOf(divergence->first)
                     : ",,,";
-  return row + (protocol.repeats > 1 ? "," + std::to_string(protocol.repeat(episode.index)) : "") + "\n";
+  row += protocol.repeats > 1 ? "," + std::to_string(protocol.repeat(episode.index)) : "";
+  const std::optional<RolloutEnding>& end = result.ending;
+  row += end ? std::string(",") + nameOf(end->ending) + "," + std::to_string(end->still_step) + "," + nameOf(end->pusher)
+             : ",,,";
+  return row + "\n";
 }
 
 /// Lines of a text, the last of which may be incomplete.
@@ -59,21 +65,40 @@ std::vector<std::string> linesOf(const std::string& text) {
   return lines;
 }
 
+/// Place of a name in a list of names; empty if it is not there.
+template <class Names>
+std::optional<std::size_t> placeIn(const Names& names, const std::string& name) {
+  const auto place = std::find(names.begin(), names.end(), name);
+  return place == names.end() ? std::nullopt : std::optional(static_cast<std::size_t>(place - names.begin()));
+}
+
 /// First divergence from its cells; empty if they name none.
 std::optional<FirstDivergence> firstDivergenceFrom(const std::string& step, const std::string& cause,
                                                    const std::string& first) {
   const auto known = std::find_if(kCauses.begin(), kCauses.end(), [&](const auto& name) { return cause == name.name; });
-  const auto who = std::find(kFirstBodyNames.begin(), kFirstBodyNames.end(), first);
-  if (known == kCauses.end() || who == kFirstBodyNames.end()) {
+  const std::optional<std::size_t> who = placeIn(kFirstBodyNames, first);
+  if (known == kCauses.end() || !who) {
     return std::nullopt;
   }
-  return FirstDivergence{numberFrom<int>(step), known->cause, static_cast<FirstBody>(who - kFirstBodyNames.begin())};
+  return FirstDivergence{numberFrom<int>(step), known->cause, static_cast<FirstBody>(*who)};
+}
+
+/// Ending from its cells; empty if they name none.
+std::optional<RolloutEnding> endingFrom(const std::string& ending, const std::string& still_step,
+                                        const std::string& pusher) {
+  const std::optional<std::size_t> of_rollout = placeIn(kEndingNames, ending);
+  const std::optional<std::size_t> of_pusher = placeIn(kPusherEndingNames, pusher);
+  return of_rollout && of_pusher ? std::optional(RolloutEnding{static_cast<Ending>(*of_rollout),
+                                                               numberFrom<int>(still_step),
+                                                               static_cast<PusherEnding>(*of_pusher)})
+                                 : std::nullopt;
 }
 
 /// The row that csvRow() wrote, as far as it can be read.
-void readCsvRow(const std::string& row, EpisodeResult& episode, RolloutResult& result) {
+void readCsvRow(const Protocol& protocol, const std::string& row, EpisodeResult& episode, RolloutResult& result) {
   std::vector<std::string> cells = pusht::split(row, ',');
-  cells.resize(kFixedColumns + kQuantities.size() + kFirstDivergenceColumns);
+  const std::size_t last = kFixedColumns + kQuantities.size() + kFirstDivergenceColumns + (protocol.repeats > 1 ? 1 : 0);
+  cells.resize(last + kEndingColumns);
   episode.index = numberFrom<int>(cells[0]);
   episode.seed = cells[1].empty() ? std::nullopt : std::optional(numberFrom<std::uint64_t>(cells[1]));
   result.steps = numberFrom<int>(cells[3]);
@@ -84,6 +109,7 @@ void readCsvRow(const std::string& row, EpisodeResult& episode, RolloutResult& r
   }
   const std::size_t behind = kFixedColumns + kQuantities.size();
   result.first_divergence = firstDivergenceFrom(cells[behind], cells[behind + 1], cells[behind + 2]);
+  result.ending = endingFrom(cells[last], cells[last + 1], cells[last + 2]);
 }
 
 }  // namespace
@@ -107,7 +133,7 @@ std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::
   for (std::size_t i = 0; i < count; ++i) {
     episodes[i].rollouts.resize(rollouts);
     for (std::size_t rollout = 0; rollout < rollouts; ++rollout) {
-      readCsvRow(lines[1 + i * rollouts + rollout], episodes[i], episodes[i].rollouts[rollout]);
+      readCsvRow(protocol, lines[1 + i * rollouts + rollout], episodes[i], episodes[i].rollouts[rollout]);
     }
   }
   const std::vector<std::string> expected = linesOf(episodesCsv(protocol, episodes));

@@ -5,23 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "pusht_task/numbers.hpp"
+#include "sim2sim_protocol/results/json.hpp"
 
 namespace sim2sim {
-namespace {
-
 using nlohmann::json;
-
-json shareOf(int count, int total) {
-  json share = {{"episodes", count}};
-  if (total > 0) {
-    const Interval interval = wilsonInterval(count, total);
-    share["share"] = pusht::roundToMicro(static_cast<double>(count) / total);
-    share["interval"] = {pusht::roundToMicro(interval.low), pusht::roundToMicro(interval.high)};
-  }
-  return share;
-}
-
-}  // namespace
 
 FirstDivergences firstDivergencesOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout) {
   FirstDivergences first_divergences;
@@ -58,17 +45,17 @@ FirstDivergences firstDivergencesOf(const std::vector<EpisodeResult>& episodes, 
 }
 
 json toJson(const FirstDivergences& first_divergences) {
-  json result = {{"parted", shareOf(first_divergences.parted, first_divergences.episodes)},
+  json result = {{"parted", shareJson(first_divergences.parted, first_divergences.episodes)},
                  {"median_step", first_divergences.median_step ? json(*first_divergences.median_step) : json()},
                  {"causes", json::object()},
                  {"first", json::object()},
                  {"within_by_step", json::array()}};
   for (const CauseName& cause : kCauses) {
     result["causes"][cause.name] =
-        shareOf(first_divergences.causes[static_cast<std::size_t>(cause.cause)], first_divergences.parted);
+        shareJson(first_divergences.causes[static_cast<std::size_t>(cause.cause)], first_divergences.parted);
   }
   for (std::size_t i = 0; i < kFirstBodyNames.size(); ++i) {
-    result["first"][kFirstBodyNames[i]] = shareOf(first_divergences.first[i], first_divergences.parted);
+    result["first"][kFirstBodyNames[i]] = shareJson(first_divergences.first[i], first_divergences.parted);
   }
   for (const double share : first_divergences.within) {
     result["within_by_step"].push_back(pusht::roundToMicro(share));

@@ -7,7 +7,11 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
+#include <vector>
 
+#include "pusht_task/joined.hpp"
+#include "pusht_task/loop.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 #include "sim2sim_statistics/sequential.hpp"
@@ -63,7 +67,63 @@ Headline tooFew(int starts, int repeats) {
   const std::string count =
       repeats == 1 ? counted(starts) : std::to_string(starts) + (starts == 1 ? " start" : " starts");
   const std::string answer = starts == 0 ? "no episode has finished" : count + " can say nothing";
-  return {TransferVerdict::kCannotSay, kQuestion, std::string(kTooEarly) + ": " + answer + fewest};
+  return {TransferVerdict::kCannotSay, kQuestion, "", std::string(kTooEarly) + ": " + answer + fewest};
+}
+
+/// "Box2D (preset idiomatic, slop true, and 3 more)": a simulator in a sentence with what is changed of it.
+std::string namedWith(const SimulatorRecord& simulator, const std::string& name) {
+  constexpr std::size_t kMost = 2;
+  std::vector<std::string> changed;
+  for (const std::string& parameter : simulator.changed) {
+    if (pusht::loopParameterOf(parameter).empty()) {
+      const nlohmann::ordered_json& value = simulator.parameters.at(parameter);
+      changed.push_back(parameter + " " + (value.is_string() ? value.get<std::string>() : value.dump()));
+    }
+  }
+  if (changed.size() > kMost) {
+    const std::string rest = "and " + std::to_string(changed.size() - kMost) + " more";
+    changed.resize(kMost);
+    changed.push_back(rest);
+  }
+  return name + (changed.empty() ? "" : " (" + pusht::joined(changed) + ")");
+}
+
+/// Names of both simulators in a sentence, and the loop: ", with the loop tracker,".
+struct Names {
+  explicit Names(const RunConfiguration& configuration) {
+    const bool same = configuration.engine.title == configuration.reference.title;
+    reference = namedWith(configuration.reference, same ? "the reference" : inSentence(configuration.reference.title));
+    engine = namedWith(configuration.engine, same ? "the engine" : inSentence(configuration.engine.title));
+    const std::string of_reference = textOf(loopOf(configuration.reference));
+    const std::string of_engine = textOf(loopOf(configuration.engine));
+    if (of_reference == of_engine) {
+      loop = of_reference.empty() ? "" : " in the loop " + of_reference;
+    } else {
+      engine += " in " + (of_engine.empty() ? "a plain loop" : "the loop " + of_engine);
+      reference += " in " + (of_reference.empty() ? "a plain loop" : "the loop " + of_reference);
+    }
+  }
+
+  std::string reference;
+  std::string engine;
+  std::string loop;  ///< of both
+};
+
+/// What to know before the answer: how many failures of a role are stuck, if these are most.
+std::string caveatOf(const RunConfiguration& configuration, const Names& names, const EndingsOfPairs& endings) {
+  std::string stuck;
+  for (const auto& [role, name] : {std::pair(&endings.reference, names.reference), {&endings.engine, names.engine}}) {
+    if (role->areMostlyStuck()) {
+      stuck += (stuck.empty() ? "" : " and ") + std::to_string(role->of(Ending::kStuck)) + " of " +
+               std::to_string(role->failures()) + " in " + name;
+    }
+  }
+  if (stuck.empty()) {
+    return "";
+  }
+  const bool quiet = !hasNoisyLoop(configuration.reference) && !hasNoisyLoop(configuration.engine);
+  return quiet ? "Without noise in the loop most failures are stuck, " + stuck + "; --loop tracker measures the skill."
+               : "Most failures are stuck, " + stuck + ": the tee lies still, noise or not.";
 }
 
 }  // namespace
@@ -109,7 +169,7 @@ std::string transferNumber(const RunConfiguration& configuration, double share) 
   return pusht::fixedText(kHundred * exact, kMostDigits);
 }
 
-Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outcomes) {
+Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outcomes, const EndingsOfPairs& endings) {
   const PairTable& successes = outcomes.table;
   const int episodes = successes.pairs();
   const int reference_successes = successes.both + successes.first_only;
@@ -117,16 +177,16 @@ Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outco
   if (outcomes.starts < kFewestEpisodes && !has_sequence) {
     return tooFew(outcomes.starts, configuration.protocol.repeats);
   }
-  const bool same_title = configuration.engine.title == configuration.reference.title;
-  const std::string engine = same_title ? "the engine" : inSentence(configuration.engine.title);
-  const std::string reference = same_title ? "the reference" : inSentence(configuration.reference.title);
+  const Names names(configuration);
+  const std::string with = ": with this policy" + names.loop + " ";
+  const std::string caveat = caveatOf(configuration, names, endings);
   const bool partial = !configuration.protocol.until_decided && episodes < configuration.protocol.episodes;
   const std::string count =
       partial ? " (" + std::to_string(episodes) + " of " + counted(configuration.protocol.episodes) + ")." : ".";
   if (reference_successes == 0) {
     const std::string words = "Nothing to transfer";
-    return {TransferVerdict::kNothingToTransfer, kQuestion,
-            (partial ? soFar(words) : words) + ": with this policy " + reference + " never succeeds" +
+    return {TransferVerdict::kNothingToTransfer, kQuestion, caveat,
+            (partial ? soFar(words) : words) + with + names.reference + " never succeeds" +
                 (partial ? count : " in " + counted(episodes) + ".")};
   }
   const Interval interval = asPrinted(configuration.protocol.until_decided ? transferSequence(successes)
@@ -134,14 +194,15 @@ Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outco
   const TransferVerdict verdict = verdictOf(interval);
   const std::string words = wordsOf(verdict, interval);
   const double transfer = (successes.both + successes.second_only) / static_cast<double>(reference_successes);
-  return {verdict, kQuestion,
-          (partial && verdict != TransferVerdict::kCannotSay ? soFar(words) : words) + ": with this policy " + engine +
+  return {verdict, kQuestion, caveat,
+          (partial && verdict != TransferVerdict::kCannotSay ? soFar(words) : words) + with + names.engine +
               (transfer > 1.0 ? " has " : " keeps ") + shareText(configuration, transfer, interval) + " of " +
-              reference + "'s success" + count};
+              names.reference + "'s success" +
+              (verdict == TransferVerdict::kExceeds ? ", which is another task, not a better skill" : "") + count};
 }
 
 nlohmann::json toJson(const Headline& headline) {
-  return {{"verdict", nameOf(headline.verdict)}, {"question", headline.question}, {"answer", headline.answer}};
+  return {{"verdict", nameOf(headline.verdict)}, {"question", headline.question}, {"caveat", headline.caveat}, {"answer", headline.answer}};
 }
 
 std::string inSentence(const std::string& title) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 
 namespace sim2sim {
@@ -19,6 +20,16 @@ nlohmann::json readableJson(double value) {
 
 nlohmann::json readableJson(const std::optional<Interval>& interval) {
   return interval ? nlohmann::json{readableJson(interval->low), readableJson(interval->high)} : nlohmann::json();
+}
+
+nlohmann::json shareJson(int count, int total) {
+  nlohmann::json share = {{"episodes", count}};
+  if (total > 0) {
+    const Interval interval = wilsonInterval(count, total);
+    share["share"] = pusht::roundToMicro(static_cast<double>(count) / total);
+    share["interval"] = {pusht::roundToMicro(interval.low), pusht::roundToMicro(interval.high)};
+  }
+  return share;
 }
 
 }  // namespace sim2sim

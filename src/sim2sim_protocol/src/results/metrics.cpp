@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "pusht_task/loop.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 
@@ -33,6 +32,29 @@ json outcomes(const Outcomes& outcomes) {
           {"success_difference_interval", readableJson(outcomes.difference_interval)},
           {"success_difference_p", orNull(outcomes.p)},
           {"success_difference_exact_p", orNull(outcomes.p_exact)}};
+}
+
+/// The keys of metrics.json on how the failures of a role end.
+json endings(const std::string& role, const Endings& endings) {
+  json keys = {{role + "_median_still_step", endings.median_still_step ? json(*endings.median_still_step) : json()}};
+  for (const Ending ending : {Ending::kStuck, Ending::kMoving, Ending::kLost}) {
+    keys[role + "_" + nameOf(ending)] = endings.of(ending);
+  }
+  for (std::size_t i = 0; i < kPusherEndingNames.size(); ++i) {
+    keys[role + "_stuck_pusher_" + kPusherEndingNames[i]] = endings.stuck_pushers[i];
+  }
+  return keys;
+}
+
+/// The keys of metrics.json on how failures end, by role and by the two-by-two table.
+json endings(const EndingsOfPairs& both) {
+  json keys = endings("reference", both.reference);
+  keys.update(endings("engine", both.engine));
+  keys.update({{"only_reference_succeeds_engine_stuck", both.only_reference_engine_stuck},
+               {"only_engine_succeeds_reference_stuck", both.only_engine_reference_stuck},
+               {"neither_succeeds_reference_stuck", both.neither_reference_stuck},
+               {"neither_succeeds_engine_stuck", both.neither_engine_stuck}});
+  return keys;
 }
 
 /// The keys of metrics.json that say how to read a mean divergence.
@@ -93,13 +115,6 @@ json repeats(const Summary& summary) {
   return keys;
 }
 
-/// Whether a simulator's loop has noise of its own.
-bool hasNoisyLoop(const SimulatorRecord& simulator) {
-  return std::any_of(simulator.changed.begin(), simulator.changed.end(), [](const std::string& name) {
-    return !pusht::loopParameterOf(name).empty() && name.find("noise") != std::string::npos;
-  });
-}
-
 }  // namespace
 
 std::string metricName(const std::string& rollout, const Quantity& quantity) {
@@ -127,6 +142,7 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
       {"transfer_interval", readableJson(summary.outcomes.transfer_interval)},
   });
   metrics.update(outcomes(summary.outcomes));
+  metrics.update(endings(summary.endings));
   const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();
   forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
     const std::string name = metricName(rollouts[rollout], kQuantities[i]);

@@ -134,6 +134,23 @@ void SimulatorRecord::add(const pusht::ParameterSet& loop) {
   }
 }
 
+pusht::ParameterSet loopOf(const SimulatorRecord& simulator) {
+  pusht::ParameterSet loop = pusht::plainLoop();
+  for (const auto& [name, value] : simulator.parameters.items()) {
+    if (const std::string of_loop = pusht::loopParameterOf(name); !of_loop.empty()) {
+      pusht::setOfLoop(loop, of_loop, value.is_string() ? value.get<std::string>() : value.dump());
+    }
+  }
+  return loop;
+}
+
+bool hasNoisyLoop(const SimulatorRecord& simulator) {
+  const pusht::ParameterSet loop = loopOf(simulator);
+  return std::any_of(loop.begin(), loop.end(), [](const pusht::Parameter& parameter) {
+    return parameter.name().find("noise") != std::string::npos && !parameter.isDefault();
+  });
+}
+
 std::string titleOf(const SimulatorRecord& simulator) {
   std::string title = simulator.title;
   for (const std::string& name : simulator.changed) {

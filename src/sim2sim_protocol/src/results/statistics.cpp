@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pusht_task/numbers.hpp"
+#include "sim2sim_protocol/results/endings.hpp"
 #include "sim2sim_protocol/results/first_divergences.hpp"
 #include "sim2sim_protocol/results/headline.hpp"
 #include "sim2sim_protocol/results/json.hpp"
@@ -57,10 +58,12 @@ void removeIntervals(json& figures) {
 }
 
 /// Takes out the intervals of shares of episodes, which hold without repeats alone.
-void removeIntervalsOfFirstDivergences(json& rollouts) {
+void removeIntervalsOfShares(json& rollouts) {
   for (json& rollout : rollouts) {
-    if (const auto parting = rollout.find("parting"); parting != rollout.end()) {
-      removeIntervals(*parting);
+    for (const char* key : {"parting", "ending"}) {
+      if (const auto shares = rollout.find(key); shares != rollout.end()) {
+        removeIntervals(*shares);
+      }
     }
   }
 }
@@ -74,7 +77,7 @@ nlohmann::json statistics(const RunConfiguration& configuration, const std::vect
   json statistics = {{"format", kStatisticsFormat},
                      {"confidence", kConfidence},
                      {"episodes", episodes.size()},
-                     {"headline", toJson(headlineOf(configuration, outcomes))}};
+                     {"headline", toJson(headlineOf(configuration, outcomes, endingsOf(episodes)))}};
   const std::vector<std::string> rollouts = protocol.rolloutNames();
   forEachQuantity(protocol, [&](std::size_t rollout, std::size_t i) {
     const std::string name = std::string(kQuantities[i].name) + "_" + kQuantities[i].unit;
@@ -83,9 +86,14 @@ nlohmann::json statistics(const RunConfiguration& configuration, const std::vect
   for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
     statistics["rollouts"][rollouts[rollout]]["parting"] = toJson(firstDivergencesOf(episodes, rollout));
   }
+  for (std::size_t rollout = 0; rollout < rollouts.size(); ++rollout) {
+    if (protocol.isClosed(rollout)) {
+      statistics["rollouts"][rollouts[rollout]]["ending"] = toJson(endingsOf(episodes, rollout));
+    }
+  }
   if (protocol.repeats > 1) {
     statistics["number_of_starts"] = outcomes.starts;
-    removeIntervalsOfFirstDivergences(statistics["rollouts"]);
+    removeIntervalsOfShares(statistics["rollouts"]);
   }
   if (protocol.until_decided) {
     removeIntervals(statistics["rollouts"]);

@@ -320,6 +320,7 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   summary.reference = successRate(protocol, episodes, kReferenceClosed);
   summary.engine = successRate(protocol, episodes, kEngineClosed);
   summary.outcomes = outcomesOf(protocol, episodes, kEngineClosed);
+  summary.endings = endingsOf(episodes);
   summary.means.resize(episodes.front().rollouts.size());
   const std::vector<EpisodeResult> starts = meansOfStarts(protocol, episodes);
   for (std::size_t rollout = 0; rollout < summary.means.size(); ++rollout) {

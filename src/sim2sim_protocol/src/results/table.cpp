@@ -49,6 +49,52 @@ std::string causeText(const FirstDivergences& first_divergences) {
          std::to_string(first_divergences.causes[static_cast<std::size_t>(cause.cause)]);
 }
 
+/// "44 of 45, half by 2.8 s": the failures that are stuck.
+std::string stuckText(const Endings& endings) {
+  const std::string count =
+      std::to_string(endings.of(Ending::kStuck)) + " of " + std::to_string(endings.failures());
+  return endings.median_still_step
+             ? count + ", half by " + fixedText(*endings.median_still_step * pusht::kControlStep, 1) + " s"
+             : count;
+}
+
+/// "3 moving, 1 lost": the other failures.
+std::string otherEndingsText(const Endings& endings) {
+  return std::to_string(endings.of(Ending::kMoving)) + " moving, " + std::to_string(endings.of(Ending::kLost)) + " lost";
+}
+
+/// "91 still, 28 moving, 0 lost": the pushers of the stuck failures.
+std::string stuckPushersText(const Endings& endings) {
+  const auto count = [&](PusherEnding pusher) {
+    return std::to_string(endings.stuck_pushers[static_cast<std::size_t>(pusher)]) + " " + nameOf(pusher);
+  };
+  return count(PusherEnding::kStill) + ", " + count(PusherEnding::kMoving) + ", " + count(PusherEnding::kLost);
+}
+
+/// Lines on how failures end, as far as there are any.
+std::string endingLines(const EndingsOfPairs& endings) {
+  const int failures = endings.reference.failures() + endings.engine.failures();
+  const int stuck = endings.reference.of(Ending::kStuck) + endings.engine.of(Ending::kStuck);
+  const auto both = [&](const std::string& head, const auto& text) {
+    return line(head, text(endings.reference), text(endings.engine));
+  };
+  return (failures == 0 ? "" : both("  failures stuck", stuckText)) +
+         (stuck == 0 ? "" : both("    their pusher", stuckPushersText)) +
+         (failures == stuck ? "" : both("  other failures", otherEndingsText));
+}
+
+/// Line on the stuck rollouts among the pairs; empty if there are none.
+std::string stuckPairsLine(const EndingsOfPairs& endings) {
+  if (endings.reference.of(Ending::kStuck) + endings.engine.of(Ending::kStuck) == 0) {
+    return "";
+  }
+  return line("  stuck in the other",
+              "reference only " + std::to_string(endings.only_reference_engine_stuck) + ", engine only " +
+                  std::to_string(endings.only_engine_reference_stuck),
+              "neither " + std::to_string(endings.neither_reference_stuck) + " reference, " +
+                  std::to_string(endings.neither_engine_stuck) + " engine");
+}
+
 /// Meaning of the mark (?).
 std::string noComparisonText(const Protocol& protocol) {
   return protocol.until_decided ? std::string(
@@ -307,15 +353,17 @@ std::string table(const RunConfiguration& configuration, const Summary& summary)
   const PairTable& pairs = outcomes.table;
   Marks marks;
   std::string table =
-      headlineOf(configuration, outcomes).text() + "\n" +
+      headlineOf(configuration, outcomes, summary.endings).text() + "\n" +
       line("", configuration.reference.title + " (reference)", configuration.engine.title) +
       line("success, closed loop", cell(summary.reference), cell(summary.engine)) + noiseLines(summary) +
+      endingLines(summary.endings) +
       line("transfer", "", transferText(configuration, outcomes)) +
       line("engine - reference", outcomes.p ? "McNemar p " + probabilityText(*outcomes.p) : "",
            signedText(outcomes.table.difference(), outcomes.difference_interval, "", 3)) +
       line("the same episodes",
            "both " + std::to_string(pairs.both) + ", reference only " + std::to_string(pairs.first_only),
            "engine only " + std::to_string(pairs.second_only) + ", neither " + std::to_string(pairs.neither)) +
+      stuckPairsLine(summary.endings) +
       divergenceLines(configuration.protocol, summary, marks) + variantLines(configuration, summary);
   table += footnotes(configuration.protocol, marks);
   const std::string count = "(" + episodesText(configuration.protocol, summary) + "; in brackets ";

@@ -15,7 +15,7 @@ from sim2sim import _sim2sim
 from sim2sim.errors import InvalidInput
 
 INTEGERS = {"episode": np.int64, "seed": np.uint64, "steps": np.int64, "repeat": np.int64}
-TEXTS = ("mode", "parting_cause", "parting_first")
+TEXTS = ("mode", "parting_cause", "parting_first", "ending", "pusher_ending")
 
 
 @dataclass(frozen=True)

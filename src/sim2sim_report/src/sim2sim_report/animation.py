@@ -51,6 +51,9 @@ def _animation(episode: Episode, traces: Traces) -> Json:
         "kind": episode.kind,
         "states": {mode: _packed(traces[episode.index, mode]) for mode in MODES},
         "succeeds": {mode: episode.succeeds(mode) for mode in MODES},
+        "stuck": {
+            mode: episode.still(mode) if episode.ending(mode) == "stuck" else None for mode in MODES
+        },
         "parting": {mode: episode.parting(mode) for mode in (ENGINE, REPLAY)},
     }
 

@@ -17,6 +17,7 @@ from sim2sim_report.sweep_rows import (
     ENGINE,
     PANELS,
     SUCCESS,
+    TRANSFER,
     Panel,
     Row,
     Words,
@@ -24,6 +25,7 @@ from sim2sim_report.sweep_rows import (
     engines_of,
     label_of,
     lines_over,
+    panels_of,
     read_rows,
     title_of_role,
     unit_of,
@@ -94,7 +96,7 @@ def draw_line(
 ) -> None:
     """Points with their intervals, in the style of line `number`."""
     color = SERIES[number]
-    y = [row[panel.value] for row in rows]
+    y = [math.nan if row[panel.value] is None else row[panel.value] for row in rows]
     style = {"color": color, "marker": MARKERS[number], **style}
     axes.plot(x, y, **style, zorder=3, clip_on=False)  # a rate of 0 is a whole point, too
     for at, row in zip(x, rows):
@@ -104,7 +106,9 @@ def draw_line(
                 [at], [row[panel.value]], color=color, marker=MARKERS[number], **hollow, zorder=4
             )
         if row[panel.interval] is not None:  # one episode has no interval
-            axes.plot([at, at], row[panel.interval], color=color, zorder=2)
+            low, high = row[panel.interval]
+            high = axes.get_ylim()[1] if high is None else high  # it has no end
+            axes.plot([at, at], [low, high], color=color, zorder=2)
 
 
 def draw_many(axes: Any, panel: Panel, parameter: str, lines: Sequence[Sequence[Row]]) -> None:
@@ -112,7 +116,7 @@ def draw_many(axes: Any, panel: Panel, parameter: str, lines: Sequence[Sequence[
     values: Dict[float, List[float]] = {}
     for number, rows in enumerate(lines):
         x = [row["knobs"][parameter] for row in rows]
-        y = [row[panel.value] for row in rows]
+        y = [math.nan if row[panel.value] is None else row[panel.value] for row in rows]
         for at, value in zip(x, y):
             values.setdefault(at, []).append(value)
         name = f"{len(lines)} settings of the other parameters" if number == 0 else None
@@ -153,9 +157,11 @@ def draw_column(
     lines = lines_over(parameter, parameters, rows)
     inches = column[0].figure.get_figwidth() / column[0].get_subplotspec().get_gridspec().ncols
     character = CHARACTER / inches
-    for axes, panel in zip(column, PANELS):
+    for axes, panel in zip(column, panels_of(rows)):
         if AGAINST in rows[0]:
             axes.axhline(0.0, color=INK, linestyle="--", linewidth=1.0)
+        elif panel is TRANSFER:
+            axes.axhline(1.0, color=INK, linestyle="--", linewidth=1.0, label="as the reference")
         elif panel is SUCCESS:
             draw_reference(axes, rows[0])
         else:
@@ -249,7 +255,7 @@ class Curves:
         for number, parameter in enumerate(self.parameters):
             draw_column(axes[:, number], parameter, self.parameters, self.rows, self.words, narrow)
         against = AGAINST in self.rows[0]
-        for panel, row in zip(PANELS, axes):
+        for panel, row in zip(panels_of(self.rows), axes):
             for number, one in enumerate(row):
                 if number == 0 or narrow:
                     label = f"change of\n{panel.label}" if against else panel.label

@@ -212,9 +212,10 @@ class Player {
   show(episode, time = 0) {
     this.pause();
     this.select.value = episode;
-    const { states, succeeds, parting } = this.data.episodes.find((one) => one.episode === episode);
+    const { states, succeeds, stuck, parting } = this.data.episodes.find((one) => one.episode === episode);
     this.states = Object.fromEntries(MODES.map((mode) => [mode, unpack(states[mode])]));
     this.succeeds = succeeds;
+    this.stuck = stuck;
     this.last = Math.max(...MODES.map((mode) => this.states[mode].count)) - 1;
     this.scrub.max = this.last;
     const reference = this.states.reference_closed;
@@ -284,15 +285,18 @@ class Player {
     this.drawCurves();
   }
 
-  // What has become of a world: nothing while it runs, then how and when it ended. Changes rarely.
+  // What has become of a world: nothing while it runs, then since when it is stuck, or how and when it ended. Changes
+  // rarely.
   badge(mode, states) {
     const ended = this.time >= states.count - 1;
+    const stuck = this.stuck[mode] !== null && this.time >= this.stuck[mode];
     const [end, good] = [seconds(states.count - 1), this.succeeds[mode]];
-    const text = !ended ? "" : good ? `success at ${end}` : `no success, ended at ${end}`;
+    const text = stuck ? `stuck since ${seconds(this.stuck[mode])}`
+      : !ended ? "" : good ? `success at ${end}` : `no success, ended at ${end}`;
     const badge = this.badges[mode];
     if (badge.textContent !== text) {
       badge.textContent = text;
-      badge.className = ended ? `badge ${good ? "good" : "bad"}` : "badge";
+      badge.className = ended || stuck ? `badge ${good ? "good" : "bad"}` : "badge";
     }
   }
 
@@ -381,8 +385,10 @@ function drawPaths(box, data, player) {
     const count = data.episodes.filter((one) => one.kind === kind).length;
     keys.append(element("span", { className: kind, textContent: `${KIND_NAMES[kind]} ${count}` }));
   }
-  for (const { episode, kind, states } of data.episodes) {
-    const button = element("button", { type: "button", className: kind, title: `episode ${episode}: ${KIND_NAMES[kind]}` });
+  for (const { episode, kind, states, stuck } of data.episodes) {
+    const since = [["reference", "reference_closed"], ["engine", "engine_closed"]].filter(([, mode]) => stuck[mode] !== null)
+      .map(([role, mode]) => `; ${role} stuck since ${seconds(stuck[mode])}`).join("");
+    const button = element("button", { type: "button", className: kind, title: `episode ${episode}: ${KIND_NAMES[kind]}${since}` });
     button.setAttribute("aria-label", button.title);
     const canvas = element("canvas", { width: 208, height: 208 });
     button.append(canvas, element("span", { textContent: episode }));
@@ -402,7 +408,7 @@ function drawPaths(box, data, player) {
 
 const COLUMNS = [
   ["episode", (v) => v], ["seed", (v) => v], ["who succeeds", (v) => KIND_NAMES[KINDS[v]]],
-  ["reference steps", (v) => v], ["engine steps", (v) => v],
+  ["reference steps", (v) => v], ["engine steps", (v) => v], ["reference ends", (v) => v], ["engine ends", (v) => v],
   ["position divergence [m]", (v) => (v === null ? "" : v.toFixed(4))],
   ["angle divergence [rad]", (v) => (v === null ? "" : v.toFixed(4))],
   ["leaves the bound at step", (v) => (v === null ? "" : v)], ["cause", (v) => v],
@@ -425,7 +431,7 @@ class EpisodeTable {
     for (const kind of KINDS) {
       this.filters.kind.append(element("option", { value: KINDS.indexOf(kind), textContent: KIND_NAMES[kind] }));
     }
-    for (const cause of [...new Set(rows.map((row) => row[8]))].filter(Boolean).sort()) {
+    for (const cause of [...new Set(rows.map((row) => row[10]))].filter(Boolean).sort()) {
       this.filters.cause.append(element("option", { value: cause, textContent: cause }));
     }
     for (const filter of Object.values(this.filters)) { filter.addEventListener("input", () => this.filter()); }
@@ -449,8 +455,8 @@ class EpisodeTable {
     const { kind, cause, least } = this.filters;
     this.rows = this.all.filter((row) =>
       (kind.value === "" || row[2] === Number(kind.value)) &&
-      (cause.value === "" || row[8] === cause.value) &&
-      (least.value === "" || (row[5] !== null && row[5] >= Number(least.value))));
+      (cause.value === "" || row[10] === cause.value) &&
+      (least.value === "" || (row[7] !== null && row[7] >= Number(least.value))));
     const shown = new Set(this.rows.map((row) => row[0]));
     if (this.player) {
       this.player.order = this.player.data.episodes.map((one) => one.episode).filter((episode) => shown.has(episode));
@@ -505,7 +511,7 @@ class EpisodeTable {
       row.forEach((value, column) => {
         const cell = element("td", { className: typeof value === "number" && column !== 2 ? "number" : "" });
         const text = COLUMNS[column][1](value);
-        if ((column === 0 || column === 7) && value !== null && this.player && this.player.has(row[0])) {
+        if ((column === 0 || column === 9) && value !== null && this.player && this.player.has(row[0])) {
           const time = column === 0 ? 0 : value;
           const link = element("a", { href: addressOf(this.run, row[0], time), textContent: text });
           link.addEventListener("click", (event) => { event.preventDefault(); visit(this.player, row[0], time); });

@@ -22,7 +22,14 @@ from sim2sim_report.matrix_tables import section as matrix_section
 from sim2sim_report.results import KINDS, QUESTION, Partial, Run, Traces, read_sweep
 from sim2sim_report.sentences import CAUTION, cautions, parting, sentences, sweep_summary
 from sim2sim_report.suite import Suite
-from sim2sim_report.tables import contrast_rows, divergences, episode_row, parameters, sweep_row
+from sim2sim_report.tables import (
+    contrast_rows,
+    divergences,
+    episode_row,
+    parameters,
+    stuck_texts,
+    sweep_row,
+)
 from sim2sim_report.words import glossary
 
 ROWS_WITHOUT_SCRIPT = 100  # episodes in the table of a page in which no script runs
@@ -74,6 +81,7 @@ class Page:
         return self._render(
             title=f"{runs[0].title('reference')} to {engines}",
             question=compared["headline"]["question"] if compared else runs[0].question,
+            caveat="" if compared else runs[0].caveat,
             headline=compared["headline"]["answer"] if compared else runs[0].answer,
             answers=answers if len(runs) > 1 else [],
             caution=broken + cautions([run.metrics for run in runs]),
@@ -182,6 +190,7 @@ class Page:
                 "engine": partial.title("engine"),
                 "audit": audited,
                 "counts": partial.counts,
+                "stuck": stuck_texts(partial.episodes),
                 "episodes": len(partial.episodes),
                 "table": [episode_row(e) for e in partial.episodes],
                 "player": None,
@@ -205,7 +214,8 @@ class Page:
             context.setdefault(name, None)
         for name in ("answers", "contrasts", "runs"):
             context.setdefault(name, [])
-        context.setdefault("baseline", "")
+        for name in ("baseline", "caveat"):
+            context.setdefault(name, "")
         rows = ROWS_WITHOUT_SCRIPT
         template = self.environment.get_template("page.html.j2")
         return template.render(rows_without_script=rows, **self.shared, **context)
@@ -220,6 +230,7 @@ def _section(run: Run, number: int, traces: Optional[Traces], animate: Sequence[
         "engine": run.name,
         "metrics": run.metrics,
         "counts": {kind: run.metrics[kind] for kind in KINDS.values()},
+        "stuck": stuck_texts(run.episodes),
         "episodes": run.metrics["episodes"],
         "answer": run.answer,
         "sentences": sentences(run),

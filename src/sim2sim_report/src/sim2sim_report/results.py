@@ -55,6 +55,14 @@ class Episode:
         text = self.modes[mode]["parting_step"]
         return int(text) if text else None
 
+    def ending(self, mode: str) -> str:
+        """How a closed loop ends: "success", "stuck", "moving" or "lost"; "" of others."""
+        return self.modes[mode]["ending"]
+
+    def still(self, mode: str) -> int:
+        """The control step from which on the tee of a closed loop stays where it ends."""
+        return int(self.modes[mode]["still_step"])
+
     @property
     def kind(self) -> str:
         return KINDS[self.succeeds(REFERENCE), self.succeeds(ENGINE)]
@@ -75,6 +83,11 @@ class Run:
     def question(self) -> str:
         """The question of the headline."""
         return str(self.statistics["headline"]["question"])
+
+    @property
+    def caveat(self) -> str:
+        """What to know before the answer; empty: nothing."""
+        return str(self.statistics["headline"]["caveat"])
 
     @property
     def answer(self) -> str:

@@ -15,6 +15,7 @@ Row = Dict[str, Any]  # the metrics.json of one parameter setting
 Setting = Tuple[str, Tuple[Tuple[str, Any], ...]]  # engine; parameters and their values
 Words = Dict[str, List[str]]  # values of parameters that take words, or true and false, by place
 
+LOOP = "loop."  # begins the names of the parameters of a loop
 AGAINST = "against"  # key in a row: number of the row that it is held against
 ENGINE = "engine"  # stands for a parameter where only the kinds of engine vary
 
@@ -47,6 +48,9 @@ PANELS = [
         f"{REPLAY}_null_angle_divergence_rad",
     ),
 ]
+# Where the loop of both roles varies, success says what the loop costs; the share that the engine
+# keeps says what the engine does.
+TRANSFER = Panel("transfer", "transfer", "transfer_interval")
 OTHER_KEYS = [
     "confidence",
     "engine_simulator",
@@ -65,14 +69,14 @@ def read_rows(folder: Path) -> Tuple[List[Row], int]:
     path = folder / name_of("sweep")
     content = read_sweep(folder)
     rows: List[Row] = content["rows"]
-    needed = OTHER_KEYS + [key for panel in PANELS for key in panel[1:] if key]
+    needed = OTHER_KEYS + [key for panel in [*PANELS, TRANSFER] for key in panel[1:] if key]
     for number, row in enumerate(rows):
         missing = [key for key in needed if not isinstance(row, dict) or key not in row]
         if missing:
             raise Error(f"{path}: row {number}: no key {missing[0]}; it is needed")
         for what, of_row in (
             ("policy", lambda r: r["policy"]),
-            ("reference", lambda r: r["simulators"]["reference"]),
+            ("reference", lambda r: without_loop(r["simulators"]["reference"])),
         ):
             if of_row(row) != of_row(rows[0]):
                 raise Error(
@@ -89,6 +93,23 @@ def read_rows(folder: Path) -> Tuple[List[Row], int]:
         return rows, len(content["sweep"]["rows"])
     except (KeyError, TypeError):
         raise Error(f"{path}: no list of rows under sweep; it is needed") from None
+
+
+def without_loop(simulator: Any) -> Any:
+    """A simulator of a row, whatever the loop that its policy is in."""
+    kept = {name for name in simulator["parameters"] if not name.startswith(LOOP)}
+    plain = {**simulator, "changed": [name for name in simulator["changed"] if name in kept]}
+    for key in ("parameters", "units"):
+        plain[key] = {name: value for name, value in simulator[key].items() if name in kept}
+    return plain
+
+
+def panels_of(rows: Sequence[Row]) -> List[Panel]:
+    """The panels of a figure: with transfer in place of success where the reference's loop
+    varies."""
+    first = rows[0]["simulators"]["reference"]
+    same = all(row["simulators"]["reference"] == first for row in rows)
+    return PANELS if same else [TRANSFER, *PANELS[1:]]
 
 
 def contrasted(folder: Path, rows: Sequence[Row], against: int, suite: Suite) -> List[Row]:

@@ -2,7 +2,7 @@
 """The rows of a page's tables."""
 
 from pathlib import Path
-from typing import Any, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from pusht_task.json_file import Json, read_json
 from sim2sim_protocol.result_files import name_of, row_folder
@@ -50,11 +50,32 @@ def episode_row(episode: Episode) -> List[Any]:
         list(KINDS.values()).index(episode.kind),
         episode.steps(REFERENCE),
         episode.steps(ENGINE),
+        episode.ending(REFERENCE),
+        episode.ending(ENGINE),
         number(replay["mean_position_divergence_m"]),
         number(replay["mean_angle_divergence_rad"]),
         int(replay["parting_step"]) if replay["parting_step"] else None,
         replay["parting_cause"].replace("_", " "),
     ]
+
+
+def stuck_texts(episodes: Sequence[Episode]) -> Dict[str, str]:
+    """How many of a kind of episodes end stuck: "engine stuck in 62"; "" where none fails."""
+    failing = {
+        "both_succeed": {},
+        "only_reference_succeeds": {"engine": ENGINE},
+        "only_engine_succeeds": {"reference": REFERENCE},
+        "neither_succeeds": {"reference": REFERENCE, "engine": ENGINE},
+    }
+    texts = {}
+    for kind, roles in failing.items():
+        of_kind = [episode for episode in episodes if episode.kind == kind]
+        counts = [
+            f"{role} stuck in {sum(e.ending(mode) == 'stuck' for e in of_kind)}"
+            for role, mode in roles.items()
+        ]
+        texts[kind] = ", ".join(counts) if of_kind else ""
+    return texts
 
 
 def divergences(run: Run) -> List[Json]:

@@ -32,7 +32,7 @@ struct PlannedRow {
 struct SweepPlan {
   Protocol protocol;
   std::filesystem::path starts;  ///< file for readInitialStates(); empty: spawn seeds
-  /// At least one, no two equal.
+  /// At least one, no two equal; in a plan with several loops once in each
   std::vector<PlannedPolicy> policies;
   bool lists_policies = false;          ///< whether the plan lists policies; otherwise it has just one
   std::vector<PlannedRow> rows;         ///< policy by policy; no two rows are equal
@@ -49,6 +49,8 @@ struct SweepPlan {
 /// - `reference`, a simulator: "KIND" or "KIND:NAME=VALUE:NAME=VALUE"; or `home`: for each policy the simulator of its
 ///   demonstrations, as its provenance names it (pusht::homeOf()). `reference_parameters`, a map of names to values.
 ///   `scene: FILE` is a short form of MuJoCo's.
+/// - `loop`, in both roles: `tracker`, or a map of parameters of the loop to values; or a list of loops, each of which
+///   has all rows.
 /// - `engine`, a simulator or a list of simulators; each of a list has all rows.
 /// - One of three keys for the engine's parameters, needed unless engines or policies alone vary. `grid`: a list of
 ///   values for each parameter; each combination is a row, and the last parameter varies fastest. `rows`: a list of

@@ -86,7 +86,4 @@ std::array<std::vector<Eigen::Vector2d>, 2> teeCorners(const pusht::WorldState& 
 /// Circle as a closed line [m].
 std::vector<Eigen::Vector2d> circleOf(const Eigen::Vector2d& center, double radius);
 
-/// Whether a tee has left the table: its origin is beyond the inner face of a wall.
-bool isOffTable(const pusht::WorldState& state);
-
 }  // namespace sim2sim

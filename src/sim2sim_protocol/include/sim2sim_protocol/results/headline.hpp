@@ -40,19 +40,21 @@ TransferVerdict verdictOf(const Interval& transfer);
 /// side of a bound of the scale, or of the share that decides the end of the run: 0.4996 is "49.96", not "50".
 std::string transferNumber(const RunConfiguration& configuration, double share);
 
-/// Question and answer, for the policy and the simulators of a run.
+/// Question and answer, for the policy and the simulators of a run. Both simulators are named with what is changed of
+/// them, and with the loop, unless it is plain.
 struct Headline {
   TransferVerdict verdict = TransferVerdict::kCannotSay;
   std::string question;
+  std::string caveat;  ///< what to know before the answer: most failures of a role are stuck; empty: nothing
   std::string answer;
 
-  /// Both in one line.
-  std::string text() const { return question + " " + answer; }
+  /// All in one line.
+  std::string text() const { return question + " " + (caveat.empty() ? "" : caveat + " ") + answer; }
 };
 
 /// Headline of the finished episodes of a run, by the successes of the engine in closed loop. The verdict is on the
 /// interval of the transfer, or on transferSequence() if the run ends when it is decided.
-Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outcomes);
+Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outcomes, const EndingsOfPairs& endings);
 
 /// Headline as JSON: "headline" in statistics.json.
 nlohmann::json toJson(const Headline& headline);

@@ -19,4 +19,7 @@ nlohmann::json readableJson(double value);
 /// [low, high], each likewise; null without an interval.
 nlohmann::json readableJson(const std::optional<Interval>& interval);
 
+/// Share of `total` episodes: "episodes", `count`; unless there are none, "share" and "interval", Wilson's.
+nlohmann::json shareJson(int count, int total);
+
 }  // namespace sim2sim

@@ -33,6 +33,12 @@ struct SimulatorRecord {
   void add(const pusht::ParameterSet& loop);
 };
 
+/// Loop in which a policy drives it.
+pusht::ParameterSet loopOf(const SimulatorRecord& simulator);
+
+/// Whether this loop has noise.
+bool hasNoisyLoop(const SimulatorRecord& simulator);
+
 /// Title with the parameters that do not have their default: "two-mass engine, block_damp 20.0".
 std::string titleOf(const SimulatorRecord& simulator);
 

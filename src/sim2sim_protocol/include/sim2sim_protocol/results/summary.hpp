@@ -11,6 +11,7 @@
 
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/results/endings.hpp"
 #include "sim2sim_protocol/results/first_divergences.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/pairs.hpp"
@@ -152,6 +153,7 @@ struct Summary {
   SuccessRate reference{};
   SuccessRate engine{};
   Outcomes outcomes{};
+  EndingsOfPairs endings{};
   std::vector<Means> means;          ///< by rollout, over the episodes that have the quantity; NaN if none has
   std::vector<Baselines> baselines;  ///< by rollout; NaN for the reference
   std::vector<ClosedVariant> closed_variants{};

@@ -64,7 +64,7 @@ def demonstrate(plan: Plan, work: Path) -> None:
         bag = f"{name}.bag"
         if (work / bag).exists():
             continue
-        options: List[object] = ["--seed", 0, "--episodes", what.get("episodes", 500)]
+        options: List[object] = ["--seed", what.get("seed", 0), "--episodes", what.get("episodes", 500)]
         for simulator in what["simulators"]:
             options += ["--simulator", simulator]
         for draw in what.get("draw", []):
@@ -79,7 +79,8 @@ def train(plan: Plan, work: Path) -> None:
     for name, group in plan["groups"].items():
         recipe = plan["recipes"][group["recipe"]]
         options: List[object] = ["--bag", f"{group['demonstrations']}.bag"]
-        options += ["--seed", plan["first_seed"], "--seeds", group["seeds"]]
+        first = group.get("first_seed", plan["first_seed"])
+        options += ["--seed", first, "--seeds", group["seeds"]]
         options += ["--epochs", recipe["epochs"], "--hidden", *recipe["hidden"]]
         for key, option in (("model", "--model"), ("batch", "--batch"), ("learning_rate", "--lr")):
             if key in recipe:

@@ -78,8 +78,15 @@ TEST(FirstDivergences, AreKeptInTheRows) {
   std::vector<EpisodeResult> episodes = {episodeOf(4, 2, Cause::kSlidingOnStem, FirstBody::kBoth), episodeOf(4, 0)};
   episodes[1].index = 1;
   const std::string csv = episodesCsv(protocol, episodes);
-  EXPECT_THAT(csv, HasSubstr(",2,sliding_on_stem,both\n"));
+  EXPECT_THAT(csv, HasSubstr(",2,sliding_on_stem,both,,,\n"));
   EXPECT_EQ(episodesCsv(protocol, episodesFromCsv(protocol, csv)), csv);
+  episodes[1].rollouts[kEngineClosed].ending = RolloutEnding{Ending::kStuck, 41, PusherEnding::kLost};
+  const std::string stuck = episodesCsv(protocol, episodes);
+  EXPECT_THAT(stuck, HasSubstr(",stuck,41,lost\n1,,engine_replay"));
+  EXPECT_EQ(episodesCsv(protocol, episodesFromCsv(protocol, stuck)), stuck);
+  std::string misspelt = stuck;
+  misspelt.replace(misspelt.find("stuck,41"), 5, "stick");
+  EXPECT_THROW(episodesFromCsv(protocol, misspelt), pusht::InvalidInput);
   std::string damaged = csv;
   damaged.replace(damaged.find("sliding_on_stem"), 7, "gliding");
   EXPECT_THROW(episodesFromCsv(protocol, damaged), pusht::InvalidInput);

@@ -38,7 +38,7 @@ TEST(Headline, Transfers) {
 
 TEST(Headline, MoreSuccessThanInTheReferenceIsNoYes) {
   expect(headline("Chipmunk", {300, 5, 120, 75}), "exceeds",
-         "More, not alike: with this policy Chipmunk has 138 % [130, 147] of MuJoCo's success.");
+         "More, not alike: with this policy Chipmunk has 138 % [130, 147] of MuJoCo's success, which is another task, not a better skill.");
 }
 
 TEST(Headline, TransfersInPart) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/loop.hpp"
 #include "run_episodes.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
@@ -170,12 +171,12 @@ TEST(RepeatedStarts, MayBeIncomplete) {
 TEST(RepeatedStarts, HaveAColumnOfTheirOwn) {
   const Protocol protocol = repeatedConfiguration(8).protocol;
   const std::string csv = episodesCsv(protocol, noisyEpisodes(2));
-  EXPECT_THAT(csv, HasSubstr(",parting_first,repeat\n"));
+  EXPECT_THAT(csv, HasSubstr(",parting_first,repeat,ending,still_step,pusher_ending\n"));
   EXPECT_THAT(csv, HasSubstr("\n6,10001,engine_closed,"));
-  EXPECT_THAT(csv, HasSubstr(",,,2\n6,10001,engine_replay"));
+  EXPECT_THAT(csv, HasSubstr(",,,2,,,\n6,10001,engine_replay"));
   EXPECT_EQ(episodesCsv(protocol, episodesFromCsv(protocol, csv)), csv);
   std::string other = csv;
-  other.replace(other.find(",,,2\n"), 5, ",,,3\n");
+  other.replace(other.find(",,,2,,,\n"), 5, ",,,3,");
   EXPECT_THROW(episodesFromCsv(protocol, other), pusht::InvalidInput);
   EXPECT_THAT(episodesCsv(bare(), episodesWith(2, 1, 1)), Not(HasSubstr("repeat")));
 }
@@ -222,10 +223,16 @@ TEST(NoteOnNoise, IsForWhatIsRandomAndWasPlayedOnce) {
   EXPECT_THAT(noteOnNoise(configuration, stochastic), HasSubstr("--repeats"));
   EXPECT_EQ(noteOnNoise(configuration, {{"policy", {{"sha256", "1"}}}}), "");
   EXPECT_EQ(noteOnNoise(repeatedConfiguration(8), stochastic), "");
-  configuration.engine.changed = {"loop.action_noise"};
+  const auto loop_with = [](const char* name, const char* value) {
+    pusht::ParameterSet loop = pusht::plainLoop();
+    loop.set(name, value);
+    return loop;
+  };
+  configuration.engine.add(loop_with("action_noise", "0.1"));
   EXPECT_THAT(noteOnNoise(configuration, stochastic), HasSubstr("Policy and loop draw"));
   EXPECT_THAT(noteOnNoise(configuration, nlohmann::json::object()), HasSubstr("The loop draws"));
-  configuration.engine.changed = {"loop.action_delay"};
+  configuration.engine = bareConfiguration().engine;
+  configuration.engine.add(loop_with("action_delay", "1"));
   EXPECT_THAT(noteOnNoise(configuration, stochastic), HasSubstr("The policy draws"));
   EXPECT_EQ(noteOnNoise(configuration, nlohmann::json::object()), "");
 }

@@ -88,10 +88,9 @@ std::string stuckPairsLine(const EndingsOfPairs& endings) {
   if (endings.reference.of(Ending::kStuck) + endings.engine.of(Ending::kStuck) == 0) {
     return "";
   }
-  return line("  stuck in the other",
-              "reference only " + std::to_string(endings.only_reference_engine_stuck) + ", engine only " +
-                  std::to_string(endings.only_engine_reference_stuck),
-              "neither " + std::to_string(endings.neither_reference_stuck) + " reference, " +
+  return line("  stuck where it fails", "reference only " + std::to_string(endings.only_reference_engine_stuck),
+              "engine only " + std::to_string(endings.only_engine_reference_stuck) + ", neither " +
+                  std::to_string(endings.neither_reference_stuck) + " reference, " +
                   std::to_string(endings.neither_engine_stuck) + " engine");
 }
 

@@ -1,0 +1,205 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs the study under noise: the policies of the first study and further ones, in loops with and
+without noise, in every simulator. docs/study/noise/plan.md says why.
+
+Every step keeps what is finished, so a study that was interrupted goes on where it was when it is
+started again, and ends with the same bytes.
+"""
+
+import csv
+import io
+import lzma
+import shutil
+import sys
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, NamedTuple, Sequence
+
+import yaml  # type: ignore[import]
+from pusht_task.command import OneLineParser, run_command
+from pusht_task.files import write_file
+
+from study import STUDY as FIRST_STUDY
+from study import Plan, demonstrate, keep_plan, policies, sweep, train
+from study_findings import first_policies
+
+STUDY = FIRST_STUDY / "noise"
+SHIPPED = FIRST_STUDY.parents[1] / "src" / "pusht_policy" / "policies"
+LETTERS = {"success": "S", "stuck": "t", "moving": "m", "lost": "l"}
+REFERENCE, ENGINE = "reference_closed", "engine_closed"
+
+
+class Part(NamedTuple):
+    """Sweeps of the study: the same policies and engines in each of its loops."""
+
+    name: str
+    policies: List[Plan]  # entries of a plan's list: files, group, reference
+    plan: Plan  # loops, engines, episodes
+
+    def folder(self, loop: Any) -> str:
+        return f"{self.name}-{name_of_loop(loop)}"
+
+
+def name_of_loop(loop: Any) -> str:
+    """The loop in names of files and tables: "tracker", "observation_noise_position=0.01"."""
+    if isinstance(loop, str):
+        return loop
+    return ",".join(f"{name}={value}" for name, value in loop.items())
+
+
+def whole_plan() -> Plan:
+    """The plan of this study, with demonstrations, recipes and groups of the first one."""
+    first = yaml.safe_load((FIRST_STUDY / "study.yaml").read_text())
+    plan: Plan = yaml.safe_load((STUDY / "study.yaml").read_text())
+    plan["first_groups"] = list(first["groups"])
+    plan["first_seed"] = first["first_seed"]
+    for key in ("demonstrations", "recipes", "groups"):
+        plan[key] = {**first[key], **plan[key]}
+    return plan
+
+
+def parts_of(plan: Plan) -> List[Part]:
+    groups = plan["groups"]
+
+    def of(names: Sequence[str]) -> List[Plan]:
+        return list(policies({**plan, "groups": {name: groups[name] for name in names}}))
+
+    firsts = [
+        {"files": f"{name}.ts.pt", "group": group, "reference": groups[group]["reference"]}
+        for group, name in first_policies(plan, plan["curves"])
+    ]
+    kinds = [
+        {"files": name if name == "expert" else f"{name}.ts.pt", "group": name}
+        for name in plan["kinds"]["policies"]
+    ]
+    new = [name for name in groups if name not in plan["first_groups"]]
+    return [
+        Part("primary", of(plan["first_groups"]), plan["primary"]),
+        Part("draws", of(new), plan["draws"]),
+        Part("curves", firsts, plan["curves"]),
+        Part("kinds", [{"reference": "mujoco", **kind} for kind in kinds], plan["kinds"]),
+    ]
+
+
+def sweep_part(part: Part, plan: Plan, work: Path) -> None:
+    for loop in part.plan["loops"]:
+        wanted = {
+            "policies": part.policies,
+            "engine": part.plan["engines"],
+            "loop": loop,
+            "floor": False,
+            "episodes": part.plan["episodes"],
+            "first_episode": plan["first_episode"],
+        }
+        sweep(work, part.folder(loop), wanted)
+
+
+def rows_of(part: Part, work: Path) -> Iterator[Dict[str, str]]:
+    """How each closed loop ended: a letter for each start, by policy, loop and simulator."""
+    for loop in part.plan["loops"]:
+        folder = work / part.folder(loop)
+        number = 0
+        for entry in part.policies:
+            for policy in names_of(entry, work):
+                for engine in part.plan["engines"]:
+                    if engine == entry["reference"]:
+                        continue
+                    endings = read_endings(folder / "rows" / f"{number:03}" / "episodes.csv")
+                    row = {"part": part.name, "group": entry["group"], "policy": policy}
+                    row["loop"] = name_of_loop(loop)
+                    if engine == next(e for e in part.plan["engines"] if e != entry["reference"]):
+                        yield {**row, "simulator": entry["reference"], "ends": endings[REFERENCE]}
+                    yield {**row, "simulator": engine, "ends": endings[ENGINE]}
+                    number += 1
+
+
+def names_of(entry: Plan, work: Path) -> List[str]:
+    """The policies of an entry, in the order of a sweep."""
+    if "." not in entry["files"]:
+        return [entry["files"]]
+    return sorted(path.name.partition(".")[0] for path in work.glob(entry["files"]))
+
+
+def read_endings(path: Path) -> Dict[str, str]:
+    """The endings of both roles, a letter for each episode."""
+    endings = {REFERENCE: "", ENGINE: ""}
+    with path.open() as file:
+        for row in csv.DictReader(file):
+            if row["mode"] in endings:
+                endings[row["mode"]] += LETTERS[row["ending"]]
+    return endings
+
+
+def write_endings(parts: Sequence[Part], plan: Plan, work: Path, tables: Path) -> None:
+    """Writes endings.csv.xz: S success, t stuck, m moving, l lost, from the first start on."""
+    text = io.StringIO()
+    text.write(f"# start i: spawn seed {10_000 + plan['first_episode']} + i; S success, ")
+    text.write("t stuck, m moving, l lost\n")
+    writer = csv.DictWriter(
+        text, ("part", "group", "policy", "loop", "simulator", "ends"), lineterminator="\n"
+    )
+    writer.writeheader()
+    for part in parts:
+        writer.writerows(rows_of(part, work))
+    write_file(tables / "endings.csv.xz", lzma.compress(text.getvalue().encode(), preset=9))
+
+
+def study(plan: Plan, work: Path, tables: Path) -> None:
+    work.mkdir(parents=True, exist_ok=True)
+    tables.mkdir(parents=True, exist_ok=True)
+    keep_plan(plan, work)
+    demonstrate(plan, work)
+    train(plan, work)
+    for name in {*plan["kinds"]["policies"]} - {"expert"}:
+        shutil.copyfile(SHIPPED / f"{name}.ts.pt", work / f"{name}.ts.pt")
+    parts = parts_of(plan)
+    for part in parts:
+        sweep_part(part, plan, work)
+    write_endings(parts, plan, work, tables)
+
+
+def smallest(plan: Plan) -> Plan:
+    """The least study that has every part: it tests the program, and says nothing."""
+    kept = ("small-mujoco", "shipped-mujoco", "small-draw_1", "epochs_60-width_256")
+    plan["groups"] = {name: {**plan["groups"][name], "seeds": 1} for name in kept}
+    plan["first_groups"] = list(kept[:2])
+    used = {group["demonstrations"] for group in plan["groups"].values()}
+    plan["demonstrations"] = {name: plan["demonstrations"][name] for name in sorted(used)}
+    for what in plan["demonstrations"].values():
+        what["episodes"] = 3
+    for recipe in plan["recipes"].values():
+        recipe.update(hidden=[8, 8], epochs=1)
+    for group in plan["groups"].values():
+        group.pop("also_after", None)
+    for name in ("primary", "draws", "curves", "kinds"):
+        part = plan[name]
+        part.update(episodes=2, engines=part["engines"][:2], loops=part["loops"][-2:])
+    plan["curves"]["policies"] = 1
+    plan["kinds"]["policies"] = ["expert"]
+    return plan
+
+
+def main() -> int:
+    parser = OneLineParser(prog="study noise", description=(__doc__ or "").splitlines()[0])
+    help_work = "bags, policies and sweeps, kept for the next start (default: build/study_noise)"
+    default = STUDY.parents[2] / "build" / "study_noise"
+    parser.add_argument("--work", metavar="DIR", type=Path, default=default, help=help_work)
+    help_tables = "tables and pictures (default: docs/study/noise)"
+    parser.add_argument("--tables", metavar="DIR", type=Path, default=STUDY, help=help_tables)
+    help_smoke = "run the least of everything: it tests this program, and says nothing"
+    parser.add_argument("--smoke", action="store_true", help=help_smoke)
+    options = parser.parse_args()
+    if options.smoke and (options.work == default or options.tables == STUDY):
+        parser.error("--smoke says nothing: give it folders of its own by --work and --tables")
+    plan = whole_plan()
+    if options.smoke:
+        plan = smallest(plan)
+    return run_command(
+        "study noise",
+        lambda: study(plan, options.work.resolve(), options.tables.resolve()),
+        "run the same command again to go on",
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -208,7 +208,8 @@ ParameterDescriptor steps(const char* name, const char* meaning, std::int64_t us
 /// (docs/loop.md) put at 0.4 to 2 mm, and at 0.01 rad with tags of 5 cm; a frame of 33 ms, its transfer and the
 /// detection take one control step, the nearest whole number.
 ParameterDescriptor presets() {
-  ParameterDescriptor words = {kLoopPreset, "", "loop with a name; sets the parameters that are not set by name", "none"};
+  ParameterDescriptor words = {kLoopPreset, "", "loop with a name; sets the parameters that are not set by name",
+                               "none"};
   words.words = {"none", "tracker"};
   words.presets = {
       {"none", {{"observation_delay", "0"}, {"observation_noise_position", "0"}, {"observation_noise_yaw", "0"}}},

@@ -120,7 +120,7 @@ TEST(Quantities, SayTheSameInMetricsStatisticsAndMessage) {
   const Headline headline = headlineOf(configuration, summary.outcomes, summary.endings);
   EXPECT_EQ(distributions.at("headline"), toJson(headline));
   EXPECT_EQ(message.verdict, nameOf(headline.verdict));
-  EXPECT_EQ(message.headline, headline.question + " " + headline.answer);
+  EXPECT_EQ(message.headline, headline.text());
   EXPECT_EQ(message.caveat, headline.caveat);
   EXPECT_NE(table(configuration, summary).find(headline.text() + "\n"), std::string::npos);
   for (const auto& mean : message.means) {  // all episodes are as far from the null model: no interval, no verdict

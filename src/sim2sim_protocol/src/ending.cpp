@@ -39,9 +39,9 @@ RolloutEnding endingOf(const pusht::Rollout& rollout) {
                         : isOffTable(states.back()) ? Ending::kLost
                         : is_still(still_step)      ? Ending::kStuck
                                                     : Ending::kMoving;
-  const PusherEnding pusher = isBeyondWalls(states.back().pusher_position)  ? PusherEnding::kLost
-                              : is_still(firstStepAs(states, isPusherAs)) ? PusherEnding::kStill
-                                                                          : PusherEnding::kMoving;
+  const PusherEnding pusher = isBeyondWalls(states.back().pusher_position) ? PusherEnding::kLost
+                              : is_still(firstStepAs(states, isPusherAs))  ? PusherEnding::kStill
+                                                                           : PusherEnding::kMoving;
   return {ending, still_step, pusher};
 }
 

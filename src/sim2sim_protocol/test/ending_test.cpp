@@ -18,9 +18,9 @@
 namespace sim2sim {
 namespace {
 
+using pusht::WorldState;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using pusht::WorldState;
 
 constexpr int kSteps = 100;  // of a rollout
 const Eigen::Vector2d kAway{0.2, 0.2};
@@ -126,13 +126,12 @@ EpisodeResult episode(bool reference, bool engine, Ending ending, PusherEnding p
 }
 
 TEST(Endings, AreCountedByRoleAndByPair) {
-  const EndingsOfPairs endings =
-      endingsOf({episode(true, true, Ending::kStuck, PusherEnding::kStill, 0),
-                 episode(true, false, Ending::kStuck, PusherEnding::kLost, 30),
-                 episode(true, false, Ending::kMoving, PusherEnding::kMoving, 290),
-                 episode(false, true, Ending::kStuck, PusherEnding::kStill, 50),
-                 episode(false, false, Ending::kStuck, PusherEnding::kMoving, 40),
-                 episode(false, false, Ending::kLost, PusherEnding::kStill, 60)});
+  const EndingsOfPairs endings = endingsOf({episode(true, true, Ending::kStuck, PusherEnding::kStill, 0),
+                                            episode(true, false, Ending::kStuck, PusherEnding::kLost, 30),
+                                            episode(true, false, Ending::kMoving, PusherEnding::kMoving, 290),
+                                            episode(false, true, Ending::kStuck, PusherEnding::kStill, 50),
+                                            episode(false, false, Ending::kStuck, PusherEnding::kMoving, 40),
+                                            episode(false, false, Ending::kLost, PusherEnding::kStill, 60)});
   EXPECT_THAT(endings.reference.episodes, ElementsAre(3, 1, 2, 0));
   EXPECT_THAT(endings.engine.episodes, ElementsAre(2, 1, 2, 1));
   EXPECT_THAT(endings.reference.stuck_pushers, ElementsAre(0, 1, 1));
@@ -186,7 +185,6 @@ TEST(Endings, StandBeforeTheAnswerWhereMostFailuresAreStuck) {
             "Most failures are stuck, 6 of 10 in MuJoCo and 29 of 30 in the two-mass engine: the tee lies still, noise "
             "or not.");
   EXPECT_THAT(headline.answer, HasSubstr(": with this policy in the loop tracker the two-mass engine keeps "));
-  EXPECT_EQ(headline.text(), headline.question + " " + headline.caveat + " " + headline.answer);
 }
 
 }  // namespace

@@ -38,7 +38,8 @@ TEST(Headline, Transfers) {
 
 TEST(Headline, MoreSuccessThanInTheReferenceIsNoYes) {
   expect(headline("Chipmunk", {300, 5, 120, 75}), "exceeds",
-         "More, not alike: with this policy Chipmunk has 138 % [130, 147] of MuJoCo's success, which is another task, not a better skill.");
+         "More, not alike: with this policy Chipmunk has 138 % [130, 147] of MuJoCo's success, which is another task, "
+         "not a better skill.");
 }
 
 TEST(Headline, TransfersInPart) {
@@ -182,7 +183,7 @@ TEST(Headline, WordsFollowFromThePrintedFigures) {
 
 TEST(Headline, IsJson) {
   EXPECT_EQ(toJson(headline("Chipmunk", {2, 0, 0, 0})).dump(),
-            R"({"answer":"Cannot say yet: 2 episodes can say nothing; it takes 10 or more.","question":)"
+            R"({"answer":"Cannot say yet: 2 episodes can say nothing; it takes 10 or more.","caveat":"","question":)"
             R"("Does the skill transfer?","verdict":"cannot_say"})");
 }
 

@@ -11,8 +11,8 @@
 namespace pusht_rviz {
 
 /// Headline, success rates, transfer, strip of episodes, and mean divergence. It computes nothing: figures come as
-/// texts, in the digits of the terminal. Object names: headline, caveat, reference_success, engine_success, transfer, pairs,
-/// mean_position, mean_angle.
+/// texts, in the digits of the terminal. Object names: headline, caveat, reference_success, engine_success, transfer,
+/// pairs, mean_position, mean_angle.
 class SummaryView : public QWidget {
   Q_OBJECT
 

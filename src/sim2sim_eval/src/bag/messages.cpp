@@ -176,7 +176,7 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
   const Headline headline = headlineOf(configuration, summary.outcomes, summary.endings);
   message.verdict = nameOf(headline.verdict);
   message.caveat = headline.caveat;
-  message.headline = headline.question + " " + headline.answer;
+  message.headline = headline.text();
   message.reference_stuck = static_cast<std::uint32_t>(summary.endings.reference.of(Ending::kStuck));
   message.engine_stuck = static_cast<std::uint32_t>(summary.endings.engine.of(Ending::kStuck));
   return message;

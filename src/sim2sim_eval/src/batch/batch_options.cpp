@@ -102,11 +102,10 @@ void declareLoop(CLI::App& app, std::vector<std::string>& reference, std::vector
            name,
            [roles](const Settings& given) {
              for (Settings* role : roles) {
-               std::transform(given.begin(), given.end(), std::back_inserter(*role),
-                              [](const std::string& setting) {
-                                const auto [parameter, value] = pusht::loopSettingFrom(setting);
-                                return pusht::kLoopPrefix + parameter + "=" + value;
-                              });
+               std::transform(given.begin(), given.end(), std::back_inserter(*role), [](const std::string& setting) {
+                 const auto [parameter, value] = pusht::loopSettingFrom(setting);
+                 return pusht::kLoopPrefix + parameter + "=" + value;
+               });
              }
            },
            meaning)
@@ -116,12 +115,14 @@ void declareLoop(CLI::App& app, std::vector<std::string>& reference, std::vector
   for (const pusht::ParameterDescriptor& parameter : pusht::loopParameters()) {
     names.push_back(parameter.name);
   }
-  declare_for("--loop",
-              "tracker, a loop as a camera makes it, or NAME=VALUE: a parameter of the loop between policy and world, in "
-              "both roles: " +
-                  pusht::joined(names) + "; may be repeated",
-              {&reference, &engine});
-  declare_for("--loop-reference", "tracker, or NAME=VALUE: a parameter of the loop of the reference alone", {&reference});
+  declare_for(
+      "--loop",
+      "tracker, a loop as a camera makes it, or NAME=VALUE: a parameter of the loop between policy and world, in "
+      "both roles: " +
+          pusht::joined(names) + "; may be repeated",
+      {&reference, &engine});
+  declare_for("--loop-reference", "tracker, or NAME=VALUE: a parameter of the loop of the reference alone",
+              {&reference});
   declare_for("--loop-engine", "tracker, or NAME=VALUE: a parameter of the loop of the engine alone", {&engine});
 }
 

@@ -413,7 +413,8 @@ SweepPlan planFrom(const YAML::Node& root) {
     throw pusht::InvalidInput("must map keys to values");
   }
   requireDistinctKeys(root);
-  std::vector<std::string> keys = {"policy", "policies", "reference", "reference_parameters", "loop", "engine", "starts"};
+  std::vector<std::string> keys = {"policy", "policies", "reference", "reference_parameters",
+                                   "loop",   "engine",   "starts"};
   forEachOption([&](const auto& option) {
     if (option.in_plan) {
       keys.emplace_back(option.name);

@@ -17,8 +17,8 @@ constexpr int kStillSteps = 50;
 enum class Ending : std::size_t {
   kSuccess,  ///< success latched
   kLost,     ///< the tee is off the table
-  kStuck,    ///< the tee has been still for kStillSteps: without noise a deterministic policy goes on like that for ever
-  kMoving,   ///< none of these; a rollout shorter than kStillSteps, too
+  kStuck,   ///< the tee has been still for kStillSteps: without noise a deterministic policy goes on like that for ever
+  kMoving,  ///< none of these; a rollout shorter than kStillSteps, too
 };
 
 /// Names of Ending, in its order, for files and people.

@@ -51,8 +51,9 @@ std::string csvRow(const Protocol& protocol, const EpisodeResult& episode, const
                     : ",,,";
   row += protocol.repeats > 1 ? "," + std::to_string(protocol.repeat(episode.index)) : "";
   const std::optional<RolloutEnding>& end = result.ending;
-  row += end ? std::string(",") + nameOf(end->ending) + "," + std::to_string(end->still_step) + "," + nameOf(end->pusher)
-             : ",,,";
+  row +=
+      end ? std::string(",") + nameOf(end->ending) + "," + std::to_string(end->still_step) + "," + nameOf(end->pusher)
+          : ",,,";
   return row + "\n";
 }
 
@@ -88,16 +89,17 @@ std::optional<RolloutEnding> endingFrom(const std::string& ending, const std::st
                                         const std::string& pusher) {
   const std::optional<std::size_t> of_rollout = placeIn(kEndingNames, ending);
   const std::optional<std::size_t> of_pusher = placeIn(kPusherEndingNames, pusher);
-  return of_rollout && of_pusher ? std::optional(RolloutEnding{static_cast<Ending>(*of_rollout),
-                                                               numberFrom<int>(still_step),
-                                                               static_cast<PusherEnding>(*of_pusher)})
-                                 : std::nullopt;
+  return of_rollout && of_pusher
+             ? std::optional(RolloutEnding{static_cast<Ending>(*of_rollout), numberFrom<int>(still_step),
+                                           static_cast<PusherEnding>(*of_pusher)})
+             : std::nullopt;
 }
 
 /// The row that csvRow() wrote, as far as it can be read.
 void readCsvRow(const Protocol& protocol, const std::string& row, EpisodeResult& episode, RolloutResult& result) {
   std::vector<std::string> cells = pusht::split(row, ',');
-  const std::size_t last = kFixedColumns + kQuantities.size() + kFirstDivergenceColumns + (protocol.repeats > 1 ? 1 : 0);
+  const std::size_t last =
+      kFixedColumns + kQuantities.size() + kFirstDivergenceColumns + (protocol.repeats > 1 ? 1 : 0);
   cells.resize(last + kEndingColumns);
   episode.index = numberFrom<int>(cells[0]);
   episode.seed = cells[1].empty() ? std::nullopt : std::optional(numberFrom<std::uint64_t>(cells[1]));

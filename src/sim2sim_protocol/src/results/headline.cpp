@@ -202,7 +202,10 @@ Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outco
 }
 
 nlohmann::json toJson(const Headline& headline) {
-  return {{"verdict", nameOf(headline.verdict)}, {"question", headline.question}, {"caveat", headline.caveat}, {"answer", headline.answer}};
+  return {{"verdict", nameOf(headline.verdict)},
+          {"question", headline.question},
+          {"caveat", headline.caveat},
+          {"answer", headline.answer}};
 }
 
 std::string inSentence(const std::string& title) {

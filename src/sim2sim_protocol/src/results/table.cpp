@@ -51,8 +51,7 @@ std::string causeText(const FirstDivergences& first_divergences) {
 
 /// "44 of 45, half by 2.8 s": the failures that are stuck.
 std::string stuckText(const Endings& endings) {
-  const std::string count =
-      std::to_string(endings.of(Ending::kStuck)) + " of " + std::to_string(endings.failures());
+  const std::string count = std::to_string(endings.of(Ending::kStuck)) + " of " + std::to_string(endings.failures());
   return endings.median_still_step
              ? count + ", half by " + fixedText(*endings.median_still_step * pusht::kControlStep, 1) + " s"
              : count;
@@ -60,7 +59,8 @@ std::string stuckText(const Endings& endings) {
 
 /// "3 moving, 1 lost": the other failures.
 std::string otherEndingsText(const Endings& endings) {
-  return std::to_string(endings.of(Ending::kMoving)) + " moving, " + std::to_string(endings.of(Ending::kLost)) + " lost";
+  return std::to_string(endings.of(Ending::kMoving)) + " moving, " + std::to_string(endings.of(Ending::kLost)) +
+         " lost";
 }
 
 /// "91 still, 28 moving, 0 lost": the pushers of the stuck failures.
@@ -350,20 +350,20 @@ std::string decisionText(const TransferBet& bet, double share) {
 std::string table(const RunConfiguration& configuration, const Summary& summary) {
   const Outcomes& outcomes = summary.outcomes;
   const PairTable& pairs = outcomes.table;
+  const Headline headline = headlineOf(configuration, outcomes, summary.endings);
   Marks marks;
   std::string table =
-      headlineOf(configuration, outcomes, summary.endings).text() + "\n" +
+      (headline.caveat.empty() ? "" : headline.caveat + "\n") + headline.text() + "\n" +
       line("", configuration.reference.title + " (reference)", configuration.engine.title) +
       line("success, closed loop", cell(summary.reference), cell(summary.engine)) + noiseLines(summary) +
-      endingLines(summary.endings) +
-      line("transfer", "", transferText(configuration, outcomes)) +
+      endingLines(summary.endings) + line("transfer", "", transferText(configuration, outcomes)) +
       line("engine - reference", outcomes.p ? "McNemar p " + probabilityText(*outcomes.p) : "",
            signedText(outcomes.table.difference(), outcomes.difference_interval, "", 3)) +
       line("the same episodes",
            "both " + std::to_string(pairs.both) + ", reference only " + std::to_string(pairs.first_only),
            "engine only " + std::to_string(pairs.second_only) + ", neither " + std::to_string(pairs.neither)) +
-      stuckPairsLine(summary.endings) +
-      divergenceLines(configuration.protocol, summary, marks) + variantLines(configuration, summary);
+      stuckPairsLine(summary.endings) + divergenceLines(configuration.protocol, summary, marks) +
+      variantLines(configuration, summary);
   table += footnotes(configuration.protocol, marks);
   const std::string count = "(" + episodesText(configuration.protocol, summary) + "; in brackets ";
   const std::string confidence = fixedText(100.0 * kConfidence, 0) + " % ";

@@ -48,8 +48,8 @@ struct Headline {
   std::string caveat;  ///< what to know before the answer: most failures of a role are stuck; empty: nothing
   std::string answer;
 
-  /// All in one line.
-  std::string text() const { return question + " " + (caveat.empty() ? "" : caveat + " ") + answer; }
+  /// Question and answer in one line.
+  std::string text() const { return question + " " + answer; }
 };
 
 /// Headline of the finished episodes of a run, by the successes of the engine in closed loop. The verdict is on the

@@ -422,7 +422,7 @@ TEST(Picture, SaysHowFarTheTeesAreFromTheTarget) {
   episode.advance(143);
   EXPECT_THAT(texts(episode.update(), "mujoco"), Contains("0.224 m, 0.00 rad off target"));
   episode.advance(pusht::kHorizon - 143);
-  EXPECT_THAT(texts(episode.update(), "mujoco"), Contains("no success: 0.224 m, 0.00 rad off target"));
+  EXPECT_THAT(texts(episode.update(), "mujoco"), Contains("stuck since 0.0 s: 0.224 m, 0.00 rad off target"));
 }
 
 TEST(Picture, MarksWhereAWorldLeavesTheBound) {

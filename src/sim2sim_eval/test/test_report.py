@@ -3,6 +3,7 @@
 """Reports: what they say, what they refuse, and how they look and move in a browser."""
 
 import base64
+import csv
 import functools
 import html
 import json
@@ -791,6 +792,16 @@ class Refusals(ReportCase):
             self.assertEqual(process.returncode, 0, process.stderr)
         self.assertIn("success.png: is there already", self.refused(*images))
 
+    def test_says_how_rollouts_end(self) -> None:
+        page = html.unescape(self.report(str(self.run_folder), "--out", "endings.html"))
+        metrics = json.loads((self.run_folder / "metrics.json").read_text())
+        headline = json.loads((self.run_folder / "statistics.json").read_text())["headline"]
+        self.assertIn("--loop tracker", headline["caveat"])
+        self.assertLess(page.index(headline["caveat"]), page.index(headline["answer"]))
+        stuck = [metrics[f"neither_succeeds_{role}_stuck"] for role in ("reference", "engine")]
+        self.assertIn("reference stuck in {}, engine stuck in {}".format(*stuck), page)
+        self.assertIn(f"engine stuck in {metrics['only_reference_succeeds_engine_stuck']}<", page)
+
     def test_a_place_for_images_is_asked_for_first(self) -> None:
         self.write("mine", b"mine")
         folder = self.copy()
@@ -1073,8 +1084,8 @@ class Browser(ReportCase):
     def test_table_sorts(self) -> None:
         self.open()
         rows = "[...document.querySelectorAll('.episodes tbody tr')]"
-        column = f"return {rows}.map((row) => row.cells[5].textContent)"
-        head = "document.querySelectorAll('.episodes thead button')[5].click();"
+        column = f"return {rows}.map((row) => row.cells[7].textContent)"
+        head = "document.querySelectorAll('.episodes thead button')[7].click();"
         before = self.run_script(column)
         self.assertEqual(len(before), EPISODES)
         ascending = self.run_script(head + column)
@@ -1142,11 +1153,11 @@ class Browser(ReportCase):
             filter.value = arguments[1];
             filter.dispatchEvent(new Event("input", { bubbles: true }));
             """
-        cause = next(row[8] for row in every if row[8])
+        cause = next(row[10] for row in every if row[10])
         for name, value, passes in (
             ("kind", "2", lambda row: row[2] == "neither"),
-            ("cause", cause, lambda row: row[8] == cause),
-            ("least", "0.1", lambda row: row[5] != "" and float(row[5]) >= 0.1),
+            ("cause", cause, lambda row: row[10] == cause),
+            ("least", "0.1", lambda row: row[7] != "" and float(row[7]) >= 0.1),
         ):
             with self.subTest(name):
                 self.run_script(choose, name, value)
@@ -1163,8 +1174,8 @@ class Browser(ReportCase):
                 self.assertEqual(seen, [row[0] for row in expected])
                 order = self.run_script("return window.players.run0.order.map(String)")
                 self.assertEqual(order, seen)
-                csv = self.run_script("return window.tables.run0.csv()").splitlines()
-                self.assertEqual([line.split(",") for line in csv[1:]], expected)
+                saved = self.run_script("return window.tables.run0.csv()").splitlines()
+                self.assertEqual([line.split(",") for line in saved[1:]], expected)
                 self.run_script(choose, name, "")
         self.assertEqual(self.rows_shown(), every)
 
@@ -1206,9 +1217,11 @@ class Browser(ReportCase):
 
     def test_each_world_says_how_it_ended(self) -> None:
         self.open()
-        lines = (self.run_folder / "episodes.csv").read_text().splitlines()[1:]
-        for line in (each.split(",") for each in lines[:30]):
-            episode, mode, steps, success = int(line[0]), line[2], int(line[3]), line[4]
+        stuck = 0
+        with (self.run_folder / "episodes.csv").open() as file:
+            rows = list(csv.DictReader(file))[:30]
+        for row in rows:
+            episode, mode, steps = int(row["episode"]), row["mode"], int(row["steps"])
             if not mode.startswith(("reference_closed", "engine_closed", "engine_replay")):
                 continue
             badge = self.run_script(
@@ -1222,8 +1235,14 @@ class Browser(ReportCase):
                 """,
                 *(episode, mode, steps),
             )
-            words = "success at" if success == "true" else "no success, ended at"
+            if row["ending"] == "stuck":
+                stuck += 1
+                since = f"stuck since {int(row['still_step']) / 10:.1f} s"
+                self.assertEqual(badge, [since, since], (episode, mode))
+                continue
+            words = "success at" if row["success"] == "true" else "no success, ended at"
             self.assertEqual(badge, ["", f"{words} {steps / 10:.1f} s"], (episode, mode))
+        self.assertGreater(stuck, 0)
         spoken = self.run_script("return document.querySelectorAll('output, [aria-live]').length")
         self.assertEqual(spoken, 0, "nothing is read aloud at every frame")
 

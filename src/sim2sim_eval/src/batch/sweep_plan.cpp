@@ -219,7 +219,8 @@ std::vector<SimulatorChoice> rowsIn(const YAML::Node& root, const std::optional<
   if (ways > 1) {
     throw pusht::InvalidInput("must have either grid, rows or permutations");
   }
-  if (ways == 0 && engines.size() == 1 && !root["policies"].IsDefined() && !root["loop"].IsSequence()) {
+  if (ways == 0 && engines.size() == 1 && !root["policies"].IsDefined() &&
+      !(root["loop"].IsDefined() && root["loop"].IsSequence())) {
     throw pusht::InvalidInput("must have grid, rows, permutations, or a list of engines, policies or loops");
   }
   if (sample && engines.size() > 1) {

@@ -188,7 +188,8 @@ def draw_column(
             axes.set_xlabel(f"{parameter} [{unit}]" if unit else parameter)
     handles = {label: h for axes in column for h, label in zip(*axes.get_legend_handles_labels())}
     beside = 1 if narrow or max(map(len, handles)) > LONGEST_BESIDE else 2
-    labels = legend_labels(handles, inches / beside, OWN_STYLE["legend.fontsize"])
+    size = OWN_STYLE["legend.fontsize"]  # labels that stand beside each other are short
+    labels = list(handles) if beside > 1 else legend_labels(handles, inches, size)
     column[0].legend(
         handles.values(), labels, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=beside
     )

@@ -64,7 +64,8 @@ def demonstrate(plan: Plan, work: Path) -> None:
         bag = f"{name}.bag"
         if (work / bag).exists():
             continue
-        options: List[object] = ["--seed", what.get("seed", 0), "--episodes", what.get("episodes", 500)]
+        options: List[object] = ["--seed", what.get("seed", 0)]
+        options += ["--episodes", what.get("episodes", 500)]
         for simulator in what["simulators"]:
             options += ["--simulator", simulator]
         for draw in what.get("draw", []):

@@ -125,9 +125,9 @@ class Loops(LoopCase):
 
     def test_refusals(self) -> None:
         for arguments, words in {
-            ("--loop", "delay=1"): "loop: parameter 'delay': unknown; known: preset, action_delay, ",
+            ("--loop", "delay=1"): "loop: parameter 'delay': unknown; known: preset, ",
             ("--loop", "action_delay=-1"): "loop: action_delay -1: must be from 0 to 100",
-            ("--loop-engine", "action_delay"): "preset 'action_delay': must be one of: none, tracker",
+            ("--loop-engine", "action_delay"): "must be one of: none, tracker",
             ("--loop", "hold=2", "--loop-engine", "hold=3"): "loop.hold must be set once",
             ("--repeats", "3"): "repeats 3: must divide episodes 50",
             ("--execute", "2"): "policy expert: execute 2: must be from 1 to 1",

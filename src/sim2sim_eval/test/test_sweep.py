@@ -800,7 +800,7 @@ class BadPlans(SweepCase):
         plans: Dict[str, str] = {
             "": "must map keys to values",
             "grid: [": "must be YAML",
-            "episodes: 5": "must have grid, rows, permutations, or a list of engines, policies or loops",
+            "episodes: 5": "must have grid, rows, permutations, or a list of engines",
             "{grid: {block_damp: [1]}, rows: [{}]}": "must have either grid, rows or permutations",
             "grid:\n  block_dump: [1]": "line 2: parameter 'block_dump': unknown; known: ",
             "grid:\n  block_damp: 1": "line 2, block_damp: must be a list",

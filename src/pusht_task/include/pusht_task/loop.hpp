@@ -17,8 +17,8 @@ constexpr const char* kLoopPrefix = "loop.";
 
 /// Parameters of the loop: what happens to an observation on its way to the policy, and to a command on its way to the
 /// world, in this order: noise of the sensor, delay, policy every h-th step, clip, scale, delay, noise of the actuator.
-/// The defaults change nothing. `preset` sets those that are not set by name: `none`, or `tracker`, a camera that follows
-/// tags on pusher and tee (docs/loop.md has its sources).
+/// The defaults change nothing. `preset` sets those that are not set by name: `none`, or `tracker`, a camera that
+/// follows tags on pusher and tee (docs/loop.md has its sources).
 const std::vector<ParameterDescriptor>& loopParameters();
 
 /// Parameters of the loop with their defaults.

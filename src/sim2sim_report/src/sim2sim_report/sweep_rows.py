@@ -98,7 +98,10 @@ def read_rows(folder: Path) -> Tuple[List[Row], int]:
 def without_loop(simulator: Any) -> Any:
     """A simulator of a row, whatever the loop that its policy is in."""
     kept = {name for name in simulator["parameters"] if not name.startswith(LOOP)}
-    plain = {**simulator, "changed": [name for name in simulator["changed"] if name in kept]}
+    plain: Dict[str, Any] = {
+        **simulator,
+        "changed": [name for name in simulator["changed"] if name in kept],
+    }
     for key in ("parameters", "units"):
         plain[key] = {name: value for name, value in simulator[key].items() if name in kept}
     return plain

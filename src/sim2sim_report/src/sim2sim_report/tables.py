@@ -61,7 +61,7 @@ def episode_row(episode: Episode) -> List[Any]:
 
 def stuck_texts(episodes: Sequence[Episode]) -> Dict[str, str]:
     """How many of a kind of episodes end stuck: "engine stuck in 62"; "" where none fails."""
-    failing = {
+    failing: Dict[str, Dict[str, str]] = {
         "both_succeed": {},
         "only_reference_succeeds": {"engine": ENGINE},
         "only_engine_succeeds": {"reference": REFERENCE},

@@ -1,0 +1,62 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The leading table of the study under noise, from endings.csv.xz, with NumPy and SciPy alone.
+
+For each loop, group of policies and engine: success in MuJoCo, the engine's less MuJoCo's, over
+policies and starts, with a 95 % interval (docs/statistics.md, policies and starts).
+
+    python3 recompute.py [endings.csv.xz]
+"""
+
+import csv
+import lzma
+import sys
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+import numpy as np
+from scipy import stats  # type: ignore[import]
+
+HERE = Path(__file__).resolve().parent
+
+
+def successes(path: Path) -> Dict[Tuple[str, str, str], Any]:
+    """Success [policy, start] by loop, group and simulator, the policies in the file's order."""
+    rows: Dict[Tuple[str, str, str], List[List[bool]]] = {}
+    with lzma.open(path, "rt") as file:
+        for row in csv.DictReader(line for line in file if not line.startswith("#")):
+            key = row["loop"], row["group"], row["simulator"]
+            rows.setdefault(key, []).append([letter == "S" for letter in row["ends"]])
+    return {key: np.array(values, dtype=float) for key, values in rows.items()}
+
+
+def crossed_mean(y: Any) -> Tuple[float, float, float]:
+    """Mean of [policy, start] with Student's interval; both are samples (Satterthwaite)."""
+    rows, columns = y.shape
+    mean, of_rows, of_columns = y.mean(), y.mean(axis=1), y.mean(axis=0)
+    by_row = columns * np.sum((of_rows - mean) ** 2) / (rows - 1)
+    by_column = rows * np.sum((of_columns - mean) ** 2) / (columns - 1)
+    rest = np.sum((y - of_rows[:, None] - of_columns + mean) ** 2) / ((rows - 1) * (columns - 1))
+    parts = [(by_row, rows - 1.0)]
+    if by_column > rest:
+        parts += [(by_column, columns - 1.0), (-rest, (rows - 1.0) * (columns - 1.0))]
+    total = sum(part for part, _ in parts)
+    freedom = max(rows - 1.0, total**2 / max(sum(p**2 / f for p, f in parts), 1e-300))
+    half = stats.t.ppf(0.975, freedom) * np.sqrt(max(total, 0.0) / (rows * columns))
+    return mean, mean - half, mean + half
+
+
+def main() -> None:
+    tables = successes(Path(sys.argv[1]) if sys.argv[1:] else HERE / "endings.csv.xz")
+    print("loop,group,engine,policies,mujoco,difference,low,high")
+    for (loop, group, simulator), y in tables.items():
+        mujoco = tables.get((loop, group, "mujoco"))
+        if simulator == "mujoco" or mujoco is None or mujoco.shape != y.shape or len(y) < 2:
+            continue
+        difference, low, high = crossed_mean(y - mujoco)
+        figures = f"{mujoco.mean():.3f},{difference:+.3f},{low:+.3f},{high:+.3f}"
+        print(f'{loop},{group},"{simulator}",{len(y)},{figures}')
+
+
+if __name__ == "__main__":
+    main()

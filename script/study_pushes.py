@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pushes: what an engine makes of windows of a few control steps in which MuJoCo's tee moves, and
+which of these figures orders engines by the success that they cost. docs/study/noise/plan.md has
+the definitions and the hypotheses."""
+
+from pathlib import Path
+from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pusht_task import task
+from scipy import stats  # type: ignore[import]
+
+Numbers = NDArray[Any]
+Plan = Dict[str, Any]
+
+GYRATION = 0.044  # [m] the tee's radius of gyration: yaw in the norm of a displacement
+MISSED = 0.25  # share of the reference's displacement below which a push is missed
+LEAST_RATIO = 1 / 20  # of displacements, in the mean logarithm
+FIGURES = ("position_error", "missed", "other_way", "direction", "size", "weak")
+SEED = 20261127
+
+
+class Rollouts(NamedTuple):
+    """Closed loops of a policy in MuJoCo: states [step, episode, field] and actions [step, episode,
+    2]; `steps` has the length of each."""
+
+    states: Numbers
+    actions: Numbers
+    steps: Numbers
+
+
+class Pushes(NamedTuple):
+    """Windows in which the tee moves: start, the reference's actions, the tee at both ends."""
+
+    episode: Numbers
+    start: Numbers  # [push, field]
+    actions: Numbers  # [push, step, 2]
+    end: Numbers  # [push, field]
+
+
+def population(plan: Plan) -> List[str]:
+    """The engines: drawn subsets of the rigid body's switches, and those that the plan lists."""
+    from sim2sim import parameters
+
+    switches = [one["name"] for one in parameters("rigid_body") if one["type"] == "boolean"]
+    switches.remove("continuous")
+    generator = np.random.default_rng(SEED)
+    drawn: List[str] = []
+    while len(drawn) < plan["switches"]:
+        on = generator.random(len(switches)) < 0.5
+        words = [f"{name}={str(bool(value)).lower()}" for name, value in zip(switches, on)]
+        text = ":".join(["rigid_body", *words])
+        if text not in drawn and 0 < on.sum() < len(switches):
+            drawn.append(text)
+    return [*drawn, *plan["engines"]]
+
+
+def displacement(a: Numbers, b: Numbers) -> Numbers:
+    """From tee poses a to b, in meters: x, y, and yaw times the radius of gyration."""
+    difference = b - a
+    yaw = np.mod(difference[..., 2] + np.pi, 2 * np.pi) - np.pi
+    return np.stack([difference[..., 0], difference[..., 1], GYRATION * yaw], axis=-1)
+
+
+def tee_of(states: Numbers) -> Numbers:
+    from sim2sim import STATE_FIELDS
+
+    return states[..., [STATE_FIELDS.index(name) for name in ("tee_x", "tee_y", "tee_yaw")]]
+
+
+def roll_out(policy: Any, seeds: Sequence[int]) -> Rollouts:
+    """The policy in MuJoCo, in a plain loop, until each episode ends."""
+    import sim2sim
+
+    worlds = sim2sim.make_vec("mujoco", len(seeds))
+    observations, info = worlds.reset(seed=list(seeds))
+    memories = [policy.begin(seed) for seed in seeds]
+    states, actions = [info["state"].copy()], []
+    steps = np.full(len(seeds), task.HORIZON)
+    for step in range(task.HORIZON):
+        answer = np.clip(policy.act(observations, memories), -1.0, 1.0)
+        observations, _, terminated, _, info = worlds.step(answer)
+        actions.append(answer.copy())
+        states.append(info["state"].copy())
+        steps = np.where(terminated & (steps == task.HORIZON), step + 1, steps)
+        if np.all(steps <= step + 1):
+            break
+    return Rollouts(np.array(states), np.array(actions), np.minimum(steps, len(actions)))
+
+
+def pushes_in(rollouts: Rollouts, window: int, least: float) -> Pushes:
+    """Windows that begin at multiples of `window` [control steps] and move the tee by more than
+    `least` [m]."""
+    found: List[Tuple[int, int]] = []
+    for episode, steps in enumerate(rollouts.steps):
+        begins = np.arange(0, steps - window + 1, window)
+        tees = tee_of(rollouts.states[:, episode])
+        moves = np.linalg.norm(displacement(tees[begins], tees[begins + window]), axis=-1)
+        found += [(episode, int(begin)) for begin in begins[moves > least]]
+    episode, begin = np.array(found, dtype=int).reshape(-1, 2).T
+    ahead = begin[:, None] + np.arange(window)
+    return Pushes(
+        episode,
+        rollouts.states[begin, episode],
+        rollouts.actions[ahead, episode[:, None]],
+        rollouts.states[begin + window, episode],
+    )
+
+
+def answers(engine: str, pushes: Pushes, at_once: int = 500) -> Numbers:
+    """The state of the engine at the end of each push, from its start and with its actions."""
+    import sim2sim
+
+    kind, *settings = engine.split(":")
+    parameters = dict(setting.split("=") for setting in settings)
+    ends = []
+    for begin in range(0, len(pushes.start), at_once):
+        part = slice(begin, begin + at_once)
+        worlds = sim2sim.make_vec(kind, len(pushes.start[part]), **_typed(kind, parameters))
+        worlds.reset(options={"state": pushes.start[part]})
+        for action in np.moveaxis(pushes.actions[part], 1, 0):
+            _, _, _, _, info = worlds.step(action)
+        ends.append(info["state"].copy())
+    return np.concatenate(ends)
+
+
+def _typed(kind: str, parameters: Dict[str, str]) -> Dict[str, object]:
+    """Parameters as Python's values, by their types."""
+    from sim2sim import parameters as known
+
+    types = {one["name"]: one["type"] for one in known(kind)}
+    read = {"boolean": lambda text: text == "true", "real": float, "integer": int, "text": str}
+    return {name: read[types[name]](text) for name, text in parameters.items()}
+
+
+def figures_of(pushes: Pushes, ends: Numbers) -> Dict[str, Numbers]:
+    """Each figure of each push; NaN where a push has none."""
+    start, reference, engine = (tee_of(s) for s in (pushes.start, pushes.end, ends))
+    there, here = displacement(start, reference), displacement(start, engine)
+    far, near = np.linalg.norm(there, axis=-1), np.linalg.norm(here, axis=-1)
+    ratio = near / far
+    missed = ratio < MISSED
+    inner = np.sum(there * here, axis=-1)
+    angle = np.degrees(np.arccos(np.clip(inner / np.maximum(far * near, 1e-300), -1.0, 1.0)))
+    return {
+        "position_error": np.linalg.norm(displacement(reference, engine), axis=-1),
+        "missed": missed.astype(float),
+        "other_way": np.where(missed, np.nan, inner < 0.0),
+        "direction": np.where(missed, 90.0, angle),
+        "size": np.log(np.clip(ratio, LEAST_RATIO, 1 / LEAST_RATIO)),
+        "weak": np.maximum(0.0, 1.0 - ratio),
+    }
+
+
+def measure(policies: Sequence[str], engines: Sequence[str], plan: Plan, seeds: Sequence[int]) -> Any:
+    """Figures by window, policy and engine, each push with its episode."""
+    import sim2sim
+
+    found: Dict[str, Any] = {}
+    for name in policies:
+        rollouts = roll_out(sim2sim.load_policy(name), seeds)
+        for window in plan["windows"]:
+            least = plan["least_move"] * (1.0 if window == 5 else 0.2)
+            pushes = pushes_in(rollouts, window, least)
+            of_window = found.setdefault(window, {})
+            of_window[name] = {
+                engine: {"episode": pushes.episode, **figures_of(pushes, answers(engine, pushes))}
+                for engine in engines
+            }
+    return found
+
+
+def mean_by_engine(of_policy: Any, figure: str, weights: Numbers) -> Numbers:
+    """The mean of a figure over pushes, by engine; an episode counts with its weight."""
+    means = []
+    for pushes in of_policy.values():
+        values, weight = pushes[figure], weights[pushes["episode"]]
+        known = ~np.isnan(values)
+        means.append(np.average(values[known], weights=weight[known]) if known.any() else np.nan)
+    return np.array(means)
+
+
+def tau(figure: Numbers, lost: Numbers) -> float:
+    """Kendall's tau-b of a figure and the lost success, over engines."""
+    return float(stats.kendalltau(figure, lost, nan_policy="omit").statistic)
+
+
+def write_pushes(path: Path, found: Any) -> None:
+    """A row for each window, policy and engine: means over pushes, and their number."""
+    lines = [",".join(["window", "policy", "engine", "pushes", *FIGURES])]
+    for window, of_window in found.items():
+        for policy, of_policy in of_window.items():
+            for engine, pushes in of_policy.items():
+                means = [f"{np.nanmean(pushes[figure]):.6g}" for figure in FIGURES]
+                count = str(len(pushes["episode"]))
+                lines.append(",".join([str(window), Path(policy).name, engine, count, *means]))
+    path.write_text("\n".join(lines) + "\n")

@@ -38,8 +38,20 @@ def equivalents(parameters: int, engines: int = 3) -> Json:
     ]
     curve: Json = {"unit": "control steps", "without": 0, "levels": levels}
     found = [
-        {"parameter": "loop.action_delay", **curve, "error": 2.5, "error_interval": [1.5, None]},
-        {"parameter": "loop.hold", **curve, "error": None, "error_interval": [None, None]},
+        {
+            "parameter": "loop.action_delay",
+            **curve,
+            "rises_at": None,
+            "error": 2.5,
+            "error_interval": [1.5, None],
+        },
+        {
+            "parameter": "loop.hold",
+            **curve,
+            "rises_at": None,
+            "error": None,
+            "error_interval": [None, None],
+        },
     ]
     engine: Json = {
         "success": {"rate": 0.4, "interval": [0.3, 0.5]},

@@ -203,7 +203,7 @@ class Equivalents(LoopCase):
         self.assertIn("Which error of MuJoCo costs as much as an engine?", page)
         self.assertIn("[1, 3] control steps</td>", page)
         self.assertEqual((low, high), (1.0, 3.0))
-        self.assertAlmostEqual(error, 2.0, delta=0.6)
+        self.assertEqual(error, 2.0)
         found = re.search(
             r"loop.action_delay \+ (.*) \[1, 3\] control steps, (.*) \[100, 300\] ms", text
         )
@@ -230,6 +230,20 @@ class Equivalents(LoopCase):
         self.assertIn("(it gains success: no loss has an equivalent)", text)
         self.assertEqual({each["error"] for each in gains["equivalents"]}, {None})
         self.run_all((PLOT, "--equivalents", "both"))
+
+    def test_an_error_that_gains_success_has_no_equivalent(self) -> None:
+        errors = [f"mujoco:loop.observation_noise_position={size}" for size in (0.01, 0.2)]
+        plan = {"policy": "bc", "episodes": 60, "floor": False, "engine": ["two_mass", *errors]}
+        self.sweep(json.dumps(plan), "rises")
+        text = self.run_all((EQUIVALENT, "rises"))
+        (engine,) = json.loads((self.folder / "rises/equivalent.json").read_text())["engines"]
+        (noise,) = engine["equivalents"]
+        self.assertEqual(noise["rises_at"], 0.01)
+        self.assertEqual((noise["error"], noise["error_interval"]), (None, None))
+        self.assertIn("observation_noise_position: none, success rises at + 0.01 m\n", text)
+        self.run_all((PLOT, "--equivalents", "rises"), (REPORT, "rises"))
+        page = (self.folder / "rises" / "report.html").read_text()
+        self.assertIn("none: success rises at + 0.01 m", page)
 
     def test_repeats_count_by_start(self) -> None:
         noisy = "loop.action_noise=0.2"

@@ -33,6 +33,7 @@ struct ChangedNumber {
   std::string unit;
   double without;
   double value;
+  bool is_integer;
 };
 
 /// Value of a parameter of a simulator in metrics.json; a loop that is not there is plain.
@@ -81,7 +82,8 @@ std::optional<ChangedNumber> errorIn(const RunResults& row) {
   if (names.size() > 1 || !value.is_number() || !without.is_number()) {
     return std::nullopt;
   }
-  return ChangedNumber{names.front(), engine.at("units").value(names.front(), ""), without, value};
+  return ChangedNumber{names.front(), engine.at("units").value(names.front(), ""), without, value,
+                       value.is_number_integer() && without.is_number_integer()};
 }
 
 /// All rows of a whole sweep over one policy.
@@ -106,16 +108,20 @@ std::vector<RunResults> rowsOf(const fs::path& folder, const std::function<void(
   return rows;
 }
 
-/// Success of one rollout less that of the engine of `engine`, over the same starts.
-Surplus surplusOf(double size, const RunResults& row, std::size_t rollout, const RunResults& engine) {
-  if (row.protocol.repeats == 1) {
-    const PairTable table = pairsOf(engine.episodes, kEngineClosed, row.episodes, rollout);
+/// Success of one rollout less that of another, over the same starts.
+Surplus surplusOf(double size, const RunResults& more, std::size_t rollout, const RunResults& less,
+                  std::size_t other_rollout) {
+  if (more.protocol.repeats == 1) {
+    const PairTable table = pairsOf(less.episodes, other_rollout, more.episodes, rollout);
     return {size, table.difference(), tangoInterval(table).value()};
   }
   const Difference difference =
-      repeatedDifference(pairsByStart(row.protocol, engine.episodes, kEngineClosed, row.episodes, rollout));
+      repeatedDifference(pairsByStart(more.protocol, less.episodes, other_rollout, more.episodes, rollout));
   return {size, difference.value, difference.interval.value()};
 }
+
+/// Success of the reference less that of the engine of `engine`.
+Surplus lostIn(const RunResults& engine) { return surplusOf(0.0, engine, kReferenceClosed, engine, kEngineClosed); }
 
 /// A parameter with its rows on one side of the reference's value.
 struct ErrorRows {
@@ -124,16 +130,23 @@ struct ErrorRows {
 };
 
 Equivalent equivalentOf(const ErrorRows& error, const RunResults& engine, const SuccessRate& in_reference) {
-  Equivalent equivalent{error.parameter.name, error.parameter.unit, error.parameter.without, {}, {}};
+  Equivalent equivalent{error.parameter.name, error.parameter.unit, error.parameter.without, {}};
   equivalent.levels.push_back({error.parameter.without, in_reference});
-  std::vector<Surplus> surplus = {surplusOf(0.0, engine, kReferenceClosed, engine)};
+  std::vector<Surplus> surplus = {lostIn(engine)};
   const double direction = error.parameter.value < error.parameter.without ? -1.0 : 1.0;
   for (const auto& [distance, row] : error.by_distance) {
-    surplus.push_back(surplusOf(distance, *row, kEngineClosed, engine));
+    surplus.push_back(surplusOf(distance, *row, kEngineClosed, engine, kEngineClosed));
+    const Surplus gained = surplusOf(distance, *row, kEngineClosed, *row, kReferenceClosed);
+    if (gained.interval.low > 0.0 && !equivalent.rises_at) {
+      equivalent.rises_at = distance;
+    }
     equivalent.levels.push_back(
         {error.parameter.without + direction * distance, summarize(row->protocol, row->episodes).engine});
   }
   equivalent.error = equivalentSize(surplus);
+  if (error.parameter.is_integer) {
+    equivalent.error.value = std::round(equivalent.error.value);
+  }
   return equivalent;
 }
 
@@ -174,8 +187,7 @@ Equivalents readEquivalents(const fs::path& folder, const std::function<void()>&
   for (const RunResults* engine : engines) {
     go_on();
     EngineEquivalents of_engine{titleOf(simulatorFrom(engine->engine())),
-                                summarize(engine->protocol, engine->episodes).engine,
-                                surplusOf(0.0, *engine, kReferenceClosed, *engine)};
+                                summarize(engine->protocol, engine->episodes).engine, lostIn(*engine)};
     for (const ErrorRows& error : errors) {
       of_engine.equivalents.push_back(equivalentOf(error, *engine, first.reference));
     }

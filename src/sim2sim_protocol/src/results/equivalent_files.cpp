@@ -30,6 +30,11 @@ json rateJson(const SuccessRate& success) {
   return {{"rate", readable(success.rate)}, {"interval", readableJson(success.interval)}};
 }
 
+/// Whether there is no size to say: the engine gains success, or a size of the error does.
+bool hasNoSize(const EngineEquivalents& engine, const Equivalent& equivalent) {
+  return gains(engine) || equivalent.rises_at.has_value();
+}
+
 /// Number with three significant digits; "> 8" beyond the largest that was tried.
 std::string sizeText(double size, double largest) {
   std::ostringstream text;
@@ -51,6 +56,10 @@ double largestOf(const Equivalent& equivalent) { return std::abs(equivalent.leve
 std::string textOf(const Equivalent& equivalent) {
   const bool falls = equivalent.levels.back().size < equivalent.without;
   const double largest = largestOf(equivalent);
+  if (equivalent.rises_at) {
+    return equivalent.parameter + ": none, success rises at " + (falls ? "- " : "+ ") +
+           sizeText(*equivalent.rises_at, largest) + (equivalent.unit.empty() ? "" : " " + equivalent.unit);
+  }
   std::string text = equivalent.parameter + (falls ? " - " : " + ") + errorText(equivalent.error, largest, 1.0);
   if (!equivalent.unit.empty()) {
     text += " " + equivalent.unit;
@@ -72,12 +81,14 @@ json toJson(const Equivalents& equivalents) {
       for (const ErrorLevel& level : equivalent.levels) {
         levels.push_back({{"size", level.size}, {"success", rateJson(level.success)}});
       }
-      errors.push_back({{"parameter", equivalent.parameter},
-                        {"unit", equivalent.unit},
-                        {"without", equivalent.without},
-                        {"levels", levels},
-                        {"error", gains(engine) ? json() : readableJson(equivalent.error.value)},
-                        {"error_interval", gains(engine) ? json() : boundsOf(equivalent.error.interval)}});
+      errors.push_back(
+          {{"parameter", equivalent.parameter},
+           {"unit", equivalent.unit},
+           {"without", equivalent.without},
+           {"levels", levels},
+           {"rises_at", equivalent.rises_at ? json(*equivalent.rises_at) : json()},
+           {"error", hasNoSize(engine, equivalent) ? json() : readableJson(equivalent.error.value)},
+           {"error_interval", hasNoSize(engine, equivalent) ? json() : boundsOf(equivalent.error.interval)}});
     }
     engines.push_back({{"engine", engine.engine},
                        {"success", rateJson(engine.success)},
@@ -95,7 +106,7 @@ std::string toCsv(const Equivalents& equivalents) {
   const auto number = [](double value) { return std::isfinite(value) ? pusht::shortestText(readable(value)) : ""; };
   for (const EngineEquivalents& engine : equivalents.engines) {
     for (const Equivalent& equivalent : engine.equivalents) {
-      const std::string error = gains(engine)
+      const std::string error = hasNoSize(engine, equivalent)
                                     ? ",,"
                                     : number(equivalent.error.value) + ',' + number(equivalent.error.interval.low) +
                                           ',' + number(equivalent.error.interval.high);

@@ -77,7 +77,7 @@ class Equivalents:
         curve = engine["equivalents"][number]
         rate = engine["success"]["rate"]
         axes.axhline(rate, color=color, linewidth=1.4, linestyle="--", label=engine["engine"])
-        if curve["error_interval"] is None:  # it gains success
+        if curve["error_interval"] is None:  # it gains success, or a size of the error does
             return
         direction = -1.0 if curve["levels"][-1]["size"] < curve["without"] else 1.0
         largest = abs(curve["levels"][-1]["size"] - curve["without"])
@@ -144,9 +144,12 @@ def _answer(engine: Json) -> str:
 
 def _error_text(curve: Json) -> str:
     """ "+ 3.2 [2.8, > 4] control steps": an open end is beyond the largest that was tried."""
+    last = curve["levels"][-1]["size"]
+    if curve["rises_at"] is not None:
+        sign = "-" if last < curve["without"] else "+"
+        return f"none: success rises at {sign} {curve['rises_at']:.3g} {curve['unit']}".rstrip()
     if curve["error_interval"] is None:
         return "none: it gains success"
-    last = curve["levels"][-1]["size"]
     largest = f"> {abs(last - curve['without']):.3g}"
     value, low, high = (
         largest if size is None else f"{size:.3g}"

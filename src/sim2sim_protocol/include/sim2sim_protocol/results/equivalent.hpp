@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,11 @@ struct Equivalent {
   std::string unit;                ///< empty: none
   double without;                  ///< its value in the reference itself
   std::vector<ErrorLevel> levels;  ///< away from `without`, which is the first
-  EquivalentSize error;            ///< distance from `without`, in the parameter's unit
+  /// First distance from `without` at which success is shown to be above that without an error. Then success has no
+  /// slope to be read, and `error` says nothing. Empty: none.
+  std::optional<double> rises_at{};
+  /// Distance from `without`, in the parameter's unit; of an integer the nearest whole one.
+  EquivalentSize error{};
 };
 
 /// One engine with its equivalents.

@@ -9,6 +9,7 @@ started again, and ends with the same bytes.
 
 import csv
 import io
+import json
 import lzma
 import shutil
 import sys
@@ -17,6 +18,7 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Sequence
 
 import yaml  # type: ignore[import]
 from pusht_task.command import OneLineParser, run_command
+from pusht_task.error import Error
 from pusht_task.files import write_file
 
 from study import STUDY as FIRST_STUDY
@@ -98,12 +100,14 @@ def rows_of(part: Part, work: Path) -> Iterator[Dict[str, str]]:
     """How each closed loop ended: a letter for each start, by policy, loop and simulator."""
     for loop in part.plan["loops"]:
         folder = work / part.folder(loop)
+        kept = json.loads((folder / "sweep.json").read_text())["rows"]
         number = 0
         for entry in part.policies:
             for policy in names_of(entry, work):
                 for engine in part.plan["engines"]:
                     if engine == entry["reference"]:
                         continue
+                    require_row(kept[number], policy, engine, part.plan["episodes"])
                     endings = read_endings(folder / "rows" / f"{number:03}" / "episodes.csv")
                     row = {"part": part.name, "group": entry["group"], "policy": policy}
                     row["loop"] = name_of_loop(loop)
@@ -111,6 +115,14 @@ def rows_of(part: Part, work: Path) -> Iterator[Dict[str, str]]:
                         yield {**row, "simulator": entry["reference"], "ends": endings[REFERENCE]}
                     yield {**row, "simulator": engine, "ends": endings[ENGINE]}
                     number += 1
+
+
+def require_row(row: Plan, policy: str, engine: str, episodes: int) -> None:
+    """Raises Error unless a row of a sweep is the one that the plan has in this place."""
+    found = (row["policy"].partition(".")[0], row["engine_simulator"], row["episodes"])
+    wanted = (policy, engine.partition(":")[0], episodes)
+    if found != wanted:
+        raise Error(f"row of a sweep is {found}; it must be {wanted}")
 
 
 def names_of(entry: Plan, work: Path) -> List[str]:

@@ -14,7 +14,9 @@ from scipy import stats  # type: ignore[import]
 Numbers = NDArray[Any]
 Plan = Dict[str, Any]
 
-GYRATION = 0.044  # [m] the tee's radius of gyration: yaw in the norm of a displacement
+# [m] yaw in the norm of a displacement: the tee's radius of gyration about its center of mass, which
+# is so far from the origin, along body -y.
+GYRATION, CENTER = 0.044, task.STEM_OFFSET * 0.045 / 0.105
 MISSED = 0.25  # share of the reference's displacement below which a push is missed
 LEAST_RATIO = 1 / 20  # of displacements, in the mean logarithm
 FIGURES = ("position_error", "missed", "other_way", "direction", "size", "weak")
@@ -57,10 +59,12 @@ def population(plan: Plan) -> List[str]:
 
 
 def displacement(a: Numbers, b: Numbers) -> Numbers:
-    """From tee poses a to b, in meters: x, y, and yaw times the radius of gyration."""
-    difference = b - a
-    yaw = np.mod(difference[..., 2] + np.pi, 2 * np.pi) - np.pi
-    return np.stack([difference[..., 0], difference[..., 1], GYRATION * yaw], axis=-1)
+    """From tee poses a to b, in meters: x and y of the center of mass, and yaw times the radius of
+    gyration. Its norm is how far the tee's points move, root mean square by mass."""
+    yaw = np.mod(b[..., 2] - a[..., 2] + np.pi, 2 * np.pi) - np.pi
+    x = b[..., 0] - a[..., 0] + CENTER * (np.sin(b[..., 2]) - np.sin(a[..., 2]))
+    y = b[..., 1] - a[..., 1] - CENTER * (np.cos(b[..., 2]) - np.cos(a[..., 2]))
+    return np.stack([x, y, GYRATION * yaw], axis=-1)
 
 
 def tee_of(states: Numbers) -> Numbers:
@@ -119,9 +123,13 @@ def answers(engine: str, pushes: Pushes, at_once: int = 500) -> Numbers:
         part = slice(begin, begin + at_once)
         worlds = sim2sim.make_vec(kind, len(pushes.start[part]), **_typed(kind, parameters))
         worlds.reset(options={"state": pushes.start[part]})
+        last = np.empty_like(pushes.end[part])
+        going = np.ones(len(last), dtype=bool)  # a world begins anew after a success
         for action in np.moveaxis(pushes.actions[part], 1, 0):
-            _, _, _, _, info = worlds.step(action)
-        ends.append(info["state"].copy())
+            _, _, terminated, _, info = worlds.step(action)
+            last[going] = info["state"][going]
+            going &= ~terminated
+        ends.append(last)
     return np.concatenate(ends)
 
 
@@ -153,7 +161,9 @@ def figures_of(pushes: Pushes, ends: Numbers) -> Dict[str, Numbers]:
     }
 
 
-def measure(policies: Sequence[str], engines: Sequence[str], plan: Plan, seeds: Sequence[int]) -> Any:
+def measure(
+    policies: Sequence[str], engines: Sequence[str], plan: Plan, seeds: Sequence[int]
+) -> Any:
     """Figures by window, policy and engine, each push with its episode."""
     import sim2sim
 

@@ -17,6 +17,7 @@ from typing import Any, Dict, List, Tuple
 import numpy as np
 from scipy import stats  # type: ignore[import]
 
+FEWEST = 5  # policies for an interval
 HERE = Path(__file__).resolve().parent
 
 
@@ -25,7 +26,7 @@ def successes(path: Path) -> Dict[Tuple[str, str, str], Any]:
     rows: Dict[Tuple[str, str, str], List[List[bool]]] = {}
     with lzma.open(path, "rt") as file:
         for row in csv.DictReader(line for line in file if not line.startswith("#")):
-            key = row["loop"], row["group"], row["simulator"]
+            key = row["loop"], f"{row['part']} {row['group']}", row["simulator"]
             rows.setdefault(key, []).append([letter == "S" for letter in row["ends"]])
     return {key: np.array(values, dtype=float) for key, values in rows.items()}
 
@@ -51,7 +52,7 @@ def main() -> None:
     print("loop,group,engine,policies,mujoco,difference,low,high")
     for (loop, group, simulator), y in tables.items():
         mujoco = tables.get((loop, group, "mujoco"))
-        if simulator == "mujoco" or mujoco is None or mujoco.shape != y.shape or len(y) < 2:
+        if simulator == "mujoco" or mujoco is None or len(y) < FEWEST:
             continue
         difference, low, high = crossed_mean(y - mujoco)
         figures = f"{mujoco.mean():.3f},{difference:+.3f},{low:+.3f},{high:+.3f}"

@@ -22,7 +22,7 @@ QString outcome(const EpisodeRow::Closed& closed) {
   return closed.success ? QString::fromUtf8("✓ solved") : QString::fromUtf8("✗ ") + inWords(closed.ending);
 }
 
-/// "stuck after 30.0 s: its tee lies still from 4.1 s on, its pusher is still"
+/// "✗ stuck after 30.0 s: its tee lies still from 4.1 s on; its pusher then: moving"
 QString outcomeText(const EpisodeRow::Closed& closed) {
   const QString after = outcome(closed) + " after " + seconds(closed.steps);
   return closed.ending != "stuck" ? after
@@ -81,8 +81,7 @@ int alignment(int column) {
 }
 
 EpisodeRow::Closed closedFrom(const pusht_msgs::RolloutResult& rollout) {
-  return {rollout.success != 0, rollout.steps, rollout.ending.empty() ? "failed" : rollout.ending, rollout.still_step,
-          rollout.pusher_ending};
+  return {rollout.success != 0, rollout.steps, rollout.ending, rollout.still_step, rollout.pusher_ending};
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"
 
@@ -253,8 +254,15 @@ std::string loopParameterOf(const std::string& name) {
 
 std::pair<std::string, std::string> loopSettingFrom(const std::string& text) {
   const std::size_t equals = text.find('=');
-  return equals == std::string::npos ? std::pair(std::string(kLoopPreset), text)
-                                     : std::pair(text.substr(0, equals), text.substr(equals + 1));
+  if (equals != std::string::npos) {
+    return {text.substr(0, equals), text.substr(equals + 1)};
+  }
+  const ParameterSet loop = plainLoop();
+  const std::vector<std::string>& words = loop.at(kLoopPreset).descriptor.words;
+  if (std::find(words.begin(), words.end(), text) == words.end()) {
+    throw InvalidInput("loop '" + text + "': must be NAME=VALUE, or one of: " + joined(words));
+  }
+  return {kLoopPreset, text};
 }
 
 std::string textOf(const ParameterSet& loop) {

@@ -113,10 +113,16 @@ class Loops(LoopCase):
         for row, loop in enumerate(("none", "tracker", "observation_noise_position=0.005")):
             self.compare(f"run{row}", "--episodes", "4", "--no-floor", "--loop", loop)
             self.assertEqual(self.episodes(f"loops/rows/00{row}"), self.episodes(f"run{row}"))
+        matrix = executable("sim2sim_eval", "matrix")
+        self.assertIn("has policy expert in several loops", self.refused(matrix, "loops"))
+        self.assertIn("has several loops; `plot_sweep` draws", self.refused(REPORT, "loops"))
+        self.run_all((PLOT, "loops"))
         self.sweep("{policy: expert, episodes: 4, floor: false, loop: tracker, rows: [{}]}", "one")
         self.assertEqual(self.episodes("one/rows/000"), self.episodes("run1"))
         for plan, rule in {
-            "loop: camera": "preset 'camera': must be one of: none, tracker",
+            "loop: camera": "loop 'camera': must be NAME=VALUE, or one of: none, tracker",
+            "loop: [tracker, tracker]": "loop: must appear only once",
+            "loop: [none, {hold: 1}]": "loop: must appear only once",
             "loop: []": "loop: must be a loop, or a list of loops",
             "loop: {hold: 2}, engine: ['two_mass:loop.hold=3']": "loop.hold: must appear only once",
         }.items():
@@ -127,7 +133,7 @@ class Loops(LoopCase):
         for arguments, words in {
             ("--loop", "delay=1"): "loop: parameter 'delay': unknown; known: preset, ",
             ("--loop", "action_delay=-1"): "loop: action_delay -1: must be from 0 to 100",
-            ("--loop-engine", "action_delay"): "must be one of: none, tracker",
+            ("--loop-engine", "action_delay"): "must be NAME=VALUE, or one of: none, tracker",
             ("--loop", "hold=2", "--loop-engine", "hold=3"): "loop.hold must be set once",
             ("--repeats", "3"): "repeats 3: must divide episodes 50",
             ("--execute", "2"): "policy expert: execute 2: must be from 1 to 1",

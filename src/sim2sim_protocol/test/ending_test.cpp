@@ -177,13 +177,18 @@ TEST(Endings, StandBeforeTheAnswerWhereMostFailuresAreStuck) {
   endings.reference.episodes = {30, 0, 6, 4};
   endings.engine.episodes = {10, 2, 14, 14};
   const Outcomes outcomes = outcomesOf(PairTable{5, 25, 5, 5});
-  EXPECT_EQ(headlineOf(configuration(nullptr), outcomes, endings).caveat,
-            "Without noise in the loop most failures are stuck, 6 of 10 in MuJoCo; --loop tracker measures the skill.");
+  EXPECT_EQ(
+      headlineOf(configuration(nullptr), outcomes, endings).caveat,
+      "In a loop without noise most failures are stuck, 6 of 10 in MuJoCo: --loop tracker asks again with a sensor's "
+      "noise.");
   endings.engine.episodes = {10, 0, 29, 1};
   const Headline headline = headlineOf(configuration("tracker"), outcomes, endings);
   EXPECT_EQ(headline.caveat,
-            "Most failures are stuck, 6 of 10 in MuJoCo and 29 of 30 in the two-mass engine: the tee lies still, noise "
-            "or not.");
+            "Most failures are stuck, 6 of 10 in MuJoCo and 29 of 30 in the two-mass engine: the tee lies still to the "
+            "end.");
+  endings.reference.episodes = {31, 0, 6, 3};
+  EXPECT_EQ(headlineOf(configuration("tracker"), outcomes, endings).caveat.find("MuJoCo"), std::string::npos)
+      << "of nine failures nothing is said";
   EXPECT_THAT(headline.answer, HasSubstr(": with this policy in the loop tracker the two-mass engine keeps "));
 }
 

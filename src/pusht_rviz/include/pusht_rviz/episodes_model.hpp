@@ -21,7 +21,7 @@ struct EpisodeRow {
   struct Closed {
     bool success = false;
     std::uint32_t steps = 0;
-    std::string ending{};          ///< as in RolloutResult.msg; "failed" if that says none
+    std::string ending{};          ///< as in RolloutResult.msg
     std::uint32_t still_step = 0;  ///< control steps after which its tee stays where it ends
     std::string pusher_ending{};
   };

@@ -30,7 +30,8 @@ bool isPlain(const ParameterSet& loop);
 /// "action_delay" if `name` is "loop.action_delay"; empty if it does not begin with the prefix.
 std::string loopParameterOf(const std::string& name);
 
-/// Name and value of a setting of the loop, from "NAME=VALUE" or from the word of a preset.
+/// Name and value of a setting of the loop, from "NAME=VALUE" or from the word of a preset. Throws InvalidInput for any
+/// other word.
 std::pair<std::string, std::string> loopSettingFrom(const std::string& text);
 
 /// Loop for people: "tracker", "tracker, action_delay 2", "observation_noise_position 0.01"; empty if it is plain.

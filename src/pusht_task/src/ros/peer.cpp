@@ -19,7 +19,7 @@ constexpr std::chrono::milliseconds kConnectPeriod{20};          // doubles with
 constexpr std::chrono::milliseconds kLongestConnectPeriod{320};  // between refusals, each of which roscpp logs
 constexpr std::chrono::seconds kSilence{1};                      // wait before it is logged
 constexpr std::chrono::seconds kDeadOrNever{3};                  // a node accepts connections before it is registered
-constexpr std::size_t kMostParameters = 1000;                    // of a simulator; each is shown, compared and kept
+constexpr std::size_t kMostParameters = 1000;                    // each is shown, compared and kept
 
 /// Host and port of the node that the master knows for `service`; empty if there is none.
 std::string ownerOf(const std::string& service) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <utility>
@@ -369,13 +370,23 @@ void putInLoop(SimulatorChoice& simulator, const LoopSettings& loop, const YAML:
   }
 }
 
+/// Names the parameters that any loop of the plan names, with the values that they have here, so that all rows have the
+/// same parameters.
+void nameAllParameters(SimulatorChoice& simulator, const std::vector<std::pair<LoopSettings, YAML::Node>>& loops) {
+  for (const auto& [loop, node] : loops) {
+    for (const auto& [name, value] : loop) {
+      simulator.set(pusht::kLoopPrefix + name, pusht::textOf(simulator.at(pusht::kLoopPrefix + name).value));
+    }
+  }
+}
+
 /// Adds rows of the policies from `first` on. Listed policies have none in their references: a matrix has their success
 /// there already.
-void addRows(SweepPlan& plan, std::size_t first, const std::vector<SimulatorChoice>& engines) {
+void addRows(SweepPlan& plan, std::size_t first, const std::vector<SimulatorChoice>& engines, bool listed) {
   for (std::size_t policy = first; policy < plan.policies.size(); ++policy) {
     const std::size_t before = plan.rows.size();
     for (const SimulatorChoice& engine : engines) {
-      if (!plan.lists_policies || !(engine == plan.policies[policy].reference)) {
+      if (!listed || !(engine == plan.policies[policy].reference)) {
         plan.rows.push_back({policy, engine});
       }
     }
@@ -390,18 +401,28 @@ void addRows(SweepPlan& plan, std::size_t first, const std::vector<SimulatorChoi
 void addPoliciesInLoops(SweepPlan& plan, const YAML::Node& root, const std::vector<PlannedPolicy>& policies,
                         const std::vector<SimulatorChoice>& engines) {
   const auto loops = loopsIn(root);
-  plan.lists_policies = root["policies"].IsDefined() || loops.size() > 1;
+  const bool listed = root["policies"].IsDefined();
+  plan.lists_policies = listed || loops.size() > 1;
   for (const auto& [loop, node] : loops) {
+    const auto put = [&, &settings = loop, &place = node](SimulatorChoice simulator) {
+      putInLoop(simulator, settings, place);
+      nameAllParameters(simulator, loops);
+      return simulator;
+    };
     const std::size_t first = plan.policies.size();
     for (PlannedPolicy policy : policies) {
-      putInLoop(policy.reference, loop, node);
+      policy.reference = put(policy.reference);
       plan.policies.push_back(std::move(policy));
     }
-    std::vector<SimulatorChoice> in_loop = engines;
-    for (SimulatorChoice& engine : in_loop) {
-      putInLoop(engine, loop, node);
+    const SimulatorChoice& here = plan.policies[first].reference;
+    for (std::size_t before = 0; before < first; before += policies.size()) {
+      if (plan.policies[before].reference == here) {
+        refuse(node, "loop", "must appear only once; another one of the list is the same");
+      }
     }
-    addRows(plan, first, in_loop);
+    std::vector<SimulatorChoice> in_loop;
+    std::transform(engines.begin(), engines.end(), std::back_inserter(in_loop), put);
+    addRows(plan, first, in_loop, listed);
   }
   if (plan.rows.empty() || plan.rows.size() > kMostRows) {
     throw pusht::InvalidInput("must give from 1 to " + std::to_string(kMostRows) + " rows, gives " +

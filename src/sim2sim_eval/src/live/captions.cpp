@@ -91,11 +91,11 @@ std::string statusOf(Mode mode, const Episode& episode) {
     return "success" + (mode == kEngineReplay ? "" : " after " + secondsText(rollout.steps())) + " (" + off + ")";
   }
   const bool ended = episode.finished();
-  const RolloutEnding end = endingOf(rollout);
+  const std::optional<RolloutEnding> end = ended ? std::optional(endingOf(rollout)) : std::nullopt;
   const std::string where = isOffTable(rollout.trace().states.back()) ? "off the table: "
                             : !ended                                  ? ""
-                            : mode != kEngineReplay && end.ending == Ending::kStuck
-                                ? "stuck since " + secondsText(end.still_step) + ": "
+                            : mode != kEngineReplay && end->ending == Ending::kStuck
+                                ? "stuck since " + secondsText(end->still_step) + ": "
                                 : "no success: ";
   return where + off + " target";
 }

@@ -9,16 +9,16 @@
 
 namespace sim2sim {
 
-/// [control steps] A body is still at the end if it has been where it is for so long: 5 s.
+/// [control steps] Time for which a body must have stayed where it ends to count as still: 5 s.
 constexpr int kStillSteps = 50;
 
-/// How a rollout ends; the first of the list that applies. A body has stayed where it is if it differs by at most
-/// kNoticeable from where it ends.
+/// How a rollout ends; the first of the list that applies. A body stays where it ends if it is at most kNoticeable away
+/// from there. A state beyond the plausible range, or not finite, is no ending: it fails the simulation.
 enum class Ending : std::size_t {
   kSuccess,  ///< success latched
   kLost,     ///< the tee is off the table
-  kStuck,   ///< the tee has been still for kStillSteps: without noise a deterministic policy goes on like that for ever
-  kMoving,  ///< none of these; a rollout shorter than kStillSteps, too
+  kStuck,    ///< the tee has been still for kStillSteps; if the pusher has, too, only noise can change anything
+  kMoving,   ///< none of these; a rollout shorter than kStillSteps, too
 };
 
 /// Names of Ending, in its order, for files and people.

@@ -22,7 +22,7 @@ struct RolloutResult {
   bool success = false;  ///< whether success latched at any step
   QuantityValues quantities = noQuantities();
   std::optional<FirstDivergence> first_divergence{};  ///< empty if it stays within the protocol's bound
-  std::optional<RolloutEnding> ending{};              ///< of a closed loop; empty of others
+  std::optional<RolloutEnding> ending{};              ///< empty unless a policy drives it
 
   /// Value of a quantity by name. Throws std::out_of_range for an unknown one.
   double at(std::string_view quantity) const { return quantities[quantityIndex(quantity)]; }

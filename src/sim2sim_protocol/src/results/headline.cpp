@@ -88,7 +88,7 @@ std::string namedWith(const SimulatorRecord& simulator, const std::string& name)
   return name + (changed.empty() ? "" : " (" + pusht::joined(changed) + ")");
 }
 
-/// Names of both simulators in a sentence, and the loop: ", with the loop tracker,".
+/// Names of both simulators in a sentence, and the loop that they share: " in the loop tracker".
 struct Names {
   explicit Names(const RunConfiguration& configuration) {
     const bool same = configuration.engine.title == configuration.reference.title;
@@ -106,14 +106,17 @@ struct Names {
 
   std::string reference;
   std::string engine;
-  std::string loop;  ///< of both
+  std::string loop;  ///< shared by both; empty: plain, or each has its own
 };
 
-/// What to know before the answer: how many failures of a role are stuck, if these are most.
+/// What to know before the answer: how many failures of a role are stuck, if these are most of at least
+/// kFewestEpisodes.
 std::string caveatOf(const RunConfiguration& configuration, const Names& names, const EndingsOfPairs& endings) {
   std::string stuck;
+  bool quiet = true;
   for (const auto& [role, name] : {std::pair(&endings.reference, names.reference), {&endings.engine, names.engine}}) {
-    if (role->areMostlyStuck()) {
+    if (role->failures() >= kFewestEpisodes && role->areMostlyStuck()) {
+      quiet = quiet && !hasNoisyLoop(role == &endings.reference ? configuration.reference : configuration.engine);
       stuck += (stuck.empty() ? "" : " and ") + std::to_string(role->of(Ending::kStuck)) + " of " +
                std::to_string(role->failures()) + " in " + name;
     }
@@ -121,9 +124,9 @@ std::string caveatOf(const RunConfiguration& configuration, const Names& names, 
   if (stuck.empty()) {
     return "";
   }
-  const bool quiet = !hasNoisyLoop(configuration.reference) && !hasNoisyLoop(configuration.engine);
-  return quiet ? "Without noise in the loop most failures are stuck, " + stuck + "; --loop tracker measures the skill."
-               : "Most failures are stuck, " + stuck + ": the tee lies still, noise or not.";
+  return quiet ? "In a loop without noise most failures are stuck, " + stuck +
+                     ": --loop tracker asks again with a sensor's noise."
+               : "Most failures are stuck, " + stuck + ": the tee lies still to the end.";
 }
 
 }  // namespace

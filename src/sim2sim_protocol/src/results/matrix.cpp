@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <utility>
 
 #include "group_tables.hpp"
@@ -37,12 +38,20 @@ std::string titleOf(const std::string& name, const std::string& title) {
   return text;
 }
 
-/// Description of the sweep in `folder`. Throws InvalidInput unless it is a whole one that lists policies.
+/// Description of the sweep in `folder`. Throws InvalidInput unless it is a whole one that lists policies, each
+/// in one loop.
 json descriptionIn(const fs::path& folder) {
   json sweep = wholeSweepIn(folder);
   if (!sweep.contains("policies")) {
     throw pusht::InvalidInput("results " + (folder / kSweepFile).string() +
                               ": lists no policies; a plan with the key policies is needed");
+  }
+  std::set<std::string> names;
+  for (const json& policy : sweep.at("policies")) {
+    if (const std::string name = policy.at("policy"); !names.insert(name).second) {
+      throw pusht::InvalidInput("results " + (folder / kSweepFile).string() + ": has policy " + name +
+                                " in several loops; a sweep for each loop is needed");
+    }
   }
   return sweep;
 }

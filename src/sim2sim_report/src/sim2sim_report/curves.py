@@ -39,6 +39,7 @@ MARKERS = ["o", "s", "^", "D", "v", "P"]
 MOST_LINES = len(SERIES)  # more in one panel cannot be told apart
 LOGARITHMIC_FROM = 10.0  # largest over smallest value of a parameter
 CHARACTER = 0.1  # [in] that one takes in a tick's label
+NO_END = 1e9  # stands for an interval's end that is not there: its line leaves the panel
 LONGEST_BESIDE = 26  # characters of labels that stand beside each other in a legend
 DODGE = 0.01  # share of the axis between lines at one value, whose bars must not hide each other
 DODGE_OF_WORDS = 0.04
@@ -107,7 +108,7 @@ def draw_line(
             )
         if row[panel.interval] is not None:  # one episode has no interval
             low, high = row[panel.interval]
-            high = axes.get_ylim()[1] if high is None else high  # it has no end
+            high = NO_END if high is None else high
             axes.plot([at, at], [low, high], color=color, zorder=2)
 
 
@@ -235,10 +236,18 @@ class Curves:
         return what_is_missing(len(self.rows), self.whole) if len(self.rows) < self.whole else ""
 
     def drawing(self, name: str) -> Drawing:
-        alt = (
-            f"{'Paired differences' if AGAINST in self.rows[0] else 'Success and divergence'} over "
-        )
-        return styled(name, alt + ", ".join(self.parameters), self._figure, OWN_STYLE)
+        what = "Success" if panels_of(self.rows)[0] is SUCCESS else "Transfer"
+        what = "Paired differences" if AGAINST in self.rows[0] else f"{what} and divergence"
+        alt = f"{what} over {', '.join(self.parameters)}"
+        return styled(name, alt, self._figure, OWN_STYLE)
+
+    def _top(self, panel: Panel) -> Optional[float]:
+        """The upper end of a panel's axis; None: where its lines end."""
+        if panel is not TRANSFER:
+            return 1.0 if panel is SUCCESS else None
+        ends = [end for row in self.rows for end in row[panel.interval] or [] if end is not None]
+        known = [row[panel.value] for row in self.rows if row[panel.value] is not None]
+        return 1.05 * max([1.0, *ends, *known])
 
     def _figure(self, narrow: bool) -> Any:
         count = len(self.parameters)
@@ -262,7 +271,7 @@ class Curves:
                     label = f"change of\n{panel.label}" if against else panel.label
                     one.set_ylabel(label, linespacing=1.5)
                 if not against:
-                    one.set_ylim(0, 1 if panel is SUCCESS else None)
+                    one.set_ylim(0, self._top(panel))
         if not narrow:
             figure.align_ylabels()
         entitle(figure, title_of(self.rows, self.whole).splitlines(), 14)

@@ -22,6 +22,7 @@ from sim2sim_report.matrix_tables import section as matrix_section
 from sim2sim_report.results import KINDS, QUESTION, Partial, Run, Traces, read_sweep
 from sim2sim_report.sentences import CAUTION, cautions, parting, sentences, sweep_summary
 from sim2sim_report.suite import Suite
+from sim2sim_report.sweep_rows import TRANSFER, panels_of
 from sim2sim_report.tables import (
     contrast_rows,
     divergences,
@@ -81,7 +82,7 @@ class Page:
         return self._render(
             title=f"{runs[0].title('reference')} to {engines}",
             question=compared["headline"]["question"] if compared else runs[0].question,
-            caveat="" if compared else runs[0].caveat,
+            caveat=next((run.caveat for run in runs if run.caveat), ""),
             headline=compared["headline"]["answer"] if compared else runs[0].answer,
             answers=answers if len(runs) > 1 else [],
             caution=broken + cautions([run.metrics for run in runs]),
@@ -101,6 +102,8 @@ class Page:
         if len(rows) < whole:
             unfinished = f"is unfinished: {len(rows)} of {whole} rows; `sweep` goes on with it"
             raise Error(f"{folder}: {unfinished}")
+        if panels_of(rows)[0] is TRANSFER:
+            raise Error(f"{folder}: has several loops; `plot_sweep` draws it")
         curves, pairs = draw_sweep(folder, self.suite)
         compared = self.suite.contrast([folder])
         return self._render(

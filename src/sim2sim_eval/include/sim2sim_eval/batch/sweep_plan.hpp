@@ -32,7 +32,7 @@ struct PlannedRow {
 struct SweepPlan {
   Protocol protocol;
   std::filesystem::path starts;  ///< file for readInitialStates(); empty: spawn seeds
-  /// At least one, no two equal; in a plan with several loops once in each
+  /// At least one, no two equal; in a plan with several loops once for each
   std::vector<PlannedPolicy> policies;
   bool lists_policies = false;          ///< whether the plan lists policies; otherwise it has just one
   std::vector<PlannedRow> rows;         ///< policy by policy; no two rows are equal

@@ -13,9 +13,9 @@ namespace sim2sim {
 
 /// Endings of one closed loop over episodes.
 struct Endings {
-  std::array<int, kEndingNames.size()> episodes{};             ///< by Ending
-  std::array<int, kPusherEndingNames.size()> stuck_pushers{};  ///< of the stuck ones, by PusherEnding
-  std::optional<int> median_still_step;                        ///< of the stuck ones, the lower median; empty: none
+  std::array<int, kEndingNames.size()> episodes{};             ///< number by Ending
+  std::array<int, kPusherEndingNames.size()> stuck_pushers{};  ///< number of stuck ones by PusherEnding
+  std::optional<int> median_still_step;                        ///< lower median over the stuck ones; empty: none
 
   int of(Ending ending) const { return episodes[static_cast<std::size_t>(ending)]; }
   int failures() const { return of(Ending::kLost) + of(Ending::kStuck) + of(Ending::kMoving); }

@@ -33,7 +33,7 @@ struct SimulatorRecord {
   void add(const pusht::ParameterSet& loop);
 };
 
-/// Loop in which a policy drives it.
+/// Loop between the policy and a simulator.
 pusht::ParameterSet loopOf(const SimulatorRecord& simulator);
 
 /// Whether this loop has noise.

@@ -13,6 +13,9 @@ pusht_msgs::RolloutResult rollout(const std::string& mode, std::uint32_t steps, 
   made.mode = mode;
   made.steps = steps;
   made.success = success ? 1 : 0;
+  made.ending = success ? "success" : "stuck";
+  made.still_step = 41;
+  made.pusher_ending = "moving";
   return made;
 }
 
@@ -38,11 +41,14 @@ TEST(EpisodesModel, ShowsOutcomesAndPartingInWords) {
   EXPECT_EQ(shown(model, 0, EpisodesModel::kEpisode), "7");
   EXPECT_EQ(shown(model, 0, EpisodesModel::kSeed), "10007");
   EXPECT_EQ(shown(model, 0, EpisodesModel::kReference), QString::fromUtf8("✓ solved"));
-  EXPECT_EQ(shown(model, 0, EpisodesModel::kEngine), QString::fromUtf8("✗ failed"));
+  EXPECT_EQ(shown(model, 0, EpisodesModel::kEngine), QString::fromUtf8("✗ stuck"));
   EXPECT_EQ(shown(model, 0, EpisodesModel::kParting), "1.4 s");
   EXPECT_EQ(shown(model, 0, EpisodesModel::kCause), "sticking on bar");
   EXPECT_EQ(model.row(0).steps, 300U) << "of the modes: probes do not count";
   const QString tip = model.data(model.index(0, EpisodesModel::kCause), Qt::ToolTipRole).toString();
+  const QString ending = model.data(model.index(0, EpisodesModel::kEngine), Qt::ToolTipRole).toString();
+  EXPECT_EQ(ending, QString::fromUtf8("engine, closed loop: ✗ stuck after 30.0 s: its tee lies still from 4.1 s on; its "
+                                      "pusher then: moving"));
   EXPECT_TRUE(tip.contains("first to be elsewhere: pusher")) << tip.toStdString();
 }
 

@@ -224,6 +224,7 @@ TEST_F(PanelTest, DrivesARunThroughEveryButton) {
   EXPECT_TRUE(waitUntil([&] { return find<QLabel>("reference_success")->text().startsWith(rate); }))
       << find<QLabel>("reference_success")->text().toStdString();
   EXPECT_EQ(find<QLabel>("headline")->text().toStdString(), summary_.headline);
+  EXPECT_FALSE(find<QLabel>("caveat")->isVisibleTo(dock_)) << "of two episodes nothing is said";
 
   // A click on a square shows the curves of that episode.
   auto* const strip = find<EpisodeStrip>("episode_strip");

@@ -197,6 +197,26 @@ class Measurement(CompareCase):
         ]
         self.assertAlmostEqual(sum(replays) / 6, metrics["mean_ang_divergence_rad"], delta=1e-6)
 
+    def test_closed_loops_say_how_they_end(self) -> None:
+        options = ("--no-floor", "--closed-variants", "timestep=0.005")
+        self.run_all((COMPARE, "--episodes", "20", *options, "--out", "ends"))
+        with (self.folder / "ends" / "episodes.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        closed = [row for row in rows if "replay" not in row["mode"]]
+        self.assertEqual(len(closed), 3 * 20, "reference, engine and the variant")
+        for row in rows:
+            if row not in closed:
+                self.assertEqual((row["ending"], row["still_step"], row["pusher_ending"]), ("",) * 3)
+            else:
+                self.assertEqual(row["ending"] == "success", row["success"] == "true")
+                still = int(row["steps"]) - int(row["still_step"])
+                self.assertEqual(row["ending"] == "stuck", still >= 50 and row["success"] != "true")
+        metrics = self.load("ends", "metrics.json")
+        for role in ("reference", "engine"):
+            ends = [row["ending"] for row in closed if row["mode"] == f"{role}_closed"]
+            self.assertEqual(metrics[f"{role}_stuck"], ends.count("stuck"))
+            self.assertGreater(ends.count("stuck"), 0)
+
     def test_run_can_be_split(self) -> None:
         self.finished("--policy", "expert", "--episodes", "5", out="whole")
         self.finished("--policy", "expert", "--episodes", "2", out="a")

@@ -170,6 +170,12 @@ TEST(RepeatedStarts, MayBeIncomplete) {
 
 TEST(RepeatedStarts, HaveAColumnOfTheirOwn) {
   const Protocol protocol = repeatedConfiguration(8).protocol;
+  std::vector<EpisodeResult> episodes = noisyEpisodes(2);
+  episodes[6].rollouts[kEngineClosed].ending = RolloutEnding{Ending::kStuck, 41, PusherEnding::kLost};
+  EXPECT_THAT(episodesCsv(protocol, episodes), HasSubstr(",2,stuck,41,lost\n6,10001,engine_replay"));
+  const std::vector<EpisodeResult> read = episodesFromCsv(protocol, episodesCsv(protocol, episodes));
+  ASSERT_TRUE(read[6].rollouts[kEngineClosed].ending);
+  EXPECT_EQ(read[6].rollouts[kEngineClosed].ending->still_step, 41);
   const std::string csv = episodesCsv(protocol, noisyEpisodes(2));
   EXPECT_THAT(csv, HasSubstr(",parting_first,repeat,ending,still_step,pusher_ending\n"));
   EXPECT_THAT(csv, HasSubstr("\n6,10001,engine_closed,"));

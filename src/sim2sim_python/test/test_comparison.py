@@ -206,6 +206,12 @@ class Results(ComparisonCase):
         self.assertEqual(results.episodes["seed"].dtype, np.uint64)
         self.assertEqual(len(rows), 1 + 4 * 3)
 
+    def test_a_loop_may_have_a_name(self) -> None:
+        results = sim2sim.compare("expert", loop="tracker", **SHORT)
+        changed = results.summary["simulators"]["engine"]["changed"]
+        self.assertEqual(changed[:2], ["loop.preset", "loop.observation_delay"])
+        self.assertEqual(set(results.episodes["ending"]) - {"moving", "success"}, {""})
+
     def test_repeats_are_a_column_of_whole_numbers(self) -> None:
         repeat = sim2sim.compare(charge, repeats=2, **SHORT).episodes["repeat"]
         self.assertEqual((repeat.dtype, repeat.tolist()), (np.int64, [0, 0, 0, 1, 1, 1] * 2))

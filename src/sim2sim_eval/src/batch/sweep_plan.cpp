@@ -370,12 +370,21 @@ void putInLoop(SimulatorChoice& simulator, const LoopSettings& loop, const YAML:
   }
 }
 
-/// Names the parameters that any loop of the plan names, with the values that they have here, so that all rows have the
-/// same parameters.
+/// Names the parameters that any loop of the plan names or changes, with the values that they have here, so that all
+/// rows have the same parameters.
 void nameAllParameters(SimulatorChoice& simulator, const std::vector<std::pair<LoopSettings, YAML::Node>>& loops) {
   for (const auto& [loop, node] : loops) {
-    for (const auto& [name, value] : loop) {
-      simulator.set(pusht::kLoopPrefix + name, pusht::textOf(simulator.at(pusht::kLoopPrefix + name).value));
+    pusht::ParameterSet there = pusht::plainLoop();
+    inLineOf(node, [&, &settings = loop] {
+      for (const auto& [name, value] : settings) {
+        pusht::setOfLoop(there, name, value);
+      }
+    });
+    for (const pusht::Parameter& parameter : there) {
+      if (parameter.set_by_name || !parameter.isDefault()) {
+        const std::string name = pusht::kLoopPrefix + parameter.name();
+        simulator.set(name, pusht::textOf(simulator.at(name).value));
+      }
     }
   }
 }

@@ -799,8 +799,8 @@ class Refusals(ReportCase):
         self.assertIn("--loop tracker", headline["caveat"])
         self.assertLess(page.index(headline["caveat"]), page.index(headline["answer"]))
         stuck = [metrics[f"neither_succeeds_{role}_stuck"] for role in ("reference", "engine")]
-        self.assertIn("reference stuck in {}, engine stuck in {}".format(*stuck), page)
-        self.assertIn(f"engine stuck in {metrics['only_reference_succeeds_engine_stuck']}<", page)
+        self.assertIn("reference stuck: {}, engine stuck: {}".format(*stuck), page)
+        self.assertIn(f"engine stuck: {metrics['only_reference_succeeds_engine_stuck']}<", page)
 
     def test_a_place_for_images_is_asked_for_first(self) -> None:
         self.write("mine", b"mine")

@@ -60,7 +60,7 @@ def episode_row(episode: Episode) -> List[Any]:
 
 
 def stuck_texts(episodes: Sequence[Episode]) -> Dict[str, str]:
-    """How many of a kind of episodes end stuck: "engine stuck in 62"; "" where none fails."""
+    """How many of a kind of episodes end stuck: "engine stuck: 62"; "" where none fails."""
     failing: Dict[str, Dict[str, str]] = {
         "both_succeed": {},
         "only_reference_succeeds": {"engine": ENGINE},
@@ -71,7 +71,7 @@ def stuck_texts(episodes: Sequence[Episode]) -> Dict[str, str]:
     for kind, roles in failing.items():
         of_kind = [episode for episode in episodes if episode.kind == kind]
         counts = [
-            f"{role} stuck in {sum(e.ending(mode) == 'stuck' for e in of_kind)}"
+            f"{role} stuck: {sum(e.ending(mode) == 'stuck' for e in of_kind)}"
             for role, mode in roles.items()
         ]
         texts[kind] = ", ".join(counts) if of_kind else ""

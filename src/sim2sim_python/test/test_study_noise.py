@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""script/study noise: the least of it, its recomputation, and what its figures of pushes mean."""
+
+import csv
+import io
+import lzma
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pusht_task.testing.long_tests import long_form
+from scipy import stats  # type: ignore[import]
+from sim2sim import STATE_FIELDS
+
+ROOT = Path(__file__).resolve().parents[3]
+STUDY = ROOT / "docs" / "study" / "noise"
+sys.path[:0] = [str(ROOT / "script"), str(STUDY)]
+
+import recompute  # noqa: E402
+import study_noise  # noqa: E402
+import study_pushes  # noqa: E402
+
+DEADLINE = 600.0  # s
+
+
+class FolderCase(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+
+class Study(FolderCase):
+    @long_form
+    def test_the_least_of_it_from_nothing(self) -> None:
+        folders = ("--work", str(self.folder / "work"), "--tables", str(self.folder / "tables"))
+        command = [sys.executable, str(ROOT / "script" / "study_noise.py"), "--smoke", *folders]
+        subprocess.run(command, check=True, timeout=DEADLINE, stdout=subprocess.DEVNULL)
+        with lzma.open(self.folder / "tables" / "endings.csv.xz", "rt") as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        self.assertEqual({row["part"] for row in rows}, {"primary", "draws", "curves", "kinds"})
+        self.assertEqual({len(row["ends"]) for row in rows}, {2})
+        self.assertLessEqual({letter for row in rows for letter in row["ends"]}, set("Stml"))
+        shapes = {key: y.shape for key, y in recompute.successes(file_in(self.folder)).items()}
+        self.assertEqual(shapes["tracker", "primary small-mujoco", "two_mass"], (1, 2))
+
+    def test_the_plan_trains_what_it_tests(self) -> None:
+        plan = study_noise.whole_plan()
+        for group in plan["groups"].values():
+            self.assertIn(group["demonstrations"], plan["demonstrations"])
+            self.assertIn(group["recipe"], plan["recipes"])
+        tested = [entry["group"] for part in study_noise.parts_of(plan) for entry in part.policies]
+        self.assertLessEqual(set(plan["groups"]), set(tested))
+        self.assertEqual(plan["recipes"]["epochs_600-width_256"]["epochs"], 600)
+
+
+def file_in(folder: Path) -> Path:
+    return folder / "tables" / "endings.csv.xz"
+
+
+class Recomputation(FolderCase):
+    def test_intervals_are_students_where_starts_do_not_differ(self) -> None:
+        rates = np.array([0.1, 0.3, 0.35, 0.4, 0.6])
+        mean, low, high = recompute.crossed_mean(np.repeat(rates[:, None], 40, axis=1))
+        half = stats.t.ppf(0.975, 4) * rates.std(ddof=1) / np.sqrt(5)
+        self.assertAlmostEqual(mean, rates.mean())
+        self.assertAlmostEqual(low, mean - half)
+        self.assertAlmostEqual(high, mean + half)
+
+    def test_differences_are_those_of_the_same_policies_and_starts(self) -> None:
+        text = io.StringIO()
+        text.write("# start i: spawn seed 1 + i\npart,group,policy,loop,simulator,ends\n")
+        for policy in range(5):
+            for simulator, ends in (("mujoco", "SSSt"), ("chipmunk", "SttS" if policy else "SSSS")):
+                text.write(f"primary,small,small-{policy},tracker,{simulator},{ends}\n")
+        (self.folder / "table.xz").write_bytes(lzma.compress(text.getvalue().encode()))
+        script = [sys.executable, str(STUDY / "recompute.py"), "table.xz"]
+        done = subprocess.run(script, capture_output=True, text=True, cwd=self.folder, check=True)
+        (row,) = csv.DictReader(io.StringIO(done.stdout))
+        self.assertEqual((row["mujoco"], row["difference"]), ("0.750", "-0.150"))
+        self.assertEqual(row["policies"], "5")
+        self.assertLess(float(row["low"]), -0.15)
+
+
+def state(x: float, y: float, yaw: float) -> Any:
+    values = dict.fromkeys(STATE_FIELDS, 0.0)
+    values.update(tee_x=x, tee_y=y, tee_yaw=yaw)
+    return [values[name] for name in STATE_FIELDS]
+
+
+class Pushes(unittest.TestCase):
+    def figures(self, reference: Any, engine: Any) -> Any:
+        """Figures of one push that begins in the middle of the table."""
+        start, end = np.array([state(0.0, 0.0, 0.0)]), np.array([state(*reference)])
+        pushes = study_pushes.Pushes(np.zeros(1, int), start, np.zeros((1, 5, 2)), end)
+        found = study_pushes.figures_of(pushes, np.array([state(*engine)]))
+        return {name: float(values[0]) for name, values in found.items()}
+
+    def test_the_same_answer(self) -> None:
+        same = self.figures((0.01, 0.0, 0.2), (0.01, 0.0, 0.2))
+        for name in ("position_error", "missed", "other_way", "direction", "size", "weak"):
+            self.assertAlmostEqual(same[name], 0.0, places=5, msg=name)
+
+    def test_other_answers(self) -> None:
+        back = self.figures((0.01, 0.0, 0.0), (-0.02, 0.0, 0.0))
+        self.assertEqual((back["missed"], back["other_way"]), (0.0, 1.0))
+        self.assertAlmostEqual(back["direction"], 180.0)
+        self.assertAlmostEqual(back["size"], np.log(2.0))
+        self.assertAlmostEqual(back["position_error"], 0.03)
+        missed = self.figures((0.01, 0.0, 0.0), (0.0, 0.002, 0.0))
+        self.assertEqual((missed["missed"], missed["direction"]), (1.0, 90.0))
+        self.assertTrue(np.isnan(missed["other_way"]))
+        self.assertAlmostEqual(missed["weak"], 0.8)
+
+    def test_a_turn_about_the_center_of_mass_moves_it_nowhere(self) -> None:
+        center = 0.06 * 0.045 / 0.105  # [m] along body -y
+        turned = (-center * np.sin(0.5), -center + center * np.cos(0.5), 0.5)
+        move = study_pushes.displacement(np.zeros(3), np.array(turned))
+        np.testing.assert_allclose(move, [0.0, 0.0, 0.022], atol=1e-12)
+
+    def test_engines_are_drawn_once_and_no_two_are_alike(self) -> None:
+        plan = study_noise.whole_plan()["pushes"]
+        engines = study_pushes.population(plan)
+        self.assertEqual(len(set(engines)), 39)
+        self.assertEqual(engines, study_pushes.population(plan))
+        self.assertFalse(set(engines) & set(plan["seen"]))
+
+    def test_the_reference_answers_its_own_pushes(self) -> None:
+        import sim2sim
+
+        rollouts = study_pushes.roll_out(sim2sim.load_policy("expert"), [400_000, 400_001])
+        pushes = study_pushes.pushes_in(rollouts, 5, 0.002)
+        self.assertGreater(len(pushes.start), 5)
+        found = study_pushes.figures_of(pushes, study_pushes.answers("mujoco", pushes))
+        self.assertLess(found["position_error"].max(), 1e-6, "contacts are found to 1e-6 m")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -4,7 +4,7 @@ which of these figures orders engines by the success that they cost. docs/study/
 the definitions and the hypotheses."""
 
 from pathlib import Path
-from typing import Any, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,8 @@ from scipy import stats  # type: ignore[import]
 Numbers = NDArray[Any]
 Plan = Dict[str, Any]
 
-# [m] yaw in the norm of a displacement: the tee's radius of gyration about its center of mass, which
-# is so far from the origin, along body -y.
+# [m] the tee's radius of gyration about its center of mass, for yaw in the norm of a displacement;
+# and how far that center is from the origin, along body -y.
 GYRATION, CENTER = 0.044, task.STEM_OFFSET * 0.045 / 0.105
 MISSED = 0.25  # share of the reference's displacement below which a push is missed
 LEAST_RATIO = 1 / 20  # of displacements, in the mean logarithm
@@ -97,12 +97,13 @@ def pushes_in(rollouts: Rollouts, window: int, least: float) -> Pushes:
     """Windows that begin at multiples of `window` [control steps] and move the tee by more than
     `least` [m]."""
     found: List[Tuple[int, int]] = []
-    for episode, steps in enumerate(rollouts.steps):
+    for number, steps in enumerate(rollouts.steps):
         begins = np.arange(0, steps - window + 1, window)
-        tees = tee_of(rollouts.states[:, episode])
+        tees = tee_of(rollouts.states[:, number])
         moves = np.linalg.norm(displacement(tees[begins], tees[begins + window]), axis=-1)
-        found += [(episode, int(begin)) for begin in begins[moves > least]]
-    episode, begin = np.array(found, dtype=int).reshape(-1, 2).T
+        found += [(number, int(begin)) for begin in begins[moves > least]]
+    places: Numbers = np.array(found, dtype=int).reshape(-1, 2)
+    episode, begin = places[:, 0], places[:, 1]
     ahead = begin[:, None] + np.arange(window)
     return Pushes(
         episode,
@@ -133,12 +134,17 @@ def answers(engine: str, pushes: Pushes, at_once: int = 500) -> Numbers:
     return np.concatenate(ends)
 
 
-def _typed(kind: str, parameters: Dict[str, str]) -> Dict[str, object]:
+def _typed(kind: str, parameters: Dict[str, str]) -> Dict[str, Any]:
     """Parameters as Python's values, by their types."""
     from sim2sim import parameters as known
 
     types = {one["name"]: one["type"] for one in known(kind)}
-    read = {"boolean": lambda text: text == "true", "real": float, "integer": int, "text": str}
+    read: Dict[str, Callable[[str], Any]] = {
+        "boolean": lambda text: text == "true",
+        "real": float,
+        "integer": int,
+        "text": str,
+    }
     return {name: read[types[name]](text) for name, text in parameters.items()}
 
 

@@ -47,8 +47,9 @@ TEST(EpisodesModel, ShowsOutcomesAndPartingInWords) {
   EXPECT_EQ(model.row(0).steps, 300U) << "of the modes: probes do not count";
   const QString tip = model.data(model.index(0, EpisodesModel::kCause), Qt::ToolTipRole).toString();
   const QString ending = model.data(model.index(0, EpisodesModel::kEngine), Qt::ToolTipRole).toString();
-  EXPECT_EQ(ending, QString::fromUtf8("engine, closed loop: ✗ stuck after 30.0 s: its tee lies still from 4.1 s on; its "
-                                      "pusher then: moving"));
+  EXPECT_EQ(ending,
+            QString::fromUtf8("engine, closed loop: ✗ stuck after 30.0 s: its tee lies still from 4.1 s on; its "
+                              "pusher then: moving"));
   EXPECT_TRUE(tip.contains("first to be elsewhere: pusher")) << tip.toStdString();
 }
 

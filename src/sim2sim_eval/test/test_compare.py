@@ -206,7 +206,8 @@ class Measurement(CompareCase):
         self.assertEqual(len(closed), 3 * 20, "reference, engine and the variant")
         for row in rows:
             if row not in closed:
-                self.assertEqual((row["ending"], row["still_step"], row["pusher_ending"]), ("",) * 3)
+                ends = [row[name] for name in ("ending", "still_step", "pusher_ending")]
+                self.assertEqual(ends, ["", "", ""])
             else:
                 self.assertEqual(row["ending"] == "success", row["success"] == "true")
                 still = int(row["steps"]) - int(row["still_step"])

@@ -76,7 +76,8 @@ def compare(
     from the thread that called compare().
 
     `options` are those of the command, with underscores: episodes=200, horizon=100,
-    loop={"action_delay": 2} or "tracker", threads=2, out="results/mine". Without `out` nothing is written.
+    loop={"action_delay": 2} or "tracker", threads=2, out="results/mine". Without `out` nothing is
+    written.
 
     With a callable, `threads` is 1 by default: then the rows of each call are the same ones every
     time. With more threads they are not, which changes no result if a row's action has the same

@@ -24,6 +24,7 @@ from pusht_task.files import write_file
 from study import STUDY as FIRST_STUDY
 from study import Plan, demonstrate, keep_plan, policies, sweep, train
 from study_findings import first_policies
+from study_noise_findings import Endings, judge, write_hypotheses
 
 STUDY = FIRST_STUDY / "noise"
 SHIPPED = FIRST_STUDY.parents[1] / "src" / "pusht_policy" / "policies"
@@ -156,7 +157,7 @@ def write_endings(parts: Sequence[Part], plan: Plan, work: Path, tables: Path) -
     write_file(tables / "endings.csv.xz", lzma.compress(text.getvalue().encode(), preset=9))
 
 
-def study(plan: Plan, work: Path, tables: Path) -> None:
+def study(plan: Plan, work: Path, tables: Path, smoke: bool = False) -> None:
     work.mkdir(parents=True, exist_ok=True)
     tables.mkdir(parents=True, exist_ok=True)
     keep_plan(plan, work)
@@ -168,6 +169,9 @@ def study(plan: Plan, work: Path, tables: Path) -> None:
     for part in parts:
         sweep_part(part, plan, work)
     write_endings(parts, plan, work, tables)
+    if not smoke:  # which has too few policies for an interval
+        found = judge(Endings(tables / "endings.csv.xz"))
+        write_hypotheses(tables / "hypotheses.csv", found)
 
 
 def smallest(plan: Plan) -> Plan:
@@ -208,7 +212,7 @@ def main() -> int:
         plan = smallest(plan)
     return run_command(
         "study noise",
-        lambda: study(plan, options.work.resolve(), options.tables.resolve()),
+        lambda: study(plan, options.work.resolve(), options.tables.resolve(), options.smoke),
         "run the same command again to go on",
     )
 

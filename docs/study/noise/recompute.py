@@ -31,8 +31,9 @@ def successes(path: Path) -> Dict[Tuple[str, str, str], Any]:
     return {key: np.array(values, dtype=float) for key, values in rows.items()}
 
 
-def crossed_mean(y: Any) -> Tuple[float, float, float]:
-    """Mean of [policy, start] with Student's interval; both are samples (Satterthwaite)."""
+def crossed_error(y: Any) -> Tuple[float, float]:
+    """Standard error and degrees of freedom of the mean of [policy, start]; both are samples
+    (Satterthwaite)."""
     rows, columns = y.shape
     mean, of_rows, of_columns = y.mean(), y.mean(axis=1), y.mean(axis=0)
     by_row = columns * np.sum((of_rows - mean) ** 2) / (rows - 1)
@@ -42,9 +43,16 @@ def crossed_mean(y: Any) -> Tuple[float, float, float]:
     if by_column > rest:
         parts += [(by_column, columns - 1.0), (-rest, (rows - 1.0) * (columns - 1.0))]
     total = sum(part for part, _ in parts)
-    freedom = max(rows - 1.0, total**2 / max(sum(p**2 / f for p, f in parts), 1e-300))
-    half = stats.t.ppf(0.975, freedom) * np.sqrt(max(total, 0.0) / (rows * columns))
-    return mean, mean - half, mean + half
+    spread = sum(part**2 / freedom for part, freedom in parts)
+    freedom = max(rows - 1.0, total**2 / spread) if spread > 0.0 else rows - 1.0
+    return float(np.sqrt(max(total, 0.0) / (rows * columns))), freedom
+
+
+def crossed_mean(y: Any) -> Tuple[float, float, float]:
+    """Mean of [policy, start] with Student's interval."""
+    error, freedom = crossed_error(y)
+    half = stats.t.ppf(0.975, freedom) * error
+    return y.mean(), y.mean() - half, y.mean() + half
 
 
 def main() -> None:

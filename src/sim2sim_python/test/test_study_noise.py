@@ -23,6 +23,7 @@ sys.path[:0] = [str(ROOT / "script"), str(STUDY)]
 
 import recompute  # noqa: E402
 import study_noise  # noqa: E402
+import study_noise_findings  # noqa: E402
 import study_pushes  # noqa: E402
 
 DEADLINE = 600.0  # s
@@ -85,6 +86,81 @@ class Recomputation(FolderCase):
         self.assertEqual((row["mujoco"], row["difference"]), ("0.750", "-0.150"))
         self.assertEqual(row["policies"], "5")
         self.assertLess(float(row["low"]), -0.15)
+
+
+class Hypotheses(FolderCase):
+    """Tables in which the truth is known."""
+
+    STARTS = 120
+
+    def table(
+        self, rate: Any, stuck: float = 0.9, step: float = 0.02
+    ) -> study_noise_findings.Endings:
+        """Endings of independent episodes, of which rate(group, loop, simulator) succeed, and
+        `step` more with each training seed."""
+        generator = np.random.default_rng(5)
+        recipes = ("small", "shipped")
+        seeds = {f"{recipe}-mujoco": range(100, 108) for recipe in recipes}
+        for number in range(1, 6):
+            first = 100 + 10 * number
+            seeds.update({f"{r}-draw_{number}": range(first, first + 3) for r in recipes})
+        seeds.update({f"epochs_{e}-width_{w}": range(100, 105) for e, w in ((60, 512), (600, 256))})
+        simulators = (
+            "mujoco",
+            "two_mass",
+            "chipmunk",
+            "box2d",
+            "bullet",
+            "bullet:preset=idiomatic",
+        )
+        text = io.StringIO()
+        text.write("part,group,policy,loop,simulator,ends\n")
+        for group, numbers in seeds.items():
+            for loop in ("none", "tracker"):
+                for simulator in simulators:
+                    for seed in numbers:
+                        p = rate(group, loop, simulator) + step * (seed % 5 - 2)
+                        draw = generator.random((2, self.STARTS))
+                        failed = np.where(draw[1] < stuck, "t", "m")
+                        ends = "".join(np.where(draw[0] < p, "S", failed))
+                        text.write(f"any,{group},{group}-{seed},{loop},{simulator},{ends}\n")
+        path = self.folder / "endings.csv.xz"
+        path.write_bytes(lzma.compress(text.getvalue().encode()))
+        return study_noise_findings.Endings(path)
+
+    def verdicts(self, table: study_noise_findings.Endings) -> Any:
+        found = study_noise_findings.judge(table)
+        self.assertEqual([int(one.name.split()[0][1:]) for one in found], list(range(1, 18)))
+        return {one.name.split()[0]: one.verdict for one in found}
+
+    def test_what_is_so_is_found(self) -> None:
+        def rate(group: str, loop: str, simulator: str) -> float:
+            home = 0.7 if loop == "tracker" else 0.4
+            if simulator == "two_mass":
+                home -= 0.5 if "shipped" in group else 0.3
+            return home - (0.3 if "idiomatic" in simulator else 0.0)
+
+        verdicts = self.verdicts(self.table(rate))
+        for number in (7, 8, 9, 10, 11, 12, 14, 15, 16, 17):
+            self.assertEqual(verdicts[f"N{number}"], "holds", number)
+
+    def test_the_other_way_is_contradicted(self) -> None:
+        def rate(group: str, loop: str, simulator: str) -> float:
+            home = 0.3 if loop == "tracker" else 0.6
+            return home + (0.3 if simulator != "mujoco" else 0.0)
+
+        verdicts = self.verdicts(self.table(rate, stuck=0.1))
+        for number in (*range(1, 10), *range(14, 18)):
+            self.assertEqual(verdicts[f"N{number}"], "contradicted", number)
+
+    def test_what_is_not_there_is_not_shown(self) -> None:
+        verdicts = self.verdicts(self.table(lambda *_: 0.5, stuck=0.5))
+        for number in (7, 8, 9, 10, 11, 12, 14, 15, 16, 17):
+            self.assertEqual(verdicts[f"N{number}"], "not shown", number)
+
+    def test_ranks_are_of_the_same_policies(self) -> None:
+        found = study_noise_findings.tau_within_recipes(self.table(lambda *_: 0.5, step=0.15))
+        self.assertEqual(found.verdict, "holds", "success grows with the seed, in both")
 
 
 def state(x: float, y: float, yaw: float) -> Any:

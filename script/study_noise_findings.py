@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The hypotheses on success of the study under noise, from its table of endings.
+docs/study/noise/plan.md has them, and how they are judged."""
+
+import csv
+import lzma
+import sys
+from pathlib import Path
+from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats  # type: ignore[import]
+
+from study_statistics import holm
+
+STUDY = Path(__file__).resolve().parents[1] / "docs" / "study" / "noise"
+sys.path.insert(0, str(STUDY))
+
+from recompute import crossed_error, crossed_mean  # noqa: E402
+
+Numbers = NDArray[Any]
+
+MARGIN = 0.05  # of success, in points
+SIGNIFICANT = 0.05  # after Holm
+RESAMPLES = 2000
+SEED = 20261127
+SMALL, SHIPPED = "small-mujoco", "shipped-mujoco"
+BULLET = "bullet:preset=idiomatic"
+
+
+class Endings:
+    """How each closed loop ended: a letter for each start, by policy, loop and simulator."""
+
+    def __init__(self, path: Path) -> None:
+        self._rows: Dict[Tuple[str, str, str], Dict[str, Numbers]] = {}
+        with lzma.open(path, "rt") as file:
+            for row in csv.DictReader(line for line in file if not line.startswith("#")):
+                key = row["group"], row["loop"], row["simulator"]
+                self._rows.setdefault(key, {})[row["policy"]] = np.array(list(row["ends"]))
+
+    def letters(self, group: str, loop: str, simulator: str, seeds: Sequence[int] = ()) -> Numbers:
+        """[policy, start]: all policies of a group, or those of some training seeds."""
+        rows = self._rows[group, loop, simulator]
+        names = [f"{group}-{seed}" for seed in seeds] or sorted(rows)
+        return np.array([rows[name] for name in names])
+
+    def success(self, group: str, loop: str, simulator: str, seeds: Sequence[int] = ()) -> Numbers:
+        return (self.letters(group, loop, simulator, seeds) == "S").astype(float)
+
+
+class Judged(NamedTuple):
+    """A hypothesis with what was found."""
+
+    name: str
+    estimate: float
+    low: float
+    high: float
+    p: float  # NaN: it is judged by its interval
+    adjusted: float  # after Holm; NaN likewise
+    verdict: str  # "holds", "contradicted" or "not shown"
+
+
+def lost(table: Endings, group: str, engine: str) -> Numbers:
+    """Success in the engine less that in MuJoCo, in the loop `tracker`."""
+    return table.success(group, "tracker", engine) - table.success(group, "tracker", "mujoco")
+
+
+def by_draw(table: Endings, recipe: str) -> Numbers:
+    """[draw, start]: success in the two-mass engine, the mean of the trainings of each draw."""
+    groups = [f"{recipe}-mujoco", *(f"{recipe}-draw_{number}" for number in range(1, 6))]
+    draws = [table.success(group, "tracker", "two_mass").mean(axis=0) for group in groups]
+    return np.array(draws)
+
+
+def stuck_beyond_half(table: Endings, group: str) -> Numbers:
+    """Above 0 in the mean if most failures in MuJoCo are stuck, without noise."""
+    letters = table.letters(group, "none", "mujoco")
+    return (letters == "t").astype(float) - 0.5 * (letters != "S")
+
+
+def raised(table: Endings, group: str) -> Numbers:
+    """Success in MuJoCo in the loop `tracker` less that without noise."""
+    return table.success(group, "tracker", "mujoco") - table.success(group, "none", "mujoco")
+
+
+def longer(table: Endings, group: str, other: str) -> Numbers:
+    """Success in the two-mass engine, of the same five training seeds."""
+    seeds = range(100, 105)
+    return table.success(group, "tracker", "two_mass", seeds) - table.success(
+        other, "tracker", "two_mass", seeds
+    )
+
+
+WITHIN: Dict[str, Callable[[Endings], Numbers]] = {  # the whole interval within the margin
+    "N1 Chipmunk costs nothing: shipped": lambda t: lost(t, SHIPPED, "chipmunk"),
+    "N2 Chipmunk costs nothing: small": lambda t: lost(t, SMALL, "chipmunk"),
+    "N3 Box2D costs nothing: shipped": lambda t: lost(t, SHIPPED, "box2d"),
+    "N4 Box2D costs nothing: small": lambda t: lost(t, SMALL, "box2d"),
+    "N5 Bullet costs nothing: shipped": lambda t: lost(t, SHIPPED, "bullet"),
+    "N6 Bullet costs nothing: small": lambda t: lost(t, SMALL, "bullet"),
+}
+SIDES: Dict[str, Tuple[int, Callable[[Endings], Numbers]]] = {  # -1: below 0, 1: above 0
+    "N7 two-mass costs success: shipped": (-1, lambda t: lost(t, SHIPPED, "two_mass")),
+    "N8 two-mass costs success: small": (-1, lambda t: lost(t, SMALL, "two_mass")),
+    "N9 idiomatic Bullet costs success: shipped": (-1, lambda t: lost(t, SHIPPED, BULLET)),
+    "N10 600 less 60 epochs": (-1, lambda t: longer(t, SHIPPED, "epochs_60-width_512")),
+    "N11 512 less 256 units": (-1, lambda t: longer(t, SHIPPED, "epochs_600-width_256")),
+    "N12 small less shipped, by draw": (1, lambda t: by_draw(t, "small") - by_draw(t, "shipped")),
+    "N14 most failures are stuck: shipped": (1, lambda t: stuck_beyond_half(t, SHIPPED)),
+    "N15 most failures are stuck: small": (1, lambda t: stuck_beyond_half(t, SMALL)),
+    "N16 tracker raises success: shipped": (1, lambda t: raised(t, SHIPPED)),
+    "N17 tracker raises success: small": (1, lambda t: raised(t, SMALL)),
+}
+
+
+def judged_within(name: str, y: Numbers) -> Judged:
+    mean, low, high = crossed_mean(y)
+    inside = -MARGIN <= low and high <= MARGIN
+    outside = high < -MARGIN or low > MARGIN
+    verdict = "holds" if inside else "contradicted" if outside else "not shown"
+    return Judged(name, mean, low, high, np.nan, np.nan, verdict)
+
+
+def judged_sides(tables: Sequence[Tuple[str, int, Numbers]]) -> List[Judged]:
+    """A family: a side counts if it is significant after Holm."""
+    p = []
+    for _, _, y in tables:
+        error, freedom = crossed_error(y)
+        p.append(2.0 * stats.t.sf(abs(y.mean()) / error, freedom) if error > 0.0 else np.nan)
+    found = []
+    for (name, side, y), raw, adjusted in zip(tables, p, holm(p)):
+        mean, low, high = crossed_mean(y)
+        is_shown = adjusted <= SIGNIFICANT
+        verdict = "not shown" if not is_shown else "holds" if side * mean > 0 else "contradicted"
+        found.append(Judged(name, mean, low, high, raw, adjusted, verdict))
+    return found
+
+
+def tau_within_recipes(table: Endings) -> Judged:
+    """N13: the mean of the two recipes' tau-b of success in MuJoCo and in Chipmunk."""
+    both = []
+    for recipe in ("small", "shipped"):
+        groups = [f"{recipe}-mujoco", *(f"{recipe}-draw_{number}" for number in range(1, 6))]
+        pair = [
+            np.concatenate([table.success(group, "tracker", simulator) for group in groups])
+            for simulator in ("mujoco", "chipmunk")
+        ]
+        both.append(np.array(pair))  # [simulator, policy, start]
+
+    def tau(policies: Sequence[Numbers], starts: Numbers) -> float:
+        found = []
+        for pair, chosen in zip(both, policies):
+            here, there = pair[:, chosen][:, :, starts].mean(axis=2)
+            found.append(stats.kendalltau(here, there).statistic)
+        return float(np.mean(found))
+
+    counts, starts = [pair.shape[1] for pair in both], both[0].shape[2]
+    generator = np.random.default_rng(SEED)
+    resampled = [
+        tau([generator.integers(0, n, n) for n in counts], generator.integers(0, starts, starts))
+        for _ in range(RESAMPLES)
+    ]
+    low, high = np.nanquantile(resampled, (0.025, 0.975))
+    estimate = tau([np.arange(n) for n in counts], np.arange(starts))
+    verdict = "holds" if low > 0.0 else "contradicted" if high < 0.0 else "not shown"
+    name = "N13 Chipmunk orders policies of one recipe as MuJoCo does"
+    return Judged(name, estimate, float(low), float(high), np.nan, np.nan, verdict)
+
+
+def judge(table: Endings) -> List[Judged]:
+    """All hypotheses on success, in the order of the plan."""
+    found = [judged_within(name, y(table)) for name, y in WITHIN.items()]
+    found += judged_sides([(name, side, y(table)) for name, (side, y) in SIDES.items()])
+    found.append(tau_within_recipes(table))
+    return sorted(found, key=lambda one: int(one.name.split()[0][1:]))
+
+
+def write_hypotheses(path: Path, found: Sequence[Judged]) -> None:
+    with path.open("w") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(Judged._fields)
+        for one in found:
+            figures = [f"{value:.6g}" for value in one[1:6]]
+            writer.writerow([one.name, *figures, one.verdict])

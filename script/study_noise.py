@@ -16,6 +16,7 @@ import sys
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, NamedTuple, Sequence
 
+import numpy as np
 import yaml  # type: ignore[import]
 from pusht_task.command import OneLineParser, run_command
 from pusht_task.error import Error
@@ -23,8 +24,10 @@ from pusht_task.files import write_file
 
 from study import STUDY as FIRST_STUDY
 from study import Plan, demonstrate, keep_plan, policies, sweep, train
-from study_findings import first_policies
+from study_findings import first_policies, write_table
 from study_noise_findings import Endings, judge, write_hypotheses
+from study_pushes import Found, measure, population, sums_of, write_pushes
+from study_pushes import judge as judge_pushes
 
 STUDY = FIRST_STUDY / "noise"
 SHIPPED = FIRST_STUDY.parents[1] / "src" / "pusht_policy" / "policies"
@@ -63,6 +66,7 @@ def whole_plan() -> Plan:
 
 def parts_of(plan: Plan) -> List[Part]:
     groups = plan["groups"]
+    pushes = {**plan["pushes"], "engines": [*population(plan["pushes"]), *plan["pushes"]["seen"]]}
 
     def of(names: Sequence[str]) -> List[Plan]:
         return list(policies({**plan, "groups": {name: groups[name] for name in names}}))
@@ -71,17 +75,56 @@ def parts_of(plan: Plan) -> List[Part]:
         {"files": f"{name}.ts.pt", "group": group, "reference": groups[group]["reference"]}
         for group, name in first_policies(plan, plan["curves"])
     ]
+    pushing = plan["pushes"]["kinds"]
     kinds = [
         {"files": name if name == "expert" else f"{name}.ts.pt", "group": name}
         for name in plan["kinds"]["policies"]
     ]
+    pushed = [*policies_of_pushes(plan), *({"files": f"{k}.ts.pt", "group": k} for k in pushing)]
     new = [name for name in groups if name not in plan["first_groups"]]
     return [
         Part("primary", of(plan["first_groups"]), plan["primary"]),
         Part("draws", of(new), plan["draws"]),
         Part("curves", firsts, plan["curves"]),
         Part("kinds", [{"reference": "mujoco", **kind} for kind in kinds], plan["kinds"]),
+        Part("pushes", [{"reference": "mujoco", **entry} for entry in pushed], pushes),
     ]
+
+
+def policies_of_pushes(plan: Plan) -> Iterator[Plan]:
+    """The later trainings of the groups of which pushes are measured."""
+    part = plan["pushes"]
+    first = plan["first_seed"] + part["first"]
+    for group in part["groups"]:
+        for seed in range(first, first + part["policies"]):
+            yield {"files": f"{group}-{seed}.ts.pt", "group": group}
+
+
+def measure_pushes(part: Part, plan: Plan, work: Path, tables: Path) -> List[Found]:
+    """Writes pushes.csv; returns what came of the hypotheses on pushes."""
+    drawn = [engine for engine in part.plan["engines"] if engine not in part.plan["seen"]]
+    names = [entry["files"] for entry in part.policies]
+    first = 10_000 + plan["first_episode"]
+    seeds = range(first, first + part.plan["episodes"])
+    found = measure([str(work / name) for name in names], part.plan["engines"], part.plan, seeds)
+    write_pushes(tables / "pushes.csv", found)
+    recipes = []
+    for group in part.plan["groups"]:
+        of_group = {str(work / e["files"]): e for e in part.policies if e["group"] == group}
+        lost = np.array([lost_by_engine(part, work, e["files"], drawn) for e in of_group.values()])
+        recipes.append(sums_of({name: found[5][name] for name in of_group}, drawn, lost))
+    return judge_pushes(recipes)
+
+
+def lost_by_engine(part: Part, work: Path, policy: str, engines: Sequence[str]) -> Any:
+    """[engine, start]: success in MuJoCo less that in the engine, in the loop `tracker`."""
+    name = policy.partition(".")[0]
+    won = {
+        row["simulator"]: np.array(list(row["ends"])) == "S"
+        for row in rows_of(part, work)
+        if row["policy"] == name and row["loop"] == "tracker"
+    }
+    return np.array([won["mujoco"].astype(float) - won[engine] for engine in engines])
 
 
 def sweep_part(part: Part, plan: Plan, work: Path) -> None:
@@ -172,6 +215,8 @@ def study(plan: Plan, work: Path, tables: Path, smoke: bool = False) -> None:
     if not smoke:  # which has too few policies for an interval
         found = judge(Endings(tables / "endings.csv.xz"))
         write_hypotheses(tables / "hypotheses.csv", found)
+        found_of_pushes = measure_pushes(parts[-1], plan, work, tables)
+        write_table(tables / "hypotheses_pushes.csv", [one._asdict() for one in found_of_pushes])
 
 
 def smallest(plan: Plan) -> Plan:
@@ -191,6 +236,8 @@ def smallest(plan: Plan) -> Plan:
         part = plan[name]
         part.update(episodes=2, engines=part["engines"][:2], loops=part["loops"][-2:])
     plan["curves"]["policies"] = 1
+    plan["pushes"].update(first=0, policies=1, kinds=[], episodes=2, switches=1)
+    plan["pushes"].update(engines=["two_mass"], seen=["chipmunk"])
     plan["kinds"]["policies"] = ["expert"]
     return plan
 

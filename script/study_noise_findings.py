@@ -21,6 +21,7 @@ from recompute import crossed_error, crossed_mean  # noqa: E402
 
 Numbers = NDArray[Any]
 
+PARTS = ("primary", "draws")  # others run the same groups from fewer starts, or in other loops
 MARGIN = 0.05  # of success, in points
 SIGNIFICANT = 0.05  # after Holm
 RESAMPLES = 2000
@@ -36,6 +37,8 @@ class Endings:
         self._rows: Dict[Tuple[str, str, str], Dict[str, Numbers]] = {}
         with lzma.open(path, "rt") as file:
             for row in csv.DictReader(line for line in file if not line.startswith("#")):
+                if row["part"] not in PARTS:
+                    continue
                 key = row["group"], row["loop"], row["simulator"]
                 self._rows.setdefault(key, {})[row["policy"]] = np.array(list(row["ends"]))
 

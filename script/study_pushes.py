@@ -4,7 +4,7 @@ which of these figures orders engines by the success that they cost. docs/study/
 the definitions and the hypotheses."""
 
 from pathlib import Path
-from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,14 @@ MISSED = 0.25  # share of the reference's displacement below which a push is mis
 LEAST_RATIO = 1 / 20  # of displacements, in the mean logarithm
 FIGURES = ("position_error", "missed", "other_way", "direction", "size", "weak")
 SEED = 20261127
+MOST_SIZE = float(np.log(1.5))
+MOST_LOST = 0.05  # what counts as little
+HYPOTHESES = (  # each with what its interval may leave out; P1 and P2 are two looks
+    ("P1 tau of direction less tau of position error", 0.025),
+    ("P2 tau of missed pushes less tau of position error", 0.025),
+    ("P3 0.05 less what engines that answer too much cost", 0.05),
+    ("P4 what engines that answer too little cost more", 0.05),
+)
 
 
 class Rollouts(NamedTuple):
@@ -187,19 +195,126 @@ def measure(
     return found
 
 
-def mean_by_engine(of_policy: Any, figure: str, weights: Numbers) -> Numbers:
-    """The mean of a figure over pushes, by engine; an episode counts with its weight."""
-    means = []
-    for pushes in of_policy.values():
-        values, weight = pushes[figure], weights[pushes["episode"]]
-        known = ~np.isnan(values)
-        means.append(np.average(values[known], weights=weight[known]) if known.any() else np.nan)
-    return np.array(means)
+class Sums(NamedTuple):
+    """Figures by policy, engine and start, so that any weights of starts give their means: [policy,
+    engine, start]."""
+
+    values: Dict[str, Numbers]  # by figure: sums over the pushes that have it
+    counts: Dict[str, Numbers]  # by figure: numbers of these pushes
+    lost: Numbers  # success in MuJoCo less that in the engine
+
+    def mean(self, figure: str, policies: Numbers, weights: Numbers) -> Numbers:
+        """By engine: mean over policies of the means over their pushes."""
+        sums = self.values[figure][policies] @ weights
+        counts = self.counts[figure][policies] @ weights
+        return np.mean(sums / np.where(counts > 0.0, counts, np.nan), axis=0)
+
+    def lost_mean(self, policies: Numbers, weights: Numbers) -> Numbers:
+        return np.mean(self.lost[policies] @ weights / weights.sum(), axis=0)
 
 
-def tau(figure: Numbers, lost: Numbers) -> float:
-    """Kendall's tau-b of a figure and the lost success, over engines."""
-    return float(stats.kendalltau(figure, lost, nan_policy="omit").statistic)
+def sums_of(of_window: Any, engines: Sequence[str], lost: Numbers) -> Sums:
+    """`of_window` has policies, each with its engines; `lost` is [policy, engine, start]."""
+    shape = lost.shape
+    values = {figure: np.zeros(shape) for figure in FIGURES}
+    counts = {figure: np.zeros(shape) for figure in FIGURES}
+    for place, of_policy in enumerate(of_window.values()):
+        for number, engine in enumerate(engines):
+            pushes = of_policy[engine]
+            for figure in FIGURES:
+                known = ~np.isnan(pushes[figure])
+                starts = pushes["episode"][known]
+                np.add.at(values[figure][place, number], starts, pushes[figure][known])
+                np.add.at(counts[figure][place, number], starts, 1.0)
+    return Sums(values, counts, lost)
+
+
+class Resample(NamedTuple):
+    """Which engines, policies of each recipe and starts a resample has."""
+
+    engines: Numbers
+    policies: List[Numbers]
+    weights: Numbers  # of starts
+
+
+def whole(recipes: Sequence[Sums]) -> Resample:
+    policies, engines, starts = recipes[0].lost.shape
+    return Resample(np.arange(engines), [np.arange(policies) for _ in recipes], np.ones(starts))
+
+
+def resamples(recipes: Sequence[Sums], count: int) -> Iterator[Resample]:
+    policies, engines, starts = recipes[0].lost.shape
+    generator = np.random.default_rng(SEED)
+    for _ in range(count):
+        yield Resample(
+            generator.integers(0, engines, engines),
+            [generator.integers(0, policies, policies) for _ in recipes],
+            np.bincount(generator.integers(0, starts, starts), minlength=starts).astype(float),
+        )
+
+
+def tau(recipes: Sequence[Sums], figure: str, drawn: Resample) -> float:
+    """Kendall's tau-b of a figure and what is lost, over engines; the mean over recipes."""
+    found = []
+    for sums, policies in zip(recipes, drawn.policies):
+        here = sums.mean(figure, policies, drawn.weights)[drawn.engines]
+        lost = sums.lost_mean(policies, drawn.weights)[drawn.engines]
+        found.append(stats.kendalltau(here, lost, nan_policy="omit").statistic)
+    return float(np.mean(found))
+
+
+def lost_in(recipes: Sequence[Sums], chosen: Numbers, drawn: Resample) -> float:
+    """Mean of what is lost over recipes and over the engines of a class; NaN without any."""
+    engines = drawn.engines[chosen[drawn.engines]]
+    if not len(engines):
+        return np.nan
+    parts = [
+        sums.lost_mean(policies, drawn.weights)[engines]
+        for sums, policies in zip(recipes, drawn.policies)
+    ]
+    return float(np.mean(parts))
+
+
+class Found(NamedTuple):
+    """A hypothesis on pushes with what was found."""
+
+    name: str
+    estimate: float
+    low: float
+    high: float
+    verdict: str  # "holds", "contradicted" or "not shown"
+
+
+def judge(recipes: Sequence[Sums], count: int = 2000) -> List[Found]:
+    """P1 to P4, in windows of five steps."""
+    everything = whole(recipes)
+    size = np.mean(
+        [
+            sums.mean("size", policies, everything.weights)
+            for sums, policies in zip(recipes, everything.policies)
+        ],
+        axis=0,
+    )
+    much, little = (size > 0.0) & (size <= MOST_SIZE), (size < 0.0) & (size >= -MOST_SIZE)
+
+    def figures(drawn: Resample) -> List[float]:
+        error = tau(recipes, "position_error", drawn)
+        too_much = lost_in(recipes, much, drawn)
+        return [
+            tau(recipes, "direction", drawn) - error,
+            tau(recipes, "missed", drawn) - error,
+            MOST_LOST - too_much,
+            lost_in(recipes, little, drawn) - too_much,
+        ]
+
+    estimates = figures(everything)
+    drawn = np.array([figures(one) for one in resamples(recipes, count)])
+    found = []
+    for place, (name, alpha) in enumerate(HYPOTHESES):
+        low, high = np.nanquantile(drawn[:, place], (alpha / 2, 1 - alpha / 2))
+        verdict = "holds" if low > 0.0 else "contradicted" if high < 0.0 else "not shown"
+        found.append(Found(name, estimates[place], float(low), float(high), verdict))
+    return found
 
 
 def write_pushes(path: Path, found: Any) -> None:

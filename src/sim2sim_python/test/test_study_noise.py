@@ -44,7 +44,9 @@ class Study(FolderCase):
         subprocess.run(command, check=True, timeout=DEADLINE, stdout=subprocess.DEVNULL)
         with lzma.open(self.folder / "tables" / "endings.csv.xz", "rt") as file:
             rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-        self.assertEqual({row["part"] for row in rows}, {"primary", "draws", "curves", "kinds"})
+        self.assertEqual(
+            {row["part"] for row in rows}, {"primary", "draws", "curves", "kinds", "pushes"}
+        )
         self.assertEqual({len(row["ends"]) for row in rows}, {2})
         self.assertLessEqual({letter for row in rows for letter in row["ends"]}, set("Stml"))
         shapes = {key: y.shape for key, y in recompute.successes(file_in(self.folder)).items()}
@@ -123,7 +125,7 @@ class Hypotheses(FolderCase):
                         draw = generator.random((2, self.STARTS))
                         failed = np.where(draw[1] < stuck, "t", "m")
                         ends = "".join(np.where(draw[0] < p, "S", failed))
-                        text.write(f"any,{group},{group}-{seed},{loop},{simulator},{ends}\n")
+                        text.write(f"primary,{group},{group}-{seed},{loop},{simulator},{ends}\n")
         path = self.folder / "endings.csv.xz"
         path.write_bytes(lzma.compress(text.getvalue().encode()))
         return study_noise_findings.Endings(path)
@@ -205,6 +207,30 @@ class Pushes(unittest.TestCase):
         self.assertEqual(len(set(engines)), 39)
         self.assertEqual(engines, study_pushes.population(plan))
         self.assertFalse(set(engines) & set(plan["seen"]))
+
+    def judged(self, lost_by: str) -> Any:
+        """Forty engines whose lost success is one of the figures, with noise of starts."""
+        generator = np.random.default_rng(3)
+        engines, shape = np.linspace(0.0, 1.0, 40), (4, 40, 100)
+        figures = {name: generator.permutation(engines) for name in study_pushes.FIGURES}
+        figures["size"] = np.where(figures["weak"] > 0.5, -0.2, 0.2)
+        recipes = []
+        for _ in range(2):
+            spread = generator.normal(0.0, 0.1, shape)
+            lost = figures[lost_by][None, :, None] + generator.normal(0.0, 0.5, shape)
+            values = {name: y[None, :, None] + spread for name, y in figures.items()}
+            counts = {name: np.ones(shape) for name in figures}
+            recipes.append(study_pushes.Sums(values, counts, lost))
+        return {one.name.split()[0]: one.verdict for one in study_pushes.judge(recipes, 300)}
+
+    def test_what_orders_engines_is_found(self) -> None:
+        by_direction = self.judged("direction")
+        self.assertEqual((by_direction["P1"], by_direction["P2"]), ("holds", "not shown"))
+        by_error = self.judged("position_error")
+        self.assertEqual((by_error["P1"], by_error["P2"]), ("contradicted", "contradicted"))
+        self.assertEqual(by_error["P3"], "contradicted", "they cost a half")
+        by_weakness = self.judged("weak")
+        self.assertEqual(by_weakness["P4"], "holds")
 
     def test_the_reference_answers_its_own_pushes(self) -> None:
         import sim2sim

@@ -611,7 +611,12 @@ class LiveSession(GoalCase):
             self.assertEqual(row["success"] == "true", rollout.success)
             columns = [f"{quantity.name}_{quantity.unit}" for quantity in rollout.quantities]
             parting = ["parting_step", "parting_cause", "parting_first"]
-            self.assertEqual([*columns, *parting], list(row)[-len(columns) - len(parting) :])
+            ends = ["ending", "still_step", "pusher_ending"]
+            named = [*columns, *parting, *ends]
+            self.assertEqual(named, list(row)[-len(named) :])
+            self.assertEqual(row["ending"], rollout.ending)
+            self.assertEqual(row["still_step"], str(rollout.still_step) if rollout.ending else "")
+            self.assertEqual(row["pusher_ending"], rollout.pusher_ending)
             self.assertEqual(row["parting_step"], str(rollout.parting_step or ""))
             self.assertEqual(row["parting_cause"], rollout.parting_cause)
             self.assertEqual(row["parting_first"], rollout.parting_first)

@@ -10,7 +10,7 @@ started again, and ends with the same bytes.
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Tuple
 
 import yaml  # type: ignore[import]
 from pusht_task.command import OneLineParser, run_command
@@ -20,7 +20,8 @@ from pusht_task.files import write_file
 from study_conduct import SLOWER, conduct_runs, is_whole, write_slower
 from study_findings import first_policies, write_findings
 
-STUDY = Path(__file__).resolve().parents[1] / "docs" / "study"
+ROOT = Path(__file__).resolve().parents[1]
+STUDY = ROOT / "docs" / "study"
 Plan = Dict[str, Any]
 
 
@@ -223,26 +224,39 @@ def study(plan: Plan, work: Path, tables: Path) -> None:
     write_findings(plan, work, tables)
 
 
-def main() -> int:
-    parser = OneLineParser(prog="study", description=(__doc__ or "").splitlines()[0])
-    help_work = "bags, policies and sweeps, kept for the next start (default: build/study)"
-    default = STUDY.parents[1] / "build" / "study"
+def run_study(
+    prog: str,
+    what: str,
+    tables: Path,
+    plan: Plan,
+    least: Callable[[Plan], Plan],
+    carry_out: Callable[[Plan, Path, Path], None],
+) -> int:
+    """The command of a study: `what` it does, where its tables are, and the least of its plan."""
+    parser = OneLineParser(prog=prog, description=what.splitlines()[0])
+    default = ROOT / "build" / prog.replace(" ", "_")
+    help_work = (
+        f"bags, policies and sweeps, kept for the next start (default: build/{default.name})"
+    )
     parser.add_argument("--work", metavar="DIR", type=Path, default=default, help=help_work)
-    help_tables = "tables and pictures (default: docs/study)"
-    parser.add_argument("--tables", metavar="DIR", type=Path, default=STUDY, help=help_tables)
+    help_tables = f"tables and pictures (default: {tables.relative_to(ROOT)})"
+    parser.add_argument("--tables", metavar="DIR", type=Path, default=tables, help=help_tables)
     help_smoke = "run the least of everything: it tests this program, and says nothing"
     parser.add_argument("--smoke", action="store_true", help=help_smoke)
     options = parser.parse_args()
-    if options.smoke and (options.work == default or options.tables == STUDY):
+    if options.smoke and (options.work == default or options.tables == tables):
         parser.error("--smoke says nothing: give it folders of its own by --work and --tables")
-    plan = yaml.safe_load((STUDY / "study.yaml").read_text())
-    if options.smoke:
-        plan = smallest(plan)
+    chosen = least(plan) if options.smoke else plan
     return run_command(
-        "study",
-        lambda: study(plan, options.work.resolve(), options.tables.resolve()),
+        prog,
+        lambda: carry_out(chosen, options.work.resolve(), options.tables.resolve()),
         "run the same command again to go on",
     )
+
+
+def main() -> int:
+    plan = yaml.safe_load((STUDY / "study.yaml").read_text())
+    return run_study("study", __doc__ or "", STUDY, plan, smallest, study)
 
 
 if __name__ == "__main__":

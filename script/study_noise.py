@@ -18,12 +18,11 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Sequence
 
 import numpy as np
 import yaml  # type: ignore[import]
-from pusht_task.command import OneLineParser, run_command
 from pusht_task.error import Error
 from pusht_task.files import write_file
 
 from study import STUDY as FIRST_STUDY
-from study import Plan, demonstrate, keep_plan, policies, sweep, train
+from study import Plan, demonstrate, keep_plan, policies, run_study, sweep, train
 from study_findings import first_policies, write_table
 from study_noise_findings import Endings, judge, write_hypotheses
 from study_pushes import Found, measure, population, sums_of, write_pushes
@@ -200,7 +199,7 @@ def write_endings(parts: Sequence[Part], plan: Plan, work: Path, tables: Path) -
     write_file(tables / "endings.csv.xz", lzma.compress(text.getvalue().encode(), preset=9))
 
 
-def study(plan: Plan, work: Path, tables: Path, smoke: bool = False) -> None:
+def study(plan: Plan, work: Path, tables: Path) -> None:
     work.mkdir(parents=True, exist_ok=True)
     tables.mkdir(parents=True, exist_ok=True)
     keep_plan(plan, work)
@@ -212,7 +211,7 @@ def study(plan: Plan, work: Path, tables: Path, smoke: bool = False) -> None:
     for part in parts:
         sweep_part(part, plan, work)
     write_endings(parts, plan, work, tables)
-    if not smoke:  # which has too few policies for an interval
+    if "smoke" not in plan:  # which has too few policies for an interval
         found = judge(Endings(tables / "endings.csv.xz"))
         write_hypotheses(tables / "hypotheses.csv", found)
         found_of_pushes = measure_pushes(parts[-1], plan, work, tables)
@@ -239,29 +238,12 @@ def smallest(plan: Plan) -> Plan:
     plan["pushes"].update(first=0, policies=1, kinds=[], episodes=2, switches=1)
     plan["pushes"].update(engines=["two_mass"], seen=["chipmunk"])
     plan["kinds"]["policies"] = ["expert"]
+    plan["smoke"] = True
     return plan
 
 
 def main() -> int:
-    parser = OneLineParser(prog="study noise", description=(__doc__ or "").splitlines()[0])
-    help_work = "bags, policies and sweeps, kept for the next start (default: build/study_noise)"
-    default = STUDY.parents[2] / "build" / "study_noise"
-    parser.add_argument("--work", metavar="DIR", type=Path, default=default, help=help_work)
-    help_tables = "tables and pictures (default: docs/study/noise)"
-    parser.add_argument("--tables", metavar="DIR", type=Path, default=STUDY, help=help_tables)
-    help_smoke = "run the least of everything: it tests this program, and says nothing"
-    parser.add_argument("--smoke", action="store_true", help=help_smoke)
-    options = parser.parse_args()
-    if options.smoke and (options.work == default or options.tables == STUDY):
-        parser.error("--smoke says nothing: give it folders of its own by --work and --tables")
-    plan = whole_plan()
-    if options.smoke:
-        plan = smallest(plan)
-    return run_command(
-        "study noise",
-        lambda: study(plan, options.work.resolve(), options.tables.resolve(), options.smoke),
-        "run the same command again to go on",
-    )
+    return run_study("study noise", __doc__ or "", STUDY, whole_plan(), smallest, study)
 
 
 if __name__ == "__main__":

@@ -2,20 +2,18 @@
 #include "pusht_rviz/panel.hpp"
 
 #include <rviz/config.h>
-#include <rviz/render_panel.h>
 #include <rviz/visualization_manager.h>
 
-#include <QPlatformSurfaceEvent>
 #include <QScrollArea>
 #include <QStringList>
 #include <QTabBar>
 #include <QTimer>
 #include <QVBoxLayout>
-#include <QWindow>
 #include <algorithm>
 #include <pluginlib/class_list_macros.hpp>
 #include <string>
 
+#include "drawing_end.hpp"
 #include "pusht_rviz/texts.hpp"
 #include "pusht_rviz/theme.hpp"
 #include "pusht_task/numbers.hpp"
@@ -27,28 +25,6 @@ constexpr const char* kNamespaceKey = "Namespace";
 constexpr const char* kDefaultNamespace = "/sim2sim";
 constexpr const char* kWidthKey = "Width";
 constexpr const char* kNextRunTab = "Next run";
-
-/// Ends rviz's drawing when its window goes. rviz would draw a frame or two more, and Mesa (22.3), which cannot ask for
-/// the size of a window that is gone, writes beyond its buffers: rviz then dies of a broken heap as it closes.
-class DrawingEnd : public QObject {
- public:
-  DrawingEnd(rviz::VisualizationManager* manager, QObject* parent) : QObject(parent), manager_(manager) {
-    if (QWindow* const window = manager->getRenderPanel()->windowHandle()) {
-      window->installEventFilter(this);
-    }
-  }
-
-  bool eventFilter(QObject* watched, QEvent* event) override {
-    if (event->type() == QEvent::PlatformSurface && static_cast<QPlatformSurfaceEvent*>(event)->surfaceEventType() ==
-                                                        QPlatformSurfaceEvent::SurfaceAboutToBeDestroyed) {
-      manager_->stopUpdate();
-    }
-    return QObject::eventFilter(watched, event);
-  }
-
- private:
-  rviz::VisualizationManager* manager_;
-};
 
 QScrollArea* scrolled(QWidget* inside) {
   auto* const scroll = new QScrollArea;

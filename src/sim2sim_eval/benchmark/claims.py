@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Recomputes what the documents claim, and compares it with what they print, to the printed digits.
 
-docs/claims.yaml has the claims, and says how they are written. Source the workspace first.
+A document marks its figures, docs/claims.yaml says where they come from and how marks are written.
+Source the workspace first.
 """
 
 import json
@@ -18,13 +19,20 @@ import yaml  # type: ignore[import]
 
 from pusht_task.command import OneLineParser, run_command, say
 from pusht_task.error import Error, ExitCode
+from pusht_task.files import write_file
 
 ROOT = Path(__file__).resolve().parents[3]
 TABLE = ROOT / "docs" / "claims.yaml"
 DIFFERS = 1  # exit code
-NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?")
-FIGURE = re.compile(r"{0}[^\d[\]]*(?:\[{0}[^\d,]*, {0}[^\d\]]*\])?".format(NUMBER.pattern))
-BRACES = re.compile(r"\{([^{}]*)\}")
+OUTSIDE = "outside"  # the mark of a figure that no command of the suite repeats
+MARK = re.compile(r"<!--(\w+)(?:\.(.+?))?-->")
+NUMBER = re.compile(r"(?<![\d.])[+-]?\d+(?:\.\d+)?")
+INTERVAL = re.compile(r"\[{0}[^\d,\[\]]*, {0}[^\d\[\]]*\]".format(r"[+-]?\d+(?:\.\d+)?"))
+FIGURE = re.compile(
+    r"{0}(?:[^\d\[\]()|,;:.]{{0,16}}{1}| ?(?:times|%|(?:mm|mrad|m|rad|s|ms)\b))?".format(
+        NUMBER.pattern, INTERVAL.pattern
+    )
+)
 CONDITION = re.compile(r"(\S+) (<|<=|>|>=|=) (\S+)")
 SCALES = {"%": 100.0, "mm": 1000.0, "mrad": 1000.0}  # of a printed unit; files have 1, m and rad
 RELATIONS = {
@@ -37,40 +45,42 @@ RELATIONS = {
 
 
 class Claim(NamedTuple):
-    """A sentence or a table's row of a document, and where its figures are in the results."""
+    """Where the figures of a mark are in the results of a run."""
 
-    name: str
-    document: str  # relative to the root of the project
-    says: str  # what the document says, each figure in braces
+    name: str  # RUN.CLAIM
     file: str  # of the results; after a # the JSON pointer under which the keys are
     keys: List[str]  # one for each figure, with its unit if the figure is printed without
     where: List[str]  # what else must hold, such as KEY < NUMBER
-
-    @property
-    def text(self) -> str:
-        return BRACES.sub(r"\1", self.says)
-
-    @property
-    def figures(self) -> List[str]:
-        return BRACES.findall(self.says)
 
 
 class Run(NamedTuple):
     """Commands, or results that are kept, and the claims that rest on them."""
 
     name: str
-    commands: List[str]  # none: no command of the suite repeats it, or the results are kept
+    commands: List[str]
     kept: str  # the folder of kept results, relative to the root of the project; empty: none
     cheap: bool  # takes seconds
     claims: List[Claim]
 
-    @property
-    def is_measured(self) -> bool:
-        return bool(self.commands or self.kept)
+
+class Figure(NamedTuple):
+    """A number that a document prints, with its unit and its interval."""
+
+    begin: int  # in the document's text
+    end: int
+    text: str
+
+
+class Mark(NamedTuple):
+    """A claim in a document: the figures before the mark."""
+
+    claim: str
+    document: str  # relative to the root of the project
+    figures: List[Figure]
 
 
 class Row(NamedTuple):
-    """A figure as printed, and as measured in the same form; empty if no command measures it."""
+    """A figure as printed, and as measured in the same form."""
 
     claim: str
     printed: str
@@ -78,41 +88,55 @@ class Row(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        if not self.measured:
-            return "measured outside"
         return "same" if self.measured == self.printed else "DIFFERS"
+
+
+def documents(root: Path) -> List[str]:
+    """The pages whose marks are claims."""
+    pages = [root / "README.md", *sorted((root / "docs").rglob("*.md"))]
+    return [str(page.relative_to(root)) for page in pages if page.exists()]
+
+
+def named_by_marks(root: Path) -> Set[str]:
+    """The names in the marks of all documents, without those of figures measured outside."""
+    return {
+        f"{mark[1]}.{mark[2]}"
+        for document in documents(root)
+        for mark in MARK.finditer((root / document).read_text("utf-8"))
+        if mark[2]
+    }
 
 
 def read(path: Path) -> List[Run]:
     """The table of claims. Raises Error for a claim that cannot be checked."""
-    return [_run(name, entry) for name, entry in yaml.safe_load(path.read_text("utf-8")).items()]
+    table = yaml.safe_load(path.read_text("utf-8"))
+    marked = named_by_marks(path.resolve().parents[1])
+    return [_run(name, entry, marked) for name, entry in table.items()]
 
 
-def _run(name: str, entry: Dict[str, Any]) -> Run:
-    _require_keys(name, entry, {"claims"}, {"run", "kept", "cheap"})
-    claims = [_claim(f"{name}.{key}", fields) for key, fields in entry["claims"].items()]
+def _run(name: str, entry: Dict[str, Any], marked: Set[str]) -> Run:
+    _require_keys(name, entry, set(), {"run", "kept", "cheap", "file", "claims"})
+    if ("run" in entry) == ("kept" in entry) or ("file" in entry and "kept" not in entry):
+        raise Error(f"claim {name}: must have either run or kept, and file with kept alone")
+    claims = [
+        _claim(f"{name}.{key}", file, fields)
+        for file, of_file in entry.get("claims", {}).items()
+        for key, fields in of_file.items()
+    ]
+    if "file" in entry:
+        known = {claim.name for claim in claims}
+        keys = sorted(mark for mark in marked - known if mark.startswith(f"{name}."))
+        claims += [Claim(key, entry["file"], [key[len(name) + 1 :]], []) for key in keys]
     kept = entry.get("kept", "")
-    run = Run(name, entry.get("run", []), kept, entry.get("cheap", bool(kept)), claims)
-    for claim in claims:
-        count = len(claim.figures) if run.is_measured else 0
-        if len(claim.keys) != count:
-            raise Error(f"claim {claim.name}: {len(claim.keys)} keys: must be {count}")
-    return run
+    return Run(name, entry.get("run", []), kept, entry.get("cheap", bool(kept)), claims)
 
 
-def _claim(name: str, fields: Dict[str, Any]) -> Claim:
-    _require_keys(name, fields, {"in", "says"}, {"file", "keys", "where"})
-    claim = Claim(
-        name,
-        fields["in"],
-        fields["says"],
-        fields.get("file", ""),
-        fields.get("keys", []),
-        fields.get("where", []),
-    )
-    for figure in claim.figures:
-        if not FIGURE.fullmatch(figure):
-            raise Error(f"claim {name}: {figure!r}: must be like '31 % [30, 32]', or a number")
+def _claim(name: str, file: str, fields: Any) -> Claim:
+    if not isinstance(fields, dict):
+        fields = {"keys": fields}
+    _require_keys(name, fields, {"keys"}, {"where"})
+    keys = [fields["keys"]] if isinstance(fields["keys"], str) else fields["keys"]
+    claim = Claim(name, file, keys, fields.get("where", []))
     for condition in claim.where:
         if not CONDITION.fullmatch(condition):
             raise Error(f"claim {name}: {condition!r}: must be like 'KEY < 0.05'")
@@ -125,14 +149,41 @@ def _require_keys(name: str, entry: Dict[str, Any], needed: Set[str], known: Set
         raise Error(f"claim {name}: {', '.join(sorted(wrong))}: missing or unknown")
 
 
-def plain(text: str) -> str:
-    """A text with single spaces."""
-    return " ".join(text.split())
+def marks_in(document: str, text: str, counts: Dict[str, int]) -> Iterator[Mark]:
+    """The marks of a document; `counts` has the number of figures of each claim. Raises Error for a
+    mark of no claim, or one with too few figures before it in its paragraph."""
+    for mark in MARK.finditer(text):
+        name = f"{mark[1]}.{mark[2]}" if mark[2] else mark[1]
+        count = 1 if name == OUTSIDE else counts.get(name)
+        if count is None:
+            raise Error(f"{document}: mark {mark[0]}: claims.yaml has no claim {name}")
+        paragraph = text.rfind("\n\n", 0, mark.start()) + 1
+        found = [Figure(*one.span(), one[0]) for one in figures_in(text, paragraph, mark.start())]
+        if len(found) < count:
+            raise Error(
+                f"{document}: mark {mark[0]}: {len(found)} figures before it: must be {count}"
+            )
+        yield Mark(name, document, found[len(found) - count :])
 
 
-def stands(claim: Claim, root: Path = ROOT) -> bool:
-    """Whether the document says what the claim says."""
-    return plain(claim.text) in plain((root / claim.document).read_text("utf-8"))
+def figures_in(text: str, begin: int, end: int) -> "Iterator[re.Match[str]]":
+    """The figures of a part of a text; marks have none."""
+    blank = MARK.sub(lambda mark: " " * len(mark[0]), text[:end])
+    return FIGURE.finditer(blank, begin)
+
+
+def marks(runs: List[Run], root: Path) -> List[Mark]:
+    """The marks of all documents. Raises Error if a claim of the table has none."""
+    counts = {claim.name: len(claim.keys) for run in runs for claim in run.claims}
+    found = [
+        mark
+        for document in documents(root)
+        for mark in marks_in(document, (root / document).read_text("utf-8"), counts)
+    ]
+    unmarked = sorted(set(counts) - {mark.claim for mark in found})
+    if unmarked:
+        raise Error(f"claim {unmarked[0]}: no document has its mark <!--{unmarked[0]}-->")
+    return found
 
 
 class Results:
@@ -198,21 +249,43 @@ def in_form_of(printed: str, numbers: List[Optional[float]], unit: str = "") -> 
     return NUMBER.sub(measured, printed)
 
 
-def check(run: Run, folder: Path) -> Iterator[Row]:
-    """The figures and conditions of a run's claims, against its results."""
+class Checked(NamedTuple):
+    """A figure of a document beside what was measured."""
+
+    document: str
+    figure: Figure
+    row: Row
+
+
+def check(run: Run, found: List[Mark], folder: Path) -> Tuple[List[Checked], List[Row]]:
+    """The figures of a run's marks, and the conditions of its claims, against its results."""
     results = Results(folder)
+    figures, conditions = [], []
     for claim in run.claims:
-        for i, figure in enumerate(claim.figures):
-            measured = ""
-            if run.is_measured:
-                key, unit = _with_unit(claim.keys[i])
-                measured = in_form_of(figure, results.numbers(claim, key), unit)
-            yield Row(claim.name, figure, measured)
+        for mark in (mark for mark in found if mark.claim == claim.name):
+            for figure, key_and_unit in zip(mark.figures, claim.keys):
+                key, unit = _with_unit(key_and_unit)
+                measured = in_form_of(figure.text, results.numbers(claim, key), unit)
+                row = Row(claim.name, figure.text, measured)
+                figures.append(Checked(mark.document, figure, row))
         for condition in claim.where:
             key, relation, bound = CONDITION.fullmatch(condition).groups()  # type: ignore
             value = results.numbers(claim, key)[0]
             holds = value is not None and RELATIONS[relation](value, float(bound))
-            yield Row(claim.name, condition, condition if holds else f"{key} is {value}")
+            conditions.append(
+                Row(claim.name, condition, condition if holds else f"{key} is {value}")
+            )
+    return figures, conditions
+
+
+def write_figures(checked: List[Checked], root: Path) -> None:
+    """Puts what was measured into the documents, in the form of what they print."""
+    for document in sorted({one.document for one in checked}):
+        text = (root / document).read_text("utf-8")
+        of_document = [one for one in checked if one.document == document]
+        for one in sorted(of_document, key=lambda one: -one.figure.begin):
+            text = text[: one.figure.begin] + one.row.measured + text[one.figure.end :]
+        write_file(root / document, text.encode())
 
 
 def execute(run: Run, folder: Path, root: Path) -> Path:
@@ -220,7 +293,7 @@ def execute(run: Run, folder: Path, root: Path) -> Path:
     if run.kept:
         return root / run.kept
     results = folder / run.name
-    if results.exists() or not run.commands:
+    if results.exists():
         return results
     part = folder / f"{run.name}.part"  # until all commands have ended well
     shutil.rmtree(part, ignore_errors=True)
@@ -276,25 +349,32 @@ def main(arguments: Optional[List[str]] = None) -> int:
     parser.add_argument("--out", metavar="DIR", type=Path, help=help_out)
     help_table = "another table, of documents relative to the folder above its own"
     parser.add_argument("--table", metavar="FILE", type=Path, default=TABLE, help=help_table)
+    help_write = "put figures that differ into the documents; then look at the words around them"
+    parser.add_argument("--write", action="store_true", help=help_write)
     options = parser.parse_args(arguments)
     rows: List[Row] = []
 
     def work() -> None:
-        runs = chosen(read(options.table), options.names, options.cheap)
+        everything = read(options.table)
         root = options.table.resolve().parents[1]
-        for claim in (claim for run in runs for claim in run.claims):
-            if not stands(claim, root):
-                rows.append(Row(claim.name, claim.text, f"is not in {claim.document}"))
+        found = marks(everything, root)
+        differing: List[Checked] = []
         with tempfile.TemporaryDirectory() as temporary:
             folder = options.out or Path(temporary)
             folder.mkdir(parents=True, exist_ok=True)
-            for run in runs:
-                rows.extend(check(run, execute(run, folder.resolve(), root)))
+            for run in chosen(everything, options.names, options.cheap):
+                figures, conditions = check(run, found, execute(run, folder.resolve(), root))
+                differing += [one for one in figures if one.row.verdict == "DIFFERS"]
+                rows.extend([*(one.row for one in figures), *conditions])
+        if options.write:
+            write_figures(differing, root)
         say(table(rows))
-        count = {verdict: 0 for verdict in ("same", "DIFFERS", "measured outside")}
+        count = {verdict: 0 for verdict in ("same", "DIFFERS")}
         for row in rows:
             count[row.verdict] += 1
-        say(", ".join(f"{number} {verdict}" for verdict, number in count.items()))
+        outside = sum(mark.claim == OUTSIDE for mark in found)
+        counts = ", ".join(f"{number} {verdict}" for verdict, number in count.items())
+        say(f"{counts}; {outside} were measured outside")
 
     code = run_command("claims", work, "finished runs stay in --out")
     return code or (DIFFERS if any(row.verdict == "DIFFERS" for row in rows) else 0)

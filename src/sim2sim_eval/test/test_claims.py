@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the documents claim: the table of claims is whole, documents say what it says, and the
-cheap ones are measured again. script/claims measures all."""
+"""What the documents claim: every mark names a claim, every interval has a mark, and the cheap
+figures are measured again. script/claims measures all."""
 
 import re
 import shlex
@@ -26,7 +26,6 @@ DOCUMENTS = (
     "docs/study/engines.md",
     "docs/study/findings.md",
 )
-INTERVAL = re.compile(r"\[[+-]?\d[^\[\],]*, [+-]?\d[^\[\],]*\]")
 RUNS = claims.read(claims.TABLE)
 TOY = """
 toy:
@@ -34,34 +33,23 @@ toy:
     - |-
       echo '{content}' > toy.json
   claims:
-    keeps:
-      {{in: README.md, says: "keeps {figure}", file: toy.json, keys: [transfer], where: [{where}]}}
-outside:
-  claims:
-    more: {{in: README.md, says: "and {{16 %}} elsewhere"}}
+    toy.json:
+      keeps: {{keys: transfer, where: [{where}]}}
 """
+PAGE = "The engine keeps 31 % [30, 32]<!--toy.keeps-->,\nand 16 %<!--outside--> elsewhere.\n"
 
 
 class Table(CommandCase):
-    def test_documents_say_what_the_table_says(self) -> None:
-        for run in RUNS:
-            for claim in run.claims:
-                with self.subTest(claim.name):
-                    self.assertTrue(claims.stands(claim), f"{claim.document}: {claim.text}")
-
-    def test_every_interval_that_the_documents_print_is_a_claim(self) -> None:
+    def test_every_interval_that_the_documents_print_has_a_mark(self) -> None:
+        marked = claims.marks(RUNS, claims.ROOT)
         for document in DOCUMENTS:
-            text = claims.plain((claims.ROOT / document).read_text(encoding="utf-8"))
-            said = [
-                claims.plain(claim.text)
-                for run in RUNS
-                for claim in run.claims
-                if claim.document == document
-            ]
-            for words in sorted(said, key=len, reverse=True):  # "5 %" is in "65 % [46, 79]"
-                text = text.replace(words, "")
+            text = (claims.ROOT / document).read_text(encoding="utf-8")
+            for mark in (mark for mark in marked if mark.document == document):
+                for figure in mark.figures:
+                    blank = "#" * len(figure.text)
+                    text = text[: figure.begin] + blank + text[figure.end :]
             with self.subTest(document):
-                self.assertEqual(INTERVAL.findall(text), [])
+                self.assertEqual(claims.INTERVAL.findall(text), [])
 
     def test_commands_are_those_of_the_suite(self) -> None:
         """Each option is in the command's help, each plan is there."""
@@ -95,19 +83,23 @@ class Table(CommandCase):
 
 
 class Compared(CommandCase):
-    """A table of two runs, whose document is beside it."""
+    """A table of one run, whose document is beside it."""
 
     def claims(
         self,
-        figure: str = "{31 % [30, 32]}",
         content: str = '{"transfer": 0.3104, "transfer_interval": [0.297, 0.324]}',
         where: str = "transfer < 0.5",
-        document: str = "The engine keeps 31 % [30, 32],\nand 16 % elsewhere.\n",
+        document: str = PAGE,
         arguments: Tuple[str, ...] = (),
+    ) -> Tuple[int, str]:
+        text = TOY.format(content=content, where=where)
+        return self.claims_of(text, document, arguments)
+
+    def claims_of(
+        self, text: str, document: str, arguments: Tuple[str, ...] = ()
     ) -> Tuple[int, str]:
         self.write("README.md", document.encode())
         (self.folder / "docs").mkdir(exist_ok=True)
-        text = TOY.format(figure=figure, content=content, where=where)
         table = self.write("docs/claims.yaml", text.encode())
         program = str(BENCHMARK / "claims.py")
         process = self.run_command(sys.executable, program, "--table", table, *arguments)
@@ -116,7 +108,7 @@ class Compared(CommandCase):
     def test_same_to_the_printed_digits(self) -> None:
         code, text = self.claims()
         self.assertEqual(code, 0, text)
-        self.assertIn("2 same, 0 DIFFERS, 1 measured outside", text)
+        self.assertIn("2 same, 0 DIFFERS; 1 were measured outside", text)
 
     def test_what_differs(self) -> None:
         for content, line in (
@@ -130,23 +122,27 @@ class Compared(CommandCase):
                 self.assertEqual(code, 1, text)
                 self.assertRegex(text, rf"toy.keeps +31 % \[30, 32\] +{line} +DIFFERS")
 
+    def test_what_differs_is_written_into_the_document(self) -> None:
+        content = '{"transfer": 0.3156, "transfer_interval": [0.297, 0.3451]}'
+        code, text = self.claims(content=content, arguments=("--write",))
+        self.assertEqual(code, 1, text)
+        expected = PAGE.replace("31 % [30, 32]", "32 % [30, 35]")
+        self.assertEqual((self.folder / "README.md").read_text(), expected)
+
     def test_condition_that_does_not_hold(self) -> None:
         code, text = self.claims(where="transfer > 0.5")
         self.assertEqual(code, 1, text)
         self.assertIn("transfer is 0.3104", text)
 
-    def test_text_that_is_not_in_the_document(self) -> None:
-        code, text = self.claims(document="The engine keeps 37 % [21, 61], and 16 % elsewhere.")
-        self.assertEqual(code, 1, text)
-        self.assertIn("is not in README.md", text)
-
     def test_refused(self) -> None:
-        for figure, rule in (
-            ("{about a third}", "must be like"),
-            ("31 % [30, 32]", "1 keys: must be 0"),
+        for document, rule in (
+            ("It keeps 31 %.", "claim toy.keeps: no document has its mark <!--toy.keeps-->"),
+            (PAGE + "16 %<!--toy.kept-->", "README.md: mark <!--toy.kept-->: claims.yaml has no"),
+            ("About a third<!--toy.keeps-->", "mark <!--toy.keeps-->: 0 figures before it: must"),
+            ("Of 31 %:\n\na third<!--toy.keeps-->", "0 figures before it: must be 1"),
         ):
-            with self.subTest(figure):
-                code, text = self.claims(figure=figure)
+            with self.subTest(document):
+                code, text = self.claims(document=document)
                 self.assertEqual(code, 2, text)
                 self.assertIn(rule, text)
         for content in ('{"share": 0.31}', "[]", "no JSON"):
@@ -154,6 +150,28 @@ class Compared(CommandCase):
                 code, text = self.claims(content=content)
                 self.assertEqual(code, 2, text)
                 self.assertIn("claims: claim toy.keeps: toy.json transfer: ", text)
+
+    def test_figures_before_a_mark(self) -> None:
+        """The last ones of the paragraph, as many as the claim has keys."""
+        for text, count, expected in (
+            ("| 2 | 0.046 [0.042, 0.050] | +5 % [-1, 9]<!--a.b-->", 2, None),
+            ("44 %<!--a.c--> after 2 s, 31 %<!--a.b-->", 1, ["31 %"]),
+            ("100 % [94, 106]<!--a.b-->", 1, ["100 % [94, 106]"]),
+            ("costs 1.9 control steps [1, 2]<!--a.b-->", 1, ["1.9 control steps [1, 2]"]),
+            ("7.1 mm to 8.2 mm<!--a.b-->", 2, ["7.1 mm", "8.2 mm"]),
+            ("version 2.2.2<!--a.b-->", 1, None),
+        ):
+            with self.subTest(text):
+                counts = {"a.b": count, "a.c": 1}
+                if text.startswith("version"):
+                    with self.assertRaises(claims.Error):
+                        [*claims.marks_in("page", text, {"a.b": 2})]
+                    continue
+                mark = [*claims.marks_in("page", text, counts)][-1]
+                expected = expected or ["0.046 [0.042, 0.050]", "+5 % [-1, 9]"]
+                self.assertEqual([figure.text for figure in mark.figures], expected)
+                for figure in mark.figures:
+                    self.assertEqual(text[figure.begin : figure.end], figure.text)
 
     def test_signs_and_units(self) -> None:
         cases: List[Tuple[str, List[float], str]] = [
@@ -169,31 +187,30 @@ class Compared(CommandCase):
             self.assertEqual(claims.in_form_of(printed, [*numbers]), expected)
 
     def test_unit_that_the_document_names_elsewhere(self) -> None:
-        claim = "gap: {in: README.md, says: '| {7.1 [6.0, 9]} |', file: toy.json, keys: [gap_m mm]}"
-        self.write("README.md", b"| gap [mm] |\n| 7.1 [6.0, 9] |")
-        (self.folder / "docs").mkdir()
-        self.write("docs/toy.json", b'{"gap_m": 0.00712, "gap_interval_m": [0.006, 0.0089]}')
-        table = self.write(
-            "docs/claims.yaml", f"toy:\n  kept: docs\n  claims:\n    {claim}".encode()
-        )
-        self.assertEqual(claims.main(["--table", table]), 0)
+        self.kept('{"gap_m": 0.00712, "gap_interval_m": [0.006, 0.0089]}')
+        table = "toy:\n  kept: docs\n  claims: {toy.json: {gap: gap_m mm}}"
+        code, text = self.claims_of(table, "| gap [mm] |\n| 7.1 [6.0, 9]<!--toy.gap--> |")
+        self.assertEqual(code, 0, text)
+        self.assertRegex(text, r"7.1 \[6.0, 9\] +7.1 \[6.0, 9\] +same")
+
+    def kept(self, content: str) -> None:
+        (self.folder / "docs").mkdir(exist_ok=True)
+        self.write("docs/toy.json", content.encode())
 
     def test_results_that_stand_in_the_project(self) -> None:
-        """A longer program left them there; no command is run."""
-        claim = "keeps: {in: README.md, says: 'keeps {31 %}', file: toy.json, keys: [transfer]}"
-        self.write("README.md", b"The engine keeps 31 %.")
-        (self.folder / "docs").mkdir()
-        self.write("docs/toy.json", b'{"transfer": 0.3104}')
-        table = self.write(
-            "docs/claims.yaml", f"toy:\n  kept: docs\n  claims:\n    {claim}".encode()
-        )
-        program = str(BENCHMARK / "claims.py")
-        process = self.run_command(sys.executable, program, "--table", table, "--cheap")
-        self.assertEqual(process.returncode, 0, process.stderr)
-        self.assertIn("1 same, 0 DIFFERS, 0 measured outside", process.stdout)
-        self.write("docs/toy.json", b'{"transfer": 0.33}')
-        process = self.run_command(sys.executable, program, "--table", table, "--cheap")
-        self.assertEqual(process.returncode, 1, process.stderr)
+        """A longer program left them there; no command is run, and a mark may name a key."""
+        table = "toy:\n  kept: docs\n  file: toy.json"
+        page = "The engine keeps 31 %<!--toy.of/two mass/transfer-->."
+        self.kept('{"of": {"two mass": {"transfer": 0.3104}}}')
+        code, text = self.claims_of(table, page, ("--cheap",))
+        self.assertEqual(code, 0, text)
+        self.assertIn("1 same, 0 DIFFERS", text)
+        self.kept('{"of": {"two mass": {"transfer": 0.33}}}')
+        code, text = self.claims_of(table, page, ("--cheap",))
+        self.assertEqual(code, 1, text)
+        code, text = self.claims_of(table, page.replace("mass", "masses"))
+        self.assertEqual(code, 2, text)
+        self.assertIn("claim toy.of/two masses/transfer: toy.json", text)
 
     def test_results_are_kept_and_used_again(self) -> None:
         kept = ("--out", str(self.folder / "kept"))
@@ -202,12 +219,9 @@ class Compared(CommandCase):
             self.assertEqual(code, 0, text)
 
     def test_some_by_name(self) -> None:
-        code, text = self.claims(content="{}", arguments=("outside.more",))
-        self.assertEqual(code, 0, text)
-        self.assertIn("0 same, 0 DIFFERS, 1 measured outside", text)
         code, text = self.claims(content="{}", arguments=("--cheap",))
         self.assertEqual(code, 0, text)
-        self.assertIn("0 same, 0 DIFFERS, 0 measured outside", text)
+        self.assertIn("0 same, 0 DIFFERS; 1 were measured outside", text)
         code, text = self.claims(arguments=("nothing",))
         self.assertEqual(code, 2, text)
         self.assertIn("claim nothing: unknown", text)

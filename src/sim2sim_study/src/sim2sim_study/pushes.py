@@ -9,10 +9,12 @@ from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Sequence, Tu
 import numpy as np
 from numpy.typing import NDArray
 from pusht_task import task
+from pusht_task.files import write_file
 from scipy import stats  # type: ignore[import]
 
+from sim2sim_study.plan import Plan
+
 Numbers = NDArray[Any]
-Plan = Dict[str, Any]
 
 # [m] the tee's radius of gyration about its center of mass, for yaw in the norm of a displacement;
 # and how far that center is from the origin, along body -y.
@@ -326,4 +328,4 @@ def write_pushes(path: Path, found: Any) -> None:
                 means = [f"{np.nanmean(pushes[figure]):.6g}" for figure in FIGURES]
                 count = str(len(pushes["episode"]))
                 lines.append(",".join([str(window), Path(policy).name, engine, count, *means]))
-    path.write_text("\n".join(lines) + "\n")
+    write_file(path, ("\n".join(lines) + "\n").encode())

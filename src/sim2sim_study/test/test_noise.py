@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""script/study noise: the least of it, its recomputation, and what its figures of pushes mean."""
+"""script/study noise: the least of it, its recomputation, its hypotheses."""
 
 import csv
 import io
 import lzma
 import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 from typing import Any
@@ -15,32 +14,23 @@ from typing import Any
 import numpy as np
 from pusht_task.testing.long_tests import long_form
 from scipy import stats  # type: ignore[import]
-from sim2sim import STATE_FIELDS
+from sim2sim_study import hypotheses, noise
+from study_case import StudyCase
 
 ROOT = Path(__file__).resolve().parents[3]
 STUDY = ROOT / "docs" / "study" / "noise"
-sys.path[:0] = [str(ROOT / "script"), str(STUDY)]
+sys.path.insert(0, str(STUDY))
 
 import recompute  # noqa: E402
-import study_noise  # noqa: E402
-import study_noise_findings  # noqa: E402
-import study_pushes  # noqa: E402
 
 DEADLINE = 600.0  # s
 
 
-class FolderCase(unittest.TestCase):
-    def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-
-class Study(FolderCase):
+class Study(StudyCase):
     @long_form
     def test_the_least_of_it_from_nothing(self) -> None:
         folders = ("--work", str(self.folder / "work"), "--tables", str(self.folder / "tables"))
-        command = [sys.executable, str(ROOT / "script" / "study_noise.py"), "--smoke", *folders]
+        command = [sys.executable, "-m", "sim2sim_study", "noise", "--smoke", *folders]
         subprocess.run(command, check=True, timeout=DEADLINE, stdout=subprocess.DEVNULL)
         with lzma.open(self.folder / "tables" / "endings.csv.xz", "rt") as file:
             rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
@@ -53,11 +43,11 @@ class Study(FolderCase):
         self.assertEqual(shapes["tracker", "primary small-mujoco", "two_mass"], (1, 2))
 
     def test_the_plan_trains_what_it_tests(self) -> None:
-        plan = study_noise.whole_plan()
+        plan = noise.whole_plan()
         for group in plan["groups"].values():
             self.assertIn(group["demonstrations"], plan["demonstrations"])
             self.assertIn(group["recipe"], plan["recipes"])
-        tested = [entry["group"] for part in study_noise.parts_of(plan) for entry in part.policies]
+        tested = [entry["group"] for part in noise.parts_of(plan) for entry in part.policies]
         self.assertLessEqual(set(plan["groups"]), set(tested))
         self.assertEqual(plan["recipes"]["epochs_600-width_256"]["epochs"], 600)
 
@@ -66,7 +56,7 @@ def file_in(folder: Path) -> Path:
     return folder / "tables" / "endings.csv.xz"
 
 
-class Recomputation(FolderCase):
+class Recomputation(StudyCase):
     def test_intervals_are_students_where_starts_do_not_differ(self) -> None:
         rates = np.array([0.1, 0.3, 0.35, 0.4, 0.6])
         mean, low, high = recompute.crossed_mean(np.repeat(rates[:, None], 40, axis=1))
@@ -90,14 +80,12 @@ class Recomputation(FolderCase):
         self.assertLess(float(row["low"]), -0.15)
 
 
-class Hypotheses(FolderCase):
+class Hypotheses(StudyCase):
     """Tables in which the truth is known."""
 
     STARTS = 120
 
-    def table(
-        self, rate: Any, stuck: float = 0.9, step: float = 0.02
-    ) -> study_noise_findings.Endings:
+    def table(self, rate: Any, stuck: float = 0.9, step: float = 0.02) -> hypotheses.Endings:
         """Endings of independent episodes, of which rate(group, loop, simulator) succeed, and
         `step` more with each training seed."""
         generator = np.random.default_rng(5)
@@ -128,10 +116,10 @@ class Hypotheses(FolderCase):
                         text.write(f"primary,{group},{group}-{seed},{loop},{simulator},{ends}\n")
         path = self.folder / "endings.csv.xz"
         path.write_bytes(lzma.compress(text.getvalue().encode()))
-        return study_noise_findings.Endings(path)
+        return hypotheses.Endings(path)
 
-    def verdicts(self, table: study_noise_findings.Endings) -> Any:
-        found = study_noise_findings.judge(table)
+    def verdicts(self, table: hypotheses.Endings) -> Any:
+        found = hypotheses.judge(table)
         self.assertEqual([int(one.name.split()[0][1:]) for one in found], list(range(1, 18)))
         return {one.name.split()[0]: one.verdict for one in found}
 
@@ -161,85 +149,8 @@ class Hypotheses(FolderCase):
             self.assertEqual(verdicts[f"N{number}"], "not shown", number)
 
     def test_ranks_are_of_the_same_policies(self) -> None:
-        found = study_noise_findings.tau_within_recipes(self.table(lambda *_: 0.5, step=0.15))
+        found = hypotheses.tau_within_recipes(self.table(lambda *_: 0.5, step=0.15))
         self.assertEqual(found.verdict, "holds", "success grows with the seed, in both")
-
-
-def state(x: float, y: float, yaw: float) -> Any:
-    values = dict.fromkeys(STATE_FIELDS, 0.0)
-    values.update(tee_x=x, tee_y=y, tee_yaw=yaw)
-    return [values[name] for name in STATE_FIELDS]
-
-
-class Pushes(unittest.TestCase):
-    def figures(self, reference: Any, engine: Any) -> Any:
-        """Figures of one push that begins in the middle of the table."""
-        start, end = np.array([state(0.0, 0.0, 0.0)]), np.array([state(*reference)])
-        pushes = study_pushes.Pushes(np.zeros(1, int), start, np.zeros((1, 5, 2)), end)
-        found = study_pushes.figures_of(pushes, np.array([state(*engine)]))
-        return {name: float(values[0]) for name, values in found.items()}
-
-    def test_the_same_answer(self) -> None:
-        same = self.figures((0.01, 0.0, 0.2), (0.01, 0.0, 0.2))
-        for name in ("position_error", "missed", "other_way", "direction", "size", "weak"):
-            self.assertAlmostEqual(same[name], 0.0, places=5, msg=name)
-
-    def test_other_answers(self) -> None:
-        back = self.figures((0.01, 0.0, 0.0), (-0.02, 0.0, 0.0))
-        self.assertEqual((back["missed"], back["other_way"]), (0.0, 1.0))
-        self.assertAlmostEqual(back["direction"], 180.0)
-        self.assertAlmostEqual(back["size"], np.log(2.0))
-        self.assertAlmostEqual(back["position_error"], 0.03)
-        missed = self.figures((0.01, 0.0, 0.0), (0.0, 0.002, 0.0))
-        self.assertEqual((missed["missed"], missed["direction"]), (1.0, 90.0))
-        self.assertTrue(np.isnan(missed["other_way"]))
-        self.assertAlmostEqual(missed["weak"], 0.8)
-
-    def test_a_turn_about_the_center_of_mass_moves_it_nowhere(self) -> None:
-        center = 0.06 * 0.045 / 0.105  # [m] along body -y
-        turned = (-center * np.sin(0.5), -center + center * np.cos(0.5), 0.5)
-        move = study_pushes.displacement(np.zeros(3), np.array(turned))
-        np.testing.assert_allclose(move, [0.0, 0.0, 0.022], atol=1e-12)
-
-    def test_engines_are_drawn_once_and_no_two_are_alike(self) -> None:
-        plan = study_noise.whole_plan()["pushes"]
-        engines = study_pushes.population(plan)
-        self.assertEqual(len(set(engines)), 39)
-        self.assertEqual(engines, study_pushes.population(plan))
-        self.assertFalse(set(engines) & set(plan["seen"]))
-
-    def judged(self, lost_by: str) -> Any:
-        """Forty engines whose lost success is one of the figures, with noise of starts."""
-        generator = np.random.default_rng(3)
-        engines, shape = np.linspace(0.0, 1.0, 40), (4, 40, 100)
-        figures = {name: generator.permutation(engines) for name in study_pushes.FIGURES}
-        figures["size"] = np.where(figures["weak"] > 0.5, -0.2, 0.2)
-        recipes = []
-        for _ in range(2):
-            spread = generator.normal(0.0, 0.1, shape)
-            lost = figures[lost_by][None, :, None] + generator.normal(0.0, 0.5, shape)
-            values = {name: y[None, :, None] + spread for name, y in figures.items()}
-            counts = {name: np.ones(shape) for name in figures}
-            recipes.append(study_pushes.Sums(values, counts, lost))
-        return {one.name.split()[0]: one.verdict for one in study_pushes.judge(recipes, 300)}
-
-    def test_what_orders_engines_is_found(self) -> None:
-        by_direction = self.judged("direction")
-        self.assertEqual((by_direction["P1"], by_direction["P2"]), ("holds", "not shown"))
-        by_error = self.judged("position_error")
-        self.assertEqual((by_error["P1"], by_error["P2"]), ("contradicted", "contradicted"))
-        self.assertEqual(by_error["P3"], "contradicted", "they cost a half")
-        by_weakness = self.judged("weak")
-        self.assertEqual(by_weakness["P4"], "holds")
-
-    def test_the_reference_answers_its_own_pushes(self) -> None:
-        import sim2sim
-
-        rollouts = study_pushes.roll_out(sim2sim.load_policy("expert"), [400_000, 400_001])
-        pushes = study_pushes.pushes_in(rollouts, 5, 0.002)
-        self.assertGreater(len(pushes.start), 5)
-        found = study_pushes.figures_of(pushes, study_pushes.answers("mujoco", pushes))
-        self.assertLess(found["position_error"].max(), 1e-6, "contacts are found to 1e-6 m")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs the study under noise: the policies of the first study and further ones, in loops with and
 without noise, in every simulator. docs/study/noise/plan.md says why.
@@ -7,29 +6,40 @@ Every step keeps what is finished, so a study that was interrupted goes on where
 started again, and ends with the same bytes.
 """
 
+import argparse
 import csv
 import io
-import json
 import lzma
 import shutil
-import sys
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, NamedTuple, Sequence
 
 import numpy as np
-import yaml  # type: ignore[import]
 from pusht_task.error import Error
 from pusht_task.files import write_file
+from pusht_task.json_file import read_json
+from sim2sim_protocol.result_files import row_folder
+from sim2sim_report.results import read_rows
 
-from study import STUDY as FIRST_STUDY
-from study import Plan, demonstrate, keep_plan, policies, run_study, sweep, train
-from study_findings import first_policies, write_table
-from study_noise_findings import Endings, judge, write_hypotheses
-from study_pushes import Found, measure, population, sums_of, write_pushes
-from study_pushes import judge as judge_pushes
+from sim2sim_study.command import StudyParser
+from sim2sim_study.hypotheses import Endings, judge, write_hypotheses
+from sim2sim_study.plan import (
+    ROOT,
+    Plan,
+    first_entries,
+    keep_plan,
+    policies,
+    read_plan,
+    with_groups,
+)
+from sim2sim_study.plan import STUDY as FIRST_STUDY
+from sim2sim_study.pushes import Found, measure, population, sums_of, write_pushes
+from sim2sim_study.pushes import judge as judge_pushes
+from sim2sim_study.steps import demonstrate, sweep, train
+from sim2sim_study.tables import write_table
 
 STUDY = FIRST_STUDY / "noise"
-SHIPPED = FIRST_STUDY.parents[1] / "src" / "pusht_policy" / "policies"
+SHIPPED = ROOT / "src" / "pusht_policy" / "policies"
 LETTERS = {"success": "S", "stuck": "t", "moving": "m", "lost": "l"}
 REFERENCE, ENGINE = "reference_closed", "engine_closed"
 
@@ -54,8 +64,8 @@ def name_of_loop(loop: Any) -> str:
 
 def whole_plan() -> Plan:
     """The plan of this study, with demonstrations, recipes and groups of the first one."""
-    first = yaml.safe_load((FIRST_STUDY / "study.yaml").read_text())
-    plan: Plan = yaml.safe_load((STUDY / "study.yaml").read_text())
+    first = read_plan(FIRST_STUDY / "study.yaml")
+    plan = read_plan(STUDY / "study.yaml")
     plan["first_groups"] = list(first["groups"])
     plan["first_seed"] = first["first_seed"]
     for key in ("demonstrations", "recipes", "groups"):
@@ -70,10 +80,6 @@ def parts_of(plan: Plan) -> List[Part]:
     def of(names: Sequence[str]) -> List[Plan]:
         return list(policies({**plan, "groups": {name: groups[name] for name in names}}))
 
-    firsts = [
-        {"files": f"{name}.ts.pt", "group": group, "reference": groups[group]["reference"]}
-        for group, name in first_policies(plan, plan["curves"])
-    ]
     pushing = plan["pushes"]["kinds"]
     kinds = [
         {"files": name if name == "expert" else f"{name}.ts.pt", "group": name}
@@ -84,7 +90,7 @@ def parts_of(plan: Plan) -> List[Part]:
     return [
         Part("primary", of(plan["first_groups"]), plan["primary"]),
         Part("draws", of(new), plan["draws"]),
-        Part("curves", firsts, plan["curves"]),
+        Part("curves", first_entries(plan, plan["curves"]), plan["curves"]),
         Part("kinds", [{"reference": "mujoco", **kind} for kind in kinds], plan["kinds"]),
         Part("pushes", [{"reference": "mujoco", **entry} for entry in pushed], pushes),
     ]
@@ -143,7 +149,7 @@ def rows_of(part: Part, work: Path) -> Iterator[Dict[str, str]]:
     """How each closed loop ended: a letter for each start, by policy, loop and simulator."""
     for loop in part.plan["loops"]:
         folder = work / part.folder(loop)
-        kept = json.loads((folder / "sweep.json").read_text())["rows"]
+        kept = read_json(folder / "sweep.json")["rows"]
         number = 0
         for entry in part.policies:
             for policy in names_of(entry, work):
@@ -151,7 +157,7 @@ def rows_of(part: Part, work: Path) -> Iterator[Dict[str, str]]:
                     if engine == entry["reference"]:
                         continue
                     require_row(kept[number], policy, engine, part.plan["episodes"])
-                    endings = read_endings(folder / "rows" / f"{number:03}" / "episodes.csv")
+                    endings = read_endings(row_folder(folder, number) / "episodes.csv")
                     row = {"part": part.name, "group": entry["group"], "policy": policy}
                     row["loop"] = name_of_loop(loop)
                     if engine == next(e for e in part.plan["engines"] if e != entry["reference"]):
@@ -178,10 +184,9 @@ def names_of(entry: Plan, work: Path) -> List[str]:
 def read_endings(path: Path) -> Dict[str, str]:
     """The endings of both roles, a letter for each episode."""
     endings = {REFERENCE: "", ENGINE: ""}
-    with path.open() as file:
-        for row in csv.DictReader(file):
-            if row["mode"] in endings:
-                endings[row["mode"]] += LETTERS[row["ending"]]
+    for row in read_rows(path):
+        if row["mode"] in endings:
+            endings[row["mode"]] += LETTERS[row["ending"]]
     return endings
 
 
@@ -199,9 +204,11 @@ def write_endings(parts: Sequence[Part], plan: Plan, work: Path, tables: Path) -
     write_file(tables / "endings.csv.xz", lzma.compress(text.getvalue().encode(), preset=9))
 
 
-def study(plan: Plan, work: Path, tables: Path) -> None:
-    work.mkdir(parents=True, exist_ok=True)
-    tables.mkdir(parents=True, exist_ok=True)
+def study(options: argparse.Namespace) -> None:
+    plan = smallest(whole_plan()) if options.smoke else whole_plan()
+    work, tables = options.work, options.tables
+    for folder in (work, tables):
+        folder.mkdir(parents=True, exist_ok=True)
     keep_plan(plan, work)
     demonstrate(plan, work)
     train(plan, work)
@@ -221,10 +228,8 @@ def study(plan: Plan, work: Path, tables: Path) -> None:
 def smallest(plan: Plan) -> Plan:
     """The least study that has every part: it tests the program, and says nothing."""
     kept = ("small-mujoco", "shipped-mujoco", "small-draw_1", "epochs_60-width_256")
-    plan["groups"] = {name: {**plan["groups"][name], "seeds": 1} for name in kept}
+    plan = with_groups(plan, {name: {**plan["groups"][name], "seeds": 1} for name in kept})
     plan["first_groups"] = list(kept[:2])
-    used = {group["demonstrations"] for group in plan["groups"].values()}
-    plan["demonstrations"] = {name: plan["demonstrations"][name] for name in sorted(used)}
     for what in plan["demonstrations"].values():
         what["episodes"] = 3
     for units, recipe in enumerate(plan["recipes"].values(), 4):  # no two alike
@@ -242,9 +247,5 @@ def smallest(plan: Plan) -> Plan:
     return plan
 
 
-def main() -> int:
-    return run_study("study noise", __doc__ or "", STUDY, whole_plan(), smallest, study)
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def main(arguments: Sequence[str]) -> int:
+    return StudyParser("study noise", __doc__ or "", STUDY).run(arguments, study)

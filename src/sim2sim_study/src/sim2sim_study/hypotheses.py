@@ -3,23 +3,17 @@
 docs/study/noise/plan.md has them, and how they are judged."""
 
 import csv
+import io
 import lzma
-import sys
 from pathlib import Path
-from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
-from numpy.typing import NDArray
+from pusht_task.files import read_file, write_file
 from scipy import stats  # type: ignore[import]
 
-from study_statistics import holm
-
-STUDY = Path(__file__).resolve().parents[1] / "docs" / "study" / "noise"
-sys.path.insert(0, str(STUDY))
-
-from recompute import crossed_error, crossed_mean  # noqa: E402
-
-Numbers = NDArray[Any]
+from sim2sim_study.crossed import Numbers, mean_of
+from sim2sim_study.statistics import holm
 
 PARTS = ("primary", "draws")  # others run the same groups from fewer starts, or in other loops
 MARGIN = 0.05  # of success, in points
@@ -35,12 +29,12 @@ class Endings:
 
     def __init__(self, path: Path) -> None:
         self._rows: Dict[Tuple[str, str, str], Dict[str, Numbers]] = {}
-        with lzma.open(path, "rt") as file:
-            for row in csv.DictReader(line for line in file if not line.startswith("#")):
-                if row["part"] not in PARTS:
-                    continue
-                key = row["group"], row["loop"], row["simulator"]
-                self._rows.setdefault(key, {})[row["policy"]] = np.array(list(row["ends"]))
+        lines = lzma.decompress(read_file(path)).decode().splitlines()
+        for row in csv.DictReader(line for line in lines if not line.startswith("#")):
+            if row["part"] not in PARTS:
+                continue
+            key = row["group"], row["loop"], row["simulator"]
+            self._rows.setdefault(key, {})[row["policy"]] = np.array(list(row["ends"]))
 
     def letters(self, group: str, loop: str, simulator: str, seeds: Sequence[int] = ()) -> Numbers:
         """[policy, start]: all policies of a group, or those of some training seeds."""
@@ -118,25 +112,24 @@ SIDES: Dict[str, Tuple[int, Callable[[Endings], Numbers]]] = {  # -1: below 0, 1
 
 
 def judged_within(name: str, y: Numbers) -> Judged:
-    mean, low, high = crossed_mean(y)
+    mean = mean_of(y)
+    low, high = mean.value - mean.half_width, mean.value + mean.half_width
     inside = -MARGIN <= low and high <= MARGIN
     outside = high < -MARGIN or low > MARGIN
     verdict = "holds" if inside else "contradicted" if outside else "not shown"
-    return Judged(name, mean, low, high, np.nan, np.nan, verdict)
+    return Judged(name, mean.value, low, high, np.nan, np.nan, verdict)
 
 
 def judged_sides(tables: Sequence[Tuple[str, int, Numbers]]) -> List[Judged]:
     """A family: a side counts if it is significant after Holm."""
-    p = []
-    for _, _, y in tables:
-        error, freedom = crossed_error(y)
-        p.append(2.0 * stats.t.sf(abs(y.mean()) / error, freedom) if error > 0.0 else np.nan)
+    means = [mean_of(y) for _, _, y in tables]
     found = []
-    for (name, side, y), raw, adjusted in zip(tables, p, holm(p)):
-        mean, low, high = crossed_mean(y)
+    for (name, side, _), mean, adjusted in zip(tables, means, holm([mean.p for mean in means])):
+        low, high = mean.value - mean.half_width, mean.value + mean.half_width
         is_shown = adjusted <= SIGNIFICANT
-        verdict = "not shown" if not is_shown else "holds" if side * mean > 0 else "contradicted"
-        found.append(Judged(name, mean, low, high, raw, adjusted, verdict))
+        as_expected = side * mean.value > 0.0
+        verdict = "not shown" if not is_shown else "holds" if as_expected else "contradicted"
+        found.append(Judged(name, mean.value, low, high, mean.p, adjusted, verdict))
     return found
 
 
@@ -180,9 +173,10 @@ def judge(table: Endings) -> List[Judged]:
 
 
 def write_hypotheses(path: Path, found: Sequence[Judged]) -> None:
-    with path.open("w") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(Judged._fields)
-        for one in found:
-            figures = [f"{value:.6g}" for value in one[1:6]]
-            writer.writerow([one.name, *figures, one.verdict])
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(Judged._fields)
+    for one in found:
+        figures = [f"{value:.6g}" for value in one[1:6]]
+        writer.writerow([one.name, *figures, one.verdict])
+    write_file(path, text.getvalue().encode())

@@ -3,12 +3,15 @@
 
 import sys
 
-from sim2sim_study import first, noise
-
 
 def main() -> int:
+    """Runs the study that is asked for; each loads what it needs alone."""
     if sys.argv[1:2] == ["noise"]:
+        from sim2sim_study import noise
+
         return noise.main(sys.argv[2:])
+    from sim2sim_study import first
+
     return first.main(sys.argv[1:])
 
 

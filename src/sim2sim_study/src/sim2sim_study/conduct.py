@@ -14,7 +14,7 @@ from pusht_task import task
 from pusht_task.files import read_file
 from sim2sim_report.results import read_rows
 
-from sim2sim_study.plan import Plan, training_of
+from sim2sim_study.plan import Plan, seeds_of, training_of
 
 HOME = "mujoco"
 STEPS = 50  # control steps: 5 s
@@ -90,8 +90,7 @@ def conduct_runs(plan: Plan) -> Iterator[Tuple[str, int, str]]:
     """Group, training seed and name of each policy whose conduct is measured."""
     part = plan["conduct"]
     for group in [*part["groups"], f"{SLOWER}-{part['slower']['group']}"]:
-        first = plan["first_seed"]
-        for seed in range(first, first + plan["groups"][training_of(plan, group)]["seeds"]):
+        for seed in seeds_of(plan, training_of(plan, group)):
             yield group, seed, f"{group}-{seed}"
 
 

@@ -18,7 +18,7 @@ class Line(NamedTuple):
     simulator: str
     x: List[float]
     y: List[float]
-    ends: List[Tuple[Any, Any]]  # of the interval at each point; "" where there is none
+    ends: List[Tuple[Any, Any]]  # of the interval at each point; none or "" where there is none
     style: str
     marker: str = "o"
 
@@ -47,6 +47,35 @@ def draw_epochs(rows: Sequence[Row], narrow: bool) -> Any:
     return figure
 
 
+MARKERS = "os^DvPX"
+DODGE = 0.07  # between engines at the same noise, in distances of two sizes of noise
+
+
+def draw_noise(rows: Sequence[Row], narrow: bool) -> Any:
+    """A panel for each recipe: transfer over noise on the positions; sizes of noise stand at even
+    distances, engines a little beside each other."""
+    sizes = sorted({float(row["noise_mm"]) for row in rows})
+    engines = [row for row in rows if row["transfer"] is not None]
+    simulators = list(dict.fromkeys(row["simulator"] for row in engines))
+    panels: Dict[str, List[Line]] = {}
+    for (recipe, simulator), line in _lines(engines, "group", "noise_mm").items():
+        place = simulators.index(simulator)
+        beside = DODGE * (place - (len(simulators) - 1) / 2)
+        x = [sizes.index(row["noise_mm"]) + beside for row in line]
+        ends = [(row["transfer_low"], row["transfer_high"]) for row in line]
+        y = [row["transfer"] for row in line]
+        marker = MARKERS[place % len(MARKERS)]
+        panels.setdefault(recipe, []).append(Line(simulator, x, y, ends, "-", marker))
+    figure = _figure(panels, narrow, 3)
+    for axes in figure.axes:
+        axes.axhline(1.0, color=DIM, linewidth=1, linestyle="--")
+        axes.set_xticks(range(len(sizes)), [f"{size:g}" for size in sizes])
+        axes.set_xlabel("noise on the observed positions [mm]")
+        axes.set_ylim(bottom=0.0)
+    figure.axes[0].set_ylabel("success over that in MuJoCo")
+    return figure
+
+
 def _lines(rows: Sequence[Row], panel: str, x: str) -> Dict[Tuple[str, str], List[Row]]:
     """Rows by panel and simulator, in the order of x."""
     found: Dict[Tuple[str, str], List[Row]] = {}
@@ -71,7 +100,7 @@ def _figure(panels: Dict[str, List[Line]], narrow: bool, across: int) -> Any:
             axes.plot(line.x, line.y, line.style, color=color, marker=line.marker)
             axes.lines[-1].set_label(line.simulator)
             for x, ends in zip(line.x, line.ends):
-                if "" not in ends:
+                if ends[0] not in ("", None):
                     axes.plot([x] * 2, ends, color=color, linewidth=1)
         axes.set_title(title, fontsize=11)
     handles, labels = figure.axes[0].get_legend_handles_labels()

@@ -52,6 +52,13 @@ def policies(plan: Plan) -> Iterator[Dict[str, str]]:
             }
 
 
+def seeds_of(plan: Plan, training: str) -> range:
+    """Seeds of the trainings of a group."""
+    group = plan["groups"][training]
+    first = group.get("first_seed", plan["first_seed"])
+    return range(first, first + group["seeds"])
+
+
 def first_policies(plan: Plan, part: Plan) -> Iterator[Tuple[str, str]]:
     """The groups of a part of the plan, each with its first policies."""
     for group in part["groups"]:

@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pushes: what an engine makes of windows of a few control steps in which MuJoCo's tee moves, and
-which of these figures orders engines by the success that they cost. docs/study/noise/plan.md has
-the definitions and the hypotheses."""
+"""Pushes: what an engine makes of windows of a few control steps in which MuJoCo's tee moves.
+docs/study/noise/plan.md has the definitions."""
 
+import csv
+import io
+import lzma
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
-from numpy.typing import NDArray
+import sim2sim
 from pusht_task import task
 from pusht_task.files import write_file
-from scipy import stats  # type: ignore[import]
 
+from sim2sim_study.crossed import Numbers
 from sim2sim_study.plan import Plan
-
-Numbers = NDArray[Any]
 
 # [m] the tee's radius of gyration about its center of mass, for yaw in the norm of a displacement;
 # and how far that center is from the origin, along body -y.
@@ -22,15 +22,9 @@ GYRATION, CENTER = 0.044, task.STEM_OFFSET * 0.045 / 0.105
 MISSED = 0.25  # share of the reference's displacement below which a push is missed
 LEAST_RATIO = 1 / 20  # of displacements, in the mean logarithm
 FIGURES = ("position_error", "missed", "other_way", "direction", "size", "weak")
+COUNT = "pushes"
+SUMS = ("policy", "engine", "figure", "sums_by_start")  # columns of pushes.csv.xz
 SEED = 20261127
-MOST_SIZE = float(np.log(1.5))
-MOST_LOST = 0.05  # what counts as little
-HYPOTHESES = (  # each with what its interval may leave out; P1 and P2 are two looks
-    ("P1 tau of direction less tau of position error", 0.025),
-    ("P2 tau of missed pushes less tau of position error", 0.025),
-    ("P3 0.05 less what engines that answer too much cost", 0.05),
-    ("P4 what engines that answer too little cost more", 0.05),
-)
 
 
 class Rollouts(NamedTuple):
@@ -53,9 +47,7 @@ class Pushes(NamedTuple):
 
 def population(plan: Plan) -> List[str]:
     """The engines: drawn subsets of the rigid body's switches, and those that the plan lists."""
-    from sim2sim import parameters
-
-    switches = [one["name"] for one in parameters("rigid_body") if one["type"] == "boolean"]
+    switches = [one["name"] for one in sim2sim.parameters("rigid_body") if one["type"] == "boolean"]
     switches.remove("continuous")
     generator = np.random.default_rng(SEED)
     drawn: List[str] = []
@@ -78,15 +70,11 @@ def displacement(a: Numbers, b: Numbers) -> Numbers:
 
 
 def tee_of(states: Numbers) -> Numbers:
-    from sim2sim import STATE_FIELDS
-
-    return states[..., [STATE_FIELDS.index(name) for name in ("tee_x", "tee_y", "tee_yaw")]]
+    return states[..., [sim2sim.STATE_FIELDS.index(name) for name in ("tee_x", "tee_y", "tee_yaw")]]
 
 
 def roll_out(policy: Any, seeds: Sequence[int]) -> Rollouts:
     """The policy in MuJoCo, in a plain loop, until each episode ends."""
-    import sim2sim
-
     worlds = sim2sim.make_vec("mujoco", len(seeds))
     observations, info = worlds.reset(seed=list(seeds))
     memories = [policy.begin(seed) for seed in seeds]
@@ -125,8 +113,6 @@ def pushes_in(rollouts: Rollouts, window: int, least: float) -> Pushes:
 
 def answers(engine: str, pushes: Pushes, at_once: int = 500) -> Numbers:
     """The state of the engine at the end of each push, from its start and with its actions."""
-    import sim2sim
-
     kind, *settings = engine.split(":")
     parameters = dict(setting.split("=") for setting in settings)
     ends = []
@@ -146,9 +132,7 @@ def answers(engine: str, pushes: Pushes, at_once: int = 500) -> Numbers:
 
 def _typed(kind: str, parameters: Dict[str, str]) -> Dict[str, Any]:
     """Parameters as Python's values, by their types."""
-    from sim2sim import parameters as known
-
-    types = {one["name"]: one["type"] for one in known(kind)}
+    types = {one["name"]: one["type"] for one in sim2sim.parameters(kind)}
     read: Dict[str, Callable[[str], Any]] = {
         "boolean": lambda text: text == "true",
         "real": float,
@@ -181,8 +165,6 @@ def measure(
     policies: Sequence[str], engines: Sequence[str], plan: Plan, seeds: Sequence[int]
 ) -> Any:
     """Figures by window, policy and engine, each push with its episode."""
-    import sim2sim
-
     found: Dict[str, Any] = {}
     for name in policies:
         rollouts = roll_out(sim2sim.load_policy(name), seeds)
@@ -197,128 +179,6 @@ def measure(
     return found
 
 
-class Sums(NamedTuple):
-    """Figures by policy, engine and start, so that any weights of starts give their means: [policy,
-    engine, start]."""
-
-    values: Dict[str, Numbers]  # by figure: sums over the pushes that have it
-    counts: Dict[str, Numbers]  # by figure: numbers of these pushes
-    lost: Numbers  # success in MuJoCo less that in the engine
-
-    def mean(self, figure: str, policies: Numbers, weights: Numbers) -> Numbers:
-        """By engine: mean over policies of the means over their pushes."""
-        sums = self.values[figure][policies] @ weights
-        counts = self.counts[figure][policies] @ weights
-        return np.mean(sums / np.where(counts > 0.0, counts, np.nan), axis=0)
-
-    def lost_mean(self, policies: Numbers, weights: Numbers) -> Numbers:
-        return np.mean(self.lost[policies] @ weights / weights.sum(), axis=0)
-
-
-def sums_of(of_window: Any, engines: Sequence[str], lost: Numbers) -> Sums:
-    """`of_window` has policies, each with its engines; `lost` is [policy, engine, start]."""
-    shape = lost.shape
-    values = {figure: np.zeros(shape) for figure in FIGURES}
-    counts = {figure: np.zeros(shape) for figure in FIGURES}
-    for place, of_policy in enumerate(of_window.values()):
-        for number, engine in enumerate(engines):
-            pushes = of_policy[engine]
-            for figure in FIGURES:
-                known = ~np.isnan(pushes[figure])
-                starts = pushes["episode"][known]
-                np.add.at(values[figure][place, number], starts, pushes[figure][known])
-                np.add.at(counts[figure][place, number], starts, 1.0)
-    return Sums(values, counts, lost)
-
-
-class Resample(NamedTuple):
-    """Which engines, policies of each recipe and starts a resample has."""
-
-    engines: Numbers
-    policies: List[Numbers]
-    weights: Numbers  # of starts
-
-
-def whole(recipes: Sequence[Sums]) -> Resample:
-    policies, engines, starts = recipes[0].lost.shape
-    return Resample(np.arange(engines), [np.arange(policies) for _ in recipes], np.ones(starts))
-
-
-def resamples(recipes: Sequence[Sums], count: int) -> Iterator[Resample]:
-    policies, engines, starts = recipes[0].lost.shape
-    generator = np.random.default_rng(SEED)
-    for _ in range(count):
-        yield Resample(
-            generator.integers(0, engines, engines),
-            [generator.integers(0, policies, policies) for _ in recipes],
-            np.bincount(generator.integers(0, starts, starts), minlength=starts).astype(float),
-        )
-
-
-def tau(recipes: Sequence[Sums], figure: str, drawn: Resample) -> float:
-    """Kendall's tau-b of a figure and what is lost, over engines; the mean over recipes."""
-    found = []
-    for sums, policies in zip(recipes, drawn.policies):
-        here = sums.mean(figure, policies, drawn.weights)[drawn.engines]
-        lost = sums.lost_mean(policies, drawn.weights)[drawn.engines]
-        found.append(stats.kendalltau(here, lost, nan_policy="omit").statistic)
-    return float(np.mean(found))
-
-
-def lost_in(recipes: Sequence[Sums], chosen: Numbers, drawn: Resample) -> float:
-    """Mean of what is lost over recipes and over the engines of a class; NaN without any."""
-    engines = drawn.engines[chosen[drawn.engines]]
-    if not len(engines):
-        return np.nan
-    parts = [
-        sums.lost_mean(policies, drawn.weights)[engines]
-        for sums, policies in zip(recipes, drawn.policies)
-    ]
-    return float(np.mean(parts))
-
-
-class Found(NamedTuple):
-    """A hypothesis on pushes with what was found."""
-
-    name: str
-    estimate: float
-    low: float
-    high: float
-    verdict: str  # "holds", "contradicted" or "not shown"
-
-
-def judge(recipes: Sequence[Sums], count: int = 2000) -> List[Found]:
-    """P1 to P4, in windows of five steps."""
-    everything = whole(recipes)
-    size = np.mean(
-        [
-            sums.mean("size", policies, everything.weights)
-            for sums, policies in zip(recipes, everything.policies)
-        ],
-        axis=0,
-    )
-    much, little = (size > 0.0) & (size <= MOST_SIZE), (size < 0.0) & (size >= -MOST_SIZE)
-
-    def figures(drawn: Resample) -> List[float]:
-        error = tau(recipes, "position_error", drawn)
-        too_much = lost_in(recipes, much, drawn)
-        return [
-            tau(recipes, "direction", drawn) - error,
-            tau(recipes, "missed", drawn) - error,
-            MOST_LOST - too_much,
-            lost_in(recipes, little, drawn) - too_much,
-        ]
-
-    estimates = figures(everything)
-    drawn = np.array([figures(one) for one in resamples(recipes, count)])
-    found = []
-    for place, (name, alpha) in enumerate(HYPOTHESES):
-        low, high = np.nanquantile(drawn[:, place], (alpha / 2, 1 - alpha / 2))
-        verdict = "holds" if low > 0.0 else "contradicted" if high < 0.0 else "not shown"
-        found.append(Found(name, estimates[place], float(low), float(high), verdict))
-    return found
-
-
 def write_pushes(path: Path, found: Any) -> None:
     """A row for each window, policy and engine: means over pushes, and their number."""
     lines = [",".join(["window", "policy", "engine", "pushes", *FIGURES])]
@@ -329,3 +189,20 @@ def write_pushes(path: Path, found: Any) -> None:
                 count = str(len(pushes["episode"]))
                 lines.append(",".join([str(window), Path(policy).name, engine, count, *means]))
     write_file(path, ("\n".join(lines) + "\n").encode())
+
+
+def write_sums(path: Path, of_window: Any, starts: int) -> None:
+    """Writes for each policy and engine the number of pushes by start, and the sums of each figure
+    over the pushes that have it; so any resample of starts can be judged without the policies."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(SUMS)
+    for policy, of_policy in of_window.items():
+        for engine, pushes in of_policy.items():
+            ones = np.ones(len(pushes["episode"]))
+            for figure in (COUNT, *FIGURES):
+                values = np.nan_to_num(ones if figure == COUNT else pushes[figure])
+                sums = np.bincount(pushes["episode"], values, minlength=starts)
+                by_start = " ".join(f"{value:.5g}" for value in sums)
+                writer.writerow([Path(policy).name.partition(".")[0], engine, figure, by_start])
+    write_file(path, lzma.compress(text.getvalue().encode(), preset=9))

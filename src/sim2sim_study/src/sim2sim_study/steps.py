@@ -9,7 +9,7 @@ from pusht_task.error import Error, ExitCode
 from pusht_task.files import write_file
 from pusht_task.json_file import read_json
 
-from sim2sim_study.plan import Plan, plan_bytes
+from sim2sim_study.plan import Plan, plan_bytes, seeds_of
 
 
 def ros(work: Path, package: str, command: str, *arguments: object) -> None:
@@ -60,8 +60,8 @@ def train(plan: Plan, work: Path) -> None:
     for name, group in plan["groups"].items():
         recipe = plan["recipes"][group["recipe"]]
         options: List[object] = ["--bag", f"{group['demonstrations']}.bag"]
-        first = group.get("first_seed", plan["first_seed"])
-        options += ["--seed", first, "--seeds", group["seeds"]]
+        seeds = seeds_of(plan, name)
+        options += ["--seed", seeds.start, "--seeds", len(seeds)]
         options += ["--epochs", recipe["epochs"], "--hidden", *recipe["hidden"]]
         for key, option in (("model", "--model"), ("batch", "--batch"), ("learning_rate", "--lr")):
             if key in recipe:

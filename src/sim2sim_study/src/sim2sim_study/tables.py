@@ -39,7 +39,7 @@ def nested(rows: Sequence[Row], *keys: str) -> Row:
             stem, _, end = name.rpartition("_")
             if name == "high" or end == "high":
                 low = row["low" if name == "high" else f"{stem}_low"]
-                ends = None if "" in (low, value) else [low, value]
+                ends = None if low in ("", None) else [low, value]
                 place[f"{stem}_interval" if stem else "interval"] = ends
             elif name not in (*keys, "low") and end != "low":
                 is_missing = isinstance(value, float) and math.isnan(value)

@@ -88,6 +88,9 @@ class Pushes(unittest.TestCase):
         self.assertLess(found["position_error"].max(), 1e-6, "contacts are found to 1e-6 m")
 
 
+STILL = np.tile(state(0.3, 0.2, 0.1), (7, 2, 1))  # states of two episodes
+
+
 class Tables(StudyCase):
     """Pushes of two policies in two engines, from three starts."""
 
@@ -118,6 +121,22 @@ class Tables(StudyCase):
         self.assertEqual(mean("size", [0.0, 1.0, 2.0]), [0.75, 1.75])
         self.assertEqual(mean("missed", all_starts), [1 / 3, 1 / 3])
         self.assertEqual(mean("other_way", all_starts), [0.5, 0.5], "of those that are not missed")
+
+    def test_a_policy_may_push_nothing(self) -> None:
+        none = pushes.pushes_in(
+            pushes.Rollouts(STILL, np.zeros((6, 2, 2)), np.array([6, 6])), 5, 0.1
+        )
+        ends = pushes.answers("two_mass", none)
+        self.assertEqual(ends.shape, (0, len(sim2sim.STATE_FIELDS)))
+        figures = {"episode": none.episode, **pushes.figures_of(none, ends)}
+        found = {5: {"still.ts.pt": {"two_mass": figures}}}
+        pushes.write_pushes(self.folder / "pushes.csv", found)
+        pushes.write_sums(self.folder / "pushes.csv.xz", found[5], 2)
+        table = push_hypotheses.read_sums(self.folder / "pushes.csv.xz")
+        self.assertEqual(table["still", "two_mass", "pushes"].tolist(), [0.0, 0.0])
+        numbers = predictions.read_numbers(self.folder / "pushes.csv", ["still"], ["two_mass"])
+        rows = list(predictions.prediction_rows(numbers, np.array([0.5])))
+        self.assertEqual({row["kendall_tau"] for row in rows}, {None})
 
     def test_numbers_are_means_over_policies(self) -> None:
         path = self.folder / "pushes.csv"

@@ -115,7 +115,7 @@ def answers(engine: str, pushes: Pushes, at_once: int = 500) -> Numbers:
     """The state of the engine at the end of each push, from its start and with its actions."""
     kind, *settings = engine.split(":")
     parameters = dict(setting.split("=") for setting in settings)
-    ends = []
+    ends = [pushes.end[:0]]
     for begin in range(0, len(pushes.start), at_once):
         part = slice(begin, begin + at_once)
         worlds = sim2sim.make_vec(kind, len(pushes.start[part]), **_typed(kind, parameters))
@@ -179,13 +179,19 @@ def measure(
     return found
 
 
+def _mean(values: Numbers) -> float:
+    """Mean over the pushes that have a figure; NaN without any."""
+    known = values[~np.isnan(values)]
+    return float(known.mean()) if len(known) else np.nan
+
+
 def write_pushes(path: Path, found: Any) -> None:
     """A row for each window, policy and engine: means over pushes, and their number."""
     lines = [",".join(["window", "policy", "engine", "pushes", *FIGURES])]
     for window, of_window in found.items():
         for policy, of_policy in of_window.items():
             for engine, pushes in of_policy.items():
-                means = [f"{np.nanmean(pushes[figure]):.6g}" for figure in FIGURES]
+                means = [f"{_mean(pushes[figure]):.6g}" for figure in FIGURES]
                 count = str(len(pushes["episode"]))
                 lines.append(",".join([str(window), Path(policy).name, engine, count, *means]))
     write_file(path, ("\n".join(lines) + "\n").encode())

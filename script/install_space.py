@@ -92,4 +92,4 @@ class InstallSpace(unittest.TestCase):
 
     def test_contracts_say_how_they_are_used(self) -> None:
         for name in ("simulator_contract", "own_simulator_contract", "policy_contract"):
-            self.assertIn("usage: rosrun", self.succeed("rosrun", "pusht_task", name, "--help"))
+            self.assertIn("usage: rosrun", self.succeed("rosrun", "pusht_testing", name, "--help"))

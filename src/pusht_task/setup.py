@@ -4,7 +4,7 @@ from setuptools import setup  # type: ignore[import]
 
 setup(
     **generate_distutils_setup(
-        packages=["pusht_task", "pusht_task.testing"],
+        packages=["pusht_task"],
         package_dir={"": "src"},
         package_data={"pusht_task": ["palette.json"]},
     )

@@ -12,8 +12,8 @@
 #include "pusht_box2d/box2d_kind.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/kind_suites.hpp"
-#include "pusht_task/testing/scenarios.hpp"
+#include "pusht_testing/kind_suites.hpp"
+#include "pusht_testing/scenarios.hpp"
 
 namespace pusht::testing {
 namespace {

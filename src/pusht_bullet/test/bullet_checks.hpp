@@ -2,7 +2,7 @@
 /// Physics that Bullet's worlds claim to have.
 #pragma once
 
-#include "pusht_task/testing/physics_of_kind.hpp"
+#include "pusht_testing/physics_of_kind.hpp"
 
 namespace pusht::testing {
 

@@ -10,7 +10,7 @@
 #include "pusht_bullet/bullet_world.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/mapping.hpp"
-#include "pusht_task/testing/planted_errors.hpp"
+#include "pusht_testing/planted_errors.hpp"
 
 namespace pusht {
 namespace {

@@ -15,10 +15,10 @@
 #include "bullet_checks.hpp"
 #include "pusht_bullet/bullet_kind.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/testing/convergence_suite.hpp"
-#include "pusht_task/testing/kind_suites.hpp"
-#include "pusht_task/testing/physics_checks.hpp"
-#include "pusht_task/testing/refusal.hpp"
+#include "pusht_testing/convergence_suite.hpp"
+#include "pusht_testing/kind_suites.hpp"
+#include "pusht_testing/physics_checks.hpp"
+#include "pusht_testing/refusal.hpp"
 
 namespace pusht::testing {
 namespace {

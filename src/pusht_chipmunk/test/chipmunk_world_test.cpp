@@ -9,9 +9,9 @@
 #include "../src/chipmunk_scene.hpp"
 #include "pusht_chipmunk/chipmunk_kind.hpp"
 #include "pusht_task/mapping.hpp"
-#include "pusht_task/testing/convergence_suite.hpp"
-#include "pusht_task/testing/kind_suites.hpp"
-#include "pusht_task/testing/planted_errors.hpp"
+#include "pusht_testing/convergence_suite.hpp"
+#include "pusht_testing/kind_suites.hpp"
+#include "pusht_testing/planted_errors.hpp"
 
 namespace pusht::testing {
 namespace {

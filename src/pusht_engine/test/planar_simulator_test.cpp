@@ -9,7 +9,7 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/testing/simulator_suite.hpp"
+#include "pusht_testing/simulator_suite.hpp"
 
 namespace pusht {
 namespace {

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "pusht_engine/rigid_body_kind.hpp"
-#include "pusht_task/testing/convergence_suite.hpp"
-#include "pusht_task/testing/kind_suites.hpp"
-#include "pusht_task/testing/refusal.hpp"
+#include "pusht_testing/convergence_suite.hpp"
+#include "pusht_testing/kind_suites.hpp"
+#include "pusht_testing/refusal.hpp"
 
 namespace pusht::testing {
 namespace {

@@ -25,7 +25,7 @@ from numpy_two_mass import (
 )
 
 PACKAGE = Path(__file__).parents[1]
-GOLDEN_FILE = Path(__file__).parents[2] / "pusht_task" / "test" / "data" / "pusht_golden.json"
+GOLDEN_FILE = Path(__file__).parents[2] / "pusht_testing" / "data" / "pusht_golden.json"
 GOLDEN = json.loads(GOLDEN_FILE.read_text())
 UNIT_TOLERANCE = 1e-12
 TRAJECTORY_TOLERANCE = 1e-9

@@ -8,7 +8,7 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/golden.hpp"
+#include "pusht_testing/golden.hpp"
 
 namespace pusht::two_mass {
 namespace {

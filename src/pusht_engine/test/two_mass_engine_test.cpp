@@ -13,9 +13,9 @@
 
 #include "pusht_engine/two_mass_kind.hpp"
 #include "pusht_task/numbers.hpp"
-#include "pusht_task/testing/convergence_suite.hpp"
-#include "pusht_task/testing/golden.hpp"
-#include "pusht_task/testing/kind_suites.hpp"
+#include "pusht_testing/convergence_suite.hpp"
+#include "pusht_testing/golden.hpp"
+#include "pusht_testing/kind_suites.hpp"
 
 namespace pusht::testing {
 namespace {

@@ -12,8 +12,8 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"
-#include "pusht_task/testing/bits.hpp"
-#include "pusht_task/testing/scenarios.hpp"
+#include "pusht_testing/bits.hpp"
+#include "pusht_testing/scenarios.hpp"
 
 namespace pusht {
 namespace {

@@ -17,9 +17,9 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/refusal.hpp"
-#include "pusht_task/testing/scenarios.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
+#include "pusht_testing/refusal.hpp"
+#include "pusht_testing/scenarios.hpp"
+#include "pusht_testing/temporary_folder.hpp"
 
 namespace pusht {
 namespace {

@@ -22,8 +22,8 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/scenarios.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
+#include "pusht_testing/scenarios.hpp"
+#include "pusht_testing/temporary_folder.hpp"
 
 namespace pusht {
 namespace {

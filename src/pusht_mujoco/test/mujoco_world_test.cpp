@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "pusht_mujoco/mujoco_kind.hpp"
-#include "pusht_task/testing/convergence_suite.hpp"
-#include "pusht_task/testing/golden.hpp"
-#include "pusht_task/testing/kind_suites.hpp"
+#include "pusht_testing/convergence_suite.hpp"
+#include "pusht_testing/golden.hpp"
+#include "pusht_testing/kind_suites.hpp"
 
 namespace pusht {
 namespace {

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "pusht_policy/policy_choice.hpp"
-#include "pusht_task/ros/installed_file.hpp"
-#include "pusht_task/ros/serve.hpp"
+#include "sim2sim_serving/installed_file.hpp"
+#include "sim2sim_serving/serve.hpp"
 
 namespace {
 

@@ -17,9 +17,9 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/rollout.hpp"
-#include "pusht_task/ros/bag_file.hpp"
-#include "pusht_task/ros/parameters.hpp"
 #include "pusht_task/spawn.hpp"
+#include "sim2sim_serving/bag_file.hpp"
+#include "sim2sim_serving/parameters.hpp"
 
 namespace pusht {
 namespace {

@@ -16,7 +16,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/long_tests.hpp"
+#include "pusht_testing/long_tests.hpp"
 
 namespace pusht {
 namespace {

@@ -19,7 +19,7 @@
 #include "pusht_policy/network_policy.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
+#include "pusht_testing/temporary_folder.hpp"
 
 namespace pusht::testing {
 

@@ -9,7 +9,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/task.hpp"
-#include "pusht_task/testing/golden.hpp"
+#include "pusht_testing/golden.hpp"
 
 namespace pusht {
 namespace {

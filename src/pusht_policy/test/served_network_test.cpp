@@ -11,7 +11,7 @@
 #include "network_testing.hpp"
 #include "pusht_policy/policy_choice.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/ros/policy_session.hpp"
+#include "sim2sim_serving/policy_session.hpp"
 
 namespace pusht {
 namespace {

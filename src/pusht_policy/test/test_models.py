@@ -22,7 +22,7 @@ from pusht_policy.frames import Examples, Frames, frames_of, pieces, windows
 from pusht_policy.model import DESCRIPTION, Model, Policy, ranges_of
 from pusht_policy.models import ACTIONS, MODELS, OBSERVATIONS
 from pusht_policy.recipe import MODELS as NAMES
-from pusht_task.testing.long_tests import LONG
+from pusht_testing.long_tests import LONG
 
 from test_training import DEADLINE, SMALL, CommandCase, TrainerCase, demonstration, never, weights
 

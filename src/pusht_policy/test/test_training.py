@@ -32,8 +32,8 @@ from pusht_policy.model import Policy, Ranges, minimum_and_range, normalised, to
 from pusht_policy.recipe import Recipe
 from pusht_policy.trainer import Trainer
 from pusht_task.error import Error, ExitCode
-from pusht_task.testing.long_tests import LONG
-from pusht_task.testing.warm_commands import run_warm, warm
+from pusht_testing.long_tests import LONG
+from pusht_testing.warm_commands import run_warm, warm
 
 SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
 DEADLINE = 120  # s, for a started command

@@ -8,7 +8,7 @@
 #include "pusht_task/loop.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/parameters.hpp"
-#include "pusht_task/ros/parameters.hpp"
+#include "sim2sim_serving/parameters.hpp"
 
 namespace pusht_rviz {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "pusht_task/testing/decimal_comma.hpp"
+#include "pusht_testing/decimal_comma.hpp"
 
 namespace pusht_rviz {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_task/contact.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -14,12 +14,12 @@
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/refusal.hpp"
 
 namespace pusht {
 namespace {
 
 using Eigen::Vector2d;
+using ::testing::ThrowsMessage;
 
 constexpr double kRounding = 1e-12;  // [m, m/s]
 
@@ -273,8 +273,8 @@ TEST(SlipDistance, ToTheOtherSideIsFinite) {
 TEST(SlipDistance, IsThatOfABox) {
   const WorldState state = worldWith({0.0, 0.03});
   for (const Part part : {Part::kNone, Part::kCorner}) {
-    EXPECT_EQ(testing::refusalOf<InternalError>([&] { slipDistance(state, state, part); }),
-              "slipDistance: the part must be bar or stem");
+    EXPECT_THAT([&] { slipDistance(state, state, part); },
+                ThrowsMessage<InternalError>("slipDistance: the part must be bar or stem"));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstddef>
@@ -11,7 +12,6 @@
 #include <string>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
 
 namespace pusht {
 namespace {
@@ -40,11 +40,12 @@ class FileSizeLimit {
 
 class Files : public ::testing::Test {
  protected:
-  std::ptrdiff_t fileCount() const {
-    return std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator());
-  }
+  Files() { fs::create_directories(folder_); }
+  ~Files() override { fs::remove_all(folder_); }
 
-  testing::TemporaryFolder folder_;
+  std::ptrdiff_t fileCount() const { return std::distance(fs::directory_iterator(folder_), fs::directory_iterator()); }
+
+  const fs::path folder_ = fs::path(::testing::TempDir()) / ("pusht_files_" + std::to_string(getpid()));
 };
 
 TEST_F(Files, WriteReplacesAndLeavesNothingAside) {
@@ -135,7 +136,7 @@ TEST_F(Files, ReadIsWholeOrAFault) {
 
 TEST_F(Files, ReadNamesWhatIsMissingOrTooLarge) {
   EXPECT_THROW(readFile(folder_ / "a", "scene"), InvalidInput);
-  EXPECT_THROW(readFile(folder_.path(), "scene"), InvalidInput);
+  EXPECT_THROW(readFile(folder_, "scene"), InvalidInput);
   writeFile(folder_ / "b", "12345");
   EXPECT_EQ(readFile(folder_ / "b", "scene", 5), "12345");
   try {

@@ -10,15 +10,12 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/testing/batch_simulator_suite.hpp"
-#include "pusht_task/testing/refusal.hpp"
-#include "pusht_task/testing/simulator_suite.hpp"
-#include "toy_world.hpp"
 
 namespace pusht {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
 
 /// Is after a reset and after a step where the test says.
 class Puppet : public Simulator {
@@ -116,34 +113,9 @@ TEST(Simulators, SayOfTheirStartsNoMoreThanTheTaskAllows) {
   for (const double bad : {0.0, -1e-9, 1.1e-6, std::numeric_limits<double>::infinity()}) {
     EXPECT_THROW(Puppet("/mine", bad), InvalidInput) << bad;
   }
-  EXPECT_EQ(testing::refusalOf([] { checkedStartTolerance(0.1); }),
-            "start_tolerance 0.1: must be above 0 and at most 1e-06");
-}
-
-/// What is right for a kind in single precision is refused of one that says more of itself.
-TEST(Simulators, InSinglePrecisionMustSaySo) {
-  const SimulatorModel toy = testing::Subject{toyKind(ToyWorld::Precision::kSingle, 1e-12)}.load();
-  EXPECT_THAT(faultOf([&] { toy.make_world()->reset(spawn(3)); }), HasSubstr("must be within 1e-12 of"));
-  const auto lanes = toy.make_lanes(2);
-  lanes->reset(0, {});
-  EXPECT_THROW(lanes->reset(1, spawn(3)), SimulationFault);
-  EXPECT_THAT(faultOf([&] { lanes->state(1); }), HasSubstr("must be within 1e-12 of")) << "the lane keeps the error";
-  EXPECT_EQ(lanes->state(0), WorldState());
-  lanes->reset(1, {});
-  EXPECT_EQ(lanes->state(1), WorldState());
+  EXPECT_THAT([] { checkedStartTolerance(0.1); },
+              ThrowsMessage<InvalidInput>("start_tolerance 0.1: must be above 0 and at most 1e-06"));
 }
 
 }  // namespace
-
-namespace testing {
-namespace {
-
-std::vector<Subject> toys() { return {{toyKind()}, {toyKind(ToyWorld::Precision::kSingle, 1e-6)}}; }
-
-}  // namespace
-
-INSTANTIATE_TEST_SUITE_P(Toys, SimulatorSuite, ::testing::ValuesIn(toys()));
-INSTANTIATE_TEST_SUITE_P(Toys, BatchSimulatorSuite, ::testing::ValuesIn(toys()));
-
-}  // namespace testing
 }  // namespace pusht

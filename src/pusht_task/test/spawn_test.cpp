@@ -3,34 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <string>
+#include <cstdint>
 
 #include "pusht_task/constants.hpp"
-#include "pusht_task/testing/golden.hpp"
 
 namespace pusht {
 namespace {
-
-TEST(Spawn, GeneratorIsNumpysBitForBit) {
-  for (const auto& golden : testing::loadGolden("pusht_golden.json", "spawn")) {
-    NumpyGenerator generator(golden.at("seed").get<std::uint64_t>());
-    for (const auto& hex : golden.at("uniforms_hex")) {
-      EXPECT_EQ(generator.random(), std::stod(hex.get<std::string>())) << "seed " << golden.at("seed");
-    }
-  }
-}
-
-TEST(Spawn, PosesAreNumpys) {
-  constexpr double kTolerance = 4e-15;  // numpy's sin and cos are not libm's
-  for (const auto& golden : testing::loadGolden("pusht_golden.json", "spawn")) {
-    const WorldState state = spawn(golden.at("seed").get<std::uint64_t>());
-    EXPECT_LE((state.pusher_position - testing::vector2(golden.at("pusher"))).norm(), kTolerance);
-    EXPECT_LE((state.tee_position - testing::vector2(golden.at("tee"))).norm(), kTolerance);
-    EXPECT_LE(std::abs(wrapAngle(state.tee_yaw - golden.at("tee_yaw").get<double>())), kTolerance);
-    EXPECT_EQ(state.tee_velocity, Eigen::Vector2d::Zero());
-  }
-}
 
 /// F20. The draws were made with numpy 1.24: np.random.Generator(np.random.PCG64(seed)).random().
 TEST(Spawn, TakesAnySeedOf64Bits) {

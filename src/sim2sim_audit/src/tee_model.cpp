@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "pusht_task/constants.hpp"
+#include "pusht_task/mujoco_constraint.hpp"
 #include "pusht_task/physics.hpp"
-#include "pusht_task/testing/physics_of_kind.hpp"
 
 namespace sim2sim {
 namespace {
@@ -61,10 +61,10 @@ Vector3d frictionFor(const TeeNumbers& numbers, bool disc, const Matrix3d& respo
 
 /// Compliance of MuJoCo's friction, of each coordinate: a share of the inverse inertia at yaw 0.
 Vector3d complianceOf(const TeeNumbers& numbers) {
-  using namespace pusht::testing::mujoco_constraint;
+  using namespace pusht::mujoco_constraint;
   const double center = numbers.center_of_mass;
   const Vector3d weight(1.0 + center * center / numbers.moment, 1.0, 1.0 / numbers.moment);
-  return pusht::testing::mujoco_constraint::complianceOf(kImpedance) * weight;
+  return pusht::mujoco_constraint::complianceOf(kImpedance) * weight;
 }
 
 /// Inertia per mass about the tee origin: of the tee, or of one with more mass at some place.
@@ -100,9 +100,8 @@ void substepOfJoints(const TeeNumbers& numbers, const TeeModelForm& form, double
   Matrix3d response = at_friction * free * at_friction.transpose();
   response.diagonal() += complianceOf(numbers);
   const Vector3d slip = at_friction * motion.velocity;
-  const Vector3d friction =
-      frictionFor(numbers, form.disc_friction, response,
-                  -pusht::testing::mujoco_constraint::kDamping * slip - at_friction * (free * force));
+  const Vector3d friction = frictionFor(numbers, form.disc_friction, response,
+                                        -pusht::mujoco_constraint::kDamping * slip - at_friction * (free * force));
   motion.velocity +=
       duration * ((inertia - duration * by_velocity).inverse() * (force + at_friction.transpose() * friction));
   motion.pose += duration * motion.velocity;

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "planted_faults.hpp"
-#include "pusht_task/testing/golden.hpp"
-#include "pusht_task/testing/long_tests.hpp"
+#include "pusht_testing/golden.hpp"
+#include "pusht_testing/long_tests.hpp"
 #include "sim2sim_audit/audit.hpp"
 #include "sim2sim_audit/replay.hpp"
 

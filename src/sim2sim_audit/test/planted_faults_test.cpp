@@ -22,7 +22,7 @@
 #include "pusht_mujoco/mujoco_kind.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/split.hpp"
-#include "pusht_task/testing/long_tests.hpp"
+#include "pusht_testing/long_tests.hpp"
 #include "sim2sim_audit/audit.hpp"
 
 namespace sim2sim::testing {

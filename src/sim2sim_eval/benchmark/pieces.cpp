@@ -25,12 +25,12 @@
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/rollout.hpp"
-#include "pusht_task/ros/bag_file.hpp"
-#include "pusht_task/ros/installed_file.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
+#include "pusht_testing/temporary_folder.hpp"
 #include "sim2sim_protocol/runner.hpp"
+#include "sim2sim_serving/bag_file.hpp"
+#include "sim2sim_serving/installed_file.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace {
 

@@ -14,15 +14,15 @@
 #include "bare_mujoco.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/network_policy.hpp"
-#include "pusht_task/ros/installed_file.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
+#include "pusht_testing/temporary_folder.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_protocol/reference_cache.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 #include "sim2sim_protocol/runner.hpp"
+#include "sim2sim_serving/installed_file.hpp"
 
 namespace {
 

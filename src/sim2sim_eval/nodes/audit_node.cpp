@@ -2,9 +2,9 @@
 /// Audit of two worlds that are nodes.
 #include <ros/init.h>
 
-#include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/audit_nodes.hpp"
+#include "sim2sim_serving/node.hpp"
 
 int main(int argc, char** argv) {
   sim2sim::catchInterruptsAside("audit");

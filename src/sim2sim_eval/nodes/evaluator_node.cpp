@@ -2,9 +2,9 @@
 /// The evaluator as a node.
 #include <ros/init.h>
 
-#include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/evaluate.hpp"
+#include "sim2sim_serving/node.hpp"
 
 int main(int argc, char** argv) {
   sim2sim::catchInterruptsAside("sim2sim");  // before all else, so that status.json tells of any

@@ -2,9 +2,9 @@
 /// A recorded run as a node, in place of the evaluator.
 #include <ros/init.h>
 
-#include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/serve_playback.hpp"
+#include "sim2sim_serving/node.hpp"
 
 int main(int argc, char** argv) {
   sim2sim::catchInterruptsAside("sim2sim");

@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/ros/node.hpp"
+#include "sim2sim_serving/node.hpp"
 
 namespace sim2sim {
 namespace {

@@ -13,7 +13,7 @@
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/scenarios.hpp"
+#include "pusht_testing/scenarios.hpp"
 #include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_protocol/flight.hpp"
 #include "sim2sim_protocol/protocol.hpp"

@@ -18,7 +18,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Set
 from unittest import mock
 
 from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
-from pusht_task.testing.warm_commands import is_warm, run_warm
+from pusht_testing.warm_commands import is_warm, run_warm
 
 DEADLINE = 120.0  # s, for one command
 

@@ -19,7 +19,7 @@
 #include "pusht_policy/formats.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
+#include "pusht_testing/temporary_folder.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
 #include "sim2sim_eval/batch/attribute.hpp"
 #include "sim2sim_eval/batch/audited_pair.hpp"

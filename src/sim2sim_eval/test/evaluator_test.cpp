@@ -12,8 +12,8 @@
 #include <string>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/testing/refusal.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
+#include "pusht_testing/refusal.hpp"
+#include "pusht_testing/temporary_folder.hpp"
 #include "sim2sim_eval/live/evaluator_parameters.hpp"
 #include "sim2sim_eval/live/progress_line.hpp"
 #include "sim2sim_eval/live/request.hpp"

@@ -5,14 +5,14 @@
 Each contract runs as a user runs it, against the nodes of one launch.
 """
 
-from pusht_task.testing.nodes import run
+from pusht_testing.nodes import run
 
 from command_case import CommandCase, executable
 
 
 class Examples(CommandCase):
     def assert_kept(self, contract: str, *parameters: str) -> None:
-        process = self.run_command(executable("pusht_task", contract), "--text", *parameters)
+        process = self.run_command(executable("pusht_testing", contract), "--text", *parameters)
         said = process.stdout + process.stderr
         self.assertEqual(process.returncode, 0, said)
         self.assertRegex(said, r"Ran [1-9]\d* tests?")

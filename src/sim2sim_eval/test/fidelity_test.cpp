@@ -15,9 +15,9 @@
 #include "pusht_engine/rigid_body_engine.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/contact.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "pusht_task/task.hpp"
-#include "pusht_task/testing/golden.hpp"
+#include "pusht_testing/golden.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
 namespace {
@@ -27,7 +27,7 @@ struct Case {
   std::vector<pusht::Action> actions;
 };
 
-/// What a scripted expert does, with noise: the 50 episodes of test/data/README.md.
+/// What a scripted expert does, with noise: the 50 episodes of data/README.md in pusht_testing.
 std::vector<Case> expertCases() {
   std::vector<Case> cases;
   for (const auto& golden : pusht::testing::loadGolden("expert_actions.json", "cases")) {

@@ -7,7 +7,7 @@ import json
 import actionlib  # type: ignore[import]
 import rospy  # type: ignore[import]
 from pusht_msgs.msg import CompareAction, Parameter  # type: ignore[import]
-from pusht_task.testing.nodes import run
+from pusht_testing.nodes import run
 
 from live_support import (
     DEADLINE,

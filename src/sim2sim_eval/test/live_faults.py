@@ -18,7 +18,7 @@ import rosgraph  # type: ignore[import]
 import rospy  # type: ignore[import]
 import torch
 from pusht_msgs.msg import Divergence  # type: ignore[import]
-from pusht_task.testing.nodes import Inbox
+from pusht_testing.nodes import Inbox
 
 from command_case import catches, executable, signals
 from launch_support import Launch, Run, SharedLaunch, Start, node_file
@@ -299,7 +299,7 @@ class LostMaster(LiveCase):
     def test_f15_no_master(self) -> None:
         uri = f"http://127.0.0.1:{free_port()}"
         environment = {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1"}
-        for package, name in (("sim2sim_eval", "evaluator_node"), ("pusht_task", CONTRACT)):
+        for package, name in (("sim2sim_eval", "evaluator_node"), ("pusht_testing", CONTRACT)):
             node = Process(self, node_file(package, name), environment=environment)
             self.assertEqual(node.ended(10.0), 4, node.output)
             self.assertIn(f"no ROS master at {uri}: start roscore", node.output)
@@ -332,13 +332,13 @@ class LostMaster(LiveCase):
             ("own_policy_contract", "policy"),
             ("failed_start_contract", "node"),
         ):
-            usage = f"usage: rosrun pusht_task {name} --text _{subject}:=/NAME"
-            command = (node_file("pusht_task", name),)
+            usage = f"usage: rosrun pusht_testing {name} --text _{subject}:=/NAME"
+            command = (node_file("pusht_testing", name),)
             shown = self.succeed(*command, "--help", environment={"ROS_MASTER_URI": uri})
             self.assertIn(usage, shown)
         _, uri = self.start_master()
         contract = Process(
-            self, node_file("pusht_task", CONTRACT), environment={"ROS_MASTER_URI": uri}
+            self, node_file("pusht_testing", CONTRACT), environment={"ROS_MASTER_URI": uri}
         )
         self.assertEqual(contract.ended(), 2, contract.output)
         self.assertRegex(contract.output, "parameter ~simulator is not set; usage: rosrun")

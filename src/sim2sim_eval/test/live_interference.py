@@ -19,8 +19,8 @@ import rospy  # type: ignore[import]
 from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
 from pusht_msgs.msg import CompareAction, Parameter  # type: ignore[import]
 from pusht_msgs.srv import Configure, Reset, Step  # type: ignore[import]
-from pusht_task.testing.long_tests import LONG
-from pusht_task.testing.nodes import run
+from pusht_testing.long_tests import LONG
+from pusht_testing.nodes import run
 
 from command_case import executable
 from live_support import (

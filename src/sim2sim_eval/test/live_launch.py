@@ -15,7 +15,7 @@ from typing import Any, Dict, List
 import rosgraph  # type: ignore[import]
 import rospkg  # type: ignore[import]
 import rospy  # type: ignore[import]
-from pusht_task.testing.long_tests import LONG
+from pusht_testing.long_tests import LONG
 
 from launch_support import (
     LAUNCHES,

@@ -9,7 +9,7 @@ import rospy  # type: ignore[import]
 from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
 from pusht_msgs.msg import Parameter  # type: ignore[import]
 from pusht_msgs.srv import Configure  # type: ignore[import]
-from pusht_task.testing.nodes import run
+from pusht_testing.nodes import run
 from rosgraph_msgs.msg import Log  # type: ignore[import]
 
 from live_support import GoalCase, Topic, connected, kill, pid_of, result_bytes, status_of

@@ -28,8 +28,8 @@ from pusht_msgs.msg import (  # type: ignore[import]
 )
 from pusht_msgs.srv import Configure, Episodes, Reset, Step  # type: ignore[import]
 from pusht_task.task import wrap_angle
-from pusht_task.testing.long_tests import LONG
-from pusht_task.testing.nodes import Inbox, run, sends, until
+from pusht_testing.long_tests import LONG
+from pusht_testing.nodes import Inbox, run, sends, until
 from rosgraph_msgs.msg import Log  # type: ignore[import]
 from tf2_msgs.msg import TFMessage  # type: ignore[import]
 from visualization_msgs.msg import MarkerArray  # type: ignore[import]

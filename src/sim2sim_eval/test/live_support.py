@@ -28,7 +28,7 @@ from pusht_msgs.msg import (  # type: ignore[import]
     CompareGoal,
 )
 from pusht_msgs.srv import Control, Describe  # type: ignore[import]
-from pusht_task.testing.nodes import DEADLINE, Inbox, sends, until
+from pusht_testing.nodes import DEADLINE, Inbox, sends, until
 
 RESULTS = {
     *("metrics.json", "statistics.json", "episodes.csv", "divergence.csv"),

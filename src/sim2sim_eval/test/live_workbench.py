@@ -9,7 +9,7 @@ import rosbag  # type: ignore[import]
 import rospy  # type: ignore[import]
 from pusht_msgs.msg import Divergence, Progress, Summary  # type: ignore[import]
 from pusht_msgs.srv import Control, Episodes  # type: ignore[import]
-from pusht_task.testing.nodes import Inbox
+from pusht_testing.nodes import Inbox
 from tf2_msgs.msg import TFMessage  # type: ignore[import]
 
 from command_case import executable

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pusht_policy/policy_choice.hpp"
-#include "pusht_task/testing/refusal.hpp"
+#include "pusht_testing/refusal.hpp"
 #include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
 

@@ -16,11 +16,11 @@
 #include <vector>
 
 #include "pusht_task/constants.hpp"
-#include "pusht_task/ros/world_markers.hpp"
 #include "sim2sim_eval/live/captions.hpp"
 #include "sim2sim_eval/live/table_view.hpp"
 #include "sim2sim_protocol/ending.hpp"
 #include "sim2sim_protocol/flight.hpp"
+#include "sim2sim_serving/world_markers.hpp"
 
 namespace sim2sim {
 namespace {

@@ -16,7 +16,7 @@
 #include "pusht_engine/rigid_body_engine.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/task.hpp"
-#include "pusht_task/testing/golden.hpp"
+#include "pusht_testing/golden.hpp"
 #include "sim2sim_statistics/shapley.hpp"
 
 namespace sim2sim {

@@ -20,9 +20,7 @@
 #include "pusht_engine/two_mass_engine.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/ros/conversions.hpp"
-#include "pusht_task/ros/served_simulator.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
+#include "pusht_testing/temporary_folder.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/recorded_run.hpp"
 #include "sim2sim_protocol/episode.hpp"
@@ -31,6 +29,8 @@
 #include "sim2sim_protocol/results/provenance.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
+#include "sim2sim_serving/conversions.hpp"
+#include "sim2sim_serving/remote_simulator.hpp"
 
 namespace sim2sim {
 namespace {

@@ -13,8 +13,8 @@
 #include <string>
 
 #include "pusht_task/joined.hpp"
-#include "pusht_task/testing/refusal.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
+#include "pusht_testing/refusal.hpp"
+#include "pusht_testing/temporary_folder.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
 #include "sim2sim_eval/batch/sweep_plan.hpp"
 #include "sim2sim_eval/live/named_options.hpp"

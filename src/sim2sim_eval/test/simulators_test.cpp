@@ -21,10 +21,10 @@
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/rollout.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/refusal.hpp"
-#include "pusht_task/testing/scenarios.hpp"
+#include "pusht_testing/refusal.hpp"
+#include "pusht_testing/scenarios.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
 namespace {

@@ -7,7 +7,7 @@ import unittest
 from typing import Any, Dict, List
 
 import numpy as np
-from pusht_task.testing.warm_commands import warm
+from pusht_testing.warm_commands import warm
 
 from command_case import CommandCase, executable
 from sim2sim_report.agreement import principal_coordinates, text_of, tree

@@ -15,7 +15,7 @@ from typing import Any, Dict, List
 
 import numpy as np
 import yaml  # type: ignore[import]
-from pusht_task.testing.warm_commands import warm
+from pusht_testing.warm_commands import warm
 
 from command_case import CommandCase, catches, executable, until
 

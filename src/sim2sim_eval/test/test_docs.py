@@ -19,7 +19,7 @@ import rosgraph  # type: ignore[import]
 import rospkg  # type: ignore[import]
 import rosservice  # type: ignore[import]
 import yaml  # type: ignore[import]
-from pusht_task.testing.long_tests import LONG, long_form
+from pusht_testing.long_tests import LONG, long_form
 
 from command_case import CommandCase, executable, until
 from live_support import CALLER, DEADLINE, LiveCase, OwnMaster, Process, free_port
@@ -373,7 +373,7 @@ class Nodes(OwnMaster):
         self.assertEqual(offers, {})
 
     def test_simulators(self) -> None:
-        offers, defaults = self.listed("pusht_task", "simulator_node")
+        offers, defaults = self.listed("sim2sim_serving", "simulator_node")
         for package, node, kind in (
             ("sim2sim_eval", "simulator_node", ("_kind:=two_mass",)),
             ("pusht_engine", "engine_node", ()),
@@ -395,7 +395,7 @@ class Nodes(OwnMaster):
                 self.end(process)
 
     def test_policy(self) -> None:
-        offers, _ = self.listed("pusht_task", "policy_node")
+        offers, _ = self.listed("sim2sim_serving", "policy_node")
         _, defaults = self.listed("pusht_policy", "policy_node")
         known = self.refused("pusht_policy", "policy_node", "_policy:=expert")
         self.assertEqual(set(defaults), known)

@@ -11,7 +11,7 @@ from typing import Any, Dict, List
 
 import numpy as np
 from scipy import stats  # type: ignore[import]
-from pusht_task.testing.warm_commands import warm
+from pusht_testing.warm_commands import warm
 
 from command_case import CommandCase, executable
 

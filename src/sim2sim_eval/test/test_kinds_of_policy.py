@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Dict, Tuple
 
 import rospkg  # type: ignore[import]
-from pusht_task.testing.long_tests import LONG
+from pusht_testing.long_tests import LONG
 
 from command_case import CommandCase, executable
 

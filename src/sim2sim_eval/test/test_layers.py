@@ -23,9 +23,8 @@ HEAVY: Dict[str, Set[str]] = {
     "nlohmann/json.hpp": {
         "pusht_policy/include/pusht_policy/policy_choice.hpp",
         "pusht_policy/include/pusht_policy/policy_description.hpp",
-        "pusht_task/include/pusht_task/ros/policy_session.hpp",
         "pusht_task/include/pusht_task/simulator_kind.hpp",
-        "pusht_task/include/pusht_task/testing/golden.hpp",
+        "pusht_testing/include/pusht_testing/golden.hpp",
         "sim2sim_eval/include/sim2sim_eval/bag/recorded_run.hpp",
         "sim2sim_eval/include/sim2sim_eval/batch/comparison.hpp",
         "sim2sim_eval/include/sim2sim_eval/batch/demonstration_simulators.hpp",
@@ -39,6 +38,7 @@ HEAVY: Dict[str, Set[str]] = {
         "sim2sim_protocol/include/sim2sim_protocol/results/run.hpp",
         "sim2sim_protocol/include/sim2sim_protocol/results/run_configuration.hpp",
         "sim2sim_protocol/include/sim2sim_protocol/results/run_folder.hpp",
+        "sim2sim_serving/include/sim2sim_serving/policy_session.hpp",
     },
     "regex": set(),
     "ros/ros.h": set(),
@@ -57,12 +57,12 @@ READING_CPP = re.compile(
 )
 READERS_CPP = {
     "pusht_policy/src/policy_description.cpp",  # refuses a key that is there twice, and is small
-    "pusht_task/include/pusht_task/testing/golden.hpp",
+    "pusht_testing/src/golden.cpp",
     "pusht_policy/src/rehearsal.cpp",  # /dev/null
     "pusht_task/include/pusht_task/standard_streams.hpp",  # /dev/null
     "pusht_task/src/files.cpp",
     "pusht_task/src/json_text.cpp",
-    "pusht_task/src/ros/simulator_kinds.cpp",  # what a package describes, in XML
+    "sim2sim_serving/src/simulator_kinds.cpp",  # what a package describes, in XML
     "sim2sim_eval/src/batch/plan_values.hpp",  # YAML
     "sim2sim_protocol/src/results/journal.cpp",  # to write
     "sim2sim_protocol/src/results/output_folder.cpp",  # a folder, to lock it
@@ -138,7 +138,7 @@ class Reading(unittest.TestCase):
         found = {
             str(file.relative_to(SOURCES))
             for file in sources
-            if "testing" not in file.parts or str(file.relative_to(SOURCES)) in readers
+            if "pusht_testing" not in file.parts or str(file.relative_to(SOURCES)) in readers
             if reading.search(file.read_text())
         }
         self.assertEqual(found, readers)

@@ -7,7 +7,7 @@ import json
 import re
 import unittest
 from typing import List, Tuple
-from pusht_task.testing.warm_commands import warm
+from pusht_testing.warm_commands import warm
 
 from command_case import CommandCase, executable
 

@@ -14,8 +14,8 @@ from typing import Any, Dict, List, Optional
 
 import rospkg  # type: ignore[import]
 import torch
-from pusht_task.testing.long_tests import LONG, long_form
-from pusht_task.testing.warm_commands import warm
+from pusht_testing.long_tests import LONG, long_form
+from pusht_testing.warm_commands import warm
 
 from command_case import CommandCase, executable
 

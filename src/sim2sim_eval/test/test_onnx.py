@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, Optional
 import onnx  # type: ignore[import]
 import rospkg  # type: ignore[import]
 import torch
-from pusht_task.testing.warm_commands import warm
+from pusht_testing.warm_commands import warm
 
 from command_case import CommandCase, executable
 from torch_policies import Charge

@@ -13,7 +13,7 @@ from typing import Any, Dict
 
 import yaml  # type: ignore[import]
 from pusht_policy.checkpoint import provenance_path, read_provenance, sha256_of
-from pusht_task.testing.long_tests import long_form
+from pusht_testing.long_tests import long_form
 
 from command_case import CommandCase, until
 

@@ -27,7 +27,7 @@ from selenium.webdriver.chrome.options import Options  # type: ignore[import]
 from selenium.webdriver.chrome.service import Service  # type: ignore[import]
 from selenium.webdriver.support.wait import WebDriverWait  # type: ignore[import]
 from pusht_task.palette import DARK, LIGHT
-from pusht_task.testing.warm_commands import warm
+from pusht_testing.warm_commands import warm
 from sim2sim_eval.command import rosrun
 from sim2sim_report.figures import Drawing
 from sim2sim_report.make import make

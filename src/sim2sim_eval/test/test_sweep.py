@@ -18,13 +18,13 @@ import rospkg  # type: ignore[import]
 import torch
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import]
 from matplotlib.figure import Figure  # type: ignore[import]
+from pusht_testing.long_tests import LONG
+from pusht_testing.warm_commands import warm
 from sim2sim_eval.command import rosrun
 from sim2sim_report.convergence import FIRST_2_S, WHOLE, read_convergence
 from sim2sim_report.curves import read_curves
 from sim2sim_report.results import METRICS_FORMAT
 from sim2sim_report.suite import Suite
-from pusht_task.testing.long_tests import LONG
-from pusht_task.testing.warm_commands import warm
 
 from command_case import CommandCase, catches, executable, until
 

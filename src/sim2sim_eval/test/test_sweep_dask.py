@@ -16,7 +16,7 @@ from typing import Dict, List
 
 import torch
 from catkin.find_in_workspaces import find_in_workspaces  # type: ignore[import]
-from pusht_task.testing.long_tests import LONG
+from pusht_testing.long_tests import LONG
 
 DEADLINE = 120  # s, for one command
 SHARDS = 6

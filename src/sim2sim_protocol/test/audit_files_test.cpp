@@ -10,7 +10,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
+#include "pusht_testing/temporary_folder.hpp"
 #include "sim2sim_protocol/reference_cache.hpp"
 
 namespace sim2sim {

@@ -10,7 +10,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
-#include "pusht_task/testing/decimal_comma.hpp"
+#include "pusht_testing/decimal_comma.hpp"
 #include "run_episodes.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"

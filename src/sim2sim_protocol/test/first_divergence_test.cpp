@@ -19,7 +19,7 @@
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/refusal.hpp"
+#include "pusht_testing/refusal.hpp"
 
 namespace sim2sim {
 namespace {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/testing/refusal.hpp"
+#include "pusht_testing/refusal.hpp"
 
 namespace sim2sim {
 namespace {

@@ -26,7 +26,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
-#include "pusht_task/testing/temporary_folder.hpp"
+#include "pusht_testing/temporary_folder.hpp"
 #include "sim2sim_protocol/divergence.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/flight.hpp"

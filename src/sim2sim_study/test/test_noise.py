@@ -12,7 +12,7 @@ from typing import Any, Dict, List, Set
 from unittest import mock
 
 from pusht_task.error import Error
-from pusht_task.testing.long_tests import long_form
+from pusht_testing.long_tests import long_form
 from sim2sim_study import endings, noise, steps
 from sim2sim_study.endings import Cell
 from sim2sim_study.parts import NAMES, Part, parts_of, whole_plan, with_trainings

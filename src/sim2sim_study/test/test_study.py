@@ -12,8 +12,8 @@ from typing import Any, Dict
 
 import yaml  # type: ignore[import]
 from study_case import StudyCase
-from pusht_task.testing.long_tests import long_form
-from pusht_task.testing.nodes import until
+from pusht_testing.long_tests import long_form
+from pusht_testing.nodes import until
 
 ROOT = Path(__file__).resolve().parents[3]
 STUDY = ROOT / "docs" / "study"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// Physics of the task as one struct of numbers: an engine that follows the reference can be built from it, and the
-/// physics suite (testing/physics_suite.hpp) holds every kind of simulator against it.
+/// physics suite of pusht_testing holds every kind of simulator against it.
 #pragma once
 
 #include <array>

@@ -12,11 +12,11 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/json_text.hpp"
 #include "pusht_task/parameters.hpp"
-#include "pusht_task/ros/conversions.hpp"
 #include "sim2sim_protocol/divergence.hpp"
 #include "sim2sim_protocol/results/headline.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/table.hpp"
+#include "sim2sim_serving/conversions.hpp"
 
 namespace sim2sim {
 namespace {

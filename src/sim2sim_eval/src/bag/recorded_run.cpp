@@ -23,9 +23,9 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/json_text.hpp"
-#include "pusht_task/ros/conversions.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
+#include "sim2sim_serving/conversions.hpp"
 
 namespace sim2sim {
 namespace {

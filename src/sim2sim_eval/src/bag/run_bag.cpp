@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/ros/conversions.hpp"
-#include "pusht_task/ros/transforms.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
+#include "sim2sim_serving/conversions.hpp"
+#include "sim2sim_serving/transforms.hpp"
 
 namespace sim2sim {
 namespace {

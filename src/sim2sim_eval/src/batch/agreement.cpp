@@ -15,7 +15,6 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
@@ -27,6 +26,7 @@
 #include "sim2sim_protocol/results/agreement_files.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/runner.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
 namespace {

@@ -9,13 +9,13 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/audit/audit_run.hpp"
 #include "sim2sim_eval/batch/audited_pair.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
 namespace {

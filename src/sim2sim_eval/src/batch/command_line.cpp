@@ -19,9 +19,9 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
-#include "pusht_task/ros/node.hpp"
 #include "pusht_task/standard_streams.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_serving/node.hpp"
 
 namespace sim2sim {
 namespace {

@@ -14,9 +14,6 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
-#include "pusht_task/ros/installed_file.hpp"
-#include "pusht_task/ros/served_simulator.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/bag/run_bag.hpp"
 #include "sim2sim_eval/batch/audited_pair.hpp"
@@ -32,6 +29,9 @@
 #include "sim2sim_protocol/results/run_folder.hpp"
 #include "sim2sim_protocol/results/traces.hpp"
 #include "sim2sim_protocol/runner.hpp"
+#include "sim2sim_serving/installed_file.hpp"
+#include "sim2sim_serving/remote_simulator.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
 namespace {

@@ -2,11 +2,11 @@
 #include "sim2sim_eval/batch/loaded_run.hpp"
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/ros/installed_file.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/flight.hpp"
 #include "sim2sim_protocol/model_variants.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
+#include "sim2sim_serving/installed_file.hpp"
 
 namespace sim2sim {
 namespace {

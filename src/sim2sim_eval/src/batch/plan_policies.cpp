@@ -16,7 +16,7 @@
 #include "pusht_policy/policy_choice.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
-#include "pusht_task/ros/installed_file.hpp"
+#include "sim2sim_serving/installed_file.hpp"
 
 namespace sim2sim {
 namespace {

@@ -4,9 +4,9 @@
 #include <set>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "pusht_task/split.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
 

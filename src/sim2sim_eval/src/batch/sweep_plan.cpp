@@ -17,8 +17,8 @@
 #include "pusht_task/joined.hpp"
 #include "pusht_task/loop.hpp"
 #include "pusht_task/numbers.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
 namespace {

@@ -13,15 +13,15 @@
 #include <vector>
 
 #include "pusht_task/files.hpp"
-#include "pusht_task/ros/node.hpp"
-#include "pusht_task/ros/parameters.hpp"
-#include "pusht_task/ros/peer.hpp"
-#include "pusht_task/ros/served_simulator.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/audit/audit_run.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/request.hpp"
+#include "sim2sim_serving/node.hpp"
+#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/peer.hpp"
+#include "sim2sim_serving/remote_simulator.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
 namespace {
@@ -86,7 +86,7 @@ struct AuditParameters {
 /// Node that serves the world under audit. It has a watchdog of its own, so each node may be asked by its own thread.
 class WorldNode {
  public:
-  /// Waits for the node, and makes it what is asked for. Throws as Peer::connect() and ServedSimulator; InvalidInput if
+  /// Waits for the node, and makes it what is asked for. Throws as Peer::connect() and RemoteSimulator; InvalidInput if
   /// it serves a policy.
   WorldNode(const WorldParameters& world, const AuditParameters& audit)
       : watchdog_(audit.deadline), peer_(world.services, watchdog_), request_(world.asked) {
@@ -104,12 +104,12 @@ class WorldNode {
   /// The node as a simulator of an audit. It must outlive that.
   AuditedSimulator simulator();
 
-  /// The node's world, made anew. Throws as Peer::connect() and ServedSimulator.
-  std::unique_ptr<pusht::ServedSimulator> open() {
-    std::unique_ptr<pusht::ServedSimulator> world;
+  /// The node's world, made anew. Throws as Peer::connect() and RemoteSimulator.
+  std::unique_ptr<pusht::RemoteSimulator> open() {
+    std::unique_ptr<pusht::RemoteSimulator> world;
     ask([&] {
       connect(watchdog_.deadline());  // what the node was before does not count
-      world = std::make_unique<pusht::ServedSimulator>(peer_, stamps_, request_.kind, request_.parameters);
+      world = std::make_unique<pusht::RemoteSimulator>(peer_, stamps_, request_.kind, request_.parameters);
     });
     world->silence();
     return world;
@@ -120,7 +120,7 @@ class WorldNode {
 
   /// The world of a node that was lost. It has once more the time of an answer to come back. Throws WorldLost if it
   /// does not.
-  std::unique_ptr<pusht::ServedSimulator> openAgain() {
+  std::unique_ptr<pusht::RemoteSimulator> openAgain() {
     try {
       if (!gone_) {
         return open();
@@ -203,7 +203,7 @@ class NodeWorld : public pusht::Simulator {
   }
 
   WorldNode& node_;
-  std::unique_ptr<pusht::ServedSimulator> world_;
+  std::unique_ptr<pusht::RemoteSimulator> world_;
 };
 
 /// Kind of a node, if it is installed here in that version; else null.

@@ -3,11 +3,11 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/numbers.hpp"
-#include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
 #include "sim2sim_protocol/ending.hpp"
 #include "sim2sim_protocol/results/table.hpp"
 #include "sim2sim_protocol/results/text.hpp"
+#include "sim2sim_serving/world_markers.hpp"
 
 namespace sim2sim {
 

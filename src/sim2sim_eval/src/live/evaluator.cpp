@@ -8,7 +8,6 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/reason.hpp"
-#include "pusht_task/ros/node.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/control.hpp"
 #include "sim2sim_eval/live/named_options.hpp"
@@ -16,6 +15,7 @@
 #include "sim2sim_eval/live/participants.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/run.hpp"
+#include "sim2sim_serving/node.hpp"
 
 namespace sim2sim {
 namespace {

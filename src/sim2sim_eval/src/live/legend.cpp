@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "pusht_task/constants.hpp"
-#include "pusht_task/ros/world_markers.hpp"
 #include "sim2sim_eval/live/table_view.hpp"
+#include "sim2sim_serving/world_markers.hpp"
 
 namespace sim2sim {
 

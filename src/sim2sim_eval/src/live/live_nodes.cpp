@@ -57,7 +57,7 @@ void LiveNodes::connect(const Simulators& simulators, const pusht::Peer::Wait& w
   connectWorlds(simulators, wait);
   policy_peer_.connect(wait);
   requireIsPolicy(policy_peer_);
-  policy_ = pusht::looped(std::make_unique<pusht::ServedPolicy>(policy_peer_), loopOf(simulators.reference),
+  policy_ = pusht::looped(std::make_unique<pusht::RemotePolicy>(policy_peer_), loopOf(simulators.reference),
                           loopOf(simulators.engine));
   requireThreeWorlds();
   requireOneEngine();
@@ -86,9 +86,9 @@ void LiveNodes::connectWorlds(const Simulators& simulators, const pusht::Peer::W
       requireParametersInForce(services, now);
       wanted = memory_.resolve(services, now, ofWorld(asked));
     }
-    std::unique_ptr<pusht::ServedSimulator> world;
+    std::unique_ptr<pusht::RemoteSimulator> world;
     try {
-      world = std::make_unique<pusht::ServedSimulator>(node.peer, stamps_, wanted.kind, wanted.parameters);
+      world = std::make_unique<pusht::RemoteSimulator>(node.peer, stamps_, wanted.kind, wanted.parameters);
     } catch (const pusht::Error& error) {
       if (error.exitCode() == pusht::ExitCode::kInvalidInput) {  // a refused configuration changes nothing
         memory_.configured(services, now);

@@ -13,8 +13,8 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
-#include "pusht_task/ros/parameters.hpp"
 #include "sim2sim_protocol/probes.hpp"
+#include "sim2sim_serving/parameters.hpp"
 
 namespace sim2sim {
 namespace {

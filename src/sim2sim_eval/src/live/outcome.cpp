@@ -12,8 +12,8 @@
 #include "pusht_task/clipped.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/reason.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/live/evaluator_parameters.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
 

@@ -7,11 +7,11 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_protocol/model_variants.hpp"
 #include "sim2sim_protocol/probes.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
 namespace {

@@ -10,13 +10,13 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/loop.hpp"
-#include "pusht_task/ros/transforms.hpp"
-#include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/task.hpp"
 #include "sim2sim_eval/live/canvas.hpp"
 #include "sim2sim_eval/live/captions.hpp"
 #include "sim2sim_eval/live/legend.hpp"
 #include "sim2sim_eval/live/table_view.hpp"
+#include "sim2sim_serving/transforms.hpp"
+#include "sim2sim_serving/world_markers.hpp"
 
 namespace sim2sim {
 

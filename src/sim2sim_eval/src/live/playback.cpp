@@ -12,14 +12,14 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/numbers.hpp"
-#include "pusht_task/ros/node.hpp"
-#include "pusht_task/ros/transforms.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_eval/live/control.hpp"
 #include "sim2sim_eval/live/request.hpp"
 #include "sim2sim_eval/live/truncated_episode.hpp"
 #include "sim2sim_protocol/results/run.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
+#include "sim2sim_serving/node.hpp"
+#include "sim2sim_serving/transforms.hpp"
 
 namespace sim2sim {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "pusht_task/constants.hpp"
-#include "pusht_task/ros/world_markers.hpp"
+#include "sim2sim_serving/world_markers.hpp"
 
 namespace sim2sim {
 

@@ -14,7 +14,7 @@
 #include "pusht_policy/policy_choice.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/policy.hpp"
-#include "pusht_task/ros/installed_file.hpp"
+#include "sim2sim_serving/installed_file.hpp"
 #include "without_gil.hpp"
 
 namespace sim2sim::python {

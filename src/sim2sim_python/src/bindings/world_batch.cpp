@@ -13,9 +13,9 @@
 #include "arguments.hpp"
 #include "bindings.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/ros/simulator_kinds.hpp"
 #include "pusht_task/simulator.hpp"
 #include "pusht_task/spawn.hpp"
+#include "sim2sim_serving/simulator_kinds.hpp"
 #include "without_gil.hpp"
 
 namespace sim2sim::python {

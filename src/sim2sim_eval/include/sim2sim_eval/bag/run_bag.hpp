@@ -17,10 +17,10 @@
 #include <string>
 #include <vector>
 
-#include "pusht_task/ros/bag_file.hpp"
 #include "sim2sim_eval/bag/background_queue.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_serving/bag_file.hpp"
 
 namespace sim2sim {
 

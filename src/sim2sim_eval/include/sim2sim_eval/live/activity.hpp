@@ -12,8 +12,8 @@
 #include <optional>
 #include <string>
 
-#include "pusht_task/ros/health.hpp"
 #include "sim2sim_eval/live/pacer.hpp"
+#include "sim2sim_serving/health.hpp"
 
 namespace sim2sim {
 

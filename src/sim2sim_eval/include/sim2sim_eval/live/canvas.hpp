@@ -14,9 +14,9 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/palette.hpp"
-#include "pusht_task/ros/world_markers.hpp"
 #include "pusht_task/types.hpp"
 #include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_serving/world_markers.hpp"
 
 namespace sim2sim {
 

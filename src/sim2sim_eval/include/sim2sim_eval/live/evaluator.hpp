@@ -17,8 +17,6 @@
 #include <string>
 #include <vector>
 
-#include "pusht_task/ros/health.hpp"
-#include "pusht_task/ros/parameters.hpp"
 #include "sim2sim_eval/live/activity.hpp"
 #include "sim2sim_eval/live/broadcast.hpp"
 #include "sim2sim_eval/live/evaluate.hpp"
@@ -31,6 +29,8 @@
 #include "sim2sim_eval/live/world_memory.hpp"
 #include "sim2sim_protocol/results/run.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
+#include "sim2sim_serving/health.hpp"
+#include "sim2sim_serving/parameters.hpp"
 
 namespace sim2sim {
 

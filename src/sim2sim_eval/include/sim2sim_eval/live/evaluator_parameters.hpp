@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "pusht_task/ros/parameters.hpp"
 #include "sim2sim_eval/live/request.hpp"
+#include "sim2sim_serving/parameters.hpp"
 
 namespace sim2sim {
 

@@ -8,12 +8,12 @@
 #include <optional>
 #include <string>
 
-#include "pusht_task/ros/peer.hpp"
-#include "pusht_task/ros/served_policy.hpp"
-#include "pusht_task/ros/served_simulator.hpp"
 #include "sim2sim_eval/live/world_memory.hpp"
 #include "sim2sim_protocol/flight.hpp"
 #include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_serving/peer.hpp"
+#include "sim2sim_serving/remote_policy.hpp"
+#include "sim2sim_serving/remote_simulator.hpp"
 
 namespace sim2sim {
 
@@ -69,7 +69,7 @@ class LiveNodes {
   struct WorldNode {
     pusht::Peer peer;
     pusht_msgs::DescribeResponse description;  // with the parameters as set
-    pusht::ServedSimulator* world = nullptr;
+    pusht::RemoteSimulator* world = nullptr;
   };
 
   void connectWorlds(const Simulators& simulators, const pusht::Peer::Wait& wait);

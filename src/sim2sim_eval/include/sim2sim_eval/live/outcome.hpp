@@ -9,11 +9,11 @@
 #include <string>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/ros/parameters.hpp"
-#include "pusht_task/ros/peer.hpp"
 #include "sim2sim_eval/live/request.hpp"
 #include "sim2sim_eval/live/world_memory.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
+#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/peer.hpp"
 
 namespace sim2sim {
 

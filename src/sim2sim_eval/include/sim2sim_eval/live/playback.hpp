@@ -21,11 +21,11 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/ros/parameters.hpp"
 #include "sim2sim_eval/bag/recorded_run.hpp"
 #include "sim2sim_eval/live/broadcast.hpp"
 #include "sim2sim_eval/live/pacer.hpp"
 #include "sim2sim_eval/live/serve_playback.hpp"
+#include "sim2sim_serving/parameters.hpp"
 
 namespace sim2sim {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "pusht_task/ros/parameters.hpp"
 #include "sim2sim_eval/live/live_nodes.hpp"
 #include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_serving/parameters.hpp"
 
 namespace sim2sim {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "pusht_task/loop.hpp"
-#include "pusht_task/ros/parameters.hpp"
+#include "sim2sim_serving/parameters.hpp"
 
 namespace sim2sim {
 

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_serving/conversions.hpp"
+
+namespace pusht {
+
+pusht_msgs::WorldState toMessage(const WorldState& state) {
+  pusht_msgs::WorldState message;
+  message.pusher_x = state.pusher_position.x();
+  message.pusher_y = state.pusher_position.y();
+  message.pusher_vx = state.pusher_velocity.x();
+  message.pusher_vy = state.pusher_velocity.y();
+  message.tee_x = state.tee_position.x();
+  message.tee_y = state.tee_position.y();
+  message.tee_yaw = state.tee_yaw;
+  message.tee_vx = state.tee_velocity.x();
+  message.tee_vy = state.tee_velocity.y();
+  message.tee_yaw_rate = state.tee_yaw_rate;
+  return message;
+}
+
+WorldState fromMessage(const pusht_msgs::WorldState& message) {
+  WorldState state;
+  state.pusher_position = {message.pusher_x, message.pusher_y};
+  state.pusher_velocity = {message.pusher_vx, message.pusher_vy};
+  state.tee_position = {message.tee_x, message.tee_y};
+  state.tee_yaw = message.tee_yaw;
+  state.tee_velocity = {message.tee_vx, message.tee_vy};
+  state.tee_yaw_rate = message.tee_yaw_rate;
+  return state;
+}
+
+}  // namespace pusht

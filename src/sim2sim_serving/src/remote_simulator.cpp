@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_serving/remote_simulator.hpp"
+
+#include <algorithm>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/error.hpp"
+#include "sim2sim_serving/conversions.hpp"
+#include "sim2sim_serving/node.hpp"
+
+namespace pusht {
+namespace {
+
+/// The answer of a world that is ours. What we ask is right: a world that does not take it is not as we left it.
+template <class Service>
+typename Service::Response answerOf(ServiceCaller<Service>& caller, const typename Service::Request& request) {
+  try {
+    return caller.call(request);
+  } catch (const Error& refusal) {
+    if (refusal.exitCode() != ExitCode::kInvalidInput) {
+      throw;
+    }
+    throw RuntimeFault(std::string(refusal.what()) + "; is there another caller?");
+  }
+}
+
+/// Description of the peer as it would be as one of `kind`, without a change of the peer.
+pusht_msgs::DescribeResponse describedAs(const std::string& kind, const Peer& peer) {
+  if (kind.empty()) {
+    return peer.description();
+  }
+  pusht_msgs::DescribeRequest request;
+  request.kind = kind;
+  pusht_msgs::DescribeResponse description = ServiceCaller<pusht_msgs::Describe>(peer, "describe").call(request);
+  if (description.name != kind) {
+    throw BadDependency(peer.services() + ": describes '" + description.name + "': must be '" + kind +
+                        "', which it was asked for");
+  }
+  return description;
+}
+
+}  // namespace
+
+double startToleranceOf(const pusht_msgs::DescribeResponse& description) {
+  if (description.start_tolerance == 0.0) {
+    return kStartTolerance;
+  }
+  try {
+    return checkedStartTolerance(description.start_tolerance);
+  } catch (const InvalidInput& refusal) {
+    throw BadDependency(description.name + ": " + refusal.what());
+  }
+}
+
+void StampSource::advance() { now_ += ros::Duration(kControlStep); }
+
+void StampSource::startAbove(const ros::Time& stamp) { now_ = std::max(now_, stamp); }
+
+RemoteSimulator::RemoteSimulator(const Peer& peer, const StampSource& stamps,
+                                 const pusht_msgs::DescribeResponse& description)
+    : Simulator(peer.services(), startToleranceOf(description)),
+      peer_(peer),
+      stamps_(stamps),
+      describe_(peer, "describe"),
+      configure_(peer, "configure"),
+      reset_(peer, "reset"),
+      step_(peer, "step"),
+      kind_(peer.description().name),
+      version_(description.version),
+      parameters_hash_(peer.description().parameters_hash) {}
+
+// Delegates, so that the destructor lets go of a world that refuses what follows.
+RemoteSimulator::RemoteSimulator(const Peer& peer, StampSource& stamps, const std::string& kind,
+                                 const Parameters& changes)
+    : RemoteSimulator(peer, stamps, describedAs(kind, peer)) {
+  stamps.startAbove(peer.description().stamp);
+  stamps.advance();
+  silent_ = true;  // what is shown of the last run stays, should this one not begin
+  requireParameters(take({}).parameters_hash);
+  silent_ = false;
+  if (!kind.empty() || !changes.empty()) {
+    configure(kind, changes);
+  }
+}
+
+RemoteSimulator::~RemoteSimulator() {
+  pusht_msgs::ConfigureRequest request;
+  request.end_episode = 1;
+  request.token = token_;
+  configure_.tell(request);
+}
+
+void RemoteSimulator::announce(std::uint64_t episode, int horizon) {
+  episode_ = episode;
+  horizon_ = horizon;
+  silent_ = false;
+}
+
+void RemoteSimulator::configure(const std::string& kind, const Parameters& changes) {
+  pusht_msgs::ConfigureRequest request;
+  request.kind = kind;
+  request.parameters = changes;
+  request.end_episode = 1;
+  request.token = token_;
+  parameters_hash_ = configure_.call(request).parameters_hash;
+  kind_ = kind.empty() ? kind_ : kind;
+}
+
+pusht_msgs::DescribeResponse RemoteSimulator::describe() {
+  pusht_msgs::DescribeResponse description = describe_.call({});
+  if (description.name != kind_) {
+    throw RuntimeFault(peer_.services() + ": is '" + description.name + "': must be '" + kind_ +
+                       "'; another caller has configured the world");
+  }
+  if (description.version != version_) {
+    throw BadDependency(peer_.services() + ": is '" + kind_ + "' in version '" + description.version +
+                        "': must be in '" + version_ + "', as it said before");
+  }
+  requireParameters(description.parameters_hash);
+  return description;
+}
+
+void RemoteSimulator::doReset(const WorldState& state) {
+  pusht_msgs::ResetRequest request;
+  request.start = {toMessage(state)};
+  request.episode = episode_;
+  request.horizon = static_cast<std::uint32_t>(horizon_);
+  const pusht_msgs::ResetResponse response = take(request);
+  requireParameters(response.parameters_hash);
+  state_ = fromMessage(response.state);
+  next_step_ = 0;
+}
+
+void RemoteSimulator::doStep(const Action& action) {
+  pusht_msgs::StepRequest request;
+  request.episode = episode_;
+  request.step = next_step_;
+  request.action = {action[0], action[1]};
+  request.stamp = silent_ ? ros::Time() : stamps_.now();
+  request.token = token_;
+  state_ = fromMessage(answerOf(step_, request).state);
+  ++next_step_;
+}
+
+pusht_msgs::ResetResponse RemoteSimulator::take(pusht_msgs::ResetRequest request) {
+  token_ = newInstanceId();
+  request.token = token_;
+  request.silent = silent_ ? 1 : 0;
+  request.stamp = silent_ ? ros::Time() : stamps_.now();
+  return answerOf(reset_, request);
+}
+
+void RemoteSimulator::requireParameters(const std::string& hash) const {
+  if (hash != parameters_hash_) {
+    throw RuntimeFault(peer_.services() + ": parameters with the hash '" + hash + "': must be those with '" +
+                       parameters_hash_ + "'; another caller has configured the world");
+  }
+}
+
+}  // namespace pusht

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim2sim_serving/world_markers.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "pusht_task/constants.hpp"
+#include "pusht_task/numbers.hpp"
+#include "pusht_task/task.hpp"
+
+namespace pusht {
+
+using Eigen::Vector3d;
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+namespace {
+
+// Seen only. The bodies stand at height 0, so that the height of a frame is half a body's.
+constexpr double kTableThickness = 0.01;       // [m]
+constexpr double kTableHeight = -0.03;         // [m] of its top
+constexpr double kTargetHeight = -0.015;       // [m]
+constexpr double kWallThickness = 0.04;        // [m]
+constexpr double kTargetLineWidth = 0.004;     // [m]
+constexpr float kTargetSurfaceOpacity = 0.2F;  // of its line's
+
+// The caption, in the frame of the table, whose walls end at +-0.43.
+constexpr double kCardHeight = 2.0 * kPusherFrameHeight + kLayer;  // [m]
+constexpr double kTextHeight = kCardHeight + kLayer;               // [m]
+constexpr double kTitleY = 0.485;                                  // [m]
+constexpr double kTimeY = -0.475;                                  // [m]
+constexpr double kPoseY = -0.525;                                  // [m]
+constexpr double kErrorY = -0.570;                                 // [m]
+constexpr std::array<double, 2> kSettingsY = {-0.620, -0.665};     // [m] of each line
+constexpr double kCardWidth = 1.80;                                // [m]
+constexpr std::size_t kLineLength = 105;  // letters of small text that fit beside each other on a card
+
+geometry_msgs::Point point(double x, double y) {
+  geometry_msgs::Point point;
+  point.x = x;
+  point.y = y;
+  return point;
+}
+
+/// A box or cylinder of `size` [m] around `center` [m].
+Marker body(const std::string& frame, int type, const std_msgs::ColorRGBA& color, const Vector3d& center,
+            const Vector3d& size) {
+  Marker marker = frameLockedMarker(frame, type, color);
+  marker.pose.position.x = center.x();
+  marker.pose.position.y = center.y();
+  marker.pose.position.z = center.z();
+  marker.scale.x = size.x();
+  marker.scale.y = size.y();
+  marker.scale.z = size.z();
+  return marker;
+}
+
+Marker targetOutline(const std::string& frame, const std_msgs::ColorRGBA& color) {
+  Marker marker = frameLockedMarker(frame, Marker::LINE_STRIP, color);
+  marker.pose.position.z = kTargetHeight;
+  marker.scale.x = kTargetLineWidth;
+  marker.points = teeOutline();
+  return marker;
+}
+
+Marker targetSurface(const std::string& frame, std_msgs::ColorRGBA color) {
+  color.a *= kTargetSurfaceOpacity;
+  Marker marker = frameLockedMarker(frame, Marker::TRIANGLE_LIST, color);
+  marker.pose.position.z = kTargetHeight;
+  marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
+  marker.points = teeSurface();
+  return marker;
+}
+
+/// A text that stands where it was drawn before is deleted if it has no letters.
+Marker text(const std::string& frame, const std::string& text, double y, double size, std::uint32_t rgb) {
+  Marker marker = body(frame, Marker::TEXT_VIEW_FACING, color(rgb), {0.0, y, kTextHeight}, {0.0, 0.0, size});
+  marker.action = text.empty() ? Marker::DELETE : Marker::ADD;
+  marker.text = text;
+  return marker;
+}
+
+Marker card(const std::string& frame, double bottom, double top) {
+  constexpr double kThickness = 0.001;  // [m]
+  return body(frame, Marker::CUBE, color(kCard), {0.0, 0.5 * (bottom + top), kCardHeight - 0.5 * kThickness},
+              {kCardWidth, top - bottom, kThickness});
+}
+
+/// The lines that say what is not as by default, as many as there is room for.
+std::array<std::string, kSettingsY.size()> linesOf(const std::vector<std::string>& settings) {
+  std::array<std::string, kSettingsY.size()> lines = {settings.empty() ? "as shipped" : ""};
+  auto line = lines.begin();
+  for (const std::string& setting : settings) {
+    const bool last = line == lines.end() - 1;
+    if (!last && !line->empty() && line->size() + setting.size() > kLineLength - 3) {
+      *line += ",";
+      ++line;
+    }
+    *line += (line->empty() ? "" : ", ") + setting;
+  }
+  std::transform(lines.begin(), lines.end(), lines.begin(),
+                 [](const std::string& line) { return fitted(line, kLineLength); });
+  return lines;
+}
+
+}  // namespace
+
+std::string fitted(const std::string& text, std::size_t length) {
+  const std::string dots = "...";
+  if (text.size() <= length) {
+    return text;
+  }
+  const auto inside = [](char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; };  // of a letter
+  std::size_t end = length - dots.size();
+  while (end > 0 && inside(text[end])) {
+    --end;
+  }
+  return text.substr(0, end) + dots;
+}
+
+std_msgs::ColorRGBA color(std::uint32_t rgb, float opacity) {
+  const auto channel = [rgb](int shift) { return static_cast<float>((rgb >> shift) & 0xFFU) / 255.0F; };
+  std_msgs::ColorRGBA color;
+  color.r = channel(16);
+  color.g = channel(8);
+  color.b = channel(0);
+  color.a = opacity;
+  return color;
+}
+
+Marker frameLockedMarker(const std::string& frame, int type, const std_msgs::ColorRGBA& color) {
+  Marker marker;
+  marker.header.frame_id = frame;
+  marker.frame_locked = 1;
+  marker.type = type;
+  marker.pose.orientation.w = 1.0;
+  marker.color = color;
+  return marker;
+}
+
+void enumerate(const std::string& ns, std::vector<Marker>& markers) {
+  int id = 0;
+  for (Marker& marker : markers) {
+    marker.ns = ns;
+    marker.id = id++;
+  }
+}
+
+std::vector<geometry_msgs::Point> teeOutline() {
+  constexpr double kStemEnd = -kStemOffset - kStemHalfLength;
+  return {point(-kTeeHalfWidth, kStemEnd),        point(kTeeHalfWidth, kStemEnd),
+          point(kTeeHalfWidth, -kTeeHalfWidth),   point(kBarHalfLength, -kTeeHalfWidth),
+          point(kBarHalfLength, kTeeHalfWidth),   point(-kBarHalfLength, kTeeHalfWidth),
+          point(-kBarHalfLength, -kTeeHalfWidth), point(-kTeeHalfWidth, -kTeeHalfWidth),
+          point(-kTeeHalfWidth, kStemEnd)};
+}
+
+std::vector<geometry_msgs::Point> teeSurface() {
+  std::vector<geometry_msgs::Point> triangles;
+  for (const auto& [a, b, c, d] : teeRectangles()) {
+    triangles.insert(triangles.end(), {a, b, c, a, c, d});
+  }
+  return triangles;
+}
+
+std::array<std::array<geometry_msgs::Point, 4>, 2> teeRectangles() {
+  const std::vector<geometry_msgs::Point> outline = teeOutline();
+  return {{{outline[0], outline[1], outline[2], outline[7]}, {outline[6], outline[3], outline[4], outline[5]}}};
+}
+
+MarkerArray tableMarkers(const std::string& frame_prefix, const WorldColors& colors) {
+  const std::string table = frame_prefix + "/table";
+  const std::string target = frame_prefix + "/target";
+
+  constexpr double kInner = 2.0 * kWallInnerFace;
+  constexpr double kOuter = kInner + 2.0 * kWallThickness;
+  constexpr double kWall = kWallInnerFace + 0.5 * kWallThickness;
+
+  MarkerArray world;
+  world.markers = {
+      body(table, Marker::CUBE, colors.table, {0.0, 0.0, kTableHeight - 0.5 * kTableThickness},
+           {kInner, kInner, kTableThickness}),
+      body(table, Marker::CUBE, colors.walls, {0.0, kWall, 0.5 * kWallHeight}, {kOuter, kWallThickness, kWallHeight}),
+      body(table, Marker::CUBE, colors.walls, {0.0, -kWall, 0.5 * kWallHeight}, {kOuter, kWallThickness, kWallHeight}),
+      body(table, Marker::CUBE, colors.walls, {kWall, 0.0, 0.5 * kWallHeight}, {kWallThickness, kInner, kWallHeight}),
+      body(table, Marker::CUBE, colors.walls, {-kWall, 0.0, 0.5 * kWallHeight}, {kWallThickness, kInner, kWallHeight}),
+      targetSurface(target, colors.target),
+      targetOutline(target, colors.target),
+  };
+  enumerate(frame_prefix, world.markers);
+  return world;
+}
+
+MarkerArray worldMarkers(const std::string& frame_prefix, const WorldColors& colors) {
+  const std::string pusher = frame_prefix + "/pusher";
+  const std::string tee = frame_prefix + "/tee";
+  constexpr double kPusherDiameter = 2.0 * kPusherRadius;
+  constexpr double kTeeWidth = 2.0 * kTeeHalfWidth;
+
+  MarkerArray world = tableMarkers(frame_prefix, colors);
+  for (const Marker& marker :
+       {body(tee, Marker::CUBE, colors.tee, Vector3d::Zero(), {2.0 * kBarHalfLength, kTeeWidth, 2.0 * kTeeFrameHeight}),
+        body(tee, Marker::CUBE, colors.tee, {0.0, -kStemOffset, 0.0},
+             {kTeeWidth, 2.0 * kStemHalfLength, 2.0 * kTeeFrameHeight}),
+        body(pusher, Marker::CYLINDER, colors.pusher, Vector3d::Zero(),
+             {kPusherDiameter, kPusherDiameter, 2.0 * kPusherFrameHeight})}) {
+    world.markers.push_back(marker);
+  }
+  enumerate(frame_prefix, world.markers);
+  return world;
+}
+
+Caption captionOf(const pusht_msgs::DescribeResponse& description) {
+  Caption caption;
+  caption.title = description.title.empty() ? description.name : description.title;
+  const auto& known = description.parameter_descriptors;
+  for (const pusht_msgs::Parameter& parameter : description.parameters) {
+    const bool is_default = std::any_of(known.begin(), known.end(), [&](const auto& descriptor) {
+      return descriptor.name == parameter.name && descriptor.default_value == parameter.value;
+    });
+    if (!is_default) {
+      caption.settings.push_back(parameter.name + " " + parameter.value);
+    }
+  }
+  return caption;
+}
+
+MarkerArray captionMarkers(const std::string& frame_prefix, const Caption& caption) {
+  std::string time = "waits for a reset";
+  std::string pose;
+  std::string off_target;
+  if (caption.moment) {
+    const auto& [episode, steps, state] = *caption.moment;
+    const PoseError error = poseError(state);
+    time = "episode " + std::to_string(episode) + ", " + fixedText(steps * kControlStep, 1) + " s";
+    pose = "tee at x " + fixedText(state.tee_position.x(), 3) + " m, y " + fixedText(state.tee_position.y(), 3) +
+           " m, yaw " + fixedText(state.tee_yaw, 2) + " rad";
+    off_target = fixedText(error.position, 3) + " m, " + fixedText(error.angle, 2) + " rad off target";
+  }
+
+  constexpr double kWallEnd = kWallInnerFace + kWallThickness;
+  constexpr double kMargin = 0.02;  // [m]
+  const std::string table = frame_prefix + "/table";
+  MarkerArray markers;
+  markers.markers = {
+      card(table, kWallEnd + 0.5 * kMargin, kTitleY + 0.5 * kTitleSize + kMargin),
+      card(table, kSettingsY.back() - 0.5 * kSmallSize - kMargin, -kWallEnd - 0.5 * kMargin),
+      text(table, caption.title, kTitleY, kTitleSize, kBright),
+      text(table, time, kTimeY, kResultSize, kBright),
+      text(table, pose, kPoseY, kSmallSize, kDim),
+      text(table, off_target, kErrorY, kSmallSize, kDim),
+  };
+  const auto lines = linesOf(caption.settings);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    markers.markers.push_back(text(table, lines.at(i), kSettingsY.at(i), kSmallSize, kDim));
+  }
+  enumerate(frame_prefix + "/caption", markers.markers);
+  return markers;
+}
+
+}  // namespace pusht

@@ -11,7 +11,9 @@
 #include <functional>
 #include <iostream>
 #include <map>
+#include <new>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,8 +22,6 @@
 #include "crossed_coverage.hpp"
 #include "equivalent_coverage.hpp"
 #include "known_truths.hpp"
-#include "pusht_task/error.hpp"
-#include "pusht_task/numbers.hpp"
 #include "ranking_coverage.hpp"
 #include "repeat_coverage.hpp"
 #include "sim2sim_statistics/intervals.hpp"
@@ -100,7 +100,7 @@ Answers<3> family(int n, Random& random) {
 
 /// Two equally good ones, of whose pairs that share is discordant.
 Rates equallyGood(double discordant) {
-  return {"discordant " + pusht::fixedText(discordant, 2), 0.0, 0.5 * discordant, 0.5 * discordant};
+  return {"discordant " + fixedText(discordant, 2), 0.0, 0.5 * discordant, 0.5 * discordant};
 }
 
 void tests(Simulation& simulation, const World& world) {
@@ -198,7 +198,7 @@ void watching(Simulation& simulation, const World& world) {
   for (const Rates& rates : world.rates) {
     if (rates.second() <= rates.first() && rates.second() > 0.0) {
       const auto shares = simulation.ask<2>([&](Random& random) { return watchTransfer(rates, random); });
-      const std::string share = pusht::fixedText(rates.second() / rates.first(), 3);
+      const std::string share = fixedText(rates.second() / rates.first(), 3);
       printRow({"keeps more than " + share, rates.name + ", just that", boundCell(shares[0])});
       printRow({"keeps less than " + share, rates.name + ", just that", boundCell(shares[1])});
     }
@@ -252,10 +252,12 @@ void study(int repetitions, std::uint64_t seed, const std::string& episodes) {
   repeats(of_repeats);
 }
 
-}  // namespace
-}  // namespace sim2sim
+// Exit codes of the suite's commands (docs/faults.md).
+constexpr int kInvalidInput = 2;
+constexpr int kRuntimeFault = 4;
+constexpr int kInternalError = 70;
 
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app("Shows by simulation how often the intervals and tests are right; prints Markdown.", "coverage");
   int repetitions = 4000;
   std::uint64_t seed = 0;
@@ -267,14 +269,25 @@ int main(int argc, char** argv) {
   app.add_option("--episodes", episodes, "episodes.csv of a run, whose episodes are one more population");
   try {
     app.parse(argc, argv);
-    sim2sim::study(repetitions, seed, episodes);
+    study(repetitions, seed, episodes);
   } catch (const CLI::Success& request) {  // --help
     return app.exit(request);
   } catch (const CLI::ParseError& error) {
     std::cerr << "coverage: " << error.what() << "\n";
-    return static_cast<int>(pusht::ExitCode::kInvalidInput);
+    return kInvalidInput;
+  } catch (const std::domain_error& refusal) {
+    std::cerr << "coverage: " << refusal.what() << "\n";
+    return kInvalidInput;
+  } catch (const std::bad_alloc& failure) {
+    std::cerr << "coverage: " << failure.what() << "\n";
+    return kRuntimeFault;
   } catch (const std::exception& failure) {
     std::cerr << "coverage: " << failure.what() << "\n";
-    return static_cast<int>(pusht::exitCodeOf(failure));
+    return kInternalError;
   }
 }
+
+}  // namespace
+}  // namespace sim2sim
+
+int main(int argc, char** argv) { return sim2sim::run(argc, argv); }

@@ -12,7 +12,6 @@
 
 #include "coverage_tables.hpp"
 #include "known_truths.hpp"
-#include "pusht_task/numbers.hpp"
 #include "sim2sim_statistics/crossed.hpp"
 #include "sim2sim_statistics/ranking.hpp"
 
@@ -184,7 +183,7 @@ Answers<kQuestions> ask(const Skills& skills, const Shape& shape, const Truth& t
 std::vector<Skills> populations() {
   std::vector<Skills> all;
   for (const double correlation : {0.0, 0.5, 0.9}) {
-    const std::string name = "correlation " + pusht::fixedText(correlation, 1);
+    const std::string name = "correlation " + fixedText(correlation, 1);
     all.push_back({name + ", deviation 0.1", 0.1, correlation, 0.0, false});
     all.push_back({name + ", deviation 0.05, shared chance", 0.05, correlation, 0.6, false});
     all.push_back({name + ", deviation 0.1, two kinds", 0.1, correlation, 0.0, true});
@@ -194,7 +193,7 @@ std::vector<Skills> populations() {
   return all;
 }
 
-std::string percent(const Proportion& share) { return pusht::fixedText(100.0 * share.value(), 1); }
+std::string percent(const Proportion& share) { return fixedText(100.0 * share.value(), 1); }
 
 }  // namespace
 

@@ -10,7 +10,6 @@
 
 #include "coverage_tables.hpp"
 #include "known_truths.hpp"
-#include "pusht_task/numbers.hpp"
 #include "sim2sim_statistics/equivalence.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 
@@ -60,7 +59,7 @@ void equivalents(Simulation& simulation) {
   printHead("Share of repetitions in which the interval of an equivalent error holds its size [%], nominal 95",
             withSizes(kStarts, {"size (steepness)", "luck of a start"}));
   for (const Planted planted : {Planted{1.0, 1.0}, {1.5, 1.0}, {2.0, 1.0}, {3.0, 1.0}, {2.4, 4.0}, {2.4, 10.0}}) {
-    const std::string what = pusht::fixedText(planted.size, 1) + " (" + pusht::fixedText(planted.steepness, 0) + ")";
+    const std::string what = fixedText(planted.size, 1) + " (" + fixedText(planted.steepness, 0) + ")";
     for (const bool same_luck : {true, false}) {
       printCoverage(simulation, kStarts, what, same_luck ? "the same" : "independent", planted.size,
                     [&](int n, Random& random) { return intervalOf(planted, same_luck, n, random); });

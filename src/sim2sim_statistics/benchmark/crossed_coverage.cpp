@@ -13,7 +13,6 @@
 
 #include "coverage_tables.hpp"
 #include "known_truths.hpp"
-#include "pusht_task/numbers.hpp"
 #include "sim2sim_statistics/crossed.hpp"
 #include "sim2sim_statistics/tails.hpp"
 #include "tail_coverage.hpp"
@@ -111,7 +110,7 @@ std::vector<Design> designs() {
   std::vector<Design> all;
   for (const double policy : {0.02, 0.05, 0.1}) {
     for (const double interaction : {0.0, 0.1}) {
-      const std::string name = "policies " + pusht::fixedText(policy, 2) + (interaction > 0.0 ? ", interaction" : "");
+      const std::string name = "policies " + fixedText(policy, 2) + (interaction > 0.0 ? ", interaction" : "");
       all.push_back({name, 0.6, 0.45, policy, 0.05, interaction, false});
     }
   }
@@ -196,7 +195,7 @@ void crossedDivergences(Simulation& simulation) {
   for (std::size_t question = 0; question < names.size(); ++question) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       std::vector<std::string> cells = {names.at(question),
-                                        all[i].starts.name + ", policies " + pusht::fixedText(all[i].policy, 2)};
+                                        all[i].starts.name + ", policies " + fixedText(all[i].policy, 2)};
       for (const auto& of_shape : shares[i]) {
         cells.push_back(coverageCell(of_shape.at(question)));
       }

@@ -7,6 +7,7 @@
 #include <boost/math/constants/constants.hpp>
 #include <boost/math/distributions/gamma.hpp>
 #include <boost/math/distributions/normal.hpp>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <fstream>
@@ -14,16 +15,15 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <random>
 #include <sstream>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 #include <tuple>
 #include <utility>
 #include <vector>
 
-#include "pusht_task/error.hpp"
-#include "pusht_task/numbers.hpp"
 #include "sim2sim_statistics/common.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/pairs.hpp"
@@ -176,7 +176,7 @@ inline std::vector<std::map<std::string, std::string>> readCsv(const std::string
   };
   std::string line;
   if (!std::getline(file, line)) {
-    throw pusht::InvalidInput("episodes " + path + ": must be a readable episodes.csv");
+    throw std::domain_error("episodes " + path + ": must be a readable episodes.csv");
   }
   const std::vector<std::string> columns = cells(line);
   std::vector<std::map<std::string, std::string>> lines;
@@ -197,11 +197,13 @@ inline void addFile(const std::string& path, World& world) {
   std::map<std::string, std::array<bool, 2>> successes;  // of reference and engine, by episode
   for (auto& line : readCsv(path)) {
     const auto number = [&](const char* column) {
-      const std::optional<double> value = pusht::decimal<double>(line[column]);
-      if (!value) {
-        throw pusht::InvalidInput("episodes " + path + ", " + column + " '" + line[column] + "': must be a number");
+      const std::string& text = line[column];
+      double value = 0.0;
+      const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
+      if (read.ec != std::errc() || read.ptr != text.data() + text.size() || !std::isfinite(value)) {
+        throw std::domain_error("episodes " + path + ", " + column + " '" + text + "': must be a number");
       }
-      return *value;
+      return value;
     };
     if (line["mode"] == "engine_replay") {
       positions.push_back(number("mean_position_divergence_m"));
@@ -213,7 +215,7 @@ inline void addFile(const std::string& path, World& world) {
     }
   }
   if (positions.empty()) {
-    throw pusht::InvalidInput("episodes " + path + ": must have lines of the mode engine_replay");
+    throw std::domain_error("episodes " + path + ": must have lines of the mode engine_replay");
   }
   PairTable table;
   for (const auto& [episode, success] : successes) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <functional>
 #include <iostream>
 #include <iterator>
@@ -10,12 +12,23 @@
 #include <string>
 #include <vector>
 
-#include "pusht_task/numbers.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/sequential.hpp"
 #include "simulation.hpp"
 
 namespace sim2sim {
+
+/// `value` as text, in that format of std::to_chars with so many digits; independent of the locale.
+inline std::string textOf(double value, std::chars_format format, int digits) {
+  std::array<char, 512> buffer{};  // the longest double in fixed notation has 309 digits before the point
+  return {buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format, digits).ptr};
+}
+/// `value` with `digits` digits after the point: 0.082000.
+inline std::string fixedText(double value, int digits) { return textOf(value, std::chars_format::fixed, digits); }
+/// `value` with the first `digits` digits that count, as C's %g writes it: 0.0123, 1.23e-09.
+inline std::string significantText(double value, int digits) {
+  return textOf(value, std::chars_format::general, digits);
+}
 
 /// Which side of the nominal share is to be marked: `kWorse` is all for a test that promises no more than a bound.
 enum class Marks { kBoth, kWorse };
@@ -27,7 +40,7 @@ inline std::string cell(const Proportion& share, double nominal, bool more_is_wo
     return "none";
   }
   const std::string text =
-      pusht::fixedText(100.0 * share.value(), 1) + " ± " + pusht::fixedText(100.0 * share.error(share.value()), 1);
+      fixedText(100.0 * share.value(), 1) + " ± " + fixedText(100.0 * share.error(share.value()), 1);
   const double deviation = (share.value() - nominal) / share.error(nominal) * (more_is_worse ? 1.0 : -1.0);
   if (deviation > 2.0) {
     return "**" + text + "**";

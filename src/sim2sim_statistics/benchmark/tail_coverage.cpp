@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "coverage_tables.hpp"
-#include "pusht_task/numbers.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/tails.hpp"
 
@@ -111,7 +110,7 @@ std::string medianInterval(const Line& line, int n) {
   }
   const auto middle = [](std::vector<double>& values) {
     std::sort(values.begin(), values.end());
-    return pusht::significantText(values[values.size() / 2], kDigits);
+    return significantText(values[values.size() / 2], kDigits);
   };
   return "[" + middle(low) + ", " + middle(high) + "]";
 }

@@ -12,7 +12,6 @@
 
 #include "coverage_tables.hpp"
 #include "known_truths.hpp"
-#include "pusht_task/numbers.hpp"
 #include "sim2sim_statistics/repeats.hpp"
 #include "sim2sim_statistics/sequential.hpp"
 #include "sim2sim_statistics/tails.hpp"
@@ -45,8 +44,8 @@ struct Coins {
   }
   double withinStarts() const { return away * (1.0 - away) - betweenStarts(); }
   std::string name() const {
-    return pusht::fixedText(home, 2) + " to " + pusht::fixedText(away, 2) + ", concentration " +
-           pusht::shortestText(concentration) + (own ? ", biases apart" : "") + (shared ? ", shared noise" : "");
+    return fixedText(home, 2) + " to " + fixedText(away, 2) + ", concentration " + fixedText(concentration, 1) +
+           (own ? ", biases apart" : "") + (shared ? ", shared noise" : "");
   }
 };
 
@@ -174,7 +173,7 @@ void repeats(Simulation& simulation) {
   for (const Population& population : {lognormal("position, lognormal", kPosition)}) {
     for (const double noise : {0.2, 1.0}) {
       std::vector<std::string> cells = {"mean divergence, Gaffke of the starts' means",
-                                        population.name + ", noise " + pusht::fixedText(noise, 1)};
+                                        population.name + ", noise " + fixedText(noise, 1)};
       for (const RepeatShape& shape : kRepeatShapes) {
         cells.push_back(coverageCell(simulation.ask([&](Random& random) {
           return holds(tailMeanInterval(meansOfStarts(population, noise, shape, random), kNullPosition),

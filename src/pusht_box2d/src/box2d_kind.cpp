@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_box2d/box2d_kind.hpp"
+#include "box2d_kind.hpp"
 
-#include "pusht_box2d/box2d_world.hpp"
+#include "box2d_world.hpp"
 #include "pusht_task/mapping.hpp"
 #include "pusht_task/simulator_plugin.hpp"
 #include "pusht_task/substeps.hpp"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "pusht_box2d/box2d_world.hpp"
+#include "box2d_world.hpp"
 #include "pusht_task/mapping.hpp"
 #include "pusht_task/physics.hpp"
 #include "pusht_task/types.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_box2d/box2d_world.hpp"
+#include "box2d_world.hpp"
 
 #include <box2d/box2d.h>
 

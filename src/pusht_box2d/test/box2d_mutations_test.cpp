@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "../src/box2d_scene.hpp"
-#include "pusht_box2d/box2d_world.hpp"
+#include "box2d_world.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/mapping.hpp"
 #include "pusht_testing/planted_errors.hpp"

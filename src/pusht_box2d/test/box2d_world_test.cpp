@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_box2d/box2d_world.hpp"
+#include "box2d_world.hpp"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "pusht_box2d/box2d_kind.hpp"
+#include "box2d_kind.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_testing/kind_suites.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_bullet/bullet_kind.hpp"
+#include "bullet_kind.hpp"
 
 #include "bullet_library.hpp"
-#include "pusht_bullet/bullet_world.hpp"
+#include "bullet_world.hpp"
 #include "pusht_task/mapping.hpp"
 #include "pusht_task/simulator_plugin.hpp"
 #include "pusht_task/substeps.hpp"

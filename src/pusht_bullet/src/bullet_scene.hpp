@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "pusht_bullet/bullet_world.hpp"
+#include "bullet_world.hpp"
 #include "pusht_task/mapping.hpp"
 #include "pusht_task/physics.hpp"
 #include "pusht_task/types.hpp"

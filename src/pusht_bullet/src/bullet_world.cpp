@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_bullet/bullet_world.hpp"
+#include "bullet_world.hpp"
 
 #include <cmath>
 #include <string>

@@ -7,7 +7,7 @@
 
 #include "../src/bullet_scene.hpp"
 #include "bullet_checks.hpp"
-#include "pusht_bullet/bullet_world.hpp"
+#include "bullet_world.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/mapping.hpp"
 #include "pusht_testing/planted_errors.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_bullet/bullet_world.hpp"
+#include "bullet_world.hpp"
 
 #include <dlfcn.h>
 #include <gmock/gmock.h>
@@ -13,7 +13,7 @@
 #include "../src/bullet_library.hpp"
 #include "../src/bullet_scene.hpp"
 #include "bullet_checks.hpp"
-#include "pusht_bullet/bullet_kind.hpp"
+#include "bullet_kind.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_testing/convergence_suite.hpp"
 #include "pusht_testing/kind_suites.hpp"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_chipmunk/chipmunk_kind.hpp"
+#include "chipmunk_kind.hpp"
 
 #include <utility>
 
-#include "pusht_chipmunk/chipmunk_world.hpp"
+#include "chipmunk_world.hpp"
 #include "pusht_task/mapping.hpp"
 #include "pusht_task/simulator_plugin.hpp"
 #include "pusht_task/substeps.hpp"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "pusht_chipmunk/chipmunk_world.hpp"
+#include "chipmunk_world.hpp"
 #include "pusht_task/mapping.hpp"
 #include "pusht_task/physics.hpp"
 #include "pusht_task/types.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_chipmunk/chipmunk_world.hpp"
+#include "chipmunk_world.hpp"
 
 #include <chipmunk/chipmunk.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_chipmunk/chipmunk_world.hpp"
+#include "chipmunk_world.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "../src/chipmunk_scene.hpp"
-#include "pusht_chipmunk/chipmunk_kind.hpp"
+#include "chipmunk_kind.hpp"
 #include "pusht_task/mapping.hpp"
 #include "pusht_testing/convergence_suite.hpp"
 #include "pusht_testing/kind_suites.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_engine/continuous_contact.hpp"
+#include "continuous_contact.hpp"
 
 #include <algorithm>
 #include <array>

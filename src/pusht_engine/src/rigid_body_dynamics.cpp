@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "pusht_engine/continuous_contact.hpp"
+#include "continuous_contact.hpp"
 #include "pusht_task/constants.hpp"
 
 namespace pusht::rigid_body {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Continuous contact: the swept disc against cases by hand and against samples of its path; fast bodies against closed
 // forms; no overlap, and no stop where nothing is met.
-#include "pusht_engine/continuous_contact.hpp"
+#include "continuous_contact.hpp"
 
 #include <gtest/gtest.h>
 

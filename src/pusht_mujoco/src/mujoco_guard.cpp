@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_mujoco/mujoco_guard.hpp"
+#include "mujoco_guard.hpp"
 
 #include <mujoco/mujoco.h>
 

@@ -5,8 +5,8 @@
 #include <array>
 #include <new>
 
+#include "mujoco_guard.hpp"
 #include "mujoco_modeling.hpp"
-#include "pusht_mujoco/mujoco_guard.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/substeps.hpp"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "coordinates.hpp"
-#include "pusht_mujoco/mujoco_guard.hpp"
+#include "mujoco_guard.hpp"
 #include "pusht_task/error.hpp"
 
 namespace pusht {

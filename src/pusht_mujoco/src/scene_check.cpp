@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "pusht_mujoco/mujoco_guard.hpp"
+#include "mujoco_guard.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
 #include "shipped_scene.hpp"

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "pusht_mujoco/mujoco_guard.hpp"
+#include "mujoco_guard.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/buttons.hpp"
+#include "buttons.hpp"
 
 namespace pusht_rviz {
 namespace {

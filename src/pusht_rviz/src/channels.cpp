@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/channels.hpp"
+#include "channels.hpp"
 
 #include <XmlRpcValue.h>
 #include <pusht_msgs/Control.h>

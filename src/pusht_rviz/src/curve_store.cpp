@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/curve_store.hpp"
+#include "curve_store.hpp"
 
 #include <algorithm>
 #include <utility>

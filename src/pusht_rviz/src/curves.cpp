@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/curves.hpp"
+#include "curves.hpp"
 
 #include <qcustomplot.h>
 
@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pusht_rviz/theme.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 namespace {

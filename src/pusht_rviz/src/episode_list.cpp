@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/episode_list.hpp"
+#include "episode_list.hpp"
 
 #include <QHeaderView>
 #include <QVBoxLayout>
 #include <array>
 #include <cstddef>
 
-#include "pusht_rviz/theme.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 

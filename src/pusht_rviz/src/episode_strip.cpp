@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/episode_strip.hpp"
+#include "episode_strip.hpp"
 
 #include <QHelpEvent>
 #include <QMouseEvent>
@@ -8,7 +8,7 @@
 #include <QToolTip>
 #include <algorithm>
 
-#include "pusht_rviz/theme.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/episodes_model.hpp"
+#include "episodes_model.hpp"
 
 #include <QBrush>
 #include <algorithm>
@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <string>
 
-#include "pusht_rviz/texts.hpp"
-#include "pusht_rviz/theme.hpp"
 #include "pusht_task/constants.hpp"
+#include "texts.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 namespace {

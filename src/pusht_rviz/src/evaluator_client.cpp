@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/evaluator_client.hpp"
+#include "evaluator_client.hpp"
 
 #include <actionlib/client/action_client.h>
 #include <pusht_msgs/CompareAction.h>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/evaluator_link.hpp"
+#include "evaluator_link.hpp"
 
 #include <ros/names.h>
 
 #include <utility>
 
-#include "pusht_rviz/channels.hpp"
+#include "channels.hpp"
 
 namespace pusht_rviz {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/goal.hpp"
+#include "goal.hpp"
 
 #include <cstddef>
 #include <limits>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/next_run.hpp"
+#include "next_run.hpp"
 
 #include <QGridLayout>
 #include <QGroupBox>
@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <string>
 
-#include "pusht_rviz/quiet_wheel.hpp"
-#include "pusht_rviz/theme.hpp"
+#include "quiet_wheel.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/node_row.hpp"
+#include "node_row.hpp"
 
 #include <QColor>
 #include <QHBoxLayout>
 
-#include "pusht_rviz/theme.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 namespace {

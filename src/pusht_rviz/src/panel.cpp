@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/panel.hpp"
+#include "panel.hpp"
 
 #include <rviz/config.h>
 #include <rviz/visualization_manager.h>
@@ -14,9 +14,9 @@
 #include <string>
 
 #include "drawing_end.hpp"
-#include "pusht_rviz/texts.hpp"
-#include "pusht_rviz/theme.hpp"
 #include "pusht_task/numbers.hpp"
+#include "texts.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/parameter_draft.hpp"
+#include "parameter_draft.hpp"
 
 #include <algorithm>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/parameter_form.hpp"
+#include "parameter_form.hpp"
 
 #include <QCheckBox>
 #include <QComboBox>
@@ -13,8 +13,8 @@
 #include <memory>
 #include <utility>
 
-#include "pusht_rviz/quiet_wheel.hpp"
-#include "pusht_rviz/theme.hpp"
+#include "quiet_wheel.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 namespace {

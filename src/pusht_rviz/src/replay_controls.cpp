@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/replay_controls.hpp"
+#include "replay_controls.hpp"
 
 #include <QHBoxLayout>
 #include <QPainter>
@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "pusht_rviz/theme.hpp"
 #include "pusht_task/constants.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 

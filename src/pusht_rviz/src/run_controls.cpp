@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/run_controls.hpp"
+#include "run_controls.hpp"
 
 #include <QAbstractItemView>
 #include <QHBoxLayout>
@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <array>
 
-#include "pusht_rviz/texts.hpp"
-#include "pusht_rviz/theme.hpp"
 #include "pusht_task/constants.hpp"
+#include "texts.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/service_channel.hpp"
+#include "service_channel.hpp"
 
 #include <condition_variable>
 #include <deque>

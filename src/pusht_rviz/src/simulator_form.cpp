@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/simulator_form.hpp"
+#include "simulator_form.hpp"
 
 #include <QSignalBlocker>
 #include <QVBoxLayout>
 #include <algorithm>
 
-#include "pusht_rviz/quiet_wheel.hpp"
+#include "quiet_wheel.hpp"
 
 namespace pusht_rviz {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/strip_layout.hpp"
+#include "strip_layout.hpp"
 
 #include <algorithm>
 

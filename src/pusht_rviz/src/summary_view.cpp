@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/summary_view.hpp"
+#include "summary_view.hpp"
 
 #include <QGridLayout>
 #include <QVBoxLayout>
 #include <QVariant>
 #include <string>
 
-#include "pusht_rviz/texts.hpp"
-#include "pusht_rviz/theme.hpp"
+#include "texts.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/texts.hpp"
+#include "texts.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/theme.hpp"
+#include "theme.hpp"
 
 #include <QGuiApplication>
 #include <QPainter>

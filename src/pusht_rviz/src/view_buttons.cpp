@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/view_buttons.hpp"
+#include "view_buttons.hpp"
 
 #include <rviz/view_controller.h>
 #include <rviz/view_manager.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/episodes_model.hpp"
+#include "episodes_model.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/next_run.hpp"
+#include "next_run.hpp"
 
 #include <gmock/gmock.h>
 

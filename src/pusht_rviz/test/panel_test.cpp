@@ -32,8 +32,8 @@
 #include <functional>
 #include <string>
 
-#include "pusht_rviz/curves.hpp"
-#include "pusht_rviz/episode_strip.hpp"
+#include "curves.hpp"
+#include "episode_strip.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_rviz/simulator_form.hpp"
+#include "simulator_form.hpp"
 
 #include <gmock/gmock.h>
 

@@ -7,10 +7,10 @@
 #include <limits>
 #include <vector>
 
+#include "experiments.hpp"
 #include "free_pusher.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/physics.hpp"
-#include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim {
 namespace {

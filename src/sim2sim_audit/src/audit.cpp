@@ -8,11 +8,11 @@
 #include <memory>
 #include <thread>
 
+#include "experiments.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/physics.hpp"
-#include "sim2sim_audit/experiments.hpp"
-#include "sim2sim_audit/replay.hpp"
+#include "replay.hpp"
 
 namespace sim2sim {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "experiments.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/spawn.hpp"
-#include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_audit/experiments.hpp"
+#include "experiments.hpp"
 
 #include <exception>
 #include <iterator>

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "experiments.hpp"
 #include "pusht_task/constants.hpp"
-#include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim {
 namespace {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <stdexcept>
 
+#include "experiments.hpp"
 #include "free_pusher.hpp"
 #include "pusht_task/constants.hpp"
-#include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim {
 namespace {

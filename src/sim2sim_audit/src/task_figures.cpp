@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "experiments.hpp"
 #include "pusht_task/constants.hpp"
-#include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim {
 namespace {

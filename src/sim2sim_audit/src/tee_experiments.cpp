@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include "experiments.hpp"
 #include "force_sensor.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/physics.hpp"
-#include "sim2sim_audit/experiments.hpp"
 #include "slide_law.hpp"
 #include "tee_fit.hpp"
 

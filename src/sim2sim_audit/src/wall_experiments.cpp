@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "experiments.hpp"
 #include "pusht_task/constants.hpp"
-#include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string>
 
-#include "pusht_chipmunk/chipmunk_kind.hpp"
+#include "chipmunk_kind.hpp"
 #include "pusht_engine/rigid_body_kind.hpp"
 #include "pusht_engine/two_mass_kind.hpp"
 #include "pusht_mujoco/mujoco_kind.hpp"

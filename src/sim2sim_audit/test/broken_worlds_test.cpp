@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "experiments.hpp"
 #include "planted_faults.hpp"
 #include "pusht_engine/rigid_body_engine.hpp"
 #include "pusht_task/error.hpp"
 #include "sim2sim_audit/audit.hpp"
 #include "sim2sim_audit/audit_json.hpp"
-#include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim::testing {
 namespace {

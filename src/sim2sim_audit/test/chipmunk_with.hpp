@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "chipmunk_scene.hpp"
-#include "pusht_chipmunk/chipmunk_world.hpp"
+#include "chipmunk_world.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/physics.hpp"
 #include "sim2sim_audit/bench.hpp"

@@ -10,8 +10,8 @@
 #include "planted_faults.hpp"
 #include "pusht_testing/golden.hpp"
 #include "pusht_testing/long_tests.hpp"
+#include "replay.hpp"
 #include "sim2sim_audit/audit.hpp"
-#include "sim2sim_audit/replay.hpp"
 
 namespace sim2sim::testing {
 namespace {

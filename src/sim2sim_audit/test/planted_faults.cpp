@@ -7,10 +7,10 @@
 
 #include "chipmunk_with.hpp"
 #include "coordinates.hpp"
+#include "experiments.hpp"
 #include "mujoco_with.hpp"
 #include "pusht_task/physics.hpp"
 #include "rigid_body_with.hpp"
-#include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim::testing {
 namespace {

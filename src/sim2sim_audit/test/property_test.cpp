@@ -7,8 +7,8 @@
 #include <set>
 #include <string>
 
+#include "experiments.hpp"
 #include "sim2sim_audit/audit.hpp"
-#include "sim2sim_audit/experiments.hpp"
 
 namespace sim2sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/demonstrate.hpp"
+#include "batch/demonstrate.hpp"
 
 #include "sim2sim_eval/batch/command_line.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/merge.hpp"
+#include "batch/merge.hpp"
 
 #include "sim2sim_eval/batch/command_line.hpp"
 

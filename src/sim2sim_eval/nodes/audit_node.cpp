@@ -2,8 +2,8 @@
 /// Audit of two worlds that are nodes.
 #include <ros/init.h>
 
+#include "live/audit_nodes.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/live/audit_nodes.hpp"
 #include "sim2sim_serving/node.hpp"
 
 int main(int argc, char** argv) {

@@ -2,8 +2,8 @@
 /// The evaluator as a node.
 #include <ros/init.h>
 
+#include "live/evaluate.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/live/evaluate.hpp"
 #include "sim2sim_serving/node.hpp"
 
 int main(int argc, char** argv) {

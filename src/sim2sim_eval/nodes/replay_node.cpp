@@ -2,8 +2,8 @@
 /// A recorded run as a node, in place of the evaluator.
 #include <ros/init.h>
 
+#include "live/serve_playback.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/live/serve_playback.hpp"
 #include "sim2sim_serving/node.hpp"
 
 int main(int argc, char** argv) {

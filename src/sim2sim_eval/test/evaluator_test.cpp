@@ -11,12 +11,12 @@
 #include <optional>
 #include <string>
 
+#include "live/evaluator_parameters.hpp"
+#include "live/progress_line.hpp"
+#include "live/request.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_testing/refusal.hpp"
 #include "pusht_testing/temporary_folder.hpp"
-#include "sim2sim_eval/live/evaluator_parameters.hpp"
-#include "sim2sim_eval/live/progress_line.hpp"
-#include "sim2sim_eval/live/request.hpp"
 
 namespace sim2sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/bag/messages.hpp"
+#include "bag/messages.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/pacer.hpp"
+#include "live/pacer.hpp"
 
 #include <gtest/gtest.h>
 

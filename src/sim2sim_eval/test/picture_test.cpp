@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/picture.hpp"
+#include "live/picture.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
+#include "live/captions.hpp"
+#include "live/table_view.hpp"
 #include "pusht_task/constants.hpp"
-#include "sim2sim_eval/live/captions.hpp"
-#include "sim2sim_eval/live/table_view.hpp"
 #include "sim2sim_protocol/ending.hpp"
 #include "sim2sim_protocol/flight.hpp"
 #include "sim2sim_serving/world_markers.hpp"

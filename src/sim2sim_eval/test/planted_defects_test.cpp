@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "chipmunk_scene.hpp"
-#include "pusht_chipmunk/chipmunk_world.hpp"
+#include "chipmunk_world.hpp"
 #include "pusht_engine/rigid_body_engine.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/task.hpp"

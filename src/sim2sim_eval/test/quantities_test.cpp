@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "sim2sim_eval/bag/messages.hpp"
+#include "bag/messages.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
 #include "sim2sim_protocol/results/headline.hpp"

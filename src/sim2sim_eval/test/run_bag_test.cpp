@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/bag/run_bag.hpp"
+#include "bag/run_bag.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,12 +17,12 @@
 #include <utility>
 #include <vector>
 
+#include "bag/messages.hpp"
+#include "bag/recorded_run.hpp"
 #include "pusht_engine/two_mass_engine.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_testing/temporary_folder.hpp"
-#include "sim2sim_eval/bag/messages.hpp"
-#include "sim2sim_eval/bag/recorded_run.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/flight.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"

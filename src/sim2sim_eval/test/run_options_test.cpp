@@ -12,13 +12,13 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "batch/sweep_plan.hpp"
+#include "live/named_options.hpp"
+#include "live/request.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_testing/refusal.hpp"
 #include "pusht_testing/temporary_folder.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
-#include "sim2sim_eval/batch/sweep_plan.hpp"
-#include "sim2sim_eval/live/named_options.hpp"
-#include "sim2sim_eval/live/request.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 
 namespace sim2sim {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_protocol/results/answers.hpp"
+#include "results/answers.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

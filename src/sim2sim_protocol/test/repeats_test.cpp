@@ -13,11 +13,11 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/loop.hpp"
+#include "results/starts.hpp"
 #include "run_episodes.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
-#include "sim2sim_protocol/results/starts.hpp"
 #include "sim2sim_protocol/results/statistics.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/table.hpp"

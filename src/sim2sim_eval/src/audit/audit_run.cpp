@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/audit/audit_run.hpp"
+#include "audit/audit_run.hpp"
 
 #include <algorithm>
 #include <iostream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/bag/background_queue.hpp"
+#include "bag/background_queue.hpp"
 
 #include <sched.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/bag/recorded_episode.hpp"
+#include "bag/recorded_episode.hpp"
 
 #include <algorithm>
 #include <memory>

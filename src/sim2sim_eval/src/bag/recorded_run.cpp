@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/bag/recorded_run.hpp"
+#include "bag/recorded_run.hpp"
 
 #include <console_bridge/console.h>
 #include <pusht_msgs/EpisodeResult.h>
@@ -20,11 +20,11 @@
 #include <utility>
 #include <vector>
 
+#include "bag/messages.hpp"
+#include "bag/run_bag.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/json_text.hpp"
-#include "sim2sim_eval/bag/messages.hpp"
-#include "sim2sim_eval/bag/run_bag.hpp"
 #include "sim2sim_serving/conversions.hpp"
 
 namespace sim2sim {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/bag/run_bag.hpp"
+#include "bag/run_bag.hpp"
 
 #include <pusht_msgs/WorldStateStamped.h>
 #include <std_msgs/String.h>
@@ -10,8 +10,8 @@
 #include <optional>
 #include <utility>
 
+#include "bag/messages.hpp"
 #include "pusht_task/error.hpp"
-#include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_serving/conversions.hpp"
 #include "sim2sim_serving/transforms.hpp"
 

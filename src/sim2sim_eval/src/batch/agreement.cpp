@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/agreement.hpp"
+#include "batch/agreement.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -12,13 +12,13 @@
 #include <optional>
 #include <utility>
 
+#include "batch/sweep_description.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
-#include "sim2sim_eval/batch/sweep_description.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/divergence.hpp"
 #include "sim2sim_protocol/model_variants.hpp"

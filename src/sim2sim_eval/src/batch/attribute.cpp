@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/attribute.hpp"
+#include "batch/attribute.hpp"
 
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "batch/derived_files.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
-#include "sim2sim_eval/batch/derived_files.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/attribution.hpp"
 #include "sim2sim_protocol/results/attribution_files.hpp"

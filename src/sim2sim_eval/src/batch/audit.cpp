@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/audit.hpp"
+#include "batch/audit.hpp"
 
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "audit/audit_run.hpp"
+#include "batch/audited_pair.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
-#include "sim2sim_eval/audit/audit_run.hpp"
-#include "sim2sim_eval/batch/audited_pair.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/audited_pair.hpp"
+#include "batch/audited_pair.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -11,12 +11,12 @@
 #include <string>
 #include <utility>
 
+#include "bag/messages.hpp"
+#include "bag/run_bag.hpp"
+#include "batch/audited_pair.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
-#include "sim2sim_eval/bag/messages.hpp"
-#include "sim2sim_eval/bag/run_bag.hpp"
-#include "sim2sim_eval/batch/audited_pair.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"

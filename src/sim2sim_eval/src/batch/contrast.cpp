@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/contrast.hpp"
+#include "batch/contrast.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

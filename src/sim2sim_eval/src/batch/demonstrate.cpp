@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/demonstrate.hpp"
+#include "batch/demonstrate.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "batch/demonstration_simulators.hpp"
 #include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/joined.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
-#include "sim2sim_eval/batch/demonstration_simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"

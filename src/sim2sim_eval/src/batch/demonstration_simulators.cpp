@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/demonstration_simulators.hpp"
+#include "batch/demonstration_simulators.hpp"
 
 #include <algorithm>
 #include <iterator>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/derived_files.hpp"
+#include "batch/derived_files.hpp"
 
 #include <nlohmann/json.hpp>
 #include <system_error>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/equivalent.hpp"
+#include "batch/equivalent.hpp"
 
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "batch/derived_files.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
-#include "sim2sim_eval/batch/derived_files.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/equivalent_files.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"

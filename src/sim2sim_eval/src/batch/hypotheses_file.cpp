@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/hypotheses_file.hpp"
+#include "batch/hypotheses_file.hpp"
 
 #include <yaml-cpp/yaml.h>
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/matrix.hpp"
+#include "batch/matrix.hpp"
 
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "batch/derived_files.hpp"
+#include "batch/hypotheses_file.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
-#include "sim2sim_eval/batch/derived_files.hpp"
-#include "sim2sim_eval/batch/hypotheses_file.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/hypotheses_files.hpp"
 #include "sim2sim_protocol/results/matrix_files.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/merge.hpp"
+#include "batch/merge.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cstddef>
@@ -7,11 +7,11 @@
 #include <map>
 #include <utility>
 
+#include "batch/shard.hpp"
+#include "batch/sweep_description.hpp"
+#include "batch/sweep_folder.hpp"
 #include "pusht_task/error.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
-#include "sim2sim_eval/batch/shard.hpp"
-#include "sim2sim_eval/batch/sweep_description.hpp"
-#include "sim2sim_eval/batch/sweep_folder.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"

@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "batch/sweep_plan.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
-#include "sim2sim_eval/batch/sweep_plan.hpp"
 
 namespace sim2sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/recompute.hpp"
+#include "batch/recompute.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "bag/recorded_run.hpp"
 #include "pusht_task/error.hpp"
-#include "sim2sim_eval/bag/recorded_run.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/run.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/shard.hpp"
+#include "batch/shard.hpp"
 
 #include <charconv>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/sweep.hpp"
+#include "batch/sweep.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,14 +10,14 @@
 #include <optional>
 #include <utility>
 
+#include "batch/shard.hpp"
+#include "batch/sweep_description.hpp"
+#include "batch/sweep_folder.hpp"
+#include "batch/sweep_plan.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
-#include "sim2sim_eval/batch/shard.hpp"
-#include "sim2sim_eval/batch/sweep_description.hpp"
-#include "sim2sim_eval/batch/sweep_folder.hpp"
-#include "sim2sim_eval/batch/sweep_plan.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/model_variants.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/batch/sweep_plan.hpp"
+#include "batch/sweep_plan.hpp"
 
 #include <yaml-cpp/yaml.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/activity.hpp"
+#include "live/activity.hpp"
 
 #include <limits>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/audit_nodes.hpp"
+#include "live/audit_nodes.hpp"
 
 #include <ros/init.h>
 #include <ros/node_handle.h>
@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
+#include "audit/audit_run.hpp"
+#include "bag/messages.hpp"
+#include "live/request.hpp"
 #include "pusht_task/files.hpp"
-#include "sim2sim_eval/audit/audit_run.hpp"
-#include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/live/request.hpp"
 #include "sim2sim_serving/node.hpp"
 #include "sim2sim_serving/parameters.hpp"
 #include "sim2sim_serving/peer.hpp"

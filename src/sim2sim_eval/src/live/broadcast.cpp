@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/broadcast.hpp"
+#include "live/broadcast.hpp"
 
 #include <tf2_msgs/TFMessage.h>
 
 #include <utility>
 
-#include "sim2sim_eval/bag/messages.hpp"
-#include "sim2sim_eval/live/captions.hpp"
-#include "sim2sim_eval/live/truncated_episode.hpp"
+#include "bag/messages.hpp"
+#include "live/captions.hpp"
+#include "live/truncated_episode.hpp"
 
 namespace sim2sim {
 

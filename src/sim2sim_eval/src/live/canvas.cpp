@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/canvas.hpp"
+#include "live/canvas.hpp"
 
 #include <algorithm>
 #include <cmath>

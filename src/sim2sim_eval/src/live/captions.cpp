@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/captions.hpp"
+#include "live/captions.hpp"
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/numbers.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/control.hpp"
+#include "live/control.hpp"
 
 #include "pusht_task/clipped.hpp"
 #include "pusht_task/error.hpp"

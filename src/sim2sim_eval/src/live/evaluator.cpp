@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/evaluator.hpp"
+#include "live/evaluator.hpp"
 
 #include <ros/ros.h>
 
 #include <iostream>
 #include <utility>
 
+#include "live/control.hpp"
+#include "live/named_options.hpp"
+#include "live/outcome.hpp"
+#include "live/participants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/reason.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/live/control.hpp"
-#include "sim2sim_eval/live/named_options.hpp"
-#include "sim2sim_eval/live/outcome.hpp"
-#include "sim2sim_eval/live/participants.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/run.hpp"
 #include "sim2sim_serving/node.hpp"

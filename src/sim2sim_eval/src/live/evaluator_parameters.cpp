@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/evaluator_parameters.hpp"
+#include "live/evaluator_parameters.hpp"
 
-#include "sim2sim_eval/live/world_memory.hpp"
+#include "live/world_memory.hpp"
 
 namespace sim2sim {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/legend.hpp"
+#include "live/legend.hpp"
 
 #include <array>
 #include <vector>
 
+#include "live/table_view.hpp"
 #include "pusht_task/constants.hpp"
-#include "sim2sim_eval/live/table_view.hpp"
 #include "sim2sim_serving/world_markers.hpp"
 
 namespace sim2sim {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/live_nodes.hpp"
+#include "live/live_nodes.hpp"
 
 #include <utility>
 

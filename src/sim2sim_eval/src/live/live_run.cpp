@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/live_run.hpp"
+#include "live/live_run.hpp"
 
 #include <chrono>
 #include <thread>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/named_options.hpp"
+#include "live/named_options.hpp"
 
 #include <algorithm>
 #include <cstdint>

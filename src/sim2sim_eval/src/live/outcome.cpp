@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/outcome.hpp"
+#include "live/outcome.hpp"
 
 #include <ros/console.h>
 
@@ -9,10 +9,10 @@
 #include <system_error>
 #include <vector>
 
+#include "live/evaluator_parameters.hpp"
 #include "pusht_task/clipped.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/reason.hpp"
-#include "sim2sim_eval/live/evaluator_parameters.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {

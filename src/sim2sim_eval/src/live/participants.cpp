@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/participants.hpp"
+#include "live/participants.hpp"
 
 #include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bag/messages.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
-#include "sim2sim_eval/bag/messages.hpp"
 #include "sim2sim_protocol/model_variants.hpp"
 #include "sim2sim_protocol/probes.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/picture.hpp"
+#include "live/picture.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "live/canvas.hpp"
+#include "live/captions.hpp"
+#include "live/legend.hpp"
+#include "live/table_view.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/loop.hpp"
 #include "pusht_task/task.hpp"
-#include "sim2sim_eval/live/canvas.hpp"
-#include "sim2sim_eval/live/captions.hpp"
-#include "sim2sim_eval/live/legend.hpp"
-#include "sim2sim_eval/live/table_view.hpp"
 #include "sim2sim_serving/transforms.hpp"
 #include "sim2sim_serving/world_markers.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/playback.hpp"
+#include "live/playback.hpp"
 
 #include <ros/ros.h>
 
@@ -10,12 +10,12 @@
 #include <limits>
 #include <utility>
 
+#include "live/control.hpp"
+#include "live/request.hpp"
+#include "live/truncated_episode.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_eval/live/control.hpp"
-#include "sim2sim_eval/live/request.hpp"
-#include "sim2sim_eval/live/truncated_episode.hpp"
 #include "sim2sim_protocol/results/run.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_serving/node.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/progress_line.hpp"
+#include "live/progress_line.hpp"
 
 #include "pusht_task/numbers.hpp"
 

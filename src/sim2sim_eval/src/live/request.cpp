@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/request.hpp"
+#include "live/request.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -10,9 +10,9 @@
 #include <regex>
 #include <type_traits>
 
+#include "live/named_options.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
-#include "sim2sim_eval/live/named_options.hpp"
 #include "sim2sim_protocol/probes.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
 

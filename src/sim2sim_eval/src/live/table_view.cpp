@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/table_view.hpp"
+#include "live/table_view.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/truncated_episode.hpp"
+#include "live/truncated_episode.hpp"
 
 #include <algorithm>
 #include <cstddef>

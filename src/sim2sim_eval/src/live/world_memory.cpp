@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_eval/live/world_memory.hpp"
+#include "live/world_memory.hpp"
 
 #include <algorithm>
 #include <iterator>

@@ -18,9 +18,9 @@
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
-#include "sim2sim_protocol/results/starts.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
+#include "starts.hpp"
 
 namespace sim2sim {
 namespace {

@@ -6,21 +6,21 @@
 #include <cstddef>
 #include <iterator>
 
+#include "answers.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/json_text.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/episode.hpp"
-#include "sim2sim_protocol/results/answers.hpp"
 #include "sim2sim_protocol/results/difference.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
-#include "sim2sim_protocol/results/starts.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 #include "sim2sim_statistics/tails.hpp"
+#include "starts.hpp"
 
 namespace sim2sim {
 namespace {

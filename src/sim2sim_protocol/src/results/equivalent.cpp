@@ -14,8 +14,8 @@
 #include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
-#include "sim2sim_protocol/results/starts.hpp"
 #include "sim2sim_statistics/pairs.hpp"
+#include "starts.hpp"
 
 namespace sim2sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim2sim_protocol/results/starts.hpp"
+#include "starts.hpp"
 
 #include <algorithm>
 #include <cmath>

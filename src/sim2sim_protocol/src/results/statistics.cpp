@@ -14,8 +14,8 @@
 #include "sim2sim_protocol/results/headline.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
-#include "sim2sim_protocol/results/starts.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
+#include "starts.hpp"
 
 namespace sim2sim {
 namespace {

@@ -7,9 +7,9 @@
 #include <limits>
 #include <utility>
 
-#include "sim2sim_protocol/results/starts.hpp"
 #include "sim2sim_statistics/common.hpp"
 #include "sim2sim_statistics/tails.hpp"
+#include "starts.hpp"
 
 namespace sim2sim {
 namespace {

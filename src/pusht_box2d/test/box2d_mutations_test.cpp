@@ -11,6 +11,7 @@
 #include "box2d_world.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/mapping.hpp"
+#include "pusht_testing/physics_checks.hpp"
 #include "pusht_testing/planted_errors.hpp"
 
 namespace pusht {

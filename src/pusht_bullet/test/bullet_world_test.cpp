@@ -14,11 +14,14 @@
 #include "../src/bullet_scene.hpp"
 #include "bullet_checks.hpp"
 #include "bullet_kind.hpp"
+#include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/spawn.hpp"
 #include "pusht_testing/convergence_suite.hpp"
 #include "pusht_testing/kind_suites.hpp"
 #include "pusht_testing/physics_checks.hpp"
 #include "pusht_testing/refusal.hpp"
+#include "pusht_testing/scenarios.hpp"
 
 namespace pusht::testing {
 namespace {

@@ -11,6 +11,7 @@
 #include "pusht_task/mapping.hpp"
 #include "pusht_testing/convergence_suite.hpp"
 #include "pusht_testing/kind_suites.hpp"
+#include "pusht_testing/physics_checks.hpp"
 #include "pusht_testing/planted_errors.hpp"
 
 namespace pusht::testing {

@@ -9,7 +9,8 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_testing/simulator_suite.hpp"
+#include "pusht_task/spawn.hpp"
+#include "pusht_testing/kind_suites.hpp"
 
 namespace pusht {
 namespace {

@@ -12,10 +12,15 @@
 #include <vector>
 
 #include "pusht_engine/two_mass_kind.hpp"
+#include "pusht_task/constants.hpp"
+#include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/rollout.hpp"
+#include "pusht_task/spawn.hpp"
 #include "pusht_testing/convergence_suite.hpp"
 #include "pusht_testing/golden.hpp"
 #include "pusht_testing/kind_suites.hpp"
+#include "pusht_testing/scenarios.hpp"
 
 namespace pusht::testing {
 namespace {

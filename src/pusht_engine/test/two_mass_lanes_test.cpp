@@ -9,6 +9,7 @@
 
 #include "naive_two_mass.hpp"
 #include "pusht_engine/two_mass_engine.hpp"
+#include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"

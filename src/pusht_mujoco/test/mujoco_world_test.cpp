@@ -4,6 +4,7 @@
 #include <gnu/libc-version.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "pusht_mujoco/mujoco_kind.hpp"
+#include "pusht_task/rollout.hpp"
 #include "pusht_testing/convergence_suite.hpp"
 #include "pusht_testing/golden.hpp"
 #include "pusht_testing/kind_suites.hpp"

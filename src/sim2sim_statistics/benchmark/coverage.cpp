@@ -270,6 +270,7 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     study(repetitions, seed, episodes);
+    return 0;
   } catch (const CLI::Success& request) {  // --help
     return app.exit(request);
   } catch (const CLI::ParseError& error) {

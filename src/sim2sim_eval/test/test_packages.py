@@ -38,7 +38,8 @@ OF_CMAKE = {
     **{"pybind11": "pybind11-dev", "Python3": "python3-dev"},
     **{"tinyxml2": "libtinyxml2-dev"},
     **{"ONNX": "libonnx-dev", "Protobuf": "libprotobuf-dev"},
-    **{"yaml-cpp": "yaml-cpp", "GTest": "libgtest-dev", "Threads": "", "catkin": ""},  # the last two come with every build
+    **{"GTest": "libgtest-dev", "yaml-cpp": "yaml-cpp"},
+    **{"Threads": "", "catkin": ""},  # these come with every build
 }
 OF_PYTHON = ("cryptography", "distributed", "jinja2", "matplotlib", "numpy", "rospkg", "scipy")
 OF_IMPORTS = {name: f"python3-{name}" for name in (*OF_PYTHON, "onnx", "selenium", "torch", "yaml")}

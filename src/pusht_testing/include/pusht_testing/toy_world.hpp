@@ -62,6 +62,7 @@ class ToyWorld : public Simulator {
   WorldState state_;
 };
 
+/// Kind of that world; `start_tolerance` is what it says of itself, right or wrong.
 inline SimulatorKind toyKind(ToyWorld::Precision precision = ToyWorld::Precision::kDouble,
                              double start_tolerance = 1e-12) {
   SimulatorKind kind;

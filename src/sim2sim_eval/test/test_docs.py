@@ -4,8 +4,9 @@
 
 In a `console` block a line after `$ ` is a command, and the lines below it are what it prints; if
 it fails, all that it complains of. A line `...` stands for any lines, `...` at a line's end for
-any rest. A block whose first line is a comment with a file name is that file. What is called by
-hand is called of nodes. Nodes offer and read what their lists say. And what docs name is there.
+any rest. Numbers in circles at the ends of lines are not printed. A block whose first line is a
+comment with a file name is that file. What is called by hand is called of nodes. Nodes offer and
+read what their lists say. And what docs name is there.
 """
 
 import os
@@ -31,6 +32,7 @@ PARAMETER = ("falls", "falls", "no-difference")  # as in the solutions
 LAUNCH_DEADLINE = 180  # [s] a live run of a few episodes on a busy machine
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# ([\w.]+)\n")
+FINGER = re.compile(r" +[\u2460-\u2473]$", re.MULTILINE)  # number in a circle
 PAGES = [*ROOT.glob("*.md"), *DOCS.rglob("*.md"), *PACKAGES.glob("*/README.md")]
 
 
@@ -71,7 +73,7 @@ class Docs(CommandCase):
                 (self.folder / file[1]).write_text(block)
             if language != "console":
                 continue
-            for command, output in commands(block):
+            for command, output in commands(FINGER.sub("", block)):
                 with self.subTest(command):
                     process = self.run_command("bash", "-c", command)
                     count += 1
@@ -83,6 +85,9 @@ class Docs(CommandCase):
 
     def test_beginning_of_the_tutorial(self) -> None:
         self.assertEqual(self.check(DOCS / "tutorial.md", "## 4. Change a parameter"), 2)
+
+    def test_reading_a_result(self) -> None:
+        self.assertEqual(self.check(DOCS / "reading_a_result.md"), 1)
 
     @long_form
     def test_tutorial(self) -> None:

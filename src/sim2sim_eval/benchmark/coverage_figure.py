@@ -27,10 +27,10 @@ WIDTH = 2.0  # [%] around it, beyond which the axis is nearly logarithmic
 MOST_ERROR = 5.0  # [%] largest standard error with which a share may be the least of its group
 DOT = {"linestyle": "", "marker": "o", "markeredgewidth": 0}
 DOTS: Dict[str, Dict[str, Any]] = {
-    "as often as it says, or more": (
+    "95 within two standard errors, or more": (
         {**DOT, "color": COLORS["reference"], "markersize": 4.0, "alpha": 0.45}
     ),
-    "too seldom (two standard errors)": (
+    "too seldom by more than that": (
         {**DOT, "color": COLORS[REPLAY], "markersize": 5.0, "alpha": 0.7}
     ),
 }

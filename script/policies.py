@@ -14,18 +14,17 @@ import sys
 from pathlib import Path
 from typing import Any, Dict, Iterator
 
-import yaml  # type: ignore[import]
 from pusht_policy.checkpoint import provenance_path
 from pusht_task.command import OneLineParser, run_command
 from pusht_task.files import write_file
 from pusht_task.json_file import read_json, write_json
 
-from study import Plan, demonstrate, keep_plan, policies, ros, sweep, train
-from study_conduct import is_whole
-from study_findings import group_rows, write_table
+from sim2sim_study.findings import group_rows
+from sim2sim_study.plan import ROOT, STUDY, Plan, keep_plan, policies, read_plan
+from sim2sim_study.steps import demonstrate, is_whole, ros, sweep, train
+from sim2sim_study.tables import write_table
 
-ROOT = Path(__file__).resolve().parents[1]
-PLAN = ROOT / "docs" / "study" / "policies.yaml"
+PLAN = STUDY / "policies.yaml"
 SHIPPED = ROOT / "src" / "pusht_policy" / "policies"
 
 
@@ -125,7 +124,7 @@ def main() -> int:
         parser.error(
             "--smoke says nothing: give it folders of its own by --work, --shipped and --tables"
         )
-    plan = yaml.safe_load(PLAN.read_text())
+    plan = read_plan(PLAN)
     if options.smoke:
         plan = smallest(plan)
     return run_command(

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The leading table of the study under noise, from endings.csv.xz, with NumPy and SciPy alone.
+"""The leading table of the study under noise, from endings.csv.xz, with NumPy and SciPy alone: a
+second implementation of what groups.csv has, which shares no code with the suite.
 
-For each loop, group of policies and engine: success in MuJoCo, the engine's less MuJoCo's, over
-policies and starts, with a 95 % interval (docs/statistics.md, policies and starts).
+For each loop, group of policies and engine: success in the group's reference, which is its first
+simulator in the file, success in the engine, and the engine's less the reference's, over policies
+and starts, with a 95 % interval (docs/statistics.md, policies and starts).
 
     python3 recompute.py [endings.csv.xz]
 """
@@ -57,14 +59,19 @@ def crossed_mean(y: Any) -> Tuple[float, float, float]:
 
 def main() -> None:
     tables = successes(Path(sys.argv[1]) if sys.argv[1:] else HERE / "endings.csv.xz")
-    print("loop,group,engine,policies,mujoco,difference,low,high")
+    references: Dict[Tuple[str, str], str] = {}
+    for loop, group, simulator in tables:
+        references.setdefault((loop, group), simulator)
+    print("loop,group,engine,policies,reference,reference_success,success,difference,low,high")
     for (loop, group, simulator), y in tables.items():
-        mujoco = tables.get((loop, group, "mujoco"))
-        if simulator == "mujoco" or mujoco is None or len(y) < FEWEST:
+        reference = references[loop, group]
+        if simulator == reference or len(y) < FEWEST:
             continue
-        difference, low, high = crossed_mean(y - mujoco)
-        figures = f"{mujoco.mean():.3f},{difference:+.3f},{low:+.3f},{high:+.3f}"
-        print(f'{loop},{group},"{simulator}",{len(y)},{figures}')
+        home = tables[loop, group, reference]
+        difference, low, high = crossed_mean(y - home)
+        names = f'{loop},{group},"{simulator}",{len(y)},"{reference}"'
+        ends = f"{low:+.3f},{high:+.3f}" if high > low else ","  # none where nothing varies
+        print(f"{names},{home.mean():.3f},{y.mean():.3f},{difference:+.3f},{ends}")
 
 
 if __name__ == "__main__":

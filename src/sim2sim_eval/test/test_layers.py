@@ -87,6 +87,8 @@ READERS_PYTHON = {
     "sim2sim_report/src/sim2sim_report/page.py",
     "sim2sim_report/src/sim2sim_report/results.py",  # an array, of bytes that the owner has read
     "sim2sim_report/src/sim2sim_report/words.py",
+    "sim2sim_study/src/sim2sim_study/conduct.py",  # what the owner has read, and a policy
+    "sim2sim_study/src/sim2sim_study/plan.py",  # YAML
 }
 
 

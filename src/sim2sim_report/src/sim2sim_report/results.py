@@ -234,7 +234,9 @@ def _still_running(episodes: Sequence[Episode], mode: str) -> List[int]:
     return [sum(last >= step for last in lasts) for step in range(max(lasts) + 1)]
 
 
-def _rows(path: Path) -> List[Dict[str, str]]:
+def read_rows(path: Path) -> List[Dict[str, str]]:
+    """Rows of a table in CSV, by their columns. Raises Error for anything else in the file, and for
+    numbers that are not finite."""
     try:
         rows = list(csv.DictReader(io.StringIO(read_text(path), newline="")))
     except FileNotFoundError:
@@ -251,7 +253,7 @@ def _rows(path: Path) -> List[Dict[str, str]]:
 def _episodes(path: Path, count: int) -> List[Episode]:
     modes: Dict[int, Dict[str, Dict[str, str]]] = {}
     try:
-        for row in _rows(path):
+        for row in read_rows(path):
             modes.setdefault(int(row["episode"]), {})[row["mode"]] = row
         episodes = [Episode(index, modes[index]) for index in sorted(modes)]
         for episode in episodes:
@@ -267,7 +269,7 @@ def _episodes(path: Path, count: int) -> List[Episode]:
 def _bands(path: Path) -> Dict[str, Dict[str, Any]]:
     bands: Dict[str, Dict[str, List[float]]] = {}
     try:
-        for row in _rows(path):
+        for row in read_rows(path):
             columns = bands.setdefault(row.pop("mode"), {name: [] for name in row if name})
             for name, text in row.items():
                 columns[name].append(float(text))

@@ -5,13 +5,16 @@ Both are of the first 5 s of an episode. Over whole episodes they would say how 
 one that fails lasts to the horizon, and its policy often stands still.
 """
 
-import csv
-import json
+import io
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, Tuple
 
 import numpy as np
 from pusht_task import task
+from pusht_task.files import read_file
+from sim2sim_report.results import read_rows
+
+from sim2sim_study.plan import Plan, seeds_of, training_of
 
 HOME = "mujoco"
 STEPS = 50  # control steps: 5 s
@@ -20,7 +23,6 @@ TOUCHING = (
 )
 BAR_RADIUS, STEM_RADIUS = 0.032, 0.026  # [m] discs of the two-mass engine: two_mass_dynamics.hpp
 SLOWER = "slower"  # name of the policies whose actions are multiplied by a factor
-Plan = Dict[str, Any]
 
 
 def box_gap(trace: Any) -> Any:
@@ -69,9 +71,8 @@ def sharpness(trace: Any) -> float:
 
 def policy_conduct(folder: Path, engine: str) -> Dict[Tuple[str, str], float]:
     """Means over the episodes of a run, in closed loop, by simulator and figure."""
-    records = np.load(folder / "traces.npy")
-    with (folder / "episodes.csv").open(newline="", encoding="utf-8") as file:
-        episodes = list(csv.DictReader(file))
+    records = np.load(io.BytesIO(read_file(folder / "traces.npy")))
+    episodes = read_rows(folder / "episodes.csv")
     found: Dict[Tuple[str, str], float] = {}
     for simulator, mode in ((HOME, "reference_closed"), (engine, "engine_closed")):
         of_mode = records[records["mode"] == mode.encode()]
@@ -89,9 +90,7 @@ def conduct_runs(plan: Plan) -> Iterator[Tuple[str, int, str]]:
     """Group, training seed and name of each policy whose conduct is measured."""
     part = plan["conduct"]
     for group in [*part["groups"], f"{SLOWER}-{part['slower']['group']}"]:
-        training = next(name for name in plan["groups"] if group.endswith(name))
-        first = plan["first_seed"]
-        for seed in range(first, first + plan["groups"][training]["seeds"]):
+        for seed in seeds_of(plan, training_of(plan, group)):
             yield group, seed, f"{group}-{seed}"
 
 
@@ -113,9 +112,3 @@ def write_slower(policy: Path, slower: Path, factor: float) -> None:
     partial = slower.with_suffix(".partial")
     torch.jit.save(torch.jit.script(Slower()), str(partial))
     partial.replace(slower)
-
-
-def is_whole(folder: Path) -> bool:
-    """Has a run ended well?"""
-    path = folder / "status.json"
-    return path.exists() and json.loads(path.read_text())["exit_code"] == 0

@@ -1,28 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tables of script/study.py, on small inputs whose figures follow by hand."""
+"""Tables of the study over policies, on small inputs whose figures follow by hand."""
 
 import math
-import sys
-import tempfile
 import unittest
 from pathlib import Path
 from typing import Any, Dict, List, Sequence, Tuple
 
-import numpy as np
-from pusht_task import task
 from scipy import stats  # type: ignore[import]
+from sim2sim_study import findings
+from study_case import HEADING, StudyCase, T
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "script"))
-import study_conduct as conduct  # noqa: E402
-import study_findings as findings  # noqa: E402
-import study_statistics as statistics  # noqa: E402
-
-# Student's t from a printed table: 97.5 %, by degrees of freedom.
-T = {1: 12.7062, 2: 4.30265, 4: 2.77645, 8: 2.30600}
 POSITION, LOST = findings.LADDER_GAPS
 Episode = Tuple[str, str, float, float]  # mode, success, errors in the end [m], [rad]
-HEADING = "episode,mode,success,final_position_error_m,final_angle_error_rad"
 
 
 def failure(position: float, angle: float) -> Episode:
@@ -34,63 +24,12 @@ FAR = failure(0.3, 0.1)
 WON = ("reference_closed", "true", 0.01, 0.01)
 
 
-class FindingsCase(unittest.TestCase):
-    def assert_interval(self, found: Dict[str, Any], mean: float, half: float) -> None:
-        self.assertEqual(set(found), {"mean", "low", "high"})
-        self.assertAlmostEqual(found["mean"], mean)
-        self.assertAlmostEqual(found["low"], mean - half, places=4)
-        self.assertAlmostEqual(found["high"], mean + half, places=4)
-
-
-class Mean(FindingsCase):
-    def test_interval_is_students(self) -> None:
-        # Variance 2.5, so the standard error is sqrt(2.5 / 5), with 4 degrees of freedom.
-        self.assert_interval(statistics.mean([1, 2, 3, 4, 5]), 3.0, T[4] * math.sqrt(0.5))
-        self.assert_interval(statistics.mean([0.25, 0.75]), 0.5, T[1] * 0.25)
-        self.assert_interval(statistics.mean([0.5, 0.5, 0.5]), 0.5, 0.0)
-
-    def test_one_value_has_no_interval(self) -> None:
-        self.assertEqual(statistics.mean([0.25]), {"mean": 0.25, "low": "", "high": ""})
-
-
-class Difference(FindingsCase):
-    def test_interval_is_welchs(self) -> None:
-        # Variances 2.5 each: standard error sqrt(2.5 / 5 + 2.5 / 5) = 1, 8 degrees of freedom.
-        self.assert_interval(statistics.difference([6, 7, 8, 9, 10], [1, 2, 3, 4, 5]), 5.0, T[8])
-        self.assert_interval(statistics.difference([1, 2, 3, 4, 5], [6, 7, 8, 9, 10]), -5.0, T[8])
-        # A group without spread adds no degree of freedom: 4, where a pooled variance has 5.
-        for more, less, mean in (
-            ([1.0, 2.0, 3.0, 4.0, 5.0], [2.0, 2.0], 1.0),
-            ([2.0, 2.0], [1.0, 2.0, 3.0, 4.0, 5.0], -1.0),
-        ):
-            self.assert_interval(statistics.difference(more, less), mean, T[4] * math.sqrt(0.5))
-
-    def test_degrees_of_freedom_are_satterthwaites(self) -> None:
-        # Squared standard errors 10 / 5 = 2 and 3.5 / 6 = 7 / 12, so the degrees of freedom are
-        # (31 / 12)^2 / (4 / 4 + (7 / 12)^2 / 5) = 6.248, of which no table has t. Welch's test of
-        # a difference at an end of the interval has p = 0.05.
-        more, less = [6.0, 8.0, 10.0, 12.0, 14.0], [3.0, 4.0, 5.0, 6.0, 7.0, 8.0]
-        found = statistics.difference(more, less)
-        self.assert_interval(found, 4.5, 3.8953)
-        for end in (found["low"], found["high"]):
-            shifted = [value - end for value in more]
-            self.assertAlmostEqual(stats.ttest_ind(shifted, less, equal_var=False).pvalue, 0.05)
-
-    def test_groups_without_any_spread_have_a_point(self) -> None:
-        self.assert_interval(statistics.difference([1.0, 1.0], [0.25, 0.25]), 0.75, 0.0)
-
-    def test_one_value_on_a_side_has_no_interval(self) -> None:
-        expected = {"mean": 1.5, "low": "", "high": ""}
-        self.assertEqual(statistics.difference([3.0], [1.0, 2.0]), expected)
-        self.assertEqual(statistics.difference([3.0, 4.0], [2.0]), expected)
-
-
 def ladder(*policies: Sequence[float]) -> List[Dict[str, float]]:
     """Shares of the switches a, b, ... for each policy."""
     return [dict(zip("abcdefgh", shares)) for shares in policies]
 
 
-class LadderRows(FindingsCase):
+class LadderRows(StudyCase):
     def test_shares_are_means_over_policies_and_all_are_the_gap(self) -> None:
         policies = ladder([0.25, 0.5], [0.75, 0.5])
         rows = findings._ladder_rows({("g", POSITION): policies, ("h", LOST): policies[:1]})
@@ -178,156 +117,7 @@ class LadderRanks(unittest.TestCase):
                 self.assertTrue(math.isnan(row["p"]))
 
 
-TRACE = [("episode", "<i4"), ("mode", "S16"), ("step", "<i4")]
-TRACE += [(name, "<f8") for name in ("pusher_x", "pusher_y", "tee_x", "tee_y", "tee_yaw")]
-TRACE += [(name, "<f4") for name in ("action_x", "action_y")]
-Point = Tuple[float, float]
-
-
-def trace(pushers: Sequence[Point], actions: Sequence[Point] = (), **fields: Any) -> Any:
-    """States with the pusher at points of the tee's frame [m]. The tee lies anywhere."""
-    x, y, yaw = 0.1, -0.2, 2.5
-    records = np.zeros(len(pushers), dtype=TRACE)
-    records["step"] = np.arange(len(pushers))
-    records["tee_x"], records["tee_y"], records["tee_yaw"] = x, y, yaw
-    along, across = np.array(pushers).T
-    records["pusher_x"] = x + math.cos(yaw) * along - math.sin(yaw) * across
-    records["pusher_y"] = y + math.sin(yaw) * along + math.cos(yaw) * across
-    records["action_x"] = records["action_y"] = math.nan
-    for i, action in enumerate(actions):
-        records["action_x"][i], records["action_y"][i] = action
-    for name, value in fields.items():
-        records[name] = value
-    return records
-
-
-class Gap(unittest.TestCase):
-    def assert_gap(self, gap: Any, point: Point, expected: float) -> None:
-        with self.subTest(point):
-            self.assertAlmostEqual(float(gap(trace([point]))[0]), expected)
-
-    def test_boxes(self) -> None:
-        radius = task.PUSHER_RADIUS
-        self.assert_gap(conduct.box_gap, (0.04, 0.015 + radius + 0.002), 0.002)  # above the bar
-        self.assert_gap(conduct.box_gap, (-0.06 - radius - 0.003, 0.0), 0.003)  # beside it
-        self.assert_gap(conduct.box_gap, (0.06 + 0.03, 0.015 + 0.04), 0.05 - radius)  # off a corner
-        self.assert_gap(conduct.box_gap, (0.0, -0.105 - radius - 0.004), 0.004)  # below the stem
-        self.assert_gap(conduct.box_gap, (0.015 + radius, -0.08), 0.0)  # touches its side
-        self.assert_gap(conduct.box_gap, (0.0, 0.01), -0.005 - radius)  # inside the bar
-
-    def test_discs(self) -> None:
-        radius = task.PUSHER_RADIUS
-        self.assert_gap(conduct.disc_gap, (0.0, 0.032 + radius + 0.002), 0.002)
-        self.assert_gap(conduct.disc_gap, (0.03, 0.04), 0.05 - 0.032 - radius)
-        self.assert_gap(conduct.disc_gap, (0.026 + radius + 0.003, -0.06), 0.003)
-        self.assert_gap(conduct.disc_gap, (0.0, -0.06 - 0.026), -radius)  # center on the stem's rim
-
-
-FAR_OFF, AT_BOX, AT_DISC = (0.3, 0.3), (0.0, 0.0309), (0.0, 0.0479)  # gaps of 0.9 mm
-
-
-class Conduct(FindingsCase):
-    def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
-    def test_contact_is_the_share_of_the_ends_of_steps(self) -> None:
-        # The first and the last of four control steps end in contact; the initial state is no end.
-        states = trace([AT_BOX, AT_BOX, FAR_OFF, FAR_OFF, AT_BOX])
-        self.assertEqual(conduct.contact(states, conduct.box_gap), 0.5)
-        self.assertEqual(conduct.contact(trace([AT_BOX, FAR_OFF]), conduct.box_gap), 0.0)
-        # The tee's shape is that of the simulator; 1.1 mm are no contact.
-        self.assertEqual(conduct.contact(trace(2 * [AT_DISC]), conduct.box_gap), 0.0)
-        self.assertEqual(conduct.contact(trace(2 * [AT_DISC]), conduct.disc_gap), 1.0)
-        self.assertEqual(conduct.contact(trace(2 * [(0.0, 0.0311)]), conduct.box_gap), 0.0)
-
-    def test_sharpness_is_the_mean_change_of_the_action(self) -> None:
-        # Changes of 0.5, 0 and 0.25 m/s.
-        actions = [(0.3, 0.0), (0.0, 0.4), (0.0, 0.4), (0.25, 0.4)]
-        self.assertAlmostEqual(conduct.sharpness(trace(5 * [FAR_OFF], actions)), 0.25)
-
-    def test_only_the_first_five_seconds_count(self) -> None:
-        self.assertEqual(conduct.STEPS * task.CONTROL_STEP, 5.0)
-        pushers = [FAR_OFF] + 25 * [AT_BOX] + 25 * [FAR_OFF] + 50 * [AT_BOX]
-        actions = 50 * [(0.5, 0.0)] + 25 * [(0.0, 0.0), (1.0, 0.0)]
-        self.assertEqual(conduct.contact(trace(pushers), conduct.box_gap), 0.5)
-        self.assertEqual(conduct.sharpness(trace(pushers, actions)), 0.0)
-        actions[49] = (0.5, 0.49)  # the last of them; 49 changes
-        self.assertAlmostEqual(conduct.sharpness(trace(pushers, actions)), 0.01)
-
-    def run_of(self, name: str, changes: Sequence[float]) -> Path:
-        """A run of an episode for each change, won at home from the second on. Its policy changes
-        its action once: at home by as much, in the engine by twice."""
-        folder = self.folder / name
-        folder.mkdir(parents=True)
-        records, rows = [], []
-        for i, change in enumerate(changes):
-            for mode, factor in (
-                ("reference_closed", 1),
-                ("engine_closed", 2),
-                ("engine_replay", 9),
-            ):
-                pushers = [FAR_OFF, FAR_OFF, AT_DISC if factor == 2 else AT_BOX]
-                actions = [(0.0, 0.0), (0.0, factor * change)]
-                records.append(trace(pushers, actions, episode=i, mode=mode.encode()))
-                rows.append((mode, "true" if i and factor == 1 else "false", 0.0, 0.0))
-        np.save(folder / "traces.npy", np.concatenate(records))
-        lines = [",".join(map(str, (i // 3, *row))) for i, row in enumerate(rows)]
-        (folder / "episodes.csv").write_text("\n".join([HEADING, *lines]) + "\n")
-        return folder
-
-    def test_conduct_of_a_policy_is_a_mean_over_episodes(self) -> None:
-        found = conduct.policy_conduct(self.run_of("run", [0.125, 0.25, 0.0, 0.125]), "two_mass")
-        expected = {
-            ("mujoco", "contact"): 0.5,
-            ("mujoco", "sharpness"): 0.125,
-            ("mujoco", "success"): 0.75,
-            ("two_mass", "contact"): 0.5,
-            ("two_mass", "sharpness"): 0.25,
-            ("two_mass", "success"): 0.0,
-        }
-        self.assertEqual(found, expected)
-
-    def test_explored_trainings_are_kept_apart(self) -> None:
-        plan = {
-            "first_seed": 100,
-            "groups": {"small": {"seeds": 3}, "big": {"seeds": 2}},
-            "conduct": {
-                "groups": ["small", "after-60-big"],
-                "slower": {"group": "big", "factor": 0.5},
-                "engine": "two_mass",
-                "explored": 1,
-            },
-        }
-        names = [name for _, _, name in conduct.conduct_runs(plan)]
-        expected = ["small-100", "small-101", "small-102", "after-60-big-100", "after-60-big-101"]
-        self.assertEqual(names, [*expected, "slower-big-100", "slower-big-101"])
-        for i, name in enumerate(names):
-            self.run_of(f"conduct/{name}", [i / 8])
-        explored, tested = findings._conduct(plan, self.folder)
-        self.assertEqual(explored["small", "two_mass", "sharpness"], [0.0])
-        self.assertEqual(tested["small", "two_mass", "sharpness"], [0.25, 0.5])
-        self.assertEqual(tested["slower-big", "mujoco", "sharpness"], [0.75])
-
-    def test_slower_policy(self) -> None:
-        import torch  # here, as it takes seconds
-
-        class Double(torch.nn.Module):  # type: ignore[misc]
-            def forward(self, observations: torch.Tensor) -> torch.Tensor:
-                return observations[:, :2] * 2.0
-
-        policy, slower = self.folder / "policy.pt", self.folder / "slower.pt"
-        torch.jit.save(torch.jit.script(Double()), str(policy))
-        conduct.write_slower(policy, slower, 0.75)
-        observations = torch.tensor([[0.25, -0.5, 9.0], [4.0, -0.125, 9.0]])
-        actions = torch.jit.load(str(slower))(observations)
-        self.assertEqual(
-            actions.tolist(), [[0.375, -0.75], [0.75, -0.1875]]
-        )  # clipped, then slower
-
-
-class Predictions(FindingsCase):
+class Predictions(StudyCase):
     A, B, C = [6.0, 7, 8, 9, 10], [1.0, 2, 3, 4, 5], [6.0, 7, 8, 9, 11]
 
     def row(self, more: Sequence[float], less: Sequence[float], **asked: Any) -> Dict[str, Any]:
@@ -374,15 +164,6 @@ class Predictions(FindingsCase):
             self.assertLess(rows[0]["p"], 0.05)
             self.assertEqual([row["verdict"] for row in rows], count * [verdict])
 
-    def test_holm(self) -> None:
-        for p, expected in (
-            ([0.01, 0.04, 0.03], [0.03, 0.06, 0.06]),
-            ([0.5, 0.6], [1.0, 1.0]),
-            ([math.nan, 0.01], [1.0, 0.02]),
-        ):
-            for found, value in zip(statistics.holm(p), expected):
-                self.assertAlmostEqual(found, value)
-
 
 class RankingRows(unittest.TestCase):
     def ranking(self, reference: int, test: int, kendall: float) -> Dict[str, Any]:
@@ -424,7 +205,7 @@ class RankingRows(unittest.TestCase):
         self.assertEqual({row["policies"] for row in rows}, {9})
 
 
-class VariantRows(FindingsCase):
+class VariantRows(StudyCase):
     def test_success_is_held_against_that_at_home(self) -> None:
         # Differences of success: 0, 0.5 and 0.25; outcomes alike: 0.5, 0.5 and 0.75.
         outcomes = (("a", "1010", "1001"), ("a", "1100", "0000"), ("b", "1111", "0111"))
@@ -449,15 +230,10 @@ class VariantRows(FindingsCase):
         self.assertEqual(set(rows), {("success_difference", "b"), ("alike", "b")})
 
 
-class FailureCase(FindingsCase):
-    def setUp(self) -> None:
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.work = Path(folder.name)
-
+class FailureCase(StudyCase):
     def write(self, row: str, *episodes: Episode) -> Path:
         """Episodes of a row of the sweep."""
-        folder = self.work / "matrix" / row
+        folder = self.folder / "matrix" / row
         folder.mkdir(parents=True, exist_ok=True)
         lines = [",".join(map(str, (i, *episode))) for i, episode in enumerate(episodes)]
         (folder / "episodes.csv").write_text("\n".join([HEADING, *lines]) + "\n")
@@ -507,7 +283,7 @@ class FailureRows(FailureCase):
 
     def rows(self, matrix: Any) -> Dict[str, Dict[str, Any]]:
         return {
-            row.pop("group"): row for row in findings._failure_rows(self.PLAN, matrix, self.work)
+            row.pop("group"): row for row in findings._failure_rows(self.PLAN, matrix, self.folder)
         }
 
     def test_shares_are_means_over_policies(self) -> None:

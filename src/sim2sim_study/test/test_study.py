@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any, Dict
 
 import yaml  # type: ignore[import]
+from study_case import StudyCase
 from pusht_task.testing.long_tests import long_form
-
-from command_case import CommandCase, until
+from pusht_task.testing.nodes import until
 
 ROOT = Path(__file__).resolve().parents[3]
 STUDY = ROOT / "docs" / "study"
@@ -26,14 +26,14 @@ KILLS = (
 )
 
 
-class Study(CommandCase):
+class Study(StudyCase):
     def start(self, name: str) -> "subprocess.Popen[str]":
         """The study in a process group of its own, as a shell starts it."""
         folder = self.folder / name
         folder.mkdir(exist_ok=True)
         options = ("--smoke", "--work", str(folder / "work"), "--tables", str(folder / "tables"))
         return subprocess.Popen(
-            [sys.executable, str(ROOT / "script" / "study.py"), *options],
+            [sys.executable, "-m", "sim2sim_study", *options],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -53,7 +53,7 @@ class Study(CommandCase):
         process = self.start(name)
         try:
             path = self.folder / name / "work" / file
-            until(lambda: path.exists() or process.poll() is not None, DEADLINE)
+            until(lambda: path.exists() or process.poll() is not None, file, DEADLINE)
             self.assertIsNone(process.poll(), f"ended before {file}")
         finally:
             os.killpg(process.pid, signal.SIGKILL)
@@ -93,7 +93,7 @@ class Study(CommandCase):
         self.assertEqual([path.name for path in work.iterdir()], ["plan.yaml"])
 
     def test_smoke_has_folders_of_its_own(self) -> None:
-        command = [sys.executable, str(ROOT / "script" / "study.py"), "--smoke"]
+        command = [sys.executable, "-m", "sim2sim_study", "--smoke"]
         process = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
         self.assertEqual(process.returncode, 2)
         self.assertIn("--smoke says nothing: give it folders of its own", process.stderr)

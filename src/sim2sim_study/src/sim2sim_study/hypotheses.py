@@ -2,24 +2,20 @@
 """The hypotheses on success of the study under noise, from its table of endings.
 docs/study/noise/plan.md has them, and how they are judged."""
 
+import contextlib
 import csv
-import lzma
-import sys
+import io
+import math
 from pathlib import Path
-from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
-from numpy.typing import NDArray
+from pusht_task.files import write_file
 from scipy import stats  # type: ignore[import]
 
-from study_statistics import holm
-
-STUDY = Path(__file__).resolve().parents[1] / "docs" / "study" / "noise"
-sys.path.insert(0, str(STUDY))
-
-from recompute import crossed_error, crossed_mean  # noqa: E402
-
-Numbers = NDArray[Any]
+from sim2sim_study.crossed import Mean, Numbers, mean_of
+from sim2sim_study.endings import Endings, NotRun
+from sim2sim_study.statistics import holm
 
 PARTS = ("primary", "draws")  # others run the same groups from fewer starts, or in other loops
 MARGIN = 0.05  # of success, in points
@@ -28,28 +24,7 @@ RESAMPLES = 2000
 SEED = 20261127
 SMALL, SHIPPED = "small-mujoco", "shipped-mujoco"
 BULLET = "bullet:preset=idiomatic"
-
-
-class Endings:
-    """How each closed loop ended: a letter for each start, by policy, loop and simulator."""
-
-    def __init__(self, path: Path) -> None:
-        self._rows: Dict[Tuple[str, str, str], Dict[str, Numbers]] = {}
-        with lzma.open(path, "rt") as file:
-            for row in csv.DictReader(line for line in file if not line.startswith("#")):
-                if row["part"] not in PARTS:
-                    continue
-                key = row["group"], row["loop"], row["simulator"]
-                self._rows.setdefault(key, {})[row["policy"]] = np.array(list(row["ends"]))
-
-    def letters(self, group: str, loop: str, simulator: str, seeds: Sequence[int] = ()) -> Numbers:
-        """[policy, start]: all policies of a group, or those of some training seeds."""
-        rows = self._rows[group, loop, simulator]
-        names = [f"{group}-{seed}" for seed in seeds] or sorted(rows)
-        return np.array([rows[name] for name in names])
-
-    def success(self, group: str, loop: str, simulator: str, seeds: Sequence[int] = ()) -> Numbers:
-        return (self.letters(group, loop, simulator, seeds) == "S").astype(float)
+ORDER = "N13 Chipmunk orders policies of one recipe as MuJoCo does"
 
 
 class Judged(NamedTuple):
@@ -61,38 +36,56 @@ class Judged(NamedTuple):
     high: float
     p: float  # NaN: it is judged by its interval
     adjusted: float  # after Holm; NaN likewise
-    verdict: str  # "holds", "contradicted" or "not shown"
+    verdict: str  # "holds", "contradicted", "not shown" or "not run"
+
+
+def success(
+    table: Endings, group: str, loop: str, simulator: str, seeds: Sequence[int] = ()
+) -> Numbers:
+    """[policy, start]: all policies of a group, or those of some training seeds."""
+    names = [f"{group}-{seed}" for seed in seeds]
+    return (letters_of(table, group, loop, simulator, names) == "S").astype(float)
+
+
+def letters_of(
+    table: Endings, group: str, loop: str, simulator: str, policies: Sequence[str] = ()
+) -> Numbers:
+    """Letters of a group, from the part that has it."""
+    part = next((part for part in PARTS if (part, loop, group) in table.simulators), PARTS[0])
+    return table.letters(part, loop, group, simulator, policies)
 
 
 def lost(table: Endings, group: str, engine: str) -> Numbers:
     """Success in the engine less that in MuJoCo, in the loop `tracker`."""
-    return table.success(group, "tracker", engine) - table.success(group, "tracker", "mujoco")
+    return success(table, group, "tracker", engine) - success(table, group, "tracker", "mujoco")
 
 
 def by_draw(table: Endings, recipe: str) -> Numbers:
     """[draw, start]: success in the two-mass engine, the mean of the trainings of each draw."""
-    groups = [f"{recipe}-mujoco", *(f"{recipe}-draw_{number}" for number in range(1, 6))]
-    draws = [table.success(group, "tracker", "two_mass").mean(axis=0) for group in groups]
+    draws = [success(table, g, "tracker", "two_mass").mean(axis=0) for g in draws_of(recipe)]
     return np.array(draws)
+
+
+def draws_of(recipe: str) -> List[str]:
+    """Groups of one recipe and several draws of demonstrations."""
+    return [f"{recipe}-mujoco", *(f"{recipe}-draw_{number}" for number in range(1, 6))]
 
 
 def stuck_beyond_half(table: Endings, group: str) -> Numbers:
     """Above 0 in the mean if most failures in MuJoCo are stuck, without noise."""
-    letters = table.letters(group, "none", "mujoco")
+    letters = letters_of(table, group, "none", "mujoco")
     return (letters == "t").astype(float) - 0.5 * (letters != "S")
 
 
 def raised(table: Endings, group: str) -> Numbers:
     """Success in MuJoCo in the loop `tracker` less that without noise."""
-    return table.success(group, "tracker", "mujoco") - table.success(group, "none", "mujoco")
+    return success(table, group, "tracker", "mujoco") - success(table, group, "none", "mujoco")
 
 
 def longer(table: Endings, group: str, other: str) -> Numbers:
     """Success in the two-mass engine, of the same five training seeds."""
-    seeds = range(100, 105)
-    return table.success(group, "tracker", "two_mass", seeds) - table.success(
-        other, "tracker", "two_mass", seeds
-    )
+    more, less = (success(table, g, "tracker", "two_mass", range(100, 105)) for g in (group, other))
+    return more - less
 
 
 WITHIN: Dict[str, Callable[[Endings], Numbers]] = {  # the whole interval within the margin
@@ -117,36 +110,30 @@ SIDES: Dict[str, Tuple[int, Callable[[Endings], Numbers]]] = {  # -1: below 0, 1
 }
 
 
-def judged_within(name: str, y: Numbers) -> Judged:
-    mean, low, high = crossed_mean(y)
+def judged_within(name: str, mean: Mean) -> Judged:
+    low, high = mean.value - mean.half_width, mean.value + mean.half_width
     inside = -MARGIN <= low and high <= MARGIN
     outside = high < -MARGIN or low > MARGIN
     verdict = "holds" if inside else "contradicted" if outside else "not shown"
-    return Judged(name, mean, low, high, np.nan, np.nan, verdict)
+    return Judged(name, mean.value, low, high, math.nan, math.nan, verdict)
 
 
-def judged_sides(tables: Sequence[Tuple[str, int, Numbers]]) -> List[Judged]:
-    """A family: a side counts if it is significant after Holm."""
-    p = []
-    for _, _, y in tables:
-        error, freedom = crossed_error(y)
-        p.append(2.0 * stats.t.sf(abs(y.mean()) / error, freedom) if error > 0.0 else np.nan)
-    found = []
-    for (name, side, y), raw, adjusted in zip(tables, p, holm(p)):
-        mean, low, high = crossed_mean(y)
-        is_shown = adjusted <= SIGNIFICANT
-        verdict = "not shown" if not is_shown else "holds" if side * mean > 0 else "contradicted"
-        found.append(Judged(name, mean, low, high, raw, adjusted, verdict))
-    return found
+def judged_side(name: str, side: int, mean: Mean, adjusted: float) -> Judged:
+    low, high = mean.value - mean.half_width, mean.value + mean.half_width
+    is_shown = adjusted <= SIGNIFICANT
+    as_expected = side * mean.value > 0.0
+    verdict = "not shown" if not is_shown else "holds" if as_expected else "contradicted"
+    return Judged(name, mean.value, low, high, mean.p, adjusted, verdict)
 
 
 def tau_within_recipes(table: Endings) -> Judged:
     """N13: the mean of the two recipes' tau-b of success in MuJoCo and in Chipmunk."""
     both = []
     for recipe in ("small", "shipped"):
-        groups = [f"{recipe}-mujoco", *(f"{recipe}-draw_{number}" for number in range(1, 6))]
         pair = [
-            np.concatenate([table.success(group, "tracker", simulator) for group in groups])
+            np.concatenate(
+                [success(table, group, "tracker", simulator) for group in draws_of(recipe)]
+            )
             for simulator in ("mujoco", "chipmunk")
         ]
         both.append(np.array(pair))  # [simulator, policy, start]
@@ -167,22 +154,33 @@ def tau_within_recipes(table: Endings) -> Judged:
     low, high = np.nanquantile(resampled, (0.025, 0.975))
     estimate = tau([np.arange(n) for n in counts], np.arange(starts))
     verdict = "holds" if low > 0.0 else "contradicted" if high < 0.0 else "not shown"
-    name = "N13 Chipmunk orders policies of one recipe as MuJoCo does"
-    return Judged(name, estimate, float(low), float(high), np.nan, np.nan, verdict)
+    return Judged(ORDER, estimate, float(low), float(high), math.nan, math.nan, verdict)
 
 
 def judge(table: Endings) -> List[Judged]:
-    """All hypotheses on success, in the order of the plan."""
-    found = [judged_within(name, y(table)) for name, y in WITHIN.items()]
-    found += judged_sides([(name, side, y(table)) for name, (side, y) in SIDES.items()])
-    found.append(tau_within_recipes(table))
-    return sorted(found, key=lambda one: int(one.name.split()[0][1:]))
+    """All hypotheses on success, in the order of the plan. One whose part is missing was not run;
+    in Holm's family it counts as a p of 1."""
+    means: Dict[str, Mean] = {}
+    for name, y in {**WITHIN, **{name: y for name, (_, y) in SIDES.items()}}.items():
+        with contextlib.suppress(NotRun):
+            means[name] = mean_of(y(table))
+    found = {name: judged_within(name, means[name]) for name in WITHIN if name in means}
+    adjusted = holm([means[name].p if name in means else math.nan for name in SIDES])
+    for (name, (side, _)), p in zip(SIDES.items(), adjusted):
+        if name in means:
+            found[name] = judged_side(name, side, means[name], p)
+    with contextlib.suppress(NotRun):
+        found[ORDER] = tau_within_recipes(table)
+    names = sorted([*WITHIN, *SIDES, ORDER], key=lambda name: int(name.split()[0][1:]))
+    none = Judged("", math.nan, math.nan, math.nan, math.nan, math.nan, "not run")
+    return [found.get(name, none._replace(name=name)) for name in names]
 
 
 def write_hypotheses(path: Path, found: Sequence[Judged]) -> None:
-    with path.open("w") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(Judged._fields)
-        for one in found:
-            figures = [f"{value:.6g}" for value in one[1:6]]
-            writer.writerow([one.name, *figures, one.verdict])
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(Judged._fields)
+    for one in found:
+        figures = [f"{value:.6g}" for value in one[1:6]]
+        writer.writerow([one.name, *figures, one.verdict])
+    write_file(path, text.getvalue().encode())

@@ -1,48 +1,46 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tables and pictures of the study over policies, from its results."""
 
-import csv
-import io
-import json
 import math
+from functools import partial
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
-from pusht_task.files import write_file
+from pusht_task.json_file import read_json
 from scipy import stats  # type: ignore[import]
-from sim2sim_report.colors import DIM, SERIES
-from sim2sim_report.figures import NARROW, Figure, add_legend, styled
+from sim2sim_report.results import read_rows
 
-import study_statistics as statistics
-from study_conduct import HOME, conduct_runs, policy_conduct
+from sim2sim_study import statistics
+from sim2sim_study.conduct import HOME, conduct_runs, policy_conduct
+from sim2sim_study.curves import draw_epochs, write_curves
+from sim2sim_study.plan import Plan, first_policies
+from sim2sim_study.tables import Row, nested, write_figures, write_table
 
 NEAR = (0.1, 0.2)  # [m], [rad]: a failure within these of the goal ends near it
 LADDER_GAPS = ("mean_pos_divergence", "lost_success")
 SIGNIFICANT = 0.05  # after Holm
-Plan = Dict[str, Any]
-Row = Dict[str, Any]
 
 
 def write_findings(plan: Plan, work: Path, tables: Path) -> None:
     """Writes groups.csv, curves.csv and .png, failures.csv, rankings.csv, ladder.csv,
     ladder_ranks.csv, variants.csv, conduct.csv and predictions.csv; and figures.json, which has
     what docs/claims.yaml reads."""
-    matrix = json.loads((work / "matrix.json").read_text())
+    matrix = read_json(work / "matrix.json")
     groups = list(group_rows(matrix))
     curve = list(_curve_rows(plan, groups))
     write_table(tables / "groups.csv", groups)
     write_table(tables / "curves.csv", curve)
     failures = _failure_rows(plan, matrix, work)
     write_table(tables / "failures.csv", failures)
-    rankings = list(_ranking_rows(json.loads((work / "rankings.json").read_text())))
+    rankings = list(_ranking_rows(read_json(work / "rankings.json")))
     write_table(tables / "rankings.csv", rankings)
     shares = _ladder_shares(plan, work)
     ladder = _ladder_rows(shares)
     ranks = _ladder_ranks(shares)
     write_table(tables / "ladder.csv", ladder)
     write_table(tables / "ladder_ranks.csv", ranks)
-    variants = list(_variant_rows(json.loads((work / "variants.json").read_text())))
+    variants = list(_variant_rows(read_json(work / "variants.json")))
     write_table(tables / "variants.csv", variants)
     explored, tested = _conduct(plan, work)
     conduct = [*_conduct_rows("explored", explored), *_conduct_rows("tested", tested)]
@@ -51,65 +49,27 @@ def write_findings(plan: Plan, work: Path, tables: Path) -> None:
     write_table(tables / "predictions.csv", predictions)
     figures = {
         "hypotheses": {h["name"].partition(" ")[0]: h for h in matrix["hypotheses"]},
-        "groups": _by(groups, "group", "simulator"),
-        "failures": _by(failures, "group"),
-        "rankings": _by(rankings, "there", "figure"),
-        "ladder": _by(ladder, "gap", "group", "switch"),
-        "ladder_ranks": _by(ranks, "gap", "policies of"),
-        "variants": _by(variants, "simulator", "figure", "policies of"),
-        "conduct": _by(conduct, "trainings", "group", "simulator", "figure"),
-        "predictions": _by(predictions, "prediction"),
+        "groups": nested(groups, "group", "simulator"),
+        "failures": nested(failures, "group"),
+        "rankings": nested(rankings, "there", "figure"),
+        "ladder": nested(ladder, "gap", "group", "switch"),
+        "ladder_ranks": nested(ranks, "gap", "policies of"),
+        "variants": nested(variants, "simulator", "figure", "policies of"),
+        "conduct": nested(conduct, "trainings", "group", "simulator", "figure"),
+        "predictions": nested(predictions, "prediction"),
         "spread": {name: _spread_of(work / f"{name}.json") for name in plan["matrices"]},
     }
-    text = json.dumps(figures, indent=1, sort_keys=True) + "\n"
-    write_file(tables / "figures.json", text.encode())
-    drawing = styled("curves", "Success over epochs", lambda narrow: _draw_curves(curve, narrow))
-    write_file(tables / "curves.png", drawing.file("png", "sim2sim study"))
-
-
-def _by(rows: Sequence[Row], *keys: str) -> Row:
-    """Rows of a table by their keys. An interval stands beside its figure: x_interval of x_low and
-    x_high."""
-    found: Row = {}
-    for row in rows:
-        place = found
-        for key in keys:
-            place = place.setdefault(str(row[key]).replace("/", " "), {})
-        for name, value in row.items():
-            stem, _, end = name.rpartition("_")
-            if name == "high" or end == "high":
-                low = row["low" if name == "high" else f"{stem}_low"]
-                ends = None if "" in (low, value) else [low, value]
-                place[f"{stem}_interval" if stem else "interval"] = ends
-            elif name not in (*keys, "low") and end != "low":
-                is_missing = isinstance(value, float) and math.isnan(value)
-                place[name] = None if is_missing else value
-    return found
+    write_figures(tables / "figures.json", figures)
+    write_curves(tables / "curves.png", "Success over epochs", partial(draw_epochs, curve))
 
 
 def _spread_of(path: Path) -> Row:
     """Shares of the variance of cells, by figure and source."""
-    spreads = json.loads(path.read_text())["spreads"]
+    spreads = read_json(path)["spreads"]
     return {
         spread["figure"]: {source["source"]: source["share"] for source in spread["sources"]}
         for spread in spreads
     }
-
-
-def first_policies(plan: Plan, part: Row) -> Iterator[Tuple[str, str]]:
-    """The groups of a part of the plan, each with its first policies."""
-    for group in part["groups"]:
-        for seed in range(plan["first_seed"], plan["first_seed"] + part["policies"]):
-            yield group, f"{group}-{seed}"
-
-
-def write_table(path: Path, rows: Sequence[Row]) -> None:
-    """Writes rows as CSV; the keys of the first are the columns."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, rows[0].keys() if rows else [], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    write_file(path, text.getvalue().encode())
 
 
 def _estimate(name: str, found: Row) -> Row:
@@ -148,37 +108,6 @@ def _curve_rows(plan: Plan, groups: Sequence[Row]) -> Iterator[Row]:
                 keys = ("simulator", "policies", "success", "success_low", "success_high")
                 values = {key: row[key] for key in keys}
                 yield {"training": name, "epochs": named[row["group"]], **values}
-
-
-def _draw_curves(rows: Sequence[Row], narrow: bool) -> Any:
-    """A panel for each training, a line for each simulator."""
-    trainings = list(dict.fromkeys(row["training"] for row in rows))
-    simulators = list(dict.fromkeys(row["simulator"] for row in rows))
-    size = (NARROW, 3.4 * len(trainings)) if narrow else (9.8, 4.2)
-    figure = Figure(figsize=size, constrained_layout=True)
-    shape = (len(trainings), 1) if narrow else (1, len(trainings))
-    panels = figure.subplots(*shape, squeeze=False, sharey=True).flat
-    for axes, training in zip(panels, trainings):
-        for simulator, color in zip(simulators, [*SERIES, DIM]):
-            line = [r for r in rows if (r["training"], r["simulator"]) == (training, simulator)]
-            line.sort(key=lambda row: int(row["epochs"]))
-            epochs = [row["epochs"] for row in line]
-            style = "-" if simulator == HOME else "--" if simulator.startswith(HOME) else "-."
-            axes.plot(epochs, [row["success"] for row in line], style, color=color, marker="o")
-            axes.lines[-1].set_label(simulator)
-            for row in line:
-                ends = [row["success_low"], row["success_high"]]
-                if "" not in ends:
-                    axes.plot([row["epochs"]] * 2, ends, color=color, linewidth=1)
-        axes.set_xscale("log")
-        axes.set_xticks([row["epochs"] for row in line], [str(row["epochs"]) for row in line])
-        axes.minorticks_off()
-        axes.set_title(training, fontsize=11)
-        axes.set_xlabel("epochs of training")
-    panels[0].set_ylabel("success rate")
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    add_legend(figure, "upper", dict(zip(labels, handles)), 2 if narrow else 4)
-    return figure
 
 
 def _ranking_rows(matrix: Row) -> Iterator[Row]:
@@ -223,12 +152,11 @@ def _failure_rows(plan: Plan, matrix: Row, work: Path) -> List[Row]:
 
 
 def _near_share(folder: Path) -> Optional[float]:
-    with (folder / "episodes.csv").open(newline="", encoding="utf-8") as file:
-        failures = [
-            row
-            for row in csv.DictReader(file)
-            if row["mode"] == "reference_closed" and row["success"] == "false"
-        ]
+    failures = [
+        row
+        for row in read_rows(folder / "episodes.csv")
+        if row["mode"] == "reference_closed" and row["success"] == "false"
+    ]
     near = [
         float(row["final_position_error_m"]) <= NEAR[0]
         and float(row["final_angle_error_rad"]) <= NEAR[1]
@@ -244,9 +172,7 @@ def _ladder_shares(plan: Plan, work: Path) -> Shares:
     """How much of a gap each switch closes, for each policy of the ladder."""
     shares: Shares = {}
     for group, name in first_policies(plan, plan["ladder"]):
-        path = work / f"ladder-{name}" / "attribution.csv"
-        with path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
+        rows = read_rows(work / f"ladder-{name}" / "attribution.csv")
         for gap in LADDER_GAPS:
             found = {row["switch"]: float(row["share"]) for row in rows if row["gap"] == gap}
             of_switches = {s: found[s] for s in plan["ladder"]["switches"]}

@@ -3,10 +3,9 @@
 """Draws docs/missed_push.svg: three pushes of one episode in MuJoCo, and what the two-mass engine
 makes of them. Prints how frequent each kind is, over 200 episodes. In a workspace that is built:
 
-    source devel/setup.bash; python3 script/missed_push.py
+    source devel/setup.bash; python3 -m sim2sim_study.missed_push
 """
 
-from pathlib import Path
 from typing import Dict, List, NamedTuple, Tuple
 
 import numpy as np
@@ -15,13 +14,14 @@ from pusht_task.command import OneLineParser, run_command
 from pusht_task.files import write_file
 from pusht_task.palette import DARK, LIGHT
 
-from study_pushes import (
+from sim2sim_study.plan import ROOT
+from sim2sim_study.pushes import (
     MISSED,
     SEED,
+    Engine,
     Numbers,
     Pushes,
     Rollouts,
-    answers,
     displacement,
     figures_of,
     pushes_in,
@@ -29,7 +29,7 @@ from study_pushes import (
     tee_of,
 )
 
-PICTURE = Path(__file__).resolve().parents[1] / "docs" / "missed_push.svg"
+PICTURE = ROOT / "docs" / "missed_push.svg"
 POLICY, ENGINE = "bc", "two_mass"
 FIRST_SEED, EPISODES = 10000, 200  # those of a comparison with seed 0
 WINDOW = 5  # control steps
@@ -75,7 +75,7 @@ def measure() -> Measured:
     seeds = range(FIRST_SEED, FIRST_SEED + EPISODES)
     rollouts = roll_out(sim2sim.load_policy(POLICY), seeds)
     pushes = pushes_in(rollouts, WINDOW, LEAST_MOVE)
-    ends = answers(ENGINE, pushes)
+    ends = Engine(ENGINE).answers(pushes)
     start = tee_of(pushes.start)
     ways = [displacement(start, tee_of(states)) for states in (pushes.end, ends)]
     there, here = (np.linalg.norm(way, axis=-1) for way in ways)

@@ -453,12 +453,12 @@ class Names(CommandCase):
         self.assertEqual(sorted(rows), list(range(1, len(rows) + 1)))
         self.assertEqual(list(tests_of), [f"F{number}" for number in sorted(rows)])
         for fault, files in tests_of.items():
-            for file, tests in files.items():
-                with self.subTest(f"{fault}: {file}"):
-                    self.assertIn(file, sources)
+            for source, tests in files.items():
+                with self.subTest(f"{fault}: {source}"):
+                    self.assertIn(source, sources)
                     for name in [] if tests == "all" else tests:
                         for part in name.split("."):
-                            self.assertRegex(sources[file], rf"(def |class |, ){part}\b[(:)]")
+                            self.assertRegex(sources[source], rf"(def |class |, ){part}\b[(:)]")
 
     def test_every_kind_of_simulator_is_listed(self) -> None:
         command = (executable("sim2sim_eval", "compare"), "--engine", "none")

@@ -88,7 +88,7 @@ Outcome outcomeOf(const PlantedFault& fault, const std::vector<Comparison>& find
   return found == findings.begin() ? Outcome::kFirst : Outcome::kLater;
 }
 
-/// Cell of the table: "first", "2nd of 3", "missed"; a dash where the fault cannot be planted.
+/// Cell of the table: "first of 2", "after delay", "missed: hold stale_steps".
 std::string cellOf(const PlantedFault& fault, const std::vector<Comparison>& findings) {
   const std::vector<std::string> keys = keysOf(findings);
   switch (outcomeOf(fault, findings)) {
@@ -99,10 +99,10 @@ std::string cellOf(const PlantedFault& fault, const std::vector<Comparison>& fin
     case Outcome::kMissed:
       break;
   }
-  return "**missed**: " + pusht::joined(keys);
+  return "missed: " + pusht::joined(keys, " ");
 }
 
-/// The table of docs/audit.md, and how often what happened.
+/// The table of test/data/planted_faults.csv, and how often what happened.
 struct Table {
   std::string text;
   int planted = 0;
@@ -123,23 +123,23 @@ WorldOfEachKind worldsWith(const PlantedFault& fault) {
 
 /// Beginning of the fault's row.
 std::string headingOf(const PlantedFault& fault) {
-  return "| " + fault.name + " | " + pusht::joined(keysOf(fault.named_by)) + " |";
+  return "\"" + fault.name + "\",\"" + pusht::joined(keysOf(fault.named_by)) + "\"";
 }
 
 Table tableOfFaults() {
   const std::array<Clean, 3> clean = cleanKinds();
   Table table;
-  table.text = "| fault | named by | in MuJoCo | in Chipmunk | in the rigid body |\n|---|---|---|---|---|\n";
+  table.text = "fault,named by,in MuJoCo,in Chipmunk,in the rigid body\n";
   for (const PlantedFault& fault : plantedFaults()) {
     table.text += headingOf(fault);
     const WorldOfEachKind makers = worldsWith(fault);
     for (std::size_t kind = 0; kind < makers.size(); ++kind) {
       if (!*makers[kind]) {
-        table.text += " - |";
+        table.text += ",-";
         continue;
       }
       const std::vector<Comparison> findings = clean[kind].against(measured(*makers[kind])).findings();
-      table.text += " " + cellOf(fault, findings) + " |";
+      table.text += "," + cellOf(fault, findings);
       const Outcome outcome = outcomeOf(fault, findings);
       ++table.planted;
       table.first += outcome == Outcome::kFirst ? 1 : 0;
@@ -150,21 +150,21 @@ Table tableOfFaults() {
   return table;
 }
 
-std::string documentation() {
-  std::ifstream file(AUDIT_DOCUMENT);
+std::string expectedTable() {
+  std::ifstream file(PLANTED_FAULTS);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Cells of the fault's row in docs/audit.md, one for each kind.
-std::vector<std::string> documentedCells(const PlantedFault& fault) {
-  const std::string page = documentation();
-  const std::string heading = headingOf(fault);
-  const std::size_t row = page.find(heading);
+/// Cells of the fault's row in the expected table, one for each kind.
+std::vector<std::string> expectedCells(const PlantedFault& fault) {
+  const std::string table = expectedTable();
+  const std::string heading = headingOf(fault) + ",";
+  const std::size_t row = table.find(heading);
   if (row == std::string::npos) {
     return {};
   }
   const std::size_t begin = row + heading.size();
-  return pusht::split(page.substr(begin, page.find('\n', begin) - begin), '|');
+  return pusht::split(table.substr(begin, table.find('\n', begin) - begin), ',');
 }
 
 /// The short form: each fault in one kind, as the table has it.
@@ -179,9 +179,9 @@ TEST(PlantedFaults, AreNamedInOneKindEach) {
     } while (!*makers[kind]);
     const std::vector<Comparison> findings = clean[kind].against(measured(*makers[kind])).findings();
     EXPECT_NE(outcomeOf(fault, findings), Outcome::kMissed) << fault.name;
-    const std::vector<std::string> cells = documentedCells(fault);
-    ASSERT_GE(cells.size(), makers.size()) << fault.name << ": must have a row in docs/audit.md";
-    EXPECT_EQ(cells[kind], " " + cellOf(fault, findings) + " ") << fault.name << ", kind " << kind;
+    const std::vector<std::string> cells = expectedCells(fault);
+    ASSERT_EQ(cells.size(), makers.size()) << fault.name << ": must have a row in " << PLANTED_FAULTS;
+    EXPECT_EQ(cells[kind], cellOf(fault, findings)) << fault.name << ", kind " << kind;
   }
 }
 
@@ -192,8 +192,7 @@ TEST(PlantedFaults, AreNamed) {
   const Table table = tableOfFaults();
   EXPECT_EQ(table.missed, 0) << table.text;
   EXPECT_GE(table.first, 0.95 * table.planted) << table.text;
-  EXPECT_NE(documentation().find(table.text), std::string::npos) << "docs/audit.md must have this table:\n"
-                                                                 << table.text;
+  EXPECT_EQ(expectedTable(), table.text) << PLANTED_FAULTS;
 }
 
 /// Pairs that are the same, over seeds.

@@ -4,8 +4,9 @@
 
 In a `console` block a line after `$ ` is a command, and the lines below it are what it prints; if
 it fails, all that it complains of. A line `...` stands for any lines, `...` at a line's end for
-any rest. A block whose first line is a comment with a file name is that file. What is called by
-hand is called of nodes. Nodes offer and read what their lists say. And what docs name is there.
+any rest. Numbers in circles at the ends of lines are not printed. A block whose first line is a
+comment with a file name is that file. What is called by hand is called of nodes. Nodes offer and
+read what their lists say. And what docs name is there.
 """
 
 import os
@@ -31,6 +32,7 @@ PARAMETER = ("falls", "falls", "no-difference")  # as in the solutions
 LAUNCH_DEADLINE = 180  # [s] a live run of a few episodes on a busy machine
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# ([\w.]+)\n")
+FINGER = re.compile(r" +[\u2460-\u2473]$", re.MULTILINE)  # number in a circle
 PAGES = [*ROOT.glob("*.md"), *DOCS.rglob("*.md"), *PACKAGES.glob("*/README.md")]
 
 
@@ -71,7 +73,7 @@ class Docs(CommandCase):
                 (self.folder / file[1]).write_text(block)
             if language != "console":
                 continue
-            for command, output in commands(block):
+            for command, output in commands(FINGER.sub("", block)):
                 with self.subTest(command):
                     process = self.run_command("bash", "-c", command)
                     count += 1
@@ -83,6 +85,9 @@ class Docs(CommandCase):
 
     def test_beginning_of_the_tutorial(self) -> None:
         self.assertEqual(self.check(DOCS / "tutorial.md", "## 4. Change a parameter"), 2)
+
+    def test_reading_a_result(self) -> None:
+        self.assertEqual(self.check(DOCS / "reading_a_result.md"), 1)
 
     @long_form
     def test_tutorial(self) -> None:
@@ -109,7 +114,7 @@ class Docs(CommandCase):
     @long_form
     def test_packages(self) -> None:
         count_of = {readme: self.check(readme) for readme in sorted(PACKAGES.glob("*/README.md"))}
-        self.assertEqual(count_of[PACKAGES / "sim2sim_eval" / "README.md"], 2)
+        self.assertEqual(count_of[PACKAGES / "sim2sim_eval" / "README.md"], 1)
         for node in PACKAGES.glob("pusht_*/nodes/*.cpp"):  # what has a node shows how it is used
             self.assertGreater(count_of[node.parents[1] / "README.md"], 0, str(node))
 
@@ -436,24 +441,24 @@ class Names(CommandCase):
         for name in set(re.findall(r"script/[\w-]+", text)):
             self.assertTrue((ROOT / name).is_file(), name)
 
-    def test_every_test_that_the_table_of_faults_names_is_there(self) -> None:
-        sources = {
-            file.name: file.read_text(encoding="utf-8")
-            for file in PACKAGES.rglob("*")
-            if file.suffix in (".py", ".cpp", ".hpp") and file.is_file()
-        }
-        rows = re.findall(r"^\| F(\d+) .*\|(.*)\|$", (DOCS / "faults.md").read_text(), re.MULTILINE)
-        self.assertEqual([int(number) for number, _ in rows], list(range(1, len(rows) + 1)))
-        for number, tests in rows:
-            source = ""
-            for name in re.findall(r"`(.*?)`", tests):
-                with self.subTest(f"F{number}: {name}"):
-                    if name.endswith((".py", ".cpp", ".hpp")):
-                        self.assertTrue(name in sources, "no such file")
-                        source = sources.get(name, "")
-                    elif not (PACKAGES / name).is_dir():
+    def test_every_fault_has_tests_that_are_there(self) -> None:
+        sources: Dict[str, str] = {}  # of one name in two packages: both
+        for file in PACKAGES.rglob("*"):
+            if file.suffix in (".py", ".cpp", ".hpp") and file.is_file():
+                sources[file.name] = sources.get(file.name, "") + file.read_text(encoding="utf-8")
+        table = PACKAGES / "sim2sim_eval" / "test" / "data" / "faults.yaml"
+        tests_of = yaml.safe_load(table.read_text(encoding="utf-8"))
+        page = (DOCS / "faults.md").read_text(encoding="utf-8")
+        rows = [int(number) for number in re.findall(r"^\| F(\d+) \|", page, re.MULTILINE)]
+        self.assertEqual(sorted(rows), list(range(1, len(rows) + 1)))
+        self.assertEqual(list(tests_of), [f"F{number}" for number in sorted(rows)])
+        for fault, files in tests_of.items():
+            for source, tests in files.items():
+                with self.subTest(f"{fault}: {source}"):
+                    self.assertIn(source, sources)
+                    for name in [] if tests == "all" else tests:
                         for part in name.split("."):
-                            self.assertRegex(source, rf"(def |class |, ){part}\b[(:)]")
+                            self.assertRegex(sources[source], rf"(def |class |, ){part}\b[(:)]")
 
     def test_every_kind_of_simulator_is_listed(self) -> None:
         command = (executable("sim2sim_eval", "compare"), "--engine", "none")

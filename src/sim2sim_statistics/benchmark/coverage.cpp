@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Coverage of intervals and error rates of tests, on simulated episodes whose truth is known. docs/statistics.md has
-// its output.
+// Coverage of intervals and error rates of tests, on simulated episodes whose truth is known. docs/statistics
+// has its output, as data; coverage_figure.py makes it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>

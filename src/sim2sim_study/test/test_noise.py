@@ -20,6 +20,18 @@ from study_case import StudyCase
 
 DEADLINE = 600.0  # s
 PLAN = {"first_episode": 390_000}
+SWEEPS = [  # each with its part
+    *(("primary-none", "primary"), ("primary-tracker", "primary")),
+    *(("draws-none", "draws"), ("draws-tracker", "draws")),
+    *(
+        (f"curves-observation_noise_position={d}", "curves")
+        for d in (0.001, 0.002, 0.005, 0.01, 0.02)
+    ),
+    *((f"curves-action_noise={v}", "curves") for v in (0.1, 0.2)),
+    *(("kinds-none", "kinds"), ("kinds-tracker", "kinds")),
+    *(("pushes-none", "pushes"), ("pushes-tracker", "pushes")),
+    ("pushes-observation_noise_position=0.01", "pushes"),
+]
 
 
 class Study(StudyCase):
@@ -53,10 +65,11 @@ class Study(StudyCase):
 
     def test_tables_of_nothing_name_all_that_is_missing(self) -> None:
         said = self.run_study("--tables-only").splitlines()
-        self.assertEqual(said, [f"{name}: MISSING; --part {name} runs it" for name in NAMES])
+        begins = [f"{name}: MISSING; --part {part} runs it" for name, part in SWEEPS]
+        self.assertEqual(said, begins)
         self.assertEqual(self.files(), {"endings.csv.xz", "hypotheses.csv", "figures.json"})
         figures = json.loads((self.folder / "tables" / "figures.json").read_text())
-        self.assertEqual(figures["missing"], list(NAMES))
+        self.assertEqual(figures["missing"], [name for name, _ in SWEEPS])
         self.assertEqual({one["verdict"] for one in figures["hypotheses"].values()}, {"not run"})
 
     def test_the_plan_trains_what_it_tests(self) -> None:
@@ -200,15 +213,23 @@ class Gathered(StudyCase):
         self.assertEqual(table[Cell("kinds", "expert", "expert", "none", "chipmunk")], "Sml")
         self.assertEqual([cell.part for cell in table], 12 * ["primary"] + 2 * ["kinds"])
 
-    def test_a_part_that_is_not_finished_is_missing(self) -> None:
+    def test_a_sweep_that_is_not_finished_is_missing(self) -> None:
         self.sweep_small(last=4)
         self.sweep("kinds-none", [("expert", "chipmunk", "SSt", "Sml")])
         with mock.patch.object(endings, "say") as said:
             table = self.gather(SMALL, KINDS)
-        self.assertEqual({cell.part for cell in table}, {"kinds"})
+        self.assertEqual(
+            {(cell.part, cell.loop) for cell in table}, {("primary", "none"), ("kinds", "none")}
+        )
         lines = [call.args[0] for call in said.call_args_list]
-        kept = f"kinds: from {self.folder}"
-        self.assertEqual(lines, ["primary: MISSING; --part primary runs it", kept])
+        self.assertEqual(
+            lines,
+            [
+                f"primary-none: from {self.folder}",
+                "primary-action_noise=0.1: MISSING; --part primary runs it",
+                f"kinds-none: from {self.folder}",
+            ],
+        )
 
     def test_tables_of_another_study_are_refused(self) -> None:
         self.sweep_small()
@@ -221,7 +242,7 @@ class Gathered(StudyCase):
         for wrong in (shorter, fewer):
             endings.write_endings(self.path, PLAN, wrong)
             with mock.patch.object(self, "folder", self.folder / "nowhere"):
-                with self.assertRaisesRegex(Error, "its rows of primary must be those of the plan"):
+                with self.assertRaisesRegex(Error, "its rows of primary-none must be"):
                     self.gather(SMALL, KINDS)
 
     def test_a_row_of_another_engine_is_refused(self) -> None:

@@ -84,7 +84,7 @@ class Pushes(unittest.TestCase):
         rollouts = pushes.roll_out(sim2sim.load_policy("expert"), [400_000, 400_001])
         made = pushes.pushes_in(rollouts, 5, 0.002)
         self.assertGreater(len(made.start), 5)
-        found = pushes.figures_of(made, pushes.answers("mujoco", made))
+        found = pushes.figures_of(made, pushes.Engine("mujoco").answers(made))
         self.assertLess(found["position_error"].max(), 1e-6, "contacts are found to 1e-6 m")
 
 
@@ -126,7 +126,7 @@ class Tables(StudyCase):
         none = pushes.pushes_in(
             pushes.Rollouts(STILL, np.zeros((6, 2, 2)), np.array([6, 6])), 5, 0.1
         )
-        ends = pushes.answers("two_mass", none)
+        ends = pushes.Engine("two_mass").answers(none)
         self.assertEqual(ends.shape, (0, len(sim2sim.STATE_FIELDS)))
         figures = {"episode": none.episode, **pushes.figures_of(none, ends)}
         found = {5: {"still.ts.pt": {"two_mass": figures}}}

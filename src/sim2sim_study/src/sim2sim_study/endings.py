@@ -98,26 +98,24 @@ def read_endings(path: Path, plan: Plan) -> Table:
 
 
 def gather(parts: Sequence[Part], plan: Plan, work: Path, path: Path) -> Table:
-    """The table of all parts that are finished, in the work folder or else in the file; says of
-    each part where it is from, or that it is missing."""
-    finished = [
-        part
-        for part in parts
-        if all(is_whole(work / part.folder(loop)) for loop in part.plan["loops"])
-    ]
-    kept = read_endings(path, plan) if len(finished) < len(parts) else {}
+    """The table of all sweeps that are finished, in the work folder or else in the file; says of
+    each where it is from, or that it is missing."""
+    sweeps = [one for part in parts for one in part.by_loop()]
+    finished = [one for one in sweeps if is_whole(work / one.folder(one.loop))]
+    kept = read_endings(path, plan) if len(finished) < len(sweeps) else {}
     table: Table = {}
-    for part in parts:
-        rows = {cell: ends for cell, ends in kept.items() if cell.part == part.name}
-        if part in finished:
-            rows = dict(_swept(part, work))
+    for one in sweeps:
+        name = one.folder(one.loop)
+        rows = {cell: ends for cell, ends in kept.items() if one.has(cell.part, cell.loop)}
+        if one in finished:
+            rows = dict(_swept(one, work))
             source = f"from {work}"
         elif rows:
-            _require_rows(path, part, rows)
+            _require_rows(path, one, rows)
             source = f"kept from {path}"
         else:
-            source = f"MISSING; --part {part.name} runs it"
-        say(f"{part.name}: {source}")
+            source = f"MISSING; --part {one.name} runs it"
+        say(f"{name}: {source}")
         table.update(rows)
     return table
 
@@ -126,7 +124,7 @@ def _require_rows(path: Path, part: Part, rows: Table) -> None:
     wanted = [cell for cell, *_ in _cells(part)]
     if list(rows) != wanted or {len(ends) for ends in rows.values()} != {part.plan["episodes"]}:
         raise Error(
-            f"{path}: its rows of {part.name} must be those of the plan; "
+            f"{path}: its rows of {part.folder(part.loop)} must be those of the plan; "
             f"delete the file, or run --part {part.name}"
         )
 

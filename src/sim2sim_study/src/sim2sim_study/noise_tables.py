@@ -40,9 +40,15 @@ def write_tables(parts: Sequence[Part], plan: Plan, work: Path, tables: Path) ->
         write_table(tables / "curves.csv", curves)
         draw = partial(draw_noise, curves)
         write_curves(tables / "curves.png", "Transfer over noise on the positions", draw)
-    ran = {cell.part for cell in table}
+    ran = {(cell.part, cell.loop) for cell in table}
+    missing = [
+        one.folder(one.loop)
+        for part in parts
+        for one in part.by_loop()
+        if not any(one.has(*sweep) for sweep in ran)
+    ]
     figures: Row = {
-        "missing": [part.name for part in parts if part.name not in ran],
+        "missing": missing,
         "groups": nested(groups, "part", "loop", "group", "simulator"),
         "curves": nested(curves, "group", "noise_mm", "simulator"),
         "hypotheses": {},
@@ -53,7 +59,8 @@ def write_tables(parts: Sequence[Part], plan: Plan, work: Path, tables: Path) ->
         write_hypotheses(tables / "hypotheses.csv", found)
         figures["hypotheses"].update(_by_number(found))
     (pushes,) = (part for part in parts if part.name == "pushes")
-    if pushes.name in ran and _has_pushes(work, tables):
+    ran_pushes = not any(name.startswith(f"{pushes.name}-") for name in missing)
+    if ran_pushes and _has_pushes(work, tables):
         figures.update(_write_predictions(pushes, plan, endings, tables))
         if has_intervals:
             found_of_pushes = judge_pushes(_recipes(pushes, plan, endings, tables))

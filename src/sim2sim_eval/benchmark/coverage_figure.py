@@ -12,7 +12,7 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 import numpy as np
 from pusht_task.command import OneLineParser, run_command
 from pusht_task.error import Error
-from pusht_task.files import write_file
+from pusht_task.files import read_file, write_file
 from sim2sim_report.colors import COLORS, DIM, INK
 from sim2sim_report.figures import Drawing, add_legend, entitle, name_rows, panels, styled
 from sim2sim_report.results import REPLAY
@@ -149,6 +149,11 @@ def table(shares: Shares) -> Iterator[str]:
             for group in groups:
                 typical = statistics.median(share.percent for share in shares[group])
                 sure = [share for share in shares[group] if share.error <= MOST_ERROR]
+                if not sure:
+                    raise Error(
+                        f"{group.name}: the standard error of every case is above {MOST_ERROR} %; "
+                        "run coverage with more repetitions"
+                    )
                 least = min(sure, key=lambda share: share.percent)
                 figures = f"{len(shares[group])} | {typical:.1f} | {least.percent:.1f}"
                 yield f"| {group.name} | {figures} | {least.case} |"
@@ -213,13 +218,19 @@ def _draw_row(axes: Any, place: int, shares: Sequence[Share]) -> None:
 
 
 def draw(arguments: Any) -> None:
+    files: Dict[Path, bytes] = {}
     if arguments.printed:
-        rows, widths = data.rows_of(Path(arguments.printed).read_text(encoding="utf-8"))
-        write_file(data.COVERAGE, data.written(data.COLUMNS, rows))
-        write_file(data.WIDTHS, data.written(data.WIDTH_COLUMNS, widths))
-    shares = shares_of(data.read(data.COVERAGE))
-    write_file(PICTURE, picture(shares).file("svg", MARK))
-    print("\n".join(table(shares)))
+        rows, widths = data.rows_of(read_file(Path(arguments.printed)).decode())
+        files[data.COVERAGE] = data.written(data.COLUMNS, rows)
+        files[data.WIDTHS] = data.written(data.WIDTH_COLUMNS, widths)
+    else:
+        rows = data.read(data.COVERAGE)
+    shares = shares_of(rows)
+    lines = list(table(shares))
+    files[PICTURE] = picture(shares).file("svg", MARK)
+    for path, contents in files.items():
+        write_file(path, contents)
+    print("\n".join(lines))
 
 
 def main() -> int:

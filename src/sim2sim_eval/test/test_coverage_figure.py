@@ -63,6 +63,11 @@ class Table(unittest.TestCase):
         with self.assertRaisesRegex(Error, "one policy, guess: must be in one group"):
             shares_of([row])
 
+    def test_too_few_repetitions_are_refused(self) -> None:
+        rows = [{**row, "standard_error": "11.2"} for row in data.read(data.COVERAGE)]
+        with self.assertRaisesRegex(Error, "run coverage with more repetitions"):
+            list(table(shares_of(rows)))
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -122,6 +122,27 @@ class Recomputation(StudyCase):
         rows = csv.DictReader(io.StringIO(done.stdout))
         return {(row["loop"], row["group"], row["engine"]): row for row in rows}
 
+    def test_published_table_follows_from_the_published_endings(self) -> None:
+        script = [sys.executable, str(STUDY / "recompute.py")]
+        done = subprocess.run(script, capture_output=True, text=True, check=True)
+        recomputed = list(csv.DictReader(io.StringIO(done.stdout)))
+        with (STUDY / "groups.csv").open() as file:
+            rows = {
+                (row["loop"], f"{row['part']} {row['group']}", row["simulator"]): row
+                for row in csv.DictReader(file)
+            }
+        self.assertGreater(len(recomputed), 100)
+        for other in recomputed:
+            row = rows[other["loop"], other["group"], other["engine"]]
+            for name, known in (
+                ("success", "success"),
+                ("difference", "difference"),
+                ("low", "difference_low"),
+                ("high", "difference_high"),
+            ):
+                with self.subTest(name, **other):
+                    self.assertAlmostEqual(float(other[name]), float(row[known]), delta=5.1e-4)
+
     def test_intervals_are_students_where_starts_do_not_differ(self) -> None:
         rates = np.array([0.1, 0.3, 0.35, 0.4, 0.6])
         mean, low, high = recompute.crossed_mean(np.repeat(rates[:, None], 40, axis=1))

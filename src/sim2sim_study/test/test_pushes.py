@@ -97,7 +97,7 @@ class Tables(StudyCase):
     def test_sums_by_start_have_what_the_hypotheses_need(self) -> None:
         path = self.folder / "pushes.csv.xz"
         found = {
-            "/work/small-104.ts.pt": {
+            "folder/small-104.ts.pt": {
                 engine: {
                     "episode": np.array([0, 2, 2]),
                     **{name: np.array([0.25, 0.5, size]) for name in pushes.FIGURES},

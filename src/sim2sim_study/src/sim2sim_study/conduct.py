@@ -12,6 +12,7 @@ from typing import Any, Callable, Dict, Iterator, Tuple
 import numpy as np
 from pusht_task import task
 from pusht_task.files import read_file
+from sim2sim_protocol.result_files import name_of
 from sim2sim_report.results import read_rows
 
 from sim2sim_study.plan import Plan, seeds_of, training_of
@@ -71,8 +72,8 @@ def sharpness(trace: Any) -> float:
 
 def policy_conduct(folder: Path, engine: str) -> Dict[Tuple[str, str], float]:
     """Means over the episodes of a run, in closed loop, by simulator and figure."""
-    records = np.load(io.BytesIO(read_file(folder / "traces.npy")))
-    episodes = read_rows(folder / "episodes.csv")
+    records = np.load(io.BytesIO(read_file(folder / name_of("traces"))))
+    episodes = read_rows(folder / name_of("episodes"))
     found: Dict[Tuple[str, str], float] = {}
     for simulator, mode in ((HOME, "reference_closed"), (engine, "engine_closed")):
         of_mode = records[records["mode"] == mode.encode()]

@@ -9,6 +9,7 @@ from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 import numpy as np
 from pusht_task.json_file import read_json
 from scipy import stats  # type: ignore[import]
+from sim2sim_protocol.result_files import name_of
 from sim2sim_report.results import read_rows
 
 from sim2sim_study import statistics
@@ -154,7 +155,7 @@ def _failure_rows(plan: Plan, matrix: Row, work: Path) -> List[Row]:
 def _near_share(folder: Path) -> Optional[float]:
     failures = [
         row
-        for row in read_rows(folder / "episodes.csv")
+        for row in read_rows(folder / name_of("episodes"))
         if row["mode"] == "reference_closed" and row["success"] == "false"
     ]
     near = [
@@ -172,7 +173,7 @@ def _ladder_shares(plan: Plan, work: Path) -> Shares:
     """How much of a gap each switch closes, for each policy of the ladder."""
     shares: Shares = {}
     for group, name in first_policies(plan, plan["ladder"]):
-        rows = read_rows(work / f"ladder-{name}" / "attribution.csv")
+        rows = read_rows(work / f"ladder-{name}" / name_of("attribution_table"))
         for gap in LADDER_GAPS:
             found = {row["switch"]: float(row["share"]) for row in rows if row["gap"] == gap}
             of_switches = {s: found[s] for s in plan["ladder"]["switches"]}

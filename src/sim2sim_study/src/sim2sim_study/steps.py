@@ -8,6 +8,7 @@ from typing import Any, List
 from pusht_task.error import Error, ExitCode
 from pusht_task.files import write_file
 from pusht_task.json_file import read_json
+from sim2sim_protocol.result_files import name_of
 
 from sim2sim_study.plan import Plan, plan_bytes, seeds_of
 
@@ -34,7 +35,7 @@ def _run(work: Path, *words: object, **options: Any) -> "subprocess.CompletedPro
 
 def is_whole(folder: Path) -> bool:
     """Whether a run or a sweep has ended well."""
-    path = folder / "status.json"
+    path = folder / name_of("status")
     return path.exists() and read_json(path)["exit_code"] == 0
 
 

@@ -100,11 +100,22 @@ bool Protocol::has(std::size_t rollout, Scope scope) const {
     case Scope::kClosed:
       return rollout == kEngineClosed;
     case Scope::kStateReset:
+    case Scope::kPushes:
       return probe && probe->reset_every > 0;
     case Scope::kFloor:
       return probe && *probe == floorProbes().back();
   }
   return false;
+}
+
+std::vector<std::size_t> Protocol::columns() const {
+  std::vector<std::size_t> columns;
+  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+    if (kQuantities[i].scope != Scope::kPushes || !reanchor.empty()) {
+      columns.push_back(i);
+    }
+  }
+  return columns;
 }
 
 std::string Protocol::initialStateKey(int episode) const {

@@ -6,6 +6,7 @@
 
 #include "sim2sim_protocol/divergence.hpp"
 #include "sim2sim_protocol/first_divergence.hpp"
+#include "sim2sim_protocol/pushes.hpp"
 
 namespace sim2sim {
 namespace {
@@ -78,6 +79,10 @@ Divergence anchorError(const RolloutView& view) {
   return count == 0 ? kNoDivergence : sum / count;
 }
 
+PushFigures pushesOf(const RolloutView& view) {
+  return pushFigures(view.reference, view.rollout.trace(), view.reset_every);
+}
+
 }  // namespace
 
 double finalPositionError(const RolloutView& view) { return view.rollout.error().position; }
@@ -115,5 +120,10 @@ double absorbedAngleDivergence(const RolloutView& view) { return absorbed(view).
 
 double anchorPositionError(const RolloutView& view) { return anchorError(view).position; }
 double anchorAngleError(const RolloutView& view) { return anchorError(view).angle; }
+
+double pushDirectionError(const RolloutView& view) { return pushesOf(view).direction_error; }
+double pushesMissed(const RolloutView& view) { return pushesOf(view).missed; }
+double pushesTurned(const RolloutView& view) { return pushesOf(view).turned; }
+double pushSize(const RolloutView& view) { return pushesOf(view).size; }
 
 }  // namespace sim2sim

@@ -20,6 +20,8 @@
 namespace sim2sim {
 namespace {
 
+using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
@@ -35,6 +37,25 @@ TEST(EpisodesCsv, HasARowPerEpisodeAndMode) {
   EXPECT_THAT(lines[1], StartsWith("0,10000,reference_closed,0,true,0.0,0.0,,"));
   EXPECT_THAT(lines[5], StartsWith("1,10001,engine_closed,0,false,0.0,0.0,0.5,0.5"));
   EXPECT_THAT(lines[6], StartsWith("1,10001,engine_replay,0,true,0.0,0.0,0.01,0.05"));
+}
+
+TEST(EpisodesCsv, HasPushesWithStateResetReplaysAlone) {
+  Protocol protocol = bare();
+  std::vector<EpisodeResult> episodes = episodesWith(2, 1, 0);
+  const std::string without = episodesCsv(protocol, episodes);
+  EXPECT_THAT(without, Not(HasSubstr("push_")));
+  protocol.reanchor = {5};
+  for (EpisodeResult& episode : episodes) {
+    episode.rollouts.push_back(episode.rollouts[kEngineReplay]);
+    episode.rollouts.back().at("push_size") = -0.25;
+  }
+  const std::string with = episodesCsv(protocol, episodes);
+  EXPECT_THAT(with, HasSubstr(",push_direction_error_rad,pushes_missed_share,pushes_turned_share,push_size_log,"
+                              "parting_step,"));
+  const std::vector<EpisodeResult> read = episodesFromCsv(protocol, with);
+  EXPECT_EQ(read.back().rollouts.back().at("push_size"), -0.25);
+  EXPECT_EQ(episodesCsv(protocol, read), with);
+  EXPECT_THROW(episodesFromCsv(protocol, without), pusht::InvalidInput) << "columns of before";
 }
 
 TEST(Files, F24AreTheSameWhereTheUserWritesAComma) {

@@ -84,6 +84,10 @@ struct Protocol : RunOptions {
   /// Whether a rollout has the quantities of `scope`; `rollout` is an index of rolloutNames().
   bool has(std::size_t rollout, Scope scope) const;
 
+  /// Indices in kQuantities of the columns of episodes.csv, and of what a message of a rollout has: all but those of
+  /// pushes, which come with state-reset replays.
+  std::vector<std::size_t> columns() const;
+
  private:
   /// Probe of a rollout; empty for a mode.
   std::optional<Probe> probeOf(std::size_t rollout) const;

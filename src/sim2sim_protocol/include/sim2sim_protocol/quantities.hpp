@@ -12,6 +12,7 @@
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/rollout.hpp"
+#include "sim2sim_protocol/pushes.hpp"
 
 namespace sim2sim {
 
@@ -66,6 +67,15 @@ double anchorAngleError(const RolloutView& view);
 double absorbedPositionDivergence(const RolloutView& view);
 /// [rad] Divergence of the yaw that the feedback removes, likewise.
 double absorbedAngleDivergence(const RolloutView& view);
+/// [rad] Angle between the displacements of the reference's and the engine's tee, mean over the pushes of a state-reset
+/// replay (pushes.hpp); pi/2 for a missed one. Like the next three it is NaN in an episode without a push.
+double pushDirectionError(const RolloutView& view);
+/// [-] Share of the pushes that the engine misses: its tee hardly moves.
+double pushesMissed(const RolloutView& view);
+/// [-] Share of the pushes that are not missed in which the engine's tee moves the other way: by more than pi/2.
+double pushesTurned(const RolloutView& view);
+/// [-] Natural logarithm of the engine's over the reference's displacement, mean over the pushes.
+double pushSize(const RolloutView& view);
 /// [1/control step] Growth rate of a small difference in the reference: growthRate() of a floor, with the default
 /// bound.
 double growthRateOf(const RolloutView& view);
@@ -81,6 +91,7 @@ enum class Scope {
   kCompared,    ///< all but the reference itself
   kClosed,      ///< the engine in closed loop
   kStateReset,  ///< state-reset replays
+  kPushes,      ///< state-reset replays; results without these have no column of it
   kFloor,       ///< the reference from an initial state moved by 1e-6 m
 };
 
@@ -142,6 +153,10 @@ inline constexpr std::array kQuantities = {
              fiveSecondsNullPositionDivergence, nullptr},
     Quantity{"early_5s_null_angle_divergence", "rad", Scope::kCompared, 0.0, pusht::kPi, nullptr,
              fiveSecondsNullAngleDivergence, nullptr},
+    Quantity{"push_direction_error", "rad", Scope::kPushes, 0.0, pusht::kPi, nullptr, pushDirectionError, nullptr},
+    Quantity{"pushes_missed", "share", Scope::kPushes, 0.0, 1.0, nullptr, pushesMissed, nullptr},
+    Quantity{"pushes_turned", "share", Scope::kPushes, 0.0, 1.0, nullptr, pushesTurned, nullptr},
+    Quantity{"push_size", "log", Scope::kPushes, -kLargestPushSize, kLargestPushSize, nullptr, pushSize, nullptr},
 };
 
 /// Value of each of kQuantities, in its unit; NaN if there is none.

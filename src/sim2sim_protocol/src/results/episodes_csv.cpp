@@ -30,8 +30,8 @@ Number numberFrom(const std::string& text) {
 
 std::string csvHead(const Protocol& protocol) {
   std::string head = "episode,seed,mode,steps,success";
-  for (const Quantity& quantity : kQuantities) {
-    head.append(",").append(quantity.name).append("_").append(quantity.unit);
+  for (const std::size_t i : protocol.columns()) {
+    head.append(",").append(kQuantities[i].name).append("_").append(kQuantities[i].unit);
   }
   return head + ",parting_step,parting_cause,parting_first" + (protocol.repeats > 1 ? ",repeat" : "") +
          ",ending,still_step,pusher_ending\n";
@@ -42,7 +42,8 @@ std::string csvRow(const Protocol& protocol, const EpisodeResult& episode, const
   const std::string success = result.success ? "true" : "false";
   std::string row = std::to_string(episode.index) + "," + (episode.seed ? std::to_string(*episode.seed) : "") + "," +
                     mode + "," + std::to_string(result.steps) + "," + success;
-  for (const double value : result.quantities) {
+  for (const std::size_t i : protocol.columns()) {
+    const double value = result.quantities[i];
     row.append(",").append(std::isnan(value) ? "" : pusht::shortestText(value));
   }
   const std::optional<FirstDivergence>& divergence = result.first_divergence;
@@ -98,18 +99,18 @@ std::optional<RolloutEnding> endingFrom(const std::string& ending, const std::st
 /// The row that csvRow() wrote, as far as it can be read.
 void readCsvRow(const Protocol& protocol, const std::string& row, EpisodeResult& episode, RolloutResult& result) {
   std::vector<std::string> cells = pusht::split(row, ',');
-  const std::size_t last =
-      kFixedColumns + kQuantities.size() + kFirstDivergenceColumns + (protocol.repeats > 1 ? 1 : 0);
+  const std::vector<std::size_t> columns = protocol.columns();
+  const std::size_t behind = kFixedColumns + columns.size();
+  const std::size_t last = behind + kFirstDivergenceColumns + (protocol.repeats > 1 ? 1 : 0);
   cells.resize(last + kEndingColumns);
   episode.index = numberFrom<int>(cells[0]);
   episode.seed = cells[1].empty() ? std::nullopt : std::optional(numberFrom<std::uint64_t>(cells[1]));
   result.steps = numberFrom<int>(cells[3]);
   result.success = cells[4] == "true";
-  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+  for (std::size_t i = 0; i < columns.size(); ++i) {
     const std::string& cell = cells[kFixedColumns + i];
-    result.quantities[i] = cell.empty() ? kNone : numberFrom<double>(cell);
+    result.quantities[columns[i]] = cell.empty() ? kNone : numberFrom<double>(cell);
   }
-  const std::size_t behind = kFixedColumns + kQuantities.size();
   result.first_divergence = firstDivergenceFrom(cells[behind], cells[behind + 1], cells[behind + 2]);
   result.ending = endingFrom(cells[last], cells[last + 1], cells[last + 2]);
 }

@@ -284,6 +284,9 @@ std::vector<double> samplesOf(const std::vector<EpisodeResult>& episodes, const 
 
 std::optional<double> extremeOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure) {
   const Quantity& quantity = kQuantities[figure.quantity];
+  if (quantity.scope == Scope::kPushes) {
+    return quantity.limit;
+  }
   if (quantity.null_model == nullptr || !quantity.hasIntervals()) {
     return std::nullopt;
   }
@@ -297,7 +300,7 @@ Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity, co
   }
   if (quantity.least == 0.0) {
     Estimate mean = meanOf(samples, quantity.limit);
-    if (quantity.null_model != nullptr) {
+    if (quantity.null_model != nullptr || extreme) {
       mean.interval = extreme ? tailMeanInterval(samples, *extreme) : std::nullopt;
     }
     return mean;

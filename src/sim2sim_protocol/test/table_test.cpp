@@ -185,6 +185,37 @@ TEST(Table, ShowsMultiplesOfTheFloorWithIntervals) {
   EXPECT_EQ(timesText(std::nan(""), std::nullopt), "undefined");
 }
 
+/// Twenty episodes with a state-reset replay, in which the engine misses `missed` of the pushes.
+std::vector<EpisodeResult> episodesWithPushes(double missed) {
+  std::vector<EpisodeResult> episodes = episodesWith(20, 12, 1);
+  for (EpisodeResult& episode : episodes) {
+    RolloutResult replay = episode.rollouts[kEngineReplay];
+    replay.at("pushes_missed") = missed;
+    replay.at("pushes_turned") = missed < 1.0 ? 0.43 : std::nan("");
+    replay.at("push_direction_error") = 1.25;
+    episode.rollouts.push_back(replay);
+  }
+  return episodes;
+}
+
+/// In Gaffke's bound one more episode, at 0 or 1, has the weight 1 - 0.025^(1/20) = 0.168.
+TEST(Table, SaysWhatBecomesOfPushes) {
+  RunConfiguration configuration = bareConfiguration();
+  configuration.reference = {"mujoco", "MuJoCo"};
+  configuration.protocol.reanchor = {5};
+  const auto text = [&](double missed) {
+    return table(configuration, summarize(configuration.protocol, episodesWithPushes(missed)));
+  };
+  EXPECT_THAT(text(0.18),
+              HasSubstr("\n    pushes              of 100 that move MuJoCo's tee, 18 [15, 32] miss here; of "
+                        "100 others, 43 [36, 53] move it the other way\n"
+                        "    direction error                                     1.2500 rad ["));
+  EXPECT_THAT(text(1.0), HasSubstr(" of 100 that move MuJoCo's tee, 100 [83, 100] miss here\n"));
+  EXPECT_THAT(text(std::nan("")), Not(HasSubstr("pushes"))) << "the reference's tee does not move";
+  configuration.reference = {"two_mass", "two-mass engine"};
+  EXPECT_THAT(text(0.0), HasSubstr(" of 100 that move the two-mass engine's tee, 0 [0, 17] miss here;"));
+}
+
 TEST(Table, ShowsRatesWithIntervals) {
   RunConfiguration configuration = bareConfiguration();
   configuration.reference = {"mujoco", "MuJoCo"};

@@ -183,7 +183,18 @@ std::string horizonLines(const Summary& summary, const Horizon& horizon, Marks& 
          (std::isfinite(position.over_variants) ? both("    / largest variant", over_variants) : "");
 }
 
-std::string divergenceLines(const Protocol& protocol, const Summary& summary, Marks& marks) {
+/// Lines of the pushes of a state-reset replay; none without a push.
+std::string pushLines(const RunConfiguration& configuration, const Summary& summary, std::size_t rollout) {
+  const Estimate& missed = summary.mean(rollout, "pushes_missed");
+  if (std::isnan(missed.value)) {
+    return "";
+  }
+  const std::string reference = inSentence(configuration.reference.title);
+  return padded("    pushes", kHead) + pushText(reference, missed, summary.mean(rollout, "pushes_turned")) + "\n" +
+         line("    direction error", "", cell(summary.mean(rollout, "push_direction_error"), "rad"));
+}
+
+std::string divergenceLines(const RunConfiguration& configuration, const Summary& summary, Marks& marks) {
   constexpr int kDigits = 4;
   std::string lines = line("divergence, open loop", labelOf(0), labelOf(1));
   for (const Horizon& horizon : kHorizons) {
@@ -202,14 +213,15 @@ std::string divergenceLines(const Protocol& protocol, const Summary& summary, Ma
   lines +=
       line("  less in closed loop", absorbed("absorbed_position_divergence"), absorbed("absorbed_angle_divergence")) +
       line("  beyond the bound", partedText(summary.first_divergences), causeText(summary.first_divergences));
-  const std::vector<Probe> probes = protocol.probes();
+  const std::vector<Probe> probes = configuration.protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     if (const int every = probes[i].reset_every; every > 0) {
       const auto error = [&](const char* quantity) {
         return cell(summary.mean(kModeCount + i, quantity), kQuantities[quantityIndex(quantity)].unit);
       };
       lines += line("  made in " + std::to_string(every) + (every == 1 ? " step" : " steps"),
-                    error("anchor_position_error"), error("anchor_angle_error"));
+                    error("anchor_position_error"), error("anchor_angle_error")) +
+               pushLines(configuration, summary, kModeCount + i);
     }
   }
   return lines;
@@ -362,7 +374,7 @@ std::string table(const RunConfiguration& configuration, const Summary& summary)
       line("the same episodes",
            "both " + std::to_string(pairs.both) + ", reference only " + std::to_string(pairs.first_only),
            "engine only " + std::to_string(pairs.second_only) + ", neither " + std::to_string(pairs.neither)) +
-      stuckPairsLine(summary.endings) + divergenceLines(configuration.protocol, summary, marks) +
+      stuckPairsLine(summary.endings) + divergenceLines(configuration, summary, marks) +
       variantLines(configuration, summary);
   table += footnotes(configuration.protocol, marks);
   const std::string count = "(" + episodesText(configuration.protocol, summary) + "; in brackets ";

@@ -16,6 +16,7 @@ from sim2sim_report.words import (
     FEWEST_PAIRS,
     RATE_DIGITS,
     figure,
+    in_sentence,
     interval,
     mark,
     probability,
@@ -113,12 +114,34 @@ def divergences(run: Run) -> List[Json]:
         if every:
             errors = [(f"{probe}_anchor_{name}_error", unit) for name, unit in COMPONENTS]
             lines.append(line(f"made in {every} step{'' if every == '1' else 's'}", errors))
+            lines += _pushes(run, probe)
         if probe.startswith(VARIANT):
             own = [(f"{probe}_mean_{name}_divergence", unit) for name, unit in COMPONENTS]
             lines.append(line(f"reference with {probe[len(VARIANT) :]}, whole episode", own))
         if probe.startswith(CLOSED_VARIANT):
             lines.append(_closed_variant(m, probe))
     return lines
+
+
+def _pushes(run: Run, probe: str) -> List[Json]:
+    """The pushes of a state-reset replay, as pushText() has them; none without a push."""
+    m = run.metrics
+
+    def count(name: str) -> str:
+        ends = [f"{100 * end:.0f}" for end in m[f"{probe}_{name}_interval_share"] or []]
+        return f"{100 * m[f'{probe}_{name}_share']:.0f}" + (f" [{', '.join(ends)}]" if ends else "")
+
+    if m.get(f"{probe}_pushes_missed_share") is None:
+        return []
+    reference = in_sentence(run.title("reference"))
+    text = f"of 100 that move {reference}'s tee, {count('pushes_missed')} miss here"
+    if m[f"{probe}_pushes_turned_share"] is not None:
+        text += f"; of 100 others, {count('pushes_turned')} move it the other way"
+    error = figure(m, f"{probe}_push_direction_error", "rad")
+    return [
+        {"head": "pushes", "cells": [text]},
+        {"head": "direction error", "cells": ["", error]},
+    ]
 
 
 def _closed_variant(metrics: Json, probe: str) -> Json:

@@ -87,6 +87,27 @@ class Pushes(unittest.TestCase):
         found = pushes.figures_of(made, pushes.Engine("mujoco").answers(made))
         self.assertLess(found["position_error"].max(), 1e-6, "contacts are found to 1e-6 m")
 
+    def test_a_comparison_has_the_same_figures(self) -> None:
+        seeds = range(10_000, 10_004)
+        results = sim2sim.compare("expert", episodes=len(seeds), floor=False, reanchor=[1, 5])
+        rollouts = pushes.roll_out(sim2sim.load_policy("expert"), seeds)
+        columns = {
+            "missed": "pushes_missed_share",
+            "other_way": "pushes_turned_share",
+            "direction": "push_direction_error_rad",
+            "size": "push_size_log",
+        }
+        for window in (1, 5):
+            made = pushes.pushes_in(rollouts, window, 0.0004 * window)
+            found = pushes.figures_of(made, pushes.Engine("two_mass").answers(made))
+            found["direction"] = np.radians(found["direction"])
+            rows = results.episodes["mode"] == f"engine_reanchored_{window}"
+            for figure, column in columns.items():
+                means = [np.nanmean(found[figure][made.episode == i]) for i in range(len(seeds))]
+                measured = results.episodes[column][rows]
+                np.testing.assert_allclose(measured, means, atol=1e-6, err_msg=column)
+            self.assertGreater(found["missed"].mean(), 0.0, "they are not all alike")
+
 
 STILL = np.tile(state(0.3, 0.2, 0.1), (7, 2, 1))  # states of two episodes
 

@@ -134,7 +134,12 @@ class Probes(GapCase):
         for key in ("mean_pos_divergence_m", "mean_ang_divergence_rad", "mj_success_rate"):
             self.assertEqual(full[key], bare[key], key)
         for mode in ("reference_closed", "engine_closed", "engine_replay"):
-            self.assertEqual(self.rows("full", mode), self.rows("bare", mode))
+            bare_rows, full_rows = self.rows("bare", mode), self.rows("full", mode)
+            pushes = full_rows[0].keys() - bare_rows[0].keys()
+            self.assertEqual({name.partition("_")[0] for name in pushes}, {"push", "pushes"})
+            for row in full_rows:
+                self.assertEqual({row.pop(name) for name in pushes}, {""}, "it is never put back")
+            self.assertEqual(full_rows, bare_rows)
         self.assertIsNone(bare["mean_pos_divergence_over_floor"])
 
     def test_yardsticks_follow_from_the_rows(self) -> None:

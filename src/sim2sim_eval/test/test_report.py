@@ -470,7 +470,10 @@ class Content(ReportCase):
                 out = str(number)
                 process = self.run_command(COMPARE, *options.split(), "--traces", "--out", out)
                 self.assertEqual(process.returncode, 0, process.stderr)
-                self.assertIn(said, html.unescape(self.page(out)))
+                page = html.unescape(self.page(out))
+                self.assertIn(said, page)
+                for pushes in re.findall("of 100 that move .*", process.stdout):
+                    self.assertIn(f">{pushes}<", page, "as the command prints it")
 
     def test_command_makes_the_run_again(self) -> None:
         options = ["--set", "block_damp=20.5", "--reanchor", "5", "--bound-angle", "0.123456789"]

@@ -20,7 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Functions of a library beside this one. Throws BadDependency if it is not built, or not that library.
+/// Table of functions that a library beside this one exports under `symbol`. The library is loaded at the first use, as
+/// network_choice.hpp says why. Throws BadDependency if it is not built, or not that library.
 template <class Policies>
 const Policies& loadPolicies(const char* file, Library::Scope scope, const char* symbol) {
   const fs::path path = fs::path(boost::dll::this_line_location().string()).replace_filename(file);
@@ -36,12 +37,14 @@ const Policies& loadPolicies(const char* file, Library::Scope scope, const char*
   return *policies;
 }
 
+/// Global, because torch_network.cpp asks the whole process for the functions of BLAS, to say which one computes.
 const NetworkPolicies& networkPolicies() {
-  static const auto& policies = loadPolicies<NetworkPolicies>(
-      kNetworkPolicyLibrary, Library::Scope::kGlobal, kNetworkPoliciesSymbol);  // global: to ask which BLAS there is
+  static const auto& policies =
+      loadPolicies<NetworkPolicies>(kNetworkPolicyLibrary, Library::Scope::kGlobal, kNetworkPoliciesSymbol);
   return policies;
 }
 
+/// Local, so that no other library finds its symbols.
 const OnnxPolicies& onnxPolicies() {
   static const auto& policies =
       loadPolicies<OnnxPolicies>(kOnnxPolicyLibrary, Library::Scope::kLocal, kOnnxPoliciesSymbol);

@@ -86,21 +86,44 @@ TEST(EveryOption, ComesThroughAGoal) {
   });
 }
 
-TEST(EveryOption, IsInAGoalOnce) {
+TEST(EveryOption, IsNamedByAGoalOnce) {
   const pusht_msgs::CompareGoal goal = goalOf(RunOptions());
+  EXPECT_TRUE(oldFields(goal).empty());
   forEachOption([&](const auto& option) { EXPECT_TRUE(names(goal, option.name)) << option.name; });
-  for (const pusht_msgs::Parameter& named : goal.options) {
-    forEachField<pusht_msgs::CompareGoal>([&](const auto& option) { EXPECT_NE(option.name, named.name); });
-  }
 }
 
-TEST(EveryOption, NeedsNoFieldInAGoal) {
-  struct Goal {
-    std::vector<std::uint64_t> seed;
-  };
-  std::vector<std::string> fields;
-  forEachField<Goal>([&](const auto& option) { fields.emplace_back(option.name); });
-  EXPECT_EQ(fields, std::vector<std::string>{"seed"});
+TEST(OldFields, AreReadAsNamedOptions) {
+  pusht_msgs::CompareGoal goal;
+  goal.seed = {std::numeric_limits<std::uint64_t>::max()};
+  goal.first_episode = {3};
+  goal.episodes = {20};
+  goal.horizon = {30};
+  goal.until_decided = {0.5};
+  goal.bound_position = {0.0125};
+  goal.bound_angle = {0.25};
+  goal.floor = {0};
+  goal.reanchor = {1, 5};
+  RunOptions expected;
+  expected.seed = goal.seed.front();
+  expected.first_episode = 3;
+  expected.episodes = 20;
+  expected.horizon = 30;
+  expected.until_decided = 0.5;
+  expected.bound_position = 0.0125;
+  expected.bound_angle = 0.25;
+  expected.floor = false;
+  expected.reanchor = {1, 5};
+  RunOptions options;
+  setNamed(options, goal);
+  EXPECT_EQ(options, expected);
+
+  goal.options = {pusht::parameter("episodes", "1")};
+  EXPECT_EQ(pusht::testing::refusalOf([&] { setNamed(options, goal); }),
+            "option episodes 1: must be set once, by name or in the field of that name");
+  goal.options.clear();
+  goal.episodes = {20, 20};
+  EXPECT_EQ(pusht::testing::refusalOf([&] { setNamed(options, goal); }),
+            "episodes has 2 values: must have one, or none: then the parameter counts");
 }
 
 TEST(EveryOption, ComesThroughAGoalByName) {
@@ -127,13 +150,6 @@ TEST(EveryOption, ComesThroughAGoalByName) {
 
     goal.options = {usual.values.front(), usual.values.front()};
     EXPECT_THAT(pusht::testing::refusalOf([&] { merged(request, goal); }), ::testing::HasSubstr("must be set once"));
-    goal = goalOf(options);
-    goal.options.clear();
-    if (names(goal, option.name)) {  // it has a field of its own
-      goal.options = {pusht::parameter(option.name, "1")};
-      EXPECT_EQ(pusht::testing::refusalOf([&] { merged(request, goal); }),
-                std::string("option ") + option.name + " 1: must be set once, by name or in the field of that name");
-    }
   });
 }
 

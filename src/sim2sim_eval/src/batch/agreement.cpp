@@ -9,6 +9,7 @@
 #include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -215,10 +216,11 @@ class Replayer {
   ProgressBar& bar_;
 };
 
-/// Episodes along which simulators are measured.
+/// A reference, and the simulators of the list that are measured along its episodes: each against all others and
+/// against its variants.
 struct Along {
   SimulatorChoice reference;
-  std::optional<std::size_t> listed{};  ///< place of the reference in the list, both ways; none: all pairs, one way
+  std::vector<std::size_t> measured;  ///< places in the list, ascending
 };
 
 /// Measures along the episodes of one reference after the other.
@@ -237,7 +239,7 @@ class PairsOfList {
     for (const Along& along : alongs_) {
       result.run = measure(along);
     }
-    if (alongs_.front().listed) {
+    if (options_.both_ways) {
       result.run.erase("reference_simulator");
     } else {
       result.reference = LoadedSimulator(alongs_.front().reference).record();
@@ -252,21 +254,14 @@ class PairsOfList {
   }
 
  private:
-  /// Whether a simulator of the list is measured against others, and against its variants.
-  static bool measures(const Along& along, std::size_t simulator) {
-    return !along.listed || *along.listed == simulator;
-  }
-
   /// Simulators that replay: those of the list, then the variants in their order.
   std::vector<SimulatorChoice> simulatorsOf(const Along& along) const {
     std::vector<SimulatorChoice> simulators;
     for (const Listed& simulator : listed_) {
       simulators.push_back(simulator.choice);
     }
-    for (std::size_t i = 0; i < listed_.size(); ++i) {
-      if (measures(along, i)) {
-        simulators.insert(simulators.end(), listed_[i].variants.begin(), listed_[i].variants.end());
-      }
+    for (const std::size_t i : along.measured) {
+      simulators.insert(simulators.end(), listed_[i].variants.begin(), listed_[i].variants.end());
     }
     return simulators;
   }
@@ -298,10 +293,7 @@ class PairsOfList {
 
   void add(const std::vector<Replayed>& replayed, const Along& along) {
     std::size_t next_variant = listed_.size();
-    for (std::size_t i = 0; i < listed_.size(); ++i) {
-      if (!measures(along, i)) {
-        continue;
-      }
+    for (const std::size_t i : along.measured) {
       for (std::size_t j = 0; j < listed_.size(); ++j) {
         if (j != i) {
           distances_.addPair(i, j, replayed[i], replayed[j]);
@@ -322,13 +314,15 @@ class PairsOfList {
 
 /// References, in the order of their runs.
 std::vector<Along> alongsOf(const AgreementOptions& options, const std::vector<Listed>& listed) {
+  std::vector<std::size_t> all(listed.size());
+  std::iota(all.begin(), all.end(), 0);
   if (!options.both_ways) {
-    return {{options.reference.empty() ? listed.front().choice : choiceFrom(options.reference)}};
+    return {{options.reference.empty() ? listed.front().choice : choiceFrom(options.reference), all}};
   }
   std::vector<Along> alongs;
-  for (std::size_t i = 0; i < listed.size(); ++i) {
-    alongs.push_back({listed[i].choice, i});
-  }
+  std::transform(all.begin(), all.end(), std::back_inserter(alongs), [&](std::size_t i) {
+    return Along{listed[i].choice, {i}};
+  });
   return alongs;
 }
 

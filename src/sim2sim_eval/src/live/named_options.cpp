@@ -2,6 +2,7 @@
 #include "live/named_options.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <iterator>
 #include <limits>
@@ -80,6 +81,20 @@ void read(const pusht::ParameterDescriptor& /*option*/, const std::string& text,
   list = modelVariantsFrom(text == kNoValue ? "" : text);
 }
 
+std::string asText(bool value) { return value ? "true" : "false"; }
+template <class Integer>
+std::string asText(Integer value) {
+  return std::to_string(value);
+}
+std::string asText(double value) { return pusht::shortestText(value); }
+
+/// A list of control steps; 0 alone stands for an empty one.
+std::string listText(const std::vector<std::uint32_t>& steps) {
+  std::vector<std::string> numbers;
+  std::transform(steps.begin(), steps.end(), std::back_inserter(numbers), asText<std::uint32_t>);
+  return steps == std::vector<std::uint32_t>{0} ? kNoValue : pusht::joined(numbers, ",");
+}
+
 bool has(const pusht::Parameters& parameters, const std::string& name) {
   return std::any_of(parameters.begin(), parameters.end(),
                      [&](const pusht_msgs::Parameter& parameter) { return parameter.name == name; });
@@ -96,30 +111,58 @@ pusht_msgs::RunOptions describe(const RunOptions& options) {
   return message;
 }
 
+void requireOneOrNone(const std::string& name, std::size_t values) {
+  if (values > 1) {
+    throw pusht::InvalidInput(name + " has " + std::to_string(values) +
+                              " values: must have one, or none: then the parameter counts");
+  }
+}
+
+pusht::Parameters oldFields(const pusht_msgs::CompareGoal& goal) {
+  pusht::Parameters said;
+  const auto add = [&](const char* name, const auto& values) {
+    requireOneOrNone(name, values.size());
+    if (!values.empty()) {
+      said.push_back(pusht::parameter(name, asText(values.front())));
+    }
+  };
+  add("seed", goal.seed);
+  add("first_episode", goal.first_episode);
+  add("episodes", goal.episodes);
+  add("horizon", goal.horizon);
+  add("until_decided", goal.until_decided);
+  add("bound_position", goal.bound_position);
+  add("bound_angle", goal.bound_angle);
+  add("floor", std::vector<bool>(goal.floor.begin(), goal.floor.end()));
+  if (!goal.reanchor.empty()) {
+    said.push_back(pusht::parameter("reanchor", listText(goal.reanchor)));
+  }
+  return said;
+}
+
 bool names(const pusht_msgs::CompareGoal& goal, const std::string& name) {
-  bool named = has(goal.options, name);
-  forEachField<pusht_msgs::CompareGoal>(
-      [&](const auto& option) { named = named || (option.name == name && !option.of(goal).empty()); });
-  return named;
+  return has(goal.options, name) || has(oldFields(goal), name);
 }
 
 void setNamed(RunOptions& options, const pusht_msgs::CompareGoal& goal) {
   pusht::requireOnce(goal.options);
+  pusht::Parameters said = oldFields(goal);
+  for (const pusht_msgs::Parameter& named : goal.options) {
+    if (has(said, named.name)) {
+      throw pusht::InvalidInput("option " + named.name + " " + named.value +
+                                ": must be set once, by name or in the field of that name");
+    }
+  }
+  said.insert(said.end(), goal.options.begin(), goal.options.end());
   std::vector<std::string> known;
   forEachOption([&](const auto& option) { known.emplace_back(option.name); });
-  for (const pusht_msgs::Parameter& named : goal.options) {
-    if (std::find(known.begin(), known.end(), named.name) == known.end()) {
-      throw pusht::InvalidInput("option '" + named.name + "': unknown; known: " + pusht::joined(known));
+  for (const pusht_msgs::Parameter& each : said) {
+    if (std::find(known.begin(), known.end(), each.name) == known.end()) {
+      throw pusht::InvalidInput("option '" + each.name + "': unknown; known: " + pusht::joined(known));
     }
-    forEachField<pusht_msgs::CompareGoal>([&](const auto& option) {
-      if (option.name == named.name && !option.of(goal).empty()) {
-        throw pusht::InvalidInput("option " + named.name + " " + named.value +
-                                  ": must be set once, by name or in the field of that name");
-      }
-    });
     forEachOption([&](const auto& option) {
-      if (option.name == named.name) {
-        read(descriptorOf(option), named.value, option.of(options));
+      if (option.name == each.name) {
+        read(descriptorOf(option), each.value, option.of(options));
       }
     });
   }

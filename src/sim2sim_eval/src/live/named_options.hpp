@@ -5,10 +5,11 @@
 #include <pusht_msgs/CompareGoal.h>
 #include <pusht_msgs/RunOptions.h>
 
+#include <cstddef>
 #include <string>
-#include <type_traits>
 
 #include "sim2sim_protocol/run_options.hpp"
+#include "sim2sim_serving/parameters.hpp"
 
 namespace sim2sim {
 
@@ -16,21 +17,18 @@ namespace sim2sim {
 /// be absent is a real, 0 where it is.
 pusht_msgs::RunOptions describe(const RunOptions& options);
 
-/// Calls function(option) for each option that a Goal has as a field of its name. It has the others by name alone.
-template <class Goal, class Function>
-void forEachField(const Function& function) {
-  forEachOption([&](const auto& option) {
-    if constexpr (std::is_invocable_v<decltype(option.of), Goal&>) {
-      function(option);
-    }
-  });
-}
+/// Throws InvalidInput, with the field's name, unless a field of a goal has one value or none.
+void requireOneOrNone(const std::string& name, std::size_t values);
 
-/// Whether `goal` says anything of the option `name`: in its field or by name.
+/// What `goal` says in the fields that some options have from the time before they were named, by name. These fields
+/// are read in this release and go in the next. Throws InvalidInput for a field of more than one value that is no list.
+pusht::Parameters oldFields(const pusht_msgs::CompareGoal& goal);
+
+/// Whether `goal` says anything of the option `name`: by name or in an old field.
 bool names(const pusht_msgs::CompareGoal& goal, const std::string& name);
 
-/// Sets the options that `goal` has by name. Throws InvalidInput with name, value and rule for an option that is
-/// unknown, is named twice or beside its field, or has a value that it does not take.
+/// Sets the options of which `goal` says something. Throws InvalidInput with name, value and rule for an option that is
+/// unknown, is said twice, or has a value that it does not take.
 void setNamed(RunOptions& options, const pusht_msgs::CompareGoal& goal);
 
 }  // namespace sim2sim

@@ -3,12 +3,9 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <iterator>
-#include <limits>
 #include <regex>
-#include <type_traits>
 
 #include "live/named_options.hpp"
 #include "pusht_task/error.hpp"
@@ -20,60 +17,13 @@ namespace sim2sim {
 namespace {
 
 constexpr int kMostFolders = 10'000;
-/// `value`, of a goal's field, as what it is in a request. Throws InvalidInput if that holds no such number.
-template <class Field, class Value>
-Field fieldOf(const std::string& name, const Value& value) {
-  if constexpr (std::is_same_v<Field, int>) {
-    if (value > static_cast<Value>(std::numeric_limits<int>::max())) {
-      throw pusht::InvalidInput(name + " " + std::to_string(value) + ": must be at most " +
-                                std::to_string(std::numeric_limits<int>::max()));
-    }
-  }
-  return static_cast<Field>(value);
-}
 
 /// Sets `field` to what a goal says of it, if it says anything.
 template <class Field, class Values>
 void set(const std::string& name, Field& field, const Values& values) {
-  if (values.size() > 1) {
-    throw pusht::InvalidInput(name + " has " + std::to_string(values.size()) +
-                              " values: must have one, or none: then the parameter counts");
-  }
+  requireOneOrNone(name, values.size());
   if (!values.empty()) {
-    field = fieldOf<Field>(name, values.front());
-  }
-}
-
-// A share of 0 stands for none.
-void set(const std::string& name, std::optional<double>& share, const std::vector<double>& values) {
-  double given = share.value_or(0.0);
-  set(name, given, values);
-  share = given == 0.0 ? std::nullopt : std::optional(given);
-}
-
-// A list that is empty says nothing; 0 alone stands for an empty one.
-constexpr std::uint32_t kEmptyList = 0;
-void set(const std::string& name, std::vector<int>& field, const std::vector<std::uint32_t>& values) {
-  if (values.empty()) {
-    return;
-  }
-  field.clear();
-  if (values != std::vector{kEmptyList}) {
-    std::transform(values.begin(), values.end(), std::back_inserter(field),
-                   [&](std::uint32_t value) { return fieldOf<int>(name, value); });
-  }
-}
-
-/// The reverse of set().
-template <class Field, class Value>
-void write(const Field& field, std::vector<Value>& values) {
-  values = {static_cast<Value>(field)};
-}
-void write(const std::optional<double>& share, std::vector<double>& values) { values = {share.value_or(0.0)}; }
-void write(const std::vector<int>& field, std::vector<std::uint32_t>& values) {
-  values.assign(field.begin(), field.end());
-  if (values.empty()) {
-    values = {kEmptyList};
+    field = static_cast<Field>(values.front());
   }
 }
 
@@ -142,8 +92,6 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   set_world("reference_namespace", kReferenceClosed, goal.reference_namespace);
   set_world("engine_namespace", kEngineClosed, goal.engine_namespace);
   set_world("replay_namespace", kEngineReplay, goal.replay_namespace);
-  forEachField<pusht_msgs::CompareGoal>(
-      [&](const auto& option) { set(option.name, option.of(request.protocol), option.of(goal)); });
   setNamed(request.protocol, goal);
   request.protocol.probes();  // throws if there are none such
   forEachLiveField([&](const char* name, const auto& of) { set(name, of(request), of(goal)); });
@@ -165,10 +113,7 @@ LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
 
 pusht_msgs::CompareGoal goalOf(const RunOptions& options) {
   pusht_msgs::CompareGoal goal;
-  forEachField<pusht_msgs::CompareGoal>([&](const auto& option) { write(option.of(options), option.of(goal)); });
-  const auto values = describe(options).values;
-  std::copy_if(values.begin(), values.end(), std::back_inserter(goal.options),
-               [&](const pusht_msgs::Parameter& value) { return !names(goal, value.name); });
+  goal.options = describe(options).values;
   return goal;
 }
 
@@ -177,7 +122,7 @@ pusht_msgs::CompareGoal goalOf(const LiveRequest& request) {
     return simulator.kind.empty() ? std::vector<std::string>() : std::vector<std::string>{simulator.kind};
   };
   pusht_msgs::CompareGoal goal = goalOf(request.protocol);
-  forEachLiveField([&](const char* /*name*/, const auto& of) { write(of(request), of(goal)); });
+  forEachLiveField([&](const char* /*name*/, const auto& of) { of(goal) = {of(request)}; });
   goal.reference_namespace = {request.services.worlds[kReferenceClosed]};
   goal.engine_namespace = {request.services.worlds[kEngineClosed]};
   goal.replay_namespace = {request.services.worlds[kEngineReplay]};

@@ -54,9 +54,8 @@ struct OptionRange {
   double greatest = std::numeric_limits<double>::infinity();
 };
 
-/// Description of an option. `of(o)` is its value in a RunOptions, or in any other class with a member of its name,
-/// such as the goal of a live run; with a class that has none, `of` is not invocable.
-template <class Access>
+/// Description of an option that is a member of RunOptions.
+template <class Value>
 struct RunOption {
   const char* name;     ///< parameter, field or name in a goal, key of the plan; with dashes on the command line
   const char* unit;     ///< empty: none
@@ -64,8 +63,11 @@ struct RunOption {
   Decides decides;
   Written written;
   bool in_plan;  ///< whether a sweep takes it
-  Access of;
+  Value RunOptions::*member;
   OptionRange range;  ///< of a number
+
+  const Value& of(const RunOptions& options) const { return options.*member; }
+  Value& of(RunOptions& options) const { return options.*member; }
 
   /// "[m] meaning", for --help.
   std::string help() const { return (*unit == '\0' ? "" : "[" + std::string(unit) + "] ") + meaning; }
@@ -80,59 +82,53 @@ struct RunOption {
 template <class Function>
 void forEachOption(const Function& function) {
   const auto each = [&](const char* name, const char* unit, const char* meaning, Decides decides, Written written,
-                        bool in_plan, auto access, OptionRange range = {}) {
-    function(RunOption<decltype(access)>{name, unit, meaning, decides, written, in_plan, access, range});
+                        bool in_plan, auto member, OptionRange range = {}) {
+    function(RunOption{name, unit, meaning, decides, written, in_plan, member, range});
   };
   constexpr double kLastFirstEpisode = 1e9;
   constexpr double kMostEpisodes = 1e6;
   each("seed", "", "episode i starts from spawn seed 10000 + seed + i", Decides::kRest, Written::kAlways, true,
-       [](auto& o) -> decltype((o.seed)) { return o.seed; });
+       &RunOptions::seed);
   each("first_episode", "", "index of the first episode", Decides::kRest, Written::kAlways, true,
-       [](auto& o) -> decltype((o.first_episode)) { return o.first_episode; }, {0.0, kLastFirstEpisode});
+       &RunOptions::first_episode, {0.0, kLastFirstEpisode});
   each("episodes", "", "number of episodes; without it as many as --starts has, if these are fewer than the default",
-       Decides::kRest, Written::kAlways, true, [](auto& o) -> decltype((o.episodes)) { return o.episodes; },
-       {1.0, kMostEpisodes});
+       Decides::kRest, Written::kAlways, true, &RunOptions::episodes, {1.0, kMostEpisodes});
   each("horizon", "control steps", "the longest that an episode lasts", Decides::kReference, Written::kAlways, true,
-       [](auto& o) -> decltype((o.horizon)) { return o.horizon; }, {1.0, pusht::kHorizon});
+       &RunOptions::horizon, {1.0, pusht::kHorizon});
   each("floor", "",
        "replay the reference from starts moved by 1e-9 m and 1e-6 m: what tiny changes of the start grow to",
-       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> decltype((o.floor)) { return o.floor; });
+       Decides::kRest, Written::kElsewhere, true, &RunOptions::floor);
   each("reanchor", "",
        "K,K,...: also replay with the engine put to the reference's state every K control steps; without K: 1,5,20",
-       Decides::kRest, Written::kElsewhere, true, [](auto& o) -> decltype((o.reanchor)) { return o.reanchor; });
+       Decides::kRest, Written::kElsewhere, true, &RunOptions::reanchor);
   each("model_variants", "",
        "VARIANT,...: also replay the reference with other numerics, such as timestep=0.005,cone=elliptic:impratio=10; "
        "without VARIANT: the default ones of its kind",
-       Decides::kRest, Written::kElsewhere, true,
-       [](auto& o) -> decltype((o.model_variants)) { return o.model_variants; });
+       Decides::kRest, Written::kElsewhere, true, &RunOptions::model_variants);
   each("closed_variants", "",
        "VARIANT,...: the policy drives these, too: how much success changes over them; without VARIANT: the default "
        "ones "
        "of its kind",
-       Decides::kRest, Written::kElsewhere, true,
-       [](auto& o) -> decltype((o.closed_variants)) { return o.closed_variants; });
+       Decides::kRest, Written::kElsewhere, true, &RunOptions::closed_variants);
   each("bound_position", "m", "beyond it a rollout has diverged from the reference", Decides::kRest,
-       Written::kElsewhere, true, [](auto& o) -> decltype((o.bound_position)) { return o.bound_position; });
+       Written::kElsewhere, true, &RunOptions::bound_position);
   each("bound_angle", "rad", "beyond it in yaw, a rollout has diverged from the reference", Decides::kRest,
-       Written::kElsewhere, true, [](auto& o) -> decltype((o.bound_angle)) { return o.bound_angle; });
+       Written::kElsewhere, true, &RunOptions::bound_angle);
   constexpr double kMostRepeats = 1000;
   each("repeats", "", "episodes of each start, one after the other, with other random numbers of policy and loop",
-       Decides::kRest, Written::kIfChanged, true, [](auto& o) -> decltype((o.repeats)) { return o.repeats; },
-       {1.0, kMostRepeats});
+       Decides::kRest, Written::kIfChanged, true, &RunOptions::repeats, {1.0, kMostRepeats});
   each("noise_seed", "", "seed of the random numbers of policy and loop", Decides::kReference, Written::kIfChanged,
-       true, [](auto& o) -> decltype((o.noise_seed)) { return o.noise_seed; });
+       true, &RunOptions::noise_seed);
   each("independent_noise", "",
        "the engine's closed loop gets other random numbers than the reference's; without it the same", Decides::kRest,
-       Written::kIfChanged, true, [](auto& o) -> decltype((o.independent_noise)) { return o.independent_noise; });
+       Written::kIfChanged, true, &RunOptions::independent_noise);
   each("execute", "control steps",
        "actions of each answer of the policy that are executed before it is asked again; 0: as many as it says",
-       Decides::kReference, Written::kIfChanged, true, [](auto& o) -> decltype((o.execute)) { return o.execute; },
-       {0.0, kMostRepeats});
+       Decides::kReference, Written::kIfChanged, true, &RunOptions::execute, {0.0, kMostRepeats});
   each("until_decided", "",
        "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 to 1; "
        "--episodes is then the most that it may take",
-       Decides::kRest, Written::kIfChanged, false,
-       [](auto& o) -> decltype((o.until_decided)) { return o.until_decided; }, {0.0, 1.0});
+       Decides::kRest, Written::kIfChanged, false, &RunOptions::until_decided, {0.0, 1.0});
 }
 
 bool operator==(const RunOptions& a, const RunOptions& b);

@@ -51,6 +51,10 @@ const pusht::Action& Episode::nextReplayed() const {
   return rollouts_[kReferenceClosed].trace().actions.at(rollouts_[kEngineReplay].trace().steps());
 }
 
+const pusht::Trace& Episode::trace(std::size_t rollout) const {
+  return rollout < kModeCount ? rollouts_[rollout].trace() : probes_.at(rollout - kModeCount).value();
+}
+
 EpisodeResult Episode::result() const {
   EpisodeResult result{index_, protocol_.spawnSeed(index_), {}};
   const pusht::Trace& reference = rollouts_[kReferenceClosed].trace();
@@ -62,7 +66,7 @@ EpisodeResult Episode::result() const {
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const pusht::Rollout rollout(probes_[i].value());
     const RolloutView view{rollout, reference, probes[i].reset_every};
-    result.rollouts.push_back(resultOf(protocol_, kModeCount + i, view));
+    result.rollouts.push_back(resultOf(protocol_, rolloutOfProbe(i), view));
   }
   return result;
 }

@@ -426,9 +426,9 @@ TEST(Probes, AReanchoredReplayStartsAnewFromTheReference) {
   const double a_step = (0.04 - 0.01) * pusht::kControlStep;
   for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.04, 0.01), idlePolicy})) {
     ASSERT_EQ(episode.rollouts.size(), kModeCount + 3U);
-    const RolloutResult& each = episode.rollouts[kModeCount];
-    const RolloutResult& fives = episode.rollouts[kModeCount + 1];
-    const RolloutResult& never = episode.rollouts[kModeCount + 2];
+    const RolloutResult& each = episode.rollouts[rolloutOfProbe(0)];
+    const RolloutResult& fives = episode.rollouts[rolloutOfProbe(1)];
+    const RolloutResult& never = episode.rollouts[rolloutOfProbe(2)];
     EXPECT_NEAR(each.at("anchor_position_error"), a_step, 1e-12);
     EXPECT_NEAR(each.at("mean_position_divergence"), 12.0 * a_step / 13.0, 1e-12) << "zero at the start";
     EXPECT_NEAR(fives.at("anchor_position_error"), 5.0 * a_step, 1e-12) << "taken before the world is put back";
@@ -448,7 +448,7 @@ TEST(Probes, TheNullModelRestsWhereItWasPutLast) {
   const double a_step = 0.04 * pusht::kControlStep;  // of the reference
   for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.04, 0.01), idlePolicy})) {
     EXPECT_NEAR(episode.rollouts[kEngineReplay].at("null_position_divergence"), 55.0 * a_step / 11.0, 1e-12);
-    EXPECT_NEAR(episode.rollouts[kModeCount].at("null_position_divergence"), 30.0 * a_step / 11.0, 1e-12);
+    EXPECT_NEAR(episode.rollouts[rolloutOfProbe(0)].at("null_position_divergence"), 30.0 * a_step / 11.0, 1e-12);
   }
 }
 
@@ -491,9 +491,9 @@ TEST(Probes, TheFloorIsTheReferenceFromAMovedStart) {
       EXPECT_EQ(floor.states[0].tee_position.y(), reference.states[0].tee_position.y());
     }
     const EpisodeResult result = episode.result();
-    EXPECT_GT(result.rollouts[kModeCount].at("mean_position_divergence"), 0.0);
-    EXPECT_GT(result.rollouts[kModeCount + 1].at("mean_position_divergence"),
-              result.rollouts[kModeCount].at("mean_position_divergence"));
+    EXPECT_GT(result.rollouts[rolloutOfProbe(0)].at("mean_position_divergence"), 0.0);
+    EXPECT_GT(result.rollouts[rolloutOfProbe(1)].at("mean_position_divergence"),
+              result.rollouts[rolloutOfProbe(0)].at("mean_position_divergence"));
   };
   runProtocol(protocol, {sameEngines, expert}, 1, nullptr, deliver, kNeverStop);
 }
@@ -515,12 +515,12 @@ TEST(Probes, AModelVariantIsTheReferenceWithAnotherModel) {
   for (const EpisodeResult& episode : run(protocol, {ledWorlds(0.04, 0.01), idlePolicy, make_variants})) {
     ASSERT_EQ(episode.rollouts.size(), kModeCount + 3U);
     const double mean_time = 6.0 * pusht::kControlStep;
-    EXPECT_NEAR(episode.rollouts[kModeCount].at("mean_position_divergence"), 0.01 * mean_time, 1e-12);
-    EXPECT_NEAR(episode.rollouts[kModeCount + 1].at("mean_position_divergence"), 0.02 * mean_time, 1e-12);
-    const RolloutResult& closed = episode.rollouts[kModeCount + 2];
+    EXPECT_NEAR(episode.rollouts[rolloutOfProbe(0)].at("mean_position_divergence"), 0.01 * mean_time, 1e-12);
+    EXPECT_NEAR(episode.rollouts[rolloutOfProbe(1)].at("mean_position_divergence"), 0.02 * mean_time, 1e-12);
+    const RolloutResult& closed = episode.rollouts[rolloutOfProbe(2)];
     EXPECT_NEAR(closed.at("mean_position_divergence"), 0.02 * mean_time, 1e-12);
     EXPECT_FALSE(std::isnan(closed.at("final_position_error"))) << "a closed loop has an end of its own";
-    EXPECT_TRUE(std::isnan(episode.rollouts[kModeCount].at("final_position_error")));
+    EXPECT_TRUE(std::isnan(episode.rollouts[rolloutOfProbe(0)].at("final_position_error")));
   }
 }
 

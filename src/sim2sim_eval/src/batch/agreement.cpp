@@ -89,14 +89,15 @@ std::vector<int> replaysOf(const Protocol& protocol) {
 Replays replaysIn(const Episode& episode) {
   Replays replays;
   const std::vector<RolloutResult> results = episode.result().rollouts;
-  const auto add = [&](const pusht::Trace& trace, const RolloutResult& result) {
-    replays.traces.push_back(trace);
+  const auto add = [&](std::size_t rollout) {
+    const RolloutResult& result = results[rollout];
+    replays.traces.push_back(episode.trace(rollout));
     replays.null_models.push_back({result.at("null_position_divergence"), result.at("null_angle_divergence")});
   };
   for (std::size_t i = kModeCount; i < results.size(); ++i) {
-    add(episode.probe(i - kModeCount).value(), results[i]);
+    add(i);
   }
-  add(episode.rollout(kEngineReplay).trace(), results[kEngineReplay]);
+  add(kEngineReplay);
   return replays;
 }
 

@@ -50,6 +50,10 @@ class Episode {
   /// Trace of a probe, by its index in Protocol::probes(). Empty until it has been run.
   const std::optional<pusht::Trace>& probe(std::size_t probe) const { return probes_.at(probe); }
 
+  /// Trace of a mode or a probe, by its index in Protocol::rolloutNames(). Throws std::bad_optional_access while the
+  /// probe has not been run.
+  const pusht::Trace& trace(std::size_t rollout) const;
+
   /// Largest number of control steps that a mode has taken so far.
   int steps() const;
 

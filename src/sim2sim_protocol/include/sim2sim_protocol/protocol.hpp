@@ -32,6 +32,9 @@ enum Mode : std::size_t {
 
 constexpr std::array<Mode, kModeCount> kModes = {kReferenceClosed, kEngineClosed, kEngineReplay};
 
+/// Index of a probe's rollout in Protocol::rolloutNames(), after the modes; `probe` is its index in Protocol::probes().
+constexpr std::size_t rolloutOfProbe(std::size_t probe) { return kModeCount + probe; }
+
 /// Name in episodes.csv: "reference_closed", "engine_closed", "engine_replay".
 const char* modeName(Mode mode);
 
@@ -78,6 +81,9 @@ struct Protocol : RunOptions {
   /// Names of an episode's rollouts, in the order of its results: the modes, then the probes.
   std::vector<std::string> rolloutNames() const;
 
+  /// Probe of a rollout, by its index in rolloutNames(); empty for a mode.
+  std::optional<Probe> probeOf(std::size_t rollout) const;
+
   /// Whether a policy drives a rollout; `rollout` is an index of rolloutNames().
   bool isClosed(std::size_t rollout) const;
 
@@ -87,16 +93,12 @@ struct Protocol : RunOptions {
   /// Indices in kQuantities of the columns of episodes.csv, and of what a message of a rollout has: all but those of
   /// pushes, which come with state-reset replays.
   std::vector<std::size_t> columns() const;
-
- private:
-  /// Probe of a rollout; empty for a mode.
-  std::optional<Probe> probeOf(std::size_t rollout) const;
 };
 
 /// Calls function(rollout, index in kQuantities) for every quantity of every rollout of `protocol`.
 template <class Function>
 void forEachQuantity(const Protocol& protocol, const Function& function) {
-  const std::size_t rollouts = kModeCount + protocol.probes().size();
+  const std::size_t rollouts = rolloutOfProbe(protocol.probes().size());
   for (std::size_t rollout = 0; rollout < rollouts; ++rollout) {
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
       if (protocol.has(rollout, kQuantities[i].scope)) {

@@ -154,7 +154,7 @@ std::vector<Measure> measuresOf(const Protocol& protocol) {
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Probe& probe = probes[i];
     if (probe.world == ProbedWorld::kEngine && probe.reset_every > 0) {
-      add(kModeCount + i,
+      add(rolloutOfProbe(i),
           "re-anchored every " + std::to_string(probe.reset_every) + (probe.reset_every == 1 ? " step" : " steps"));
     }
   }
@@ -177,12 +177,11 @@ std::optional<std::size_t> floorOf(const Protocol& protocol) {
   const std::vector<Probe> probes = protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const Probe& probe = probes[i];
-    if (probe.world == ProbedWorld::kReference &&
-        (!widest || probe.tee_offset > probes[*widest - kModeCount].tee_offset)) {
-      widest = kModeCount + i;
+    if (probe.world == ProbedWorld::kReference && (!widest || probe.tee_offset > probes[*widest].tee_offset)) {
+      widest = i;
     }
   }
-  return widest;
+  return widest ? std::optional(rolloutOfProbe(*widest)) : std::nullopt;
 }
 
 /// Mean gap of a run. For success it has no interval: that would be of another kind.

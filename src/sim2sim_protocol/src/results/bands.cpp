@@ -81,12 +81,10 @@ DivergenceBands::DivergenceBands(const Protocol& protocol) : protocol_(protocol)
 EpisodeBins DivergenceBands::binsOf(const Protocol& protocol, const Episode& episode) {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
   EpisodeBins bins;
-  const std::size_t rollouts = kModeCount + protocol.probes().size();
+  const std::size_t rollouts = rolloutOfProbe(protocol.probes().size());
   for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts; ++rollout) {
-    const pusht::Trace& trace = rollout < kModeCount ? episode.rollout(static_cast<Mode>(rollout)).trace()
-                                                     : episode.probe(rollout - kModeCount).value();
     auto& of_rollout = bins.emplace_back();
-    for (const Divergence& divergence : divergenceBySteps(reference, trace)) {
+    for (const Divergence& divergence : divergenceBySteps(reference, episode.trace(rollout))) {
       for (std::size_t i = 0; i < kComponents.size(); ++i) {
         of_rollout[i].push_back(static_cast<std::uint16_t>(binOf(divergence.*kComponents[i])));
       }

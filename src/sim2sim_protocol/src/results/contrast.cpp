@@ -42,8 +42,8 @@ std::vector<std::string> commonPlaces() {
 
 /// The figures that are contrasted: those that depend on the engine.
 bool isContrasted(const Protocol& protocol, std::size_t rollout, const Quantity& quantity) {
-  const bool of_engine = rollout < kModeCount ? rollout != kReferenceClosed
-                                              : protocol.probes()[rollout - kModeCount].world == ProbedWorld::kEngine;
+  const std::optional<Probe> probe = protocol.probeOf(rollout);
+  const bool of_engine = probe ? probe->world == ProbedWorld::kEngine : rollout != kReferenceClosed;
   const bool of_null = std::any_of(kDivergencePairs.begin(), kDivergencePairs.end(), [&](const DivergencePair& pair) {
     return std::string(pair.null_model) == quantity.name;
   });

@@ -55,7 +55,7 @@ std::vector<std::size_t> variantRollouts(const Protocol& protocol, bool closed) 
   const std::vector<Probe> probes = protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     if (probes[i].world == ProbedWorld::kVariant && probes[i].closed == closed) {
-      rollouts.push_back(kModeCount + i);
+      rollouts.push_back(rolloutOfProbe(i));
     }
   }
   return rollouts;

@@ -217,11 +217,11 @@ std::string divergenceLines(const RunConfiguration& configuration, const Summary
   for (std::size_t i = 0; i < probes.size(); ++i) {
     if (const int every = probes[i].reset_every; every > 0) {
       const auto error = [&](const char* quantity) {
-        return cell(summary.mean(kModeCount + i, quantity), kQuantities[quantityIndex(quantity)].unit);
+        return cell(summary.mean(rolloutOfProbe(i), quantity), kQuantities[quantityIndex(quantity)].unit);
       };
       lines += line("  made in " + std::to_string(every) + (every == 1 ? " step" : " steps"),
                     error("anchor_position_error"), error("anchor_angle_error")) +
-               pushLines(configuration, summary, kModeCount + i);
+               pushLines(configuration, summary, rolloutOfProbe(i));
     }
   }
   return lines;
@@ -278,7 +278,7 @@ std::string variantLines(const RunConfiguration& configuration, const Summary& s
     if (probes[i].world == ProbedWorld::kVariant && !probes[i].closed) {
       const auto mean = [&](std::size_t pair) {
         const std::size_t quantity = quantityIndex(kDivergencePairs[pair].divergence);
-        return cell(printedMean(summary, kModeCount + i, quantity), kQuantities[quantity].unit);
+        return cell(printedMean(summary, rolloutOfProbe(i), quantity), kQuantities[quantity].unit);
       };
       lines += line("  " + probes[i].variant, mean(0), mean(1), width);
     }
@@ -290,7 +290,7 @@ std::string variantLines(const RunConfiguration& configuration, const Summary& s
     lines += line(head, "success, closed loop", "less reference", width);
   }
   for (const ClosedVariant& variant : summary.closed_variants) {
-    lines += line("  " + probes[variant.rollout - kModeCount].variant, cell(variant.success),
+    lines += line("  " + configuration.protocol.probeOf(variant.rollout)->variant, cell(variant.success),
                   signedText(variant.outcomes.table.difference(), variant.outcomes.difference_interval, "", 3), width);
   }
   return lines;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Work of the commands plan, recompute, contrast, attribute, demonstrate and audit, without their command lines.
+// Work of the commands plan, recompute, contrast, demonstrate and audit, without their command lines.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pusht_msgs/DemonstrationStep.h>
@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "bag/run_bag.hpp"
-#include "batch/attribute.hpp"
 #include "batch/audited_pair.hpp"
 #include "batch/contrast.hpp"
 #include "batch/demonstrate.hpp"
+#include "batch/derived_files.hpp"
 #include "batch/plan.hpp"
 #include "batch/recompute.hpp"
 #include "pusht_policy/formats.hpp"
@@ -227,13 +227,11 @@ TEST(ContrastCommand, WritesNoFileThatIsThere) {
   EXPECT_THAT(refusal([&] { contrast({{low, high}, 0, folder / "contrast.json"}); }), HasSubstr("is there already"));
 }
 
-TEST(Attribute, ReplacesNeitherOfItsFiles) {
+TEST(DerivedFiles, ReplaceNeitherOfTheTwo) {
   for (const char* name : {kAttributionTable, kAttributionFile}) {
     const pusht::testing::TemporaryFolder folder;
     pusht::writeFile(folder / name, "kept");
-    EXPECT_EQ(refusal([&] {
-                attribute({folder.path(), "", false});
-              }),
+    EXPECT_EQ(refusal([&] { DerivedFiles("attribution", folder.path(), kAttributionFile, kAttributionTable, false); }),
               "attribution " + (folder / name).string() + ": is there already; replace it with --overwrite");
     EXPECT_EQ(pusht::readFile(folder / name, "attribution"), "kept");
   }

@@ -1,29 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "batch/agreement.hpp"
+#include "sim2sim_protocol/results/agreement.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <iostream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "batch/sweep_description.hpp"
+#include "pusht_policy/policy_choice.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
+#include "sim2sim_eval/batch/batch_options.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/loaded_run.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/divergence.hpp"
 #include "sim2sim_protocol/model_variants.hpp"
-#include "sim2sim_protocol/results/agreement.hpp"
 #include "sim2sim_protocol/results/agreement_files.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/runner.hpp"
@@ -34,6 +38,17 @@ namespace {
 
 /// Most episodes whose traces are in memory at once.
 constexpr int kEpisodesTogether = 64;
+
+/// Command line of `agreement`.
+struct AgreementOptions {
+  std::vector<std::string> simulators;  ///< two or more, as for simulatorFromText()
+  std::string reference;                ///< simulator whose episodes all replay; empty: the first one
+  bool both_ways = false;               ///< all replay the episodes of each simulator instead
+  bool variants = true;                 ///< measure each simulator's own model variants, too
+  Protocol protocol;
+  std::string policy = pusht::kShippedPolicy;
+  BatchOptions batch;
+};
 
 /// A simulator of the list, with its model variants.
 struct Listed {
@@ -329,49 +344,52 @@ std::vector<Along> alongsOf(const AgreementOptions& options, const std::vector<L
 
 }  // namespace
 
-AgreementOptions::AgreementOptions() {
+/// Replays the actions of a policy in all simulators, prints the distances of all pairs, and writes them.
+int agreementMain(int argc, char** argv) {
+  AgreementOptions options;
+  Protocol& protocol = options.protocol;
   protocol.floor = false;
   protocol.reanchor = {1, 5, 20};
-}
-
-void AgreementOptions::declare(CLI::App& app) {
-  app.add_option("simulators", simulators,
+  std::string starts;
+  std::filesystem::path out;
+  CLI::App app(
+      "Says how far all pairs of simulators part when they replay the same actions from the same states, and which one "
+      "is in the middle.",
+      "agreement");
+  app.add_option("simulators", options.simulators,
                  "two or more, each KIND or KIND:NAME=VALUE:NAME=VALUE; kinds are " +
                      pusht::joined(pusht::SimulatorKinds::installed().names()))
       ->required()
       ->check(notEmpty());
-  CLI::Option* const one =
-      app.add_option("--reference", reference, "simulator whose episodes all replay (default: the first one)")
-          ->check(notEmpty());
-  app.add_flag("--both-ways", both_ways, "all replay the episodes of each simulator instead")->excludes(one);
-  app.add_flag("!--no-variants", variants, "leave out the distance of each simulator from its own model variants");
-  app.add_option("--policy", policy, "policy whose actions are replayed, as for `compare`")->capture_default_str();
-  sim2sim::declare(app, protocol,
-                   {"seed", "first_episode", "episodes", "horizon", "reanchor", "noise_seed", "execute"});
-  app.get_option("--episodes")->each([this](const std::string& /*text*/) { episodes_given = true; });
+  app.add_option("--reference", options.reference, "simulator whose episodes all replay (default: the first one)")
+      ->check(notEmpty());
+  app.add_flag("--both-ways", options.both_ways, "all replay the episodes of each simulator instead")
+      ->excludes("--reference");
+  app.add_flag("!--no-variants", options.variants,
+               "leave out the distance of each simulator from its own model variants");
+  app.add_option("--policy", options.policy, "policy whose actions are replayed, as for `compare`")
+      ->capture_default_str();
+  declare(app, protocol, {"seed", "first_episode", "episodes", "horizon", "reanchor", "noise_seed", "execute"});
   app.add_option("--starts", starts, "CSV file with the start of each episode, instead of spawn seeds")
       ->check(notEmpty());
   app.add_option("--out", out, "write the agreement into a new JSON file")->check(notEmpty());
-  batch.declare(app);
-}
-
-void agreement(const AgreementOptions& given) {
-  pusht::requireNewFile("out", given.out);
-  AgreementOptions options = given;
-  if (!options.episodes_given) {
-    options.protocol.episodes = defaultEpisodes(options.protocol, options.starts);
-  }
-  options.protocol.validate();
-  options.protocol.initial_states =
-      givenInitialStates(options.starts, options.protocol.firstStart(), options.protocol.starts());
-  const std::vector<Listed> listed = listedFrom(options);
-  const std::vector<Along> alongs = alongsOf(options, listed);
-  const Agreement result = PairsOfList(options, listed, alongs).agreement();
-  requireNotInterrupted();
-  std::cout << table(result);
-  if (!options.out.empty()) {
-    pusht::writeNewFile("out", options.out, jsonText(toJson(result)));
-  }
+  options.batch.declare(app);
+  return runCommand(app, argc, argv, [&] {
+    pusht::requireNewFile("out", out);
+    if (app.count("--episodes") == 0) {
+      protocol.episodes = defaultEpisodes(protocol, starts);
+    }
+    protocol.validate();
+    protocol.initial_states = givenInitialStates(starts, protocol.firstStart(), protocol.starts());
+    const std::vector<Listed> listed = listedFrom(options);
+    const std::vector<Along> alongs = alongsOf(options, listed);
+    const Agreement result = PairsOfList(options, listed, alongs).agreement();
+    requireNotInterrupted();
+    std::cout << table(result);
+    if (!out.empty()) {
+      pusht::writeNewFile("out", out, jsonText(toJson(result)));
+    }
+  });
 }
 
 }  // namespace sim2sim

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "batch/attribute.hpp"
-
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -13,20 +12,28 @@
 #include "sim2sim_protocol/results/result_files.hpp"
 
 namespace sim2sim {
-void AttributeOptions::declare(CLI::App& app) {
+
+/// Prints the attribution of a sweep, and writes attribution.json and attribution.csv into its folder: both, or none.
+int attributeMain(int argc, char** argv) {
+  std::filesystem::path sweep;
+  std::filesystem::path baseline;
+  bool overwrite = false;
+  CLI::App app(
+      "Says how much of the gap each switch of the engine explains, from a sweep over all combinations of true/false "
+      "parameters. Writes attribution.json and attribution.csv into its folder.",
+      "attribute");
   app.add_option("sweep", sweep, "folder of the sweep")->required()->check(notEmpty());
   app.add_option("--baseline", baseline, "folder of a run over the same episodes, to be shown beside")
       ->check(notEmpty());
   app.add_flag("--overwrite", overwrite, "replace an attribution that is in the folder already");
-}
-
-void attribute(const AttributeOptions& options) {
-  const DerivedFiles files("attribution", options.sweep, kAttributionFile, kAttributionTable, options.overwrite);
-  const auto go_on = [] { requireNotInterrupted(); };
-  const Attribution attribution = attribute(options.sweep, options.baseline, go_on);
-  go_on();
-  std::cout << table(attribution);
-  files.write(toJson(attribution), toCsv(attribution));
+  return runCommand(app, argc, argv, [&] {
+    const DerivedFiles files("attribution", sweep, kAttributionFile, kAttributionTable, overwrite);
+    const auto go_on = [] { requireNotInterrupted(); };
+    const Attribution attribution = attribute(sweep, baseline, go_on);
+    go_on();
+    std::cout << table(attribution);
+    files.write(toJson(attribution), toCsv(attribution));
+  });
 }
 
 }  // namespace sim2sim

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "batch/audit.hpp"
-
 #include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,10 +15,24 @@
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
 namespace {
+
+/// Command line of `audit`.
+struct AuditOptions {
+  std::string reference = kCourseReference;         ///< name of a kind
+  std::vector<std::string> reference_parameters{};  ///< "NAME=VALUE", as for chooseSimulator()
+  std::string engine = kCourseEngine;               ///< name of a kind
+  std::vector<std::string> engine_parameters{};
+  std::string against;        ///< "task": the engine alone, against the task's figures; empty: against the reference
+  std::uint64_t seed = 0;     ///< moves the scenes of the experiments a little
+  int threads = 0;            ///< 0: one for each core that the process may use
+  std::filesystem::path out;  ///< JSON file to be written; empty: none
+  bool overwrite = false;     ///< replace a file that is there already
+};
 
 AuditedSimulator auditedOf(const LoadedSimulator& simulator) {
   return {simulator.record(), simulator.model.make_world, simulator.kind.departures};
@@ -39,31 +53,9 @@ void keepVerdict(const Audit& audit, const KeptVerdict& kept) {
   }
 }
 
-}  // namespace
-
-void AuditOptions::declare(CLI::App& app) {
-  const std::string kinds = pusht::joined(pusht::SimulatorKinds::installed().names());
-  app.add_option("--reference", reference, "kind of simulator: " + kinds)->capture_default_str();
-  app.add_option("--engine", engine, "kind of simulator that is audited")->capture_default_str();
-  app.add_option("--set", engine_parameters, "NAME=VALUE: a parameter of the engine; may be repeated")
-      ->allow_extra_args(false);
-  app.add_option("--set-reference", reference_parameters, "NAME=VALUE: a parameter of the reference; may be repeated")
-      ->allow_extra_args(false);
-  app.add_option("--against", against, "'task': the engine alone, against the task's own figures")
-      ->check(CLI::IsMember({kAgainstTask}))
-      ->excludes("--reference")
-      ->excludes("--set-reference");
-  app.add_option("--seed", seed, "moves the scenes of the experiments by at most 2 mm")
-      ->check(decimalInteger())
-      ->capture_default_str();
-  app.add_option("--threads", threads, "number of threads; 0: one for each core")
-      ->check(decimalInteger())
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_option("--out", out, "write the audit into a new JSON file")->check(notEmpty());
-  app.add_flag("--overwrite", overwrite, "replace a file that is there already");
-}
-
+/// Prints the audit, writes it, and keeps the verdict of a pair for `compare` (keptVerdict()). Throws ContractError if
+/// the contract is broken; InvalidInput for bad options or a file that is there already; as chooseSimulator() and
+/// SimulatorKind::load.
 void auditSimulators(const AuditOptions& options) {
   if (!options.overwrite) {
     pusht::requireNewFile("audit", options.out);
@@ -94,6 +86,36 @@ void auditSimulators(const AuditOptions& options) {
     keepVerdict(result, keptVerdict(*reference, engine));
   }
   requireContract(result);
+}
+
+}  // namespace
+
+int auditMain(int argc, char** argv) {
+  AuditOptions options;
+  CLI::App app("Says by experiments whether two simulators keep one contract, and in what physics they differ.",
+               "audit");
+  const std::string kinds = pusht::joined(pusht::SimulatorKinds::installed().names());
+  app.add_option("--reference", options.reference, "kind of simulator: " + kinds)->capture_default_str();
+  app.add_option("--engine", options.engine, "kind of simulator that is audited")->capture_default_str();
+  app.add_option("--set", options.engine_parameters, "NAME=VALUE: a parameter of the engine; may be repeated")
+      ->allow_extra_args(false);
+  app.add_option("--set-reference", options.reference_parameters,
+                 "NAME=VALUE: a parameter of the reference; may be repeated")
+      ->allow_extra_args(false);
+  app.add_option("--against", options.against, "'task': the engine alone, against the task's own figures")
+      ->check(CLI::IsMember({kAgainstTask}))
+      ->excludes("--reference")
+      ->excludes("--set-reference");
+  app.add_option("--seed", options.seed, "moves the scenes of the experiments by at most 2 mm")
+      ->check(decimalInteger())
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "number of threads; 0: one for each core")
+      ->check(decimalInteger())
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--out", options.out, "write the audit into a new JSON file")->check(notEmpty());
+  app.add_flag("--overwrite", options.overwrite, "replace a file that is there already");
+  return runCommand(app, argc, argv, [&] { auditSimulators(options); });
 }
 
 }  // namespace sim2sim

@@ -115,13 +115,6 @@ int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
   }
 }
 
-int runCommand(const std::string& name, const std::string& description, int argc, char** argv,
-               const std::function<void(CLI::App&)>& declare, const std::function<void()>& body) {
-  CLI::App app(description, name);
-  declare(app);
-  return runCommand(app, argc, argv, body);
-}
-
 void parseArguments(CLI::App& app, std::vector<std::string> arguments) {
   try {
     std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them

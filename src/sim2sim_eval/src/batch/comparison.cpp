@@ -312,4 +312,11 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   return {configuration, run.episodes(), metrics, origin, folder ? folder->path() : fs::path()};
 }
 
+int compareMain(int argc, char** argv) {
+  CompareOptions options;
+  CLI::App app("Runs one policy from the same starts in two simulators, and measures the gap.", "compare");
+  options.declare(app);
+  return runCommand(app, argc, argv, [&] { compare(options); });
+}
+
 }  // namespace sim2sim

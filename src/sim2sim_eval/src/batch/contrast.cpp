@@ -13,11 +13,15 @@
 
 namespace sim2sim {
 
-void ContrastOptions::declare(CLI::App& app) {
-  app.add_option("results", results, "folders of runs or sweeps")->required()->check(notEmpty());
-  app.add_option("--against", against, "number of the run that the others are compared with, from 0")
+int contrastMain(int argc, char** argv) {
+  ContrastOptions options;
+  CLI::App app("Compares runs over the same episodes pair by pair: two folders of results, or the rows of a sweep.",
+               "contrast");
+  app.add_option("results", options.results, "folders of runs or sweeps")->required()->check(notEmpty());
+  app.add_option("--against", options.against, "number of the run that the others are compared with, from 0")
       ->check(decimalInteger());
-  app.add_option("--out", out, "JSON file for all figures")->check(notEmpty());
+  app.add_option("--out", options.out, "JSON file for all figures")->check(notEmpty());
+  return runCommand(app, argc, argv, [&] { contrast(options); });
 }
 
 std::vector<RunResults> runsToContrast(const ContrastOptions& options) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Pairwise comparison of runs over the same episodes. Work of `rosrun sim2sim_eval contrast`.
+/// Pairwise comparison of runs over the same episodes. Work of the command `contrast`.
 #pragma once
 
 #include <filesystem>
@@ -8,10 +8,6 @@
 
 #include "sim2sim_protocol/results/contrast.hpp"
 
-namespace CLI {
-class App;
-}  // namespace CLI
-
 namespace sim2sim {
 
 /// Options of the command `contrast`.
@@ -19,9 +15,6 @@ struct ContrastOptions {
   std::vector<std::string> results;  ///< folders of runs or sweeps; each row of a sweep is a run
   int against = 0;                   ///< number of the baseline among these runs, from 0
   std::filesystem::path out;         ///< JSON file for all figures; empty: none
-
-  /// Declares the options on a command line.
-  void declare(CLI::App& app);
 };
 
 /// Results of all runs that the options name, the baseline first. Throws InvalidInput if there are fewer than two, or

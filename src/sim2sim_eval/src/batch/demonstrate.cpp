@@ -16,15 +16,18 @@
 
 namespace sim2sim {
 
-void DemonstrateOptions::declare(CLI::App& app) {
+int demonstrateMain(int argc, char** argv) {
+  DemonstrateOptions options;
+  pusht::DemonstrationPlan& plan = options.plan;
+  CLI::App app("Records demonstrations of the scripted expert as a rosbag.", "demonstrate");
   app.add_option("--seed", plan.seed, "spawn seed of the first demonstration")->check(decimalInteger());
   app.add_option("--episodes", plan.episodes, "number of demonstrations")->check(decimalInteger());
-  app.add_option("--simulator", simulators,
+  app.add_option("--simulator", options.simulators,
                  "kind of simulator: " + pusht::joined(pusht::SimulatorKinds::installed().names()) +
                      "; with parameters: KIND:NAME=VALUE:NAME=VALUE; may be repeated: simulators take turns")
       ->allow_extra_args(false)
       ->capture_default_str();
-  app.add_option("--set,--draw", settings,
+  app.add_option("--set,--draw", options.settings,
                  "NAME=VALUE: a parameter of the simulator, or NAME=LEAST..GREATEST, as in friction=0.5..1.5: one that "
                  "is drawn for each demonstration; may be repeated")
       ->allow_extra_args(false);
@@ -33,7 +36,8 @@ void DemonstrateOptions::declare(CLI::App& app) {
                  "the actions without it")
       ->check(decimalReal())
       ->capture_default_str();
-  app.add_option("--out", out, "the bag to write")->check(notEmpty());
+  app.add_option("--out", options.out, "the bag to write")->check(notEmpty());
+  return runCommand(app, argc, argv, [&] { demonstrate(options); });
 }
 
 void demonstrate(const DemonstrateOptions& options) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Demonstrations of the scripted expert, as training data. Work of `rosrun sim2sim_eval demonstrate`.
+/// Demonstrations of the scripted expert, as training data. Work of the command `demonstrate`.
 #pragma once
 
 #include <string>
@@ -7,10 +7,6 @@
 
 #include "pusht_policy/demonstrations.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
-
-namespace CLI {
-class App;
-}  // namespace CLI
 
 namespace sim2sim {
 
@@ -20,9 +16,6 @@ struct DemonstrateOptions {
   std::vector<std::string> simulators = {kCourseReference};  ///< for DemonstrationSimulators, as are the settings
   std::vector<std::string> settings;
   std::string out = "demonstrations.bag";  ///< bag to write; must not be there
-
-  /// Declares the options on a command line.
-  void declare(CLI::App& app);
 };
 
 /// Records the demonstrations and prints how many the expert has solved. Throws as

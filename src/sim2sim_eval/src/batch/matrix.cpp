@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "batch/matrix.hpp"
-
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "batch/derived_files.hpp"
 #include "batch/hypotheses_file.hpp"
@@ -15,7 +15,17 @@
 #include "sim2sim_protocol/results/result_files.hpp"
 
 namespace sim2sim {
-void MatrixOptions::declare(CLI::App& app) {
+
+/// Prints the matrix of a sweep, and writes matrix.json and matrix.csv into its folder: both, or none.
+int matrixMain(int argc, char** argv) {
+  std::filesystem::path sweep;
+  std::vector<std::string> groups;
+  std::filesystem::path hypotheses;
+  bool overwrite = false;
+  CLI::App app(
+      "Says how each policy of a sweep does in each simulator, what it keeps of its success in its reference, and what "
+      "holds for groups of policies. Writes matrix.json and matrix.csv into the folder of the sweep.",
+      "matrix");
   app.add_option("sweep", sweep, "folder of the sweep, from a plan that lists policies")->required()->check(notEmpty());
   app.add_option("--group", groups, "only the policies of this group of the plan; may be repeated")
       ->type_size(1)
@@ -26,19 +36,18 @@ void MatrixOptions::declare(CLI::App& app) {
                  "each is tested")
       ->check(notEmpty());
   app.add_flag("--overwrite", overwrite, "replace a matrix that is in the folder already");
-}
-
-void matrix(const MatrixOptions& options) {
-  const DerivedFiles files("matrix", options.sweep, kMatrixFile, kMatrixTable, options.overwrite);
-  const std::vector<Hypothesis> hypotheses =
-      options.hypotheses.empty() ? std::vector<Hypothesis>() : readHypotheses(options.hypotheses);
-  const Matrix matrix = readMatrix(options.sweep, options.groups, [] { requireNotInterrupted(); });
-  const std::vector<HypothesisResult> tested = test(matrix, hypotheses);
-  requireNotInterrupted();
-  std::cout << table(matrix) << table(tested);
-  nlohmann::json content = toJson(matrix);
-  content["hypotheses"] = toJson(tested);
-  files.write(content, toCsv(matrix));
+  return runCommand(app, argc, argv, [&] {
+    const DerivedFiles files("matrix", sweep, kMatrixFile, kMatrixTable, overwrite);
+    const std::vector<Hypothesis> expected =
+        hypotheses.empty() ? std::vector<Hypothesis>() : readHypotheses(hypotheses);
+    const Matrix matrix = readMatrix(sweep, groups, [] { requireNotInterrupted(); });
+    const std::vector<HypothesisResult> tested = test(matrix, expected);
+    requireNotInterrupted();
+    std::cout << table(matrix) << table(tested);
+    nlohmann::json content = toJson(matrix);
+    content["hypotheses"] = toJson(tested);
+    files.write(content, toCsv(matrix));
+  });
 }
 
 }  // namespace sim2sim

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "batch/merge.hpp"
-
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "batch/shard.hpp"
 #include "batch/sweep_description.hpp"
@@ -117,20 +117,13 @@ std::vector<EpisodeResult> joinRow(const Shards& shards, const RunConfiguration&
   return episodes;
 }
 
-}  // namespace
-
-void MergeOptions::declare(CLI::App& app) {
-  app.add_option("shards", shards, "folders of all shards of a sweep")->required()->check(notEmpty());
-  app.add_option("--out", out, "folder for the results (default: the next free results/merge-N)")->check(notEmpty());
-  app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
-}
-
-void merge(const MergeOptions& options) {
-  SweepFolder folder(options.out, options.overwrite, "merge");
-  for (const std::string& shard : options.shards) {
+/// Joins the shards of a sweep. The results have the bytes of the sweep in one piece. Throws as requireShards().
+void mergeShards(const std::vector<std::string>& folders, const std::string& out, bool overwrite) {
+  SweepFolder folder(out, overwrite, "merge");
+  for (const std::string& shard : folders) {
     folder.refuseInputs(inputsOf(shard));
   }
-  const Shards shards = requireShards(options.shards);
+  const Shards shards = requireShards(folders);
   const std::vector<RunConfiguration> rows = checkedRows(shards);
   loadFor(folder, [&] {  // damaged rows are found before anything is replaced
     for (std::size_t row = 0; row < rows.size(); ++row) {
@@ -148,6 +141,19 @@ void merge(const MergeOptions& options) {
   if (shards.description.contains("policy")) {  // of several policies, each has its row in a matrix
     warn(doubtAboutPolicy(folder.rows().front(), shards.provenance));
   }
+}
+
+}  // namespace
+
+int mergeMain(int argc, char** argv) {
+  std::vector<std::string> shards;
+  std::string out;
+  bool overwrite = false;
+  CLI::App app("Joins the shards of a sweep; the results are those of the sweep in one piece, byte for byte.", "merge");
+  app.add_option("shards", shards, "folders of all shards of a sweep")->required()->check(notEmpty());
+  app.add_option("--out", out, "folder for the results (default: the next free results/merge-N)")->check(notEmpty());
+  app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
+  return runCommand(app, argc, argv, [&] { mergeShards(shards, out, overwrite); });
 }
 
 }  // namespace sim2sim

@@ -124,12 +124,16 @@ void requireNoQuestions(const PlanOptions& options) {
 
 }  // namespace
 
-void PlanOptions::declare(CLI::App& app) {
-  app.add_option("pilot", pilot,
+int planMain(int argc, char** argv) {
+  PlanOptions options;
+  PlanQuestions& questions = options.questions;
+  CLI::App app("Says how small a difference a run can show, from how much the episodes of a finished run vary.",
+               "plan");
+  app.add_option("pilot", options.pilot,
                  "folder of a run; or of a sweep over policies, to plan how many a comparison of rankings takes")
       ->required()
       ->check(notEmpty());
-  app.add_option("other", other, "folder of a second run over the same episodes, to plan a contrast")
+  app.add_option("other", options.other, "folder of a second run over the same episodes, to plan a contrast")
       ->check(notEmpty());
   app.add_option("--episodes", questions.episodes, "numbers of episodes: N,N,...")
       ->delimiter(',')
@@ -138,6 +142,7 @@ void PlanOptions::declare(CLI::App& app) {
       ->check(decimalReal());
   app.add_option("--position", questions.position, "[m] a difference of position divergences")->check(decimalReal());
   app.add_option("--angle", questions.angle, "[rad] a difference of angle divergences")->check(decimalReal());
+  return runCommand(app, argc, argv, [&] { plan(options); });
 }
 
 std::string planTable(const PlanQuestions& questions, const RunResults& pilot, const std::optional<RunResults>& other) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// Planning a measurement: the smallest differences that a number of episodes shows, and the number of episodes that
-/// shows a given difference. Work of `rosrun sim2sim_eval plan`.
+/// shows a given difference. Work of the command `plan`.
 #pragma once
 
 #include <optional>
@@ -9,10 +9,6 @@
 
 #include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/matrix.hpp"
-
-namespace CLI {
-class App;
-}  // namespace CLI
 
 namespace sim2sim {
 
@@ -29,9 +25,6 @@ struct PlanOptions {
   std::string pilot;  ///< folder of a finished run, or of a sweep over policies; it says how much they vary
   std::string other;  ///< folder of a second run over the same episodes, to plan a contrast of the two; empty: none
   PlanQuestions questions;
-
-  /// Declares the options on a command line.
-  void declare(CLI::App& app);
 };
 
 /// Table for the terminal: a row for each figure of the run, and of the contrast with `other`; a column for each number

@@ -28,12 +28,15 @@ void requireWhole(const Run& run, const std::filesystem::path& bag) {
 
 }  // namespace
 
-void RecomputeOptions::declare(CLI::App& app) {
-  app.add_option("bag", bag, "compare.bag of a run")->required()->check(notEmpty());
-  app.add_option("--out", out, "folder for the results (default: the next free results/recompute-N)")
+int recomputeMain(int argc, char** argv) {
+  RecomputeOptions options;
+  CLI::App app("Computes the results of a run again from its bag; they are the same, byte for byte.", "recompute");
+  app.add_option("bag", options.bag, "compare.bag of a run")->required()->check(notEmpty());
+  app.add_option("--out", options.out, "folder for the results (default: the next free results/recompute-N)")
       ->check(notEmpty());
-  app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
-  app.add_flag("--traces", traces, "write what the worlds did into traces.npy");
+  app.add_flag("--overwrite", options.overwrite, "replace results that are in the folder already");
+  app.add_flag("--traces", options.traces, "write what the worlds did into traces.npy");
+  return runCommand(app, argc, argv, [&] { recompute(options); });
 }
 
 std::string missingEpisodes(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Results of a run, computed again from its bag. Work of `rosrun sim2sim_eval recompute`.
+/// Results of a run, computed again from its bag. Work of the command `recompute`.
 #pragma once
 
 #include <filesystem>
@@ -9,10 +9,6 @@
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 
-namespace CLI {
-class App;
-}  // namespace CLI
-
 namespace sim2sim {
 
 /// Options of the command `recompute`.
@@ -21,9 +17,6 @@ struct RecomputeOptions {
   std::filesystem::path out;  ///< results folder; empty: the next free results/recompute-N
   bool overwrite = false;     ///< replace results that are in the folder
   bool traces = false;        ///< write traces.npy
-
-  /// Declares the options on a command line.
-  void declare(CLI::App& app);
 };
 
 /// Indices of the episodes that a run of `protocol` lacks, as text: "3, 5 to 9". `episodes` are the finished ones by

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "batch/sweep.hpp"
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "batch/shard.hpp"
 #include "batch/sweep_description.hpp"
@@ -17,6 +18,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
+#include "sim2sim_eval/batch/batch_options.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/episode.hpp"
@@ -32,6 +34,16 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+/// Command line of `sweep`.
+struct SweepOptions {
+  std::string plan;   ///< YAML file for readSweepPlan()
+  int episodes = 0;   ///< number of episodes instead of the plan's; 0: the plan's
+  std::string shard;  ///< "I/N"; empty: the whole sweep
+  std::string out;    ///< results folder; empty: the next free results/sweep-N
+  bool overwrite = false;
+  BatchOptions batch;
+};
 
 /// Names of parameters that have more than one value, which tell the rows apart. All names for a single row.
 std::vector<std::string> varyingParameters(const std::vector<PlannedRow>& rows) {
@@ -227,23 +239,10 @@ std::vector<LoadedRun> loadAll(const SweepPlan& plan) {
   return loaded;
 }
 
-}  // namespace
-
-void SweepOptions::declare(CLI::App& app) {
-  app.add_option("plan", plan, "YAML file: policies, seed, episodes, and a grid or a list of parameter settings")
-      ->required()
-      ->check(notEmpty());
-  app.add_option("--episodes", episodes, "number of episodes, instead of the plan's")
-      ->check(decimalInteger() & CLI::PositiveNumber);
-  app.add_option("--shard", shard, "only a share of the episodes, for `merge`: I/N, e.g. 2/5")->check(notEmpty());
-  app.add_option("--out", out,
-                 "folder for the results (default: the next free results/sweep-N); if it holds this sweep already, the "
-                 "sweep continues")
-      ->check(notEmpty());
-  app.add_flag("--overwrite", overwrite, "replace results that are in the folder already");
-  batch.declare(app);
-}
-
+/// Runs all rows of a plan over the same episodes, or continues an unfinished sweep: rows in the folder are not run
+/// again. The reference is simulated once for all rows. A row whose simulation fails is left out, and the others run.
+/// Throws InvalidInput for a bad plan, RuntimeFault if it was interrupted or a row has failed; finished rows are kept
+/// then.
 void sweep(const SweepOptions& options) {
   SweepPlan plan = readSweepPlan(options.plan);
   if (options.episodes > 0) {
@@ -288,6 +287,28 @@ void sweep(const SweepOptions& options) {
   if (options.shard.empty() && !plan.lists_policies) {  // the other shards may have the successes
     warn(doubtAboutPolicy(folder.rows().front(), origin));
   }
+}
+
+}  // namespace
+
+int sweepMain(int argc, char** argv) {
+  SweepOptions options;
+  CLI::App app("Runs the comparison for many settings of the engine's parameters, over the same episodes.", "sweep");
+  app.add_option("plan", options.plan,
+                 "YAML file: policies, seed, episodes, and a grid or a list of parameter settings")
+      ->required()
+      ->check(notEmpty());
+  app.add_option("--episodes", options.episodes, "number of episodes, instead of the plan's")
+      ->check(decimalInteger() & CLI::PositiveNumber);
+  app.add_option("--shard", options.shard, "only a share of the episodes, for `merge`: I/N, e.g. 2/5")
+      ->check(notEmpty());
+  app.add_option("--out", options.out,
+                 "folder for the results (default: the next free results/sweep-N); if it holds this sweep already, the "
+                 "sweep continues")
+      ->check(notEmpty());
+  app.add_flag("--overwrite", options.overwrite, "replace results that are in the folder already");
+  options.batch.declare(app);
+  return runCommand(app, argc, argv, [&] { sweep(options); });
 }
 
 }  // namespace sim2sim

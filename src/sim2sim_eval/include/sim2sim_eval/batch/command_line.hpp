@@ -15,13 +15,9 @@ class Validator;
 
 namespace sim2sim {
 
-/// Body of a command's main(): parses the command line into `app`, catches signals (catchInterrupts), runs `body`, and
-/// returns the exit code. Every failure becomes one line on stderr and the exit code of its kind.
+/// Runs a command: parses the command line into `app`, catches signals (catchInterrupts), runs `body`, and returns the
+/// exit code. Every failure becomes one line on stderr and the exit code of its kind.
 int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
-
-/// Body of the main() of command `name`, as above: --help shows `description`, and `declare` adds the options.
-int runCommand(const std::string& name, const std::string& description, int argc, char** argv,
-               const std::function<void(CLI::App&)>& declare, const std::function<void()>& body);
 
 /// Parses `arguments` as a command line into `app`. Throws InvalidInput with the message of the command.
 void parseArguments(CLI::App& app, std::vector<std::string> arguments);

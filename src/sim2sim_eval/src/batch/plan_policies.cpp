@@ -112,8 +112,7 @@ ListEntry entryIn(const YAML::Node& node, const std::optional<SimulatorChoice>& 
   return entry;
 }
 
-}  // namespace
-
+/// Reference that a `policy` has if its reference is its home. Throws InvalidInput, naming the policy, if it has none.
 SimulatorChoice homeOfPolicy(const std::string& policy) {
   if (policy == pusht::kExpertPolicy || policy == pusht::kUntrainedPolicy) {
     throw pusht::InvalidInput("policy " + policy + ": has no home; name its reference");
@@ -122,6 +121,7 @@ SimulatorChoice homeOfPolicy(const std::string& policy) {
   return chooseSimulator(home.simulator, home.settings);
 }
 
+/// Policies that the `list` names, in its order; those of a pattern in the order of their names.
 std::vector<PlannedPolicy> policiesIn(const YAML::Node& list, const std::optional<SimulatorChoice>& reference) {
   if (!list.IsSequence() || list.size() == 0) {
     refuse(list, "policies", "must be a list of policies");
@@ -143,6 +143,24 @@ std::vector<PlannedPolicy> policiesIn(const YAML::Node& list, const std::optiona
     }
   }
   return policies;
+}
+
+}  // namespace
+
+std::vector<PlannedPolicy> plannedPolicies(const YAML::Node& root, const std::optional<SimulatorChoice>& reference) {
+  const YAML::Node one = root["policy"];
+  if (const YAML::Node list = root["policies"]; list.IsDefined()) {
+    if (one.IsDefined()) {
+      refuse(one, "policy", "must not be there beside policies");
+    }
+    return policiesIn(list, reference);
+  }
+  const std::string policy = one.IsDefined() ? textAt(one, "policy") : pusht::kShippedPolicy;
+  std::optional<SimulatorChoice> home = reference;
+  if (!home) {
+    inLineOf(root["reference"], [&] { home = homeOfPolicy(policy); });
+  }
+  return {{policy, "", *home}};
 }
 
 }  // namespace sim2sim

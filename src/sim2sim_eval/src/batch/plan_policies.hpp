@@ -12,14 +12,12 @@
 
 namespace sim2sim {
 
-/// Reference of a policy in a plan: the simulator of its demonstrations.
+/// Word for the reference of a policy in a plan that is its home.
 inline constexpr const char* kHome = "home";
 
-/// Policies that the `list` names, in its order; those of a pattern in the order of their names. `reference` is that of
-/// each policy that has none of its own; none: its home. Throws InvalidInput with line, value and rule.
-std::vector<PlannedPolicy> policiesIn(const YAML::Node& list, const std::optional<SimulatorChoice>& reference);
-
-/// Reference that a `policy` has if its reference is its home. Throws InvalidInput, naming the policy, if it has none.
-SimulatorChoice homeOfPolicy(const std::string& policy);
+/// Policies of a plan, in its order; those of a pattern in the order of their names. `reference` is that of each policy
+/// that has none of its own; none: its home, which is the simulator of its demonstrations. Throws InvalidInput with
+/// line, value and rule.
+std::vector<PlannedPolicy> plannedPolicies(const YAML::Node& root, const std::optional<SimulatorChoice>& reference);
 
 }  // namespace sim2sim

@@ -10,12 +10,12 @@
 #include <set>
 #include <utility>
 
+#include "plan_loops.hpp"
 #include "plan_policies.hpp"
 #include "plan_values.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
-#include "pusht_task/loop.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"
@@ -303,92 +303,6 @@ Protocol protocolIn(const YAML::Node& root, const std::filesystem::path& starts)
   return protocol;
 }
 
-std::vector<PlannedPolicy> plannedPolicies(const YAML::Node& root) {
-  const std::optional<SimulatorChoice> reference = referenceIn(root);
-  const YAML::Node one = root["policy"];
-  if (const YAML::Node list = root["policies"]; list.IsDefined()) {
-    if (one.IsDefined()) {
-      refuse(one, "policy", "must not be there beside policies");
-    }
-    return policiesIn(list, reference);
-  }
-  const std::string policy = one.IsDefined() ? textAt(one, "policy") : pusht::kShippedPolicy;
-  std::optional<SimulatorChoice> home = reference;
-  if (!home) {
-    inLineOf(root["reference"], [&] { home = homeOfPolicy(policy); });
-  }
-  return {{policy, "", *home}};
-}
-
-/// Names and values of the parameters of a loop.
-using LoopSettings = std::vector<std::pair<std::string, std::string>>;
-
-/// A loop: the word of a preset, or a map of parameters to values.
-LoopSettings loopAt(const YAML::Node& node) {
-  if (!node.IsMap()) {
-    return {pusht::loopSettingFrom(textAt(node, "loop"))};
-  }
-  requireDistinctKeys(node);
-  LoopSettings settings;
-  for (const auto& entry : node) {
-    const std::string name = textAt(entry.first, "parameter");
-    settings.emplace_back(name, textAt(entry.second, name));
-  }
-  return settings;
-}
-
-/// Loops of the plan, each with the node that names it; without any the simulators' own.
-std::vector<std::pair<LoopSettings, YAML::Node>> loopsIn(const YAML::Node& root) {
-  const YAML::Node node = root["loop"];
-  if (!node.IsDefined()) {
-    return {{{}, node}};
-  }
-  if (!node.IsSequence()) {
-    return {{loopAt(node), node}};
-  }
-  std::vector<std::pair<LoopSettings, YAML::Node>> loops;
-  for (const YAML::Node& loop : node) {
-    loops.emplace_back(loopAt(loop), loop);
-  }
-  if (loops.empty()) {
-    refuse(node, "loop", "must be a loop, or a list of loops");
-  }
-  return loops;
-}
-
-/// Puts the policy of a simulator into a loop. Throws InvalidInput in the line of `node` for a parameter that the
-/// simulator has in the plan already.
-void putInLoop(SimulatorChoice& simulator, const LoopSettings& loop, const YAML::Node& node) {
-  for (const auto& [name, value] : loop) {
-    inLineOf(node, [&, name = name, value = value] {
-      if (simulator.at(pusht::kLoopPrefix + name).set_by_name) {
-        throw pusht::InvalidInput(pusht::kLoopPrefix + name + ": must appear only once; " + textOf(simulator) +
-                                  " has it too");
-      }
-      simulator.set(pusht::kLoopPrefix + name, value);
-    });
-  }
-}
-
-/// Names the parameters that any loop of the plan names or changes, with the values that they have here, so that all
-/// rows have the same parameters.
-void nameAllParameters(SimulatorChoice& simulator, const std::vector<std::pair<LoopSettings, YAML::Node>>& loops) {
-  for (const auto& [loop, node] : loops) {
-    pusht::ParameterSet there = pusht::plainLoop();
-    inLineOf(node, [&, &settings = loop] {
-      for (const auto& [name, value] : settings) {
-        pusht::setOfLoop(there, name, value);
-      }
-    });
-    for (const pusht::Parameter& parameter : there) {
-      if (parameter.set_by_name || !parameter.isDefault()) {
-        const std::string name = pusht::kLoopPrefix + parameter.name();
-        simulator.set(name, pusht::textOf(simulator.at(name).value));
-      }
-    }
-  }
-}
-
 /// Adds rows of the policies from `first` on. Listed policies have none in their references: a matrix has their success
 /// there already.
 void addRows(SweepPlan& plan, std::size_t first, const std::vector<SimulatorChoice>& engines, bool listed) {
@@ -409,15 +323,11 @@ void addRows(SweepPlan& plan, std::size_t first, const std::vector<SimulatorChoi
 /// Adds each policy in each loop, which is the same in its reference and in its engines.
 void addPoliciesInLoops(SweepPlan& plan, const YAML::Node& root, const std::vector<PlannedPolicy>& policies,
                         const std::vector<SimulatorChoice>& engines) {
-  const auto loops = loopsIn(root);
+  const std::vector<PlannedLoop> loops = loopsIn(root);
   const bool listed = root["policies"].IsDefined();
   plan.lists_policies = listed || loops.size() > 1;
-  for (const auto& [loop, node] : loops) {
-    const auto put = [&, &settings = loop, &place = node](SimulatorChoice simulator) {
-      putInLoop(simulator, settings, place);
-      nameAllParameters(simulator, loops);
-      return simulator;
-    };
+  for (const PlannedLoop& loop : loops) {
+    const auto put = [&](const SimulatorChoice& simulator) { return inLoop(simulator, loop, loops); };
     const std::size_t first = plan.policies.size();
     for (PlannedPolicy policy : policies) {
       policy.reference = put(policy.reference);
@@ -426,7 +336,7 @@ void addPoliciesInLoops(SweepPlan& plan, const YAML::Node& root, const std::vect
     const SimulatorChoice& here = plan.policies[first].reference;
     for (std::size_t before = 0; before < first; before += policies.size()) {
       if (plan.policies[before].reference == here) {
-        refuse(node, "loop", "must appear only once; another one of the list is the same");
+        refuse(loop.node, "loop", "must appear only once; another one of the list is the same");
       }
     }
     std::vector<SimulatorChoice> in_loop;
@@ -465,7 +375,7 @@ SweepPlan planFrom(const YAML::Node& root) {
     sample = sampleIn(permutations);
   }
   SweepPlan plan;
-  addPoliciesInLoops(plan, root, plannedPolicies(root), rowsIn(root, sample));
+  addPoliciesInLoops(plan, root, plannedPolicies(root, referenceIn(root)), rowsIn(root, sample));
   plan.sample = sample;
   if (const YAML::Node starts = root["starts"]; starts.IsDefined()) {
     plan.starts = textAt(starts, "starts");

@@ -78,6 +78,10 @@ struct RunOption {
   }
 };
 
+template <class Value>
+RunOption(const char*, const char*, const char*, Decides, Written, bool, Value RunOptions::*, OptionRange)
+    -> RunOption<Value>;
+
 /// Calls function(option) for each option, in the order of --help.
 template <class Function>
 void forEachOption(const Function& function) {

@@ -99,7 +99,7 @@ class Docs(CommandCase):
 
     @long_form
     def test_commands(self) -> None:
-        self.assertEqual(self.check(DOCS / "commands.md"), 13)
+        self.assertEqual(self.check(DOCS / "commands.md"), 12)
 
     def test_faults(self) -> None:
         self.assertEqual(self.check(DOCS / "faults.md"), 2)
@@ -179,7 +179,7 @@ class Pasted(LiveCase):
     @long_form
     def test_commands(self) -> None:
         files = ("live/metrics.json", "first/report.html", "switches/attribution.json")
-        self.check(DOCS / "commands.md", 18, *files)
+        self.check(DOCS / "commands.md", 13, *files)
 
     @long_form
     def test_findings(self) -> None:

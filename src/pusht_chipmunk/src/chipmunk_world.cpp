@@ -49,7 +49,7 @@ ChipmunkWorld::ChipmunkWorld(MakeScene make_scene, double substep)
       make_scene_(std::move(make_scene)),
       substeps_(substepsPerControlStep(substep)) {
   greetInSilence();
-  doReset({});
+  ChipmunkWorld::doReset({});
 }
 
 ChipmunkWorld::~ChipmunkWorld() = default;

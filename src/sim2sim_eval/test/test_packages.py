@@ -102,6 +102,21 @@ class Packages(unittest.TestCase):
         self.assertGreater(len(of_debian), 20)
         self.assertEqual(of_debian - installed, set())
 
+    def test_the_picture_of_the_packages_has_all_and_each_uses_those_below(self) -> None:
+        page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+        (text,) = re.findall(r"!\[(Each package uses .*?)\]\(house\.svg\)", page)
+        name = r"\b(?:pusht|sim2sim)_\w+"
+        layers = [re.findall(name, layer) for layer in text.split(";")]
+        layer_of = {package: n for n, layer in enumerate(layers) for package in layer}
+        picture = (ROOT / "docs" / "house.svg").read_text(encoding="utf-8")
+        self.assertEqual(sorted(MANIFESTS), sorted(re.findall(f">({name})<", picture)))
+        self.assertEqual(sorted(MANIFESTS), sorted(re.findall(name, text)))
+        for package, root in MANIFESTS.items():
+            for entry in root.iter():
+                if entry.tag.endswith("depend") and entry.tag != "test_depend":
+                    below = layer_of.get(str(entry.text), len(layers))
+                    self.assertGreater(below, layer_of[package], f"{package}: {entry.text}")
+
     def test_nodes_begin_without_parameters_of_an_earlier_launch(self) -> None:
         files = list((ROOT / "src").glob("*/launch/*.launch"))
         nodes = [(file.name, *node) for file in files for node in nodes_of(file)]

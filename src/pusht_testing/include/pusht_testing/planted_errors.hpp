@@ -62,7 +62,9 @@ struct PlantedIn {
 
   template <class SceneWithAnError>
   static PlantedError withLaw(std::string name, const PhysicsOfKind& claims) {
-    return {std::move(name), worlds<SceneWithAnError>({}), claims};
+    PlantedError error{std::move(name), {}, claims};
+    error.make_world = worlds<SceneWithAnError>({});
+    return error;
   }
 
  private:

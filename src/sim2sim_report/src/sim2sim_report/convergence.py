@@ -11,8 +11,19 @@ from sim2sim_protocol.result_files import name_of
 
 from sim2sim_report.again import VARIANT
 from sim2sim_report.colors import CARD, DIM, SERIES
-from sim2sim_report.curves import MARKERS, MOST_LINES, OWN_STYLE, what_is_missing
-from sim2sim_report.figures import COMPONENTS, Drawing, Figure, entitle, legend_labels, styled
+from sim2sim_report.curves import MOST_LINES, what_is_missing
+from sim2sim_report.figures import (
+    COMPONENTS,
+    MARKERS,
+    OWN_STYLE,
+    Drawing,
+    draw_interval,
+    entitle,
+    labeled,
+    legend_labels,
+    panels,
+    width_of,
+)
 from sim2sim_report.results import REPLAY
 from sim2sim_report.sweep_rows import (
     Row,
@@ -134,7 +145,7 @@ def draw_line(axes: Any, line: Line, number: int, horizon: str, component: str, 
         for at, _, point in shown:
             interval = point.figure(horizon, component, unit, f"{suffix}_interval")
             if interval is not None and interval[0] > 0:
-                axes.plot([at, at], interval, color=SERIES[number], linewidth=1.4)
+                draw_interval(axes, interval, at, upright=True, color=SERIES[number], linewidth=1.4)
 
 
 def draw_first_order(axes: Any, line: Line, horizon: str, component: str, unit: str) -> None:
@@ -162,25 +173,19 @@ class Convergence:
     @property
     def missing(self) -> str:
         """The warning for a sweep that is not whole; else empty."""
-        return what_is_missing(len(self.rows), self.whole) if len(self.rows) < self.whole else ""
+        return what_is_missing(len(self.rows), self.whole)
 
     def drawing(self, name: str) -> Drawing:
         alt = "Divergence over " + ", ".join(line.label for line in self.lines)
-        return styled(name, alt, self._figure, OWN_STYLE)
+        return Drawing(name, alt, self._figure, OWN_STYLE)
 
     def _figure(self, narrow: bool) -> Any:
-        panels = [(horizon, *parts) for horizon in (WHOLE, FIRST_2_S) for parts in COMPONENTS]
-        if narrow:
-            size = (NARROW[0], NARROW[1] * len(panels))
-            figure = Figure(figsize=size, constrained_layout=True)
-            all_axes = list(figure.subplots(len(panels), 1))
-        else:
-            figure = Figure(figsize=SIZE, constrained_layout=True)
-            all_axes = list(figure.subplots(2, 2, sharex=True).flat)
+        shown = [(horizon, *parts) for horizon in (WHOLE, FIRST_2_S) for parts in COMPONENTS]
+        figure, grid = panels(narrow, (2, 2), SIZE, NARROW, sharex=not narrow)
         names = ", ".join(dict.fromkeys(line.parameter for line in self.lines))
         units = {line.unit for line in self.lines}
         unit_of_all = f" [{units.pop()}]" if len(units) == 1 and "" not in units else ""
-        for number, (axes, panel) in enumerate(zip(all_axes, panels)):
+        for number, (axes, panel) in enumerate(zip(grid.flat, shown)):
             for place, line in enumerate(self.lines):
                 draw_line(axes, line, place, *panel)
                 draw_first_order(axes, line, *panel)
@@ -192,10 +197,10 @@ class Convergence:
             axes.set_ylabel(f"{panel[1]} divergence [{panel[2]}]\n{panel[0]}", linespacing=1.5)
             if narrow or number >= 2:
                 axes.set_xlabel(names + unit_of_all)
-        handles, labels = all_axes[0].get_legend_handles_labels()
-        width = figure.get_figwidth() / (1 if narrow else 2)
-        labels = legend_labels(labels, 0.75 * width, 11)
-        all_axes[0].legend(handles, labels, loc="best", fontsize=11)
+        first = grid[0, 0]
+        handles = labeled([first])
+        labels = legend_labels(handles, 0.75 * width_of(first), 11)
+        first.legend(handles.values(), labels, loc="best", fontsize=11)
         entitle(figure, self._title(), 10 if narrow else 14)
         return figure
 
@@ -204,12 +209,12 @@ class Convergence:
         reference = row["simulators"]["reference"]
         changed = [f"{name} {reference['parameters'][name]}" for name in reference["changed"]]
         of = " with ".join(filter(None, [reference["title"], ", ".join(changed)]))
-        lines = [
+        return [
             f"divergence from {of}, in replays of its actions (policy {row['policy']})",
             f"{row['episodes']:,} episodes, {100 * row['confidence']:g} % intervals"
             "; dotted: in proportion to the difference from the reference's value",
+            self.missing,
         ]
-        return lines + ([self.missing] if self.missing else [])
 
 
 def read_convergence(folder: Path) -> Convergence:

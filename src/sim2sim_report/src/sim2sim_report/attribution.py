@@ -112,7 +112,6 @@ def _shares(attribution: Attribution, narrow: bool) -> Any:
                 draw_interval(axes, found["part_interval"], place, 100, color=color, linewidth=2)
                 part = 100 * found["part"]
                 axes.plot(part, place, marker, color=color, markersize=6, label=label)
-                label = None
         axes.axvline(0, color=INK, linewidth=1)
         axes.set_xlabel(f"{component}: part of the gap [%]")
         axes.locator_params(axis="x", nbins=5)
@@ -139,8 +138,9 @@ def _staircase(attribution: Attribution, narrow: bool) -> Any:
             axes.barh(row, bar.value, height=0.6, color=bar.color, alpha=0.85)
             right = bar.value
             if bar.interval:
-                style = {"color": INK, "linewidth": 2, "solid_capstyle": "butt"}
-                draw_interval(axes, bar.interval, row, **style)
+                draw_interval(
+                    axes, bar.interval, row, color=INK, linewidth=2, solid_capstyle="butt"
+                )
                 right = max(right, bar.interval[1])
             axes.text(right, row, f" {bar.value:.4f}", va="center", fontsize=9, color=INK)
             end = max(end, right)

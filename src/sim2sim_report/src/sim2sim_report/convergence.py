@@ -4,7 +4,7 @@ and of the rows of a sweep, on logarithmic axes."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from pusht_task.error import Error
 from sim2sim_protocol.result_files import name_of
@@ -38,6 +38,7 @@ COURSE = {"position": "pos", "angle": "ang"}
 WHOLE, FIRST_2_S = "whole replay", "first 2 s"
 SIZE = (13.0, 9.0)  # [in]
 NARROW = (5.2, 4.1)  # [in] of a panel, for a phone: all below each other
+Panel = Tuple[str, str, str]  # horizon, component and its unit
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,7 @@ def is_number(value: Any) -> bool:
     return True
 
 
-def draw_line(axes: Any, line: Line, number: int, horizon: str, component: str, unit: str) -> None:
+def draw_line(axes: Any, line: Line, number: int, panel: Panel) -> None:
     """Means with their intervals, filled; medians, hollow. What is 0 has no place on the axis."""
     style: Dict[str, Any] = {"color": SERIES[number], "marker": MARKERS[number]}
     first = number == 0  # it is wide, so that lines that coincide are both seen
@@ -133,29 +134,26 @@ def draw_line(axes: Any, line: Line, number: int, horizon: str, component: str, 
         ("", f"{line.label}: mean", {}),
         ("_median", f"{line.label}: median", {"linestyle": "--", "markerfacecolor": CARD}),
     ):
-        shown = [
-            (point.value, point.figure(horizon, component, unit, suffix), point)
-            for point in line.points
-        ]
-        shown = [(x, y, point) for x, y, point in shown if y is not None and y > 0]
-        if not shown:
+        points = [point for point in line.points if (point.figure(*panel, suffix) or 0.0) > 0]
+        if not points:
             continue
-        x, y = [each[0] for each in shown], [each[1] for each in shown]
-        axes.plot(x, y, label=name, **style, **more)
-        for at, _, point in shown:
-            interval = point.figure(horizon, component, unit, f"{suffix}_interval")
+        y = [point.figure(*panel, suffix) for point in points]
+        axes.plot([point.value for point in points], y, label=name, **style, **more)
+        thin: Dict[str, Any] = {"color": SERIES[number], "linewidth": 1.4}
+        for point in points:
+            interval = point.figure(*panel, f"{suffix}_interval")
             if interval is not None and interval[0] > 0:
-                draw_interval(axes, interval, at, upright=True, color=SERIES[number], linewidth=1.4)
+                draw_interval(axes, interval, point.value, upright=True, **thin)
 
 
-def draw_first_order(axes: Any, line: Line, horizon: str, component: str, unit: str) -> None:
+def draw_first_order(axes: Any, line: Line, panel: Panel) -> None:
     """What errors of first order would do: grow with the distance from the reference's value."""
     first, last = line.points[-1], line.points[0]
     if line.reference is None or line.reference >= last.value:
         return
     values = [first.value * (last.value / first.value) ** (i / 50) for i in range(51)]
     for suffix in ("", "_median"):
-        start = first.figure(horizon, component, unit, suffix)
+        start = first.figure(*panel, suffix)
         if start:
             slope = start / (first.value - line.reference)
             y = [slope * (value - line.reference) for value in values]
@@ -187,8 +185,8 @@ class Convergence:
         unit_of_all = f" [{units.pop()}]" if len(units) == 1 and "" not in units else ""
         for number, (axes, panel) in enumerate(zip(grid.flat, shown)):
             for place, line in enumerate(self.lines):
-                draw_line(axes, line, place, *panel)
-                draw_first_order(axes, line, *panel)
+                draw_line(axes, line, place, panel)
+                draw_first_order(axes, line, panel)
             axes.set_xscale("log")
             axes.set_yscale("log")
             values = sorted({point.value for line in self.lines for point in line.points})

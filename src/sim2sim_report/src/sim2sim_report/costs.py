@@ -50,7 +50,7 @@ class Costs:
         wrapped = max(_title(found).count("\n") for found in self.attributions)
         height = 1.8 + ROW * rows + wrapped * LINE * TITLE / POINTS
         size = (COLUMN * count + 0.6, 2 * height)
-        figure, grid = panels(narrow, (2, count), size, (COLUMN, height), "F")
+        figure, grid = panels(narrow, (2, count), size, (COLUMN, height), by_column=True)
         for line, component in zip(grid, ("position", "angle")):
             for axes, found in zip(line, self.attributions):
                 _draw(axes, found, _shortest(found, component))

@@ -255,7 +255,8 @@ class Curves:
         else:
             size = (COLUMN_WIDTH * count, HEIGHT)
             shared = {"sharex": "none" if narrow else "col", "sharey": "row"}
-            figure, axes = panels(narrow, (len(PANELS), count), size, NARROW, "F", **shared)
+            shape = (len(PANELS), count)
+            figure, axes = panels(narrow, shape, size, NARROW, by_column=True, **shared)
         for number, parameter in enumerate(self.parameters):
             draw_column(axes[:, number], parameter, self.parameters, self.rows, self.words, narrow)
         against = AGAINST in self.rows[0]

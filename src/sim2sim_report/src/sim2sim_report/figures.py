@@ -136,18 +136,25 @@ def require_picture_format(out: Path) -> None:
 
 
 def panels(
-    narrow: bool, shape: Tuple[int, int], size: Size, panel: Size, order: str = "C", **options: Any
+    narrow: bool,
+    shape: Tuple[int, int],
+    size: Size,
+    panel: Size,
+    by_column: bool = False,
+    **options: Any,
 ) -> Tuple[Any, Any]:
-    """A figure of a size and its panels by row and column, or, for phones, with panels of the size
-    `panel` below each other: row by row, or with the order "F" column by column. Sizes are [in];
-    `options` are those of Figure.subplots."""
+    """A figure of a size [in] and its panels by row and column.
+
+    In a narrow figure panels of the size `panel` [in] stand below each other, row by row or column
+    by column. `options` are those of Figure.subplots.
+    """
     rows, columns = shape
     if narrow:
         size = (panel[0], panel[1] * rows * columns)
         rows, columns = rows * columns, 1
     figure = Figure(figsize=size, constrained_layout=True)
     axes = figure.subplots(rows, columns, squeeze=False, **options)
-    return figure, axes.reshape(shape, order=order)
+    return figure, axes.reshape(shape, order="F" if by_column else "C")
 
 
 def inline(svg: str, name: str) -> str:

@@ -3,7 +3,7 @@
 
 import functools
 from pathlib import Path
-from typing import Any, List, NamedTuple, Optional, Sequence
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
 from pusht_task.error import Error
 from pusht_task.json_file import Json, read_json, require_format
@@ -141,7 +141,7 @@ def _spread(matrix: Matrix, narrow: bool) -> Any:
         left = 0.0
         for source, color in zip(spread["sources"], [*SERIES, DIM]):
             share = 100.0 * (source["share"] or 0.0)
-            label = source["source"].replace(" x ", " × ") if row == 0 else None
+            label = source["source"].replace(" x ", " × ")
             axes.barh(row, share, left=left, height=0.7, color=color, label=label)
             if share >= (12 if narrow else 5):
                 middle = {"ha": "center", "va": "center", "color": CARD, "weight": "bold"}
@@ -172,7 +172,6 @@ def _rankings(matrix: Matrix, narrow: bool) -> Any:
 
 
 def _draw_ranking(axes: Any, matrix: Matrix, ranking: Json, groups: Sequence[str]) -> None:
-    named = set()
     axes.plot([0, 1], [0, 1], color=GRID, linewidth=1, zorder=0)
     for policy in matrix.policies:
         here, there = (_success(policy["cells"][ranking[key]]) for key in ("reference", "test"))
@@ -182,19 +181,11 @@ def _draw_ranking(axes: Any, matrix: Matrix, ranking: Json, groups: Sequence[str
         color = SERIES[number % len(SERIES)]
         marker = MARKERS[(number // len(SERIES)) % len(MARKERS)]
         x, y = here["value"], there["value"]
-        thin = {"color": color, "linewidth": 1, "alpha": 0.5}
+        thin: Dict[str, Any] = {"color": color, "linewidth": 1, "alpha": 0.5}
         draw_interval(axes, here["interval"], y, **thin)
         draw_interval(axes, there["interval"], x, upright=True, **thin)
-        label = policy["group"] or "no group"
-        axes.plot(
-            *(x, y, marker),
-            color=color,
-            markersize=5,
-            markeredgecolor=CARD,
-            markeredgewidth=0.5,
-            label=None if label in named else label,
-        )
-        named.add(label)
+        point = {"color": color, "markersize": 5, "label": policy["group"] or "no group"}
+        axes.plot(x, y, marker, markeredgecolor=CARD, markeredgewidth=0.5, **point)
     axes.set(xlim=(-0.04, 1.04), ylim=(-0.04, 1.04), xticks=(0, 0.5, 1), yticks=(0, 0.5, 1))
     axes.set_xlabel(f"success in {matrix.titles[ranking['reference']]}", fontsize=9)
     axes.set_ylabel(f"in {wrapped(matrix.titles[ranking['test']], 24)}", fontsize=9)

@@ -121,7 +121,7 @@ def _bands(run: Run, narrow: bool) -> Any:
     """Quantiles of the divergence over time, and how many episodes they are of."""
     ratios = [3, 3, 1.2] * (2 if narrow else 1)
     shared = {"sharex": True, "sharey": "row", "height_ratios": ratios}
-    figure, grid = panels(narrow, (3, 2), (8.6, 5.0), (NARROW, 8.6 / 6), "F", **shared)
+    figure, grid = panels(narrow, (3, 2), (8.6, 5.0), (NARROW, 8.6 / 6), by_column=True, **shared)
     bound = run.metrics["bound"]
     limits = {"position": bound["position_m"], "angle": bound["angle_rad"]}
     for column, (mode, name) in enumerate(((REPLAY, "open loop"), (ENGINE, "closed loop"))):

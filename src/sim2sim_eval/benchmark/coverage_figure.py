@@ -14,7 +14,7 @@ from pusht_task.command import OneLineParser, run_command
 from pusht_task.error import Error
 from pusht_task.files import read_file, write_file
 from sim2sim_report.colors import COLORS, DIM, INK
-from sim2sim_report.figures import Drawing, add_legend, entitle, name_rows, panels, styled
+from sim2sim_report.figures import NARROW, Drawing, add_legend, entitle, name_rows, panels
 from sim2sim_report.results import REPLAY
 
 import coverage_data as data
@@ -165,16 +165,17 @@ def picture(shares: Shares) -> Drawing:
     title = f"How often is each method right? {count} cases whose truth is known"
 
     def build(narrow: bool) -> Any:
-        figure, both = panels(narrow, 13.3, 7.5)
+        figure, [both] = panels(narrow, (1, 2), (13.3, 7.5), (NARROW, 7.5))
         for axes, side in zip(both, (LEFT, RIGHT)):
             _draw_side(axes, side, shares)
         entitle(figure, [title], 16)
-        dots = {name: both[0].plot([], [], **style)[0] for name, style in DOTS.items()}
-        bar = both[0].plot([], [], "|", color=INK, markersize=14, markeredgewidth=2.5)[0]
-        add_legend(figure, "lower", {**dots, "median": bar}, 1 if narrow else 3)
+        for name, style in DOTS.items():
+            both[0].plot([], [], label=name, **style)
+        both[0].plot([], [], "|", label="median", color=INK, markersize=14, markeredgewidth=2.5)
+        add_legend(figure, "lower", 1 if narrow else 3)
         return figure
 
-    return styled("coverage", title, build)
+    return Drawing("coverage", title, build)
 
 
 def _draw_side(axes: Any, side: Dict[str, Tuple[Group, ...]], shares: Shares) -> None:

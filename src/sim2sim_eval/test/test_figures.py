@@ -93,40 +93,45 @@ def attribution() -> Attribution:
 
 
 def words_of(figure: Any) -> Iterator[Any]:
-    """What a figure says beside its axes."""
+    """What a figure says beside its axes, and in their legends."""
     yield from figure.legends
+    yield from filter(None, (axes.get_legend() for axes in figure.axes))
     if figure._suptitle:
         yield figure._suptitle
     for axes in figure.axes:
         yield from (axes.title, axes.xaxis.label, axes.yaxis.label, *axes.texts)
 
 
-class Words(unittest.TestCase):
-    def check(self, drawing: Drawing) -> None:
-        for figure in (drawing.wide, drawing.narrow):
-            FigureCanvasAgg(figure).draw()
-            boxes: List[Any] = []
-            for words in words_of(figure):
-                if not (hasattr(words, "get_text") and not words.get_text()):
-                    boxes.append(words.get_window_extent())
-            self.assertGreater(len(boxes), 3)
-            for number, box in enumerate(boxes):
-                within = figure.bbox.contains(*box.min) and figure.bbox.contains(*box.max)
-                self.assertTrue(within, (box, figure.bbox))
-                for other in boxes[:number]:
-                    self.assertFalse(box.overlaps(other), (box, other))
-            for axes in figure.axes:
-                self.assertGreater(axes.bbox.height / figure.dpi, 0.7, "[in] of a panel")
+def check_words(case: unittest.TestCase, drawing: Drawing) -> None:
+    """They are within the figure, wide or narrow, and apart."""
+    for figure in (drawing.wide, drawing.narrow):
+        FigureCanvasAgg(figure).draw()
+        boxes: List[Any] = []
+        for words in words_of(figure):
+            if not (hasattr(words, "get_text") and not words.get_text()):
+                boxes.append(words.get_window_extent())
+        case.assertGreater(len(boxes), 3)
+        for number, box in enumerate(boxes):
+            within = figure.bbox.contains(*box.min) and figure.bbox.contains(*box.max)
+            case.assertTrue(within, (box, figure.bbox))
+            for other in boxes[:number]:
+                case.assertFalse(box.overlaps(other), (box, other))
+        for axes in figure.axes:
+            case.assertGreater(axes.bbox.height / figure.dpi, 0.7, "[in] of a panel")
 
+
+class Words(unittest.TestCase):
     def test_equivalents(self) -> None:
         for parameters, engines in ((1, 1), (1, 5), (2, 3)):
             with self.subTest(parameters=parameters, engines=engines):
-                self.check(Equivalents(equivalents(parameters, engines)).drawing("equivalents"))
+                check_words(
+                    self, Equivalents(equivalents(parameters, engines)).drawing("equivalents")
+                )
 
     def test_costs(self) -> None:
         for sweeps in (1, 3):
             with self.subTest(sweeps=sweeps):
-                self.check(Costs([attribution()] * sweeps).drawing("costs"))
+                check_words(self, Costs([attribution()] * sweeps).drawing("costs"))
 
     def test_convergence(self) -> None:
         row: Json = {"policy": LONG, "seed": 0, "episodes": 300, "confidence": 0.95}

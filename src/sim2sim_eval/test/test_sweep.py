@@ -11,13 +11,10 @@ import signal
 import subprocess
 import unittest
 from pathlib import Path
-from typing import Any, Dict, List
-from unittest import mock
+from typing import Dict, List
 
 import rospkg  # type: ignore[import]
 import torch
-from matplotlib.backends.backend_agg import FigureCanvasAgg  # type: ignore[import]
-from matplotlib.figure import Figure  # type: ignore[import]
 from pusht_testing.long_tests import LONG
 from pusht_testing.warm_commands import warm
 from sim2sim_eval.command import rosrun
@@ -27,6 +24,7 @@ from sim2sim_report.results import METRICS_FORMAT
 from sim2sim_report.suite import Suite
 
 from command_case import CommandCase, catches, executable, until
+from test_figures import check_words
 
 SWEEP = executable("sim2sim_eval", "sweep")
 MERGE = executable("sim2sim_eval", "merge")
@@ -269,25 +267,10 @@ class Rows(SweepCase):
     def test_legends_of_a_plot_are_within_it_and_apart(self) -> None:
         grid = "{block_damp: [6, 20], pusher_mass: [4, 2], baumgarte: [30, 40, 50]}"
         self.finished("out", plan=f"{{policy: expert, episodes: 2, horizon: 5, grid: {grid}}}")
-        figures: List[Any] = []
-        save = Figure.savefig
-
-        def save_and_keep(figure: Any, *arguments: Any, **options: Any) -> None:
-            save(figure, *arguments, **options)
-            figures.append(figure)
-
-        with mock.patch.object(Figure, "savefig", save_and_keep):
-            read_curves(self.folder / "out", Suite(rosrun)).drawing("curves").file("png", "")
-        (figure,) = figures
-        FigureCanvasAgg(figure).draw()  # it was saved in another resolution
-        legends = [axes.get_legend() for axes in figure.axes if axes.get_legend()]
-        self.assertEqual(len(legends), 3)
+        drawing = read_curves(self.folder / "out", Suite(rosrun)).drawing("curves")
+        legends = [axes.get_legend() for axes in drawing.wide.axes if axes.get_legend()]
         self.assertEqual([len(legend.get_texts()) for legend in legends], [5, 7, 7])
-        boxes = [part.get_window_extent() for part in (*legends, figure._suptitle)]
-        for number, box in enumerate(boxes):
-            self.assertTrue(figure.bbox.contains(*box.min) and figure.bbox.contains(*box.max), box)
-            for other in boxes[:number]:
-                self.assertFalse(box.overlaps(other), (box, other))
+        check_words(self, drawing)
 
     def test_plot_names_engines_settings_and_units(self) -> None:
         """Texts of matplotlib's SVG, which has each as a comment."""

@@ -15,16 +15,17 @@ from scipy.spatial.distance import squareform  # type: ignore[import]
 from sim2sim_protocol.result_files import format_of
 
 from sim2sim_report.colors import CARD, DIM, INK, SERIES
-from sim2sim_report.curves import OWN_STYLE
 from sim2sim_report.figures import (
     COMPONENTS,
+    OWN_STYLE,
     Drawing,
-    Figure,
     box,
     disc,
+    draw_interval,
     entitle,
+    name_cells,
     name_rows,
-    styled,
+    panels,
 )
 from sim2sim_report.matrix import MARKERS, STRONGEST
 
@@ -117,17 +118,12 @@ class AgreementFigure:
 
     def drawing(self, name: str) -> Drawing:
         alt = f"Distances between {', '.join(self.titles)}: matrix, tree, means and map"
-        return styled(name, alt, self._figure, STYLE)
+        return Drawing(name, alt, self._figure, STYLE)
 
     def _figure(self, narrow: bool) -> Any:
-        rows = len(self.components)
-        if narrow:
-            size = (NARROW[0], NARROW[1] * rows * len(WIDTHS))
-            figure = Figure(figsize=size, constrained_layout=True)
-            grid = figure.subplots(rows * len(WIDTHS), 1).reshape(rows, len(WIDTHS))
-        else:
-            figure = Figure(figsize=WIDE, constrained_layout=True)
-            grid = figure.subplots(rows, len(WIDTHS), width_ratios=WIDTHS)
+        shape = (len(self.components), len(WIDTHS))
+        widths = None if narrow else WIDTHS
+        figure, grid = panels(narrow, shape, WIDE, NARROW, width_ratios=widths)
         for (matrix, branches, means, plane), component in zip(grid, self.components):
             linked = tree(component.distances)
             order = [int(leaf) for leaf in hierarchy.leaves_list(linked)]
@@ -186,13 +182,7 @@ class AgreementFigure:
                     axes.add_patch(box((x - 0.47, y - 0.47), size, SERIES[0], opacity))
                 self._cell(axes, x, y, cell, i == j)
         names = [self.titles[i].replace(", ", ",\n") for i in order]
-        name_rows(axes, names)
-        axes.set_xlim(-0.5, len(order) - 0.5)
-        axes.set_xticks(range(len(order)), names, rotation=30, ha="right", rotation_mode="anchor")
-        axes.tick_params(axis="x", length=0, labelcolor=INK)
-        axes.grid(visible=False)
-        for side in ("left", "bottom"):
-            axes.spines[side].set_visible(False)
+        name_cells(axes, names, names, rotation=30, ha="right", rotation_mode="anchor")
         whose = "" if self.content["reference"] else "; rows: whose actions"
         title = f"{component.name} [{component.unit}]{whose}"
         axes.set_title(title, loc="left", color=INK, fontsize=14)
@@ -236,9 +226,7 @@ class AgreementFigure:
         for row, simulator in enumerate(order):
             color = self._color(simulator)
             others = component.content["others"][simulator]
-            if others["interval"]:
-                ends = [THOUSAND * end for end in others["interval"]]
-                axes.plot(ends, [row, row], color=color, linewidth=3)
+            draw_interval(axes, others["interval"], row, THOUSAND, color=color, linewidth=3)
             value = THOUSAND * others["value"]
             axes.plot(value, row, self._marker(simulator), color=color, markersize=9)
             variant = component.farthest_variant(simulator)

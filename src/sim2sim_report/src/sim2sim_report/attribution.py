@@ -2,7 +2,6 @@
 """The cause of a gap, as the command `attribute` has written it, and its figures."""
 
 import functools
-import textwrap
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
@@ -15,12 +14,12 @@ from sim2sim_report.colors import COLORS, DIM, INK
 from sim2sim_report.figures import (
     NARROW,
     Drawing,
-    Figure,
     add_legend,
+    draw_interval,
     entitle_axes,
     name_rows,
     panels,
-    styled,
+    wrapped,
 )
 from sim2sim_report.results import ENGINE, REPLAY
 
@@ -80,18 +79,13 @@ def read_attribution(folder: Path) -> Attribution:
 
 
 def draw(attribution: Attribution) -> List[Drawing]:
-    drawings = [
-        styled(
-            "shares",
-            "What part of the gap each switch explains",
-            functools.partial(_shares, attribution),
-        )
-    ]
+    alt = "What part of the gap each switch explains"
+    drawings = [Drawing("shares", alt, functools.partial(_shares, attribution))]
     if attribution.is_exact:
         steps = _steps(attribution, attribution.gaps("position")[0])
         words = "; ".join(f"{name} {bar.value:.4f}" for name, bar in steps)
         alt = f"The gap in position, step by step: {words}"
-        drawings.append(styled("staircase", alt, functools.partial(_staircase, attribution)))
+        drawings.append(Drawing("staircase", alt, functools.partial(_staircase, attribution)))
     return drawings
 
 
@@ -102,14 +96,9 @@ def _shares(attribution: Attribution, narrow: bool) -> Any:
     if any(found["part"] is not None for found in attribution.success["switches"].values()):
         columns["success"] = [attribution.success]
     height = 0.8 + 0.5 * len(names)
-    count = len(columns)
-    if narrow:
-        figure = Figure(figsize=(NARROW, count * (height + 0.2)), constrained_layout=True)
-        shape: Any = figure.subplots(count, 1)
-    else:
-        figure = Figure(figsize=(9.6, height + 0.3), constrained_layout=True)
-        shape = figure.subplots(1, count, sharey=True)
-    for axes, (component, gaps) in zip(shape, columns.items()):
+    sizes = ((9.6, height + 0.3), (NARROW, height + 0.2))
+    figure, [row_of_axes] = panels(narrow, (1, len(columns)), *sizes, sharey=not narrow)
+    for axes, (component, gaps) in zip(row_of_axes, columns.items()):
         for number, gap in enumerate(gaps):
             color, marker = HORIZONS[number % len(HORIZONS)]
             if component == "success":
@@ -120,20 +109,14 @@ def _shares(attribution: Attribution, narrow: bool) -> Any:
                 if found["part"] is None:
                     continue
                 place = row + 0.22 * (number - (len(gaps) - 1) / 2)
-                if found["part_interval"]:
-                    ends = [100 * end for end in found["part_interval"]]
-                    axes.plot(ends, [place, place], color=color, linewidth=2)
+                draw_interval(axes, found["part_interval"], place, 100, color=color, linewidth=2)
                 part = 100 * found["part"]
                 axes.plot(part, place, marker, color=color, markersize=6, label=label)
-                label = None
         axes.axvline(0, color=INK, linewidth=1)
         axes.set_xlabel(f"{component}: part of the gap [%]")
         axes.locator_params(axis="x", nbins=5)
         name_rows(axes, names)
-    handles = {
-        label: handle for axes in shape for handle, label in zip(*axes.get_legend_handles_labels())
-    }
-    add_legend(figure, "upper", handles, 1 if narrow else 4)
+    add_legend(figure, "upper", 1 if narrow else 4)
     return figure
 
 
@@ -147,14 +130,17 @@ def _staircase(attribution: Attribution, narrow: bool) -> Any:
     """The gap as switches are turned on, between its baselines; each gap in its own best order."""
     gaps = [attribution.gaps(component)[0] for component in ("position", "angle")]
     steps = [_steps(attribution, gap) for gap in gaps]
-    figure, both = panels(narrow, 9.6, 1.2 + 0.36 * max(map(len, steps)))
+    height = 1.2 + 0.36 * max(map(len, steps))
+    figure, [both] = panels(narrow, (1, 2), (9.6, height), (NARROW, height))
     for axes, gap, rows in zip(both, gaps, steps):
         end = 0.0
         for row, (_, bar) in enumerate(rows):
             axes.barh(row, bar.value, height=0.6, color=bar.color, alpha=0.85)
             right = bar.value
             if bar.interval:
-                axes.plot(bar.interval, [row, row], color=INK, linewidth=2, solid_capstyle="butt")
+                draw_interval(
+                    axes, bar.interval, row, color=INK, linewidth=2, solid_capstyle="butt"
+                )
                 right = max(right, bar.interval[1])
             axes.text(right, row, f" {bar.value:.4f}", va="center", fontsize=9, color=INK)
             end = max(end, right)
@@ -179,4 +165,4 @@ def _steps(attribution: Attribution, gap: Json) -> List[Tuple[str, Bar]]:
     if gap["floor"]["value"] is not None:
         floor = f"floor of {attribution.content['reference']}"
         rows.append((floor, baseline_bar("floor", COLORS["reference"])))
-    return [(textwrap.fill(name, 24), bar) for name, bar in rows]
+    return [(wrapped(name, 24), bar) for name, bar in rows]

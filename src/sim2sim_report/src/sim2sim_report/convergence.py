@@ -4,15 +4,26 @@ and of the rows of a sweep, on logarithmic axes."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from pusht_task.error import Error
 from sim2sim_protocol.result_files import name_of
 
 from sim2sim_report.again import VARIANT
 from sim2sim_report.colors import CARD, DIM, SERIES
-from sim2sim_report.curves import MARKERS, MOST_LINES, OWN_STYLE, what_is_missing
-from sim2sim_report.figures import COMPONENTS, Drawing, Figure, entitle, legend_labels, styled
+from sim2sim_report.curves import MOST_LINES, what_is_missing
+from sim2sim_report.figures import (
+    COMPONENTS,
+    MARKERS,
+    OWN_STYLE,
+    Drawing,
+    draw_interval,
+    entitle,
+    labeled,
+    legend_labels,
+    panels,
+    width_of,
+)
 from sim2sim_report.results import REPLAY
 from sim2sim_report.sweep_rows import (
     Row,
@@ -27,6 +38,7 @@ COURSE = {"position": "pos", "angle": "ang"}
 WHOLE, FIRST_2_S = "whole replay", "first 2 s"
 SIZE = (13.0, 9.0)  # [in]
 NARROW = (5.2, 4.1)  # [in] of a panel, for a phone: all below each other
+Panel = Tuple[str, str, str]  # horizon, component and its unit
 
 
 @dataclass(frozen=True)
@@ -113,7 +125,7 @@ def is_number(value: Any) -> bool:
     return True
 
 
-def draw_line(axes: Any, line: Line, number: int, horizon: str, component: str, unit: str) -> None:
+def draw_line(axes: Any, line: Line, number: int, panel: Panel) -> None:
     """Means with their intervals, filled; medians, hollow. What is 0 has no place on the axis."""
     style: Dict[str, Any] = {"color": SERIES[number], "marker": MARKERS[number]}
     first = number == 0  # it is wide, so that lines that coincide are both seen
@@ -122,29 +134,26 @@ def draw_line(axes: Any, line: Line, number: int, horizon: str, component: str, 
         ("", f"{line.label}: mean", {}),
         ("_median", f"{line.label}: median", {"linestyle": "--", "markerfacecolor": CARD}),
     ):
-        shown = [
-            (point.value, point.figure(horizon, component, unit, suffix), point)
-            for point in line.points
-        ]
-        shown = [(x, y, point) for x, y, point in shown if y is not None and y > 0]
-        if not shown:
+        points = [point for point in line.points if (point.figure(*panel, suffix) or 0.0) > 0]
+        if not points:
             continue
-        x, y = [each[0] for each in shown], [each[1] for each in shown]
-        axes.plot(x, y, label=name, **style, **more)
-        for at, _, point in shown:
-            interval = point.figure(horizon, component, unit, f"{suffix}_interval")
+        y = [point.figure(*panel, suffix) for point in points]
+        axes.plot([point.value for point in points], y, label=name, **style, **more)
+        thin: Dict[str, Any] = {"color": SERIES[number], "linewidth": 1.4}
+        for point in points:
+            interval = point.figure(*panel, f"{suffix}_interval")
             if interval is not None and interval[0] > 0:
-                axes.plot([at, at], interval, color=SERIES[number], linewidth=1.4)
+                draw_interval(axes, interval, point.value, upright=True, **thin)
 
 
-def draw_first_order(axes: Any, line: Line, horizon: str, component: str, unit: str) -> None:
+def draw_first_order(axes: Any, line: Line, panel: Panel) -> None:
     """What errors of first order would do: grow with the distance from the reference's value."""
     first, last = line.points[-1], line.points[0]
     if line.reference is None or line.reference >= last.value:
         return
     values = [first.value * (last.value / first.value) ** (i / 50) for i in range(51)]
     for suffix in ("", "_median"):
-        start = first.figure(horizon, component, unit, suffix)
+        start = first.figure(*panel, suffix)
         if start:
             slope = start / (first.value - line.reference)
             y = [slope * (value - line.reference) for value in values]
@@ -162,28 +171,22 @@ class Convergence:
     @property
     def missing(self) -> str:
         """The warning for a sweep that is not whole; else empty."""
-        return what_is_missing(len(self.rows), self.whole) if len(self.rows) < self.whole else ""
+        return what_is_missing(len(self.rows), self.whole)
 
     def drawing(self, name: str) -> Drawing:
         alt = "Divergence over " + ", ".join(line.label for line in self.lines)
-        return styled(name, alt, self._figure, OWN_STYLE)
+        return Drawing(name, alt, self._figure, OWN_STYLE)
 
     def _figure(self, narrow: bool) -> Any:
-        panels = [(horizon, *parts) for horizon in (WHOLE, FIRST_2_S) for parts in COMPONENTS]
-        if narrow:
-            size = (NARROW[0], NARROW[1] * len(panels))
-            figure = Figure(figsize=size, constrained_layout=True)
-            all_axes = list(figure.subplots(len(panels), 1))
-        else:
-            figure = Figure(figsize=SIZE, constrained_layout=True)
-            all_axes = list(figure.subplots(2, 2, sharex=True).flat)
+        shown = [(horizon, *parts) for horizon in (WHOLE, FIRST_2_S) for parts in COMPONENTS]
+        figure, grid = panels(narrow, (2, 2), SIZE, NARROW, sharex=not narrow)
         names = ", ".join(dict.fromkeys(line.parameter for line in self.lines))
         units = {line.unit for line in self.lines}
         unit_of_all = f" [{units.pop()}]" if len(units) == 1 and "" not in units else ""
-        for number, (axes, panel) in enumerate(zip(all_axes, panels)):
+        for number, (axes, panel) in enumerate(zip(grid.flat, shown)):
             for place, line in enumerate(self.lines):
-                draw_line(axes, line, place, *panel)
-                draw_first_order(axes, line, *panel)
+                draw_line(axes, line, place, panel)
+                draw_first_order(axes, line, panel)
             axes.set_xscale("log")
             axes.set_yscale("log")
             values = sorted({point.value for line in self.lines for point in line.points})
@@ -192,10 +195,10 @@ class Convergence:
             axes.set_ylabel(f"{panel[1]} divergence [{panel[2]}]\n{panel[0]}", linespacing=1.5)
             if narrow or number >= 2:
                 axes.set_xlabel(names + unit_of_all)
-        handles, labels = all_axes[0].get_legend_handles_labels()
-        width = figure.get_figwidth() / (1 if narrow else 2)
-        labels = legend_labels(labels, 0.75 * width, 11)
-        all_axes[0].legend(handles, labels, loc="best", fontsize=11)
+        first = grid[0, 0]
+        handles = labeled([first])
+        labels = legend_labels(handles, 0.75 * width_of(first), 11)
+        first.legend(handles.values(), labels, loc="best", fontsize=11)
         entitle(figure, self._title(), 10 if narrow else 14)
         return figure
 
@@ -204,12 +207,12 @@ class Convergence:
         reference = row["simulators"]["reference"]
         changed = [f"{name} {reference['parameters'][name]}" for name in reference["changed"]]
         of = " with ".join(filter(None, [reference["title"], ", ".join(changed)]))
-        lines = [
+        return [
             f"divergence from {of}, in replays of its actions (policy {row['policy']})",
             f"{row['episodes']:,} episodes, {100 * row['confidence']:g} % intervals"
             "; dotted: in proportion to the difference from the reference's value",
+            self.missing,
         ]
-        return lines + ([self.missing] if self.missing else [])
 
 
 def read_convergence(folder: Path) -> Convergence:

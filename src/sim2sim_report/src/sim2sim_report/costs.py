@@ -11,15 +11,15 @@ from pusht_task.json_file import Json
 
 from sim2sim_report.attribution import Attribution, read_attribution
 from sim2sim_report.colors import COLORS, DIM, INK
-from sim2sim_report.curves import OWN_STYLE
 from sim2sim_report.figures import (
+    OWN_STYLE,
     POINTS,
     Drawing,
-    Figure,
     add_legend,
+    draw_interval,
     fitted,
     name_rows,
-    styled,
+    panels,
 )
 from sim2sim_report.results import ENGINE, REPLAY
 
@@ -42,29 +42,23 @@ class Costs:
     def drawing(self, name: str) -> Drawing:
         engines = ", ".join(found.content["engine"] for found in self.attributions)
         alt = f"What each switch costs in divergence when it is off, for {engines}"
-        return styled(name, alt, self._figure, OWN_STYLE)
+        return Drawing(name, alt, self._figure, OWN_STYLE)
 
     def _figure(self, narrow: bool) -> Any:
         count = len(self.attributions)
         rows = max(len(found.switches) for found in self.attributions)
         wrapped = max(_title(found).count("\n") for found in self.attributions)
         height = 1.8 + ROW * rows + wrapped * LINE * TITLE / POINTS
-        if narrow:
-            figure = Figure(figsize=(COLUMN, 2 * count * height), constrained_layout=True)
-            panels = figure.subplots(2 * count, 1, squeeze=False).reshape(count, 2).T
-        else:
-            size = (COLUMN * count + 0.6, 2 * height)
-            figure = Figure(figsize=size, constrained_layout=True)
-            panels = figure.subplots(2, count, squeeze=False)
-        for line, component in zip(panels, ("position", "angle")):
+        size = (COLUMN * count + 0.6, 2 * height)
+        figure, grid = panels(narrow, (2, count), size, (COLUMN, height), by_column=True)
+        for line, component in zip(grid, ("position", "angle")):
             for axes, found in zip(line, self.attributions):
                 _draw(axes, found, _shortest(found, component))
             if not narrow:
                 farthest = max(axes.get_xlim()[1] for axes in line)
                 for axes in line:
                     axes.set_xlim(min(axes.get_xlim()[0], -0.02 * farthest), farthest)
-        handles, labels = panels[0][0].get_legend_handles_labels()
-        add_legend(figure, "upper", dict(zip(labels, handles)), 1 if narrow or count == 1 else 2)
+        add_legend(figure, "upper", 1 if narrow or count == 1 else 2)
         return figure
 
 
@@ -89,9 +83,7 @@ def _draw(axes: Any, attribution: Attribution, gap: Json) -> None:
         places = [row + 0.2 * (2 * number - 1) for row in range(len(names))]
         values = [_value(gap["switches"][name], key) for name in names]
         for place, name in zip(places, names):
-            ends = _interval(gap["switches"][name], key)
-            if ends:
-                axes.plot([1e3 * end for end in ends], [place, place], color=color)
+            draw_interval(axes, _interval(gap["switches"][name], key), place, 1e3, color=color)
         axes.plot([1e3 * v for v in values], places, marker, color=color, label=label)
     axes.axvline(0, color=INK, linewidth=1)
     name_rows(axes, names)

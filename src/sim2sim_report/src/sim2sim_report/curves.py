@@ -10,7 +10,17 @@ from pusht_task.error import Error
 from sim2sim_protocol.result_files import name_of
 
 from sim2sim_report.colors import CARD, DIM, INK, SERIES
-from sim2sim_report.figures import STYLE, Drawing, Figure, entitle, legend_labels, styled
+from sim2sim_report.figures import (
+    MARKERS,
+    OWN_STYLE,
+    Drawing,
+    draw_interval,
+    entitle,
+    labeled,
+    legend_labels,
+    panels,
+    width_of,
+)
 from sim2sim_report.suite import Suite
 from sim2sim_report.sweep_rows import (
     AGAINST,
@@ -35,7 +45,6 @@ from sim2sim_report.sweep_rows import (
     without_followers,
 )
 
-MARKERS = ["o", "s", "^", "D", "v", "P"]
 MOST_LINES = len(SERIES)  # more in one panel cannot be told apart
 LOGARITHMIC_FROM = 10.0  # largest over smallest value of a parameter
 CHARACTER = 0.1  # [in] that one takes in a tick's label
@@ -46,15 +55,6 @@ DODGE_OF_WORDS = 0.04
 COLUMN_WIDTH, HEIGHT = 7.2, 10.8  # [in]
 WIDE = (15.0, 5.8)  # [in] of a figure with one parameter: its panels stand side by side
 NARROW = (5.2, 4.1)  # [in] of a panel, for a phone: all below each other
-OWN_STYLE: Dict[str, Any] = {
-    **STYLE,
-    "font.size": 14,
-    "axes.labelsize": 15,
-    "axes.grid.axis": "y",
-    "legend.fontsize": 13,
-    "lines.linewidth": 2.2,
-    "lines.markersize": 8,
-}
 DOTTED = "dotted: a tee that never moves"
 HOLLOW = "; hollow: not shown to be nearer than it"
 
@@ -109,7 +109,7 @@ def draw_line(
         if row[panel.interval] is not None:  # one episode has no interval
             low, high = row[panel.interval]
             high = NO_END if high is None else high
-            axes.plot([at, at], [low, high], color=color, zorder=2)
+            draw_interval(axes, [low, high], at, upright=True, color=color, zorder=2)
 
 
 def draw_many(axes: Any, panel: Panel, parameter: str, lines: Sequence[Sequence[Row]]) -> None:
@@ -156,7 +156,7 @@ def draw_column(
     rows = [row for row in rows if parameter in row["knobs"]]
     axis = ParameterAxis([row["knobs"][parameter] for row in rows])
     lines = lines_over(parameter, parameters, rows)
-    inches = column[0].figure.get_figwidth() / column[0].get_subplotspec().get_gridspec().ncols
+    inches = width_of(column[0])
     character = CHARACTER / inches
     for axes, panel in zip(column, panels_of(rows)):
         if AGAINST in rows[0]:
@@ -187,7 +187,7 @@ def draw_column(
         if axes.get_subplotspec().is_last_row() or narrow:
             unit = unit_of(parameter, rows)
             axes.set_xlabel(f"{parameter} [{unit}]" if unit else parameter)
-    handles = {label: h for axes in column for h, label in zip(*axes.get_legend_handles_labels())}
+    handles = labeled(column)
     beside = 1 if narrow or max(map(len, handles)) > LONGEST_BESIDE else 2
     size = OWN_STYLE["legend.fontsize"]  # labels that stand beside each other are short
     labels = list(handles) if beside > 1 else legend_labels(handles, inches, size)
@@ -196,11 +196,10 @@ def draw_column(
     )
 
 
-def title_of(rows: Sequence[Row], whole: int) -> str:
+def title_of(rows: Sequence[Row], whole: int) -> List[str]:
     row = rows[0]
     engines = list(dict.fromkeys(title_of_role(row, "engine") for row in rows))
     starts = "given starts" if "starts" in row else f"seed {row['seed']}"
-    panels = [panel for panel in PANELS if panel.beats_null]
     lines = [
         f"policy {row['policy']}: {title_of_role(row, 'reference')} to {', '.join(engines)}",
         f"{row['episodes']:,} episodes a point, {starts}",
@@ -209,16 +208,16 @@ def title_of(rows: Sequence[Row], whole: int) -> str:
         lines[-1] += f", {100 * row['confidence']:g} % intervals"
     if AGAINST in row:
         lines[-1] += f", what differs from row {row[AGAINST]}"
-    hollow = any(row[panel.beats_null] is not True for row in rows for panel in panels)
-    if AGAINST not in row:
+    else:
+        divergences = [panel.beats_null for panel in PANELS if panel.beats_null]
+        hollow = any(row[key] is not True for row in rows for key in divergences)
         lines.append(DOTTED + (HOLLOW if hollow else ""))
-    if len(rows) < whole:
-        lines.append(what_is_missing(len(rows), whole))
-    return "\n".join(lines)
+    return [*lines, what_is_missing(len(rows), whole)]
 
 
 def what_is_missing(rows: int, whole: int) -> str:
-    return f"NOT A WHOLE SWEEP: {rows} of {whole} rows have finished"
+    """The warning for a sweep that is not whole; else empty."""
+    return f"NOT A WHOLE SWEEP: {rows} of {whole} rows have finished" if rows < whole else ""
 
 
 @dataclass(frozen=True)
@@ -232,14 +231,13 @@ class Curves:
 
     @property
     def missing(self) -> str:
-        """The warning for a sweep that is not whole; else empty."""
-        return what_is_missing(len(self.rows), self.whole) if len(self.rows) < self.whole else ""
+        return what_is_missing(len(self.rows), self.whole)
 
     def drawing(self, name: str) -> Drawing:
         what = "Success" if panels_of(self.rows)[0] is SUCCESS else "Transfer"
         what = "Paired differences" if AGAINST in self.rows[0] else f"{what} and divergence"
         alt = f"{what} over {', '.join(self.parameters)}"
-        return styled(name, alt, self._figure, OWN_STYLE)
+        return Drawing(name, alt, self._figure, OWN_STYLE)
 
     def _top(self, panel: Panel) -> Optional[float]:
         """The upper end of a panel's axis; None: where its lines end."""
@@ -251,17 +249,14 @@ class Curves:
 
     def _figure(self, narrow: bool) -> Any:
         count = len(self.parameters)
-        style = {"squeeze": False}
-        if narrow:
-            size = (NARROW[0], NARROW[1] * count * len(PANELS))
-            figure = Figure(figsize=size, constrained_layout=True)
-            axes = figure.subplots(count * len(PANELS), 1, **style).reshape(count, -1).T
-        elif count == 1:
-            figure = Figure(figsize=WIDE, constrained_layout=True)
-            axes = figure.subplots(1, len(PANELS), **style).T
+        if count == 1:
+            figure, axes = panels(narrow, (1, len(PANELS)), WIDE, NARROW)
+            axes = axes.T
         else:
-            figure = Figure(figsize=(COLUMN_WIDTH * count, HEIGHT), constrained_layout=True)
-            axes = figure.subplots(len(PANELS), count, sharex="col", sharey="row", **style)
+            size = (COLUMN_WIDTH * count, HEIGHT)
+            shared = {"sharex": "none" if narrow else "col", "sharey": "row"}
+            shape = (len(PANELS), count)
+            figure, axes = panels(narrow, shape, size, NARROW, by_column=True, **shared)
         for number, parameter in enumerate(self.parameters):
             draw_column(axes[:, number], parameter, self.parameters, self.rows, self.words, narrow)
         against = AGAINST in self.rows[0]
@@ -274,7 +269,7 @@ class Curves:
                     one.set_ylim(0, self._top(panel))
         if not narrow:
             figure.align_ylabels()
-        entitle(figure, title_of(self.rows, self.whole).splitlines(), 14)
+        entitle(figure, title_of(self.rows, self.whole), 14)
         layout = figure.get_layout_engine()
         layout.set(w_pad=0.1, h_pad=0.1, wspace=0.05)  # [in], but wspace
         return figure

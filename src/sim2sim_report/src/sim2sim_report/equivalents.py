@@ -12,8 +12,7 @@ from pusht_task.json_file import Json, read_json, require_format
 from sim2sim_protocol.result_files import format_of, name_of
 
 from sim2sim_report.colors import COLORS, SERIES
-from sim2sim_report.curves import OWN_STYLE
-from sim2sim_report.figures import Drawing, Figure, add_legend, entitle, styled
+from sim2sim_report.figures import OWN_STYLE, Drawing, add_legend, entitle, panels
 from sim2sim_report.words import RATE_DIGITS, in_sentence, interval
 
 FILE = name_of("equivalent")
@@ -37,21 +36,19 @@ class Equivalents:
     def drawing(self, name: str) -> Drawing:
         names = ", ".join(each["parameter"] for each in self.engines[0]["equivalents"])
         alt = f"Success in {self.content['reference']} over {names}, with levels of engines"
-        return styled(name, alt, self._figure, OWN_STYLE)
+        return Drawing(name, alt, self._figure, OWN_STYLE)
 
     def _figure(self, narrow: bool) -> Any:
-        panels = self.engines[0]["equivalents"]
-        across = 1 if narrow else min(len(panels), 2)
-        down = math.ceil(len(panels) / across)
+        count = len(self.engines[0]["equivalents"])
+        across = 1 if narrow else min(count, 2)
+        down = math.ceil(count / across)
         size = (PANEL[0] * across, PANEL[1] * down)
-        figure = Figure(figsize=size, constrained_layout=True)
-        all_axes = list(figure.subplots(down, across, sharey=True, squeeze=False).flat)
-        for axes in all_axes[len(panels) :]:
+        figure, grid = panels(narrow, (down, across), size, PANEL, sharey=True)
+        for axes in grid.flat[count:]:
             axes.remove()
-        for number, axes in enumerate(all_axes[: len(panels)]):
+        for number, axes in enumerate(grid.flat[:count]):
             self._panel(axes, number)
-        handles, labels = all_axes[0].get_legend_handles_labels()
-        add_legend(figure, "lower", dict(zip(labels, handles)), across)
+        add_legend(figure, "lower", across)
         entitle(figure, self._title(), 10 if across == 1 else 13)
         return figure
 

@@ -12,7 +12,7 @@ from sim2sim_report.attribution import is_attributed, read_attribution
 from sim2sim_report.curves import draw as draw_sweep
 from sim2sim_report.equivalents import DRAWING as EQUIVALENTS
 from sim2sim_report.equivalents import has_equivalents, read_equivalents
-from sim2sim_report.figures import MARK, Drawing, draw, draw_rates
+from sim2sim_report.figures import MARK, Drawing
 from sim2sim_report.matrix import draw as draw_matrix
 from sim2sim_report.matrix import has_matrix, read_matrix
 from sim2sim_report.page import Page
@@ -23,6 +23,7 @@ from sim2sim_report.results import (
     read_run,
     read_traces,
 )
+from sim2sim_report.run_figures import draw, draw_rates
 from sim2sim_report.suite import Suite
 
 __all__ = ["MARK", "make"]

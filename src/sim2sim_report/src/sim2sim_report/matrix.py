@@ -2,7 +2,6 @@
 """The matrix of a sweep over policies, as the command `matrix` has written it, and its figures."""
 
 import functools
-import textwrap
 from pathlib import Path
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence
 
@@ -14,12 +13,14 @@ from sim2sim_report.colors import CARD, COLORS, DIM, GRID, INK, SERIES
 from sim2sim_report.figures import (
     NARROW,
     Drawing,
-    Figure,
-    box,
     add_legend,
+    box,
+    draw_interval,
     entitle_axes,
+    name_cells,
     name_rows,
-    styled,
+    panels,
+    wrapped,
 )
 
 FILE = name_of("matrix")
@@ -92,32 +93,23 @@ def draw(matrix: Matrix) -> List[Drawing]:
     alt = "Success rates: " + "; ".join(
         f"{line.name} {', '.join(_rate(cell) for cell in line.cells)}" for line in matrix.lines
     )
-    drawings = [styled("matrix", alt, functools.partial(_heatmap, matrix))]
+    figures = [("matrix", alt, _heatmap)]
     if matrix.content["spreads"]:
-        drawings.append(
-            styled("spread", "What makes the cells differ", functools.partial(_spread, matrix))
-        )
+        figures.append(("spread", "What makes the cells differ", _spread))
     if matrix.rankings:
-        drawings.append(
-            styled("rankings", "Success there, and here", functools.partial(_rankings, matrix))
-        )
-    return drawings
+        figures.append(("rankings", "Success there, and here", _rankings))
+    return [Drawing(name, alt, functools.partial(build, matrix)) for name, alt, build in figures]
 
 
 def _rate(cell: Optional[Json]) -> str:
     return f"{cell['value']:.2f}" if cell else "none"
 
 
-def _wrapped(text: str, width: int) -> str:
-    return textwrap.fill(text, width).replace("$", r"\$")
-
-
 def _heatmap(matrix: Matrix, narrow: bool) -> Any:
     """Success by line and simulator: the darker the higher; the reference has a frame."""
-    lines, columns = matrix.lines, len(matrix.titles)
-    size = (NARROW, 1.3 + 0.3 * len(lines)) if narrow else (9.8, 1.0 + 0.46 * len(lines))
-    figure = Figure(figsize=size, constrained_layout=True)
-    axes = figure.subplots()
+    lines = matrix.lines
+    sizes = ((9.8, 1.0 + 0.46 * len(lines)), (NARROW, 1.3 + 0.3 * len(lines)))
+    figure, [[axes]] = panels(narrow, (1, 1), *sizes)
     font = 6.5 if narrow else 10
     for row, line in enumerate(lines):
         for column, cell in enumerate(line.cells):
@@ -132,38 +124,33 @@ def _heatmap(matrix: Matrix, narrow: bool) -> Any:
             ends = cell["interval"]
             below = f"\n[{ends[0]:.2f}, {ends[1]:.2f}]" if ends and not narrow else ""
             axes.text(column, row, _rate(cell) + below, ha="center", va="center", fontsize=font)
-    axes.set_xlim(-0.5, columns - 0.5)
-    names = [_wrapped(title, 10 if narrow else 14) for title in matrix.titles]
-    axes.set_xticks(range(columns), names, fontsize=5.5 if narrow else 10)
-    axes.tick_params(axis="x", length=0, labeltop=True, labelbottom=False, labelcolor=INK)
-    name_rows(axes, [_wrapped(line.name, 18 if narrow else 30) for line in lines])
+    rows = [wrapped(line.name, 18 if narrow else 30) for line in lines]
+    columns = [wrapped(title, 10 if narrow else 14) for title in matrix.titles]
+    name_cells(axes, rows, columns, fontsize=5.5 if narrow else 10)
+    axes.tick_params(axis="x", labeltop=True, labelbottom=False)
     axes.tick_params(axis="y", labelsize=font)
-    axes.grid(visible=False)
-    for spine in axes.spines.values():
-        spine.set_visible(False)
     return figure
 
 
 def _spread(matrix: Matrix, narrow: bool) -> Any:
     """Shares of the variance of the cells, stacked, a bar for each figure."""
     spreads = matrix.content["spreads"]
-    size = (NARROW if narrow else 9.6, 1.2 + 0.5 * len(spreads))
-    figure = Figure(figsize=size, constrained_layout=True)
-    axes = figure.subplots()
+    height = 1.2 + 0.5 * len(spreads)
+    figure, [[axes]] = panels(narrow, (1, 1), (9.6, height), (NARROW, height))
     for row, spread in enumerate(spreads):
         left = 0.0
         for source, color in zip(spread["sources"], [*SERIES, DIM]):
             share = 100.0 * (source["share"] or 0.0)
-            label = source["source"].replace(" x ", " × ") if row == 0 else None
+            label = source["source"].replace(" x ", " × ")
             axes.barh(row, share, left=left, height=0.7, color=color, label=label)
             if share >= (12 if narrow else 5):
                 middle = {"ha": "center", "va": "center", "color": CARD, "weight": "bold"}
                 axes.text(left + share / 2, row, f"{share:.0f} %", **middle)
             left += share
-    name_rows(axes, [_wrapped(s["figure"].replace("_", " "), 16) for s in spreads])
+    name_rows(axes, [wrapped(s["figure"].replace("_", " "), 16) for s in spreads])
     axes.set_xlim(0, 100)
     axes.set_xlabel("share of the variance of the cells [%]")
-    add_legend(figure, "upper", _labeled(axes), 2 if narrow else 3)
+    add_legend(figure, "upper", 2 if narrow else 3)
     return figure
 
 
@@ -173,26 +160,18 @@ def _rankings(matrix: Matrix, narrow: bool) -> Any:
     across = 1 if narrow else min(3, len(rankings))
     down = -(-len(rankings) // across)
     groups = list(dict.fromkeys(policy["group"] for policy in matrix.policies))
-    beside = 1 if narrow else 3
-    size = (NARROW if narrow else 9.8, 3.2 * down)
-    figure = Figure(figsize=size, constrained_layout=True)
-    panels = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True).flat
-    for axes in panels[len(rankings) :]:
-        axes.set_visible(False)
-    for axes, ranking in zip(panels, rankings):
+    sizes = ((9.8, 3.2 * down), (NARROW, 3.2))
+    figure, grid = panels(narrow, (down, across), *sizes, sharex=True, sharey=True)
+    for axes in grid.flat[len(rankings) :]:
+        axes.remove()
+    for axes, ranking in zip(grid.flat, rankings):
         _draw_ranking(axes, matrix, ranking, groups)
     if groups != [""]:
-        add_legend(figure, "upper", _labeled(figure.axes[0]), beside)
+        add_legend(figure, "upper", 1 if narrow else 3)
     return figure
 
 
-def _labeled(axes: Any) -> Dict[str, Any]:
-    handles, labels = axes.get_legend_handles_labels()
-    return dict(zip(labels, handles))
-
-
 def _draw_ranking(axes: Any, matrix: Matrix, ranking: Json, groups: Sequence[str]) -> None:
-    named = set()
     axes.plot([0, 1], [0, 1], color=GRID, linewidth=1, zorder=0)
     for policy in matrix.policies:
         here, there = (_success(policy["cells"][ranking[key]]) for key in ("reference", "test"))
@@ -202,22 +181,14 @@ def _draw_ranking(axes: Any, matrix: Matrix, ranking: Json, groups: Sequence[str
         color = SERIES[number % len(SERIES)]
         marker = MARKERS[(number // len(SERIES)) % len(MARKERS)]
         x, y = here["value"], there["value"]
-        if here["interval"] and there["interval"]:
-            axes.plot(here["interval"], [y, y], color=color, linewidth=1, alpha=0.5)
-            axes.plot([x, x], there["interval"], color=color, linewidth=1, alpha=0.5)
-        label = policy["group"] or "no group"
-        axes.plot(
-            *(x, y, marker),
-            color=color,
-            markersize=5,
-            markeredgecolor=CARD,
-            markeredgewidth=0.5,
-            label=None if label in named else label,
-        )
-        named.add(label)
+        thin: Dict[str, Any] = {"color": color, "linewidth": 1, "alpha": 0.5}
+        draw_interval(axes, here["interval"], y, **thin)
+        draw_interval(axes, there["interval"], x, upright=True, **thin)
+        point = {"color": color, "markersize": 5, "label": policy["group"] or "no group"}
+        axes.plot(x, y, marker, markeredgecolor=CARD, markeredgewidth=0.5, **point)
     axes.set(xlim=(-0.04, 1.04), ylim=(-0.04, 1.04), xticks=(0, 0.5, 1), yticks=(0, 0.5, 1))
     axes.set_xlabel(f"success in {matrix.titles[ranking['reference']]}", fontsize=9)
-    axes.set_ylabel(f"in {_wrapped(matrix.titles[ranking['test']], 24)}", fontsize=9)
+    axes.set_ylabel(f"in {wrapped(matrix.titles[ranking['test']], 24)}", fontsize=9)
     kendall = ranking["kendall"]
     ends = kendall["interval"]
     found = "" if kendall["value"] is None else f", tau {kendall['value']:.2f}"

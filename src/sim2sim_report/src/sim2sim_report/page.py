@@ -9,13 +9,14 @@ import jinja2
 from pusht_task.error import Error
 from pusht_task.json_file import Json
 
-from sim2sim_report import agreement_tables, audit, colors, equivalents, figures
+from sim2sim_report import agreement_tables, audit, colors, equivalents, run_figures
 from sim2sim_report.again import command_of, notes_on_command, suggested_attribution
 from sim2sim_report.agreement import AgreementFigure
 from sim2sim_report.animation import GEOMETRY, animated, player, poster
 from sim2sim_report.attribution import read_attribution
 from sim2sim_report.cause import section as attribution_section
 from sim2sim_report.curves import draw as draw_sweep
+from sim2sim_report.figures import Drawing
 from sim2sim_report.matrix import read_matrix
 from sim2sim_report.matrix_tables import headline as matrix_headline
 from sim2sim_report.matrix_tables import section as matrix_section
@@ -86,7 +87,7 @@ class Page:
             headline=compared["headline"]["answer"] if compared else runs[0].answer,
             answers=answers if len(runs) > 1 else [],
             caution=broken + cautions([run.metrics for run in runs]),
-            rates=figures.draw_rates(runs),
+            rates=run_figures.draw_rates(runs),
             contrasts=[contrast_rows(c) for c in compared.get("contrasts", [])],
             baseline=runs[0].name,
             runs=[
@@ -158,7 +159,7 @@ class Page:
         )
 
     def of_agreement(
-        self, file: Path, found: Sequence[AgreementFigure], drawings: Sequence[figures.Drawing]
+        self, file: Path, found: Sequence[AgreementFigure], drawings: Sequence[Drawing]
     ) -> str:
         """Distances of all pairs of simulators."""
         section = agreement_tables.section(found, drawings)
@@ -239,8 +240,8 @@ def _section(run: Run, number: int, traces: Optional[Traces], animate: Sequence[
         "sentences": sentences(run),
         "divergences": divergences(run),
         "has_intervals": run.metrics["mean_pos_divergence_median_interval_m"] is not None,
-        "drawings": figures.draw(run, f"run{number}-"),
-        "causes_have_intervals": figures.causes_have_intervals(run),
+        "drawings": run_figures.draw(run, f"run{number}-"),
+        "causes_have_intervals": run_figures.causes_have_intervals(run),
         "parting": parting(run),
         "parameters": parameters(run),
         "provenance": json.dumps(run.provenance, indent=2, sort_keys=True),

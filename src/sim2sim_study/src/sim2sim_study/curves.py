@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
 
 from pusht_task.files import write_file
 from sim2sim_report.colors import DIM, SERIES
-from sim2sim_report.figures import NARROW, Figure, add_legend, styled
+from sim2sim_report.figures import MARKERS, NARROW, Drawing, add_legend, draw_interval, panels
 
 from sim2sim_study.conduct import HOME
 from sim2sim_study.tables import Row
@@ -25,20 +25,20 @@ class Line(NamedTuple):
 
 def write_curves(path: Path, alt: str, build: Callable[[bool], Any]) -> None:
     """Writes a PNG of the figure that `build` makes."""
-    write_file(path, styled("curves", alt, build).file("png", "sim2sim study"))
+    write_file(path, Drawing("curves", alt, build).file("png", "sim2sim study"))
 
 
 def draw_epochs(rows: Sequence[Row], narrow: bool) -> Any:
     """A panel for each training: success over epochs."""
-    panels: Dict[str, List[Line]] = {}
+    titled: Dict[str, List[Line]] = {}
     for (training, simulator), line in _lines(rows, "training", "epochs").items():
         style = "-" if simulator == HOME else "--" if simulator.startswith(HOME) else "-."
         x = [row["epochs"] for row in line]
         ends = [(row["success_low"], row["success_high"]) for row in line]
         y = [row["success"] for row in line]
-        panels.setdefault(training, []).append(Line(simulator, x, y, ends, style))
-    figure = _figure(panels, narrow, 4)
-    for axes, lines in zip(figure.axes, panels.values()):
+        titled.setdefault(training, []).append(Line(simulator, x, y, ends, style))
+    figure = _figure(titled, narrow, 4)
+    for axes, lines in zip(figure.axes, titled.values()):
         axes.set_xscale("log")
         axes.set_xticks(lines[-1].x, [str(x) for x in lines[-1].x])
         axes.minorticks_off()
@@ -47,7 +47,6 @@ def draw_epochs(rows: Sequence[Row], narrow: bool) -> Any:
     return figure
 
 
-MARKERS = "os^DvPX"
 DODGE = 0.07  # between engines at the same noise, in distances of two sizes of noise
 
 
@@ -57,7 +56,7 @@ def draw_noise(rows: Sequence[Row], narrow: bool) -> Any:
     sizes = sorted({float(row["noise_mm"]) for row in rows})
     engines = [row for row in rows if row["transfer"] is not None]
     simulators = list(dict.fromkeys(row["simulator"] for row in engines))
-    panels: Dict[str, List[Line]] = {}
+    titled: Dict[str, List[Line]] = {}
     for (recipe, simulator), line in _lines(engines, "group", "noise_mm").items():
         place = simulators.index(simulator)
         beside = DODGE * (place - (len(simulators) - 1) / 2)
@@ -65,8 +64,8 @@ def draw_noise(rows: Sequence[Row], narrow: bool) -> Any:
         ends = [(row["transfer_low"], row["transfer_high"]) for row in line]
         y = [row["transfer"] for row in line]
         marker = MARKERS[place % len(MARKERS)]
-        panels.setdefault(recipe, []).append(Line(simulator, x, y, ends, "-", marker))
-    figure = _figure(panels, narrow, 3)
+        titled.setdefault(recipe, []).append(Line(simulator, x, y, ends, "-", marker))
+    figure = _figure(titled, narrow, 3)
     for axes in figure.axes:
         axes.axhline(1.0, color=DIM, linewidth=1, linestyle="--")
         axes.set_xticks(range(len(sizes)), [f"{size:g}" for size in sizes])
@@ -86,24 +85,18 @@ def _lines(rows: Sequence[Row], panel: str, x: str) -> Dict[Tuple[str, str], Lis
     return found
 
 
-def _figure(panels: Dict[str, List[Line]], narrow: bool, across: int) -> Any:
+def _figure(titled: Dict[str, List[Line]], narrow: bool, across: int) -> Any:
     """Panels beside each other, or below each other, under one legend with so many in a line."""
-    count = max(1, len(panels))
-    figure = Figure(
-        figsize=(NARROW, 3.4 * count) if narrow else (9.8, 4.2), constrained_layout=True
-    )
-    shape = (count, 1) if narrow else (1, count)
-    for axes, (title, lines) in zip(
-        figure.subplots(*shape, squeeze=False, sharey=True).flat, panels.items()
-    ):
+    sizes = ((9.8, 4.2), (NARROW, 3.4))
+    figure, grid = panels(narrow, (1, max(1, len(titled))), *sizes, sharey=True)
+    for axes, (title, lines) in zip(grid.flat, titled.items()):
         for line, color in zip(lines, [*SERIES, DIM]):
-            axes.plot(line.x, line.y, line.style, color=color, marker=line.marker)
-            axes.lines[-1].set_label(line.simulator)
+            style = {"color": color, "marker": line.marker, "label": line.simulator}
+            axes.plot(line.x, line.y, line.style, **style)
             for x, ends in zip(line.x, line.ends):
                 if ends[0] not in ("", None):
-                    axes.plot([x] * 2, ends, color=color, linewidth=1)
+                    draw_interval(axes, ends, x, upright=True, color=color, linewidth=1)
         axes.set_title(title, fontsize=11)
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    if handles:
-        add_legend(figure, "upper", dict(zip(labels, handles)), 2 if narrow else across)
+    if titled:
+        add_legend(figure, "upper", 2 if narrow else across)
     return figure

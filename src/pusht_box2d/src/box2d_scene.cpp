@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "box2d_scene.hpp"
 
+#include <array>
 #include <cmath>
+#include <utility>
 
-#include "pusht_task/mapping.hpp"
 #include "pusht_task/numbers.hpp"
 
-namespace pusht::box2d {
+namespace pusht {
 namespace {
 
 /// [1/m] The tee's sides are then 3 to 12 lengths, and the 0.005 lengths that bodies may overlap are 0.05 mm.
@@ -29,25 +30,25 @@ float narrowYaw(double yaw) {
 
 }  // namespace
 
-Scene::Scene(const Box2dParameters& parameters, const Physics& physics)
-    : physics_(physics),
+Box2dScene::Box2dScene(const Box2dParameters& parameters, const Physics& physics)
+    : Scene(parameters, physics),
       parameters_(parameters),
-      scale_(parameters.switches.scale ? kScale : 1.0),
-      step_(parameters.switches.scale ? parameters.substep / kParts : parameters.substep),
+      scale_(parameters.scale ? kScale : 1.0),
+      step_(parameters.scale ? parameters.substep / kParts : parameters.substep),
       world_(b2Vec2_zero) {
   world_.SetAllowSleeping(false);
   world_.SetContinuousPhysics(false);
 }
 
-b2Vec2 Scene::toBox2d(const Eigen::Vector2d& vector) const {
+b2Vec2 Box2dScene::toBox2d(const Eigen::Vector2d& vector) const {
   return {static_cast<float>(vector.x() * scale_), static_cast<float>(vector.y() * scale_)};
 }
 
-Eigen::Vector2d Scene::toEigen(const b2Vec2& vector) const {
+Eigen::Vector2d Box2dScene::toEigen(const b2Vec2& vector) const {
   return {static_cast<double>(vector.x) / scale_, static_cast<double>(vector.y) / scale_};
 }
 
-void Scene::start(const WorldState& state) {
+WorldState Box2dScene::start(const WorldState& state) {
   // Box2D solves in the order in which bodies, shapes and joints were added, and last bits depend on it.
   const b2BodyDef still;
   table_ = world_.CreateBody(&still);
@@ -55,9 +56,10 @@ void Scene::start(const WorldState& state) {
   addPusher(state);
   addTee(state);
   addTableFriction();
+  return rounded(state);
 }
 
-b2Body* Scene::addBody(const char* name, b2BodyDef def, double mass) {
+b2Body* Box2dScene::addBody(const char* name, b2BodyDef def, double mass) {
   def.type = b2_dynamicBody;
   b2Body* const body = world_.CreateBody(&def);
   b2MassData data = {};
@@ -68,49 +70,49 @@ b2Body* Scene::addBody(const char* name, b2BodyDef def, double mass) {
   return body;
 }
 
-void Scene::addPusher(const WorldState& state) {
+void Box2dScene::addPusher(const WorldState& state) {
   b2BodyDef def;
   def.position = toBox2d(state.pusher_position);
   def.linearVelocity = toBox2d(state.pusher_velocity);
   def.fixedRotation = true;
-  pusher_ = addBody("pusher", def, pusherMass(physics_, switches().servo ? parameters_.substep : 0.0));
+  pusher_ = addBody("pusher", def, pusherMass());
   b2CircleShape disc;
-  disc.m_radius = static_cast<float>(physics_.pusher_radius * scale_);
+  disc.m_radius = static_cast<float>(physics().pusher_radius * scale_);
   b2FixtureDef fixture;
   fixture.shape = &disc;
-  fixture.friction = static_cast<float>(physics_.contact_friction);
+  fixture.friction = static_cast<float>(physics().contact_friction);
   pusher_->CreateFixture(&fixture);
-  if (!switches().servo) {
+  if (!parameters_.servo) {
     addMotor();
   }
 }
 
-void Scene::addMotor() {
+void Box2dScene::addMotor() {
   b2MotorJointDef def;
   def.Initialize(table_, pusher_);
-  def.maxForce = force(physics_.servo_limit);
+  def.maxForce = force(physics().servo_limit);
   def.maxTorque = 0.0F;
   def.correctionFactor = 1.0F;
   def.collideConnected = true;
   motor_ = static_cast<b2MotorJoint*>(world_.CreateJoint(&def));  // NOLINT: Box2D knows no other way
 }
 
-void Scene::addTee(const WorldState& state) {
+void Box2dScene::addTee(const WorldState& state) {
   b2BodyDef def;
   def.position = toBox2d(state.tee_position);
   def.linearVelocity = toBox2d(state.tee_velocity);
   def.angle = narrowYaw(state.tee_yaw);
   def.angularVelocity = static_cast<float>(state.tee_yaw_rate);
-  TeeInertia inertia = teeInertia(physics_, switches().drag ? parameters_.substep : 0.0);
-  if (!switches().drag) {
-    def.linearDamping = rate(physics_.tee_damping / inertia.mass);
-    def.angularDamping = rate(physics_.tee_yaw_damping / inertia.second_moment);
+  TeeInertia inertia = teeInertia();
+  if (!parameters_.drag) {
+    def.linearDamping = rate(physics().tee_damping / inertia.mass);
+    def.angularDamping = rate(physics().tee_yaw_damping / inertia.second_moment);
   }
-  if (switches().table_friction) {
+  if (parameters_.table_friction) {
     inertia.mass -= kSliderMass;
   }
   tee_ = addBody("tee", def, inertia.mass);
-  for (const PlacedBox& box : teeBoxes(physics_)) {
+  for (const PlacedBox& box : teeBoxes(physics())) {
     addBox(tee_, box);
   }
   b2MassData data;
@@ -120,38 +122,26 @@ void Scene::addTee(const WorldState& state) {
   tee_->SetMassData(&data);  // hands the velocity from the origin to the center of mass
 }
 
-void Scene::addBox(b2Body* body, const PlacedBox& box) {
-  const double skin = switches().scale ? static_cast<double>(b2_polygonRadius) : 0.0;
+void Box2dScene::addBox(b2Body* body, const PlacedBox& box) {
+  const double skin = parameters_.scale ? static_cast<double>(b2_polygonRadius) : 0.0;
   b2PolygonShape shape;
   shape.SetAsBox(static_cast<float>(box.half_x * scale_ - skin), static_cast<float>(box.half_y * scale_ - skin),
                  toBox2d({box.x, box.y}), 0.0F);
   b2FixtureDef fixture;
   fixture.shape = &shape;
-  fixture.friction = static_cast<float>(physics_.contact_friction);
+  fixture.friction = static_cast<float>(physics().contact_friction);
   body->CreateFixture(&fixture);
 }
 
-void Scene::addWalls() {
-  for (const PlacedBox& wall : wallBoxes(physics_)) {
-    addBox(table(), wall);
-  }
-}
+void Box2dScene::addIdiomaticFriction() { addFrictionOfDisc(toEigen(tee_->GetLocalCenter())); }
 
-void Scene::addTableFriction() {
-  if (switches().table_friction) {
-    addFrictionPerAxis({0.0, 0.0});
-  } else {
-    addFrictionOfDisc(toEigen(tee_->GetLocalCenter()));
-  }
-}
-
-void Scene::addFrictionPerAxis(const Eigen::Vector2d& point) {
+void Box2dScene::addFrictionPerAxis(const Eigen::Vector2d& point) {
   const b2Vec2 local = toBox2d(point);
-  addSlider({1.0F, 0.0F}, local, physics_.tee_friction[0], physics_.tee_yaw_friction);
-  addSlider({0.0F, 1.0F}, local, physics_.tee_friction[1], 0.0);
+  addSlider({1.0F, 0.0F}, local, physics().tee_friction[0], physics().tee_yaw_friction);
+  addSlider({0.0F, 1.0F}, local, physics().tee_friction[1], 0.0);
 }
 
-void Scene::addSlider(const b2Vec2& axis, const b2Vec2& point, double friction, double yaw_friction) {
+void Box2dScene::addSlider(const b2Vec2& axis, const b2Vec2& point, double friction, double yaw_friction) {
   const b2Vec2 velocity = tee_->GetLinearVelocityFromLocalPoint(point);
   b2BodyDef def;
   def.position = b2Dot(tee_->GetWorldPoint(point), axis) * axis;
@@ -178,46 +168,39 @@ void Scene::addSlider(const b2Vec2& axis, const b2Vec2& point, double friction, 
   world_.CreateJoint(&across);
 }
 
-void Scene::addFrictionOfDisc(const Eigen::Vector2d& point) {
+void Box2dScene::addFrictionOfDisc(const Eigen::Vector2d& point) {
   b2FrictionJointDef disc;
   disc.bodyA = table_;
   disc.bodyB = tee_;
   disc.localAnchorB = toBox2d(point);
-  disc.maxForce = force(physics_.tee_friction[0]);
-  disc.maxTorque = moment(physics_.tee_yaw_friction);
+  disc.maxForce = force(physics().tee_friction[0]);
+  disc.maxTorque = moment(physics().tee_yaw_friction);
   disc.collideConnected = true;  // the table has the walls
   world_.CreateJoint(&disc);
 }
 
-void Scene::applyServo(const Eigen::Vector2d& command) {
+void Box2dScene::applyServo(const Eigen::Vector2d& command) {
   if (motor_ != nullptr) {
     motor_->SetLinearOffset(pusher_->GetPosition() + toBox2d(step_ * command));
     return;
   }
   const Eigen::Vector2d speed = toEigen(pusher_->GetLinearVelocity());
   pusher_->ApplyForceToCenter(
-      {force(pusherForce(physics_, command.x(), speed.x())), force(pusherForce(physics_, command.y(), speed.y()))},
+      {force(pusherForce(physics(), command.x(), speed.x())), force(pusherForce(physics(), command.y(), speed.y()))},
       true);
 }
 
-void Scene::applyDrag(const Eigen::Vector2d& point) {
+void Box2dScene::applyDragAt(const Eigen::Vector2d& point) {
   const b2Vec2 local = toBox2d(point);
   const Eigen::Vector2d velocity = toEigen(tee_->GetLinearVelocityFromLocalPoint(local));
-  const Eigen::Vector2d drag = -physics_.tee_damping * velocity;
+  const Eigen::Vector2d drag = -physics().tee_damping * velocity;
   tee_->ApplyForce({force(drag.x()), force(drag.y())}, tee_->GetWorldPoint(local), true);
-  tee_->ApplyTorque(moment(-physics_.tee_yaw_damping * static_cast<double>(tee_->GetAngularVelocity())), true);
+  tee_->ApplyTorque(moment(-physics().tee_yaw_damping * static_cast<double>(tee_->GetAngularVelocity())), true);
 }
 
-void Scene::applyForces(const Eigen::Vector2d& command) {
-  applyServo(command);
-  if (switches().drag) {
-    applyDrag({0.0, 0.0});
-  }
-}
-
-void Scene::substep(const Eigen::Vector2d& command) {
-  applyForces(command);
-  world_.Step(static_cast<float>(step_), parameters_.velocity_iterations, parameters_.position_iterations);
+void Box2dScene::advance() {
+  world_.Step(static_cast<float>(step_), static_cast<int>(parameters_.velocity_iterations),
+              static_cast<int>(parameters_.position_iterations));
   if (const double rest = parameters_.substep - step_; rest > 0.0) {
     for (const NamedBody& each : bodies_) {
       moveOn(*each.body, static_cast<float>(rest));
@@ -225,13 +208,13 @@ void Scene::substep(const Eigen::Vector2d& command) {
   }
 }
 
-void Scene::moveOn(b2Body& body, float time) {
+void Box2dScene::moveOn(b2Body& body, float time) {
   const float angle = body.GetAngle() + time * body.GetAngularVelocity();
   const b2Vec2 center = body.GetWorldCenter() + time * body.GetLinearVelocity();
   body.SetTransform(center - b2Mul(b2Rot(angle), body.GetLocalCenter()), angle);
 }
 
-WorldState Scene::state() const {
+WorldState Box2dScene::state() const {
   WorldState state;
   state.pusher_position = toEigen(pusher_->GetPosition());
   state.pusher_velocity = toEigen(pusher_->GetLinearVelocity());
@@ -242,7 +225,7 @@ WorldState Scene::state() const {
   return state;
 }
 
-WorldState Scene::rounded(const WorldState& state) const {
+WorldState Box2dScene::rounded(const WorldState& state) const {
   WorldState result;
   result.pusher_position = roundedVector(state.pusher_position);
   result.pusher_velocity = roundedVector(state.pusher_velocity);
@@ -253,7 +236,21 @@ WorldState Scene::rounded(const WorldState& state) const {
   return result;
 }
 
-std::string Scene::faultOfSpeed() const {
+std::string Box2dScene::faultOfPositions(const WorldState& state) const {
+  const std::array<std::pair<const char*, double>, 4> coordinates = {{{"pusher_x", state.pusher_position.x()},
+                                                                      {"pusher_y", state.pusher_position.y()},
+                                                                      {"tee_x", state.tee_position.x()},
+                                                                      {"tee_y", state.tee_position.y()}}};
+  for (const auto& [name, value] : coordinates) {
+    if (!(std::abs(value) < kReach)) {
+      return std::string(name) + " " + shortestText(value) + " m: must be within " + shortestText(kReach) +
+             " m, as Box2D computes in single precision";
+    }
+  }
+  return "";
+}
+
+std::string Box2dScene::faultOfSpeeds() const {
   constexpr double kNearly = 1.0 - 1e-5;  // Box2D cuts off what is more, and rounds
   const double most = static_cast<double>(b2_maxTranslation) / (scale_ * step_);  // [m/s]
   const double most_rate = static_cast<double>(b2_maxRotation) / step_;           // [rad/s]
@@ -272,4 +269,4 @@ std::string Scene::faultOfSpeed() const {
   return "";
 }
 
-}  // namespace pusht::box2d
+}  // namespace pusht

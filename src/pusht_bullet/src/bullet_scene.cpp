@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "pusht_task/mapping.hpp"
+#include "pusht_task/numbers.hpp"
 
-namespace pusht::bullet {
+namespace pusht {
 namespace {
 
 constexpr double kTeeMargin = 1e-4;  // [m]
@@ -34,7 +34,7 @@ double dampingOf(double rate) { return std::min(-std::expm1(-rate), std::nextaft
 
 }  // namespace
 
-btDefaultCollisionConstructionInfo Scene::smallPools() {
+btDefaultCollisionConstructionInfo BulletScene::smallPools() {
   constexpr int kEntries = 32;
   btDefaultCollisionConstructionInfo info;
   info.m_defaultMaxPersistentManifoldPoolSize = kEntries;
@@ -42,34 +42,35 @@ btDefaultCollisionConstructionInfo Scene::smallPools() {
   return info;
 }
 
-Scene::Scene(const BulletParameters& parameters, const Physics& physics)
-    : parameters_(parameters),
-      physics_(physics),
+BulletScene::BulletScene(const BulletParameters& parameters, const Physics& physics)
+    : Scene(parameters, physics),
+      parameters_(parameters),
       configuration_(smallPools()),
       dispatcher_(&configuration_),
       world_(&dispatcher_, &broadphase_, &solver_, &configuration_) {
   world_.setGravity({0.0, 0.0, 0.0});
-  world_.getSolverInfo().m_numIterations = parameters.iterations;
+  world_.getSolverInfo().m_numIterations = static_cast<int>(parameters.iterations);
   world_.getSolverInfo().m_erp2 = parameters.overlap_rate * parameters.substep;
 }
 
 template <class Shape>
-Shape* Scene::keep(std::unique_ptr<Shape> shape) {
+Shape* BulletScene::keep(std::unique_ptr<Shape> shape) {
   Shape* const kept = shape.get();
   shapes_.push_back(std::move(shape));
   return kept;
 }
 
-void Scene::start(const WorldState& state) {
+WorldState BulletScene::start(const WorldState& state) {
   // Bullet solves in the order in which bodies and constraints were added, and last bits depend on it.
   addTable();
   addWalls();
   addTee(state);
   addPusher(state);
   addTableFriction();
+  return state;  // Bullet keeps a yaw as a matrix, which rounds it
 }
 
-void Scene::addTable() {
+void BulletScene::addTable() {
   btCollisionShape* shape = nullptr;
   if (parameters_.table_friction) {
     shape = keep(std::make_unique<btEmptyShape>());
@@ -82,25 +83,19 @@ void Scene::addTable() {
   table_->setContactProcessingThreshold(BT_LARGE_FLOAT);
 }
 
-void Scene::addWalls() {
-  for (const PlacedBox& wall : wallBoxes(physics_)) {
-    addWall(wall);
-  }
-}
-
-void Scene::addWall(const PlacedBox& box) {
+void BulletScene::addWall(const PlacedBox& box) {
   btCollisionShape* const shape =
       keep(std::make_unique<btBoxShape>(btVector3(box.half_x, box.half_y, kWallHalfHeight)));
   walls_.push_back(makeBody(0.0, 0.0, shape, at({box.x, box.y, 0.0}), kInThePlane));
   world_.addRigidBody(walls_.back().get());
 }
 
-Scene::Body Scene::makeBody(double mass, double moment, btCollisionShape* shape, const btTransform& pose,
-                            const btVector3& linear) {
+BulletScene::Body BulletScene::makeBody(double mass, double moment, btCollisionShape* shape, const btTransform& pose,
+                                        const btVector3& linear) {
   // A moment of 0 is an infinite one to Bullet.
   btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, {0.0, 0.0, moment});
   info.m_startWorldTransform = pose;
-  info.m_friction = physics_.contact_friction;
+  info.m_friction = physics().contact_friction;
   auto body = std::make_unique<btRigidBody>(info);
   body->setLinearFactor(linear);
   body->setAngularFactor({0.0, 0.0, 1.0});
@@ -112,7 +107,7 @@ Scene::Body Scene::makeBody(double mass, double moment, btCollisionShape* shape,
   return body;
 }
 
-btCollisionShape* Scene::addHull(double half_x, double half_y) {
+btCollisionShape* BulletScene::addHull(double half_x, double half_y) {
   auto hull = std::make_unique<btConvexHullShape>();
   double inside = 0.0;  // [m] how far the corners are within the box, so that its faces are where they should be
   if (parameters_.margin) {
@@ -130,11 +125,11 @@ btCollisionShape* Scene::addHull(double half_x, double half_y) {
   return keep(std::move(hull));
 }
 
-void Scene::addTee(const WorldState& state) {
-  const TeeInertia inertia = teeInertia(physics_, parameters_.drag ? parameters_.substep : 0.0);
+void BulletScene::addTee(const WorldState& state) {
+  const TeeInertia inertia = teeInertia();
   center_ = inertia.center();
   btCompoundShape* const shape = keep(std::make_unique<btCompoundShape>());
-  for (const PlacedBox& box : teeBoxes(physics_)) {
+  for (const PlacedBox& box : teeBoxes(physics())) {
     shape->addChildShape(at({box.x, center_ + box.y, 0.0}), addHull(box.half_x, box.half_y));
   }
 
@@ -145,30 +140,30 @@ void Scene::addTee(const WorldState& state) {
       makeBody(inertia.mass, inertia.momentAboutCenter(), shape, pose, lies ? btVector3(1.0, 1.0, 1.0) : kInThePlane);
   const btVector3 turning(0.0, 0.0, state.tee_yaw_rate);
   tee_->setAngularVelocity(turning);
-  tee_->setLinearVelocity(toBullet(state.tee_velocity) - turning.cross(teeArm()));
+  tee_->setLinearVelocity(toBullet(state.tee_velocity) - turning.cross(teeArm({0.0, 0.0})));
   if (lies) {
     tee_->setContactProcessingThreshold(BT_LARGE_FLOAT);  // or it would fall and be lifted in turn
   }
   if (!parameters_.drag) {
-    tee_->setDamping(dampingOf(physics_.tee_damping / inertia.mass),
-                     dampingOf(physics_.tee_yaw_damping / inertia.momentAboutCenter()));
+    tee_->setDamping(dampingOf(physics().tee_damping / inertia.mass),
+                     dampingOf(physics().tee_yaw_damping / inertia.momentAboutCenter()));
   }
   world_.addRigidBody(tee_.get());
 }
 
-void Scene::addPusher(const WorldState& state) {
-  const double mass = pusherMass(physics_, parameters_.servo ? parameters_.substep : 0.0);
-  btCollisionShape* const shape = keep(
-      std::make_unique<btCylinderShapeZ>(btVector3(physics_.pusher_radius, physics_.pusher_radius, kPusherHalfHeight)));
-  pusher_ = makeBody(mass, 0.0, shape, at(toBullet(state.pusher_position)), kInThePlane);
+void BulletScene::addPusher(const WorldState& state) {
+  btCollisionShape* const shape = keep(std::make_unique<btCylinderShapeZ>(
+      btVector3(physics().pusher_radius, physics().pusher_radius, kPusherHalfHeight)));
+  pusher_ = makeBody(pusherMass(), 0.0, shape, at(toBullet(state.pusher_position)), kInThePlane);
   pusher_->setLinearVelocity(toBullet(state.pusher_velocity));
   world_.addRigidBody(pusher_.get(), btBroadphaseProxy::DefaultFilter, btBroadphaseProxy::AllFilter ^ kTableGroup);
   if (!parameters_.servo) {
-    pusher_motors_ = addMotors(*pusher_, at({0.0, 0.0, 0.0}), {physics_.servo_limit, physics_.servo_limit});
+    pusher_motors_ = addMotors(*pusher_, at({0.0, 0.0, 0.0}), {physics().servo_limit, physics().servo_limit});
   }
 }
 
-Scene::Motors* Scene::addMotors(btRigidBody& body, const btTransform& frame, const std::array<double, 2>& force) {
+BulletScene::Motors* BulletScene::addMotors(btRigidBody& body, const btTransform& frame,
+                                            const std::array<double, 2>& force) {
   motors_.push_back(std::make_unique<Motors>(*table_, body, at({0.0, 0.0, 0.0}), frame));
   Motors& motors = *motors_.back();
   motors.setLinearLowerLimit({1.0, 1.0, 1.0});  // above the upper ones: none
@@ -181,34 +176,30 @@ Scene::Motors* Scene::addMotors(btRigidBody& body, const btTransform& frame, con
   return &motors;
 }
 
-void Scene::addFrictionMotors(const btVector3& point, const std::array<double, 2>& force, double moment) {
+void BulletScene::addFrictionPerAxis(const Eigen::Vector2d& point) {
   constexpr int kYaw = 5;
-  Motors* const motors = addMotors(*tee_, at(point + btVector3(0.0, center_, 0.0)), force);
+  Motors* const motors = addMotors(*tee_, at(inTheBody(point)), physics().tee_friction);
   motors->enableMotor(kYaw, true);
-  motors->setMaxMotorForce(kYaw, moment);
+  motors->setMaxMotorForce(kYaw, physics().tee_yaw_friction);
 }
 
-void Scene::addTableFriction() {
-  if (parameters_.table_friction) {
-    addFrictionMotors({0.0, 0.0, 0.0}, physics_.tee_friction, physics_.tee_yaw_friction);
-  } else {
-    addPlane();
-  }
-}
-
-void Scene::addPlane() {
+void BulletScene::addIdiomaticFriction() {
   // Bullet multiplies the coefficients of two bodies. The plane's makes friction the scene's in a straight slide.
-  const double weight = physics_.tee_mass * kGravity;  // [N]
-  table_->setFriction(physics_.tee_friction[0] / (weight * physics_.contact_friction));
+  const double weight = physics().tee_mass * kGravity;  // [N]
+  table_->setFriction(physics().tee_friction[0] / (weight * physics().contact_friction));
   world_.addRigidBody(table_.get(), kTableGroup, btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter);
   tee_->setGravity({0.0, 0.0, -weight * tee_->getInvMass()});
 }
 
-btVector3 Scene::teeArm() const { return tee_->getWorldTransform().getBasis() * btVector3(0.0, center_, 0.0); }
+btVector3 BulletScene::inTheBody(const Eigen::Vector2d& point) const {
+  return toBullet(point) + btVector3(0.0, center_, 0.0);
+}
 
-btVector3 Scene::teeVelocity() const { return tee_->getVelocityInLocalPoint(teeArm()); }
+btVector3 BulletScene::teeArm(const Eigen::Vector2d& point) const {
+  return tee_->getWorldTransform().getBasis() * inTheBody(point);
+}
 
-void Scene::applyServo(const btVector3& command) {
+void BulletScene::applyServo(const Eigen::Vector2d& command) {
   if (pusher_motors_ != nullptr) {
     for (const int axis : {0, 1}) {
       pusher_motors_->setTargetVelocity(axis, -command[axis]);  // of the table, seen from the pusher
@@ -217,32 +208,39 @@ void Scene::applyServo(const btVector3& command) {
   }
   const btVector3 speed = pusher_->getLinearVelocity();
   pusher_->applyCentralForce(
-      {pusherForce(physics_, command.x(), speed.x()), pusherForce(physics_, command.y(), speed.y()), 0.0});
+      {pusherForce(physics(), command.x(), speed.x()), pusherForce(physics(), command.y(), speed.y()), 0.0});
 }
 
-void Scene::applyForces(const btVector3& command) {
-  applyServo(command);
-  if (parameters_.drag) {
-    tee_->applyForce(-physics_.tee_damping * teeVelocity(), teeArm());
-    tee_->applyTorque({0.0, 0.0, -physics_.tee_yaw_damping * teeYawRate()});
-  }
+void BulletScene::applyDragAt(const Eigen::Vector2d& point) {
+  const btVector3 arm = teeArm(point);
+  tee_->applyForce(-physics().tee_damping * tee_->getVelocityInLocalPoint(arm), arm);
+  tee_->applyTorque({0.0, 0.0, -physics().tee_yaw_damping * tee_->getAngularVelocity().z()});
 }
 
-void Scene::substep(const btVector3& command) {
-  applyForces(command);
-  world_.stepSimulation(parameters_.substep, 0);
-}
+void BulletScene::advance() { world_.stepSimulation(parameters_.substep, 0); }
 
-WorldState Scene::state() const {
+WorldState BulletScene::state() const {
   const btTransform& pose = tee_->getWorldTransform();
+  const btVector3 arm = teeArm({0.0, 0.0});
   WorldState state;
   state.pusher_position = toEigen(pusher_->getWorldTransform().getOrigin());
   state.pusher_velocity = toEigen(pusher_->getLinearVelocity());
-  state.tee_position = toEigen(pose.getOrigin() + teeArm());
-  state.tee_velocity = toEigen(teeVelocity());
+  state.tee_position = toEigen(pose.getOrigin() + arm);
+  state.tee_velocity = toEigen(tee_->getVelocityInLocalPoint(arm));
   state.tee_yaw = wrapAngle(std::atan2(pose.getBasis()[1][0], pose.getBasis()[0][0]));
-  state.tee_yaw_rate = teeYawRate();
+  state.tee_yaw_rate = tee_->getAngularVelocity().z();
   return state;
 }
 
-}  // namespace pusht::bullet
+std::string BulletScene::faultOfSpeeds() const {
+  constexpr double kMostTurn = kPi / 4.0;  // [rad] in a substep
+  const double rate = tee_->getAngularVelocity().z();
+  if (std::abs(rate) * parameters_.substep <= kMostTurn) {
+    return "";
+  }
+  return "tee_yaw_rate " + shortestText(rate) + " rad/s: must be within " +
+         significantText(kMostTurn / parameters_.substep, 4) +
+         " rad/s: Bullet turns a body by at most pi/4 in a substep";
+}
+
+}  // namespace pusht

@@ -3,9 +3,7 @@
 
 #include <cmath>
 
-#include "pusht_task/mapping.hpp"
-
-namespace pusht::chipmunk {
+namespace pusht {
 namespace {
 
 constexpr double kFar = 2.0 * kPlausibleDistance;  // [m]
@@ -23,142 +21,136 @@ void keepAShare(cpBody* body, cpVect gravity, cpFloat /*damping*/, cpFloat dt) {
 
 }  // namespace
 
-Scene::Scene(const ChipmunkParameters& parameters, const Physics& physics)
-    : physics_(physics), parameters_(parameters), space_(cpSpaceNew()) {
-  cpSpaceSetIterations(space_.get(), parameters.iterations);
-  if (switches().slop) {
+ChipmunkScene::ChipmunkScene(const ChipmunkParameters& parameters, const Physics& physics)
+    : Scene(parameters, physics), parameters_(parameters), space_(cpSpaceNew()) {
+  cpSpaceSetIterations(space_.get(), static_cast<int>(parameters.iterations));
+  if (parameters.slop) {
     cpSpaceSetCollisionSlop(space_.get(), parameters.collision_slop);
   }
   cpSpaceSetCollisionBias(space_.get(), parameters.overlap_left);
 }
 
-void Scene::start(const WorldState& state) {
+WorldState ChipmunkScene::start(const WorldState& state) {
   // Chipmunk solves in the order in which bodies and shapes were added, and last bits depend on it.
   pusher_ = addPusherBody();
   tee_ = addTeeBody();
   addWalls();
-  for (const PlacedBox& box : teeBoxes(physics_)) {
+  for (const PlacedBox& box : teeBoxes(physics())) {
     addBox(tee_, box);
   }
-  addShape(cpCircleShapeNew(pusher_, physics_.pusher_radius, cpvzero));
-  addDryFriction();
+  addShape(cpCircleShapeNew(pusher_, physics().pusher_radius, cpvzero));
+  addTableFriction();
 
   cpBodySetPosition(pusher_, toChipmunk(state.pusher_position));
   cpBodySetVelocity(pusher_, toChipmunk(state.pusher_velocity));
   cpBodySetAngle(tee_, state.tee_yaw);  // first: the origin is not the center that it turns about
   cpBodySetPosition(tee_, toChipmunk(state.tee_position));
   cpBodySetAngularVelocity(tee_, state.tee_yaw_rate);
-  cpBodySetVelocity(tee_, cpvadd(toChipmunk(state.tee_velocity), cpvmult(cpvperp(teeArm()), state.tee_yaw_rate)));
+  cpBodySetVelocity(tee_,
+                    cpvadd(toChipmunk(state.tee_velocity), cpvmult(cpvperp(teeArm(cpvzero)), state.tee_yaw_rate)));
+  return this->state();
 }
 
-cpBody* Scene::addPusherBody() {
-  cpBody* const pusher = addBody(pusherMass(physics_, switches().servo ? parameters_.substep : 0.0), INFINITY);
-  if (switches().servo) {
+cpBody* ChipmunkScene::addPusherBody() {
+  cpBody* const pusher = addBody(pusherMass(), INFINITY);
+  if (parameters_.servo) {
     return pusher;
   }
   bodies_.emplace_back(cpSpaceAddBody(space_.get(), cpBodyNewKinematic()));
   command_ = bodies_.back().get();
-  addFriction(cpPivotJointNew2(command_, pusher, cpvzero, cpvzero), physics_.servo_limit);
+  addFriction(cpPivotJointNew2(command_, pusher, cpvzero, cpvzero), physics().servo_limit);
   return pusher;
 }
 
-cpBody* Scene::addTeeBody() {
-  const TeeInertia inertia = teeInertia(physics_, switches().drag ? parameters_.substep : 0.0);
+cpBody* ChipmunkScene::addTeeBody() {
+  const TeeInertia inertia = teeInertia();
   cpBody* const tee = addBody(inertia.mass, inertia.momentAboutCenter());
   cpBodySetCenterOfGravity(tee, cpv(0.0, -inertia.center()));
-  if (!switches().drag) {
-    tee_keeps_ = std::exp(-parameters_.substep * physics_.tee_damping / physics_.tee_mass);
+  if (!parameters_.drag) {
+    tee_keeps_ = std::exp(-parameters_.substep * physics().tee_damping / physics().tee_mass);
     cpBodySetUserData(tee, &tee_keeps_);
     cpBodySetVelocityUpdateFunc(tee, keepAShare);
   }
   return tee;
 }
 
-cpBody* Scene::addBody(double mass, double moment) {
+cpBody* ChipmunkScene::addBody(double mass, double moment) {
   bodies_.emplace_back(cpSpaceAddBody(space_.get(), cpBodyNew(mass, moment)));
-  if (switches().order) {
+  if (parameters_.order) {
     cpBodySetPositionUpdateFunc(bodies_.back().get(), stay);
   }
   return bodies_.back().get();
 }
 
-void Scene::addShape(cpShape* shape) {
+void ChipmunkScene::addShape(cpShape* shape) {
   shapes_.emplace_back(cpSpaceAddShape(space_.get(), shape));
-  cpShapeSetFriction(shape, physics_.contact_friction);
+  cpShapeSetFriction(shape, physics().contact_friction);
 }
 
-void Scene::addBox(cpBody* body, const PlacedBox& box) {
+void ChipmunkScene::addBox(cpBody* body, const PlacedBox& box) {
   addShape(cpBoxShapeNew2(body, cpBBNewForExtents(cpv(box.x, box.y), box.half_x, box.half_y), 0.0));
 }
 
-void Scene::addWalls() {
-  for (const PlacedBox& wall : wallBoxes(physics_)) {
-    addBox(table(), wall);
-  }
-}
-
-void Scene::addFriction(cpConstraint* constraint, double force) {
+void ChipmunkScene::addFriction(cpConstraint* constraint, double force) {
   constraints_.emplace_back(cpSpaceAddConstraint(space_.get(), constraint));
   cpConstraintSetMaxForce(constraint, force);
   cpConstraintSetMaxBias(constraint, 0.0);
 }
 
-void Scene::addDryFriction() {
-  if (!switches().table_friction) {
-    addFriction(cpPivotJointNew2(table(), tee_, cpvzero, cpvzero), physics_.tee_friction[0]);
-    addFriction(cpGearJointNew(table(), tee_, 0.0, 1.0), physics_.tee_yaw_friction);
-    return;
-  }
-  addFriction(cpGrooveJointNew(table(), tee_, cpv(0.0, -kFar), cpv(0.0, kFar), cpvzero), physics_.tee_friction[0]);
-  addFriction(cpGrooveJointNew(table(), tee_, cpv(-kFar, 0.0), cpv(kFar, 0.0), cpvzero), physics_.tee_friction[1]);
-  addFriction(cpSimpleMotorNew(table(), tee_, 0.0), physics_.tee_yaw_friction);
+void ChipmunkScene::addFrictionPerAxis(const Eigen::Vector2d& point) {
+  const cpVect local = toChipmunk(point);
+  addFriction(cpGrooveJointNew(table(), tee_, cpv(0.0, -kFar), cpv(0.0, kFar), local), physics().tee_friction[0]);
+  addFriction(cpGrooveJointNew(table(), tee_, cpv(-kFar, 0.0), cpv(kFar, 0.0), local), physics().tee_friction[1]);
+  addFriction(cpSimpleMotorNew(table(), tee_, 0.0), physics().tee_yaw_friction);
 }
 
-cpVect Scene::teeArm() const {
-  return cpvsub(cpBodyLocalToWorld(tee_, cpBodyGetCenterOfGravity(tee_)), cpBodyGetPosition(tee_));
+void ChipmunkScene::addIdiomaticFriction() {
+  addFriction(cpPivotJointNew2(table(), tee_, cpvzero, cpvzero), physics().tee_friction[0]);
+  addFriction(cpGearJointNew(table(), tee_, 0.0, 1.0), physics().tee_yaw_friction);
 }
 
-cpVect Scene::teeVelocity() const {
-  return cpvsub(cpBodyGetVelocity(tee_), cpvmult(cpvperp(teeArm()), cpBodyGetAngularVelocity(tee_)));
+cpVect ChipmunkScene::teeArm(const cpVect& point) const {
+  return cpvsub(cpBodyLocalToWorld(tee_, cpBodyGetCenterOfGravity(tee_)), cpBodyLocalToWorld(tee_, point));
 }
 
-void Scene::applyServo(const cpVect& command) {
+cpVect ChipmunkScene::teeVelocity(const cpVect& point) const {
+  return cpvsub(cpBodyGetVelocity(tee_), cpvmult(cpvperp(teeArm(point)), cpBodyGetAngularVelocity(tee_)));
+}
+
+void ChipmunkScene::applyServo(const Eigen::Vector2d& command) {
   if (command_ != nullptr) {
-    cpBodySetVelocity(command_, command);
+    cpBodySetVelocity(command_, toChipmunk(command));
     return;
   }
   const cpVect speed = cpBodyGetVelocity(pusher_);
-  cpBodySetForce(pusher_, cpv(pusherForce(physics_, command.x, speed.x), pusherForce(physics_, command.y, speed.y)));
+  cpBodySetForce(pusher_,
+                 cpv(pusherForce(physics(), command.x(), speed.x), pusherForce(physics(), command.y(), speed.y)));
 }
 
-void Scene::applyForces(const cpVect& command) {
-  applyServo(command);
-  if (!switches().drag) {
-    return;
-  }
-  const cpVect drag = cpvmult(teeVelocity(), -physics_.tee_damping);
+void ChipmunkScene::applyDragAt(const Eigen::Vector2d& point) {
+  const cpVect local = toChipmunk(point);
+  const cpVect drag = cpvmult(teeVelocity(local), -physics().tee_damping);
   cpBodySetForce(tee_, drag);
-  cpBodySetTorque(tee_, -cpvcross(teeArm(), drag) - physics_.tee_yaw_damping * cpBodyGetAngularVelocity(tee_));
+  cpBodySetTorque(tee_, -cpvcross(teeArm(local), drag) - physics().tee_yaw_damping * cpBodyGetAngularVelocity(tee_));
 }
 
-void Scene::substep(const cpVect& command) {
-  applyForces(command);
+void ChipmunkScene::advance() {
   cpSpaceStep(space_.get(), parameters_.substep);
-  if (switches().order) {
+  if (parameters_.order) {
     cpBodyUpdatePosition(pusher_, parameters_.substep);
     cpBodyUpdatePosition(tee_, parameters_.substep);
   }
 }
 
-WorldState Scene::state() const {
+WorldState ChipmunkScene::state() const {
   WorldState state;
   state.pusher_position = toEigen(cpBodyGetPosition(pusher_));
   state.pusher_velocity = toEigen(cpBodyGetVelocity(pusher_));
   state.tee_position = toEigen(cpBodyGetPosition(tee_));
-  state.tee_velocity = toEigen(teeVelocity());
+  state.tee_velocity = toEigen(teeVelocity(cpvzero));
   state.tee_yaw = wrapAngle(cpBodyGetAngle(tee_));
   state.tee_yaw_rate = cpBodyGetAngularVelocity(tee_);
   return state;
 }
 
-}  // namespace pusht::chipmunk
+}  // namespace pusht

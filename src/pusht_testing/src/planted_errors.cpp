@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_testing/planted_errors.hpp"
 
+#include <algorithm>
 #include <ostream>
 
 #include "pusht_task/constants.hpp"
@@ -73,6 +74,8 @@ TEST_P(PlantedErrorSuite, ThePhysicsSuiteFindsIt) {
   const auto world = GetParam().make_world();
   const std::vector<std::string> findings = findingsIn(*world, GetParam().claims);
   EXPECT_FALSE(findings.empty());
+  const std::string& check = GetParam().found_by;
+  EXPECT_TRUE(check.empty() || std::count(findings.begin(), findings.end(), check) > 0) << joined(findings);
   RecordProperty("found_by", joined(findings));
 }
 

@@ -13,6 +13,16 @@ SimulatorModel Subject::load() const {
   return kind.load(parameters);
 }
 
+std::vector<Subject> idiomsOf(const SimulatorKind& kind) {
+  std::vector<Subject> idioms = {{kind, {{"preset", "idiomatic"}}}};
+  for (const ParameterDescriptor& parameter : kind.parameters) {
+    if (parameter.default_value == ParameterValue(true)) {
+      idioms.push_back({kind, {{parameter.name, "false"}}});
+    }
+  }
+  return idioms;
+}
+
 void PrintTo(const Subject& subject, std::ostream* out) {  // NOLINT(readability-identifier-naming)
   *out << subject.kind.name;
   for (const auto& [name, text] : subject.settings) {

@@ -8,7 +8,6 @@
 #include <memory>
 
 #include "chipmunk_scene.hpp"
-#include "chipmunk_world.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/physics.hpp"
 #include "sim2sim_audit/bench.hpp"
@@ -23,17 +22,14 @@ using ChangePhysics = std::function<void(Physics&)>;
 inline WorldFactory chipmunkWith(const ChangePhysics& change) {
   Physics physics;
   change(physics);
-  return [physics] {
-    return std::make_unique<pusht::ChipmunkWorld>(
-        [physics] { return std::make_unique<pusht::chipmunk::Scene>(pusht::ChipmunkParameters(), physics); });
-  };
+  return [physics] { return pusht::worldOf<pusht::ChipmunkScene>({}, physics); };
 }
 
 /// A choice of the mapping made as Chipmunk's users make it.
-inline WorldFactory chipmunkWithout(bool pusht::ChipmunkSwitches::*choice) {
+inline WorldFactory chipmunkWithout(bool pusht::ChipmunkParameters::*choice) {
   pusht::ChipmunkParameters parameters;
-  parameters.switches.*choice = false;
-  return [parameters] { return std::make_unique<pusht::ChipmunkWorld>(parameters); };
+  parameters.*choice = false;
+  return [parameters] { return pusht::worldOf<pusht::ChipmunkScene>(parameters); };
 }
 
 inline ChangePhysics scaled(double Physics::*number, double factor) {
@@ -55,71 +51,56 @@ inline void shiftCenterOf(Physics& physics, double along_minus_y) {
 }
 
 /// Friction and damping at the center of mass, as engines have them ready-made.
-struct DragAtTheCenter : pusht::chipmunk::Scene {
-  explicit DragAtTheCenter(const pusht::ChipmunkParameters& parameters) : Scene(parameters, moved(parameters)) {}
-
+struct DragAtTheCenter : pusht::ChipmunkScene {
   /// The mass that makes the damping implicit sits where the damping acts.
-  static Physics moved(const pusht::ChipmunkParameters& parameters) {
-    Physics physics;
-    const double added = parameters.substep * physics.tee_damping;  // [kg]
+  DragAtTheCenter(const pusht::ChipmunkParameters& parameters, Physics physics)
+      : ChipmunkScene(parameters, moved(parameters.substep * physics.tee_damping, physics)) {}
+
+  /// Physics with so much added mass [kg] moved to the center of mass.
+  static Physics moved(double added, Physics physics) {
     physics.tee_first_moment += added * pusht::kCenterOfMassOffset;
     physics.tee_second_moment += added * pusht::kCenterOfMassOffset * pusht::kCenterOfMassOffset;
     return physics;
   }
-  void addDryFriction() override {
-    const cpVect center = cpv(0.0, -pusht::kCenterOfMassOffset);
-    const double far = 1000.0;  // [m]
-    addFriction(cpGrooveJointNew(table(), tee(), cpv(0.0, -far), cpv(0.0, far), center), physics().tee_friction[0]);
-    addFriction(cpGrooveJointNew(table(), tee(), cpv(-far, 0.0), cpv(far, 0.0), center), physics().tee_friction[1]);
-    addFriction(cpSimpleMotorNew(table(), tee(), 0.0), physics().tee_yaw_friction);
-  }
-  void applyForces(const cpVect& command) override {
-    applyServo(command);
-    cpBodySetForce(tee(), cpvmult(cpBodyGetVelocity(tee()), -physics().tee_damping));
-    cpBodySetTorque(tee(), -physics().tee_yaw_damping * cpBodyGetAngularVelocity(tee()));
-  }
+  void addTableFriction() override { addFrictionPerAxis({0.0, -pusht::kCenterOfMassOffset}); }
+  void applyDrag() override { applyDragAt({0.0, -pusht::kCenterOfMassOffset}); }
 };
 
 /// Friction of the table with one limit in all directions.
-struct FrictionOfADisc : pusht::chipmunk::Scene {
-  using Scene::Scene;
-  void addDryFriction() override {
+struct FrictionOfADisc : pusht::ChipmunkScene {
+  using ChipmunkScene::ChipmunkScene;
+  void addTableFriction() override {
     addFriction(cpPivotJointNew2(table(), tee(), cpvzero, cpvzero), physics().tee_friction[0]);
     addFriction(cpSimpleMotorNew(table(), tee(), 0.0), physics().tee_yaw_friction);
   }
 };
 
 /// Contacts that give half of the velocity back.
-struct Bouncing : pusht::chipmunk::Scene {
-  using Scene::Scene;
-  void applyForces(const cpVect& command) override {
+struct Bouncing : pusht::ChipmunkScene {
+  using ChipmunkScene::ChipmunkScene;
+  WorldState start(const WorldState& state) override {
+    const WorldState result = ChipmunkScene::start(state);
     const auto set = [](cpShape* shape, void* /*none*/) {
       cpShapeSetElasticity(shape, std::sqrt(0.5));  // Chipmunk multiplies those of two shapes
     };
     cpSpaceEachShape(cpBodyGetSpace(tee()), set, nullptr);
-    Scene::applyForces(command);
+    return result;
   }
 };
 
 /// One wall 5 mm too far out.
-struct WallTooFar : pusht::chipmunk::Scene {
-  using Scene::Scene;
-  void addWalls() override {
-    for (pusht::PlacedBox wall : pusht::wallBoxes(physics())) {
-      if (wall.x > 0.0) {
-        wall.x += 0.005;
-      }
-      addBox(table(), wall);
-    }
+struct WallTooFar : pusht::ChipmunkScene {
+  using ChipmunkScene::ChipmunkScene;
+  void addWall(const pusht::PlacedBox& box) override {
+    pusht::PlacedBox wall = box;
+    wall.x += wall.x > 0.0 ? 0.005 : 0.0;
+    ChipmunkScene::addWall(wall);
   }
 };
 
 template <class FaultyScene>
 inline WorldFactory chipmunkOf() {
-  return [] {
-    return std::make_unique<pusht::ChipmunkWorld>(
-        [] { return std::make_unique<FaultyScene>(pusht::ChipmunkParameters()); });
-  };
+  return [] { return pusht::worldOf<FaultyScene>(); };
 }
 
 /// A world of Chipmunk that counts its own substeps.
@@ -127,23 +108,23 @@ class ChipmunkOfSubsteps : public pusht::Simulator {
  public:
   /// `held`: substeps after which the command becomes 0.
   explicit ChipmunkOfSubsteps(int substeps, int held = std::numeric_limits<int>::max())
-      : Simulator("", pusht::ChipmunkWorld::kStartTolerance), substeps_(substeps), held_(held) {}
+      : Simulator("", pusht::ChipmunkScene::kStartTolerance), substeps_(substeps), held_(held) {}
 
  private:
   void doReset(const WorldState& state) override {
-    scene_ = std::make_unique<pusht::chipmunk::Scene>(pusht::ChipmunkParameters());
+    scene_ = std::make_unique<pusht::ChipmunkScene>(pusht::ChipmunkParameters());
     scene_->start(state);
   }
   void doStep(const pusht::Action& action) override {
     for (int i = 0; i < substeps_; ++i) {
-      scene_->substep(i < held_ ? cpv(action[0], action[1]) : cpvzero);
+      scene_->substep(i < held_ ? Eigen::Vector2d(action[0], action[1]) : Eigen::Vector2d(0.0, 0.0));
     }
   }
   WorldState doState() const override { return scene_->state(); }
 
   int substeps_;
   int held_;
-  std::unique_ptr<pusht::chipmunk::Scene> scene_;
+  std::unique_ptr<pusht::ChipmunkScene> scene_;
 };
 
 }  // namespace sim2sim::testing

@@ -88,11 +88,11 @@ std::vector<PlantedFault> pusherFaults() {
        mujocoWith(scaledMass("pusher", 1.5, true)),
        chipmunkWith(scaled(&Physics::pusher_mass, 1.5)),
        rigidWith(scaled(&RigidModel::pusher_mass, 1.5))},
-      {"a motor as stiff as 30 N allow", {P::kServoGain}, {}, chipmunkWithout(&pusht::ChipmunkSwitches::servo), {}},
+      {"a motor as stiff as 30 N allow", {P::kServoGain}, {}, chipmunkWithout(&pusht::ChipmunkParameters::servo), {}},
       {"bodies move before their velocities change",
        {P::kMoveOrder},
        {},
-       chipmunkWithout(&pusht::ChipmunkSwitches::order),
+       chipmunkWithout(&pusht::ChipmunkParameters::order),
        {}},
   };
 }
@@ -199,7 +199,7 @@ std::vector<PlantedFault> contactFaults() {
        chipmunkWith(scaled(&Physics::contact_friction, 0.0)),
        rigidWith([](RigidModel& m) { m.switches.friction = false; })},
       {"restitution 0.5", {P::kHit}, {}, chipmunkOf<Bouncing>(), {}},
-      {"overlaps up to 0.1 m left alone", {P::kSlop}, {}, chipmunkWithout(&pusht::ChipmunkSwitches::slop), {}},
+      {"overlaps up to 0.1 m left alone", {P::kSlop}, {}, chipmunkWithout(&pusht::ChipmunkParameters::slop), {}},
       {"pusher radius + 1 mm",
        {P::kPusherRadius},
        mujocoWith([](mjModel& m) {
@@ -246,7 +246,7 @@ WorldFactory cleanMujoco() {
 }
 
 WorldFactory cleanChipmunk() {
-  return [] { return std::make_unique<pusht::ChipmunkWorld>(); };
+  return [] { return pusht::worldOf<pusht::ChipmunkScene>(); };
 }
 
 WorldFactory cleanRigidBody() {

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "chipmunk_scene.hpp"
-#include "chipmunk_world.hpp"
 #include "pusht_engine/rigid_body_engine.hpp"
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_task/task.hpp"
@@ -125,16 +124,15 @@ Game gameOf(Coalition planted) {
 /// The switches of Chipmunk's mapping are the players. Where the servo is the task's, its gain is so many times the
 /// task's.
 Game gameOfChipmunk(double gain) {
-  constexpr int kSwitches = static_cast<int>(pusht::chipmunk::kSwitches.size());
+  constexpr int kSwitches = static_cast<int>(pusht::ChipmunkScene::kSwitches.size());
   return gameOf(kSwitches, [gain](Coalition on) {
     pusht::ChipmunkParameters parameters;
     for (std::size_t i = 0; i < kSwitches; ++i) {
-      parameters.switches.*pusht::chipmunk::kSwitches[i].value = (on >> i & 1U) != 0;
+      parameters.*pusht::ChipmunkScene::kSwitches[i].value = (on >> i & 1U) != 0;
     }
     pusht::Physics physics;
-    physics.servo_gain *= parameters.switches.servo ? gain : 1.0;
-    return std::make_unique<pusht::ChipmunkWorld>(
-        [=] { return std::make_unique<pusht::chipmunk::Scene>(parameters, physics); });
+    physics.servo_gain *= parameters.servo ? gain : 1.0;
+    return pusht::worldOf<pusht::ChipmunkScene>(parameters, physics);
   });
 }
 
@@ -189,7 +187,7 @@ TEST(DefectInASwitch, IsFound) {
     sum += after[i].value;
   }
   const auto most = static_cast<std::size_t>(std::max_element(changes.begin(), changes.end()) - changes.begin());
-  EXPECT_STREQ(pusht::chipmunk::kSwitches[most].name, "servo");
+  EXPECT_STREQ(pusht::ChipmunkScene::kSwitches[most].name, "servo");
   EXPECT_LT(after[most].interval->high, before[most].interval->low);
   EXPECT_NEAR(sum, defective.meanGap(0) - defective.meanGap(defective.all()), 1e-12);
 }

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// The task's physics in the terms of an engine by others, which has rigid bodies, boxes and forces that are constant
-/// in a substep; and the parameter `preset` of such a kind.
+/// in a substep.
 #pragma once
 
 #include <algorithm>
 #include <array>
-#include <vector>
 
 #include "pusht_task/constants.hpp"
-#include "pusht_task/parameters.hpp"
 #include "pusht_task/physics.hpp"
-#include "pusht_task/switches.hpp"
 
 namespace pusht {
 
@@ -70,13 +67,6 @@ constexpr std::array<PlacedBox, 4> wallBoxes(const Physics& physics) {
            {0.0, -middle, half_length, kHalf},
            {middle, 0.0, kHalf, half_length},
            {-middle, 0.0, kHalf, half_length}}};
-}
-
-/// Descriptors of the switches of a mapping, each on as in the reference's scene and off as users of the engine write
-/// it, and of `preset`: `mapped` (all on) or `idiomatic` (all off).
-template <typename Switches>
-std::vector<ParameterDescriptor> mappingDescriptors(const Switches& switches) {
-  return switchDescriptors(switches, {presetOf("mapped", switches, true), presetOf("idiomatic", switches, false)});
 }
 
 }  // namespace pusht

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Errors that are easily made in an engine, planted in its scene: the physics suite finds each. A package whose world
-/// builds a scene from numbers of the task (Physics) instantiates the suite over them, and over scenes with laws of
-/// their own, in one source of a test:
+/// Errors that are easily made in an engine, planted in its scene (pusht_task/scene_world.hpp): the physics suite finds
+/// each. In one source of a test, with laws of the package's own:
 ///
-///     using Planted = PlantedIn<MineWorld, mine::Scene, MineParameters>;
+///     using Planted = PlantedIn<MineScene>;
 ///     std::vector<PlantedError> errors() {
-///       return Planted::withNumbers(minePhysics(), {Planted::withLaw<ThreeWalls>("three walls", minePhysics())});
+///       return Planted::errors(minePhysics(), {Planted::law<OtherFriction>("other friction", minePhysics())});
 ///     }
 ///     INSTANTIATE_TEST_SUITE_P(Mine, PlantedErrorSuite, ::testing::ValuesIn(errors()));
 #pragma once
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <functional>
 #include <iosfwd>
 #include <memory>
@@ -19,8 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "pusht_task/physics.hpp"
-#include "pusht_task/simulator.hpp"
+#include "pusht_task/scene_world.hpp"
 #include "pusht_testing/physics_of_kind.hpp"
 
 namespace pusht::testing {
@@ -30,6 +29,7 @@ struct PlantedError {
   std::string name;
   std::function<std::unique_ptr<Simulator>()> make_world;
   PhysicsOfKind claims;
+  std::string found_by{};  ///< a check that must find it; empty: any
 };
 
 /// Name of the error in gtest's output.
@@ -44,34 +44,64 @@ struct WrongNumbers {
 /// Each number of the task that a motion depends on, too small or too large, and some that are easily confused.
 std::vector<WrongNumbers> wrongNumbers();
 
-/// Planted errors of worlds that build a scene from parameters and numbers of the task.
-template <class World, class Scene, class Parameters>
-struct PlantedIn {
-  /// World without an error.
-  static std::unique_ptr<Simulator> sound() { return worlds<Scene>({})(); }
-
-  /// Every one of wrongNumbers(), and then `laws`.
-  static std::vector<PlantedError> withNumbers(const PhysicsOfKind& claims, const std::vector<PlantedError>& laws) {
-    std::vector<PlantedError> errors;
-    for (const WrongNumbers& wrong : wrongNumbers()) {
-      errors.push_back({wrong.name, worlds<Scene>(wrong.physics), claims});
+template <class SceneOfKind>
+struct ThreeWalls : SceneOfKind {
+  using SceneOfKind::SceneOfKind;
+  void addWalls() override {
+    const auto walls = wallBoxes(this->physics());
+    for (std::size_t wall = 0; wall < 3; ++wall) {
+      this->addWall(walls[wall]);
     }
-    errors.insert(errors.end(), laws.begin(), laws.end());
-    return errors;
+  }
+};
+
+template <class SceneOfKind>
+struct FrictionAtTheCenterOfMass : SceneOfKind {
+  using SceneOfKind::SceneOfKind;
+  void addTableFriction() override { this->addFrictionPerAxis({0.0, -this->physics().centerOfMass()}); }
+};
+
+/// Damping as a force on the body, as engines have it, at its center.
+template <class SceneOfKind>
+struct DampingAtTheCenterOfMass : SceneOfKind {
+  using SceneOfKind::SceneOfKind;
+  void applyDrag() override { this->applyDragAt({0.0, -this->physics().centerOfMass()}); }
+};
+
+/// Planted errors of a kind's scene.
+template <class SceneOfKind>
+struct PlantedIn {
+  using Parameters = typename SceneOfKind::Parameters;
+
+  /// Every one of wrongNumbers(), wrong laws that every scene can have, and then `more`.
+  static std::vector<PlantedError> errors(const PhysicsOfKind& claims, const std::vector<PlantedError>& more) {
+    std::vector<PlantedError> all;
+    for (const WrongNumbers& wrong : wrongNumbers()) {
+      all.push_back({wrong.name, worlds<SceneOfKind>({}, wrong.physics), claims});
+    }
+    all.push_back(law<ThreeWalls<SceneOfKind>>("three walls", claims));
+    all.push_back(law<FrictionAtTheCenterOfMass<SceneOfKind>>("friction at the center of mass", claims));
+    all.push_back(law<DampingAtTheCenterOfMass<SceneOfKind>>("damping at the center of mass", claims));
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
   }
 
   template <class SceneWithAnError>
-  static PlantedError withLaw(std::string name, const PhysicsOfKind& claims) {
-    PlantedError error{std::move(name), {}, claims};
-    error.make_world = worlds<SceneWithAnError>({});
-    return error;
+  static PlantedError law(std::string name, const PhysicsOfKind& claims) {
+    return {std::move(name), worlds<SceneWithAnError>({}, {}), claims};
+  }
+
+  /// The idiom in place of a choice of the mapping.
+  static PlantedError idiom(bool Parameters::*choice, const PhysicsOfKind& claims, const std::string& found_by) {
+    Parameters parameters;
+    parameters.*choice = false;
+    return {"idiom that is found by " + found_by, worlds<SceneOfKind>(parameters, {}), claims, found_by};
   }
 
  private:
   template <class S>
-  static std::function<std::unique_ptr<Simulator>()> worlds(const Physics& physics) {
-    return
-        [physics] { return std::make_unique<World>([physics] { return std::make_unique<S>(Parameters(), physics); }); };
+  static std::function<std::unique_ptr<Simulator>()> worlds(const Parameters& parameters, const Physics& physics) {
+    return [parameters, physics] { return worldOf<S>(parameters, physics); };
   }
 };
 

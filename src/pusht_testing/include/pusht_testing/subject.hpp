@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pusht_task/simulator_kind.hpp"
 #include "pusht_testing/physics_of_kind.hpp"
@@ -22,6 +23,9 @@ struct Subject {
 
   SimulatorModel load() const;
 };
+
+/// Idioms of an engine, whose physics the task's formulas do not describe: all of the kind's switches off, and each.
+std::vector<Subject> idiomsOf(const SimulatorKind& kind);
 
 /// Name of the subject in gtest's output.
 void PrintTo(const Subject& subject, std::ostream* out);  // NOLINT(readability-identifier-naming)

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pusht_task/scene_world.hpp"
+
+#include <utility>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/substeps.hpp"
+
+namespace pusht {
+
+void Scene::substep(const Eigen::Vector2d& command) {
+  applyServo(command);
+  applyDrag();
+  advance();
+}
+
+void Scene::addWalls() {
+  for (const PlacedBox& wall : wallBoxes(physics_)) {
+    addWall(wall);
+  }
+}
+
+void Scene::addTableFriction() {
+  if (mapping_.table_friction) {
+    addFrictionPerAxis({0.0, 0.0});
+  } else {
+    addIdiomaticFriction();
+  }
+}
+
+void Scene::applyDrag() {
+  if (mapping_.drag) {
+    applyDragAt({0.0, 0.0});
+  }
+}
+
+double Scene::pusherMass() const { return pusht::pusherMass(physics_, mapping_.servo ? mapping_.substep : 0.0); }
+
+TeeInertia Scene::teeInertia() const { return pusht::teeInertia(physics_, mapping_.drag ? mapping_.substep : 0.0); }
+
+SceneWorld::SceneWorld(const std::string& name, double start_tolerance, double substep, MakeScene make_scene)
+    : Simulator(name, start_tolerance),
+      name_(name),
+      substeps_(substepsPerControlStep(substep)),
+      make_scene_(std::move(make_scene)) {
+  SceneWorld::doReset({});
+}
+
+void SceneWorld::requireNone(const std::string& fault, const char* when) const {
+  if (!fault.empty()) {
+    throw SimulationFault(name_ + ": " + when + ": " + fault);
+  }
+}
+
+void SceneWorld::doReset(const WorldState& state) {
+  std::unique_ptr<Scene> scene = make_scene_();
+  requireNone(scene->faultOfPositions(state), "reset");
+  const WorldState start = scene->start(state);
+  requireNone(scene->faultOfSpeeds(), "reset");
+  requireNone(faultOfStart(state, scene->state(), startTolerance()), "reset");
+  scene_ = std::move(scene);
+  start_ = start;
+}
+
+void SceneWorld::doStep(const Action& action) {
+  start_.reset();
+  for (int i = 0; i < substeps_; ++i) {
+    scene_->substep({action[0], action[1]});
+    requireNone(scene_->faultOfSpeeds(), "step");
+  }
+  requireNone(scene_->faultOfPositions(scene_->state()), "step");
+}
+
+}  // namespace pusht

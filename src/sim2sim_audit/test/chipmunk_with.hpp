@@ -79,7 +79,7 @@ struct FrictionOfADisc : pusht::ChipmunkScene {
 struct Bouncing : pusht::ChipmunkScene {
   using ChipmunkScene::ChipmunkScene;
   WorldState start(const WorldState& state) override {
-    const WorldState result = ChipmunkScene::start(state);
+    WorldState result = ChipmunkScene::start(state);
     const auto set = [](cpShape* shape, void* /*none*/) {
       cpShapeSetElasticity(shape, std::sqrt(0.5));  // Chipmunk multiplies those of two shapes
     };

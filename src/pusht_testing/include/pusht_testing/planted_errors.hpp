@@ -16,7 +16,6 @@
 #include <iosfwd>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "pusht_task/scene_world.hpp"
@@ -44,6 +43,7 @@ struct WrongNumbers {
 /// Each number of the task that a motion depends on, too small or too large, and some that are easily confused.
 std::vector<WrongNumbers> wrongNumbers();
 
+/// Scene without the wall at -x.
 template <class SceneOfKind>
 struct ThreeWalls : SceneOfKind {
   using SceneOfKind::SceneOfKind;
@@ -55,6 +55,7 @@ struct ThreeWalls : SceneOfKind {
   }
 };
 
+/// Friction of the table at the tee's center of mass.
 template <class SceneOfKind>
 struct FrictionAtTheCenterOfMass : SceneOfKind {
   using SceneOfKind::SceneOfKind;
@@ -77,7 +78,7 @@ struct PlantedIn {
   static std::vector<PlantedError> errors(const PhysicsOfKind& claims, const std::vector<PlantedError>& more) {
     std::vector<PlantedError> all;
     for (const WrongNumbers& wrong : wrongNumbers()) {
-      all.push_back({wrong.name, worlds<SceneOfKind>({}, wrong.physics), claims});
+      all.push_back(planted<SceneOfKind>(wrong.name, claims, {}, wrong.physics));
     }
     all.push_back(law<ThreeWalls<SceneOfKind>>("three walls", claims));
     all.push_back(law<FrictionAtTheCenterOfMass<SceneOfKind>>("friction at the center of mass", claims));
@@ -87,21 +88,26 @@ struct PlantedIn {
   }
 
   template <class SceneWithAnError>
-  static PlantedError law(std::string name, const PhysicsOfKind& claims) {
-    return {std::move(name), worlds<SceneWithAnError>({}, {}), claims};
+  static PlantedError law(const std::string& name, const PhysicsOfKind& claims) {
+    return planted<SceneWithAnError>(name, claims, {}, {});
   }
 
   /// The idiom in place of a choice of the mapping.
   static PlantedError idiom(bool Parameters::*choice, const PhysicsOfKind& claims, const std::string& found_by) {
     Parameters parameters;
     parameters.*choice = false;
-    return {"idiom that is found by " + found_by, worlds<SceneOfKind>(parameters, {}), claims, found_by};
+    PlantedError error = planted<SceneOfKind>("idiom that is found by " + found_by, claims, parameters, {});
+    error.found_by = found_by;
+    return error;
   }
 
  private:
   template <class S>
-  static std::function<std::unique_ptr<Simulator>()> worlds(const Parameters& parameters, const Physics& physics) {
-    return [parameters, physics] { return worldOf<S>(parameters, physics); };
+  static PlantedError planted(const std::string& name, const PhysicsOfKind& claims, const Parameters& parameters,
+                              const Physics& physics) {
+    PlantedError error = {name, {}, claims};
+    error.make_world = [parameters, physics] { return worldOf<S>(parameters, physics); };
+    return error;
   }
 };
 

@@ -78,6 +78,7 @@ struct RunOption {
   }
 };
 
+/// Deduces the type of an option from its member.
 template <class Value>
 RunOption(const char*, const char*, const char*, Decides, Written, bool, Value RunOptions::*, OptionRange)
     -> RunOption<Value>;

@@ -21,6 +21,7 @@ from sim2sim_report.figures import (
     FigureCanvasAgg,
     entitle_axes,
     matplotlib,
+    wrapped,
 )
 from sim2sim_report.results import REPLAY
 from sim2sim_report.suite import Suite
@@ -157,6 +158,11 @@ class Words(unittest.TestCase):
             FigureCanvasAgg(figure).draw()
             box = axes.title.get_window_extent()
             self.assertTrue(figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1 / 2, box)
+
+    def test_a_word_that_is_too_long_breaks_behind_its_signs(self) -> None:
+        self.assertEqual(wrapped("rigid_body:preset=shaped", 14), "rigid_body:\npreset=shaped")
+        self.assertEqual(wrapped("two words here", 9), "two words\nhere")
+        self.assertEqual(wrapped("abcdefgh", 5), "abcde\nfgh")
 
     def test_a_name_is_no_mathematics(self) -> None:
         content = equivalents(1)

@@ -260,8 +260,14 @@ def fitted(text: str, width: float, size: float) -> str:
 
 
 def wrapped(text: str, width: int) -> str:
-    """Text in lines of a width [characters] at most. It is no mathematics."""
-    return textwrap.fill(text, width).replace("$", r"\$")
+    """Text in lines of a width [characters] at most. It is no mathematics.
+
+    A word that is too long breaks behind its signs: "rigid_body:", "preset=shaped".
+    """
+    lines = textwrap.TextWrapper(width)
+    if any(len(word) > width for word in text.split()):
+        lines.wordsep_re = re.compile(r"(\s+|(?<=[:=,])(?=\S))")
+    return lines.fill(text).replace("$", r"\$")
 
 
 def name_rows(axes: Any, names: Sequence[str]) -> None:

@@ -12,6 +12,7 @@ from typing import Dict, List, Tuple
 from command_case import CommandCase, executable
 
 BENCHMARK = Path(__file__).resolve().parents[1] / "benchmark"
+SOURCES = BENCHMARK.parents[1]
 sys.path.insert(0, str(BENCHMARK))
 import claims  # noqa: E402
 
@@ -55,9 +56,7 @@ class Table(CommandCase):
         """Each option is in the command's help, each plan is there."""
         help_of: Dict[Tuple[str, ...], str] = {}
         for command in (command for run in RUNS for command in run.commands):
-            words = shlex.split(
-                command.replace("$(rospack find sim2sim_eval)", str(BENCHMARK.parent))
-            )
+            words = shlex.split(re.sub(r"\$\(rospack find (\w+)\)", rf"{SOURCES}/\1", command))
             with self.subTest(command):
                 if words[0] == "echo":
                     continue
@@ -67,7 +66,7 @@ class Table(CommandCase):
                     program, arguments = (executable(*words[1:3]),), words[3:]
                 else:
                     self.assertEqual(words[0], "/usr/bin/python3")
-                    self.assertEqual(Path(words[1]).parent, BENCHMARK)
+                    self.assertEqual(Path(words[1]).parents[2], SOURCES)
                 if program not in help_of:
                     process = self.run_command(*program, "--help")
                     self.assertEqual(process.returncode, 0, process.stderr)

@@ -109,7 +109,7 @@ TEST(MergedGoal, KeepsTheSizeOfEveryNumberOfAnOldField) {
   using Goal = pusht_msgs::CompareGoal;
   EXPECT_EQ(refusal(&Goal::episodes), "episodes 4294967295: must be from 1 to 1000000");
   EXPECT_EQ(refusal(&Goal::first_episode), "first_episode 4294967295: must be from 0 to 1000000000");
-  EXPECT_EQ(refusal(&Goal::horizon), "horizon 4294967295: must be from 1 to 300");
+  EXPECT_EQ(refusal(&Goal::horizon), "horizon 4294967295: must be from 1 to 300 [control steps]");
   EXPECT_EQ(refusal(&Goal::reanchor), "reanchor '4294967295': must be numbers of control steps like 1,5,20");
   pusht_msgs::CompareGoal goal;
   goal.seed = {std::numeric_limits<std::uint64_t>::max()};

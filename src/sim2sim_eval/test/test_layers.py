@@ -44,6 +44,7 @@ HEAVY: Dict[str, Set[str]] = {
     "ros/ros.h": set(),
     "torch/": {"pusht_policy/src/graph_sizes.hpp"},
     "yaml-cpp/": {
+        "sim2sim_eval/src/batch/plan_loops.hpp",
         "sim2sim_eval/src/batch/plan_policies.hpp",
         "sim2sim_eval/src/batch/plan_values.hpp",
     },

@@ -39,7 +39,7 @@ void greetInSilence() {
 
 const SimulatorKind& chipmunkKind() {
   static const SimulatorKind kind = kindOfScenes<ChipmunkScene>("chipmunk", cpVersionString, {"libchipmunk.so"},
-                                                                greetInSilence, FirstParameters::kNumbers);
+                                                                greetInSilence, ParameterOrder::kNumbersFirst);
   return kind;
 }
 

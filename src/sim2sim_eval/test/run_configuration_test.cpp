@@ -81,7 +81,7 @@ TEST(Configuration, FormatIsRaisedWithTheQuantities) {
     Protocol protocol;
     protocol.reanchor = reanchor;
     std::string columns;
-    for (const std::size_t i : protocol.columns()) {
+    for (const std::size_t i : protocol.quantityColumns()) {
       columns.append(kQuantities[i].name).append(" ").append(kQuantities[i].unit).append("\n");
     }
     return pusht::md5(columns) + " in format " + describe(course()).at("format").dump();

@@ -28,7 +28,7 @@ void change(int& value) {
   value = value == 0 ? 7 : value == 1 ? 5 : value - 1;
 }  // the usual 50 episodes are 10 times 5
 void change(std::uint64_t& value) { value = (std::uint64_t{1} << 63U) + 1U; }  // which no double holds
-void change(double& value) { value *= 3.0; }
+void change(double& value) { value = value == 0.0 ? 0.01 : 3.0 * value; }
 void change(bool& value) { value = !value; }
 void change(std::vector<int>& value) { value = {2, 40}; }
 void change(std::optional<double>& value) { value = 0.75; }

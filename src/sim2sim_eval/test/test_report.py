@@ -472,7 +472,7 @@ class Content(ReportCase):
                 self.assertEqual(process.returncode, 0, process.stderr)
                 page = html.unescape(self.page(out))
                 self.assertIn(said, page)
-                for pushes in re.findall("of 100 that move .*", process.stdout):
+                for pushes in re.findall("in the mean episode .*", process.stdout):
                     self.assertIn(f">{pushes}<", page, "as the command prints it")
 
     def test_command_makes_the_run_again(self) -> None:

@@ -108,7 +108,7 @@ bool Protocol::has(std::size_t rollout, Scope scope) const {
   return false;
 }
 
-std::vector<std::size_t> Protocol::columns() const {
+std::vector<std::size_t> Protocol::quantityColumns() const {
   std::vector<std::size_t> columns;
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
     if (kQuantities[i].scope != Scope::kPushes || !reanchor.empty()) {

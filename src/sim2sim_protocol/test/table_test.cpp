@@ -206,14 +206,15 @@ TEST(Table, SaysWhatBecomesOfPushes) {
   const auto text = [&](double missed) {
     return table(configuration, summarize(configuration.protocol, episodesWithPushes(missed)));
   };
-  EXPECT_THAT(text(0.18),
-              HasSubstr("\n    pushes              of 100 that move MuJoCo's tee, 18 [15, 32] miss here; of "
-                        "100 others, 43 [36, 53] move it the other way\n"
-                        "    direction error                                     1.2500 rad ["));
-  EXPECT_THAT(text(1.0), HasSubstr(" of 100 that move MuJoCo's tee, 100 [83, 100] miss here\n"));
+  EXPECT_THAT(
+      text(0.18),
+      HasSubstr("\n    pushes              in the mean episode 18 % [15, 32] of those that move MuJoCo's tee miss "
+                "here; of the others 43 % [36, 53] move it the other way\n"
+                "    direction error                                     1.2500 rad ["));
+  EXPECT_THAT(text(1.0), HasSubstr(" 100 % [83, 100] of those that move MuJoCo's tee miss here\n"));
   EXPECT_THAT(text(std::nan("")), Not(HasSubstr("pushes"))) << "the reference's tee does not move";
   configuration.reference = {"two_mass", "two-mass engine"};
-  EXPECT_THAT(text(0.0), HasSubstr(" of 100 that move the two-mass engine's tee, 0 [0, 17] miss here;"));
+  EXPECT_THAT(text(0.0), HasSubstr(" 0 % [0, 17] of those that move the two-mass engine's tee miss here;"));
 }
 
 TEST(Table, ShowsRatesWithIntervals) {

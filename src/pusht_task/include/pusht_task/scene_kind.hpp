@@ -30,12 +30,12 @@ struct SolverNumber {
 };
 
 /// Order of a kind's parameters, in which results and hashes have them.
-enum class FirstParameters { kSwitches, kNumbers };
+enum class ParameterOrder { kSwitchesFirst, kNumbersFirst };
 
 /// Parameters of a kind of scenes: `preset`, which is `mapped` (all switches on) or `idiomatic` (all off), and the
 /// scene's `kSwitches`; its `kNumbers` and `substep`.
 template <class SceneOfKind>
-std::vector<ParameterDescriptor> sceneDescriptors(FirstParameters first) {
+std::vector<ParameterDescriptor> sceneDescriptors(ParameterOrder order) {
   const auto& switches = SceneOfKind::kSwitches;
   std::vector<ParameterDescriptor> front =
       switchDescriptors(switches, {presetOf("mapped", switches, true), presetOf("idiomatic", switches, false)});
@@ -47,7 +47,7 @@ std::vector<ParameterDescriptor> sceneDescriptors(FirstParameters first) {
     back.push_back({number.name, number.unit, number.meaning, value, number.least, number.greatest, number.reason});
   }
   back.push_back(substepDescriptor("substep"));
-  if (first == FirstParameters::kNumbers) {
+  if (order == ParameterOrder::kNumbersFirst) {
     std::swap(front, back);
   }
   front.insert(front.end(), back.begin(), back.end());
@@ -73,12 +73,12 @@ SimulatorModel modelOfScenes(const ParameterSet& set) {
 template <class SceneOfKind>
 SimulatorKind kindOfScenes(const std::string& name, const std::string& version,
                            const std::vector<std::string>& libraries, void (*prepare)(),
-                           FirstParameters first = FirstParameters::kSwitches) {
+                           ParameterOrder order = ParameterOrder::kSwitchesFirst) {
   const auto load = [prepare](const ParameterSet& set) {
     prepare();
     return modelOfScenes<SceneOfKind>(set);
   };
-  return {name,       SceneOfKind::kTitle,          version, sceneDescriptors<SceneOfKind>(first),
+  return {name,       SceneOfKind::kTitle,          version, sceneDescriptors<SceneOfKind>(order),
           libraries,  SceneOfKind::kStartTolerance, load,    {"substep=0.005"},
           {"overlap"}};
 }

@@ -99,7 +99,8 @@ class SceneWorld : public Simulator {
   std::optional<WorldState> start_;  ///< until the first step
 };
 
-/// World of a kind's scenes, with the kind's parameters and numbers of the task.
+/// World of a kind's scenes, with the kind's parameters and numbers of the task. Engines that a process must make ready
+/// are made so by their kind, when it loads a model: outside of a kind, the caller does it first.
 template <class SceneOfKind>
 std::unique_ptr<SceneWorld> worldOf(const typename SceneOfKind::Parameters& parameters = {},
                                     const Physics& physics = {}) {

@@ -123,7 +123,7 @@ pusht_msgs::EpisodeResult toMessage(const Protocol& protocol, const EpisodeResul
       rollout.still_step = static_cast<std::uint32_t>(result.ending->still_step);
       rollout.pusher_ending = nameOf(result.ending->pusher);
     }
-    for (const std::size_t i : protocol.columns()) {
+    for (const std::size_t i : protocol.quantityColumns()) {
       pusht_msgs::Quantity quantity;
       quantity.name = kQuantities[i].name;
       quantity.unit = kQuantities[i].unit;

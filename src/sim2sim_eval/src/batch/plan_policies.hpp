@@ -12,7 +12,7 @@
 
 namespace sim2sim {
 
-/// Word for the reference of a policy in a plan that is its home.
+/// Value of `reference` in a plan: the simulator of each policy's own demonstrations.
 inline constexpr const char* kHome = "home";
 
 /// Policies of a plan, in its order; those of a pattern in the order of their names. `reference` is that of each policy

@@ -92,7 +92,7 @@ struct Protocol : RunOptions {
 
   /// Indices in kQuantities of the columns of episodes.csv, and of what a message of a rollout has: all but those of
   /// pushes, which come with state-reset replays.
-  std::vector<std::size_t> columns() const;
+  std::vector<std::size_t> quantityColumns() const;
 };
 
 /// Calls function(rollout, index in kQuantities) for every quantity of every rollout of `protocol`.

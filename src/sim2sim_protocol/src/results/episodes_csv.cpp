@@ -30,7 +30,7 @@ Number numberFrom(const std::string& text) {
 
 std::string csvHead(const Protocol& protocol) {
   std::string head = "episode,seed,mode,steps,success";
-  for (const std::size_t i : protocol.columns()) {
+  for (const std::size_t i : protocol.quantityColumns()) {
     head.append(",").append(kQuantities[i].name).append("_").append(kQuantities[i].unit);
   }
   return head + ",parting_step,parting_cause,parting_first" + (protocol.repeats > 1 ? ",repeat" : "") +
@@ -42,7 +42,7 @@ std::string csvRow(const Protocol& protocol, const EpisodeResult& episode, const
   const std::string success = result.success ? "true" : "false";
   std::string row = std::to_string(episode.index) + "," + (episode.seed ? std::to_string(*episode.seed) : "") + "," +
                     mode + "," + std::to_string(result.steps) + "," + success;
-  for (const std::size_t i : protocol.columns()) {
+  for (const std::size_t i : protocol.quantityColumns()) {
     const double value = result.quantities[i];
     row.append(",").append(std::isnan(value) ? "" : pusht::shortestText(value));
   }
@@ -99,9 +99,9 @@ std::optional<RolloutEnding> endingFrom(const std::string& ending, const std::st
 /// The row that csvRow() wrote, as far as it can be read.
 void readCsvRow(const Protocol& protocol, const std::string& row, EpisodeResult& episode, RolloutResult& result) {
   std::vector<std::string> cells = pusht::split(row, ',');
-  const std::vector<std::size_t> columns = protocol.columns();
-  const std::size_t behind = kFixedColumns + columns.size();
-  const std::size_t last = behind + kFirstDivergenceColumns + (protocol.repeats > 1 ? 1 : 0);
+  const std::vector<std::size_t> columns = protocol.quantityColumns();
+  const std::size_t after_quantities = kFixedColumns + columns.size();
+  const std::size_t last = after_quantities + kFirstDivergenceColumns + (protocol.repeats > 1 ? 1 : 0);
   cells.resize(last + kEndingColumns);
   episode.index = numberFrom<int>(cells[0]);
   episode.seed = cells[1].empty() ? std::nullopt : std::optional(numberFrom<std::uint64_t>(cells[1]));
@@ -111,7 +111,8 @@ void readCsvRow(const Protocol& protocol, const std::string& row, EpisodeResult&
     const std::string& cell = cells[kFixedColumns + i];
     result.quantities[columns[i]] = cell.empty() ? kNone : numberFrom<double>(cell);
   }
-  result.first_divergence = firstDivergenceFrom(cells[behind], cells[behind + 1], cells[behind + 2]);
+  result.first_divergence =
+      firstDivergenceFrom(cells[after_quantities], cells[after_quantities + 1], cells[after_quantities + 2]);
   result.ending = endingFrom(cells[last], cells[last + 1], cells[last + 2]);
 }
 
@@ -130,6 +131,9 @@ std::string episodesCsv(const Protocol& protocol, const std::vector<EpisodeResul
 
 std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::string& text) {
   const std::vector<std::string> lines = linesOf(text);
+  if (!lines.empty() && lines.front() + "\n" != csvHead(protocol)) {
+    throw pusht::InvalidInput("line 1: must have the columns that this version writes; run it again");
+  }
   const std::size_t rollouts = protocol.rolloutNames().size();
   const std::size_t count = lines.empty() ? 0 : (lines.size() - 1) / rollouts;
   std::vector<EpisodeResult> episodes(count);

@@ -285,7 +285,7 @@ std::vector<double> samplesOf(const std::vector<EpisodeResult>& episodes, const 
 std::optional<double> extremeOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure) {
   const Quantity& quantity = kQuantities[figure.quantity];
   if (quantity.scope == Scope::kPushes) {
-    return quantity.limit;
+    return quantity.limit - quantity.least;
   }
   if (quantity.null_model == nullptr || !quantity.hasIntervals()) {
     return std::nullopt;

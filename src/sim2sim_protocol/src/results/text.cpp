@@ -78,13 +78,12 @@ std::string percent(double share) { return std::isinf(share) ? "any" : percentNu
 std::string percentNumber(double share) { return fixedText(100.0 * readable(share), 0); }
 
 std::string pushText(const std::string& reference, const Estimate& missed, const Estimate& turned) {
-  const auto count = [](const Estimate& share) {
-    const std::optional<Interval>& ends = share.interval;
-    return percentNumber(share.value) +
-           (ends ? " [" + percentNumber(ends->low) + ", " + percentNumber(ends->high) + "]" : "");
+  const auto share = [](const Estimate& mean) {
+    const std::optional<Interval>& ends = mean.interval;
+    return percent(mean.value) + (ends ? " [" + percentNumber(ends->low) + ", " + percentNumber(ends->high) + "]" : "");
   };
-  return "of 100 that move " + reference + "'s tee, " + count(missed) + " miss here" +
-         (std::isnan(turned.value) ? "" : "; of 100 others, " + count(turned) + " move it the other way");
+  return "in the mean episode " + share(missed) + " of those that move " + reference + "'s tee miss here" +
+         (std::isnan(turned.value) ? "" : "; of the others " + share(turned) + " move it the other way");
 }
 
 std::string markOf(const std::optional<bool>& beats_null) {

@@ -127,16 +127,19 @@ def _pushes(run: Run, probe: str) -> List[Json]:
     """The pushes of a state-reset replay, as pushText() has them; none without a push."""
     m = run.metrics
 
-    def count(name: str) -> str:
+    def share(name: str) -> str:
         ends = [f"{100 * end:.0f}" for end in m[f"{probe}_{name}_interval_share"] or []]
-        return f"{100 * m[f'{probe}_{name}_share']:.0f}" + (f" [{', '.join(ends)}]" if ends else "")
+        return f"{100 * m[f'{probe}_{name}_share']:.0f} %" + (
+            f" [{', '.join(ends)}]" if ends else ""
+        )
 
     if m.get(f"{probe}_pushes_missed_share") is None:
         return []
     reference = in_sentence(run.title("reference"))
-    text = f"of 100 that move {reference}'s tee, {count('pushes_missed')} miss here"
+    missed = share("pushes_missed")
+    text = f"in the mean episode {missed} of those that move {reference}'s tee miss here"
     if m[f"{probe}_pushes_turned_share"] is not None:
-        text += f"; of 100 others, {count('pushes_turned')} move it the other way"
+        text += f"; of the others {share('pushes_turned')} move it the other way"
     error = figure(m, f"{probe}_push_direction_error", "rad")
     return [
         {"head": "pushes", "cells": [text]},

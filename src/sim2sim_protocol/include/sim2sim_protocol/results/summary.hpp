@@ -36,13 +36,13 @@ struct FigureIndex {
 std::vector<double> samplesOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure);
 
 /// How far apart one more episode may be in the mean, for the intervals of a divergence: the mean of its null model in
-/// the same rollout. Of a figure of pushes it is the largest possible value. None of another quantity without a
+/// the same rollout. Of a figure of pushes it is the width of its range. None of another quantity without a
 /// measured null model.
 std::optional<double> extremeOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure);
 
-/// Mean of a quantity, with the interval that fits it: Gaffke's with an `extreme` (tailMeanInterval(); a divergence
-/// without has none), log-t for another quantity that is never negative, pairedDifference() for a signed one. NaN
-/// without samples.
+/// Mean of a quantity, with the interval that fits it. Of one that is never negative: Gaffke's with an `extreme`
+/// (tailMeanInterval(); a divergence without has none), else log-t. Of a signed one: pairedDifference(). NaN without
+/// samples.
 Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity, const std::optional<double>& extreme);
 
 /// Mean of a figure, with the interval that fits it; NaN if no episode has it.

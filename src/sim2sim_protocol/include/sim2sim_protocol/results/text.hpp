@@ -32,7 +32,8 @@ std::string percent(double share);
 /// Share in percent as "31".
 std::string percentNumber(double share);
 
-/// Pushes as "of 100 that move MuJoCo's tee, 18 [14, 23] miss here; of 100 others, 43 [37, 49] move it the other way".
+/// Pushes as "in the mean episode 18 % [14, 23] of those that move MuJoCo's tee miss here; of the others 43 % [37, 49]
+/// move it the other way".
 /// `turned` is a share of those that are not missed; NaN if all are.
 std::string pushText(const std::string& reference, const Estimate& missed, const Estimate& turned);
 

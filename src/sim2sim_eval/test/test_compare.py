@@ -28,6 +28,7 @@ from pusht_policy.demonstrations import (
     sha256_of_frames,
 )
 from sim2sim_report.results import METRICS_FORMAT
+from sim2sim_protocol.configuration import ALWAYS
 
 from command_case import DEADLINE, CommandCase, executable, signals, until
 from torch_policies import Endless
@@ -109,6 +110,7 @@ class Measurement(CompareCase):
         self.assertEqual((metrics["episodes"], metrics["policy"]), (50, "bc"))
         self.assertGreater(metrics["mj_success_interval"][0], 0.3)
         provenance = self.load("out", "provenance.json")
+        self.assertEqual(set(provenance["configuration"]), ALWAYS)
         self.assertEqual(provenance["policy"]["runs_on"], "fixed-order kernel")
         recorded = json.loads(
             Path(

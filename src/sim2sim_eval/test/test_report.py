@@ -477,8 +477,9 @@ class Content(ReportCase):
 
     def test_command_makes_the_run_again(self) -> None:
         options = ["--set", "block_damp=20.5", "--reanchor", "5", "--bound-angle", "0.123456789"]
-        options += ["--episodes", "12", "--first-episode", "3", "--seed", "4", "--no-floor"]
-        options += ["--horizon", "200", "--noise-seed", "7"]
+        options += ["--episodes", "12", "--first-episode", "4", "--seed", "4", "--no-floor"]
+        options += ["--horizon", "200", "--noise-seed", "7", "--repeats", "2"]
+        options += ["--independent-noise", "--set", "loop.observation_noise_position=0.002"]
         process = self.run_command(COMPARE, *options, "--out", "run")
         self.assertEqual(process.returncode, 0, process.stderr)
         self.made_again(self.command("run")[0])

@@ -2,8 +2,10 @@
 #include "sim2sim_protocol/protocol.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <string>
 #include <type_traits>
 
@@ -17,14 +19,22 @@ namespace {
 constexpr int kSmokeEpisodes = 2;
 constexpr int kSmokeHorizon = 40;  // [control steps]
 
-/// Refuses an integer that is out of the range of its option.
-template <class Option>
-void requireWithin(const Option& option, int value) {
-  if (value < option.range.least || value > option.range.greatest) {
-    throw pusht::InvalidInput(std::string(option.name) + " " + std::to_string(value) + ": must be from " +
-                              std::to_string(static_cast<int>(option.range.least)) + " to " +
-                              std::to_string(static_cast<int>(option.range.greatest)));
+std::string textOf(int value) { return std::to_string(value); }
+std::string textOf(double value) { return pusht::shortestText(value); }
+
+/// Refuses a number that is out of the range of its option, or no number.
+template <class Number, class Option>
+void requireWithin(const Option& option, Number value) {
+  const OptionRange& range = option.range;
+  if (range.least <= value && value <= range.greatest) {
+    return;
   }
+  const std::string least = textOf(static_cast<Number>(range.least));
+  const bool bounded = std::isfinite(range.greatest);
+  const std::string rule =
+      bounded ? "from " + least + " to " + textOf(static_cast<Number>(range.greatest)) : "at least " + least;
+  throw pusht::InvalidInput(std::string(option.name) + " " + textOf(value) + ": must be " + rule +
+                            (*option.unit == '\0' ? "" : " [" + std::string(option.unit) + "]"));
 }
 
 }  // namespace
@@ -36,8 +46,12 @@ const char* modeName(Mode mode) {
 
 void Protocol::validate() const {
   forEachOption([&](const auto& option) {
-    if constexpr (std::is_same_v<std::decay_t<decltype(option.of(*this))>, int>) {
-      requireWithin(option, option.of(*this));
+    const auto& value = option.of(*this);
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, double>) {
+      requireWithin<Value>(option, value);
+    } else if constexpr (std::is_same_v<Value, std::optional<double>>) {
+      requireWithin<double>(option, value.value_or(option.range.least));
     }
   });
   bound().validate();

@@ -7,6 +7,7 @@ from typing import Any, Dict
 from pusht_policy.checkpoint import provenance_path, read_provenance, sha256_of
 from pusht_task.error import Error
 from pusht_task.json_file import Json, read_json, require_format, write_json
+from sim2sim_protocol.configuration import changed_options
 from sim2sim_protocol.result_files import format_of, name_of
 
 # Configuration of a comparison that is an evaluation, besides episodes and seed.
@@ -17,8 +18,6 @@ EVALUATED: Dict[str, Any] = {
     "first_episode": 0,
     "smoke": False,
 }
-# Keys of the configuration that it must not have: each makes a rate another one.
-FORBIDDEN = ("starts", "until_decided", "repeats", "noise_seed", "independent_noise", "execute")
 
 
 def record_evaluation(checkpoint: Path, results: Path) -> None:
@@ -62,11 +61,8 @@ def _evaluated_configuration(path: Path, checkpoint_sha256: str) -> Json:
     for name, value in EVALUATED.items():
         _require(path, origin, f"configuration.{name}", value)
     configuration: Json = origin["configuration"]
-    for name in FORBIDDEN:
-        if name in configuration:
-            raise Error(
-                f"{path}: configuration.{name} is {configuration[name]}; there must be none"
-            )
+    for name, value in changed_options(configuration).items():
+        raise Error(f"{path}: configuration.{name} is {value}; there must be none")
     return configuration
 
 

@@ -8,6 +8,7 @@ from typing import Any, List, Sequence, Union
 
 from pusht_task.json_file import Json
 from pusht_task.task import HORIZON
+from sim2sim_protocol.configuration import changed_options
 
 from sim2sim_report.results import Partial, Run
 
@@ -54,11 +55,11 @@ def command_of(run: AnyRun) -> str:
         words.append("floor:=false" if live else "--no-floor")
     add("bound_position", c["bound"]["position_m"])
     add("bound_angle", c["bound"]["angle_rad"])
-    for option in ("repeats", "noise_seed", "execute", "until_decided"):
-        if c.get(option):
-            add(option, c[option])
-    if c.get("independent_noise"):
-        words.append("independent_noise:=true" if live else "--independent-noise")
+    for option, value in changed_options(c).items():
+        if value is True and not live:
+            words.append(f"--{option.replace('_', '-')}")
+        elif option != "starts":
+            add(option, value)
     if live or c["horizon"] != HORIZON:
         add("horizon", c["horizon"])
     if c["smoke"]:

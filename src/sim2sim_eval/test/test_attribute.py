@@ -186,6 +186,9 @@ class Attributing(CommandCase):
         page = (self.folder / "sampled" / "report.html").read_text(encoding="utf-8")
         self.assertIn("along 40 random orders of switching on", page)
         self.assertNotIn("Who needs whom", page)
+        process = self.run_command(PLOT, "sampled", "--costs")
+        self.assert_one_line(process, 2, "plot_sweep")
+        self.assertIn("only a sweep of all subsets says", process.stderr)
 
     def test_bad_samples(self) -> None:
         for bad, said in {

@@ -65,6 +65,11 @@ class Costs:
 def read_costs(folders: List[Path]) -> Costs:
     found = [read_attribution(folder) for folder in folders]
     for folder, attribution in zip(folders, found):
+        if not attribution.is_exact:
+            raise Error(
+                f"results {folder}: runs orders of switching on; only a sweep of all subsets says "
+                "what each switch costs when it is off alone"
+            )
         if len(attribution.gaps("position")) < 2:
             raise Error(
                 f"results {folder}: has no re-anchored replay; run the sweep with `reanchor: [5]`"

@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "bag/run_bag.hpp"
-#include "batch/audited_pair.hpp"
 #include "batch/contrast.hpp"
 #include "batch/demonstrate.hpp"
 #include "batch/derived_files.hpp"
@@ -374,17 +373,6 @@ TEST_F(DemonstrateAnywhere, RefusesWhatCannotBeDrawn) {
   EXPECT_THAT(refused({"mujoco", "mujoco:timestep=0.01"}, {}), HasSubstr("must be named once each"));
   EXPECT_THAT(refusal([&] { record([](DemonstrateOptions& options) { options.plan.action_noise = 1.5; }); }),
               HasSubstr("action noise 1.5: must be from 0 to 1"));
-}
-
-TEST(AuditCommand, NamesKindsPresetsAndWhatDiffersFromThem) {
-  const LoadedSimulator reference(chooseSimulator("two_mass", {"block_damp=20"}));
-  const LoadedSimulator engine(chooseSimulator("rigid_body", {"preset=simple", "drag=true"}));
-  EXPECT_EQ(auditCommand(reference, engine),
-            "rosrun sim2sim_eval audit --reference two_mass --set-reference block_damp=20.0 --engine rigid_body --set "
-            "preset=simple --set drag=true");
-  EXPECT_EQ(auditCommand(engine, LoadedSimulator(chooseSimulator("two_mass", {"block_damp=6"}))),
-            "rosrun sim2sim_eval audit --reference rigid_body --set-reference preset=simple --set-reference drag=true "
-            "--engine two_mass");
 }
 
 }  // namespace

@@ -1,16 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Audits of simulators by the command `audit`, and what `compare` says of them."""
+"""Audits of simulators by the command `audit`."""
 
-import hashlib
 import json
 import re
-import shlex
 import unittest
-from pathlib import Path
 from typing import Any, Dict, List
-
-import rospkg  # type: ignore[import]
 
 from command_case import CommandCase, executable
 
@@ -144,110 +139,6 @@ class Audits(CommandCase):
         self.assertEqual(audit["simulators"], self.load("run", "metrics.json")["simulators"])
         against_task = self.audit("--engine", "mujoco", "--against", "task")
         self.assertIsNone(against_task["simulators"]["reference"])
-
-    def test_verdict_that_cannot_be_kept_is_a_warning(self) -> None:
-        self.write("results", b"no folder")
-        process = self.run_command(AUDIT, "--engine", "mujoco")
-        self.assertEqual(process.returncode, 0, process.stderr)
-        self.assertRegex(
-            process.stderr, r"\AWARNING: the verdict is not kept, .*results/audits.*\n\Z"
-        )
-
-
-class Notes(CommandCase):
-    """The line of `compare` about the audit of its pair."""
-
-    def compare(self, *pair: str) -> List[str]:
-        """The lines about an audit."""
-        printed = self.run_all((COMPARE, *RUN, *pair, "--out", "run", "--overwrite"))
-        *others, last = printed.splitlines()
-        self.assertEqual([line for line in others if "audit" in line], [])
-        return [last] if "audit" in last else []
-
-    def kept(self) -> Path:
-        (file,) = (self.folder / "results" / "audits").iterdir()
-        return file
-
-    def test_pair_is_named_until_it_is_audited(self) -> None:
-        pair = ("--engine", "mujoco", "--set", "timestep=0.005")
-        expected = (
-            "not audited: rosrun sim2sim_eval audit --reference mujoco --engine mujoco "
-            "--set timestep=0.005"
-        )
-        for _ in range(2):
-            self.assertEqual(self.compare(*pair), [expected])
-        words = shlex.split(expected)[5:]
-        self.run_all((AUDIT, *words))
-        self.assertEqual(self.compare(*pair), [])
-        self.assertEqual(self.compare(*pair, "--threads", "1", "--seed", "3"), [], "the same pair")
-        others = (
-            ("--engine", "mujoco"),
-            ("--engine", "mujoco", "--set", "timestep=0.002"),
-            ("--engine", "two_mass"),
-            ("--reference", "mujoco", "--set-reference", "timestep=0.005", "--engine", "mujoco"),
-        )
-        for other in others:
-            with self.subTest(other):
-                self.assertEqual(len(self.compare(*other)), 1)
-
-    def test_audit_against_the_task_is_of_no_pair(self) -> None:
-        self.run_all((AUDIT, "--engine", "mujoco", "--against", "task"))
-        self.assertEqual(len(self.compare("--engine", "mujoco")), 1)
-        self.assertFalse((self.folder / "results").exists())
-
-    def test_scene_is_a_word_of_the_command(self) -> None:
-        scene = Path(rospkg.RosPack().get_path("pusht_mujoco"), "scenes", "pusht.xml")
-        self.write("it's mine.xml", scene.read_bytes())
-        pair = ("--engine", "mujoco", "--set-reference", "scene=it's mine.xml")
-        (line,) = self.compare(*pair)
-        words = shlex.split(line)[5:]
-        self.assertEqual(
-            words,
-            ["--reference", "mujoco", *pair[2:], "--engine", "mujoco"],
-        )
-        self.run_all((AUDIT, *words))
-        self.assertEqual(self.compare(*pair), [])
-        self.write("it's mine.xml", scene.read_bytes() + b"<!-- another one -->\n")
-        self.assertEqual(self.compare(*pair), [line])
-
-    def test_broken_contract_is_told(self) -> None:
-        self.run_all((AUDIT, "--engine", "mujoco"))
-        kept = json.loads(self.kept().read_text())
-        self.assertEqual(kept["contract_errors"], [])
-        command = "rosrun sim2sim_eval audit --reference mujoco --engine mujoco"
-        for errors, said in (
-            (["noise"], f"1 error of the contract (noise); {command} shows it"),
-            (["a", "b", "c"], f"3 errors of the contract (a; b; c); {command} shows them"),
-            (
-                ["a", "b", "c", "d"],
-                f"4 errors of the contract (a; b; c; ...); {command} shows them",
-            ),
-        ):
-            kept["contract_errors"] = errors
-            digest = hashlib.sha256(json.dumps(errors, separators=(",", ":")).encode())
-            kept["sha256"] = digest.hexdigest()
-            self.kept().write_text(json.dumps(kept))
-            with self.subTest(errors):
-                self.assertEqual(self.compare("--engine", "mujoco"), [f"audited: {said}"])
-
-    def test_damaged_verdict_is_refused_before_anything_is_written(self) -> None:
-        self.run_all((AUDIT, "--engine", "mujoco"))
-        text = self.kept().read_text()
-        for damaged, said in (
-            (text[:20], "must be an"),
-            (text.replace("audit verdict 1", "audit verdict 99"), 'format "audit verdict 99"'),
-            (text.replace('"contract_errors": []', '"contract_errors": ["noise"]'), "is damaged"),
-            (text.replace('"mujoco"', '"other"'), "belongs to another pair"),
-        ):
-            self.kept().write_text(damaged)
-            with self.subTest(said):
-                process = self.run_command(COMPARE, *RUN, "--engine", "mujoco", "--out", "no")
-                self.assert_one_line(process, 3, "compare")
-                self.assertIn(f"results/audits/{self.kept().name}: {said}", process.stderr)
-                self.assertIn("; delete it and audit the pair again", process.stderr)
-                self.assertFalse((self.folder / "no").exists())
-        self.run_all((AUDIT, "--engine", "mujoco"))
-        self.assertEqual(self.compare("--engine", "mujoco"), [], "an audit replaces it")
 
 
 if __name__ == "__main__":

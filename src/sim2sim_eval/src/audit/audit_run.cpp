@@ -15,7 +15,7 @@
 #include "sim2sim_audit/task_figures.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/model_variants.hpp"
-#include "sim2sim_protocol/results/audit_files.hpp"
+#include "sim2sim_protocol/results/result_files.hpp"
 
 namespace sim2sim {
 namespace {
@@ -65,6 +65,16 @@ Audit auditOf(const AuditRun& run) {
   return audit(worldOf(*run.reference), worldOf(run.engine), variants, run.seed, run.threads, &expert);
 }
 
+/// Text of audit.json: the audit, with the number of the format, and with both simulators as metrics.json names them.
+std::string fileText(const AuditRun& run, const Audit& audit) {
+  constexpr int kIndent = 2;
+  nlohmann::ordered_json file = {{"format", kAuditFormat}};
+  file.update(toJson(audit));
+  file["simulators"] = {{"reference", run.reference ? toJson(run.reference->record) : nlohmann::ordered_json()},
+                        {"engine", toJson(run.engine.record)}};
+  return file.dump(kIndent) + "\n";
+}
+
 }  // namespace
 
 std::vector<AuditedWorld> variantsOf(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters) {
@@ -84,8 +94,7 @@ Audit carryOut(const AuditRun& run) {
 void report(const AuditRun& run, const Audit& audit, const std::filesystem::path& out, bool overwrite) {
   std::cout << textOf(audit) << std::flush;
   if (!out.empty()) {
-    const auto reference = run.reference ? std::optional(run.reference->record) : std::nullopt;
-    const std::string text = auditText(toJson(audit), reference, run.engine.record);
+    const std::string text = fileText(run, audit);
     overwrite ? pusht::writeFile(out, text) : pusht::writeNewFile("audit", out, text);
   }
 }

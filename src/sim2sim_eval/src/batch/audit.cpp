@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "audit/audit_run.hpp"
-#include "batch/audited_pair.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
@@ -38,24 +37,8 @@ AuditedSimulator auditedOf(const LoadedSimulator& simulator) {
   return {simulator.record(), simulator.model.make_world, simulator.kind.departures};
 }
 
-/// Keeps the verdict for `compare`. An audit says the same where nothing can be written, so that is a warning.
-void keepVerdict(const Audit& audit, const KeptVerdict& kept) {
-  std::vector<std::string> contract_errors;
-  for (const Comparison& finding : audit.findings()) {
-    if (finding.isContractError()) {
-      contract_errors.emplace_back(describe(finding.property).title);
-    }
-  }
-  try {
-    kept.keep(contract_errors);
-  } catch (const pusht::RuntimeFault& fault) {
-    warn(std::string("the verdict is not kept, so compare will not know it: ") + fault.what());
-  }
-}
-
-/// Prints the audit, writes it, and keeps the verdict of a pair for `compare` (keptVerdict()). Throws ContractError if
-/// the contract is broken; InvalidInput for bad options or a file that is there already; as chooseSimulator() and
-/// SimulatorKind::load.
+/// Prints the audit and writes it. Throws ContractError if the contract is broken; InvalidInput for bad options or a
+/// file that is there already; as chooseSimulator() and SimulatorKind::load.
 void auditSimulators(const AuditOptions& options) {
   if (!options.overwrite) {
     pusht::requireNewFile("audit", options.out);
@@ -82,9 +65,6 @@ void auditSimulators(const AuditOptions& options) {
   run.threads = batch.threadCount();
   const Audit result = carryOut(run);
   report(run, result, options.out, options.overwrite);
-  if (reference) {
-    keepVerdict(result, keptVerdict(*reference, engine));
-  }
   requireContract(result);
 }
 

@@ -13,7 +13,6 @@
 
 #include "bag/messages.hpp"
 #include "bag/run_bag.hpp"
-#include "batch/audited_pair.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
@@ -236,7 +235,6 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   configuration.engine = engine.record();
   configuration.policy = loaded.policyName();
   const auto references = options.batch.references(loaded, configuration.protocol);
-  const std::string audit_note = auditNote(loaded.reference(), engine);
 
   const nlohmann::ordered_json origin = loaded.provenance(configuration, engine);
   nlohmann::json identity = {
@@ -307,7 +305,7 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
     throw;
   }
   const nlohmann::json metrics = run.finish(*host.out);
-  *host.out << audit_note << std::flush;
+  *host.out << std::flush;
   warn(doubtAboutPolicy(metrics, origin));
   return {configuration, run.episodes(), metrics, origin, folder ? folder->path() : fs::path()};
 }

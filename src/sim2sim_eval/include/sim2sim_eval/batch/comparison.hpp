@@ -57,7 +57,7 @@ struct ComparisonHost {
   bool files = true;              ///< false: no folder of results
   bool progress = true;           ///< show a progress bar
   std::function<bool()> stop = interrupted;  ///< as in runProtocol(): when it holds, the run ends
-  std::ostream* out = &std::cout;            ///< gets the table and the notes below it
+  std::ostream* out = &std::cout;            ///< gets the table
 };
 
 /// Results of a comparison: what its files say.
@@ -69,7 +69,7 @@ struct ComparisonResults {
   std::filesystem::path folder;  ///< of the results; empty: none
 };
 
-/// Runs the protocol, writes the results folder, and prints the table and auditNote(). An unfinished run in the folder
+/// Runs the protocol, writes the results folder, and prints the table. An unfinished run in the folder
 /// is continued; its results have the bytes of a run in one piece. Throws InvalidInput for bad options, BadDependency
 /// for a policy or model that does not load, SimulationFault or RuntimeFault during the run; finished episodes are kept
 /// then.

@@ -165,20 +165,17 @@ json jsonOf(const std::optional<Number>& number) {
   return number ? json(*number) : json();
 }
 
-std::string countCell(const std::optional<int>& count) { return count ? std::to_string(*count) : "-"; }
-
 /// With a star where that is a finding.
 std::string probabilityCell(const std::optional<double>& p) {
   return p ? probabilityText(*p) + (*p <= 1.0 - kConfidence ? " *" : "") : "";
 }
 
 std::string line(const std::string& name, const std::string& difference, const std::string& p,
-                 const std::string& adjusted, const std::string& decided) {
+                 const std::string& adjusted) {
   constexpr std::size_t kName = 44;
   constexpr std::size_t kDifference = 38;
   constexpr std::size_t kProbability = 11;
-  return "  " + padded(name, kName) + padded(difference, kDifference) + padded(p, kProbability) +
-         padded(adjusted, kProbability) + decided + "\n";
+  return "  " + padded(name, kName) + padded(difference, kDifference) + padded(p, kProbability) + adjusted + "\n";
 }
 
 std::string listed(const std::vector<int>& episodes) {
@@ -346,20 +343,18 @@ std::string table(const RunResults& baseline, const std::vector<RunResults>& oth
   std::string text = answerOf(baseline, others, contrasts).text() + "\n";
   for (const Contrast& contrast : contrasts) {
     text += contrast.title + "\n  against " + against + ", " + std::to_string(contrast.successes.pairs()) +
-            " episodes\n" + line("", "difference", "p", "Holm", "decided after") +
+            " episodes\n" + line("", "difference", "p", "Holm") +
             line("engine_success_rate", signedText(contrast.successes.difference(), contrast.interval, "", kRateDigits),
-                 probabilityCell(contrast.p), probabilityCell(contrast.adjusted_p), countCell(contrast.decided_after));
+                 probabilityCell(contrast.p), probabilityCell(contrast.adjusted_p));
     for (const ContrastRow& row : contrast.rows) {
       text += line(row.name, signedText(row.difference.value, row.difference.interval, row.unit, kDigits),
-                   probabilityCell(row.difference.p), probabilityCell(row.adjusted_p), countCell(row.decided_after));
+                   probabilityCell(row.difference.p), probabilityCell(row.adjusted_p));
     }
     text += "  success lost in " + std::to_string(contrast.lost.size()) + " episodes: " + listed(contrast.lost) +
             "\n  success gained in " + std::to_string(contrast.gained.size()) + ": " + listed(contrast.gained) + "\n";
   }
   return text + "(in brackets " + pusht::fixedText(100.0 * kConfidence, 0) +
-         " % intervals of each difference alone; Holm: p corrected for the number of figures above; * at most 0.05; "
-         "decided after: so many\nepisodes, if this figure alone had been watched after each; none where few episodes "
-         "carry the difference)\n";
+         " % intervals of each difference alone; Holm: p corrected for the number of figures above; * at most 0.05)\n";
 }
 
 }  // namespace sim2sim

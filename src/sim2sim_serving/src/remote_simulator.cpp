@@ -54,7 +54,7 @@ double startToleranceOf(const pusht_msgs::DescribeResponse& description) {
 
 void StampSource::advance() { now_ += ros::Duration(kControlStep); }
 
-void StampSource::startAbove(const ros::Time& stamp) { now_ = std::max(now_, stamp); }
+void StampSource::raiseTo(const ros::Time& stamp) { now_ = std::max(now_, stamp); }
 
 RemoteSimulator::RemoteSimulator(const Peer& peer, const StampSource& stamps,
                                  const pusht_msgs::DescribeResponse& description)
@@ -73,7 +73,7 @@ RemoteSimulator::RemoteSimulator(const Peer& peer, const StampSource& stamps,
 RemoteSimulator::RemoteSimulator(const Peer& peer, StampSource& stamps, const std::string& kind,
                                  const Parameters& changes)
     : RemoteSimulator(peer, stamps, describedAs(kind, peer)) {
-  stamps.startAbove(peer.description().stamp);
+  stamps.raiseTo(peer.description().stamp);
   stamps.advance();
   silent_ = true;  // what is shown of the last run stays, should this one not begin
   requireParameters(take({}).parameters_hash);

@@ -89,15 +89,16 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
   return answer<pusht_msgs::ResetResponse>(instance_id_, [&](pusht_msgs::ResetResponse& response) {
     const WorldState start = startOf(request);
     const ros::Time stamp = request.silent != 0 ? stamp_ : nextStamp(request.stamp, request.token);
-    configuration_.reset();
     try {
       world_->reset(start);
     } catch (const InvalidInput&) {
       throw;  // refused; the world is as it was
     } catch (const std::exception&) {
+      configuration_.reset();
       episode_.reset();
       throw;
     }
+    configuration_.reset();
     stamp_ = stamp;
     response.success = 1;
     response.instance_id = instance_id_;

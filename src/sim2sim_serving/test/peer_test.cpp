@@ -31,10 +31,10 @@ TEST(Stamps, GrowByAControlStep) {
 
 TEST(Stamps, StartAboveAndNeverGoBack) {
   StampSource stamps;
-  stamps.startAbove(ros::Time(7, 1));
+  stamps.raiseTo(ros::Time(7, 1));
   stamps.advance();
   EXPECT_EQ(stamps.now(), ros::Time(7, 100'000'001));
-  stamps.startAbove(ros::Time(3));
+  stamps.raiseTo(ros::Time(3));
   EXPECT_EQ(stamps.now(), ros::Time(7, 100'000'001));
 }
 

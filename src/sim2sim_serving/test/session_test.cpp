@@ -271,6 +271,11 @@ TEST_F(SimulatorSessions, ARepeatedConfigureIsAnsweredAgain) {
   other.token = "other";
   EXPECT_THAT(session_.configure(other).message, HasSubstr("its episode has ended"));
   EXPECT_EQ(session_.configure(request), first) << "what was refused has changed nothing";
+  pusht_msgs::ResetRequest nowhere;
+  nowhere.start = {toMessage(spawn(3))};
+  nowhere.start.front().tee_x = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(session_.reset(nowhere).success, 0);
+  EXPECT_EQ(session_.configure(request), first) << "nor a reset that was refused";
   ASSERT_EQ(session_.reset({}).success, 1);
   EXPECT_THAT(session_.configure(request).message, HasSubstr("reset by another caller"));
 }

@@ -14,8 +14,9 @@ enum class Role { kReference, kEngine };
 
 /// What a policy is told of a rollout that begins.
 struct Beginning {
-  std::uint64_t seed = 0;  ///< seed of the rollout's random numbers; a stream of them is NumpyGenerator(seed, PURPOSE)
-  int execute = 0;         ///< actions of each answer that are executed; 0: as many as the policy itself says
+  std::uint64_t seed =
+      0;            ///< of the rollout's random numbers; each use has a stream of its own, by its name (spawn.hpp)
+  int execute = 0;  ///< actions of a chunk that are executed before the next is computed; 0: as the policy says
   Role role = Role::kReference;
 };
 
@@ -47,7 +48,8 @@ class Policy {
   /// from the seed of `beginning`. Throws InvalidInput if more actions are to be executed than an answer has.
   virtual std::unique_ptr<Memory> begin(const Beginning& beginning) const;
 
-  /// Fills actions[i] for queries[i]; both have the same size. Not to be called from two threads at once.
+  /// Fills actions[i] for queries[i], one action for this control step; the rest of a chunk waits in the memory. Both
+  /// have the same size. Not to be called from two threads at once.
   virtual void act(Span<const Query> queries, Span<Action> actions) = 0;
 
  protected:

@@ -33,7 +33,7 @@ class Rollout {
 
   Policy::Query query() const { return {observe(trace_.states.back()), memory_.get()}; }
 
-  /// Records a control step: the world took `action` and is in `state`.
+  /// Records a control step: `action`, clipped here as the world clipped it, and the state after it.
   void record(const Action& action, const WorldState& state);
 
   /// Whether a closed loop ends here: success, or `horizon` control steps.
@@ -56,7 +56,8 @@ Rollout begin(Simulator& world, const WorldState& start, std::unique_ptr<Policy:
 /// Steps `world` and records it. Throws as Simulator::step does.
 void advance(Rollout& rollout, Simulator& world, const Action& action);
 
-/// Resets `world` to `start` and drives it with `policy` until the rollout is finished.
+/// Resets `world` to `start` and drives it with `policy` until the rollout is finished. The policy begins with seed 0,
+/// in the role of the reference.
 Rollout runClosedLoop(Simulator& world, const WorldState& start, Policy& policy, int horizon);
 
 }  // namespace pusht

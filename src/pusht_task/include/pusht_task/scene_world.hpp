@@ -50,9 +50,10 @@ class Scene {
   virtual std::string faultOfSpeeds() const { return ""; }
 
  protected:
+  /// Add what the task's mapping has; start() of a derived scene calls each once.
   virtual void addWalls();
   virtual void addTableFriction();
-  /// Damps the tee in the substep that comes.
+  /// Damps the tee in the substep that comes; does nothing with `drag` off, where start() gives the engine's damping.
   virtual void applyDrag();
 
   virtual void addWall(const PlacedBox& box) = 0;
@@ -60,15 +61,16 @@ class Scene {
   virtual void addFrictionPerAxis(const Eigen::Vector2d& point) = 0;
   /// Adds the engine's own friction between table and tee.
   virtual void addIdiomaticFriction() = 0;
+  /// Drives the pusher in the substep that comes; with `servo` off, by the engine's own motor.
   virtual void applyServo(const Eigen::Vector2d& command) = 0;
   /// Damps the tee at a point of its body [m] in the substep that comes.
   virtual void applyDragAt(const Eigen::Vector2d& point) = 0;
   /// Solves and moves by a substep.
   virtual void advance() = 0;
 
-  /// [kg] Mass of the pusher, which makes its servo implicit.
+  /// Mass of the pusher [kg], enlarged to make its servo implicit; the plain mass with `servo` off.
   double pusherMass() const;
-  /// Inertia of the tee, which makes its damping implicit.
+  /// Inertia of the tee, enlarged to make its damping implicit; the plain one with `drag` off.
   TeeInertia teeInertia() const;
   const Physics& physics() const { return physics_; }
 

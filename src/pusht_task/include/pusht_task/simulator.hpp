@@ -32,25 +32,27 @@ void requirePlausibleStep(const WorldState& state);
 /// it must be reset. Not thread-safe.
 class Simulator {
  public:
-  /// `name` is put in front of messages of faults. `start_tolerance`: see startTolerance(). Throws InvalidInput as
-  /// checkedStartTolerance().
+  /// `name` stands in front of the faults that this class finds; the `do` functions name the world in theirs.
+  /// `start_tolerance`: see startTolerance(). Throws InvalidInput as checkedStartTolerance().
   explicit Simulator(std::string name = "", double start_tolerance = kStartTolerance);
   Simulator(const Simulator&) = delete;
   Simulator& operator=(const Simulator&) = delete;
   virtual ~Simulator() = default;
 
-  /// Sets the world to `state`, projected onto the states that the simulator can represent. Deterministic; clears all
-  /// hidden state. Throws InvalidInput if a number is not finite or beyond the plausible range, and leaves the world as
-  /// it was; SimulationFault if the world then deviates from `state` by more than startTolerance().
+  /// Sets the world to `state`; velocities may be projected onto what the simulator can represent, poses may not.
+  /// Deterministic; clears all hidden state. Throws InvalidInput if a number is not finite or beyond the plausible
+  /// range, and leaves the world as it was; SimulationFault if the world then deviates from `state` by more than
+  /// startTolerance().
   void reset(const WorldState& state);
 
   /// Takes one control step with `action` [m/s], clipped to kActionLimit. Success never stops a world.
-  /// Throws InvalidInput before the first reset or if the action is not finite, with the world as it was;
+  /// Throws InvalidInput before a reset, the first one or the one after a fault, or if the action is not finite, with
+  /// the world as it was;
   /// SimulationFault if the simulation itself fails or leaves the plausible range (constants.hpp).
   void step(const Action& action);
 
   /// State of the world. After reset(s) it is s to startTolerance(), as far as s can be represented; a reset to it
-  /// changes no bit.
+  /// changes no bit. It has no meaning before the first reset or after a fault.
   WorldState state() const { return doState(); }
 
   /// Maximum deviation of the state after a reset from the requested state [m, rad, m/s, rad/s].

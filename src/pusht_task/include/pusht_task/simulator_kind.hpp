@@ -14,8 +14,8 @@
 
 namespace pusht {
 
-/// Model: a kind with values for its parameters, loaded and ready to make worlds. Worlds of one model may step in
-/// different threads, and may outlive it.
+/// Model: a kind with values for its parameters, loaded and ready to make worlds. Worlds of one model may be made
+/// and stepped in different threads at once, and may outlive it.
 struct SimulatorModel {
   ParameterSet parameters;                               ///< parameters as the kind has read them
   nlohmann::json provenance = nlohmann::json::object();  ///< all else that the numbers depend on, e.g. files
@@ -26,9 +26,9 @@ struct SimulatorModel {
 
 /// Description of a kind of simulator: its name, parameters and libraries, and how to load it.
 struct SimulatorKind {
-  std::string name;   ///< key: "two_mass"
-  std::string title;  ///< for people: "two-mass engine"
-  std::string version;
+  std::string name;     ///< key: "two_mass"
+  std::string title;    ///< for people: "two-mass engine"
+  std::string version;  ///< of the engine's library, as loaded
   std::vector<ParameterDescriptor> parameters;
   /// Shared libraries whose code decides what the worlds do, such as "libchipmunk.so". libm and pusht_task's are taken
   /// for granted. SimulatorKinds adds the kind's own.

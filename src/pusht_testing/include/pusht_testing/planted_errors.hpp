@@ -114,7 +114,7 @@ struct PlantedIn {
 /// Suite in which the physics checks must find each planted error.
 class PlantedErrorSuite : public ::testing::TestWithParam<PlantedError> {
  public:
-  static void SetUpTestSuite();  ///< defined beside the test, so that a program which instantiates the suite has it
+  static void SetUpTestSuite();  ///< does nothing; links the suite's tests into a program that instantiates it
 };
 
 }  // namespace pusht::testing

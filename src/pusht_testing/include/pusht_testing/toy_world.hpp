@@ -11,7 +11,8 @@
 
 namespace pusht {
 
-/// The pusher goes where it is told and shoves the tee ahead of it. It breaks if it is thrown.
+/// The pusher goes where it is told and shoves the tee ahead of it. A step in which
+/// the pusher is faster than 10 000 m/s fails.
 class ToyWorld : public Simulator {
  public:
   enum class Precision { kSingle, kDouble };

@@ -39,8 +39,8 @@ struct EpisodeResult {
 /// Rollouts of one episode in lockstep. It records what worlds do; a Flight steps them.
 class Episode {
  public:
-  /// `rollouts` have their initial states. `probes` are traces that are known beforehand, in the protocol's order; an
-  /// empty or missing entry is still to be run.
+  /// `rollouts` are at their initial states; that of a cached reference is whole. `probes` are traces that are known
+  /// beforehand, in the protocol's order; an empty or missing entry is still to be run.
   Episode(Protocol protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts,
           std::vector<std::optional<pusht::Trace>> probes = {});
 

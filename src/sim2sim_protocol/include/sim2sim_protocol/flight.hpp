@@ -39,7 +39,7 @@ struct CachedTraces {
 class Flight {
  public:
   /// `worlds`, `policy` and `variants`, one for each model variant of the protocol, must outlive the flight, which
-  /// alone drives them.
+  /// alone drives them. It has as many places as the worlds have lanes. After an exception it must not be used again.
   Flight(Protocol protocol, const Worlds& worlds, pusht::Policy& policy, const VariantWorlds& variants);
 
   bool full() const;

@@ -18,7 +18,7 @@ namespace sim2sim {
 enum class ProbedWorld {
   kReference,
   kEngine,
-  kVariant,  ///< the reference with another modeling
+  kVariant,  ///< the reference with other parameters
 };
 
 /// Description of a probe. Equal if the names are.

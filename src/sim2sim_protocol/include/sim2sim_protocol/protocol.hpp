@@ -74,8 +74,8 @@ struct Protocol : RunOptions {
   /// Name of what the reference cache keeps of an episode: its initial state and, after the first, its repeat.
   std::string cacheKey(int episode) const;
 
-  /// What the policy is told of a closed loop of an episode. Both roles have the same seed of random numbers, unless
-  /// `independent_noise` asks for others.
+  /// What the policy is told of a closed loop of an episode. The seed of its random numbers follows from `noise_seed`
+  /// and cacheKey(). Both roles have the same, unless `independent_noise` asks for others.
   pusht::Beginning beginning(int episode, pusht::Role role) const;
 
   /// Names of an episode's rollouts, in the order of its results: the modes, then the probes.
@@ -90,8 +90,8 @@ struct Protocol : RunOptions {
   /// Whether a rollout has the quantities of `scope`; `rollout` is an index of rolloutNames().
   bool has(std::size_t rollout, Scope scope) const;
 
-  /// Indices in kQuantities of the columns of episodes.csv, and of what a message of a rollout has: all but those of
-  /// pushes, which come with state-reset replays.
+  /// Indices in kQuantities of the columns of episodes.csv, and of what a message of a rollout has: those of
+  /// pushes are among them only if there are state-reset replays.
   std::vector<std::size_t> quantityColumns() const;
 };
 

@@ -43,7 +43,7 @@ enum class Decides {
 
 /// Form in which the description of a run (metrics.json, provenance.json) and its hash have an option.
 enum class Written {
-  kAlways,     ///< under its name; in the hash only if the course's hash has it
+  kAlways,     ///< under its name; of these, only `episodes` and `horizon` are in the hash
   kIfChanged,  ///< under its name, and in the hash as "|NAME=VALUE", unless it has its default
   kElsewhere,  ///< within another key: "probes" or "bound"
 };

@@ -21,8 +21,8 @@ class StampSource {
  public:
   const ros::Time& now() const { return now_; }
   void advance();
-  /// Raises the stamps above `stamp`.
-  void startAbove(const ros::Time& stamp);
+  /// Raises now() to at least `stamp`; the next advance() lies above it.
+  void raiseTo(const ros::Time& stamp);
 
  private:
   ros::Time now_;
@@ -34,7 +34,8 @@ double startToleranceOf(const pusht_msgs::DescribeResponse& description);
 
 /// World behind the services of a peer. It holds the world, which refuses other callers meanwhile. Functions also throw
 /// PeerFault, and RuntimeFault if another caller has reset or configured the world. Requests have the stamp of
-/// `stamps`, which the caller advances before each reset and step, unless the world is silent.
+/// `stamps`, which the caller advances before each reset and step, once for all worlds that share them, unless they are
+/// silent.
 class RemoteSimulator : public Simulator {
  public:
   /// Takes the world over from any holder. The peer must be connected; peer and stamps must outlive the simulator. A
@@ -46,7 +47,8 @@ class RemoteSimulator : public Simulator {
   /// Releases the world, if it still answers.
   ~RemoteSimulator() override;
 
-  /// Sets index and greatest number of control steps of the episode that the next reset begins; ends silence().
+  /// Sets index and greatest number of control steps of the episode that the next reset begins: the node refuses steps
+  /// beyond it (0: the task's). Ends silence().
   void announce(std::uint64_t episode, int horizon);
 
   /// Makes the next resets and their steps silent until the next announcement: the node publishes nothing.

@@ -20,12 +20,13 @@
 namespace pusht {
 
 /// Served world: accepts or refuses requests by the rules that the services of pusht_msgs state, and answers them. A
-/// refused request changes nothing. Not thread-safe.
+/// refused request changes nothing; its answer has no success, a message and an exit code. Not thread-safe.
 class SimulatorSession {
  public:
   using Observer = std::function<void(const pusht_msgs::WorldStateStamped&)>;
 
-  /// `observer` gets the world after every reset and step that was taken (not for an answer given again). The world can
+  /// `observer` gets the world after every reset and step that was taken (not in silent
+  /// episodes, nor for an answer given again). The world can
   /// become one of any of `kinds`, which must outlive it; without any it stays of its own. Throws as the kind does that
   /// refuses `parameters`.
   SimulatorSession(SimulatorKind kind, const ParameterSet& parameters, std::string frame_prefix, Observer observer,

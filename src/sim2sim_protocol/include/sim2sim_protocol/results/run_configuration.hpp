@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Configuration of a run: what decides its results; its hash, and its description as JSON.
+/// Configuration of a run; its hash, and its description as JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -48,7 +48,8 @@ nlohmann::ordered_json toJson(const SimulatorRecord& simulator);
 /// Reads the JSON of toJson(). Throws json::exception for any other.
 SimulatorRecord simulatorFrom(const nlohmann::ordered_json& description);
 
-/// All that decides the bytes of metrics.json and episodes.csv.
+/// What a run was asked for: protocol, policy by name, simulators with their parameters. What else decides its bytes
+/// (weights, libraries, code) is in its provenance.
 struct RunConfiguration {
   Protocol protocol;
   bool smoke = false;
@@ -66,7 +67,8 @@ nlohmann::json referenceOptions(const RunOptions& options);
 /// `|engine=NAME`, and `|ROLE.PARAMETER=VALUE` for each parameter that does not have its default, and
 /// `|starts=HASH` if initial states were given, `|probes=NAME,...` unless these are the floor,
 /// `|bound=METERS,RADIANS` unless it is the task's tolerance, and `|NAME=VALUE` for each option that is written if it
-/// is changed. A smoke run counts as one of the default length, as in the course.
+/// is changed. Seed, first episode and policy are left out, and a smoke run counts as one of the default length, as in
+/// the course.
 std::string configurationHash(const RunConfiguration& configuration);
 
 /// Description of a configuration as JSON; part of metrics.json and of provenance.json.

@@ -35,9 +35,9 @@ struct FigureIndex {
 /// Values of a figure, of the episodes that have it.
 std::vector<double> samplesOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure);
 
-/// How far apart one more episode may be in the mean, for the intervals of a divergence: the mean of its null model in
-/// the same rollout. Of a figure of pushes it is the width of its range. None of another quantity without a
-/// measured null model.
+/// Size of an unseen sample that the intervals of a figure count in (sim2sim_statistics/tails.hpp). Of a divergence it
+/// is the mean of its null model in the same rollout; of a figure of pushes, the width of its range; of others there is
+/// none.
 std::optional<double> extremeOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure);
 
 /// Mean of a quantity, with the interval that fits it. Of one that is never negative: Gaffke's with an `extreme`
@@ -62,7 +62,7 @@ PairTable pairsOf(const std::vector<EpisodeResult>& first, std::size_t rollout_i
 struct Outcomes {
   PairTable table;                              ///< first: the reference
   int starts = 0;                               ///< independent units
-  std::optional<Interval> difference_interval;  ///< Tango's
+  std::optional<Interval> difference_interval;  ///< of the engine's rate minus the reference's: Tango's
   std::optional<double> p;                      ///< McNemar's test, mid-p: are the rates equal?
   std::optional<double> p_exact;                ///< none with repeats
   std::optional<double> transfer;               ///< engine over reference success; none if the reference never succeeds
@@ -144,8 +144,9 @@ struct NoiseSplits {
 };
 
 /// Figures of a run. With repeats the unit of all intervals is the start, and of means and medians, too: a start counts
-/// with the mean over its episodes. A run that may stop early has no intervals and no p-values: they hold for one
-/// number of episodes that was chosen before. transferSequence() holds there.
+/// with the mean over its episodes. Rates and transfer are over all episodes. A run that may stop early has no
+/// intervals and no p-values: they hold for one number of episodes that was chosen before. transferSequence() holds
+/// there.
 struct Summary {
   using Means = std::array<Estimate, kQuantities.size()>;
   using Baselines = std::array<BaselineComparison, kDivergencePairs.size()>;

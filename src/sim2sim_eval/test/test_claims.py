@@ -21,6 +21,7 @@ DOCUMENTS = (
     "README.md",
     "docs/agreement.md",
     "docs/continuous_contact.md",
+    "docs/course.md",
     "docs/findings.md",
     "docs/idioms.md",
     "docs/ladder.md",

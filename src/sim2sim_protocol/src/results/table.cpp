@@ -183,15 +183,23 @@ std::string horizonLines(const Summary& summary, const Horizon& horizon, Marks& 
          (std::isfinite(position.over_variants) ? both("    / largest variant", over_variants) : "");
 }
 
-/// Lines of the pushes of a state-reset replay; none without a push.
-std::string pushLines(const RunConfiguration& configuration, const Summary& summary, std::size_t rollout) {
-  const Estimate& missed = summary.mean(rollout, "pushes_missed");
-  if (std::isnan(missed.value)) {
-    return "";
+std::string stepsText(int steps) { return std::to_string(steps) + (steps == 1 ? " step" : " steps"); }
+
+/// Lines of the pushes of state-reset replays; none without a push. They stand before the divergence, because they
+/// order engines better by the success that these cost (docs/findings.md).
+std::string pushLines(const RunConfiguration& configuration, const Summary& summary) {
+  std::string lines;
+  const std::vector<Probe> probes = configuration.protocol.probes();
+  for (std::size_t i = 0; i < probes.size(); ++i) {
+    const auto mean = [&](const char* quantity) { return summary.mean(rolloutOfProbe(i), quantity); };
+    if (probes[i].reset_every > 0 && !std::isnan(mean("pushes_missed").value)) {
+      const std::string reference = inSentence(configuration.reference.title);
+      lines += padded("  in " + stepsText(probes[i].reset_every), kHead) +
+               pushText(reference, mean("pushes_missed"), mean("pushes_turned")) + "\n" +
+               line("    direction error", cell(mean("push_direction_error"), "rad"), "");
+    }
   }
-  const std::string reference = inSentence(configuration.reference.title);
-  return padded("    pushes", kHead) + pushText(reference, missed, summary.mean(rollout, "pushes_turned")) + "\n" +
-         line("    direction error", "", cell(summary.mean(rollout, "push_direction_error"), "rad"));
+  return lines.empty() ? "" : "pushes, open loop\n" + lines;
 }
 
 std::string divergenceLines(const RunConfiguration& configuration, const Summary& summary, Marks& marks) {
@@ -219,9 +227,7 @@ std::string divergenceLines(const RunConfiguration& configuration, const Summary
       const auto error = [&](const char* quantity) {
         return cell(summary.mean(rolloutOfProbe(i), quantity), kQuantities[quantityIndex(quantity)].unit);
       };
-      lines += line("  made in " + std::to_string(every) + (every == 1 ? " step" : " steps"),
-                    error("anchor_position_error"), error("anchor_angle_error")) +
-               pushLines(configuration, summary, rolloutOfProbe(i));
+      lines += line("  made in " + stepsText(every), error("anchor_position_error"), error("anchor_angle_error"));
     }
   }
   return lines;
@@ -374,8 +380,8 @@ std::string table(const RunConfiguration& configuration, const Summary& summary)
       line("the same episodes",
            "both " + std::to_string(pairs.both) + ", reference only " + std::to_string(pairs.first_only),
            "engine only " + std::to_string(pairs.second_only) + ", neither " + std::to_string(pairs.neither)) +
-      stuckPairsLine(summary.endings) + divergenceLines(configuration, summary, marks) +
-      variantLines(configuration, summary);
+      stuckPairsLine(summary.endings) + pushLines(configuration, summary) +
+      divergenceLines(configuration, summary, marks) + variantLines(configuration, summary);
   table += footnotes(configuration.protocol, marks);
   const std::string count = "(" + episodesText(configuration.protocol, summary) + "; in brackets ";
   const std::string confidence = fixedText(100.0 * kConfidence, 0) + " % ";

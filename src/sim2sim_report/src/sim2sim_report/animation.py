@@ -54,7 +54,7 @@ def _animation(episode: Episode, traces: Traces) -> Json:
         "stuck": {
             mode: episode.still(mode) if episode.ending(mode) == "stuck" else None for mode in MODES
         },
-        "parting": {mode: episode.parting(mode) for mode in (ENGINE, REPLAY)},
+        "first_divergence": {mode: episode.first_divergence(mode) for mode in (ENGINE, REPLAY)},
     }
 
 
@@ -69,9 +69,11 @@ def poster(run: Run, traces: Traces) -> Json:
     """Frames of one episode, side by side: at its start, when the replay parts, and at the end."""
     episode = _telling(run)
     steps = {"at the start": 0}
-    parting = episode.parting(REPLAY)
-    if parting is not None:
-        steps[f"first beyond the bound, {parting * task.CONTROL_STEP:.1f} s"] = parting
+    first_divergence = episode.first_divergence(REPLAY)
+    if first_divergence is not None:
+        steps[
+            f"first beyond the bound, {first_divergence * task.CONTROL_STEP:.1f} s"
+        ] = first_divergence
     last = max(episode.steps(mode) for mode in MODES)
     steps[f"at the end, {last * task.CONTROL_STEP:.1f} s"] = last
     frames = []

@@ -212,7 +212,7 @@ class Player {
   show(episode, time = 0) {
     this.pause();
     this.select.value = episode;
-    const { states, succeeds, stuck, parting } = this.data.episodes.find((one) => one.episode === episode);
+    const { states, succeeds, stuck, first_divergence: left } = this.data.episodes.find((one) => one.episode === episode);
     this.states = Object.fromEntries(MODES.map((mode) => [mode, unpack(states[mode])]));
     this.succeeds = succeeds;
     this.stuck = stuck;
@@ -223,9 +223,9 @@ class Player {
       const common = Math.min(reference.count, this.states[mode].count);
       return [mode, Array.from({ length: common }, (_, step) => divergence(reference.at(step), this.states[mode].at(step)))];
     }));
-    this.marks.replaceChildren(...ENGINES.filter((mode) => parting[mode] !== null).map((mode) => {
+    this.marks.replaceChildren(...ENGINES.filter((mode) => left[mode] !== null).map((mode) => {
       const mark = element("i", { className: mode });
-      mark.style.left = `${(100 * parting[mode]) / Math.max(1, this.last)}%`;
+      mark.style.left = `${(100 * left[mode]) / Math.max(1, this.last)}%`;
       return mark;
     }));
     this.seek(Math.min(Math.max(time, 0), this.last));

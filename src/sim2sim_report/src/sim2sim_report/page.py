@@ -21,7 +21,7 @@ from sim2sim_report.matrix import read_matrix
 from sim2sim_report.matrix_tables import headline as matrix_headline
 from sim2sim_report.matrix_tables import section as matrix_section
 from sim2sim_report.results import KINDS, QUESTION, Partial, Run, Traces, read_sweep
-from sim2sim_report.sentences import CAUTION, cautions, parting, sentences, sweep_summary
+from sim2sim_report.sentences import CAUTION, cautions, first_divergence, sentences, sweep_summary
 from sim2sim_report.suite import Suite
 from sim2sim_report.sweep_rows import TRANSFER, panels_of
 from sim2sim_report.tables import (
@@ -242,7 +242,7 @@ def _section(run: Run, number: int, traces: Optional[Traces], animate: Sequence[
         "has_intervals": run.metrics["mean_pos_divergence_median_interval_m"] is not None,
         "drawings": run_figures.draw(run, f"run{number}-"),
         "causes_have_intervals": run_figures.causes_have_intervals(run),
-        "parting": parting(run),
+        "first_divergence": first_divergence(run),
         "parameters": parameters(run),
         "provenance": json.dumps(run.provenance, indent=2, sort_keys=True),
         "command": command_of(run),

@@ -50,7 +50,7 @@ class Episode:
     def steps(self, mode: str) -> int:
         return int(self.modes[mode]["steps"])
 
-    def parting(self, mode: str) -> Optional[int]:
+    def first_divergence(self, mode: str) -> Optional[int]:
         """The control step at which this mode first leaves the bound around the reference."""
         text = self.modes[mode]["parting_step"]
         return int(text) if text else None

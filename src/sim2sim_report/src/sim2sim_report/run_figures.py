@@ -170,7 +170,9 @@ def _causes(run: Run, narrow: bool) -> Any:
         _draw_share(axes, row, cause["share"], cause.get("interval"), COLORS[REPLAY])
     name_rows(axes, _named_causes(run))
     axes.set_xlim(0, 1)
-    axes.set_xlabel("share of the partings" if narrow else "share of the partings, open loop")
+    axes.set_xlabel(
+        "share of the first divergences" if narrow else "share of the first divergences, open loop"
+    )
     return figure
 
 

@@ -156,7 +156,7 @@ def cautions(runs: Sequence[Json]) -> List[str]:
     return caution + CAUTION
 
 
-def parting(run: Run) -> str:
+def first_divergence(run: Run) -> str:
     m = run.metrics
     bound = f"{m['bound']['position_m']:g} m or {m['bound']['angle_rad']:g} rad"
     parted = f"In open loop {m['parted']} of {m['episodes']} episodes leave the bound of {bound}"

@@ -69,11 +69,9 @@ def poster(run: Run, traces: Traces) -> Json:
     """Frames of one episode, side by side: at its start, when the replay parts, and at the end."""
     episode = _telling(run)
     steps = {"at the start": 0}
-    first_divergence = episode.first_divergence(REPLAY)
-    if first_divergence is not None:
-        steps[
-            f"first beyond the bound, {first_divergence * task.CONTROL_STEP:.1f} s"
-        ] = first_divergence
+    left = episode.first_divergence(REPLAY)
+    if left is not None:
+        steps[f"first beyond the bound, {left * task.CONTROL_STEP:.1f} s"] = left
     last = max(episode.steps(mode) for mode in MODES)
     steps[f"at the end, {last * task.CONTROL_STEP:.1f} s"] = last
     frames = []

@@ -20,6 +20,7 @@
 #include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
+#include "sim2sim_statistics/common.hpp"
 #include "starts.hpp"
 
 namespace sim2sim {
@@ -190,7 +191,8 @@ Estimate meanOfGap(const RunResults& run, const Measure& measure) {
     const PairTable table = pairsOf(run.episodes, kReferenceClosed, run.episodes, kEngineClosed);
     return {-table.difference(), std::nullopt};
   }
-  return meanOf(meansOfStarts(run.protocol, run.episodes), {measure.rollout, quantityIndex(measure.quantity)});
+  return meanOf(run.protocol, meansOfStarts(run.protocol, run.episodes),
+                {measure.rollout, quantityIndex(measure.quantity)});
 }
 
 /// Attribution of one gap. Without `orders`, also the figures that need all combinations.
@@ -200,9 +202,6 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
   for (const auto& [on, run] : runs) {
     gaps[on] = gapsOf(run, measure);
   }
-  const auto mean = [](const std::vector<double>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-  };
   // The null model follows from the reference's trace alone, so it is the same in every row.
   const RunResults& any = runs.begin()->second;
   const std::vector<EpisodeResult> starts = meansOfStarts(any.protocol, any.episodes);
@@ -210,7 +209,7 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
                                             ? std::nullopt
                                             : extremeOf(starts, {measure.rollout, quantityIndex(measure.quantity)});
   AttributedGap result{
-      measure.name, measure.title, measure.unit, mean(gaps.begin()->second), mean(gaps.rbegin()->second), {}};
+      measure.name, measure.title, measure.unit, averageOf(gaps.begin()->second), averageOf(gaps.rbegin()->second), {}};
   if (orders.empty()) {
     std::vector<std::vector<double>> all;
     std::transform(gaps.begin(), gaps.end(), std::back_inserter(all), [](const auto& entry) { return entry.second; });
@@ -229,9 +228,9 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
     result.shares = sampledShares(orders, gaps, extreme);
   }
   if (measure.quantity != nullptr) {
-    result.null_model = meanOf(starts, {measure.rollout, quantityIndex(measure.null_model)});
+    result.null_model = meanOf(any.protocol, starts, {measure.rollout, quantityIndex(measure.null_model)});
     if (const std::optional<std::size_t> floor = floorOf(any.protocol); floor && measure.rollout == kEngineReplay) {
-      result.floor = meanOf(starts, {*floor, quantityIndex(measure.quantity)});
+      result.floor = meanOf(any.protocol, starts, {*floor, quantityIndex(measure.quantity)});
     }
   }
   return result;

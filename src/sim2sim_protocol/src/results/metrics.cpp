@@ -122,11 +122,6 @@ std::string metricName(const std::string& rollout, const Quantity& quantity) {
                                                                               : rollout + "_" + quantity.name;
 }
 
-std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes) {
-  return configuration.protocol.until_decided ? std::optional(transferSequence(outcomes.table))
-                                              : outcomes.transfer_interval;
-}
-
 json metrics(const RunConfiguration& configuration, const Summary& summary) {
   json metrics = describe(configuration);
   metrics["episodes"] = summary.episodes;  // fewer than asked for, where it was decided before

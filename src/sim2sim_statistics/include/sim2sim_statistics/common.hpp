@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -38,9 +39,9 @@ template <class Number>
 /// Sum of the values, in their order.
 inline double sumOf(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-/// Mean of the values, of which there must be some.
+/// Mean of the values, summed in their order; NaN without any.
 inline double averageOf(const std::vector<double>& values) {
-  return sumOf(values) / static_cast<double>(values.size());
+  return values.empty() ? std::numeric_limits<double>::quiet_NaN() : sumOf(values) / static_cast<double>(values.size());
 }
 
 /// Last point at which `holds` is true on the way from `inside`, where it is, to `outside`; `outside` itself if it is

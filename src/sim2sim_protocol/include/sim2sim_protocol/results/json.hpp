@@ -19,7 +19,8 @@ nlohmann::json readableJson(double value);
 /// [low, high], each likewise; null without an interval.
 nlohmann::json readableJson(const std::optional<Interval>& interval);
 
-/// Share of `total` episodes: "episodes", `count`; unless there are none, "share" and "interval", Wilson's.
-nlohmann::json shareJson(int count, int total);
+/// Share of `total` episodes: "episodes", `count`; unless there are none, "share" and "interval". The interval is
+/// Wilson's, which holds for independent episodes whose number was chosen before; null unless `has_interval`.
+nlohmann::json shareJson(int count, int total, bool has_interval);
 
 }  // namespace sim2sim

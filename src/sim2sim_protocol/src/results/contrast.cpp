@@ -5,18 +5,13 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "answers.hpp"
-#include "pusht_task/error.hpp"
-#include "pusht_task/files.hpp"
-#include "pusht_task/json_text.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/episode.hpp"
-#include "sim2sim_protocol/results/difference.hpp"
-#include "sim2sim_protocol/results/episodes_csv.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
-#include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 #include "sim2sim_statistics/tails.hpp"
@@ -25,20 +20,7 @@
 namespace sim2sim {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
-
-/// Keys of metrics.json in which two runs must agree, as JSON pointers.
-std::vector<std::string> commonPlaces() {
-  std::vector<std::string> places = {"/policy"};
-  forEachOption([&](const auto& option) {
-    if (option.written != Written::kElsewhere) {
-      places.push_back(std::string("/") + option.name);
-    }
-  });
-  places.insert(places.end(), {"/starts", "/smoke", "/probes", "/simulators/reference"});
-  return places;
-}
 
 /// The figures that are contrasted: those that depend on the engine.
 bool isContrasted(const Protocol& protocol, std::size_t rollout, const Quantity& quantity) {
@@ -48,14 +30,6 @@ bool isContrasted(const Protocol& protocol, std::size_t rollout, const Quantity&
     return std::string(pair.null_model) == quantity.name;
   });
   return of_engine && !of_null && protocol.has(rollout, quantity.scope);
-}
-
-bool sameReference(const EpisodeResult& a, const EpisodeResult& b) {
-  const RolloutResult& one = a.rollouts[kReferenceClosed];
-  const RolloutResult& other = b.rollouts[kReferenceClosed];
-  return one.steps == other.steps && one.success == other.success &&
-         one.at("final_position_error") == other.at("final_position_error") &&
-         one.at("final_angle_error") == other.at("final_angle_error");
 }
 
 /// The larger of the two runs' extremes; none if either has none.
@@ -191,99 +165,6 @@ std::string listed(const std::vector<int>& episodes) {
 }
 
 }  // namespace
-
-std::string RunResults::title() const { return titleOf(simulatorFrom(metrics.at("simulators").at("engine"))); }
-
-const json& RunResults::engine() const { return metrics.at("simulators").at("engine"); }
-
-RunResults readResults(const fs::path& folder) {
-  const auto refuse = [&](const char* file, const std::string& why) {
-    throw pusht::InvalidInput("results " + (folder / file).string() + ": " + why);
-  };
-  RunResults results{folder, {}, {}, {}};
-  results.metrics = pusht::parseJson(pusht::readFile(folder / kMetricsFile, "results"));
-  if (!results.metrics.is_object()) {
-    refuse(kMetricsFile, "must be a JSON object");
-  }
-  try {
-    results.protocol = protocolFrom(results.metrics);
-    results.title();
-  } catch (const std::exception& error) {
-    refuse(kMetricsFile, std::string("must be that of a whole run: ") + error.what());
-  }
-  try {
-    results.episodes = episodesFromCsv(results.protocol, pusht::readFile(folder / kEpisodesFile, "results"));
-  } catch (const pusht::InvalidInput& error) {
-    refuse(kEpisodesFile, error.what());
-  }
-  if (static_cast<int>(results.episodes.size()) != results.protocol.episodes) {
-    refuse(kEpisodesFile, "has " + std::to_string(results.episodes.size()) + " episodes, must have " +
-                              std::to_string(results.protocol.episodes) + " as metrics.json says");
-  }
-  return results;
-}
-
-json sweepIn(const fs::path& folder) {
-  const fs::path file = folder / kSweepFile;
-  const json content = pusht::parseJson(pusht::readFile(file, "results"));
-  json sweep = content.is_object() ? content.value("sweep", json()) : json();
-  if (!sweep.is_object()) {
-    throw pusht::InvalidInput("results " + file.string() + ": must be that of a sweep");
-  }
-  return sweep;
-}
-
-json wholeSweepIn(const fs::path& folder) {
-  json sweep = sweepIn(folder);
-  if (sweep.contains("shard")) {
-    throw pusht::InvalidInput("results " + folder.string() + ": is shard " + sweep.at("shard").dump() +
-                              " of a sweep; merge the shards first");
-  }
-  return sweep;
-}
-
-std::vector<fs::path> runsIn(const fs::path& folder) {
-  std::error_code ignored;
-  if (fs::exists(folder / kMetricsFile, ignored)) {
-    return {folder};
-  }
-  if (!fs::exists(folder / kSweepFile, ignored)) {
-    throw pusht::InvalidInput("results " + folder.string() + ": must be the folder of a whole run or of a sweep");
-  }
-  const json listed = sweepIn(folder).value("rows", json());
-  const std::size_t count = listed.is_array() ? listed.size() : 0;
-  if (count == 0) {
-    throw pusht::InvalidInput("results " + (folder / kSweepFile).string() + ": must be that of a sweep");
-  }
-  std::vector<fs::path> rows;
-  for (std::size_t row = 0; row < count; ++row) {
-    rows.push_back(rowFolder(folder, row));
-    if (!fs::exists(rows.back() / kMetricsFile, ignored)) {
-      throw pusht::InvalidInput("results " + folder.string() + ": row " + std::to_string(row) + " of " +
-                                std::to_string(count) + " has not finished; run the sweep again to continue it");
-    }
-  }
-  return rows;
-}
-
-void requirePairs(const RunResults& baseline, const RunResults& other) {
-  const auto refuse = [&](const std::string& why) {
-    throw pusht::InvalidInput(baseline.folder.string() + " and " + other.folder.string() + ": do not pair: " + why);
-  };
-  for (const std::string& key : commonPlaces()) {
-    const json::json_pointer place(key);
-    const json one = baseline.metrics.value(place, json());
-    const json two = other.metrics.value(place, json());
-    if (one != two) {
-      refuse(key.substr(1) + firstDifference(one, two, " and "));
-    }
-  }
-  for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
-    if (!sameReference(baseline.episodes[i], other.episodes[i])) {
-      refuse("the reference did not do the same in episode " + std::to_string(baseline.episodes[i].index));
-    }
-  }
-}
 
 std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others) {
   std::vector<Contrast> contrasts;

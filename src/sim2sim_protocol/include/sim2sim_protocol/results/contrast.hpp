@@ -3,45 +3,17 @@
 /// parameters of the engine, from a baseline run.
 #pragma once
 
-#include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "sim2sim_protocol/episode.hpp"
-#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/results/run_results.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 #include "sim2sim_statistics/sequential.hpp"
 
 namespace sim2sim {
-
-/// Results of a run, or of a row of a sweep, as read from its folder.
-struct RunResults {
-  std::filesystem::path folder;
-  nlohmann::json metrics;
-  Protocol protocol;
-  std::vector<EpisodeResult> episodes;
-
-  /// Name for people, with changed parameters: "two-mass engine, block_damp 20.0".
-  std::string title() const;
-
-  /// Engine in `metrics`: its name, title, parameters, and the names of the changed ones.
-  const nlohmann::json& engine() const;
-};
-
-/// Reads the results of a whole run. Throws InvalidInput with the file if `folder` does not hold them.
-RunResults readResults(const std::filesystem::path& folder);
-
-/// Description in the sweep.json of a folder, an object. Throws InvalidInput with the file if there is none.
-nlohmann::json sweepIn(const std::filesystem::path& folder);
-
-/// Likewise; throws InvalidInput for one shard of a sweep, too.
-nlohmann::json wholeSweepIn(const std::filesystem::path& folder);
-
-/// Folders of all rows of a sweep, in order; `folder` itself if it is a run. Throws InvalidInput if it is neither.
-std::vector<std::filesystem::path> runsIn(const std::filesystem::path& folder);
 
 /// Mean paired difference of one figure, other - baseline, in the figure's unit.
 struct ContrastRow {
@@ -69,10 +41,6 @@ struct Contrast {
   std::vector<int> gained{};           ///< episodes in which only the other succeeds
   std::vector<ContrastRow> rows{};
 };
-
-/// Throws InvalidInput if two runs do not pair: if policy, initial states, horizon, probes, reference or the
-/// reference's results differ.
-void requirePairs(const RunResults& baseline, const RunResults& other);
 
 /// Contrasts each of `others` with `baseline`. The p-values of all figures of all contrasts are one family for Holm's
 /// correction. Throws as requirePairs().

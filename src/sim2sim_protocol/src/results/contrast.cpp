@@ -10,6 +10,7 @@
 #include "answers.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/episode.hpp"
+#include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
@@ -80,16 +81,16 @@ Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
     }
   }
   contrast.successes = watched.counts();
+  ContrastRow success{kSuccessRow, "", contrast.successes.pairs(), {}};
   if (baseline.protocol.repeats == 1) {
-    contrast.interval = tangoInterval(contrast.successes);
-    contrast.p = mcnemarMidP(contrast.successes);
-    contrast.decided_after = watched.decidedAfter();
+    success.difference = {contrast.successes.difference(), tangoInterval(contrast.successes),
+                          mcnemarMidP(contrast.successes)};
+    success.decided_after = watched.decidedAfter();
   } else {
-    const Difference difference = repeatedDifference(
+    success.difference = repeatedDifference(
         pairsByStart(baseline.protocol, baseline.episodes, kEngineClosed, other.episodes, kEngineClosed));
-    contrast.interval = difference.interval;
-    contrast.p = difference.p;
   }
+  contrast.rows.push_back(success);
   const RunResults baseline_starts = byStarts(baseline);
   const RunResults other_starts = byStarts(other);
   const std::size_t rollouts = baseline.protocol.rolloutNames().size();
@@ -109,9 +110,6 @@ Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
 void adjust(std::vector<Contrast>& contrasts) {
   std::vector<double> family;
   for (const Contrast& contrast : contrasts) {
-    if (contrast.p) {
-      family.push_back(*contrast.p);
-    }
     for (const ContrastRow& row : contrast.rows) {
       if (row.difference.p) {
         family.push_back(*row.difference.p);
@@ -121,22 +119,12 @@ void adjust(std::vector<Contrast>& contrasts) {
   const std::vector<double> adjusted = holm(family);
   auto next = adjusted.begin();
   for (Contrast& contrast : contrasts) {
-    if (contrast.p) {
-      contrast.adjusted_p = *next++;
-    }
     for (ContrastRow& row : contrast.rows) {
       if (row.difference.p) {
         row.adjusted_p = *next++;
       }
     }
   }
-}
-
-json jsonOf(const std::optional<Interval>& interval) { return interval ? json{interval->low, interval->high} : json(); }
-
-template <class Number>
-json jsonOf(const std::optional<Number>& number) {
-  return number ? json(*number) : json();
 }
 
 std::string countCell(const std::optional<int>& count) { return count ? std::to_string(*count) : "-"; }
@@ -192,21 +180,16 @@ json toJson(const RunResults& baseline, const std::vector<RunResults>& others, c
   for (std::size_t i = 0; i < contrasts.size(); ++i) {
     const Contrast& contrast = contrasts[i];
     json figures = json::object();
-    figures["engine_success_rate"] = {{"unit", ""},
-                                      {"episodes", contrast.successes.pairs()},
-                                      {"difference", contrast.successes.difference()},
-                                      {"interval", jsonOf(contrast.interval)},
-                                      {"p", jsonOf(contrast.p)},
-                                      {"adjusted_p", jsonOf(contrast.adjusted_p)},
-                                      {"decided_after", jsonOf(contrast.decided_after)}};
     for (const ContrastRow& row : contrast.rows) {
-      figures[row.name + "_" + row.unit] = {{"unit", row.unit},
-                                            {"episodes", row.episodes},
-                                            {"difference", row.difference.value},
-                                            {"interval", jsonOf(row.difference.interval)},
-                                            {"p", jsonOf(row.difference.p)},
-                                            {"adjusted_p", jsonOf(row.adjusted_p)},
-                                            {"decided_after", jsonOf(row.decided_after)}};
+      const std::optional<Interval>& interval = row.difference.interval;
+      figures[row.name + (row.unit.empty() ? "" : "_" + row.unit)] = {
+          {"unit", row.unit},
+          {"episodes", row.episodes},
+          {"difference", row.difference.value},
+          {"interval", interval ? json{interval->low, interval->high} : json()},
+          {"p", orNull(row.difference.p)},
+          {"adjusted_p", orNull(row.adjusted_p)},
+          {"decided_after", orNull(row.decided_after)}};
     }
     result["contrasts"].push_back({{"title", contrast.title},
                                    {"headline", sentenceOf(baseline, others[i], contrast)},
@@ -227,11 +210,10 @@ std::string table(const RunResults& baseline, const std::vector<RunResults>& oth
   std::string text = answerOf(baseline, others, contrasts).text() + "\n";
   for (const Contrast& contrast : contrasts) {
     text += contrast.title + "\n  against " + against + ", " + std::to_string(contrast.successes.pairs()) +
-            " episodes\n" + line("", "difference", "p", "Holm", "decided after") +
-            line("engine_success_rate", signedText(contrast.successes.difference(), contrast.interval, "", kRateDigits),
-                 probabilityCell(contrast.p), probabilityCell(contrast.adjusted_p), countCell(contrast.decided_after));
+            " episodes\n" + line("", "difference", "p", "Holm", "decided after");
     for (const ContrastRow& row : contrast.rows) {
-      text += line(row.name, signedText(row.difference.value, row.difference.interval, row.unit, kDigits),
+      const int digits = row.unit.empty() ? kRateDigits : kDigits;
+      text += line(row.name, signedText(row.difference.value, row.difference.interval, row.unit, digits),
                    probabilityCell(row.difference.p), probabilityCell(row.adjusted_p), countCell(row.decided_after));
     }
     text += "  success lost in " + std::to_string(contrast.lost.size()) + " episodes: " + listed(contrast.lost) +

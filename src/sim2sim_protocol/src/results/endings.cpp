@@ -56,8 +56,7 @@ EndingsOfPairs endingsOf(const std::vector<EpisodeResult>& episodes) {
 
 nlohmann::json toJson(const Endings& endings, bool has_intervals) {
   using nlohmann::json;
-  json result = {{"failures", endings.failures()},
-                 {"median_still_step", endings.median_still_step ? json(*endings.median_still_step) : json()}};
+  json result = {{"failures", endings.failures()}, {"median_still_step", orNull(endings.median_still_step)}};
   for (const Ending ending : {Ending::kStuck, Ending::kMoving, Ending::kLost}) {
     result[nameOf(ending)] = shareJson(endings.of(ending), endings.failures(), has_intervals);
   }

@@ -46,7 +46,7 @@ FirstDivergences firstDivergencesOf(const std::vector<EpisodeResult>& episodes, 
 
 json toJson(const FirstDivergences& first_divergences, bool has_intervals) {
   json result = {{"parted", shareJson(first_divergences.parted, first_divergences.episodes, has_intervals)},
-                 {"median_step", first_divergences.median_step ? json(*first_divergences.median_step) : json()},
+                 {"median_step", orNull(first_divergences.median_step)},
                  {"causes", json::object()},
                  {"first", json::object()},
                  {"within_by_step", json::array()}};

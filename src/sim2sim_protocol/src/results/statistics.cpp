@@ -35,11 +35,9 @@ json distribution(const Protocol& protocol, const std::vector<EpisodeResult>& st
   const Estimate mean = meanOf(protocol, starts, figure);
   std::sort(samples.begin(), samples.end());
   const Estimate median = medianOf(protocol, samples);
-  figures["mean"] = readableJson(mean.value);
-  figures["mean_interval"] = readableJson(mean.interval);
+  addFigure(figures, "mean", "", mean.value, mean.interval);
   figures["standard_deviation"] = samples.size() < 2 ? json() : readableJson(standardDeviation(samples));
-  figures["median"] = readableJson(median.value);
-  figures["median_interval"] = readableJson(median.interval);
+  addFigure(figures, "median", "", median.value, median.interval);
   for (const double probability : kShownQuantiles) {
     figures["quantiles"][pusht::shortestText(probability)] = readableJson(quantileOf(samples, probability));
   }

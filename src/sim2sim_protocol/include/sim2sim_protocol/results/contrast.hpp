@@ -15,31 +15,30 @@
 
 namespace sim2sim {
 
-/// Mean paired difference of one figure, other - baseline, in the figure's unit.
+/// Mean paired difference of one figure, other - baseline, in the figure's unit. Of success it is the difference of the
+/// rates, with Tango's interval and McNemar's mid-p.
 struct ContrastRow {
   std::string name;  ///< key of the mean in metrics.json, without its unit
-  std::string unit;
-  int episodes;  ///< number of episodes that have the figure in both runs
+  std::string unit;  ///< empty: success
+  int episodes;      ///< number of episodes that have the figure in both runs
   Difference difference;
   std::optional<double> adjusted_p{};  ///< after Holm, over the whole family
-  /// [episodes] after which the sign was decided, if watched after each of them; DifferenceSequence. None: not yet, or
-  /// few episodes carry the difference (isCarriedByFew()), for which that method is not made, or that is not known
-  /// (Quantity::hasIntervals()).
+  /// [episodes] after which the sign was decided, if watched after each of them; DifferenceSequence, of success
+  /// AnyDifference. None: not yet, or few episodes carry the difference (isCarriedByFew()), for which that method is
+  /// not made, or that is not known (Quantity::hasIntervals()).
   std::optional<int> decided_after{};
+
+  bool isFinding() const { return adjusted_p && *adjusted_p <= 1.0 - kConfidence && difference.value != 0.0; }
 };
 
 /// All differences of one run from the baseline. With repeats they are by start (results/starts.hpp), and nothing is
 /// watched episode by episode.
 struct Contrast {
-  std::string title;                   ///< name of the run among all that are compared
-  PairTable successes;                 ///< successes of the engine; first: the baseline
-  std::optional<Interval> interval{};  ///< Tango's interval of the difference of the rates
-  std::optional<double> p{};           ///< McNemar's, mid-p; none of few starts with repeats
-  std::optional<double> adjusted_p{};  ///< after Holm, over the whole family
-  std::optional<int> decided_after{};  ///< [episodes] likewise, by AnyDifference
-  std::vector<int> lost{};             ///< episodes in which only the baseline succeeds
-  std::vector<int> gained{};           ///< episodes in which only the other succeeds
-  std::vector<ContrastRow> rows{};
+  std::string title;                ///< name of the run among all that are compared
+  PairTable successes;              ///< successes of the engine; first: the baseline
+  std::vector<int> lost{};          ///< episodes in which only the baseline succeeds
+  std::vector<int> gained{};        ///< episodes in which only the other succeeds
+  std::vector<ContrastRow> rows{};  ///< success first
 };
 
 /// Contrasts each of `others` with `baseline`. The p-values of all figures of all contrasts are one family for Holm's

@@ -199,7 +199,7 @@ TEST(RepeatedStarts, AreContrastedByStart) {
     named.engine = {"two_mass", "two-mass engine"};
     return RunResults{"run", metrics(named, summarize(named.protocol, episodes)), named.protocol, episodes};
   };
-  const Contrast found = contrast(results(before), {results(now)}).front();
+  const Contrast found = contrastsOf(results(before), {results(now)}).front();
   const Difference expected =
       repeatedDifference(pairsByStart(configuration.protocol, before, kEngineClosed, now, kEngineClosed));
   expectSame(found.rows.front().difference.interval, expected.interval);

@@ -228,7 +228,7 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
 
 }  // namespace
 
-Attribution attribute(const fs::path& folder, const fs::path& baseline, const std::function<void()>& go_on) {
+Attribution readAttribution(const fs::path& folder, const fs::path& baseline, const std::function<void()>& go_on) {
   const SweepResults sweep = readWholeSweep(folder, "a sweep over switches");
   std::vector<RunResults> rows = rowsOf(sweep, go_on);
   Attribution result;

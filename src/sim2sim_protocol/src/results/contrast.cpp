@@ -154,7 +154,7 @@ std::string listed(const std::vector<int>& episodes) {
 
 }  // namespace
 
-std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others) {
+std::vector<Contrast> contrastsOf(const RunResults& baseline, const std::vector<RunResults>& others) {
   std::vector<Contrast> contrasts;
   for (const RunResults& other : others) {
     requirePairs(baseline, other);

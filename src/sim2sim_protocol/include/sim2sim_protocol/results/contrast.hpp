@@ -43,7 +43,7 @@ struct Contrast {
 
 /// Contrasts each of `others` with `baseline`. The p-values of all figures of all contrasts are one family for Holm's
 /// correction. Throws as requirePairs().
-std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others);
+std::vector<Contrast> contrastsOf(const RunResults& baseline, const std::vector<RunResults>& others);
 
 /// Content of the file of `contrast --out`: the answer about all runs, a sentence and the figures of each. `contrasts`
 /// are those of `others`, in order.

@@ -20,8 +20,8 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "pusht_engine/rigid_body_contacts.hpp"
-#include "pusht_engine/rigid_body_dynamics.hpp"
+#include "rigid_body_contacts.hpp"
+#include "rigid_body_dynamics.hpp"
 
 namespace pusht::rigid_body {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_engine/rigid_body_dynamics.hpp"
+#include "rigid_body_dynamics.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pusht_engine/rigid_body_solver.hpp"
+#include "rigid_body_solver.hpp"
 
 #include <cmath>
 #include <limits>

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pusht_engine/rigid_body_contacts.hpp"
+#include "rigid_body_contacts.hpp"
 
 namespace pusht::rigid_body {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The laws of the rigid-body engine: closed forms, symmetries, energy, and finite differences of every derivative.
 // (Against MuJoCo: sim2sim_eval's fidelity_test.cpp.)
-#include "pusht_engine/rigid_body_dynamics.hpp"
+#include "rigid_body_dynamics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Constraint forces: closed forms, the conditions of a minimum, Eigen's decomposition.
-#include "pusht_engine/rigid_body_solver.hpp"
+#include "rigid_body_solver.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "pusht_engine/rigid_body_dynamics.hpp"
 #include "pusht_engine/rigid_body_engine.hpp"
+#include "rigid_body_dynamics.hpp"
 
 namespace pusht::rigid_body {
 

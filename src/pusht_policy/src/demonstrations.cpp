@@ -19,7 +19,7 @@
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
 #include "sim2sim_serving/bag_file.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace pusht {
 namespace {

@@ -8,7 +8,7 @@
 #include "pusht_task/loop.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/parameters.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace pusht_rviz {
 namespace {

@@ -2,14 +2,16 @@
 #include "pusht_task/simulator.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/state_fields.hpp"
 #include "pusht_task/task.hpp"
 
 namespace pusht {
@@ -18,43 +20,40 @@ namespace {
 /// [rad] Largest yaw of an initial state, before it is wrapped to [-pi, pi). Wrapping keeps 1e-13 rad of it.
 constexpr double kPlausibleYaw = 1000.0;
 
-/// A number of a world state, and how large it may be.
-struct Bounded {
-  const char* name;
-  double value;
-  double limit;
-  const char* unit;
-};
-
-std::array<Bounded, 4> positionsOf(const WorldState& state) {
-  return {Bounded{"pusher_x", state.pusher_position.x(), kPlausibleDistance, "m"},
-          Bounded{"pusher_y", state.pusher_position.y(), kPlausibleDistance, "m"},
-          Bounded{"tee_x", state.tee_position.x(), kPlausibleDistance, "m"},
-          Bounded{"tee_y", state.tee_position.y(), kPlausibleDistance, "m"}};
+/// Largest plausible size of a number of a state, by its unit.
+constexpr double limitOf(std::string_view unit) {
+  return unit == "m"     ? kPlausibleDistance
+         : unit == "rad" ? kPlausibleYaw
+         : unit == "m/s" ? kPlausibleSpeed
+                         : kPlausibleYawRate;
 }
 
-std::array<Bounded, 5> velocitiesOf(const WorldState& state) {
-  return {Bounded{"pusher_vx", state.pusher_velocity.x(), kPlausibleSpeed, "m/s"},
-          Bounded{"pusher_vy", state.pusher_velocity.y(), kPlausibleSpeed, "m/s"},
-          Bounded{"tee_vx", state.tee_velocity.x(), kPlausibleSpeed, "m/s"},
-          Bounded{"tee_vy", state.tee_velocity.y(), kPlausibleSpeed, "m/s"},
-          Bounded{"tee_yaw_rate", state.tee_yaw_rate, kPlausibleYawRate, "rad/s"}};
-}
-
-/// Says which of `numbers` is too large; empty if none.
-template <class Numbers>
-std::string faultOf(const Numbers& numbers) {
-  for (const Bounded& number : numbers) {
-    if (std::abs(number.value) > number.limit) {
-      return std::string(number.name) + " " + shortestText(number.value) + " " + number.unit + ": must be within " +
-             shortestText(number.limit) + " " + number.unit;
+/// Says which number of these units is too large; empty if none.
+std::string faultOf(WorldState state, const std::vector<std::string>& units) {
+  for (const std::string& unit : units) {
+    for (const StateField& field : kStateFields) {
+      if (const double value = field.of(state); field.unit == unit && std::abs(value) > limitOf(unit)) {
+        return field.name + (" " + shortestText(value) + " ") + unit + ": must be within " +
+               shortestText(limitOf(unit)) + " " + unit;
+      }
     }
   }
   return "";
 }
 
+bool isWrapped(double yaw) { return yaw >= -kPi && yaw < kPi; }
+
+bool isPlausible(const WorldState& state) {
+  const auto is_within = [](const Eigen::Vector2d& vector, double limit) {
+    return (vector.array().abs() <= limit).all();
+  };
+  return is_within(state.pusher_position, kPlausibleDistance) && is_within(state.tee_position, kPlausibleDistance) &&
+         is_within(state.pusher_velocity, kPlausibleSpeed) && is_within(state.tee_velocity, kPlausibleSpeed) &&
+         isWrapped(state.tee_yaw) && std::abs(state.tee_yaw_rate) <= kPlausibleYawRate;
+}
+
 std::string faultOfYaw(double yaw) {
-  return yaw >= -kPi && yaw < kPi ? "" : "tee_yaw " + shortestText(yaw) + " rad: must be in [-pi, pi)";
+  return isWrapped(yaw) ? "" : "tee_yaw " + shortestText(yaw) + " rad: must be in [-pi, pi)";
 }
 
 /// Runs `call`; its error says whose it is.
@@ -76,11 +75,8 @@ WorldState checkedStart(const WorldState& state) {
   if (!isFinite(state)) {
     throw InvalidInput("reset: every number of a world state must be finite");
   }
-  const std::array<Bounded, 1> yaw = {Bounded{"tee_yaw", state.tee_yaw, kPlausibleYaw, "rad"}};
-  for (const std::string& fault : {faultOf(positionsOf(state)), faultOf(yaw), faultOf(velocitiesOf(state))}) {
-    if (!fault.empty()) {
-      throw InvalidInput("reset: " + fault);
-    }
+  if (const std::string fault = faultOf(state, {"m", "rad", "m/s", "rad/s"}); !fault.empty()) {
+    throw InvalidInput("reset: " + fault);
   }
   WorldState wrapped = state;
   wrapped.tee_yaw = wrapAngle(state.tee_yaw);
@@ -99,34 +95,23 @@ std::string faultOfStart(const WorldState& start, const WorldState& state, doubl
   if (std::string fault = faultOfYaw(state.tee_yaw); !fault.empty()) {
     return fault;
   }
-  struct Number {
-    const char* name;
-    double wanted;
-    double found;
-    double distance;
-  };
-  const auto number = [](const char* name, double wanted, double found) {
-    return Number{name, wanted, found, std::abs(found - wanted)};
-  };
-  const std::array<Number, 5> pose = {
-      number("pusher_x", start.pusher_position.x(), state.pusher_position.x()),
-      number("pusher_y", start.pusher_position.y(), state.pusher_position.y()),
-      number("tee_x", start.tee_position.x(), state.tee_position.x()),
-      number("tee_y", start.tee_position.y(), state.tee_position.y()),
-      Number{"tee_yaw", start.tee_yaw, state.tee_yaw, std::abs(wrapAngle(state.tee_yaw - start.tee_yaw))}};
-  for (const Number& n : pose) {
-    if (!(n.distance <= tolerance)) {
-      return std::string(n.name) + " " + shortestText(n.found) + ": must be within " + shortestText(tolerance) +
-             " of " + shortestText(n.wanted);
+  WorldState wanted = start;
+  WorldState found = state;
+  for (const StateField& field : kStateFields) {
+    const double off = field.of(found) - field.of(wanted);
+    if (!field.isVelocity() && !(std::abs(field.unit == "rad" ? wrapAngle(off) : off) <= tolerance)) {
+      return field.name + (" " + shortestText(field.of(found))) + ": must be within " + shortestText(tolerance) +
+             " of " + shortestText(field.of(wanted));
     }
   }
   // Velocities may be projected onto what the simulator can represent; rest always can.
-  const std::array<Bounded, 5> wanted = velocitiesOf(start);
-  const bool at_rest =
-      std::all_of(wanted.begin(), wanted.end(), [](const Bounded& velocity) { return velocity.value == 0.0; });
-  for (const Bounded& velocity : velocitiesOf(state)) {
-    if (!std::isfinite(velocity.value) || (at_rest && std::abs(velocity.value) > tolerance)) {
-      return std::string(velocity.name) + " " + shortestText(velocity.value) + ": must be " +
+  const bool at_rest = std::all_of(kStateFields.begin(), kStateFields.end(), [&](const StateField& field) {
+    return !field.isVelocity() || field.of(wanted) == 0.0;
+  });
+  for (const StateField& field : kStateFields) {
+    const double value = field.of(found);
+    if (field.isVelocity() && (!std::isfinite(value) || (at_rest && std::abs(value) > tolerance))) {
+      return field.name + (" " + shortestText(value)) + ": must be " +
              (at_rest ? "within " + shortestText(tolerance) + " of 0" : "finite");
     }
   }
@@ -148,11 +133,13 @@ double checkedStartTolerance(double tolerance) {
 }
 
 void requirePlausibleStep(const WorldState& state) {
+  if (isPlausible(state)) {  // quicker than the search for a fault, and nearly always so
+    return;
+  }
   if (!isFinite(state)) {
     throw SimulationFault("step: the simulation left the finite numbers");
   }
-  for (const std::string& fault :
-       {faultOf(positionsOf(state)), faultOf(velocitiesOf(state)), faultOfYaw(state.tee_yaw)}) {
+  for (const std::string& fault : {faultOf(state, {"m", "m/s", "rad/s"}), faultOfYaw(state.tee_yaw)}) {
     if (!fault.empty()) {
       throw SimulationFault("step: " + fault);
     }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <ostream>
 #include <random>
 #include <string>
@@ -18,6 +17,7 @@
 #include "pusht_task/task.hpp"
 #include "pusht_testing/golden.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"
+#include "sim2sim_statistics/common.hpp"
 
 namespace sim2sim {
 namespace {
@@ -95,10 +95,6 @@ struct CaseDivergences {
   int at_wall = 0;               ///< steps after which the reference's tee touches a wall
 };
 
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return 0.5 * (values[values.size() / 2] + values[(values.size() - 1) / 2]);
@@ -132,7 +128,7 @@ CaseDivergences divergenceOf(const std::vector<Case>& cases, pusht::Simulator& e
     result.yaw.push_back(yaw / steps);
   }
   ::testing::Test::RecordProperty("median_position_nm", static_cast<int>(1e9 * median(result.position)));
-  ::testing::Test::RecordProperty("mean_position_nm", static_cast<int>(1e9 * mean(result.position)));
+  ::testing::Test::RecordProperty("mean_position_nm", static_cast<int>(1e9 * averageOf(result.position)));
   return result;
 }
 
@@ -151,16 +147,16 @@ TEST(FaithfulEngine, FollowsMuJoCoInOpenLoop) {
 
 TEST(FaithfulEngine, FollowsMuJoCoForTwentySteps) {
   const CaseDivergences found = divergenceOf(expertCases(), {}, 20);
-  EXPECT_LE(mean(found.position), 2e-5);
-  EXPECT_LE(mean(found.yaw), 5e-4);
+  EXPECT_LE(averageOf(found.position), 2e-5);
+  EXPECT_LE(averageOf(found.yaw), 5e-4);
 }
 
 TEST(FaithfulEngine, FollowsMuJoCoAtWalls) {
   const std::vector<Case> cases = wallCases();
   const CaseDivergences found = divergenceOf(cases, {}, 20);
   EXPECT_GT(found.at_wall, 2000);
-  EXPECT_LE(mean(found.position), 5e-5);
-  EXPECT_LE(mean(found.yaw), 1e-3);
+  EXPECT_LE(averageOf(found.position), 5e-5);
+  EXPECT_LE(averageOf(found.yaw), 1e-3);
 }
 
 TEST(FaithfulEngine, WithNearestPointsIsNear) {
@@ -227,7 +223,7 @@ class MappedEngine : public ::testing::TestWithParam<MappedKind> {
   }
 
   static double meanDivergence(const std::vector<std::pair<std::string, std::string>>& settings) {
-    return mean(divergenceOf(expertCases(), *worldWith(settings), 5).position);
+    return averageOf(divergenceOf(expertCases(), *worldWith(settings), 5).position);
   }
 };
 

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "pusht_task/error.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace sim2sim {
 namespace {

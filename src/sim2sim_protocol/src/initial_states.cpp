@@ -2,7 +2,6 @@
 #include "sim2sim_protocol/initial_states.hpp"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -13,42 +12,26 @@
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/simulator.hpp"
 #include "pusht_task/split.hpp"
+#include "pusht_task/state_fields.hpp"
 
 namespace sim2sim {
 namespace {
 
+using pusht::kStateFields;
+using pusht::StateField;
 using pusht::WorldState;
-
-/// A number of a world state, by the name of its field in WorldState.msg.
-struct Column {
-  const char* name;
-  bool required;
-  double& (*in)(WorldState&);
-};
-
-constexpr std::array<Column, 10> kColumns = {{
-    {"pusher_x", true, [](WorldState& s) -> double& { return s.pusher_position.x(); }},
-    {"pusher_y", true, [](WorldState& s) -> double& { return s.pusher_position.y(); }},
-    {"pusher_vx", false, [](WorldState& s) -> double& { return s.pusher_velocity.x(); }},
-    {"pusher_vy", false, [](WorldState& s) -> double& { return s.pusher_velocity.y(); }},
-    {"tee_x", true, [](WorldState& s) -> double& { return s.tee_position.x(); }},
-    {"tee_y", true, [](WorldState& s) -> double& { return s.tee_position.y(); }},
-    {"tee_yaw", true, [](WorldState& s) -> double& { return s.tee_yaw; }},
-    {"tee_vx", false, [](WorldState& s) -> double& { return s.tee_velocity.x(); }},
-    {"tee_vy", false, [](WorldState& s) -> double& { return s.tee_velocity.y(); }},
-    {"tee_yaw_rate", false, [](WorldState& s) -> double& { return s.tee_yaw_rate; }},
-}};
 
 std::vector<std::string> columnNames() {
   std::vector<std::string> names;
-  std::transform(kColumns.begin(), kColumns.end(), std::back_inserter(names), [](const auto& c) { return c.name; });
+  std::transform(kStateFields.begin(), kStateFields.end(), std::back_inserter(names),
+                 [](const auto& c) { return c.name; });
   return names;
 }
 
 std::string csvRow(WorldState state) {
   std::string row;
-  for (const Column& column : kColumns) {
-    row.append(row.empty() ? "" : ",").append(pusht::shortestText(column.in(state)));
+  for (const StateField& column : kStateFields) {
+    row.append(row.empty() ? "" : ",").append(pusht::shortestText(column.of(state)));
   }
   return row + "\n";
 }
@@ -64,34 +47,34 @@ std::vector<std::string> cellsOf(const std::string& line) {
   return cells;
 }
 
-const Column& columnOf(const std::string& name) {
-  const auto* const column =
-      std::find_if(kColumns.begin(), kColumns.end(), [&](const Column& known) { return known.name == name; });
-  if (column == kColumns.end()) {
+const StateField& columnOf(const std::string& name) {
+  const auto* const column = std::find_if(kStateFields.begin(), kStateFields.end(),
+                                          [&](const StateField& known) { return known.name == name; });
+  if (column == kStateFields.end()) {
     throw pusht::InvalidInput("column '" + name + "': must be one of: " + pusht::joined(columnNames()));
   }
   return *column;
 }
 
 /// The columns that the first line names.
-std::vector<Column> columnsIn(const std::string& line) {
+std::vector<StateField> columnsIn(const std::string& line) {
   const std::vector<std::string> names = cellsOf(line);
-  std::vector<Column> columns;
+  std::vector<StateField> columns;
   for (const std::string& name : names) {
     columns.push_back(columnOf(name));
     if (std::count(names.begin(), names.end(), name) > 1) {
       throw pusht::InvalidInput("column '" + name + "': must appear only once");
     }
   }
-  for (const Column& column : kColumns) {
-    if (column.required && std::find(names.begin(), names.end(), column.name) == names.end()) {
+  for (const StateField& column : kStateFields) {
+    if (!column.isVelocity() && std::find(names.begin(), names.end(), column.name) == names.end()) {
       throw pusht::InvalidInput(std::string("column '") + column.name + "': is missing");
     }
   }
   return columns;
 }
 
-WorldState stateIn(const std::string& line, const std::vector<Column>& columns) {
+WorldState stateIn(const std::string& line, const std::vector<StateField>& columns) {
   const std::vector<std::string> cells = cellsOf(line);
   if (cells.size() != columns.size()) {
     throw pusht::InvalidInput(std::to_string(cells.size()) + " values: must be " + std::to_string(columns.size()) +
@@ -103,7 +86,7 @@ WorldState stateIn(const std::string& line, const std::vector<Column>& columns) 
     if (!number) {
       throw pusht::InvalidInput(std::string(columns[i].name) + " '" + cells[i] + "': must be a decimal number");
     }
-    columns[i].in(state) = *number;
+    columns[i].of(state) = *number;
   }
   return pusht::checkedStart(state);
 }
@@ -143,7 +126,7 @@ InitialStates readInitialStates(const std::filesystem::path& path, int first, in
 InitialStates initialStatesFrom(const std::string& csv, int first, int count) {
   std::istringstream text(csv);
   std::vector<WorldState> states;
-  std::vector<Column> columns;
+  std::vector<StateField> columns;
   int number = 0;
   try {
     for (std::string line; static_cast<int>(states.size()) < count && std::getline(text, line);) {
@@ -170,7 +153,7 @@ std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::p
 
 std::string initialStatesCsv(const std::vector<WorldState>& states) {
   std::string csv;
-  for (const Column& column : kColumns) {
+  for (const StateField& column : kStateFields) {
     csv.append(csv.empty() ? "" : ",").append(column.name);
   }
   csv += "\n";

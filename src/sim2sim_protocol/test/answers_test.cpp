@@ -58,7 +58,7 @@ RunResults chipmunk(int total, int nth, double away) {
 
 std::string answer(const std::vector<RunResults>& runs) {
   const std::vector<RunResults> others(runs.begin() + 1, runs.end());
-  return answerOf(runs.front(), others, contrast(runs.front(), others)).text();
+  return answerOf(runs.front(), others, contrastsOf(runs.front(), others)).text();
 }
 
 TEST(Answer, OfASweepOverOneParameterSaysWhatItChanges) {

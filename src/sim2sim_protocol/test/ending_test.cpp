@@ -145,7 +145,7 @@ TEST(Endings, AreCountedByRoleAndByPair) {
   EXPECT_EQ(endings.only_engine_reference_stuck, 1);
   EXPECT_EQ(endings.neither_reference_stuck, 1);
   EXPECT_EQ(endings.neither_engine_stuck, 1);
-  const nlohmann::json json = toJson(endings.reference);
+  const nlohmann::json json = toJson(endings.reference, true);
   EXPECT_EQ(json.at("failures"), 3);
   EXPECT_EQ(json.at("stuck").at("share"), 0.666667);
   EXPECT_EQ(json.at("stuck_pusher_still").at("episodes"), 1);
@@ -155,7 +155,7 @@ TEST(Endings, WithoutFailuresThereIsNoShare) {
   const Endings endings = endingsOf({episode(true, true, Ending::kStuck, PusherEnding::kStill, 0)}, kEngineClosed);
   EXPECT_FALSE(endings.areMostlyStuck());
   EXPECT_FALSE(endings.median_still_step);
-  EXPECT_FALSE(toJson(endings).at("stuck").contains("share"));
+  EXPECT_FALSE(toJson(endings, true).at("stuck").contains("share"));
 }
 
 RunConfiguration configuration(const char* loop) {

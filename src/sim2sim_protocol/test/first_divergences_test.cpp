@@ -49,12 +49,14 @@ TEST(FirstDivergences, ShareWithinTheBoundIsKaplanAndMeiers) {
   EXPECT_EQ(first_divergences.median_step, 3);
   EXPECT_EQ(std::string(mostFrequentCause(first_divergences).name), "contact_begins");
 
-  const nlohmann::json json = toJson(first_divergences);
+  const nlohmann::json json = toJson(first_divergences, true);
   EXPECT_EQ(json.at("causes").at("contact_begins").at("episodes"), 2);
   EXPECT_EQ(json.at("causes").at("contact_begins").at("share"), 0.666667);
   EXPECT_EQ(json.at("causes").at("free").at("episodes"), 0);
   EXPECT_EQ(json.at("first").at("tee").at("episodes"), 1);
   EXPECT_EQ(json.at("parted").at("share"), 0.6);
+  EXPECT_EQ(json.at("parted").at("interval").size(), 2U);
+  EXPECT_TRUE(toJson(first_divergences, false).at("parted").at("interval").is_null());
 }
 
 TEST(FirstDivergences, WithoutOneThereIsNoMedianAndNoShareOfCauses) {
@@ -62,8 +64,8 @@ TEST(FirstDivergences, WithoutOneThereIsNoMedianAndNoShareOfCauses) {
   EXPECT_EQ(first_divergences.parted, 0);
   EXPECT_THAT(first_divergences.within, ElementsAre(1.0, 1.0, 1.0, 1.0));
   EXPECT_FALSE(first_divergences.median_step);
-  EXPECT_TRUE(toJson(first_divergences).at("median_step").is_null());
-  EXPECT_FALSE(toJson(first_divergences).at("causes").at("wall").contains("share"));
+  EXPECT_TRUE(toJson(first_divergences, true).at("median_step").is_null());
+  EXPECT_FALSE(toJson(first_divergences, true).at("causes").at("wall").contains("share"));
 }
 
 TEST(FirstDivergences, OfAClosedLoopThatEndsBeforeTheReferenceSayNothingOfLaterSteps) {

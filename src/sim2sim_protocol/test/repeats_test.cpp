@@ -199,12 +199,12 @@ TEST(RepeatedStarts, AreContrastedByStart) {
     named.engine = {"two_mass", "two-mass engine"};
     return RunResults{"run", metrics(named, summarize(named.protocol, episodes)), named.protocol, episodes};
   };
-  const Contrast found = contrast(results(before), {results(now)}).front();
+  const Contrast found = contrastsOf(results(before), {results(now)}).front();
   const Difference expected =
       repeatedDifference(pairsByStart(configuration.protocol, before, kEngineClosed, now, kEngineClosed));
-  expectSame(found.interval, expected.interval);
-  EXPECT_EQ(found.p, expected.p);
-  EXPECT_FALSE(found.decided_after);
+  expectSame(found.rows.front().difference.interval, expected.interval);
+  EXPECT_EQ(found.rows.front().difference.p, expected.p);
+  EXPECT_EQ(found.rows.front().name, "engine_success_rate");
   for (const ContrastRow& row : found.rows) {
     EXPECT_FALSE(row.decided_after) << row.name;
   }

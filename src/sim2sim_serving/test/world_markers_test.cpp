@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "pusht_task/constants.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace pusht {
 namespace {

@@ -14,7 +14,6 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <random>
 #include <sstream>
 #include <stdexcept>
@@ -157,8 +156,7 @@ inline World shippedPolicy() {
 /// Whose episodes are drawn with replacement.
 inline Population resampled(const std::string& name, std::vector<double> samples, double limit) {
   std::sort(samples.begin(), samples.end());
-  const double mean = std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
-  return {name, mean, quantileOf(samples, 0.5), limit, [samples](Random& random) {
+  return {name, averageOf(samples), quantileOf(samples, 0.5), limit, [samples](Random& random) {
             return samples[static_cast<std::size_t>(uniform(random) * static_cast<double>(samples.size()))];
           }};
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "coverage_tables.hpp"
+#include "sim2sim_statistics/common.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/tails.hpp"
 
@@ -75,8 +76,7 @@ std::vector<double> differences(const Places& places, const Component& component
 }
 
 double meanDivergence(const Places& places, const Component& component, Source source) {
-  const std::vector<double> samples = divergences(places, component, source);
-  return std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(samples.size());
+  return averageOf(divergences(places, component, source));
 }
 
 /// How far a tee that never moves is from the reference, in the mean of these episodes.

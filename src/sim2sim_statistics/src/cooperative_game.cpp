@@ -99,7 +99,7 @@ Game::Game(int players, const std::vector<std::vector<double>>& gaps) : players_
   const std::size_t episodes = gaps.front().size();
   for (Coalition on = kNone; on < coalitions; ++on) {
     requireGaps(on, gaps[on], episodes);
-    mean_gaps_.push_back(sumOf(gaps[on]) / static_cast<double>(episodes));
+    mean_gaps_.push_back(averageOf(gaps[on]));
   }
   episodes_ = static_cast<int>(episodes);
   for (std::size_t episode = 0; episode < episodes; ++episode) {

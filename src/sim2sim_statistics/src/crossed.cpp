@@ -105,7 +105,7 @@ std::optional<MeanError> errorOfGroups(const CrossedTable& more, const CrossedTa
   for (std::size_t i = 0; i < differences.size(); ++i) {
     differences[i] -= less_means[i];
   }
-  const double mean = sumOf(differences) / columns;
+  const double mean = averageOf(differences);
   const double of_columns = squaredDeviations(differences, mean) / (columns - 1.0);
   WeightedSquares all = rows;
   if (of_columns / columns + residuals.sum() > 0.0) {
@@ -195,7 +195,7 @@ CrossedTable::CrossedTable(const std::vector<std::vector<double>>& rows)
   }
 }
 
-double CrossedTable::mean() const { return sumOf(values_) / static_cast<double>(values_.size()); }
+double CrossedTable::mean() const { return averageOf(values_); }
 
 std::vector<double> CrossedTable::rowMeans() const {
   std::vector<double> means(rows_);

@@ -58,7 +58,7 @@ EquivalentSize equivalentSize(const std::vector<Surplus>& surplus) {
   }
   for (std::size_t i = 1; i < surplus.size(); ++i) {
     if (!(surplus[i - 1].size < surplus[i].size)) {
-      refuse("size", surplus[i].size, "above the one before it, " + shortestText(surplus[i - 1].size));
+      refuse("size", surplus[i].size, "above the one before it,", surplus[i - 1].size);
     }
   }
   return {firstRoot(surplus), {lowerEnd(surplus), upperEnd(surplus)}};

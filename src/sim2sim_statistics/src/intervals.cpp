@@ -27,7 +27,7 @@ struct Moments {
 
 Moments momentsOf(const std::vector<double>& samples) {
   const auto n = static_cast<double>(samples.size());
-  const double mean = std::accumulate(samples.begin(), samples.end(), 0.0) / n;
+  const double mean = averageOf(samples);
   const double squares = std::accumulate(samples.begin(), samples.end(), 0.0, [mean](double sum, double sample) {
     return sum + (sample - mean) * (sample - mean);
   });
@@ -83,7 +83,7 @@ Interval wilsonInterval(int successes, int trials) {
 Estimate meanOf(const std::vector<double>& samples, double limit) {
   for (const double sample : samples) {
     if (!(std::isfinite(sample) && sample >= -kSame && sample <= limit + kSame)) {
-      refuse("sample", sample, "from 0 to " + shortestText(limit));
+      refuse("sample", sample, "from 0 to", limit);
     }
   }
   if (samples.empty()) {

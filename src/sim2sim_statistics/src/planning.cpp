@@ -41,7 +41,7 @@ void requireRates(double discordant, double difference) {
     refuse("discordant share", discordant, "above 0 and at most 1");
   }
   if (!(difference >= 0.0 && difference <= discordant)) {
-    refuse("difference", difference, "from 0 to the discordant share " + shortestText(discordant));
+    refuse("difference", difference, "from 0 to the discordant share", discordant);
   }
 }
 

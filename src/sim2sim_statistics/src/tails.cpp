@@ -50,11 +50,6 @@ std::vector<double> sizesOf(std::vector<double> samples) {
   return samples;
 }
 
-/// The mean of at least one sample; rounding does not lead it out of [least, most].
-double meanWithin(const std::vector<double>& samples, double least, double most) {
-  return std::clamp(sumOf(samples) / static_cast<double>(samples.size()), least, most);
-}
-
 double largestOf(const std::vector<double>& samples, double extreme) {
   return std::accumulate(samples.begin(), samples.end(), extreme, [](double a, double b) { return std::max(a, b); });
 }
@@ -199,7 +194,7 @@ std::optional<Interval> tailMeanInterval(const std::vector<double>& samples, dou
   if (isTooFew(samples) || largest == 0.0) {
     return std::nullopt;
   }
-  const double mean = meanWithin(samples, 0.0, largest);
+  const double mean = std::clamp(averageOf(samples), 0.0, largest);  // rounding must not lead it out
   return Interval{endOf(ofMean(samples, 0.0), mean, 0.0), endOf(ofMean(samples, largest), mean, largest)};
 }
 
@@ -248,7 +243,7 @@ Difference tailDifference(const std::vector<double>& differences, double extreme
   if (differences.empty()) {
     return {};
   }
-  const double mean = meanWithin(differences, -size, size);
+  const double mean = std::clamp(averageOf(differences), -size, size);
   if (isTooFew(differences)) {
     return {mean, std::nullopt, std::nullopt};
   }

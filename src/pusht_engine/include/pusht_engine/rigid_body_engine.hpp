@@ -4,7 +4,6 @@
 #pragma once
 
 #include "pusht_engine/planar_simulator.hpp"
-#include "pusht_engine/rigid_body_dynamics.hpp"
 #include "pusht_engine/rigid_body_model.hpp"
 #include "pusht_task/substeps.hpp"
 

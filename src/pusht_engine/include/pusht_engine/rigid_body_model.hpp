@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Parameters of the rigid-body engine: ten modeling choices, each the two-mass engine's or MuJoCo's, and the numbers
-/// that follow from them. docs/ladder.md has the table of the switches and the formula behind each.
+/// Parameters of the rigid-body engine: ten modeling choices, each the two-mass engine's or MuJoCo's, the numbers that
+/// follow from them, and a substep. docs/ladder.md has the table of the switches and the formula behind each.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 
@@ -77,6 +78,9 @@ constexpr double kStiffness = 1.0 / (kImpedance * kImpedance * kTimeConstant * k
 /// Generalized coordinates, in MuJoCo's order.
 enum Coordinate : std::size_t { kTeeX, kTeeY, kTeeYaw, kPusherX, kPusherY, kCoordinateCount };
 
+/// Vector over the generalized coordinates.
+using Vector = std::array<double, kCoordinateCount>;
+
 /// Constants of a substep.
 struct Model {
   RigidBodyParameters switches;
@@ -103,6 +107,15 @@ struct Model {
 
 /// Constants of a substep with these switches.
 Model modelOf(const RigidBodyParameters& parameters);
+
+/// State of a world. The yaw is not wrapped.
+struct Bodies {
+  Vector positions;   ///< [m, m, rad, m, m]
+  Vector velocities;  ///< [m/s, m/s, rad/s, m/s, m/s]
+};
+
+/// One substep in which the pusher is to move with velocity `command` [m/s].
+void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies);
 
 }  // namespace rigid_body
 }  // namespace pusht

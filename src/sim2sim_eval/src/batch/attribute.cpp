@@ -29,7 +29,7 @@ int attributeMain(int argc, char** argv) {
   return runCommand(app, argc, argv, [&] {
     const DerivedFiles files("attribution", sweep, kAttributionFile, kAttributionTable, overwrite);
     const auto go_on = [] { requireNotInterrupted(); };
-    const Attribution attribution = attribute(sweep, baseline, go_on);
+    const Attribution attribution = readAttribution(sweep, baseline, go_on);
     go_on();
     std::cout << table(attribution);
     files.write(toJson(attribution), toCsv(attribution));

@@ -49,7 +49,7 @@ void contrast(const ContrastOptions& options) {
   std::vector<RunResults> runs = runsToContrast(options);
   const RunResults baseline = runs.front();
   runs.erase(runs.begin());
-  const std::vector<Contrast> contrasts = contrast(baseline, runs);
+  const std::vector<Contrast> contrasts = contrastsOf(baseline, runs);
   requireNotInterrupted();
   std::cout << table(baseline, runs, contrasts);
   if (!options.out.empty()) {

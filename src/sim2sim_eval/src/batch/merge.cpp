@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 /// Which shard a sweep is; it is then described as the whole. Throws BadDependency if it is none.
-Shard takeShard(SweepOnDisk& sweep) {
+Shard takeShard(SweepResults& sweep) {
   const json shard = sweep.description.value("shard", json());
   if (!shard.is_string()) {
     throw pusht::BadDependency("shard " + sweep.folder.string() + ": is a sweep in one piece");
@@ -40,31 +40,30 @@ struct Shards {
   json provenance;
 };
 
-/// Throws InvalidInput if a shard is of another format.
-void requireFormats(const std::vector<std::string>& folders) {
-  for (const std::string& folder : folders) {
-    const SweepOnDisk sweep = readSweep(folder);
-    for (const auto& [file, content] :
-         {std::pair(kSweepFile, sweep.description), {kProvenanceFile, sweep.provenance}}) {
-      try {
-        requireDescriptionFormat(content);
-      } catch (pusht::Error& error) {
-        error.addContext("shard " + (fs::path(folder) / file).string());
-        throw;
-      }
+/// Throws InvalidInput if the shard is of another format.
+SweepResults readShard(const fs::path& folder) {
+  SweepResults sweep = readSweep(folder);
+  for (const auto& [file, content] :
+       {std::pair(kSweepFile, sweep.description), {kProvenanceFile, sweep.provenance()}}) {
+    try {
+      requireDescriptionFormat(content);
+    } catch (pusht::Error& error) {
+      error.addContext("shard " + (folder / file).string());
+      throw;
     }
   }
+  return sweep;
 }
 
 /// Throws BadDependency unless the folders hold all shards of one sweep, InvalidInput if one is of another format.
 Shards requireShards(const std::vector<std::string>& folders) {
-  requireFormats(folders);
-  SweepOnDisk first = readSweep(folders.front());
-  Shards shards{{}, takeShard(first).of, first.description, first.provenance};
+  SweepResults first = readShard(folders.front());
+  const int of = takeShard(first).of;
+  Shards shards{{}, of, first.description, first.provenance()};
   for (const std::string& folder : folders) {
-    SweepOnDisk sweep = readSweep(folder);
+    SweepResults sweep = readShard(folder);
     const Shard shard = takeShard(sweep);
-    std::string difference = differenceOf(sweep, first);
+    std::string difference = differenceOf(sweep, shards.description, shards.provenance);
     if (difference.empty() && shard.of != shards.of) {
       difference = "it is " + shard.text();
     }

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "pusht_task/files.hpp"
-#include "pusht_task/json_text.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/difference.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
@@ -22,14 +21,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr std::size_t kTablesWritten = 20;  // in the course of a sweep, about
-
-json parsedFile(const fs::path& path, const std::string& what) {
-  json parsed = pusht::parseJson(pusht::readFile(path, what));
-  if (!parsed.is_object()) {
-    throw pusht::InvalidInput(what + " " + path.string() + ": must be a JSON object");
-  }
-  return parsed;
-}
 
 /// A cell of sweep.csv.
 std::string csvCell(const json& value) {
@@ -144,26 +135,17 @@ std::string sweepCsv(const std::vector<json>& rows) {
 
 }  // namespace
 
-SweepOnDisk readSweep(const fs::path& folder) {
-  const fs::path file = folder / kSweepFile;
-  const json description = parsedFile(file, "sweep").value("sweep", json());
-  if (!description.is_object()) {
-    throw pusht::InvalidInput("sweep " + file.string() + ": must say what it is under \"sweep\"");
-  }
-  return {folder, description, parsedFile(folder / kProvenanceFile, "provenance")};
-}
-
 std::vector<Input> inputsOf(const fs::path& shard) {
   return {{"shard", shard / kSweepFile}, {"shard", shard / kProvenanceFile}, {"shard", rowsFolder(shard)}};
 }
 
-std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted) {
+std::string differenceOf(const SweepResults& found, const json& description, const json& provenance) {
   constexpr const char* kMustBe = ", must be ";
-  std::string difference = firstDifference(found.description, wanted.description, kMustBe);
+  std::string difference = firstDifference(found.description, description, kMustBe);
+  const json origin = found.provenance();
   for (const char* key : {"format", "code"}) {
     if (difference.empty()) {
-      difference = firstDifference({{key, found.provenance.value(key, json())}},
-                                   {{key, wanted.provenance.value(key, json())}}, kMustBe);
+      difference = firstDifference({{key, origin.value(key, json())}}, {{key, provenance.value(key, json())}}, kMustBe);
     }
   }
   return difference;
@@ -216,7 +198,7 @@ void SweepFolder::begin(const json& description, const json& provenance) {
   folder_.open();
   std::error_code error;
   if (!overwrite_ && fs::exists(path() / kSweepFile, error)) {
-    const std::string difference = differenceOf(readSweep(path()), {path(), description, provenance});
+    const std::string difference = differenceOf(readSweep(path()), description, provenance);
     if (!difference.empty()) {
       throw pusht::InvalidInput("out " + path().string() + ": holds another sweep (" + difference +
                                 "); name another folder, or replace it with --overwrite");

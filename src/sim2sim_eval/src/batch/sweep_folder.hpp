@@ -19,27 +19,18 @@
 #include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
+#include "sim2sim_protocol/results/run_results.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 
 namespace sim2sim {
 
-/// Sweep on disk. sweep.json describes it; rows/000, rows/001, ... hold metrics.json and episodes.csv of each row, as
-/// a run with the row's parameters writes them. Each file is complete or absent.
-struct SweepOnDisk {
-  std::filesystem::path folder;
-  nlohmann::json description;
-  nlohmann::json provenance;  ///< provenance.json; its "code" is the fingerprint of the build
-};
-
-/// Throws InvalidInput if there is no sweep in the folder.
-SweepOnDisk readSweep(const std::filesystem::path& folder);
-
 /// Files and folders that are read of a shard.
 std::vector<Input> inputsOf(const std::filesystem::path& shard);
 
-/// First difference between two sweeps or the builds that ran them, with both values: "/seed is 1, must be 0". Empty if
-/// there is none.
-std::string differenceOf(const SweepOnDisk& found, const SweepOnDisk& wanted);
+/// First difference of a sweep on disk, or of the build that ran it, from the one that is wanted, with both values:
+/// "/seed is 1, must be 0". Empty if there is none.
+std::string differenceOf(const SweepResults& found, const nlohmann::json& description,
+                         const nlohmann::json& provenance);
 
 /// Finished row: its episodes, their summary and its metrics.json.
 struct SweepRow {

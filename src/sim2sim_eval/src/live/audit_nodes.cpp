@@ -18,7 +18,7 @@
 #include "pusht_task/files.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_serving/node.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 #include "sim2sim_serving/peer.hpp"
 #include "sim2sim_serving/remote_simulator.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"

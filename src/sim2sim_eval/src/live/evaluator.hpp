@@ -30,7 +30,7 @@
 #include "sim2sim_protocol/results/run.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
 #include "sim2sim_serving/health.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace sim2sim {
 

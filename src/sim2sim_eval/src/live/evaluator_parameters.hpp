@@ -5,7 +5,7 @@
 #include <string>
 
 #include "live/request.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace sim2sim {
 

@@ -15,7 +15,7 @@
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/probes.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace sim2sim {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "sim2sim_protocol/run_options.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace sim2sim {
 

@@ -12,7 +12,7 @@
 #include "live/world_memory.hpp"
 #include "pusht_task/error.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 #include "sim2sim_serving/peer.hpp"
 
 namespace sim2sim {

@@ -25,7 +25,7 @@
 #include "live/pacer.hpp"
 #include "live/serve_playback.hpp"
 #include "pusht_task/error.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace sim2sim {
 

@@ -10,7 +10,7 @@
 
 #include "live/live_nodes.hpp"
 #include "sim2sim_protocol/protocol.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace sim2sim {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "pusht_task/loop.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace sim2sim {
 

@@ -26,13 +26,9 @@ const Quantity& quantityOf(std::size_t component) {
   return kQuantities[quantityIndex(kDivergencePairs.at(component).divergence)];
 }
 
-json distanceJson(const Estimate& distance) {
-  return {{"value", readableJson(distance.value)}, {"interval", readableJson(distance.interval)}};
-}
-
 json distancesJson(const std::vector<Estimate>& distances) {
   json list = json::array();
-  std::transform(distances.begin(), distances.end(), std::back_inserter(list), distanceJson);
+  std::transform(distances.begin(), distances.end(), std::back_inserter(list), figureJson<Estimate>);
   return list;
 }
 

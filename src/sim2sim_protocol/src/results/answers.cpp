@@ -129,48 +129,35 @@ std::string ratesOf(const std::vector<RunResults>& runs, const Labels& labels) {
 }
 
 /// A figure of a contrast that a reader asks for first.
-struct Change {
-  double value;
-  std::optional<Interval> interval;
-  std::optional<double> p;
-  std::optional<double> adjusted_p;
-
-  bool isFinding() const { return adjusted_p && *adjusted_p <= 1.0 - kConfidence && value != 0.0; }
-};
-
 struct Figure {
   const char* name;  ///< in a sentence
-  const char* row;   ///< of a ContrastRow; nullptr: success
-  const char* unit;
+  const char* row;   ///< of a ContrastRow
   int digits;
 };
 
-constexpr std::array kFigures = {Figure{"success", nullptr, "", 3},
-                                 Figure{"the position divergence", "mean_pos_divergence", "m", 4},
-                                 Figure{"the angle divergence", "mean_ang_divergence", "rad", 4}};
+constexpr std::array kFigures = {Figure{"success", kSuccessRow, 3},
+                                 Figure{"the position divergence", "mean_pos_divergence", 4},
+                                 Figure{"the angle divergence", "mean_ang_divergence", 4}};
 
-Change changeOf(const Contrast& contrast, const Figure& figure) {
-  if (figure.row == nullptr) {
-    return {contrast.successes.difference(), contrast.interval, contrast.p, contrast.adjusted_p};
-  }
-  const auto row = std::find_if(contrast.rows.begin(), contrast.rows.end(),
-                                [&](const ContrastRow& candidate) { return candidate.name == figure.row; });
-  return {row->difference.value, row->difference.interval, row->difference.p, row->adjusted_p};
+const ContrastRow& rowOf(const Contrast& contrast, const Figure& figure) {
+  return *std::find_if(contrast.rows.begin(), contrast.rows.end(),
+                       [&](const ContrastRow& candidate) { return candidate.name == figure.row; });
 }
 
 /// "the position divergence falls by 0.0069 m [0.0024, 0.0114]"
-std::string clauseOf(const Change& change, const Figure& figure) {
+std::string clauseOf(const ContrastRow& row, const Figure& figure) {
   const std::string name = figure.name;
+  const Difference& change = row.difference;
   if (!change.p) {
     return std::string("there are ") + kTooFewToCompare + " " + name;
   }
   if (change.value == 0.0 && *change.p >= 1.0 && (!change.interval || change.interval->low == change.interval->high)) {
     return name + " is the same";
   }
-  if (!change.isFinding()) {
+  if (!row.isFinding()) {
     const bool by_chance = *change.p <= 1.0 - kConfidence;  // as one of many
-    return name + " is not shown to change (" + signedText(change.value, change.interval, figure.unit, figure.digits) +
-           (by_chance ? ", after Holm p " + probabilityText(*change.adjusted_p) : "") + ")";
+    return name + " is not shown to change (" + signedText(change.value, change.interval, row.unit, figure.digits) +
+           (by_chance ? ", after Holm p " + probabilityText(*row.adjusted_p) : "") + ")";
   }
   const bool falls = change.value < 0.0;
   const auto size = [&](double end) { return falls ? -end : end; };
@@ -178,7 +165,7 @@ std::string clauseOf(const Change& change, const Figure& figure) {
   if (interval && falls) {
     interval = Interval{-interval->high, -interval->low};
   }
-  const std::string text = signedText(size(change.value), interval, figure.unit, figure.digits);
+  const std::string text = signedText(size(change.value), interval, row.unit, figure.digits);
   return name + (falls ? " falls by " : " rises by ") + text.substr(1);  // without its plus
 }
 
@@ -202,8 +189,8 @@ std::string changesOf(const std::vector<Contrast>& contrasts, const Labels& labe
   for (const Figure& figure : kFigures) {
     std::array<std::vector<std::string>, 2> where;  // falls, rises
     for (std::size_t i = 0; i < contrasts.size(); ++i) {
-      if (const Change change = changeOf(contrasts[i], figure); change.isFinding()) {
-        where[change.value < 0.0 ? 0 : 1].push_back(labels.names[i + 1]);
+      if (const ContrastRow& row = rowOf(contrasts[i], figure); row.isFinding()) {
+        where[row.difference.value < 0.0 ? 0 : 1].push_back(labels.names[i + 1]);
       }
     }
     std::vector<std::string> parts;
@@ -279,7 +266,7 @@ std::string sentenceOf(const RunResults& baseline, const RunResults& other, cons
   const Labels labels = labelsOf({baseline, other});
   std::vector<std::string> clauses;
   std::transform(kFigures.begin(), kFigures.end(), std::back_inserter(clauses),
-                 [&](const Figure& figure) { return clauseOf(changeOf(contrast, figure), figure); });
+                 [&](const Figure& figure) { return clauseOf(rowOf(contrast, figure), figure); });
   const std::string name = (labels.parameter.empty() ? "" : labels.parameter + " ") + labels.names[1];
   return "Against " + labels.baseline + ", with " + name + " " + pusht::joined(clauses, "; ") + ".";
 }

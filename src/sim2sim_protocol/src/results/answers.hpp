@@ -9,6 +9,9 @@
 
 namespace sim2sim {
 
+/// Name of the row of success in a Contrast.
+inline constexpr const char* kSuccessRow = "engine_success_rate";
+
 /// Names that distinguish runs: title, changed parameters, and parameters in which runs of one kind differ, such as
 /// "two-mass engine, block_damp 6.0".
 std::vector<std::string> titlesOf(const std::vector<RunResults>& runs);

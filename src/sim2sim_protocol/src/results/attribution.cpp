@@ -14,12 +14,12 @@
 #include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/attribution_files.hpp"
-#include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
-#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/run_results.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
+#include "sim2sim_statistics/common.hpp"
 #include "starts.hpp"
 
 namespace sim2sim {
@@ -92,31 +92,22 @@ std::vector<Coalition> allOf(std::size_t switches) {
   return all;
 }
 
-/// Random orders of the sweep in `folder`; empty if it has all combinations.
-std::optional<OrderSample> sampleIn(const fs::path& folder) {
-  const json sweep = sweepIn(folder);
-  if (!sweep.contains("permutations")) {
+/// Random orders of a sweep; empty if it has all combinations.
+std::optional<OrderSample> sampleIn(const SweepResults& sweep) {
+  if (!sweep.description.contains("permutations")) {
     return std::nullopt;
   }
   try {
-    return pusht::asInput([&] { return orderSampleFrom(sweep.at("permutations")); });
+    return pusht::asInput([&] { return orderSampleFrom(sweep.description.at("permutations")); });
   } catch (pusht::InvalidInput& error) {
-    error.addContext("results " + (folder / kSweepFile).string());
+    error.addContext("results " + (sweep.folder / kSweepFile).string());
     throw;
   }
 }
 
-std::vector<RunResults> read(const fs::path& folder, const std::function<void()>& go_on) {
-  if (std::error_code ignored; fs::exists(folder / kMetricsFile, ignored)) {
-    throw pusht::InvalidInput("results " + folder.string() + ": is a run; a sweep over switches is needed");
-  }
-  const std::vector<fs::path> rows = runsIn(folder);
-  wholeSweepIn(folder);
-  std::vector<RunResults> runs;
-  for (const fs::path& run : rows) {
-    go_on();
-    runs.push_back(readResults(run));
-  }
+/// Results of all rows, which must be of one engine over the same episodes.
+std::vector<RunResults> rowsOf(const SweepResults& sweep, const std::function<void()>& go_on) {
+  std::vector<RunResults> runs = sweep.readRows(go_on);
   const json name = runs.front().engine().at("name");
   for (const RunResults& run : runs) {
     if (run.engine().at("name") != name) {
@@ -190,7 +181,8 @@ Estimate meanOfGap(const RunResults& run, const Measure& measure) {
     const PairTable table = pairsOf(run.episodes, kReferenceClosed, run.episodes, kEngineClosed);
     return {-table.difference(), std::nullopt};
   }
-  return meanOf(meansOfStarts(run.protocol, run.episodes), {measure.rollout, quantityIndex(measure.quantity)});
+  return meanOf(run.protocol, meansOfStarts(run.protocol, run.episodes),
+                {measure.rollout, quantityIndex(measure.quantity)});
 }
 
 /// Attribution of one gap. Without `orders`, also the figures that need all combinations.
@@ -200,9 +192,6 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
   for (const auto& [on, run] : runs) {
     gaps[on] = gapsOf(run, measure);
   }
-  const auto mean = [](const std::vector<double>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-  };
   // The null model follows from the reference's trace alone, so it is the same in every row.
   const RunResults& any = runs.begin()->second;
   const std::vector<EpisodeResult> starts = meansOfStarts(any.protocol, any.episodes);
@@ -210,7 +199,7 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
                                             ? std::nullopt
                                             : extremeOf(starts, {measure.rollout, quantityIndex(measure.quantity)});
   AttributedGap result{
-      measure.name, measure.title, measure.unit, mean(gaps.begin()->second), mean(gaps.rbegin()->second), {}};
+      measure.name, measure.title, measure.unit, averageOf(gaps.begin()->second), averageOf(gaps.rbegin()->second), {}};
   if (orders.empty()) {
     std::vector<std::vector<double>> all;
     std::transform(gaps.begin(), gaps.end(), std::back_inserter(all), [](const auto& entry) { return entry.second; });
@@ -229,9 +218,9 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
     result.shares = sampledShares(orders, gaps, extreme);
   }
   if (measure.quantity != nullptr) {
-    result.null_model = meanOf(starts, {measure.rollout, quantityIndex(measure.null_model)});
+    result.null_model = meanOf(any.protocol, starts, {measure.rollout, quantityIndex(measure.null_model)});
     if (const std::optional<std::size_t> floor = floorOf(any.protocol); floor && measure.rollout == kEngineReplay) {
-      result.floor = meanOf(starts, {*floor, quantityIndex(measure.quantity)});
+      result.floor = meanOf(any.protocol, starts, {*floor, quantityIndex(measure.quantity)});
     }
   }
   return result;
@@ -239,10 +228,11 @@ AttributedGap attributed(const std::map<Coalition, RunResults>& runs, int switch
 
 }  // namespace
 
-Attribution attribute(const fs::path& folder, const fs::path& baseline, const std::function<void()>& go_on) {
-  std::vector<RunResults> rows = read(folder, go_on);
+Attribution readAttribution(const fs::path& folder, const fs::path& baseline, const std::function<void()>& go_on) {
+  const SweepResults sweep = readWholeSweep(folder, "a sweep over switches");
+  std::vector<RunResults> rows = rowsOf(sweep, go_on);
   Attribution result;
-  const std::optional<OrderSample> sample = sampleIn(folder);
+  const std::optional<OrderSample> sample = sampleIn(sweep);
   const std::vector<Order> orders = sample ? sample->draw() : std::vector<Order>();
   result.orders = static_cast<int>(orders.size());
   result.switches = sample ? sample->players : switchesIn(rows);

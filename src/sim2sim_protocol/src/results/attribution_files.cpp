@@ -22,12 +22,6 @@ using nlohmann::json;
 
 namespace {
 
-/// A Difference or an Estimate.
-template <class Figure>
-json figureJson(const Figure& figure) {
-  return {{"value", readableJson(figure.value)}, {"interval", readableJson(figure.interval)}};
-}
-
 json readableAll(const std::vector<double>& values) {
   json result = json::array();
   std::transform(values.begin(), values.end(), std::back_inserter(result), readable);
@@ -38,13 +32,12 @@ json gapJson(const AttributedGap& gap, const std::vector<std::string>& switches)
   json by_switch = json::object();
   for (std::size_t i = 0; i < switches.size(); ++i) {
     const Share& share = gap.shares[i];
-    by_switch[switches[i]] = {{"share", readableJson(share.value)},
-                              {"share_interval", readableJson(share.interval)},
-                              {"part", readableJson(share.part)},
-                              {"part_interval", readableJson(share.part_interval)}};
+    json& keys = by_switch[switches[i]];
+    addFigure(keys, "share", "", share.value, share.interval);
+    addFigure(keys, "part", "", share.part, share.part_interval);
     if (!gap.gaps.empty()) {
-      by_switch[switches[i]]["alone"] = figureJson(gap.alone[i]);
-      by_switch[switches[i]]["leave_one_out"] = figureJson(gap.leave_one_out[i]);
+      keys["alone"] = figureJson(gap.alone[i]);
+      keys["leave_one_out"] = figureJson(gap.leave_one_out[i]);
     }
   }
   json pairs = json::array();
@@ -125,16 +118,13 @@ json toJson(const Attribution& attribution) {
 std::string toCsv(const Attribution& attribution) {
   std::ostringstream csv;
   csv << "gap,unit,switch,share,share_low,share_high,part,part_low,part_high,alone,leave_one_out\n";
-  const auto number = [](double value) { return std::isfinite(value) ? pusht::shortestText(readable(value)) : ""; };
-  const auto ends = [&](const std::optional<Interval>& interval) {
-    return interval ? number(interval->low) + "," + number(interval->high) : std::string(",");
-  };
   for (const AttributedGap& gap : attribution.gaps) {
     for (std::size_t i = 0; i < attribution.switches.size(); ++i) {
       const Share& share = gap.shares[i];
-      csv << gap.name << ',' << gap.unit << ',' << attribution.switches[i] << ',' << number(share.value) << ','
-          << ends(share.interval) << ',' << number(share.part) << ',' << ends(share.part_interval) << ','
-          << (gap.gaps.empty() ? "," : number(gap.alone[i].value) + "," + number(gap.leave_one_out[i].value)) << '\n';
+      csv << gap.name << ',' << gap.unit << ',' << attribution.switches[i] << ','
+          << csvFigure(share.value, share.interval) << ',' << csvFigure(share.part, share.part_interval) << ','
+          << (gap.gaps.empty() ? "," : csvNumber(gap.alone[i].value) + "," + csvNumber(gap.leave_one_out[i].value))
+          << '\n';
     }
   }
   return csv.str();

@@ -5,18 +5,14 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "answers.hpp"
-#include "pusht_task/error.hpp"
-#include "pusht_task/files.hpp"
-#include "pusht_task/json_text.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/episode.hpp"
-#include "sim2sim_protocol/results/difference.hpp"
-#include "sim2sim_protocol/results/episodes_csv.hpp"
+#include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
-#include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 #include "sim2sim_statistics/tails.hpp"
@@ -25,20 +21,7 @@
 namespace sim2sim {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
-
-/// Keys of metrics.json in which two runs must agree, as JSON pointers.
-std::vector<std::string> commonPlaces() {
-  std::vector<std::string> places = {"/policy"};
-  forEachOption([&](const auto& option) {
-    if (option.written != Written::kElsewhere) {
-      places.push_back(std::string("/") + option.name);
-    }
-  });
-  places.insert(places.end(), {"/starts", "/smoke", "/probes", "/simulators/reference"});
-  return places;
-}
 
 /// The figures that are contrasted: those that depend on the engine.
 bool isContrasted(const Protocol& protocol, std::size_t rollout, const Quantity& quantity) {
@@ -48,14 +31,6 @@ bool isContrasted(const Protocol& protocol, std::size_t rollout, const Quantity&
     return std::string(pair.null_model) == quantity.name;
   });
   return of_engine && !of_null && protocol.has(rollout, quantity.scope);
-}
-
-bool sameReference(const EpisodeResult& a, const EpisodeResult& b) {
-  const RolloutResult& one = a.rollouts[kReferenceClosed];
-  const RolloutResult& other = b.rollouts[kReferenceClosed];
-  return one.steps == other.steps && one.success == other.success &&
-         one.at("final_position_error") == other.at("final_position_error") &&
-         one.at("final_angle_error") == other.at("final_angle_error");
 }
 
 /// The larger of the two runs' extremes; none if either has none.
@@ -106,16 +81,16 @@ Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
     }
   }
   contrast.successes = watched.counts();
+  ContrastRow success{kSuccessRow, "", contrast.successes.pairs(), {}};
   if (baseline.protocol.repeats == 1) {
-    contrast.interval = tangoInterval(contrast.successes);
-    contrast.p = mcnemarMidP(contrast.successes);
-    contrast.decided_after = watched.decidedAfter();
+    success.difference = {contrast.successes.difference(), tangoInterval(contrast.successes),
+                          mcnemarMidP(contrast.successes)};
+    success.decided_after = watched.decidedAfter();
   } else {
-    const Difference difference = repeatedDifference(
+    success.difference = repeatedDifference(
         pairsByStart(baseline.protocol, baseline.episodes, kEngineClosed, other.episodes, kEngineClosed));
-    contrast.interval = difference.interval;
-    contrast.p = difference.p;
   }
+  contrast.rows.push_back(success);
   const RunResults baseline_starts = byStarts(baseline);
   const RunResults other_starts = byStarts(other);
   const std::size_t rollouts = baseline.protocol.rolloutNames().size();
@@ -135,9 +110,6 @@ Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
 void adjust(std::vector<Contrast>& contrasts) {
   std::vector<double> family;
   for (const Contrast& contrast : contrasts) {
-    if (contrast.p) {
-      family.push_back(*contrast.p);
-    }
     for (const ContrastRow& row : contrast.rows) {
       if (row.difference.p) {
         family.push_back(*row.difference.p);
@@ -147,22 +119,12 @@ void adjust(std::vector<Contrast>& contrasts) {
   const std::vector<double> adjusted = holm(family);
   auto next = adjusted.begin();
   for (Contrast& contrast : contrasts) {
-    if (contrast.p) {
-      contrast.adjusted_p = *next++;
-    }
     for (ContrastRow& row : contrast.rows) {
       if (row.difference.p) {
         row.adjusted_p = *next++;
       }
     }
   }
-}
-
-json jsonOf(const std::optional<Interval>& interval) { return interval ? json{interval->low, interval->high} : json(); }
-
-template <class Number>
-json jsonOf(const std::optional<Number>& number) {
-  return number ? json(*number) : json();
 }
 
 /// With a star where that is a finding.
@@ -189,100 +151,7 @@ std::string listed(const std::vector<int>& episodes) {
 
 }  // namespace
 
-std::string RunResults::title() const { return titleOf(simulatorFrom(metrics.at("simulators").at("engine"))); }
-
-const json& RunResults::engine() const { return metrics.at("simulators").at("engine"); }
-
-RunResults readResults(const fs::path& folder) {
-  const auto refuse = [&](const char* file, const std::string& why) {
-    throw pusht::InvalidInput("results " + (folder / file).string() + ": " + why);
-  };
-  RunResults results{folder, {}, {}, {}};
-  results.metrics = pusht::parseJson(pusht::readFile(folder / kMetricsFile, "results"));
-  if (!results.metrics.is_object()) {
-    refuse(kMetricsFile, "must be a JSON object");
-  }
-  try {
-    results.protocol = protocolFrom(results.metrics);
-    results.title();
-  } catch (const std::exception& error) {
-    refuse(kMetricsFile, std::string("must be that of a whole run: ") + error.what());
-  }
-  try {
-    results.episodes = episodesFromCsv(results.protocol, pusht::readFile(folder / kEpisodesFile, "results"));
-  } catch (const pusht::InvalidInput& error) {
-    refuse(kEpisodesFile, error.what());
-  }
-  if (static_cast<int>(results.episodes.size()) != results.protocol.episodes) {
-    refuse(kEpisodesFile, "has " + std::to_string(results.episodes.size()) + " episodes, must have " +
-                              std::to_string(results.protocol.episodes) + " as metrics.json says");
-  }
-  return results;
-}
-
-json sweepIn(const fs::path& folder) {
-  const fs::path file = folder / kSweepFile;
-  const json content = pusht::parseJson(pusht::readFile(file, "results"));
-  json sweep = content.is_object() ? content.value("sweep", json()) : json();
-  if (!sweep.is_object()) {
-    throw pusht::InvalidInput("results " + file.string() + ": must be that of a sweep");
-  }
-  return sweep;
-}
-
-json wholeSweepIn(const fs::path& folder) {
-  json sweep = sweepIn(folder);
-  if (sweep.contains("shard")) {
-    throw pusht::InvalidInput("results " + folder.string() + ": is shard " + sweep.at("shard").dump() +
-                              " of a sweep; merge the shards first");
-  }
-  return sweep;
-}
-
-std::vector<fs::path> runsIn(const fs::path& folder) {
-  std::error_code ignored;
-  if (fs::exists(folder / kMetricsFile, ignored)) {
-    return {folder};
-  }
-  if (!fs::exists(folder / kSweepFile, ignored)) {
-    throw pusht::InvalidInput("results " + folder.string() + ": must be the folder of a whole run or of a sweep");
-  }
-  const json listed = sweepIn(folder).value("rows", json());
-  const std::size_t count = listed.is_array() ? listed.size() : 0;
-  if (count == 0) {
-    throw pusht::InvalidInput("results " + (folder / kSweepFile).string() + ": must be that of a sweep");
-  }
-  std::vector<fs::path> rows;
-  for (std::size_t row = 0; row < count; ++row) {
-    rows.push_back(rowFolder(folder, row));
-    if (!fs::exists(rows.back() / kMetricsFile, ignored)) {
-      throw pusht::InvalidInput("results " + folder.string() + ": row " + std::to_string(row) + " of " +
-                                std::to_string(count) + " has not finished; run the sweep again to continue it");
-    }
-  }
-  return rows;
-}
-
-void requirePairs(const RunResults& baseline, const RunResults& other) {
-  const auto refuse = [&](const std::string& why) {
-    throw pusht::InvalidInput(baseline.folder.string() + " and " + other.folder.string() + ": do not pair: " + why);
-  };
-  for (const std::string& key : commonPlaces()) {
-    const json::json_pointer place(key);
-    const json one = baseline.metrics.value(place, json());
-    const json two = other.metrics.value(place, json());
-    if (one != two) {
-      refuse(key.substr(1) + firstDifference(one, two, " and "));
-    }
-  }
-  for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
-    if (!sameReference(baseline.episodes[i], other.episodes[i])) {
-      refuse("the reference did not do the same in episode " + std::to_string(baseline.episodes[i].index));
-    }
-  }
-}
-
-std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others) {
+std::vector<Contrast> contrastsOf(const RunResults& baseline, const std::vector<RunResults>& others) {
   std::vector<Contrast> contrasts;
   for (const RunResults& other : others) {
     requirePairs(baseline, other);
@@ -308,21 +177,16 @@ json toJson(const RunResults& baseline, const std::vector<RunResults>& others, c
   for (std::size_t i = 0; i < contrasts.size(); ++i) {
     const Contrast& contrast = contrasts[i];
     json figures = json::object();
-    figures["engine_success_rate"] = {{"unit", ""},
-                                      {"episodes", contrast.successes.pairs()},
-                                      {"difference", contrast.successes.difference()},
-                                      {"interval", jsonOf(contrast.interval)},
-                                      {"p", jsonOf(contrast.p)},
-                                      {"adjusted_p", jsonOf(contrast.adjusted_p)},
-                                      {"decided_after", jsonOf(contrast.decided_after)}};
     for (const ContrastRow& row : contrast.rows) {
-      figures[row.name + "_" + row.unit] = {{"unit", row.unit},
-                                            {"episodes", row.episodes},
-                                            {"difference", row.difference.value},
-                                            {"interval", jsonOf(row.difference.interval)},
-                                            {"p", jsonOf(row.difference.p)},
-                                            {"adjusted_p", jsonOf(row.adjusted_p)},
-                                            {"decided_after", jsonOf(row.decided_after)}};
+      const std::optional<Interval>& interval = row.difference.interval;
+      figures[row.name + (row.unit.empty() ? "" : "_" + row.unit)] = {
+          {"unit", row.unit},
+          {"episodes", row.episodes},
+          {"difference", row.difference.value},
+          {"interval", interval ? json{interval->low, interval->high} : json()},
+          {"p", orNull(row.difference.p)},
+          {"adjusted_p", orNull(row.adjusted_p)},
+          {"decided_after", orNull(row.decided_after)}};
     }
     result["contrasts"].push_back({{"title", contrast.title},
                                    {"headline", sentenceOf(baseline, others[i], contrast)},
@@ -343,11 +207,10 @@ std::string table(const RunResults& baseline, const std::vector<RunResults>& oth
   std::string text = answerOf(baseline, others, contrasts).text() + "\n";
   for (const Contrast& contrast : contrasts) {
     text += contrast.title + "\n  against " + against + ", " + std::to_string(contrast.successes.pairs()) +
-            " episodes\n" + line("", "difference", "p", "Holm") +
-            line("engine_success_rate", signedText(contrast.successes.difference(), contrast.interval, "", kRateDigits),
-                 probabilityCell(contrast.p), probabilityCell(contrast.adjusted_p));
+            " episodes\n" + line("", "difference", "p", "Holm");
     for (const ContrastRow& row : contrast.rows) {
-      text += line(row.name, signedText(row.difference.value, row.difference.interval, row.unit, kDigits),
+      const int digits = row.unit.empty() ? kRateDigits : kDigits;
+      text += line(row.name, signedText(row.difference.value, row.difference.interval, row.unit, digits),
                    probabilityCell(row.difference.p), probabilityCell(row.adjusted_p));
     }
     text += "  success lost in " + std::to_string(contrast.lost.size()) + " episodes: " + listed(contrast.lost) +

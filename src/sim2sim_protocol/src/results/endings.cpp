@@ -54,16 +54,15 @@ EndingsOfPairs endingsOf(const std::vector<EpisodeResult>& episodes) {
   return endings;
 }
 
-nlohmann::json toJson(const Endings& endings) {
+nlohmann::json toJson(const Endings& endings, bool has_intervals) {
   using nlohmann::json;
-  json result = {{"failures", endings.failures()},
-                 {"median_still_step", endings.median_still_step ? json(*endings.median_still_step) : json()}};
+  json result = {{"failures", endings.failures()}, {"median_still_step", orNull(endings.median_still_step)}};
   for (const Ending ending : {Ending::kStuck, Ending::kMoving, Ending::kLost}) {
-    result[nameOf(ending)] = shareJson(endings.of(ending), endings.failures());
+    result[nameOf(ending)] = shareJson(endings.of(ending), endings.failures(), has_intervals);
   }
   for (std::size_t i = 0; i < kPusherEndingNames.size(); ++i) {
     result[std::string("stuck_pusher_") + kPusherEndingNames[i]] =
-        shareJson(endings.stuck_pushers[i], endings.failures());
+        shareJson(endings.stuck_pushers[i], endings.failures(), has_intervals);
   }
   return result;
 }

@@ -11,9 +11,8 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/loop.hpp"
-#include "sim2sim_protocol/results/contrast.hpp"
-#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/run_results.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 #include "starts.hpp"
 
@@ -88,19 +87,14 @@ std::optional<ChangedNumber> errorIn(const RunResults& row) {
 
 /// All rows of a whole sweep over one policy.
 std::vector<RunResults> rowsOf(const fs::path& folder, const std::function<void()>& go_on) {
-  if (std::error_code ignored; fs::exists(folder / kMetricsFile, ignored)) {
-    refuseFolder(folder, "is a run; a sweep over an engine and errors of the reference is needed");
-  }
-  std::vector<RunResults> rows;
-  for (const fs::path& row : runsIn(folder)) {
-    go_on();
-    rows.push_back(readResults(row));
-    if (rows.back().metrics.at("policy") != rows.front().metrics.at("policy")) {
-      refuseFolder(rows.back().folder, "is of another policy than the first row; must be the same");
+  std::vector<RunResults> rows =
+      readWholeSweep(folder, "a sweep over an engine and errors of the reference").readRows(go_on);
+  for (const RunResults& row : rows) {
+    if (row.metrics.at("policy") != rows.front().metrics.at("policy")) {
+      refuseFolder(row.folder, "is of another policy than the first row; must be the same");
     }
-    requirePairs(rows.front(), rows.back());
+    requirePairs(rows.front(), row);
   }
-  wholeSweepIn(folder);
   if (const int starts = rows.front().protocol.starts(); starts < kFewestEpisodes) {
     refuseFolder(folder, "has " + std::to_string(starts) + " starts; must have at least " +
                              std::to_string(kFewestEpisodes) + " for an interval");

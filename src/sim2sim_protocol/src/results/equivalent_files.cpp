@@ -21,8 +21,6 @@ namespace {
 constexpr const char* kSteps = "control steps";
 constexpr double kMillisecondsPerStep = 1000.0 * pusht::kControlStep;
 
-json boundsOf(const Interval& interval) { return {readableJson(interval.low), readableJson(interval.high)}; }
-
 /// Whether an engine surely gains success, so that there is no loss to compare.
 bool gains(const EngineEquivalents& engine) { return engine.lost.interval.high < 0.0; }
 
@@ -30,9 +28,10 @@ json rateJson(const SuccessRate& success) {
   return {{"rate", readable(success.rate)}, {"interval", readableJson(success.interval)}};
 }
 
-/// Whether there is no size to say: the engine gains success, or a size of the error does.
-bool hasNoSize(const EngineEquivalents& engine, const Equivalent& equivalent) {
-  return gains(engine) || equivalent.rises_at.has_value();
+/// Size of the error; NaN where there is none to say: the engine gains success, or a size of the error does.
+Estimate errorOf(const EngineEquivalents& engine, const Equivalent& equivalent) {
+  const bool has_none = gains(engine) || equivalent.rises_at;
+  return has_none ? Estimate{} : Estimate{equivalent.error.value, equivalent.error.interval};
 }
 
 /// Number with three significant digits; "> 8" beyond the largest that was tried.
@@ -81,20 +80,17 @@ json toJson(const Equivalents& equivalents) {
       for (const ErrorLevel& level : equivalent.levels) {
         levels.push_back({{"size", level.size}, {"success", rateJson(level.success)}});
       }
-      errors.push_back(
-          {{"parameter", equivalent.parameter},
-           {"unit", equivalent.unit},
-           {"without", equivalent.without},
-           {"levels", levels},
-           {"rises_at", equivalent.rises_at ? json(*equivalent.rises_at) : json()},
-           {"error", hasNoSize(engine, equivalent) ? json() : readableJson(equivalent.error.value)},
-           {"error_interval", hasNoSize(engine, equivalent) ? json() : boundsOf(equivalent.error.interval)}});
+      const Estimate error = errorOf(engine, equivalent);
+      addFigure(errors.emplace_back(json{{"parameter", equivalent.parameter},
+                                         {"unit", equivalent.unit},
+                                         {"without", equivalent.without},
+                                         {"levels", levels},
+                                         {"rises_at", orNull(equivalent.rises_at)}}),
+                "error", "", error.value, error.interval);
     }
-    engines.push_back({{"engine", engine.engine},
-                       {"success", rateJson(engine.success)},
-                       {"lost", readable(engine.lost.value)},
-                       {"lost_interval", boundsOf(engine.lost.interval)},
-                       {"equivalents", errors}});
+    addFigure(engines.emplace_back(
+                  json{{"engine", engine.engine}, {"success", rateJson(engine.success)}, {"equivalents", errors}}),
+              "lost", "", engine.lost.value, engine.lost.interval);
   }
   return {{"format", kEquivalentFormat},  {"confidence", kConfidence},        {"reference", equivalents.reference},
           {"policy", equivalents.policy}, {"episodes", equivalents.episodes}, {"engines", engines}};
@@ -103,18 +99,14 @@ json toJson(const Equivalents& equivalents) {
 std::string toCsv(const Equivalents& equivalents) {
   std::ostringstream csv;
   csv << "engine,parameter,unit,size,success,success_low,success_high,error,error_low,error_high\n";
-  const auto number = [](double value) { return std::isfinite(value) ? pusht::shortestText(readable(value)) : ""; };
   for (const EngineEquivalents& engine : equivalents.engines) {
     for (const Equivalent& equivalent : engine.equivalents) {
-      const std::string error = hasNoSize(engine, equivalent)
-                                    ? ",,"
-                                    : number(equivalent.error.value) + ',' + number(equivalent.error.interval.low) +
-                                          ',' + number(equivalent.error.interval.high);
+      const Estimate error = errorOf(engine, equivalent);
       for (const ErrorLevel& level : equivalent.levels) {
         const Interval success = level.success.interval.value_or(Interval{level.success.rate, level.success.rate});
         csv << csvText(engine.engine) << ',' << equivalent.parameter << ',' << csvText(equivalent.unit) << ','
-            << number(level.size) << ',' << number(level.success.rate) << ',' << number(success.low) << ','
-            << number(success.high) << ',' << error << '\n';
+            << csvNumber(level.size) << ',' << csvFigure(level.success.rate, success) << ','
+            << csvFigure(error.value, error.interval) << '\n';
       }
     }
   }

@@ -44,18 +44,19 @@ FirstDivergences firstDivergencesOf(const std::vector<EpisodeResult>& episodes, 
   return first_divergences;
 }
 
-json toJson(const FirstDivergences& first_divergences) {
-  json result = {{"parted", shareJson(first_divergences.parted, first_divergences.episodes)},
-                 {"median_step", first_divergences.median_step ? json(*first_divergences.median_step) : json()},
+json toJson(const FirstDivergences& first_divergences, bool has_intervals) {
+  json result = {{"parted", shareJson(first_divergences.parted, first_divergences.episodes, has_intervals)},
+                 {"median_step", orNull(first_divergences.median_step)},
                  {"causes", json::object()},
                  {"first", json::object()},
                  {"within_by_step", json::array()}};
   for (const CauseName& cause : kCauses) {
-    result["causes"][cause.name] =
-        shareJson(first_divergences.causes[static_cast<std::size_t>(cause.cause)], first_divergences.parted);
+    result["causes"][cause.name] = shareJson(first_divergences.causes[static_cast<std::size_t>(cause.cause)],
+                                             first_divergences.parted, has_intervals);
   }
   for (std::size_t i = 0; i < kFirstBodyNames.size(); ++i) {
-    result["first"][kFirstBodyNames[i]] = shareJson(first_divergences.first[i], first_divergences.parted);
+    result["first"][kFirstBodyNames[i]] =
+        shareJson(first_divergences.first[i], first_divergences.parted, has_intervals);
   }
   for (const double share : first_divergences.within) {
     result["within_by_step"].push_back(pusht::roundToMicro(share));

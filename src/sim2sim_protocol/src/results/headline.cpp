@@ -153,6 +153,11 @@ TransferVerdict verdictOf(const Interval& transfer) {
   return transfer.low >= kNotEnough ? TransferVerdict::kTransfersInPart : TransferVerdict::kAtMostInPart;
 }
 
+std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes) {
+  return configuration.protocol.until_decided ? std::optional(transferSequence(outcomes.table))
+                                              : outcomes.transfer_interval;
+}
+
 std::string transferNumber(const RunConfiguration& configuration, double share) {
   constexpr int kMostDigits = 4;  // further ones decide nothing
   constexpr double kHundred = 100.0;
@@ -192,8 +197,7 @@ Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outco
             (partial ? soFar(words) : words) + with + names.reference + " never succeeds" +
                 (partial ? count : " in " + counted(episodes) + ".")};
   }
-  const Interval interval = asPrinted(configuration.protocol.until_decided ? transferSequence(successes)
-                                                                           : outcomes.transfer_interval.value());
+  const Interval interval = asPrinted(transferInterval(configuration, outcomes).value());
   const TransferVerdict verdict = verdictOf(interval);
   const std::string words = wordsOf(verdict, interval);
   const double transfer = (successes.both + successes.second_only) / static_cast<double>(reference_successes);

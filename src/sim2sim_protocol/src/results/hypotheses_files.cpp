@@ -25,7 +25,7 @@ const char* nameOf(Enum value, const std::array<const char*, kCount>& names) {
   return names.at(static_cast<std::size_t>(value));
 }
 
-json figureJson(const GroupDifference& difference) {
+json askedJson(const GroupDifference& difference) {
   return {{"more", difference.more},
           {"less", difference.less},
           {"simulator", difference.simulator},
@@ -33,20 +33,19 @@ json figureJson(const GroupDifference& difference) {
           {"paired", difference.paired}};
 }
 
-json figureJson(const GroupRanking& ranking) {
+json askedJson(const GroupRanking& ranking) {
   return {{"ranking", ranking.groups}, {"here", ranking.here}, {"there", ranking.there}, {"figure", "kendall"}};
 }
 
 json resultJson(const HypothesisResult& result) {
   const Hypothesis& hypothesis = result.hypothesis;
-  json entry = std::visit([](const auto& figure) { return figureJson(figure); }, hypothesis.figure);
+  json entry = std::visit([](const auto& figure) { return askedJson(figure); }, hypothesis.figure);
+  entry.update(figureJson(result.found));
   entry.update({{"name", hypothesis.name},
                 {"side", nameOf(hypothesis.side, kSides)},
                 {"margin", hypothesis.margin},
-                {"value", readableJson(result.found.value)},
-                {"interval", readableJson(result.found.interval)},
-                {"p", result.found.p ? json(*result.found.p) : json()},
-                {"adjusted_p", result.adjusted_p ? json(*result.adjusted_p) : json()},
+                {"p", orNull(result.found.p)},
+                {"adjusted_p", orNull(result.adjusted_p)},
                 {"verdict", nameOf(result.verdict, kHypothesisVerdicts)}});
   return entry;
 }

@@ -22,11 +22,22 @@ nlohmann::json readableJson(const std::optional<Interval>& interval) {
   return interval ? nlohmann::json{readableJson(interval->low), readableJson(interval->high)} : nlohmann::json();
 }
 
-nlohmann::json shareJson(int count, int total) {
+void addFigure(nlohmann::json& keys, const std::string& name, const std::string& unit, double value,
+               const std::optional<Interval>& interval) {
+  const std::string of_unit = unit.empty() ? "" : "_" + unit;
+  keys[name + of_unit] = readableJson(value);
+  keys[name + "_interval" + of_unit] = readableJson(interval);
+}
+
+nlohmann::json shareJson(int count, int total, bool has_interval) {
   nlohmann::json share = {{"episodes", count}};
-  if (total > 0) {
+  if (total == 0) {
+    return share;
+  }
+  share["share"] = pusht::roundToMicro(static_cast<double>(count) / total);
+  share["interval"] = nullptr;
+  if (has_interval) {
     const Interval interval = wilsonInterval(count, total);
-    share["share"] = pusht::roundToMicro(static_cast<double>(count) / total);
     share["interval"] = {pusht::roundToMicro(interval.low), pusht::roundToMicro(interval.high)};
   }
   return share;

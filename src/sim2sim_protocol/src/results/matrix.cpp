@@ -13,8 +13,8 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/split.hpp"
-#include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
+#include "sim2sim_protocol/results/run_results.hpp"
 #include "sim2sim_statistics/crossed.hpp"
 
 namespace sim2sim {
@@ -38,22 +38,20 @@ std::string titleOf(const std::string& name, const std::string& title) {
   return text;
 }
 
-/// Description of the sweep in `folder`. Throws InvalidInput unless it is a whole one that lists policies, each
-/// in one loop.
-json descriptionIn(const fs::path& folder) {
-  json sweep = wholeSweepIn(folder);
-  if (!sweep.contains("policies")) {
-    throw pusht::InvalidInput("results " + (folder / kSweepFile).string() +
+/// Throws InvalidInput unless the sweep is a whole one that lists policies, each in one loop.
+void requireMatrix(const SweepResults& sweep) {
+  sweep.requireWhole();
+  if (!sweep.description.contains("policies")) {
+    throw pusht::InvalidInput("results " + (sweep.folder / kSweepFile).string() +
                               ": lists no policies; a plan with the key policies is needed");
   }
   std::set<std::string> names;
-  for (const json& policy : sweep.at("policies")) {
+  for (const json& policy : sweep.description.at("policies")) {
     if (const std::string name = policy.at("policy"); !names.insert(name).second) {
-      throw pusht::InvalidInput("results " + (folder / kSweepFile).string() + ": has policy " + name +
+      throw pusht::InvalidInput("results " + (sweep.folder / kSweepFile).string() + ": has policy " + name +
                                 " in several loops; a sweep for each loop is needed");
     }
   }
-  return sweep;
 }
 
 /// Names of the groups that a sweep lists, each once.
@@ -356,8 +354,10 @@ std::vector<MatrixRanking> rankingsOf(const Matrix& matrix) {
 }  // namespace
 
 Matrix readMatrix(const fs::path& folder, const std::vector<std::string>& groups, const std::function<void()>& go_on) {
-  const json description = descriptionIn(folder);
-  const std::vector<fs::path> rows = runsIn(folder);
+  const SweepResults sweep = readSweep(folder);
+  requireMatrix(sweep);
+  const json& description = sweep.description;
+  const std::vector<fs::path> rows = sweep.rowFolders();
   try {
     Reader reader(description, groups);
     if (const int repeats = description.value("repeats", 1); repeats > 1) {

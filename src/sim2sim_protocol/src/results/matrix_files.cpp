@@ -23,16 +23,12 @@ using nlohmann::json;
 
 namespace {
 
-json estimateJson(const Estimate& estimate) {
-  return {{"value", readableJson(estimate.value)}, {"interval", readableJson(estimate.interval)}};
-}
-
 template <class Estimates>
 json divergencesJson(const Estimates& estimates) {
   json divergences = json::object();
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     const Quantity& quantity = kQuantities[quantityIndex(kMatrixDivergences[i])];
-    json& divergence = divergences[quantity.name] = estimateJson(estimates[i]);
+    json& divergence = divergences[quantity.name] = figureJson(estimates[i]);
     divergence["unit"] = quantity.unit;
   }
   return divergences;
@@ -53,15 +49,15 @@ json cellJson(const MatrixCell& cell) {
           {"successes", cell.success.successes},
           {"success_rate", readable(cell.success.rate)},
           {"success_interval", readableJson(cell.success.interval)},
-          {"transfer", cell.transfer ? readableJson(*cell.transfer) : json()},
+          {"transfer", readableJson(cell.transfer.value_or(kNoFigure))},
           {"transfer_interval", readableJson(cell.transfer_interval)},
           {"divergence", divergencesJson(cell.mean_divergences)}};
 }
 
 json cellJson(const GroupCell& cell) {
   return {{"policy_count", cell.policy_count},
-          {"success_rate", estimateJson(cell.success)},
-          {"transfer", estimateJson(cell.transfer)},
+          {"success_rate", figureJson(cell.success)},
+          {"transfer", figureJson(cell.transfer)},
           {"between_policies", readableJson(cell.between_policies)},
           {"divergence", divergencesJson(cell.divergences)}};
 }
@@ -76,7 +72,7 @@ json rankingJson(const MatrixRanking& ranking) {
   const RankingComparison& comparison = ranking.comparison;
   json agreement = json::array();
   for (const PairAgreement& bin : comparison.agreement) {
-    json share = estimateJson(bin.share);
+    json share = figureJson(bin.share);
     share.update({{"from", bin.from}, {"to", bin.to}, {"pairs", bin.pairs}});
     agreement.push_back(share);
   }
@@ -84,10 +80,10 @@ json rankingJson(const MatrixRanking& ranking) {
           {"test", ranking.test},
           {"policy_count", ranking.policy_count},
           {"verdict", verdictText(ranking)},
-          {"kendall", estimateJson(comparison.kendall)},
-          {"spearman", estimateJson(comparison.spearman)},
-          {"pearson", estimateJson(comparison.pearson)},
-          {"mean_maximum_rank_violation", estimateJson(comparison.violation)},
+          {"kendall", figureJson(comparison.kendall)},
+          {"spearman", figureJson(comparison.spearman)},
+          {"pearson", figureJson(comparison.pearson)},
+          {"mean_maximum_rank_violation", figureJson(comparison.violation)},
           {"reference_reliability", readableJson(comparison.reference_reliability)},
           {"test_reliability", readableJson(comparison.test_reliability)},
           {"agreement", agreement}};
@@ -128,24 +124,10 @@ json cellsJson(const Cells& cells) {
   return list;
 }
 
-std::string numberCell(double value) { return std::isfinite(value) ? pusht::shortestText(readable(value)) : ""; }
-
-std::string endsCells(const std::optional<Interval>& interval) {
-  return interval ? numberCell(interval->low) + "," + numberCell(interval->high) : ",";
-}
-
 constexpr int kRateDigits = 2;
 
-std::string rateText(double rate, const std::optional<Interval>& interval) {
-  return pusht::fixedText(readable(rate), kRateDigits) + (interval ? " " + bracketed(*interval, kRateDigits) : "");
-}
-
 std::string transferText(double transfer, const std::optional<Interval>& interval) {
-  if (std::isnan(transfer)) {
-    return "";
-  }
-  return "  " + percent(transfer) +
-         (interval ? " [" + percentNumber(interval->low) + ", " + percentNumber(interval->high) + "]" : "");
+  return std::isnan(transfer) ? "" : "  " + percent(transfer, interval);
 }
 
 std::vector<std::string> heading(const Matrix& matrix, const std::string& first) {
@@ -163,7 +145,7 @@ std::string policyTable(const Matrix& matrix) {
     for (std::size_t simulator = 0; simulator < matrix.simulators.size(); ++simulator) {
       const std::optional<MatrixCell>& cell = matrix.cells[i][simulator];
       rows.back().push_back(!cell ? "-"
-                                  : rateText(cell->success.rate, cell->success.interval) +
+                                  : valueText(cell->success.rate, cell->success.interval, kRateDigits) +
                                         (simulator == matrix.policies[i].reference ? " reference"
                                          : cell->transfer ? transferText(*cell->transfer, cell->transfer_interval)
                                                           : ""));
@@ -182,7 +164,7 @@ std::string groupTable(const Matrix& matrix) {
     rows.push_back({group.name + " (" + std::to_string(group.policies.size()) + ")"});
     for (const std::optional<GroupCell>& cell : group.cells) {
       rows.back().push_back(!cell ? "-"
-                                  : rateText(cell->success.value, cell->success.interval) +
+                                  : valueText(cell->success.value, cell->success.interval, kRateDigits) +
                                         transferText(cell->transfer.value, cell->transfer.interval));
     }
   }
@@ -203,12 +185,9 @@ std::string divergenceTables(const Matrix& matrix) {
     for (const MatrixGroup& group : matrix.groups) {
       rows.push_back({group.name});
       for (const std::optional<GroupCell>& cell : group.cells) {
-        const bool is_there = cell && !std::isnan(cell->divergences.at(i).value);
-        rows.back().push_back(!is_there ? "-"
-                                        : pusht::fixedText(readable(cell->divergences.at(i).value), kDigits) +
-                                              (cell->divergences.at(i).interval
-                                                   ? " " + bracketed(*cell->divergences.at(i).interval, kDigits)
-                                                   : ""));
+        const Estimate divergence = cell ? cell->divergences.at(i) : Estimate{};
+        rows.back().push_back(std::isnan(divergence.value) ? "-"
+                                                           : valueText(divergence.value, divergence.interval, kDigits));
       }
     }
     text += std::string("\n") + quantity.name + " [" + quantity.unit +
@@ -219,7 +198,7 @@ std::string divergenceTables(const Matrix& matrix) {
 }
 
 std::string figureText(const Estimate& estimate) {
-  return std::isnan(estimate.value) ? "none" : rateText(estimate.value, estimate.interval);
+  return std::isnan(estimate.value) ? "none" : valueText(estimate.value, estimate.interval, kRateDigits);
 }
 
 std::string rankingTable(const Matrix& matrix) {
@@ -325,10 +304,10 @@ std::string toCsv(const Matrix& matrix) {
       csv << csvText(policy.name) << ',' << csvText(policy.group) << ','
           << csvText(matrix.simulators[policy.reference].name) << ',' << csvText(matrix.simulators[simulator].name)
           << ',' << cell->sweep_row << ',' << matrix.episodes << ',' << cell->success.successes << ','
-          << numberCell(cell->success.rate) << ',' << endsCells(cell->success.interval) << ','
-          << (cell->transfer ? numberCell(*cell->transfer) : "") << ',' << endsCells(cell->transfer_interval);
+          << csvFigure(cell->success.rate, cell->success.interval) << ','
+          << csvFigure(cell->transfer.value_or(kNoFigure), cell->transfer_interval);
       for (const Estimate& divergence : cell->mean_divergences) {
-        csv << ',' << numberCell(divergence.value) << ',' << endsCells(divergence.interval);
+        csv << ',' << csvFigure(divergence.value, divergence.interval);
       }
       csv << '\n';
     }

@@ -17,26 +17,25 @@ using pusht::roundToMicro;
 
 namespace {
 
-json orNull(const std::optional<double>& figure) { return figure ? json(*figure) : json(); }
-
 bool isOfCourse(std::size_t rollout, std::size_t quantity) {
   return rollout == kEngineReplay && kQuantities[quantity].course_key != nullptr;
 }
 
 json outcomes(const Outcomes& outcomes) {
-  return {{"both_succeed", outcomes.table.both},
-          {"only_reference_succeeds", outcomes.table.first_only},
-          {"only_engine_succeeds", outcomes.table.second_only},
-          {"neither_succeeds", outcomes.table.neither},
-          {"success_difference", readableJson(outcomes.table.difference())},
-          {"success_difference_interval", readableJson(outcomes.difference_interval)},
-          {"success_difference_p", orNull(outcomes.p)},
-          {"success_difference_exact_p", orNull(outcomes.p_exact)}};
+  json keys = {{"both_succeed", outcomes.table.both},
+               {"only_reference_succeeds", outcomes.table.first_only},
+               {"only_engine_succeeds", outcomes.table.second_only},
+               {"neither_succeeds", outcomes.table.neither},
+               {"success_difference_p", orNull(outcomes.p)},
+               {"success_difference_exact_p", orNull(outcomes.p_exact)}};
+  addFigure(keys, "success_difference", "", outcomes.table.difference(), outcomes.difference_interval);
+  addFigure(keys, "transfer", "", outcomes.transfer.value_or(kNoFigure), outcomes.transfer_interval);
+  return keys;
 }
 
 /// The keys of metrics.json on how the failures of a role end.
 json endings(const std::string& role, const Endings& endings) {
-  json keys = {{role + "_median_still_step", endings.median_still_step ? json(*endings.median_still_step) : json()}};
+  json keys = {{role + "_median_still_step", orNull(endings.median_still_step)}};
   for (const Ending ending : {Ending::kStuck, Ending::kMoving, Ending::kLost}) {
     keys[role + "_" + nameOf(ending)] = endings.of(ending);
   }
@@ -59,58 +58,43 @@ json endings(const EndingsOfPairs& both) {
 
 /// The keys of metrics.json that say how to read a mean divergence.
 json baseline(const std::string& name, const std::string& unit, const BaselineComparison& baseline) {
-  const std::optional<bool> beats_null = baseline.beatsNull();
-  return {{name + "_episodes", baseline.episodes},
-          {name + "_median_" + unit, readableJson(baseline.median.value)},
-          {name + "_median_interval_" + unit, readableJson(baseline.median.interval)},
-          {name + "_minus_null_" + unit, readableJson(baseline.minus_null.value)},
-          {name + "_minus_null_interval_" + unit, readableJson(baseline.minus_null.interval)},
-          {name + "_share_of_null", readableJson(baseline.share_of_null)},
-          {name + "_over_floor", readableJson(baseline.over_floor)},
-          {name + "_over_floor_interval", readableJson(baseline.over_floor_interval)},
-          {name + "_share_of_largest", readableJson(baseline.share_of_largest)},
-          {name + "_beats_null", beats_null ? json(*beats_null) : json()}};
-}
-
-/// The keys of metrics.json that compare a mean divergence with those of the model variants.
-json overVariants(const std::string& name, const BaselineComparison& baseline) {
-  return {{name + "_over_variants", readableJson(baseline.over_variants)},
-          {name + "_over_variants_interval", readableJson(baseline.over_variants_interval)}};
+  json keys = {{name + "_episodes", baseline.episodes},
+               {name + "_share_of_null", readableJson(baseline.share_of_null)},
+               {name + "_share_of_largest", readableJson(baseline.share_of_largest)},
+               {name + "_beats_null", orNull(baseline.beatsNull())}};
+  addFigure(keys, name + "_median", unit, baseline.median.value, baseline.median.interval);
+  addFigure(keys, name + "_minus_null", unit, baseline.minus_null.value, baseline.minus_null.interval);
+  addFigure(keys, name + "_over_floor", "", baseline.over_floor, baseline.over_floor_interval);
+  return keys;
 }
 
 /// The keys of metrics.json of a closed loop in a model variant.
 json closedVariant(const std::string& name, const ClosedVariant& variant) {
   const PairTable& table = variant.outcomes.table;
-  return {{name + "_successes", variant.success.successes},
-          {name + "_success_rate", readableJson(variant.success.rate)},
-          {name + "_success_interval", readableJson(variant.success.interval)},
-          {name + "_agreement", readableJson((table.both + table.neither) / static_cast<double>(table.pairs()))},
-          {name + "_success_difference", readableJson(table.difference())},
-          {name + "_success_difference_interval", readableJson(variant.outcomes.difference_interval)},
-          {name + "_success_difference_adjusted_p", orNull(variant.adjusted_p)}};
+  json keys = {{name + "_successes", variant.success.successes},
+               {name + "_success_rate", readableJson(variant.success.rate)},
+               {name + "_success_interval", readableJson(variant.success.interval)},
+               {name + "_agreement", readableJson((table.both + table.neither) / static_cast<double>(table.pairs()))},
+               {name + "_success_difference_adjusted_p", orNull(variant.adjusted_p)}};
+  addFigure(keys, name + "_success_difference", "", table.difference(), variant.outcomes.difference_interval);
+  return keys;
 }
 
-/// The keys of metrics.json of a variance that is split, in the square of `unit`.
-json noiseSplit(const std::string& name, const std::string& unit, const NoiseSplit& split) {
-  json keys;
-  const auto add = [&](const std::string& source, const Estimate& variance) {
-    keys[name + "_variance_" + source + unit] = readableJson(variance.value);
-    keys[name + "_variance_" + source + "_interval" + unit] = readableJson(variance.interval);
-  };
-  add("starts", split.starts);
-  add("repeats", split.repeats);
-  return keys;
+/// Adds the keys of metrics.json of a variance that is split, in `unit`.
+void addNoiseSplit(json& keys, const std::string& name, const std::string& unit, const NoiseSplit& split) {
+  addFigure(keys, name + "_variance_starts", unit, split.starts.value, split.starts.interval);
+  addFigure(keys, name + "_variance_repeats", unit, split.repeats.value, split.repeats.interval);
 }
 
 /// The keys of metrics.json that a run with repeats has besides.
 json repeats(const Summary& summary) {
   json keys = {{"number_of_starts", summary.outcomes.starts}};
-  keys.update(noiseSplit("reference_success", "", summary.noise->reference));
-  keys.update(noiseSplit("engine_success", "", summary.noise->engine));
+  addNoiseSplit(keys, "reference_success", "", summary.noise->reference);
+  addNoiseSplit(keys, "engine_success", "", summary.noise->engine);
   for (std::size_t i = 0; i < kWholeEpisodePairs; ++i) {
     const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
-    keys.update(noiseSplit(metricName(modeName(kEngineReplay), quantity), std::string("_") + quantity.unit + "2",
-                           summary.noise->divergences[i]));
+    addNoiseSplit(keys, metricName(modeName(kEngineReplay), quantity), std::string(quantity.unit) + "2",
+                  summary.noise->divergences[i]);
   }
   return keys;
 }
@@ -120,11 +104,6 @@ json repeats(const Summary& summary) {
 std::string metricName(const std::string& rollout, const Quantity& quantity) {
   return rollout == modeName(kEngineReplay) && quantity.course_key != nullptr ? quantity.course_key
                                                                               : rollout + "_" + quantity.name;
-}
-
-std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes) {
-  return configuration.protocol.until_decided ? std::optional(transferSequence(outcomes.table))
-                                              : outcomes.transfer_interval;
 }
 
 json metrics(const RunConfiguration& configuration, const Summary& summary) {
@@ -138,8 +117,6 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
       {"reference_success_rate", roundToMicro(summary.reference.rate)},
       {"reference_successes", summary.reference.successes},
       {"reference_success_interval", readableJson(summary.reference.interval)},
-      {"transfer", summary.outcomes.transfer ? readableJson(*summary.outcomes.transfer) : json()},
-      {"transfer_interval", readableJson(summary.outcomes.transfer_interval)},
   });
   metrics.update(outcomes(summary.outcomes));
   metrics.update(endings(summary.endings));
@@ -147,9 +124,11 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
   forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
     const std::string name = metricName(rollouts[rollout], kQuantities[i]);
     const std::string unit = kQuantities[i].unit;
-    metrics[name + "_" + unit] = isOfCourse(rollout, i) ? json(printedMean(summary, rollout, i).value)
-                                                        : readableJson(summary.means[rollout][i].value);
-    metrics[name + "_interval_" + unit] = readableJson(summary.means[rollout][i].interval);
+    const Estimate& mean = summary.means[rollout][i];
+    addFigure(metrics, name, unit, mean.value, mean.interval);
+    if (isOfCourse(rollout, i)) {
+      metrics[name + "_" + unit] = printedMean(summary, rollout, i).value;
+    }
   });
   for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
     for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
@@ -160,7 +139,9 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
   if (!configuration.protocol.model_variants.empty()) {
     for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
       const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
-      metrics.update(overVariants(metricName(modeName(kEngineReplay), quantity), summary.baselines[kEngineReplay][i]));
+      const BaselineComparison& baseline = summary.baselines[kEngineReplay][i];
+      addFigure(metrics, metricName(modeName(kEngineReplay), quantity) + "_over_variants", "", baseline.over_variants,
+                baseline.over_variants_interval);
     }
   }
   for (const ClosedVariant& variant : summary.closed_variants) {
@@ -171,10 +152,9 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
   }
   const FirstDivergences& first_divergences = summary.first_divergences;
   metrics["parted"] = first_divergences.parted;
-  metrics["median_parting_step"] = first_divergences.median_step ? json(*first_divergences.median_step) : json();
+  metrics["median_parting_step"] = orNull(first_divergences.median_step);
   metrics["floor_parted"] = summary.floor ? json(summary.floor->parted) : json();
-  const bool predictable = !summary.floor || !summary.floor->median_step;
-  metrics["predictability_horizon_step"] = predictable ? json() : json(*summary.floor->median_step);
+  metrics["predictability_horizon_step"] = summary.floor ? orNull(summary.floor->median_step) : json();
   if (configuration.reference.name == kCourseReference) {  // as the course calls them
     for (const char* key : {"success_rate", "successes", "success_interval"}) {
       metrics[std::string("mj_") + key] = metrics[std::string("reference_") + key];
@@ -185,10 +165,9 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
 
 json decision(const TransferBet& bet, double share) {
   constexpr std::array kVerdicts = {"undecided", "keeps", "does not keep"};
-  const std::optional<int> after = bet.decidedAfter();
   return {{"share", share},
           {"verdict", kVerdicts.at(static_cast<std::size_t>(bet.verdict()))},
-          {"episodes", after ? json(*after) : json()},
+          {"episodes", orNull(bet.decidedAfter())},
           {"holds_when_stopped", {"transfer_sequence"}},
           {"transfer_sequence", readableJson(transferSequence(bet.counts()))}};
 }

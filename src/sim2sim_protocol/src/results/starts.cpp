@@ -5,21 +5,21 @@
 #include <cmath>
 #include <iterator>
 
+#include "sim2sim_statistics/common.hpp"
+
 namespace sim2sim {
 namespace {
 
 /// Mean of the values that are not NaN; NaN without one.
 double meanOfKnown(const std::vector<const EpisodeResult*>& episodes,
                    const std::function<double(const EpisodeResult&)>& value) {
-  double sum = 0.0;
-  int known = 0;
+  std::vector<double> known;
   for (const EpisodeResult* episode : episodes) {
     if (const double found = value(*episode); !std::isnan(found)) {
-      sum += found;
-      ++known;
+      known.push_back(found);
     }
   }
-  return sum / known;
+  return averageOf(known);
 }
 
 }  // namespace

@@ -25,47 +25,23 @@ using nlohmann::json;
 constexpr std::array kShownQuantiles = {0.05, 0.25, 0.75, 0.95};
 
 /// Distribution of a figure.
-json distribution(const std::vector<EpisodeResult>& starts, const std::vector<EpisodeResult>& episodes,
-                  const FigureIndex& figure) {
+json distribution(const Protocol& protocol, const std::vector<EpisodeResult>& starts,
+                  const std::vector<EpisodeResult>& episodes, const FigureIndex& figure) {
   std::vector<double> samples = samplesOf(starts, figure);
   json figures = {{"episodes", samplesOf(episodes, figure).size()}};
   if (samples.empty()) {
     return figures;
   }
-  const Estimate mean = meanOf(starts, figure);
+  const Estimate mean = meanOf(protocol, starts, figure);
   std::sort(samples.begin(), samples.end());
-  const Estimate median = medianOf(samples);
-  figures["mean"] = readableJson(mean.value);
-  figures["mean_interval"] = readableJson(mean.interval);
+  const Estimate median = medianOf(protocol, samples);
+  addFigure(figures, "mean", "", mean.value, mean.interval);
   figures["standard_deviation"] = samples.size() < 2 ? json() : readableJson(standardDeviation(samples));
-  figures["median"] = readableJson(median.value);
-  figures["median_interval"] = readableJson(median.interval);
+  addFigure(figures, "median", "", median.value, median.interval);
   for (const double probability : kShownQuantiles) {
     figures["quantiles"][pusht::shortestText(probability)] = readableJson(quantileOf(samples, probability));
   }
   return figures;
-}
-
-/// Takes out the intervals, wherever they are: they hold for one number of episodes that was chosen before.
-void removeIntervals(json& figures) {
-  for (const auto& [key, value] : figures.items()) {
-    if (key == "interval" || key == "mean_interval" || key == "median_interval") {
-      value = json();
-    } else if (value.is_object()) {
-      removeIntervals(value);
-    }
-  }
-}
-
-/// Takes out the intervals of shares of episodes, which hold without repeats alone.
-void removeIntervalsOfShares(json& rollouts) {
-  for (json& rollout : rollouts) {
-    for (const char* key : {"parting", "ending"}) {
-      if (const auto shares = rollout.find(key); shares != rollout.end()) {
-        removeIntervals(*shares);
-      }
-    }
-  }
 }
 
 }  // namespace
@@ -79,24 +55,22 @@ nlohmann::json statistics(const RunConfiguration& configuration, const std::vect
                      {"episodes", episodes.size()},
                      {"headline", toJson(headlineOf(configuration, outcomes, endingsOf(episodes)))}};
   const std::vector<std::string> rollouts = protocol.rolloutNames();
+  const bool shares_have_intervals = protocol.repeats == 1 && !protocol.until_decided;
   forEachQuantity(protocol, [&](std::size_t rollout, std::size_t i) {
     const std::string name = std::string(kQuantities[i].name) + "_" + kQuantities[i].unit;
-    statistics["rollouts"][rollouts[rollout]][name] = distribution(starts, episodes, {rollout, i});
+    statistics["rollouts"][rollouts[rollout]][name] = distribution(protocol, starts, episodes, {rollout, i});
   });
   for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
-    statistics["rollouts"][rollouts[rollout]]["parting"] = toJson(firstDivergencesOf(episodes, rollout));
+    statistics["rollouts"][rollouts[rollout]]["parting"] =
+        toJson(firstDivergencesOf(episodes, rollout), shares_have_intervals);
   }
   for (std::size_t rollout = 0; rollout < rollouts.size(); ++rollout) {
     if (protocol.isClosed(rollout)) {
-      statistics["rollouts"][rollouts[rollout]]["ending"] = toJson(endingsOf(episodes, rollout));
+      statistics["rollouts"][rollouts[rollout]]["ending"] = toJson(endingsOf(episodes, rollout), shares_have_intervals);
     }
   }
   if (protocol.repeats > 1) {
     statistics["number_of_starts"] = outcomes.starts;
-    removeIntervalsOfShares(statistics["rollouts"]);
-  }
-  if (protocol.until_decided) {
-    removeIntervals(statistics["rollouts"]);
   }
   return statistics;
 }

@@ -44,9 +44,12 @@ SuccessRate successRate(const Protocol& protocol, const std::vector<EpisodeResul
         return episode.rollouts[rollout].success;
       }));
   const auto trials = static_cast<int>(episodes.size());
-  return {successes, static_cast<double>(successes) / trials,
-          protocol.repeats == 1 ? wilsonInterval(successes, trials)
-                                : repeatedRateInterval(successesByStart(protocol, episodes, rollout))};
+  SuccessRate rate{successes, static_cast<double>(successes) / trials, std::nullopt};
+  if (!protocol.until_decided) {
+    rate.interval = protocol.repeats == 1 ? wilsonInterval(successes, trials)
+                                          : repeatedRateInterval(successesByStart(protocol, episodes, rollout));
+  }
+  return rate;
 }
 
 /// Rollouts of the model variants: the replays, or the closed loops.
@@ -79,8 +82,6 @@ std::vector<ClosedVariant> closedVariants(const Protocol& protocol, const std::v
 
 double ratio(double a, double b) { return b > 0.0 ? a / b : kNoRatio; }
 
-double meanOfAll(const std::vector<double>& samples) { return sumOf(samples) / static_cast<double>(samples.size()); }
-
 /// Ratio of the means of two rollouts, with its interval.
 struct Multiple {
   double value = kNoRatio;
@@ -104,7 +105,7 @@ std::vector<std::vector<double>> commonSamples(const std::vector<EpisodeResult>&
 }
 
 /// Multiple of the largest of several baselines; of none if there are none.
-Multiple multipleOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure,
+Multiple multipleOf(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, const FigureIndex& figure,
                     const std::vector<std::size_t>& baselines) {
   std::vector<std::size_t> rollouts = baselines;
   rollouts.push_back(figure.rollout);
@@ -114,19 +115,19 @@ Multiple multipleOf(const std::vector<EpisodeResult>& episodes, const FigureInde
   Multiple multiple;
   std::optional<double> extreme = extremeOf(episodes, figure);
   for (std::size_t i = 0; i < baselines.size(); ++i) {
-    multiple.value = std::fmin(multiple.value, ratio(meanOfAll(numerators), meanOfAll(samples[i])));
+    multiple.value = std::fmin(multiple.value, ratio(averageOf(numerators), averageOf(samples[i])));
     extreme = std::max(extreme, extremeOf(episodes, {baselines[i], figure.quantity}));
   }
   const bool is_a_baseline = std::find(baselines.begin(), baselines.end(), figure.rollout) != baselines.end();
-  if (!baselines.empty() && !is_a_baseline && extreme) {
+  if (!protocol.until_decided && !baselines.empty() && !is_a_baseline && extreme) {
     multiple.interval = tailRatioToLargest(numerators, samples, *extreme);
   }
   return multiple;
 }
 
 /// `floor` is the rollout of the floor, if there is one; `variants` are those of the model variants' replays.
-BaselineComparison comparisonOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout,
-                                const DivergencePair& pair, std::optional<std::size_t> floor,
+BaselineComparison comparisonOf(const Protocol& protocol, const std::vector<EpisodeResult>& episodes,
+                                std::size_t rollout, const DivergencePair& pair, std::optional<std::size_t> floor,
                                 const std::vector<std::size_t>& variants) {
   const FigureIndex figure{rollout, quantityIndex(pair.divergence)};
   const FigureIndex null_model{rollout, quantityIndex(pair.null_model)};
@@ -134,17 +135,18 @@ BaselineComparison comparisonOf(const std::vector<EpisodeResult>& episodes, std:
   BaselineComparison comparison;
   comparison.starts = static_cast<int>(samples.size());
   comparison.episodes = comparison.starts;
-  comparison.median = medianOf(samples);
-  comparison.minus_null =
-      pairedDifference(differencesOf(episodes, figure, episodes, null_model), extremeOf(episodes, figure));
-  comparison.share_of_null = ratio(meanOfAll(samples), meanOfAll(samplesOf(episodes, null_model)));
+  comparison.median = medianOf(protocol, samples);
+  const std::vector<double> differences = differencesOf(episodes, figure, episodes, null_model);
+  comparison.minus_null = protocol.until_decided ? Difference{averageOf(differences), {}, {}}
+                                                 : pairedDifference(differences, extremeOf(episodes, figure));
+  comparison.share_of_null = ratio(averageOf(samples), averageOf(samplesOf(episodes, null_model)));
   comparison.share_of_largest = shareOfLargest(samples);
   if (floor) {
-    const Multiple multiple = multipleOf(episodes, figure, {*floor});
+    const Multiple multiple = multipleOf(protocol, episodes, figure, {*floor});
     comparison.over_floor = multiple.value;
     comparison.over_floor_interval = multiple.interval;
   }
-  const Multiple multiple = multipleOf(episodes, figure, variants);
+  const Multiple multiple = multipleOf(protocol, episodes, figure, variants);
   comparison.over_variants = multiple.value;
   comparison.over_variants_interval = multiple.interval;
   return comparison;
@@ -176,66 +178,45 @@ NoiseSplits noiseSplits(const Protocol& protocol, const std::vector<EpisodeResul
   return splits;
 }
 
-void removeFixedLengthFigures(Outcomes& outcomes) {
-  outcomes.difference_interval.reset();
-  outcomes.p.reset();
-  outcomes.p_exact.reset();
-  outcomes.transfer_interval.reset();
-}
-
-/// Takes out what holds for one number of episodes that was chosen before.
-void removeFixedLengthFigures(Summary& summary) {
-  summary.reference.interval.reset();
-  summary.engine.interval.reset();
-  removeFixedLengthFigures(summary.outcomes);
-  for (Summary::Means& means : summary.means) {
-    for (Estimate& mean : means) {
-      mean.interval.reset();
-    }
+/// Counts of the pairs, without intervals and tests.
+Outcomes countedOutcomes(const PairTable& table) {
+  Outcomes outcomes;
+  outcomes.table = table;
+  outcomes.starts = table.pairs();
+  if (const int reference = table.both + table.first_only; reference > 0) {
+    outcomes.transfer = (table.both + table.second_only) / static_cast<double>(reference);
   }
-  for (Summary::Baselines& baselines : summary.baselines) {
-    for (BaselineComparison& baseline : baselines) {
-      baseline.median.interval.reset();
-      baseline.minus_null = {baseline.minus_null.value, std::nullopt, std::nullopt};
-      baseline.over_floor_interval.reset();
-      baseline.over_variants_interval.reset();
-    }
-  }
-  for (ClosedVariant& variant : summary.closed_variants) {
-    variant.success.interval.reset();
-    removeFixedLengthFigures(variant.outcomes);
-    variant.adjusted_p.reset();
-  }
+  return outcomes;
 }
 
 }  // namespace
 
 Outcomes outcomesOf(const PairTable& table) {
-  Outcomes outcomes;
-  outcomes.table = table;
-  outcomes.starts = table.pairs();
+  Outcomes outcomes = countedOutcomes(table);
   outcomes.difference_interval = tangoInterval(table);
   outcomes.p = mcnemarMidP(table);
   outcomes.p_exact = mcnemarExact(table);
-  const int reference = table.both + table.first_only;
-  if (reference > 0) {
-    outcomes.transfer = (table.both + table.second_only) / static_cast<double>(reference);
+  if (outcomes.transfer) {
     outcomes.transfer_interval = tangInterval(table);
   }
   return outcomes;
 }
 
 Outcomes outcomesOf(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, std::size_t rollout) {
-  Outcomes outcomes = outcomesOf(pairsOf(episodes, kReferenceClosed, episodes, rollout));
-  if (protocol.repeats > 1) {
-    const std::vector<PairTable> starts = pairsByStart(protocol, episodes, kReferenceClosed, episodes, rollout);
-    const Difference difference = repeatedDifference(starts);
-    outcomes.starts = static_cast<int>(starts.size());
-    outcomes.difference_interval = difference.interval;
-    outcomes.p = difference.p;
-    outcomes.p_exact.reset();
-    outcomes.transfer_interval = repeatedRatioInterval(starts);
+  const PairTable table = pairsOf(episodes, kReferenceClosed, episodes, rollout);
+  if (protocol.until_decided) {
+    return countedOutcomes(table);
   }
+  if (protocol.repeats == 1) {
+    return outcomesOf(table);
+  }
+  const std::vector<PairTable> starts = pairsByStart(protocol, episodes, kReferenceClosed, episodes, rollout);
+  const Difference difference = repeatedDifference(starts);
+  Outcomes outcomes = countedOutcomes(table);
+  outcomes.starts = static_cast<int>(starts.size());
+  outcomes.difference_interval = difference.interval;
+  outcomes.p = difference.p;
+  outcomes.transfer_interval = repeatedRatioInterval(starts);
   return outcomes;
 }
 
@@ -291,7 +272,7 @@ std::optional<double> extremeOf(const std::vector<EpisodeResult>& episodes, cons
     return std::nullopt;
   }
   const std::vector<double> samples = samplesOf(episodes, {figure.rollout, quantityIndex(quantity.null_model)});
-  return samples.empty() ? std::nullopt : std::optional(meanOfAll(samples));
+  return samples.empty() ? std::nullopt : std::optional(averageOf(samples));
 }
 
 Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity, const std::optional<double>& extreme) {
@@ -313,8 +294,18 @@ Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity, co
   return {mean.value, mean.interval};
 }
 
-Estimate meanOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure) {
-  return meanOf(samplesOf(episodes, figure), kQuantities[figure.quantity], extremeOf(episodes, figure));
+Estimate meanOf(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, const FigureIndex& figure) {
+  const std::vector<double> samples = samplesOf(episodes, figure);
+  return protocol.until_decided ? Estimate{averageOf(samples), std::nullopt}
+                                : meanOf(samples, kQuantities[figure.quantity], extremeOf(episodes, figure));
+}
+
+Estimate medianOf(const Protocol& protocol, std::vector<double> samples) {
+  if (!protocol.until_decided || samples.empty()) {
+    return medianOf(std::move(samples));
+  }
+  std::sort(samples.begin(), samples.end());
+  return {quantileOf(samples, 0.5), std::nullopt};
 }
 
 Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
@@ -328,7 +319,7 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   const std::vector<EpisodeResult> starts = meansOfStarts(protocol, episodes);
   for (std::size_t rollout = 0; rollout < summary.means.size(); ++rollout) {
     for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-      summary.means[rollout][i] = meanOf(starts, {rollout, i});
+      summary.means[rollout][i] = meanOf(protocol, starts, {rollout, i});
     }
   }
   summary.baselines.resize(summary.means.size());
@@ -336,7 +327,7 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   const std::vector<std::size_t> variants = variantRollouts(protocol, false);
   for (std::size_t rollout = kReferenceClosed + 1; rollout < summary.means.size(); ++rollout) {
     for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
-      summary.baselines[rollout][i] = comparisonOf(starts, rollout, kDivergencePairs[i], floor, variants);
+      summary.baselines[rollout][i] = comparisonOf(protocol, starts, rollout, kDivergencePairs[i], floor, variants);
       const FigureIndex figure{rollout, quantityIndex(kDivergencePairs[i].divergence)};
       summary.baselines[rollout][i].episodes = static_cast<int>(samplesOf(episodes, figure).size());
     }
@@ -349,9 +340,6 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   }
   if (protocol.repeats > 1) {
     summary.noise = noiseSplits(protocol, episodes);
-  }
-  if (protocol.until_decided) {
-    removeFixedLengthFigures(summary);
   }
   return summary;
 }

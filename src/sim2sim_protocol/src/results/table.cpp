@@ -317,7 +317,7 @@ std::string transferText(const RunConfiguration& configuration, const Outcomes& 
 
 std::string shareText(const SuccessRate& rate) {
   constexpr int kDigits = 3;
-  return fixedText(readable(rate.rate), kDigits) + (rate.interval ? " " + bracketed(*rate.interval, kDigits) : "");
+  return valueText(rate.rate, rate.interval, kDigits);
 }
 
 std::string cell(const SuccessRate& rate) { return std::to_string(rate.successes) + "  " + shareText(rate); }

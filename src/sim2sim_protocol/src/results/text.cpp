@@ -73,17 +73,23 @@ std::string signedText(double value, const std::optional<Interval>& interval, co
          (interval ? " " + bracketed(*interval, digits) : "");
 }
 
-std::string percent(double share) { return std::isinf(share) ? "any" : percentNumber(share) + " %"; }
+std::string valueText(double value, const std::optional<Interval>& interval, int digits) {
+  return fixedText(readable(value), digits) + (interval ? " " + bracketed(*interval, digits) : "");
+}
+
+std::string percent(double share, const std::optional<Interval>& interval) {
+  return (std::isinf(share) ? "any" : percentNumber(share) + " %") +
+         (interval ? " [" + percentNumber(interval->low) + ", " + percentNumber(interval->high) + "]" : "");
+}
 
 std::string percentNumber(double share) { return fixedText(100.0 * readable(share), 0); }
 
 std::string pushText(const std::string& reference, const Estimate& missed, const Estimate& turned) {
-  const auto share = [](const Estimate& mean) {
-    const std::optional<Interval>& ends = mean.interval;
-    return percent(mean.value) + (ends ? " [" + percentNumber(ends->low) + ", " + percentNumber(ends->high) + "]" : "");
-  };
-  return "in the mean episode " + share(missed) + " of those that move " + reference + "'s tee miss here" +
-         (std::isnan(turned.value) ? "" : "; of the others " + share(turned) + " move it the other way");
+  return "in the mean episode " + percent(missed.value, missed.interval) + " of those that move " + reference +
+         "'s tee miss here" +
+         (std::isnan(turned.value)
+              ? ""
+              : "; of the others " + percent(turned.value, turned.interval) + " move it the other way");
 }
 
 std::string markOf(const std::optional<bool>& beats_null) {
@@ -105,6 +111,12 @@ std::string probabilityText(double p) {
   constexpr double kLeast = 1e-4;
   constexpr int kDigits = 4;
   return p < kLeast ? "< 0.0001" : fixedText(readable(p), kDigits);
+}
+
+std::string csvNumber(double value) { return std::isfinite(value) ? pusht::shortestText(readable(value)) : ""; }
+
+std::string csvFigure(double value, const std::optional<Interval>& interval) {
+  return csvNumber(value) + "," + (interval ? csvNumber(interval->low) + "," + csvNumber(interval->high) : ",");
 }
 
 std::string csvText(const std::string& text) {

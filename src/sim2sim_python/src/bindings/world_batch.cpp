@@ -4,7 +4,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <exception>
 #include <iterator>
@@ -15,6 +14,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/simulator.hpp"
 #include "pusht_task/spawn.hpp"
+#include "pusht_task/state_fields.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"
 #include "without_gil.hpp"
 
@@ -22,25 +22,6 @@ namespace sim2sim::python {
 namespace {
 
 namespace py = pybind11;
-
-/// A number of a world state.
-struct Field {
-  const char* name;
-  double& (*of)(pusht::WorldState& state);
-};
-
-constexpr std::array<Field, 10> kFields = {
-    Field{"pusher_x", [](pusht::WorldState& s) -> double& { return s.pusher_position.x(); }},
-    Field{"pusher_y", [](pusht::WorldState& s) -> double& { return s.pusher_position.y(); }},
-    Field{"pusher_vx", [](pusht::WorldState& s) -> double& { return s.pusher_velocity.x(); }},
-    Field{"pusher_vy", [](pusht::WorldState& s) -> double& { return s.pusher_velocity.y(); }},
-    Field{"tee_x", [](pusht::WorldState& s) -> double& { return s.tee_position.x(); }},
-    Field{"tee_y", [](pusht::WorldState& s) -> double& { return s.tee_position.y(); }},
-    Field{"tee_yaw", [](pusht::WorldState& s) -> double& { return s.tee_yaw; }},
-    Field{"tee_vx", [](pusht::WorldState& s) -> double& { return s.tee_velocity.x(); }},
-    Field{"tee_vy", [](pusht::WorldState& s) -> double& { return s.tee_velocity.y(); }},
-    Field{"tee_yaw_rate", [](pusht::WorldState& s) -> double& { return s.tee_yaw_rate; }},
-};
 
 /// Runs `action`; an error of it then names the world, where there are several.
 template <class Function>
@@ -78,7 +59,8 @@ py::list parametersOf(const std::string& kind) {
 
 std::vector<std::string> stateFields() {
   std::vector<std::string> names;
-  std::transform(kFields.begin(), kFields.end(), std::back_inserter(names), [](const Field& f) { return f.name; });
+  std::transform(pusht::kStateFields.begin(), pusht::kStateFields.end(), std::back_inserter(names),
+                 [](const pusht::StateField& f) { return f.name; });
   return names;
 }
 
@@ -97,8 +79,8 @@ void WorldBatch::spawn(int world, std::uint64_t seed) { begin(world, pusht::spaw
 
 void WorldBatch::reset(int world, const States& state) {
   pusht::WorldState start;
-  for (std::size_t i = 0; i < kFields.size(); ++i) {
-    kFields[i].of(start) = state.at(static_cast<py::ssize_t>(i));
+  for (std::size_t i = 0; i < pusht::kStateFields.size(); ++i) {
+    pusht::kStateFields[i].of(start) = state.at(static_cast<py::ssize_t>(i));
   }
   begin(world, start);
 }
@@ -172,12 +154,12 @@ py::array_t<float> WorldBatch::observations() const {
 
 py::array_t<double> WorldBatch::states() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  py::array_t<double> rows({episodes_.size(), kFields.size()});
+  py::array_t<double> rows({episodes_.size(), pusht::kStateFields.size()});
   double* number = rows.mutable_data();
   for (const Episode& episode : episodes_) {
     pusht::WorldState state = episode.state;
-    number =
-        std::transform(kFields.begin(), kFields.end(), number, [&](const Field& field) { return field.of(state); });
+    number = std::transform(pusht::kStateFields.begin(), pusht::kStateFields.end(), number,
+                            [&](const pusht::StateField& field) { return field.of(state); });
   }
   return rows;
 }

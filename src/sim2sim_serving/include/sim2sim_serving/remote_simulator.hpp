@@ -11,7 +11,7 @@
 #include <string>
 
 #include "pusht_task/simulator.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 #include "sim2sim_serving/peer.hpp"
 
 namespace pusht {

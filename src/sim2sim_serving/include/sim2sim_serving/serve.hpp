@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 #include "sim2sim_serving/policy_session.hpp"
 #include "sim2sim_serving/serve_simulator.hpp"
 #include "sim2sim_serving/simulator_session.hpp"

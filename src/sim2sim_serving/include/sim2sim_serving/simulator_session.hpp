@@ -14,7 +14,7 @@
 #include <string>
 
 #include "pusht_task/simulator_kind.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace pusht {

@@ -6,7 +6,7 @@ import csv
 import io
 import lzma
 from pathlib import Path
-from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from pusht_task.command import say
@@ -33,6 +33,11 @@ class Cell(NamedTuple):
     policy: str
     loop: str
     simulator: str
+
+    @property
+    def sweep(self) -> str:
+        """The name of the sweep that it is from, as Part.folder()."""
+        return f"{self.part}-{self.loop}"
 
 
 Table = Dict[Cell, str]  # a letter for each start. A group's first simulator is its reference
@@ -100,59 +105,56 @@ def read_endings(path: Path, plan: Plan) -> Table:
 def gather(parts: Sequence[Part], plan: Plan, work: Path, path: Path) -> Table:
     """The table of all sweeps that are finished, in the work folder or else in the file; says of
     each where it is from, or that it is missing."""
-    sweeps = [one for part in parts for one in part.by_loop()]
-    finished = [one for one in sweeps if is_whole(work / one.folder(one.loop))]
+    sweeps = {part.folder(loop): (part, loop) for part in parts for loop in part.plan["loops"]}
+    finished = [name for name in sweeps if is_whole(work / name)]
     kept = read_endings(path, plan) if len(finished) < len(sweeps) else {}
     table: Table = {}
-    for one in sweeps:
-        name = one.folder(one.loop)
-        rows = {cell: ends for cell, ends in kept.items() if one.has(cell.part, cell.loop)}
-        if one in finished:
-            rows = dict(_swept(one, work))
+    for name, (part, loop) in sweeps.items():
+        rows = {cell: ends for cell, ends in kept.items() if cell.sweep == name}
+        if name in finished:
+            rows = dict(_swept(part, loop, work))
             source = f"from {work}"
         elif rows:
-            _require_rows(path, one, rows)
+            _require_rows(path, part, loop, rows)
             source = f"kept from {path}"
         else:
-            source = f"MISSING; --part {one.name} runs it"
+            source = f"MISSING; --part {part.name} runs it"
         say(f"{name}: {source}")
         table.update(rows)
     return table
 
 
-def _require_rows(path: Path, part: Part, rows: Table) -> None:
-    wanted = [cell for cell, *_ in _cells(part)]
+def _require_rows(path: Path, part: Part, loop: Any, rows: Table) -> None:
+    wanted = [cell for cell, *_ in _cells(part, loop)]
     if list(rows) != wanted or {len(ends) for ends in rows.values()} != {part.plan["episodes"]}:
         raise Error(
-            f"{path}: its rows of {part.folder(part.loop)} must be those of the plan; "
+            f"{path}: its rows of {part.folder(loop)} must be those of the plan; "
             f"delete the file, or run --part {part.name}"
         )
 
 
-def _cells(part: Part) -> Iterator[Tuple[Cell, str, int, str]]:
-    """The rows of a part in the order of the table, each with the sweep, the sweep's row and the
-    role that it is from."""
-    for loop in part.plan["loops"]:
-        number = 0
-        for entry, policies in zip(part.policies, part.members):
-            engines = [name for name in part.plan["engines"] if name != entry["reference"]]
-            for policy in policies:
-                of = part.name, entry["group"], policy, name_of_loop(loop)
-                yield Cell(*of, entry["reference"]), part.folder(loop), number, REFERENCE
-                for engine in engines:
-                    yield Cell(*of, engine), part.folder(loop), number, ENGINE
-                    number += 1
+def _cells(part: Part, loop: Any) -> Iterator[Tuple[Cell, int, str]]:
+    """The rows of a sweep in the order of the table, each with the sweep's row and the role that it
+    is from."""
+    number = 0
+    for entry, policies in zip(part.policies, part.members):
+        engines = [name for name in part.plan["engines"] if name != entry["reference"]]
+        for policy in policies:
+            of = part.name, entry["group"], policy, name_of_loop(loop)
+            yield Cell(*of, entry["reference"]), number, REFERENCE
+            for engine in engines:
+                yield Cell(*of, engine), number, ENGINE
+                number += 1
 
 
-def _swept(part: Part, work: Path) -> Iterator[Tuple[Cell, str]]:
-    """Rows of a part whose sweeps are finished."""
-    kept: Dict[str, List[Plan]] = {}
-    for cell, folder, number, role in _cells(part):
-        if folder not in kept:
-            kept[folder] = read_json(work / folder / name_of("sweep"))["rows"]
+def _swept(part: Part, loop: Any, work: Path) -> Iterator[Tuple[Cell, str]]:
+    """Rows of a finished sweep."""
+    folder = work / part.folder(loop)
+    swept = read_json(folder / name_of("sweep"))["rows"]
+    for cell, number, role in _cells(part, loop):
         if role == ENGINE:
-            _require_row(kept[folder][number], cell, part.plan["episodes"])
-        episodes = read_rows(row_folder(work / folder, number) / name_of("episodes"))
+            _require_row(swept[number], cell, part.plan["episodes"])
+        episodes = read_rows(row_folder(folder, number) / name_of("episodes"))
         yield cell, "".join(LETTERS[row["ending"]] for row in episodes if row["mode"] == role)
 
 

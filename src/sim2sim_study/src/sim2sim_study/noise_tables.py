@@ -40,13 +40,9 @@ def write_tables(parts: Sequence[Part], plan: Plan, work: Path, tables: Path) ->
         write_table(tables / "curves.csv", curves)
         draw = partial(draw_noise, curves)
         write_curves(tables / "curves.png", "Transfer over noise on the positions", draw)
-    ran = {(cell.part, cell.loop) for cell in table}
-    missing = [
-        one.folder(one.loop)
-        for part in parts
-        for one in part.by_loop()
-        if not any(one.has(*sweep) for sweep in ran)
-    ]
+    ran = {cell.sweep for cell in table}
+    sweeps = [part.folder(loop) for part in parts for loop in part.plan["loops"]]
+    missing = [name for name in sweeps if name not in ran]
     figures: Row = {
         "missing": missing,
         "groups": nested(groups, "part", "loop", "group", "simulator"),

@@ -27,22 +27,8 @@ class Part(NamedTuple):
     plan: Plan  # loops, engines, episodes
 
     def folder(self, loop: Any) -> str:
+        """The name of the sweep in one of the loops."""
         return f"{self.name}-{name_of_loop(loop)}"
-
-    def by_loop(self) -> "List[Part]":
-        """The part's sweeps, each as a part of one loop."""
-        loops = self.plan["loops"]
-        return [self._replace(plan={**self.plan, "loops": [loop]}) for loop in loops]
-
-    @property
-    def loop(self) -> Any:
-        """The loop of a part of one."""
-        (loop,) = self.plan["loops"]
-        return loop
-
-    def has(self, part: str, loop: str) -> bool:
-        """Whether rows of this part and this loop are of it; it has one loop."""
-        return (part, loop) == (self.name, name_of_loop(self.loop))
 
 
 def name_of_loop(loop: Any) -> str:

@@ -55,7 +55,7 @@ struct Attribution {
 /// Throws InvalidInput with file or row if `folder` is no sweep, if its rows differ in anything but switches, or if a
 /// combination is missing; also as readResults() and requirePairs(). Calls `go_on` before each row that it reads and
 /// each gap that it attributes; it may throw to end the work.
-Attribution attribute(const std::filesystem::path& folder, const std::filesystem::path& baseline,
-                      const std::function<void()>& go_on);
+Attribution readAttribution(const std::filesystem::path& folder, const std::filesystem::path& baseline,
+                            const std::function<void()>& go_on);
 
 }  // namespace sim2sim

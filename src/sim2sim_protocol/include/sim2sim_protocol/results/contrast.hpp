@@ -3,80 +3,47 @@
 /// parameters of the engine, from a baseline run.
 #pragma once
 
-#include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "sim2sim_protocol/episode.hpp"
-#include "sim2sim_protocol/protocol.hpp"
+#include "sim2sim_protocol/results/run_results.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 #include "sim2sim_statistics/sequential.hpp"
 
 namespace sim2sim {
 
-/// Results of a run, or of a row of a sweep, as read from its folder.
-struct RunResults {
-  std::filesystem::path folder;
-  nlohmann::json metrics;
-  Protocol protocol;
-  std::vector<EpisodeResult> episodes;
-
-  /// Name for people, with changed parameters: "two-mass engine, block_damp 20.0".
-  std::string title() const;
-
-  /// Engine in `metrics`: its name, title, parameters, and the names of the changed ones.
-  const nlohmann::json& engine() const;
-};
-
-/// Reads the results of a whole run. Throws InvalidInput with the file if `folder` does not hold them.
-RunResults readResults(const std::filesystem::path& folder);
-
-/// Description in the sweep.json of a folder, an object. Throws InvalidInput with the file if there is none.
-nlohmann::json sweepIn(const std::filesystem::path& folder);
-
-/// Likewise; throws InvalidInput for one shard of a sweep, too.
-nlohmann::json wholeSweepIn(const std::filesystem::path& folder);
-
-/// Folders of all rows of a sweep, in order; `folder` itself if it is a run. Throws InvalidInput if it is neither.
-std::vector<std::filesystem::path> runsIn(const std::filesystem::path& folder);
-
-/// Mean paired difference of one figure, other - baseline, in the figure's unit.
+/// Mean paired difference of one figure, other - baseline, in the figure's unit. Of success it is the difference of the
+/// rates, with Tango's interval and McNemar's mid-p.
 struct ContrastRow {
   std::string name;  ///< key of the mean in metrics.json, without its unit
-  std::string unit;
-  int episodes;  ///< number of episodes that have the figure in both runs
+  std::string unit;  ///< empty: success
+  int episodes;      ///< number of episodes that have the figure in both runs
   Difference difference;
   std::optional<double> adjusted_p{};  ///< after Holm, over the whole family
-  /// [episodes] after which the sign was decided, if watched after each of them; DifferenceSequence. None: not yet, or
-  /// few episodes carry the difference (isCarriedByFew()), for which that method is not made, or that is not known
-  /// (Quantity::hasIntervals()).
+  /// [episodes] after which the sign was decided, if watched after each of them; DifferenceSequence, of success
+  /// AnyDifference. None: not yet, or few episodes carry the difference (isCarriedByFew()), for which that method is
+  /// not made, or that is not known (Quantity::hasIntervals()).
   std::optional<int> decided_after{};
+
+  bool isFinding() const { return adjusted_p && *adjusted_p <= 1.0 - kConfidence && difference.value != 0.0; }
 };
 
 /// All differences of one run from the baseline. With repeats they are by start (results/starts.hpp), and nothing is
 /// watched episode by episode.
 struct Contrast {
-  std::string title;                   ///< name of the run among all that are compared
-  PairTable successes;                 ///< successes of the engine; first: the baseline
-  std::optional<Interval> interval{};  ///< Tango's interval of the difference of the rates
-  std::optional<double> p{};           ///< McNemar's, mid-p; none of few starts with repeats
-  std::optional<double> adjusted_p{};  ///< after Holm, over the whole family
-  std::optional<int> decided_after{};  ///< [episodes] likewise, by AnyDifference
-  std::vector<int> lost{};             ///< episodes in which only the baseline succeeds
-  std::vector<int> gained{};           ///< episodes in which only the other succeeds
-  std::vector<ContrastRow> rows{};
+  std::string title;                ///< name of the run among all that are compared
+  PairTable successes;              ///< successes of the engine; first: the baseline
+  std::vector<int> lost{};          ///< episodes in which only the baseline succeeds
+  std::vector<int> gained{};        ///< episodes in which only the other succeeds
+  std::vector<ContrastRow> rows{};  ///< success first
 };
-
-/// Throws InvalidInput if two runs do not pair: if policy, initial states, horizon, probes, reference or the
-/// reference's results differ.
-void requirePairs(const RunResults& baseline, const RunResults& other);
 
 /// Contrasts each of `others` with `baseline`. The p-values of all figures of all contrasts are one family for Holm's
 /// correction. Throws as requirePairs().
-std::vector<Contrast> contrast(const RunResults& baseline, const std::vector<RunResults>& others);
+std::vector<Contrast> contrastsOf(const RunResults& baseline, const std::vector<RunResults>& others);
 
 /// Content of the file of `contrast --out`: the answer about all runs, a sentence and the figures of each. `contrasts`
 /// are those of `others`, in order.

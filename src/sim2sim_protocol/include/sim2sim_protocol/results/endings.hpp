@@ -40,7 +40,7 @@ Endings endingsOf(const std::vector<EpisodeResult>& episodes, std::size_t rollou
 /// Counts the endings of reference and engine.
 EndingsOfPairs endingsOf(const std::vector<EpisodeResult>& episodes);
 
-/// "ending" in statistics.json: counts, and shares of the failures with Wilson's intervals.
-nlohmann::json toJson(const Endings& endings);
+/// "ending" in statistics.json: counts, and shares of the failures as shareJson().
+nlohmann::json toJson(const Endings& endings, bool has_intervals);
 
 }  // namespace sim2sim

@@ -28,8 +28,8 @@ struct FirstDivergences {
 /// Source: E. L. Kaplan and P. Meier, "Nonparametric Estimation from Incomplete Observations" (1958).
 FirstDivergences firstDivergencesOf(const std::vector<EpisodeResult>& episodes, std::size_t rollout);
 
-/// "parting" in statistics.json: counts, shares, and Wilson's intervals of the shares.
-nlohmann::json toJson(const FirstDivergences& first_divergences);
+/// "parting" in statistics.json: counts, and shares as shareJson().
+nlohmann::json toJson(const FirstDivergences& first_divergences, bool has_intervals);
 
 /// Most frequent cause; there must be one.
 const CauseName& mostFrequentCause(const FirstDivergences& first_divergences);

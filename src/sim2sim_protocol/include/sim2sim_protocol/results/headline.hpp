@@ -4,6 +4,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 
 #include "sim2sim_protocol/results/run_configuration.hpp"
@@ -36,6 +37,10 @@ std::string nameOf(TransferVerdict verdict);
 /// Verdict on an interval of the transfer. kNothingToTransfer is not among its results.
 TransferVerdict verdictOf(const Interval& transfer);
 
+/// Interval of the transfer that holds: that of its outcomes, or transferSequence() if the run ends when it is decided.
+/// Empty if there is none.
+std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes);
+
 /// Share of the reference's success in percent: "31". It gets more digits if it would otherwise be printed on the other
 /// side of a bound of the scale, or of the share that decides the end of the run: 0.4996 is "49.96", not "50".
 std::string transferNumber(const RunConfiguration& configuration, double share);
@@ -52,8 +57,8 @@ struct Headline {
   std::string text() const { return question + " " + answer; }
 };
 
-/// Headline of the finished episodes of a run, by the successes of the engine in closed loop. The verdict is on the
-/// interval of the transfer, or on transferSequence() if the run ends when it is decided.
+/// Headline of the finished episodes of a run, by the successes of the engine in closed loop. The verdict is on
+/// transferInterval().
 Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outcomes, const EndingsOfPairs& endings);
 
 /// Headline as JSON: "headline" in statistics.json.

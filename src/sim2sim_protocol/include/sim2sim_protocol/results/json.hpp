@@ -2,6 +2,7 @@
 /// JSON of result files: layout of the text, and how figures are written.
 #pragma once
 
+#include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -19,7 +20,27 @@ nlohmann::json readableJson(double value);
 /// [low, high], each likewise; null without an interval.
 nlohmann::json readableJson(const std::optional<Interval>& interval);
 
-/// Share of `total` episodes: "episodes", `count`; unless there are none, "share" and "interval", Wilson's.
-nlohmann::json shareJson(int count, int total);
+/// `value` as it is; null without one.
+template <class Value>
+nlohmann::json orNull(const std::optional<Value>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+/// Value of a figure that is not there: null in JSON, empty in CSV.
+inline constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
+
+/// A figure, such as an Estimate or a Difference: "value" and "interval", by readableJson().
+template <class Figure>
+nlohmann::json figureJson(const Figure& figure) {
+  return {{"value", readableJson(figure.value)}, {"interval", readableJson(figure.interval)}};
+}
+
+/// Adds a figure to the keys of a flat file: NAME_UNIT and NAME_interval_UNIT; without a unit NAME and NAME_interval.
+void addFigure(nlohmann::json& keys, const std::string& name, const std::string& unit, double value,
+               const std::optional<Interval>& interval);
+
+/// Share of `total` episodes: "episodes", `count`; unless there are none, "share" and "interval". The interval is
+/// Wilson's, which holds for independent episodes whose number was chosen before; null unless `has_interval`.
+nlohmann::json shareJson(int count, int total, bool has_interval);
 
 }  // namespace sim2sim

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 
 #include "sim2sim_protocol/results/run_configuration.hpp"
@@ -24,10 +23,6 @@ nlohmann::json metrics(const RunConfiguration& configuration, const Summary& sum
 
 /// Mean of a quantity in a rollout as metrics.json has it: the course rounds its own to six decimals.
 Estimate printedMean(const Summary& summary, std::size_t rollout, std::size_t quantity);
-
-/// Interval of the transfer from which the headline follows: that of its outcomes, or transferSequence() if the run
-/// ends when it is decided. Empty if there is none.
-std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes);
 
 /// "decision" in metrics.json, for a run that ends when it is decided whether the engine keeps `share` of the
 /// reference's success. "holds_when_stopped" names the intervals that hold whenever the run stops; the others are null.

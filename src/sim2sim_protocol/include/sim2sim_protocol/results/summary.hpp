@@ -45,8 +45,12 @@ std::optional<double> extremeOf(const std::vector<EpisodeResult>& episodes, cons
 /// samples.
 Estimate meanOf(const std::vector<double>& samples, const Quantity& quantity, const std::optional<double>& extreme);
 
-/// Mean of a figure, with the interval that fits it; NaN if no episode has it.
-Estimate meanOf(const std::vector<EpisodeResult>& episodes, const FigureIndex& figure);
+/// Mean of a figure, with the interval that fits it; NaN if no episode has it. A run that may stop early has no
+/// interval.
+Estimate meanOf(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, const FigureIndex& figure);
+
+/// Median of the samples, with its interval likewise.
+Estimate medianOf(const Protocol& protocol, std::vector<double> samples);
 
 /// Paired differences of two figures, more - less, of the episodes that have both. The two may be of one run, or of two
 /// runs over the same episodes.
@@ -72,7 +76,7 @@ struct Outcomes {
 /// Outcomes of independent episodes.
 Outcomes outcomesOf(const PairTable& table);
 
-/// Outcomes of a closed loop beside those of the reference.
+/// Outcomes of a closed loop beside those of the reference; of a run that may stop early counts and transfer alone.
 Outcomes outcomesOf(const Protocol& protocol, const std::vector<EpisodeResult>& episodes, std::size_t rollout);
 
 /// A divergence and its null model over the same steps: a tee that never moves.

@@ -27,8 +27,11 @@ std::string aligned(const std::vector<std::vector<std::string>>& rows);
 /// Difference as "-0.0240 m [-0.0310, -0.0170]"; "none" for NaN.
 std::string signedText(double value, const std::optional<Interval>& interval, const std::string& unit, int digits);
 
-/// Share as "31 %"; "any" for infinity.
-std::string percent(double share);
+/// Value as "0.220", with an interval as "0.220 [0.128, 0.352]".
+std::string valueText(double value, const std::optional<Interval>& interval, int digits);
+
+/// Share as "31 %", with an interval as "31 % [23, 40]"; "any" for infinity.
+std::string percent(double share, const std::optional<Interval>& interval = std::nullopt);
 /// Share in percent as "31".
 std::string percentNumber(double share);
 
@@ -49,6 +52,12 @@ std::string timesText(double multiple, const std::optional<Interval>& interval);
 
 /// Text as a cell of CSV, quoted if need be. Source: RFC 4180.
 std::string csvText(const std::string& text);
+
+/// Number as a cell of CSV, rounded by readable(); empty unless it is finite.
+std::string csvNumber(double value);
+
+/// Figure as three cells of CSV: value and both ends of its interval, which are empty without one.
+std::string csvFigure(double value, const std::optional<Interval>& interval);
 
 /// p-value as "0.0012" or "< 0.0001".
 std::string probabilityText(double p);

@@ -6,13 +6,12 @@
 #include <array>
 #include <cstddef>
 
-#include "pusht_engine/rigid_body_contacts.hpp"
 #include "pusht_engine/rigid_body_model.hpp"
+#include "rigid_body_contacts.hpp"
 
 namespace pusht::rigid_body {
 
-/// Vector and matrix over the generalized coordinates.
-using Vector = std::array<double, kCoordinateCount>;
+/// Matrix over the generalized coordinates.
 using Matrix = std::array<Vector, kCoordinateCount>;
 
 /// Sum of the products of the elements, in index order.

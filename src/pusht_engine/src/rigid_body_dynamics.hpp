@@ -6,20 +6,11 @@
 
 #include <Eigen/Core>
 
-#include "pusht_engine/rigid_body_contacts.hpp"
 #include "pusht_engine/rigid_body_model.hpp"
-#include "pusht_engine/rigid_body_solver.hpp"
+#include "rigid_body_contacts.hpp"
+#include "rigid_body_solver.hpp"
 
 namespace pusht::rigid_body {
-
-/// State of a world. The yaw is not wrapped.
-struct Bodies {
-  Vector positions;   ///< [m, m, rad, m, m]
-  Vector velocities;  ///< [m/s, m/s, rad/s, m/s, m/s]
-};
-
-/// One substep in which the pusher is to move with velocity `command` [m/s].
-void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies);
 
 /// Pose of the tee at these positions.
 Tee teeOf(const Vector& positions);

@@ -238,6 +238,9 @@ TEST_F(SimulatorSessions, AFailedStepLeavesTheHold) {
   ASSERT_THAT(session_.step(next).message, HasSubstr("broken on purpose"));
   EXPECT_THAT(step(-1).message, HasSubstr("held by another caller"));
   EXPECT_THAT(session_.step(next).message, HasSubstr("needs a reset"));
+  pusht_msgs::ConfigureRequest request;
+  request.token = "mine";
+  EXPECT_EQ(session_.configure(request).success, 1) << "no episode is under way";
 }
 
 TEST_F(SimulatorSessions, ARefusedConfigurationKeepsTheSimulator) {

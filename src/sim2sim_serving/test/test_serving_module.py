@@ -251,7 +251,7 @@ class Resets(SessionCase):
         self.simulators[0].fault = "engine lost"
         self.refused_reset("reset: RuntimeError: engine lost", exit_code=4)
         self.refused_step("needs a reset")
-        self.simulators[0].fault = ""
+        self.accepted(self.configure())  # no episode is under way
         self.reset()
         self.step()
 

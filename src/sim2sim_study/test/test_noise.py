@@ -12,6 +12,7 @@ from typing import Any, Dict, List, Set
 from unittest import mock
 
 from pusht_task.error import Error
+from pusht_task.json_file import read_json
 from pusht_testing.long_tests import long_form
 from sim2sim_study import endings, noise, steps
 from sim2sim_study.endings import Cell
@@ -61,7 +62,17 @@ class Study(StudyCase):
         ]
         self.assertEqual(of_small, ["small-mujoco-100"])
         tables = {"groups.csv", "figures.json", "predictions.csv", "pushes.csv", "pushes.csv.xz"}
-        self.assertEqual(self.files(), {"endings.csv.xz", *tables})
+        self.assertEqual(self.files(), {"endings.csv.xz", "divergences.csv", *tables})
+        row = read_json(self.folder / "work" / "pushes-tracker" / "sweep.json")["rows"][0]
+        printed = list(csv.DictReader((self.folder / "tables" / "divergences.csv").open()))
+        (found,) = (
+            float(one["divergence_angle"])
+            for one in printed
+            if one["loop"] == "tracker"
+            and f"{one['policy']}.ts.pt" == row["policy"]
+            and one["engine"].partition(":")[0] == row["engine_simulator"]
+        )
+        self.assertEqual(found, row["mean_ang_divergence_rad"])
 
     def test_tables_of_nothing_name_all_that_is_missing(self) -> None:
         said = self.run_study("--tables-only").splitlines()
@@ -102,7 +113,7 @@ class Parts(StudyCase):
         self.assertEqual(self.needed("kinds"), {})
         draws = self.needed("draws")
         self.assertEqual(len(draws), 16)
-        self.assertEqual(draws["shipped-draw_5"], range(150, 153))
+        self.assertEqual(draws["shipped-draw_5"], range(150, 151))
         self.assertEqual(draws["epochs_60-width_512"], range(100, 105))
 
     def test_all_parts_need_all_trainings(self) -> None:

@@ -6,22 +6,28 @@ import csv
 import functools
 import json
 import unittest
-from typing import Any, Dict, Set
+from pathlib import Path
+from typing import Any, Dict, List, Set
 from unittest import mock
 
 import numpy as np
-from sim2sim_study import endings, hypotheses, noise_tables, push_hypotheses, pushes
-from sim2sim_study.endings import Table
+from sim2sim_study import divergences, endings, hypotheses, noise_tables, push_hypotheses, pushes
+from sim2sim_study.endings import Cell, Table
 from sim2sim_study.parts import Part, parts_of, whole_plan
+from sim2sim_study.tables import write_table
 from study_case import StudyCase
 
 RATES = {"mujoco": 0.6, "chipmunk": 0.6, "two_mass": 0.2}  # success; elsewhere 0.4
 
 
+def cells_of(part: Part) -> List[Cell]:
+    return [cell for loop in part.plan["loops"] for cell, *_ in endings.cells(part, loop)]
+
+
 def made_up(part: Part) -> Table:
     generator = np.random.default_rng(3)
     table: Table = {}
-    for cell, *_ in endings._cells(part):
+    for cell in cells_of(part):
         won = generator.random(part.plan["episodes"]) < RATES.get(cell.simulator, 0.4)
         table[cell] = "".join(np.where(won, "S", "t"))
     return table
@@ -45,6 +51,18 @@ def made_up_pushes(part: Part, windows: Any) -> Any:
         }
         for window in windows
     }
+
+
+def made_up_divergences(part: Part, path: Path) -> None:
+    generator = np.random.default_rng(5)
+    rows = [
+        {
+            **{"loop": cell.loop, "policy": cell.policy, "engine": cell.simulator},
+            **{name: generator.random() for name in divergences.DIVERGENCES},
+        }
+        for cell in cells_of(part)
+    ]
+    write_table(path, rows)
 
 
 class Tables(StudyCase):
@@ -83,8 +101,10 @@ class Tables(StudyCase):
         made = made_up_pushes(self.parts[-1], self.plan["pushes"]["windows"])
         pushes.write_pushes(self.work / "pushes.csv", made)
         pushes.write_sums(self.work / "pushes.csv.xz", made[5], 20)
+        made_up_divergences(self.parts[-1], self.tables / "divergences.csv")
         files = self.write()
-        csvs = ("curves", "groups", "hypotheses", "hypotheses_pushes", "predictions", "pushes")
+        csvs = ("curves", "divergences", "groups", "hypotheses", "hypotheses_pushes")
+        csvs += ("predictions", "pushes")
         others = ("curves.png", "endings.csv.xz", "figures.json", "pushes.csv.xz")
         self.assertEqual(set(files), {*others, *(f"{name}.csv" for name in csvs)})
         figures = json.loads(files["figures.json"])
@@ -107,8 +127,9 @@ class Tables(StudyCase):
         self.assertEqual(place["transfer_interval"], ends)
         best = figures["predictions"]["small-mujoco"]["tracker"]["pair"]
         self.assertIn(" + ", best["numbers"])
-        number = figures["numbers"]["small-mujoco"]["none"]["direction_5"]
-        self.assertLessEqual(abs(number["kendall_tau"]), 1.0)
+        for name in ("direction_5", "divergence_angle_2s"):
+            number = figures["numbers"]["small-mujoco"]["none"][name]
+            self.assertLessEqual(abs(number["kendall_tau"]), 1.0)
         self.assertEqual(files, self.write(), "the tables say all that they were made of")
 
     def test_of_the_first_part_alone(self) -> None:
@@ -128,7 +149,7 @@ class Tables(StudyCase):
         self.keep("pushes")
         with mock.patch.object(noise_tables, "say") as said:
             files = self.write()
-        line = "pushes.csv and pushes.csv.xz: MISSING; --part pushes makes them"
+        line = "pushes.csv, pushes.csv.xz, divergences.csv: not all there; --part pushes makes them"
         said.assert_called_once_with(line)
         self.assertNotIn("predictions.csv", files)
 

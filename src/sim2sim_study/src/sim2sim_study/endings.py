@@ -125,7 +125,7 @@ def gather(parts: Sequence[Part], plan: Plan, work: Path, path: Path) -> Table:
 
 
 def _require_rows(path: Path, part: Part, loop: Any, rows: Table) -> None:
-    wanted = [cell for cell, *_ in _cells(part, loop)]
+    wanted = [cell for cell, *_ in cells(part, loop)]
     if list(rows) != wanted or {len(ends) for ends in rows.values()} != {part.plan["episodes"]}:
         raise Error(
             f"{path}: its rows of {part.folder(loop)} must be those of the plan; "
@@ -133,7 +133,7 @@ def _require_rows(path: Path, part: Part, loop: Any, rows: Table) -> None:
         )
 
 
-def _cells(part: Part, loop: Any) -> Iterator[Tuple[Cell, int, str]]:
+def cells(part: Part, loop: Any) -> Iterator[Tuple[Cell, int, str]]:
     """The rows of a sweep in the order of the table, each with the sweep's row and the role that it
     is from."""
     number = 0
@@ -151,7 +151,7 @@ def _swept(part: Part, loop: Any, work: Path) -> Iterator[Tuple[Cell, str]]:
     """Rows of a finished sweep."""
     folder = work / part.folder(loop)
     swept = read_json(folder / name_of("sweep"))["rows"]
-    for cell, number, role in _cells(part, loop):
+    for cell, number, role in cells(part, loop):
         if role == ENGINE:
             _require_row(swept[number], cell, part.plan["episodes"])
         episodes = read_rows(row_folder(folder, number) / name_of("episodes"))

@@ -12,6 +12,7 @@ from pusht_task.files import read_file, write_file
 
 from sim2sim_study.crossed import Numbers
 from sim2sim_study.curves import draw_noise, write_curves
+from sim2sim_study.divergences import read_divergences, write_divergences
 from sim2sim_study.endings import Endings, gather, write_endings
 from sim2sim_study.groups import curve_rows, group_rows, rounded
 from sim2sim_study.hypotheses import judge, write_hypotheses
@@ -20,9 +21,11 @@ from sim2sim_study.plan import Plan
 from sim2sim_study.predictions import prediction_rows, read_numbers
 from sim2sim_study.push_hypotheses import judge as judge_pushes
 from sim2sim_study.push_hypotheses import read_sums, sums_of
+from sim2sim_study.steps import is_whole
 from sim2sim_study.tables import Row, nested, write_figures, write_table
 
 PUSHES = ("pushes.csv", "pushes.csv.xz")  # means; sums by start, which are written last
+DIVERGED = "divergences.csv"  # what the runs of the part print
 WINDOW = 5  # control steps of the pushes that the hypotheses are about
 PRIMARY = "tracker"  # the loop that they are about
 
@@ -56,7 +59,7 @@ def write_tables(parts: Sequence[Part], plan: Plan, work: Path, tables: Path) ->
         figures["hypotheses"].update(_by_number(found))
     (pushes,) = (part for part in parts if part.name == "pushes")
     ran_pushes = not any(name.startswith(f"{pushes.name}-") for name in missing)
-    if ran_pushes and _has_pushes(work, tables):
+    if ran_pushes and _has_pushes(pushes, work, tables):
         figures.update(_write_predictions(pushes, plan, endings, tables))
         if has_intervals:
             found_of_pushes = judge_pushes(_recipes(pushes, plan, endings, tables))
@@ -78,14 +81,17 @@ def _by_number(found: Sequence[Any]) -> Row:
     return nested(rows, "number")
 
 
-def _has_pushes(work: Path, tables: Path) -> bool:
+def _has_pushes(pushes: Part, work: Path, tables: Path) -> bool:
     """Takes the tables of pushes from the work folder, if they are there; says so if none are."""
     if (work / PUSHES[-1]).exists():
         for name in PUSHES:
             write_file(tables / name, read_file(work / name))
-    has_all = all((tables / name).exists() for name in PUSHES)
+    if all(is_whole(work / pushes.folder(loop)) for loop in pushes.plan["loops"]):
+        write_divergences(tables / DIVERGED, pushes, work)
+    needed = (*PUSHES, DIVERGED)
+    has_all = all((tables / name).exists() for name in needed)
     if not has_all:
-        say(f"{' and '.join(PUSHES)}: MISSING; --part pushes makes them")
+        say(f"{', '.join(needed)}: not all there; --part pushes makes them")
     return has_all
 
 
@@ -124,8 +130,10 @@ def _write_predictions(pushes: Part, plan: Plan, endings: Endings, tables: Path)
     """Writes predictions.csv; returns its leading figures: each number's, and the best ones."""
     rows: List[Row] = []
     for group, names in _by_recipe(plan).items():
-        numbers = read_numbers(tables / PUSHES[0], names, _drawn(pushes))
+        of_pushes = read_numbers(tables / PUSHES[0], names, _drawn(pushes))
         for loop in map(name_of_loop, pushes.plan["loops"]):
+            printed = read_divergences(tables / DIVERGED, loop, names, _drawn(pushes))
+            numbers = {**of_pushes, **printed}
             lost = _lost(pushes, endings, loop, group, names).mean(axis=(0, 2))
             found = prediction_rows(numbers, lost)
             rows += [{"recipe": group, "loop": loop, **row} for row in found]

@@ -21,9 +21,10 @@ RATES = {"mujoco": 0.6, "chipmunk": 0.6, "two_mass": 0.2}  # success; elsewhere 
 def made_up(part: Part) -> Table:
     generator = np.random.default_rng(3)
     table: Table = {}
-    for cell, *_ in endings._cells(part):
-        won = generator.random(part.plan["episodes"]) < RATES.get(cell.simulator, 0.4)
-        table[cell] = "".join(np.where(won, "S", "t"))
+    for loop in part.plan["loops"]:
+        for cell, *_ in endings._cells(part, loop):
+            won = generator.random(part.plan["episodes"]) < RATES.get(cell.simulator, 0.4)
+            table[cell] = "".join(np.where(won, "S", "t"))
     return table
 
 

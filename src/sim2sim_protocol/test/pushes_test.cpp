@@ -22,7 +22,7 @@ struct Pose {
   double yaw = 0.0;
 };
 
-WorldState at(const Pose& pose) {
+WorldState teeIn(const Pose& pose) {
   WorldState state;
   state.tee_position = {pose.x, pose.y};
   state.tee_yaw = pusht::wrapAngle(pose.yaw);
@@ -32,10 +32,10 @@ WorldState at(const Pose& pose) {
 /// Trace whose tee rests at `begin` and in between, and is at each of `ends` after so many windows.
 Trace jumping(int window, const Pose& begin, std::initializer_list<Pose> ends) {
   Trace trace;
-  trace.states.push_back(at(begin));
+  trace.states.push_back(teeIn(begin));
   for (const Pose& end : ends) {
     trace.states.insert(trace.states.end(), static_cast<std::size_t>(window) - 1, trace.states.back());
-    trace.states.push_back(at(end));
+    trace.states.push_back(teeIn(end));
   }
   trace.actions.resize(trace.states.size() - 1);
   return trace;
@@ -75,7 +75,7 @@ TEST(Pushes, EndAtASuccess) {
   Trace engine = jumping(10, {0.05}, {{0.20}});
   const auto stays = [&](int steps) {
     for (int step = 1; step < 10; ++step) {
-      engine.states[static_cast<std::size_t>(step)] = at({step <= steps ? 0.02 : 0.20});
+      engine.states[static_cast<std::size_t>(step)] = teeIn({step <= steps ? 0.02 : 0.20});
     }
     return pushFigures(reference, engine, 10);
   };
@@ -103,8 +103,8 @@ TEST(Pushes, WithoutOneThereIsNoFigure) {
 TEST(TeeDisplacement, IsThatOfTheCenterOfMass) {
   const double center = pusht::kCenterOfMassOffset;
   const Pose turned = {-center * std::sin(0.5), -center + center * std::cos(0.5), 0.5};
-  EXPECT_NEAR((teeDisplacement(at({0.0}), at(turned)) - Eigen::Vector3d(0.0, 0.0, 0.022)).norm(), 0.0, 1e-12);
-  const Eigen::Vector3d across = teeDisplacement(at({0.0, 0.0, kPi - 0.1}), at({0.0, 0.0, kPi + 0.1}));
+  EXPECT_NEAR((teeDisplacement(teeIn({0.0}), teeIn(turned)) - Eigen::Vector3d(0.0, 0.0, 0.022)).norm(), 0.0, 1e-12);
+  const Eigen::Vector3d across = teeDisplacement(teeIn({0.0, 0.0, kPi - 0.1}), teeIn({0.0, 0.0, kPi + 0.1}));
   EXPECT_NEAR(across.z(), 0.0088, 1e-12) << "the short way";
 }
 

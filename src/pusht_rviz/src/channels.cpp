@@ -76,8 +76,8 @@ std::vector<XmlRpc::XmlRpcValue> elementsOf(XmlRpc::XmlRpcValue& list) {
   return elements;
 }
 
-/// Asks the master which nodes publish, subscribe and serve what. False: there was no answer.
-bool askMaster(Events& events, const std::string& progress_topic) {
+/// Asks the master which policies there are. False: there was no answer.
+bool askMaster(Events& events) {
   const std::string act = "/act";
   XmlRpc::XmlRpcValue request;
   XmlRpc::XmlRpcValue response;
@@ -87,13 +87,6 @@ bool askMaster(Events& events, const std::string& progress_topic) {
     return false;
   }
   MasterEvent event;
-  for (XmlRpc::XmlRpcValue& subscribed : elementsOf(lists[1])) {
-    if (static_cast<std::string&>(subscribed[0]) == progress_topic) {
-      for (XmlRpc::XmlRpcValue& node : elementsOf(subscribed[1])) {
-        event.knows_us = event.knows_us || static_cast<std::string&>(node) == ros::this_node::getName();
-      }
-    }
-  }
   for (XmlRpc::XmlRpcValue& served : elementsOf(lists[2])) {
     const std::string& service = served[0];
     if (service.size() > act.size() && service.compare(service.size() - act.size(), act.size(), act) == 0) {
@@ -148,13 +141,12 @@ std::unique_ptr<ServiceChannel> episodesChannel(const std::string& evaluator, co
                                           callOf<pusht_msgs::Episodes>({}, tell), tellNothing(), once);
 }
 
-std::unique_ptr<ServiceChannel> masterChannel(const std::string& evaluator, const std::shared_ptr<Events>& events) {
+std::unique_ptr<ServiceChannel> masterChannel(const std::shared_ptr<Events>& events) {
   ServiceChannel::Times slow;
   slow.tick = slow.heartbeat = std::chrono::seconds(2);
-  return std::make_unique<ServiceChannel>(
-      [] { return std::make_shared<MasterConnection>(); },
-      [events, topic = evaluator + "/progress"](Connection& /*connection*/) { return askMaster(*events, topic); },
-      tellNothing(), slow);
+  return std::make_unique<ServiceChannel>([] { return std::make_shared<MasterConnection>(); },
+                                          [events](Connection& /*connection*/) { return askMaster(*events); },
+                                          tellNothing(), slow);
 }
 
 }  // namespace pusht_rviz

@@ -27,7 +27,7 @@ std::unique_ptr<ServiceChannel> episodesChannel(const std::string& evaluator, co
                                                 std::uint64_t request);
 
 /// To the master: a MasterEvent every two seconds.
-std::unique_ptr<ServiceChannel> masterChannel(const std::string& evaluator, const std::shared_ptr<Events>& events);
+std::unique_ptr<ServiceChannel> masterChannel(const std::shared_ptr<Events>& events);
 
 /// Calls for ServiceChannel::ask(): of a control channel, and of a node channel about a kind of simulator.
 ServiceChannel::Call controlCall(const std::shared_ptr<Events>& events, const pusht_msgs::ControlRequest& request);

@@ -128,7 +128,6 @@ void EvaluatorClient::run(const std::shared_ptr<State>& state) {
     const std::lock_guard<std::mutex> lock(state->mutex);
     state->client = client;
   }
-  events->push(SubscribedEvent());
   bool served = false;
   while (!state->waitForEnd(kLook)) {
     if (std::exchange(served, client->isServerConnected()) != served) {

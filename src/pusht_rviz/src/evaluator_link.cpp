@@ -11,7 +11,6 @@ namespace pusht_rviz {
 namespace {
 
 constexpr int kPeriod = 40;          // [ms] of the timer, which handles events at most 25 times a second
-constexpr int kUnknownTooOften = 2;  // answers in a row after which a master that does not know us counts as a new one
 constexpr double kFullSpeed = -1.0;  // [control steps/s] as the service `control` has it
 
 }  // namespace
@@ -23,22 +22,20 @@ EvaluatorLink::EvaluatorLink(QObject* parent) : QObject(parent) {
 
 EvaluatorLink::~EvaluatorLink() { close(); }
 
-void EvaluatorLink::setNamespace(const QString& evaluator) {
-  std::string resolved;
+void EvaluatorLink::open(const QString& evaluator) {
   try {
-    resolved = ros::names::resolve(evaluator.trimmed().toStdString());
+    evaluator_ = ros::names::resolve(evaluator.trimmed().toStdString());
   } catch (const ros::InvalidNameException&) {
     // Refused below, like no name at all.
   }
-  if (evaluator.trimmed().isEmpty() || resolved.size() < 2) {
+  if (evaluator.trimmed().isEmpty() || evaluator_.size() < 2) {
     Q_EMIT refused("namespace '" + evaluator + "': must be a ROS name, e.g. /sim2sim");
     return;
   }
-  if (resolved == evaluator_) {
-    return;
-  }
-  evaluator_ = resolved;
-  open();
+  events_ = std::make_shared<Events>();
+  client_ = std::make_unique<EvaluatorClient>(evaluator_, events_);
+  channels_[kEvaluator] = controlChannel(evaluator_, events_);
+  master_channel_ = masterChannel(events_);
 }
 
 void EvaluatorLink::close() {
@@ -63,27 +60,6 @@ void EvaluatorLink::close() {
   }
 }
 
-void EvaluatorLink::open() {
-  close();
-  services_ = {};
-  policy_.clear();
-  known_ = {};
-  presence_ = {};
-  progress_ = {};
-  heard_ = served_ = subscribed_ = seeking_ = false;
-  unknown_to_master_ = 0;
-  next_seek_.reset();
-  events_ = std::make_shared<Events>();
-  Q_EMIT forgotten();
-  Q_EMIT progressed();
-  for (std::size_t node = 0; node < kNodes; ++node) {
-    Q_EMIT presenceChanged(static_cast<int>(node));
-  }
-  client_ = std::make_unique<EvaluatorClient>(evaluator_, events_);
-  channels_[kEvaluator] = controlChannel(evaluator_, events_);
-  master_channel_ = masterChannel(evaluator_, events_);
-}
-
 void EvaluatorLink::attend() {
   for (const std::unique_ptr<ServiceChannel>& channel : channels_) {
     if (channel) {
@@ -93,12 +69,8 @@ void EvaluatorLink::attend() {
   if (!events_) {
     return;
   }
-  const std::shared_ptr<Events> queue = events_;
-  const std::vector<Event> events = queue->popAll();
+  const std::vector<Event> events = events_->popAll();
   for (const Event& event : events) {
-    if (queue != events_) {
-      return;  // the rest is of the evaluator before
-    }
     std::visit([this](const auto& content) { handle(content); }, event);
   }
   if (!events.empty()) {
@@ -300,12 +272,6 @@ void EvaluatorLink::handle(const MasterEvent& event) {
     policies << QString::fromStdString(policy);
   }
   Q_EMIT policiesFound(policies);
-  unknown_to_master_ = subscribed_ && !event.knows_us ? unknown_to_master_ + 1 : 0;
-  if (unknown_to_master_ >= kUnknownTooOften) {
-    open();  // subscribes at the new master
-  }
 }
-
-void EvaluatorLink::handle(const SubscribedEvent& /*event*/) { subscribed_ = true; }
 
 }  // namespace pusht_rviz

@@ -33,8 +33,8 @@ class EvaluatorLink : public QObject {
   explicit EvaluatorLink(QObject* parent = nullptr);
   ~EvaluatorLink() override;
 
-  /// Leaves the last evaluator for another one. Emits refused() if the text is no ROS name.
-  void setNamespace(const QString& evaluator);
+  /// Begins to talk to the evaluator of that namespace. To be called once. Emits refused() if the text is no ROS name.
+  void open(const QString& evaluator);
   QString evaluator() const { return QString::fromStdString(evaluator_); }
 
   void start(const pusht_msgs::CompareGoal& goal);  ///< goalEnded() tells of a rejection
@@ -51,8 +51,7 @@ class EvaluatorLink : public QObject {
   Presence presence(Node node) const { return presence_[node]; }
 
  Q_SIGNALS:
-  void forgotten();  ///< another evaluator: everything that came before is void
-  void runBegan();   ///< another run: divergence and episodes that came before are void
+  void runBegan();  ///< another run: divergence and episodes that came before are void
   void progressed();
   void requestCame(const pusht_msgs::CompareGoal& request);
   void optionsCame(const pusht_msgs::RunOptions& options);
@@ -71,7 +70,6 @@ class EvaluatorLink : public QObject {
 
  private:
   void attend();
-  void open();
   void close();
   void connectNodes(const pusht_msgs::CompareGoal& request);
   std::string serviceOf(const std::vector<std::string>& name) const;
@@ -92,7 +90,6 @@ class EvaluatorLink : public QObject {
   void handle(const ControlEvent& event);
   void handle(const EpisodesEvent& event);
   void handle(const MasterEvent& event);
-  void handle(const SubscribedEvent& event);
 
   /// Position in a replay.
   struct Position {
@@ -110,10 +107,8 @@ class EvaluatorLink : public QObject {
   std::unique_ptr<ServiceChannel> master_channel_;
 
   pusht_msgs::Progress progress_;
-  bool heard_ = false;         // whether progress_ is of the evaluator that is there now
-  bool served_ = false;        // the action
-  bool subscribed_ = false;    // to all topics
-  int unknown_to_master_ = 0;  // answers of the master in a row
+  bool heard_ = false;   // whether progress_ is of the evaluator that is there now
+  bool served_ = false;  // the action
   std::string policy_;
   std::vector<std::string> goal_policy_;  // as in the last goal that was sent
   std::array<Presence, kNodes> presence_{};

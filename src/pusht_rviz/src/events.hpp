@@ -64,15 +64,11 @@ struct EpisodesEvent {
 /// State of the master.
 struct MasterEvent {
   std::vector<std::string> policies;  ///< namespaces of the services that end in /act
-  bool knows_us = false;              ///< as a subscriber of `progress`; a new master does not
 };
-
-/// All topics are subscribed.
-struct SubscribedEvent {};
 
 using Event = std::variant<pusht_msgs::Progress, pusht_msgs::Divergence, pusht_msgs::EpisodeResult, pusht_msgs::Summary,
                            pusht_msgs::CompareGoal, pusht_msgs::RunOptions, GoalEvent, ActionEvent, PresenceEvent,
-                           DescriptionEvent, ControlEvent, EpisodesEvent, MasterEvent, SubscribedEvent>;
+                           DescriptionEvent, ControlEvent, EpisodesEvent, MasterEvent>;
 using Events = EventQueue<Event>;
 
 }  // namespace pusht_rviz

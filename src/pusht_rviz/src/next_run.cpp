@@ -47,7 +47,6 @@ NextRun::NextRun(QWidget* parent)
       spawn_seed_refusal_(new QLabel(this)),
       out_(makeField(this, "out", "folder of the results, from the evaluator's working directory")),
       policy_(new QComboBox(this)),
-      evaluator_(makeField(this, "namespace", "namespace of the evaluator; saved with the configuration")),
       reference_(new SimulatorForm("reference", this)),
       engine_(new SimulatorForm("engine", this)) {
   auto* const inside = new QWidget;
@@ -57,12 +56,6 @@ NextRun::NextRun(QWidget* parent)
   all->addWidget(runGroup());
   all->addWidget(reference_);
   all->addWidget(engine_);
-  auto* const bottom = new QGridLayout;
-  auto* const head = new QLabel("evaluator");
-  head->setProperty("dim", true);
-  bottom->addWidget(head, 0, 0);
-  bottom->addWidget(evaluator_, 0, 1);
-  all->addLayout(bottom);
   all->addStretch(1);
 
   auto* const scroll = new QScrollArea(this);
@@ -111,7 +104,6 @@ void NextRun::connectControls() {
   connect(spawn_seed_, &QLineEdit::textChanged, this, &NextRun::takeSpawnSeed);
   connect(out_, &QLineEdit::textChanged, this, &NextRun::refresh);
   connect(policy_, QOverload<int>::of(&QComboBox::activated), this, &NextRun::refresh);
-  connect(evaluator_, &QLineEdit::editingFinished, this, [this] { Q_EMIT evaluatorChosen(evaluator_->text()); });
   for (SimulatorForm* const form : {reference_, engine_}) {
     const Node node = form == reference_ ? kReference : kEngine;
     connect(form, &SimulatorForm::changed, this, &NextRun::refresh);
@@ -176,8 +168,6 @@ void NextRun::setDescription(Node node, const QString& kind, const pusht_msgs::D
   }
 }
 
-void NextRun::setEvaluator(const QString& name) { quietly(evaluator_, name); }
-
 void NextRun::runBegan() {
   began_ = true;
   moveOn();
@@ -194,17 +184,6 @@ QString NextRun::waitsFor() const {
     return "waiting for the evaluator to describe its runs";
   }
   return reference_->waitsFor().isEmpty() ? engine_->waitsFor() : reference_->waitsFor();
-}
-
-void NextRun::forget() {
-  requested_ = began_ = false;
-  options_->build({});
-  reference_->forget();
-  engine_->forget();
-  policies_.clear();
-  default_policy_.clear();
-  const QSignalBlocker quiet(policy_);
-  policy_->clear();
 }
 
 RunDraft NextRun::draft() const {

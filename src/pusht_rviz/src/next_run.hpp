@@ -36,10 +36,6 @@ class NextRun : public QWidget {
 
   /// Takes a description of the reference or the engine, as EvaluatorLink::described(); others are ignored.
   void setDescription(Node node, const QString& kind, const pusht_msgs::DescribeResponse& description);
-  void setEvaluator(const QString& name);
-
-  /// Drops all that was of an evaluator.
-  void forget();
 
   /// Tells that a run has begun. A folder takes one run, so the field moves on to nextFolder().
   void runBegan();
@@ -53,7 +49,6 @@ class NextRun : public QWidget {
  Q_SIGNALS:
   void changed();
   void kindNeeded(int node, const QString& kind);  ///< setDescription() is to answer
-  void evaluatorChosen(const QString& name);
 
  private:
   QWidget* runGroup();
@@ -75,7 +70,6 @@ class NextRun : public QWidget {
   QComboBox* policy_;
   QStringList policies_;    // known to the master
   QString default_policy_;  // of the evaluator
-  QLineEdit* evaluator_;
   SimulatorForm* reference_;
   SimulatorForm* engine_;
 };

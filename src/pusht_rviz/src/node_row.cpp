@@ -53,13 +53,6 @@ void NodeRow::setDescription(Node node, const pusht_msgs::DescribeResponse& desc
   state.fault = description.success != 0 ? "" : QString::fromStdString(description.message);
 }
 
-void NodeRow::forget() {
-  for (State& state : states_) {
-    state.title.clear();
-    state.fault.clear();
-  }
-}
-
 void NodeRow::show(bool busy, bool replay) {
   for (std::size_t node = 0; node < kNodes; ++node) {
     const State& state = states_.at(node);

@@ -29,9 +29,6 @@ class NodeRow : public QWidget {
   /// Takes a node's description of itself.
   void setDescription(Node node, const pusht_msgs::DescribeResponse& description);
 
-  /// Drops all descriptions.
-  void forget();
-
   /// Shows all nodes. `busy`: a run is under way.
   void show(bool busy, bool replay);
 

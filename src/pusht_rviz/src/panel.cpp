@@ -14,7 +14,6 @@
 #include <string>
 
 #include "drawing_end.hpp"
-#include "pusht_task/numbers.hpp"
 #include "texts.hpp"
 #include "theme.hpp"
 
@@ -114,18 +113,15 @@ void Panel::connectControls() {
     shown_step_ = step;
     link_.seek(shown_episode_, shown_step_);
   });
-  connect(replay_controls_, &ReplayControls::seedChosen, this, &Panel::goToSeed);
   connect(episode_list_, &EpisodeList::chosen, this, &Panel::goTo);
   connect(strip_, &EpisodeStrip::clicked, this, &Panel::goTo);
   connect(tabs_, &QTabWidget::currentChanged, this, &Panel::showStatus);
   connect(next_run_, &NextRun::changed, this, &Panel::showState);
   connect(next_run_, &NextRun::kindNeeded, this,
           [this](int node, const QString& kind) { link_.describe(static_cast<Node>(node), kind); });
-  connect(next_run_, &NextRun::evaluatorChosen, this, &Panel::chooseEvaluator);
 }
 
 void Panel::connectLink() {
-  connect(&link_, &EvaluatorLink::forgotten, this, &Panel::forget);
   connect(&link_, &EvaluatorLink::runBegan, this, &Panel::beginRun);
   connect(&link_, &EvaluatorLink::progressed, this, &Panel::showState);
   connect(&link_, &EvaluatorLink::requestCame, this, [this](const pusht_msgs::CompareGoal& request) {
@@ -195,18 +191,6 @@ void Panel::connectGoals() {
   });
 }
 
-void Panel::forget() {
-  summary_->clear();
-  next_run_->forget();
-  node_row_->forget();
-  episodes_->clear();
-  curves_->clear();
-  asked_ = cancelling_ = false;
-  last_run_ = 0;
-  live_episode_.reset();
-  request_rate_.reset();
-}
-
 void Panel::beginRun() {
   episodes_->clear();
   curves_->clear();
@@ -227,8 +211,7 @@ void Panel::onInitialize() {
   soon->setSingleShot(true);
   connect(soon, &QTimer::timeout, this, [this] {
     if (link_.evaluator().isEmpty()) {
-      link_.setNamespace(kDefaultNamespace);
-      next_run_->setEvaluator(link_.evaluator());
+      link_.open(kDefaultNamespace);
     }
   });
   soon->start(0);
@@ -238,8 +221,7 @@ void Panel::load(const rviz::Config& config) {
   rviz::Panel::load(config);
   QString name;
   if (config.mapGetString(kNamespaceKey, &name) && !name.isEmpty()) {
-    link_.setNamespace(name);
-    next_run_->setEvaluator(link_.evaluator());
+    link_.open(name);
   }
   config.mapGetInt(kWidthKey, &width_);
   updateGeometry();
@@ -270,17 +252,8 @@ void Panel::command(const std::string& word) {
   showState();
 }
 
-void Panel::chooseEvaluator(const QString& name) {
-  said_.clear();
-  link_.setNamespace(name);
-  next_run_->setEvaluator(link_.evaluator());
-  showState();
-  Q_EMIT configChanged();
-}
-
 void Panel::goTo(std::uint64_t episode) {
   said_.clear();
-  replay_controls_->refuse("");
   const std::optional<int> row = episodes_->rowOfEpisode(episode);
   if (row) {
     episode_list_->select(*row);
@@ -294,18 +267,6 @@ void Panel::goTo(std::uint64_t episode) {
   }
   showStatus();
   showStrip();
-}
-
-void Panel::goToSeed() {
-  const std::string text = replay_controls_->seed().toStdString();
-  const std::optional<std::uint64_t> seed = pusht::decimal<std::uint64_t>(text);
-  if (const std::optional<int> row = seed ? episodes_->rowOfSeed(*seed) : std::nullopt) {
-    goTo(episodes_->row(*row).episode);
-    return;
-  }
-  const QString seeds = episodes_->seedsText();
-  replay_controls_->refuse("seed " + (text.empty() ? "''" : QString::fromStdString(text)) +
-                           ": must be one of this run's, " + (seeds.isEmpty() ? "which has none" : seeds));
 }
 
 Situation Panel::situation() const {

@@ -112,7 +112,7 @@ void NextRun::connectControls() {
   }
 }
 
-void NextRun::setRequest(const pusht_msgs::CompareGoal& request, const QString& policy) {
+void NextRun::setRequest(const pusht_msgs::CompareGoal& request) {
   requested_ = true;
   quietly(out_, QString::fromStdString(firstOf(request.out)));
   overwrite_ = !request.overwrite.empty() && request.overwrite.front() != 0;
@@ -120,7 +120,7 @@ void NextRun::setRequest(const pusht_msgs::CompareGoal& request, const QString& 
   spawned_ = firstOf(request.starts).empty();
   spawn_seed_->setEnabled(spawned_);
   spawn_seed_->setPlaceholderText(spawned_ ? "" : "starts are given");
-  default_policy_ = policy;
+  default_policy_ = QString::fromStdString(firstOf(request.policy_namespace));
   {
     const QSignalBlocker quiet(policy_);
     policy_->clear();

@@ -28,9 +28,8 @@ class NextRun : public QWidget {
  public:
   explicit NextRun(QWidget* parent = nullptr);
 
-  /// Sets what the evaluator uses where a goal leaves it open: the controls begin with it. `policy` is the namespace of
-  /// its default policy.
-  void setRequest(const pusht_msgs::CompareGoal& request, const QString& policy);
+  /// Sets what the evaluator uses where a goal leaves it open: the controls begin with it.
+  void setRequest(const pusht_msgs::CompareGoal& request);
   void setOptions(const pusht_msgs::RunOptions& options);
   void setPolicies(const QStringList& namespaces);
 

@@ -129,20 +129,17 @@ void Panel::connectLink() {
       curves_->setBound(request.bound_position.front(), request.bound_angle.front());
     }
     request_rate_ = request.rate.empty() ? std::nullopt : std::optional(request.rate.front());
-    next_run_->setRequest(request, link_.policy());
+    next_run_->setRequest(request);
     showState();
   });
   connect(&link_, &EvaluatorLink::optionsCame, next_run_, &NextRun::setOptions);
-  connect(&link_, &EvaluatorLink::policiesFound, next_run_, &NextRun::setPolicies);
-  connect(&link_, &EvaluatorLink::presenceChanged, this, [this](int node) {
-    node_row_->setPresence(static_cast<Node>(node), link_.presence(static_cast<Node>(node)));
+  connect(&link_, &EvaluatorLink::nodesChanged, this, [this] {
+    node_row_->setStatuses(link_.statuses());
+    next_run_->setPolicies(link_.policies());
     showState();
   });
   connect(&link_, &EvaluatorLink::described, this,
           [this](int node, const QString& kind, const pusht_msgs::DescribeResponse& description) {
-            if (kind.isEmpty()) {
-              node_row_->setDescription(static_cast<Node>(node), description);
-            }
             next_run_->setDescription(static_cast<Node>(node), kind, description);
             showState();
           });
@@ -273,7 +270,7 @@ Situation Panel::situation() const {
   const pusht_msgs::Progress& progress = link_.progress();
   const std::vector<Refusal> refusals = goalFrom(next_run_->draft()).refusals;
   Situation situation;
-  situation.reachable = link_.presence(kEvaluator) == Presence::kAlive;
+  situation.reachable = link_.statuses()[kEvaluator].presence == pusht_msgs::NodeStatus::ALIVE;
   situation.compares = link_.served();
   situation.asked = asked_;
   situation.busy = progress.busy != 0;

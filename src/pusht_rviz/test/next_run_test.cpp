@@ -45,7 +45,7 @@ pusht_msgs::RunOptions options() {
 class NextRunTest : public testing::Test {
  protected:
   NextRunTest() {
-    form_.setRequest(pusht_msgs::CompareGoal(), "/policy");
+    form_.setRequest(pusht_msgs::CompareGoal());
     form_.setOptions(options());
   }
 
@@ -96,7 +96,7 @@ TEST_F(NextRunTest, CouplesFirstEpisodeAndSpawnSeed) {
 
 TEST_F(NextRunTest, BeginsAnewWithEachEvaluator) {
   type("action_delay", "2");
-  form_.setRequest(pusht_msgs::CompareGoal(), "/policy");
+  form_.setRequest(pusht_msgs::CompareGoal());
   form_.setOptions(options());
   EXPECT_EQ(form_.waitsFor(), "");
   EXPECT_EQ(shown("action_delay"), "1");
@@ -107,7 +107,7 @@ TEST(NextRun, WaitsForTheOptions) {
   static_cast<void>(application);
   NextRun form;
   EXPECT_NE(form.waitsFor(), "");
-  form.setRequest(pusht_msgs::CompareGoal(), "/policy");
+  form.setRequest(pusht_msgs::CompareGoal());
   EXPECT_NE(form.waitsFor(), "") << "its options are not known yet";
   form.setOptions(options());
   EXPECT_EQ(form.waitsFor(), "");

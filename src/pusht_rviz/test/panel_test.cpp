@@ -293,6 +293,28 @@ TEST_F(PanelTest, ShowsANodeThatDiesAndGoesOn) {
       << find<QLabel>("node.reference")->toolTip().toStdString();
 }
 
+/// With the environment variable PANEL_TEST_EVALUATOR: the process of the evaluator. It is stopped, goes on, is killed.
+TEST_F(PanelTest, ShowsAnEvaluatorThatHangsAndDies) {
+  const int victim = qEnvironmentVariableIntValue("PANEL_TEST_EVALUATOR");
+  if (victim == 0) {
+    GTEST_SKIP() << "no process to kill";
+  }
+  const auto* const evaluator = find<QLabel>("node.evaluator");
+  const auto becomes = [&](const char* word) { return waitUntil([&] { return evaluator->toolTip().contains(word); }); };
+  const auto* const start = find<QPushButton>("start");
+  ASSERT_TRUE(waitUntil([&] { return start->isEnabled(); })) << start->toolTip().toStdString();
+  ASSERT_EQ(kill(victim, SIGSTOP), 0);
+  ASSERT_TRUE(becomes("gives no answer")) << evaluator->toolTip().toStdString();
+  EXPECT_FALSE(start->isEnabled());
+  ASSERT_EQ(kill(victim, SIGCONT), 0);
+  ASSERT_TRUE(becomes("alive")) << evaluator->toolTip().toStdString();
+  EXPECT_TRUE(waitUntil([&] { return start->isEnabled(); })) << start->toolTip().toStdString();
+  ASSERT_EQ(kill(victim, SIGKILL), 0);
+  ASSERT_TRUE(becomes("lost")) << evaluator->toolTip().toStdString();
+  EXPECT_FALSE(start->isEnabled());
+  EXPECT_EQ(start->toolTip(), "waiting for the evaluator");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {

@@ -231,15 +231,12 @@ void Panel::save(rviz::Config config) const {
 }
 
 void Panel::start() {
-  RunDraft run = next_run_->draft();
-  run.rate = chosen_rate_;
-  const Draft draft = goalFrom(run);
-  if (!draft.refusals.empty()) {
+  if (!next_run_->refusal().empty()) {
     return;  // the button is disabled then
   }
   said_.clear();
   asked_ = true;
-  link_.start(draft.goal);
+  link_.start(next_run_->goal(chosen_rate_));
   showState();
 }
 
@@ -268,7 +265,7 @@ void Panel::goTo(std::uint64_t episode) {
 
 Situation Panel::situation() const {
   const pusht_msgs::Progress& progress = link_.progress();
-  const std::vector<Refusal> refusals = goalFrom(next_run_->draft()).refusals;
+  const std::string refusal = next_run_->refusal();
   Situation situation;
   situation.reachable = link_.statuses()[kEvaluator].presence == pusht_msgs::NodeStatus::ALIVE;
   situation.compares = link_.served();
@@ -278,7 +275,7 @@ Situation Panel::situation() const {
   situation.replay = progress.replay != 0;
   situation.cancelling = cancelling_;
   situation.waits_for = next_run_->waitsFor().toStdString();
-  situation.refusal = refusals.empty() ? "" : "next run: " + refusals.front().rule;
+  situation.refusal = refusal.empty() ? "" : "next run: " + refusal;
   return situation;
 }
 

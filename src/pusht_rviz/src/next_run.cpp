@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "next_run.hpp"
 
+#include <rviz/config.h>
+
 #include <QHBoxLayout>
 #include <QVBoxLayout>
 #include <vector>
 
 #include "goal.hpp"
+#include "theme.hpp"
 
 namespace pusht_rviz {
 namespace {
@@ -55,6 +58,10 @@ NextRun::NextRun(QWidget* parent)
   tree_->setObjectName("tree");
   tree_->setModel(model_);
   tree_->setAlternatingRowColors(true);
+  tree_->setIndentation(theme::px(14));
+  rviz::Config widths;
+  widths.mapSetValue("Splitter Ratio", 0.58);  // of the names
+  tree_->load(widths);
   tree_->setAnimated(false);  // Qt goes back to the state before it: no row could be edited after a rule was shown
   reset_->setObjectName("reset");
   auto* const all = new QVBoxLayout(this);

@@ -52,7 +52,7 @@ QString descriptionOf(const pusht_msgs::ParameterDescriptor& parameter) {
   return lines.join("\n");
 }
 
-/// Row below a parameter: the rule that its text breaks.
+/// Row below a parameter: the rule that its text breaks, without name and text, which stand above it.
 class Rule : public rviz::Property {
  public:
   using rviz::Property::Property;
@@ -60,7 +60,10 @@ class Rule : public rviz::Property {
     if (role == Qt::ForegroundRole) {
       return theme::kBad;
     }
-    return role == Qt::ToolTipRole ? QVariant(getName()) : Property::getViewData(column, role);
+    if (role == Qt::ToolTipRole) {
+      return getName();
+    }
+    return column == 0 && role == Qt::DisplayRole ? getName().section(": ", 1) : Property::getViewData(column, role);
   }
 };
 
@@ -177,7 +180,7 @@ QVariant ParameterProperty::getViewData(int column, int role) const {
   const bool marked = differs();
   switch (role) {
     case Qt::ToolTipRole:
-      return getDescription() + (marked ? "\notherwise: " + QString::fromStdString(base_) : "");
+      return getName() + "\n" + getDescription() + (marked ? "\notherwise: " + QString::fromStdString(base_) : "");
     case Qt::ForegroundRole:
       if (!refusal().empty()) {
         return theme::kBad;

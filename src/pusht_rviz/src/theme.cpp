@@ -79,7 +79,7 @@ QString styleSheet() {
     QComboBox QAbstractItemView { background: @card; border: 1px solid @axis; selection-background-color: @grid;
                                   selection-color: @ink; }
     QTreeView { background: @card; alternate-background-color: @stripe; border: 1px solid @grid;
-                show-decoration-selected: 1; }
+                selection-background-color: @grid; selection-color: @ink; }
     QTreeView::item { min-height: 22px; }
     QTreeView::item:selected { background: @grid; color: @ink; }
     QTreeView::indicator { width: 14px; height: 14px; border: 1px solid @axis; border-radius: 2px; background: @paper; }

@@ -10,6 +10,7 @@
 #include <ros/subscriber.h>
 
 #include <atomic>
+#include <functional>
 #include <utility>
 
 #include "service_call.hpp"

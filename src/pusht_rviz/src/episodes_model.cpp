@@ -114,9 +114,6 @@ void EpisodesModel::add(const std::vector<pusht_msgs::EpisodeResult>& results) {
     EpisodeRow row = rowFrom(result);
     const int place = static_cast<int>(rows_.size() + fresh.size());
     const auto [known, is_new] = row_of_episode_.emplace(row.episode, place);
-    if (row.seed != 0) {
-      row_of_seed_[row.seed] = known->second;
-    }
     if (is_new) {
       fresh.push_back(std::move(row));
     } else if (known->second < rowCount()) {
@@ -137,26 +134,12 @@ void EpisodesModel::clear() {
   beginResetModel();
   rows_.clear();
   row_of_episode_.clear();
-  row_of_seed_.clear();
   endResetModel();
 }
 
 std::optional<int> EpisodesModel::rowOfEpisode(std::uint64_t episode) const {
   const auto place = row_of_episode_.find(episode);
   return place == row_of_episode_.end() ? std::nullopt : std::optional(place->second);
-}
-
-std::optional<int> EpisodesModel::rowOfSeed(std::uint64_t seed) const {
-  const auto place = row_of_seed_.find(seed);
-  return place == row_of_seed_.end() ? std::nullopt : std::optional(place->second);
-}
-
-QString EpisodesModel::seedsText() const {
-  if (row_of_seed_.empty()) {
-    return "";
-  }
-  const auto [least, greatest] = std::minmax_element(row_of_seed_.begin(), row_of_seed_.end());
-  return QString::number(least->first) + " to " + QString::number(greatest->first);
 }
 
 int EpisodesModel::rowCount(const QModelIndex& parent) const {

@@ -55,10 +55,6 @@ class EpisodesModel : public QAbstractTableModel {
 
   const EpisodeRow& row(int index) const { return rows_.at(static_cast<std::size_t>(index)); }
   std::optional<int> rowOfEpisode(std::uint64_t episode) const;
-  std::optional<int> rowOfSeed(std::uint64_t seed) const;
-
-  /// "10000 to 10049"; empty without episodes that have a seed.
-  QString seedsText() const;
 
   int rowCount(const QModelIndex& parent = {}) const override;
   int columnCount(const QModelIndex& parent = {}) const override;
@@ -68,7 +64,6 @@ class EpisodesModel : public QAbstractTableModel {
  private:
   std::vector<EpisodeRow> rows_;
   std::unordered_map<std::uint64_t, int> row_of_episode_;
-  std::unordered_map<std::uint64_t, int> row_of_seed_;
 };
 
 }  // namespace pusht_rviz

@@ -13,16 +13,6 @@ namespace {
 using pusht::decimal;
 using pusht::kFirstSpawnSeed;
 
-/// Adds what the parameters break, each under `prefix` and its name.
-void refuse(const std::string& prefix, const ParameterDraft& parameters, std::vector<Refusal>& refusals) {
-  for (const DraftedParameter& drafted : parameters) {
-    const std::string rule = drafted.differs() ? refusalOf(drafted.descriptor, drafted.text) : "";
-    if (!rule.empty()) {
-      refusals.push_back({prefix + drafted.descriptor.name, rule});
-    }
-  }
-}
-
 }  // namespace
 
 std::optional<std::uint64_t> spawnSeedOf(const std::string& seed, const std::string& first_episode) {
@@ -58,35 +48,6 @@ std::string nextFolder(const std::string& folder) {
   const std::optional<std::uint32_t> number =
       dash == std::string::npos || name[dash] != '-' ? std::nullopt : decimal<std::uint32_t>(name.substr(dash + 1));
   return number ? name.substr(0, dash + 1) + std::to_string(std::uint64_t{*number} + 1) : name + "-2";
-}
-
-Draft goalFrom(const RunDraft& run) {
-  Draft draft;
-  refuse("", run.options, draft.refusals);
-  draft.goal.options = run.options.named();
-  if (const std::optional<std::size_t> seed = run.options.find(kSeedOption); seed && run.spawned) {
-    const Reading episode = firstEpisodeOf(run.spawn_seed, run.options[*seed].text);
-    if (!episode.refusal.empty()) {
-      draft.refusals.push_back({"spawn_seed", episode.refusal});
-    }
-  }
-  draft.goal.out = {run.out};
-  if (!run.policy.empty()) {
-    draft.goal.policy_namespace = {run.policy};
-  }
-  if (run.rate) {
-    draft.goal.rate = {*run.rate};
-  }
-  const auto take = [&](const std::string& node, const SimulatorDraft& simulator, auto& kind, auto& parameters) {
-    refuse(node + ".", simulator.parameters, draft.refusals);
-    if (!simulator.kind.empty()) {
-      kind = {simulator.kind};
-    }
-    parameters = simulator.parameters.named();
-  };
-  take("reference", run.reference, draft.goal.reference, draft.goal.reference_parameters);
-  take("engine", run.engine, draft.goal.engine, draft.goal.engine_parameters);
-  return draft;
 }
 
 }  // namespace pusht_rviz

@@ -9,24 +9,25 @@
 namespace pusht_rviz {
 namespace {
 
+using pusht_msgs::NodeStatus;
+
 struct Look {
   const char* sign;
   const char* word;
   QColor color;
 };
 
-Look lookOf(Presence presence, bool busy) {
+Look lookOf(std::uint8_t presence, bool busy) {
   switch (presence) {
-    case Presence::kAlive:
+    case NodeStatus::ALIVE:
       return busy ? Look{"▶", "busy", theme::kReference} : Look{"●", "alive", theme::kGood};
-    case Presence::kSilent:
+    case NodeStatus::SILENT:
       return {"…", "gives no answer", theme::kEngine};
-    case Presence::kLost:
+    case NodeStatus::LOST:
       return {"✕", "lost", theme::kBad};
-    case Presence::kWaiting:
-      break;
+    default:
+      return {"○", "not there yet", theme::kAxis};
   }
-  return {"○", "not there yet", theme::kAxis};
 }
 
 }  // namespace
@@ -43,46 +44,34 @@ NodeRow::NodeRow(QWidget* parent) : QWidget(parent) {
     if (node + 1 < kNodes) {
       row->addStretch(1);
     }
-    states_.at(node).label = label;
-  }
-}
-
-void NodeRow::setDescription(Node node, const pusht_msgs::DescribeResponse& description) {
-  State& state = states_.at(node);
-  state.title = QString::fromStdString(description.title.empty() ? description.name : description.title);
-  state.fault = description.success != 0 ? "" : QString::fromStdString(description.message);
-}
-
-void NodeRow::forget() {
-  for (State& state : states_) {
-    state.title.clear();
-    state.fault.clear();
+    labels_.at(node) = label;
   }
 }
 
 void NodeRow::show(bool busy, bool replay) {
   for (std::size_t node = 0; node < kNodes; ++node) {
-    const State& state = states_.at(node);
-    const bool failed = state.presence == Presence::kAlive && !state.fault.isEmpty();
-    const Look look = failed ? Look{"!", "failed at its start", theme::kBad} : lookOf(state.presence, busy);
+    const NodeStatus& status = statuses_.at(node);
+    const bool failed = status.presence == NodeStatus::ALIVE && !status.failure.empty();
+    const Look look = failed ? Look{"!", "failed at its start", theme::kBad} : lookOf(status.presence, busy);
     const QString name = node == kEvaluator && replay ? "player" : kNodeNames.at(node);
-    state.label->setText("<span style='color:" + look.color.name() + "'>" + QString::fromUtf8(look.sign) +
-                         "</span>&nbsp;" + name);
-    state.label->setToolTip(name + ": " + look.word + (failed ? ": " + state.fault : "") +
-                            (state.title.isEmpty() ? "" : " (" + state.title + ")"));
-    state.label->setVisible(!replay || node == kEvaluator);
+    QLabel* const label = labels_.at(node);
+    label->setText("<span style='color:" + look.color.name() + "'>" + QString::fromUtf8(look.sign) + "</span>&nbsp;" +
+                   name);
+    label->setToolTip(name + ": " + look.word + (failed ? ": " + QString::fromStdString(status.failure) : "") +
+                      (status.title.empty() ? "" : " (" + QString::fromStdString(status.title) + ")"));
+    label->setVisible(!replay || node == kEvaluator);
   }
 }
 
 QStringList NodeRow::complaints() const {
   QStringList lines;
   for (std::size_t node = 0; node < kNodes; ++node) {
-    const State& state = states_.at(node);
+    const NodeStatus& status = statuses_.at(node);
     const QString name = QString(kNodeNames.at(node)) + ": ";
-    if (state.presence == Presence::kLost || state.presence == Presence::kSilent) {
-      lines << name + lookOf(state.presence, false).word;
-    } else if (!state.fault.isEmpty()) {
-      lines << name + state.fault;
+    if (status.presence == NodeStatus::LOST || status.presence == NodeStatus::SILENT) {
+      lines << name + lookOf(status.presence, false).word;
+    } else if (!status.failure.empty()) {
+      lines << name + QString::fromStdString(status.failure);
     }
   }
   return lines;

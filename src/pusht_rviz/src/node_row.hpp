@@ -2,17 +2,13 @@
 /// Row of the nodes of a comparison.
 #pragma once
 
-#include <pusht_msgs/DescribeResponse.h>
-
 #include <QLabel>
 #include <QString>
 #include <QStringList>
 #include <QWidget>
 #include <array>
-#include <string>
 
 #include "nodes.hpp"
-#include "service_channel.hpp"
 
 namespace pusht_rviz {
 
@@ -24,13 +20,7 @@ class NodeRow : public QWidget {
  public:
   explicit NodeRow(QWidget* parent = nullptr);
 
-  void setPresence(Node node, Presence presence) { states_.at(node).presence = presence; }
-
-  /// Takes a node's description of itself.
-  void setDescription(Node node, const pusht_msgs::DescribeResponse& description);
-
-  /// Drops all descriptions.
-  void forget();
+  void setStatuses(const NodeStatuses& statuses) { statuses_ = statuses; }
 
   /// Shows all nodes. `busy`: a run is under way.
   void show(bool busy, bool replay);
@@ -39,14 +29,8 @@ class NodeRow : public QWidget {
   QStringList complaints() const;
 
  private:
-  struct State {
-    QLabel* label = nullptr;
-    Presence presence = Presence::kWaiting;
-    QString title{};  // of a simulator or policy
-    QString fault{};  // error with which the node failed at its start; empty: it came up
-  };
-
-  std::array<State, kNodes> states_{};
+  std::array<QLabel*, kNodes> labels_{};
+  NodeStatuses statuses_{};
 };
 
 }  // namespace pusht_rviz

@@ -14,7 +14,6 @@
 #include <string>
 
 #include "drawing_end.hpp"
-#include "pusht_task/numbers.hpp"
 #include "texts.hpp"
 #include "theme.hpp"
 
@@ -114,18 +113,15 @@ void Panel::connectControls() {
     shown_step_ = step;
     link_.seek(shown_episode_, shown_step_);
   });
-  connect(replay_controls_, &ReplayControls::seedChosen, this, &Panel::goToSeed);
   connect(episode_list_, &EpisodeList::chosen, this, &Panel::goTo);
   connect(strip_, &EpisodeStrip::clicked, this, &Panel::goTo);
   connect(tabs_, &QTabWidget::currentChanged, this, &Panel::showStatus);
   connect(next_run_, &NextRun::changed, this, &Panel::showState);
   connect(next_run_, &NextRun::kindNeeded, this,
           [this](int node, const QString& kind) { link_.describe(static_cast<Node>(node), kind); });
-  connect(next_run_, &NextRun::evaluatorChosen, this, &Panel::chooseEvaluator);
 }
 
 void Panel::connectLink() {
-  connect(&link_, &EvaluatorLink::forgotten, this, &Panel::forget);
   connect(&link_, &EvaluatorLink::runBegan, this, &Panel::beginRun);
   connect(&link_, &EvaluatorLink::progressed, this, &Panel::showState);
   connect(&link_, &EvaluatorLink::requestCame, this, [this](const pusht_msgs::CompareGoal& request) {
@@ -133,20 +129,17 @@ void Panel::connectLink() {
       curves_->setBound(request.bound_position.front(), request.bound_angle.front());
     }
     request_rate_ = request.rate.empty() ? std::nullopt : std::optional(request.rate.front());
-    next_run_->setRequest(request, link_.policy());
+    next_run_->setRequest(request);
     showState();
   });
   connect(&link_, &EvaluatorLink::optionsCame, next_run_, &NextRun::setOptions);
-  connect(&link_, &EvaluatorLink::policiesFound, next_run_, &NextRun::setPolicies);
-  connect(&link_, &EvaluatorLink::presenceChanged, this, [this](int node) {
-    node_row_->setPresence(static_cast<Node>(node), link_.presence(static_cast<Node>(node)));
+  connect(&link_, &EvaluatorLink::nodesChanged, this, [this] {
+    node_row_->setStatuses(link_.statuses());
+    next_run_->setPolicies(link_.policies());
     showState();
   });
   connect(&link_, &EvaluatorLink::described, this,
           [this](int node, const QString& kind, const pusht_msgs::DescribeResponse& description) {
-            if (kind.isEmpty()) {
-              node_row_->setDescription(static_cast<Node>(node), description);
-            }
             next_run_->setDescription(static_cast<Node>(node), kind, description);
             showState();
           });
@@ -195,18 +188,6 @@ void Panel::connectGoals() {
   });
 }
 
-void Panel::forget() {
-  summary_->clear();
-  next_run_->forget();
-  node_row_->forget();
-  episodes_->clear();
-  curves_->clear();
-  asked_ = cancelling_ = false;
-  last_run_ = 0;
-  live_episode_.reset();
-  request_rate_.reset();
-}
-
 void Panel::beginRun() {
   episodes_->clear();
   curves_->clear();
@@ -227,8 +208,7 @@ void Panel::onInitialize() {
   soon->setSingleShot(true);
   connect(soon, &QTimer::timeout, this, [this] {
     if (link_.evaluator().isEmpty()) {
-      link_.setNamespace(kDefaultNamespace);
-      next_run_->setEvaluator(link_.evaluator());
+      link_.open(kDefaultNamespace);
     }
   });
   soon->start(0);
@@ -238,8 +218,7 @@ void Panel::load(const rviz::Config& config) {
   rviz::Panel::load(config);
   QString name;
   if (config.mapGetString(kNamespaceKey, &name) && !name.isEmpty()) {
-    link_.setNamespace(name);
-    next_run_->setEvaluator(link_.evaluator());
+    link_.open(name);
   }
   config.mapGetInt(kWidthKey, &width_);
   updateGeometry();
@@ -252,15 +231,12 @@ void Panel::save(rviz::Config config) const {
 }
 
 void Panel::start() {
-  RunDraft run = next_run_->draft();
-  run.rate = chosen_rate_;
-  const Draft draft = goalFrom(run);
-  if (!draft.refusals.empty()) {
+  if (!next_run_->refusal().empty()) {
     return;  // the button is disabled then
   }
   said_.clear();
   asked_ = true;
-  link_.start(draft.goal);
+  link_.start(next_run_->goal(chosen_rate_));
   showState();
 }
 
@@ -270,17 +246,8 @@ void Panel::command(const std::string& word) {
   showState();
 }
 
-void Panel::chooseEvaluator(const QString& name) {
-  said_.clear();
-  link_.setNamespace(name);
-  next_run_->setEvaluator(link_.evaluator());
-  showState();
-  Q_EMIT configChanged();
-}
-
 void Panel::goTo(std::uint64_t episode) {
   said_.clear();
-  replay_controls_->refuse("");
   const std::optional<int> row = episodes_->rowOfEpisode(episode);
   if (row) {
     episode_list_->select(*row);
@@ -296,23 +263,11 @@ void Panel::goTo(std::uint64_t episode) {
   showStrip();
 }
 
-void Panel::goToSeed() {
-  const std::string text = replay_controls_->seed().toStdString();
-  const std::optional<std::uint64_t> seed = pusht::decimal<std::uint64_t>(text);
-  if (const std::optional<int> row = seed ? episodes_->rowOfSeed(*seed) : std::nullopt) {
-    goTo(episodes_->row(*row).episode);
-    return;
-  }
-  const QString seeds = episodes_->seedsText();
-  replay_controls_->refuse("seed " + (text.empty() ? "''" : QString::fromStdString(text)) +
-                           ": must be one of this run's, " + (seeds.isEmpty() ? "which has none" : seeds));
-}
-
 Situation Panel::situation() const {
   const pusht_msgs::Progress& progress = link_.progress();
-  const std::vector<Refusal> refusals = goalFrom(next_run_->draft()).refusals;
+  const std::string refusal = next_run_->refusal();
   Situation situation;
-  situation.reachable = link_.presence(kEvaluator) == Presence::kAlive;
+  situation.reachable = link_.statuses()[kEvaluator].presence == pusht_msgs::NodeStatus::ALIVE;
   situation.compares = link_.served();
   situation.asked = asked_;
   situation.busy = progress.busy != 0;
@@ -320,7 +275,7 @@ Situation Panel::situation() const {
   situation.replay = progress.replay != 0;
   situation.cancelling = cancelling_;
   situation.waits_for = next_run_->waitsFor().toStdString();
-  situation.refusal = refusals.empty() ? "" : "next run: " + refusals.front().rule;
+  situation.refusal = refusal.empty() ? "" : "next run: " + refusal;
   return situation;
 }
 

@@ -47,13 +47,10 @@ class Panel : public rviz::Panel {
   void connectCurves();
   void connectGoals();
 
-  void forget();
   void beginRun();
   void start();
   void command(const std::string& word);
-  void chooseEvaluator(const QString& name);
   void goTo(std::uint64_t episode);
-  void goToSeed();
 
   Situation situation() const;
   void showState();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "replay_controls.hpp"
 
-#include <QHBoxLayout>
 #include <QPainter>
 #include <QSignalBlocker>
 #include <QStyle>
@@ -32,12 +31,7 @@ void MarkedSlider::paintEvent(QPaintEvent* event) {
 }
 
 ReplayControls::ReplayControls(QWidget* parent)
-    : QWidget(parent),
-      scrubber_(new MarkedSlider(this)),
-      position_(new QLabel(this)),
-      seed_(new QLineEdit(this)),
-      go_(new QPushButton("Go", this)),
-      refusal_(new QLabel(this)) {
+    : QWidget(parent), scrubber_(new MarkedSlider(this)), position_(new QLabel(this)) {
   scrubber_->setObjectName("scrubber");
   scrubber_->setToolTip(
       "control steps of the episode that is shown; ticks: where the replay (red) and the engine (yellow) leave the "
@@ -45,32 +39,13 @@ ReplayControls::ReplayControls(QWidget* parent)
   scrubber_->setRange(0, 0);
   position_->setObjectName("position");
   position_->setProperty("dim", true);
-  seed_->setObjectName("go_to_seed");
-  seed_->setToolTip("spawn seed of an episode: 10000 + the run's seed + its index");
-  go_->setObjectName("go");
-  refusal_->setObjectName("go.refusal");
-  refusal_->setProperty("refusal", true);
-  refusal_->setWordWrap(true);
-  refusal_->hide();
   auto* const all = new QVBoxLayout(this);
   all->setContentsMargins(0, 0, 0, 0);
   all->setSpacing(4);
   all->addWidget(scrubber_);
-  auto* const row = new QHBoxLayout;
-  row->addWidget(position_, 1);
-  auto* const head = new QLabel("go to seed");
-  head->setProperty("dim", true);
-  row->addWidget(head);
-  seed_->setFixedWidth(theme::px(90));
-  row->addWidget(seed_);
-  row->addWidget(go_);
-  all->addLayout(row);
-  all->addWidget(refusal_);
+  all->addWidget(position_);
   connect(scrubber_, &QSlider::valueChanged, this,
           [this](int step) { Q_EMIT stepChosen(static_cast<std::uint32_t>(step)); });
-  connect(go_, &QPushButton::clicked, this, &ReplayControls::seedChosen);
-  connect(seed_, &QLineEdit::returnPressed, this, &ReplayControls::seedChosen);
-  connect(seed_, &QLineEdit::textChanged, refusal_, &QLabel::hide);
 }
 
 void ReplayControls::show(std::uint64_t episode, std::uint32_t step, const EpisodeRow* row) {
@@ -93,11 +68,6 @@ void ReplayControls::show(std::uint64_t episode, std::uint32_t step, const Episo
   position_->setText("episode " + QString::number(episode) + QString::fromUtf8(" · ") +
                      QString::number(pusht::kControlStep * step, 'f', 1) + " / " +
                      QString::number(pusht::kControlStep * steps, 'f', 1) + " s");
-}
-
-void ReplayControls::refuse(const QString& why) {
-  refusal_->setText(why);
-  refusal_->setVisible(!why.isEmpty());
 }
 
 }  // namespace pusht_rviz

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Controls of a replay: a slider over the steps of an episode, and a field for a seed to go to.
+/// Controls of a replay: a slider over the steps of an episode.
 #pragma once
 
 #include <QColor>
 #include <QLabel>
-#include <QLineEdit>
-#include <QPushButton>
 #include <QSlider>
 #include <QWidget>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "episodes_model.hpp"
@@ -38,7 +35,7 @@ class MarkedSlider : public QSlider {
   std::vector<Mark> marks_;
 };
 
-/// Object names: scrubber, position, go_to_seed, go, go.refusal.
+/// Object names: scrubber, position.
 class ReplayControls : public QWidget {
   Q_OBJECT
 
@@ -49,21 +46,12 @@ class ReplayControls : public QWidget {
   /// that of the episode; null: it is not known.
   void show(std::uint64_t episode, std::uint32_t step, const EpisodeRow* row);
 
-  /// Shows why the replay cannot go to the seed; empty: it can.
-  void refuse(const QString& why);
-
-  QString seed() const { return seed_->text().trimmed(); }
-
  Q_SIGNALS:
   void stepChosen(std::uint32_t step);
-  void seedChosen();
 
  private:
   MarkedSlider* scrubber_;
   QLabel* position_;
-  QLineEdit* seed_;
-  QPushButton* go_;
-  QLabel* refusal_;
 };
 
 }  // namespace pusht_rviz

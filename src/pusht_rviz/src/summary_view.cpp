@@ -84,6 +84,7 @@ SummaryView::SummaryView(QWidget* strip, QWidget* parent)
   all->addLayout(rates);
   all->addWidget(strip);
   all->addWidget(pairs_);
+  show(pusht_msgs::Summary());
 }
 
 void SummaryView::show(const pusht_msgs::Summary& summary) {
@@ -98,7 +99,5 @@ void SummaryView::show(const pusht_msgs::Summary& summary) {
   position_->setText(QString::fromStdString(meanText(summary, "mean_pos_divergence")));
   angle_->setText(QString::fromStdString(meanText(summary, "mean_ang_divergence")));
 }
-
-void SummaryView::clear() { show(pusht_msgs::Summary()); }
 
 }  // namespace pusht_rviz

@@ -21,7 +21,6 @@ class SummaryView : public QWidget {
   explicit SummaryView(QWidget* strip, QWidget* parent = nullptr);
 
   void show(const pusht_msgs::Summary& summary);
-  void clear();
 
  private:
   QLabel* headline_;

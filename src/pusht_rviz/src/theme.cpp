@@ -6,8 +6,6 @@
 #include <QPixmap>
 #include <QPolygonF>
 #include <QScreen>
-#include <QStyle>
-#include <QVariant>
 #include <algorithm>
 #include <cmath>
 
@@ -61,7 +59,6 @@ QString styleSheet() {
     QLabel[head="true"] { color: @ink; font-weight: bold; }
     QLabel#headline { color: @ink; font-size: 15px; font-weight: bold; padding: 4px 6px; background: @card;
                       border-left: 3px solid @reference; }
-    QLabel[refusal="true"] { color: @bad; font-size: 12px; }
     QLabel#status { color: @bad; background: @card; border-left: 3px solid @bad; padding: 4px; }
     QToolTip { background: @card; color: @ink; border: 1px solid @axis; font-size: 13px; }
 
@@ -78,13 +75,16 @@ QString styleSheet() {
     QLineEdit, QComboBox { background: @card; border: 1px solid @grid; border-radius: 3px; padding: 2px 4px;
                            min-height: 20px; selection-background-color: @reference;
                            selection-color: @paper; }
-    QLineEdit[wrong="true"] { border-color: @bad; }
     QLineEdit:disabled, QComboBox:disabled { color: @axis; background: @paper; }
     QComboBox QAbstractItemView { background: @card; border: 1px solid @axis; selection-background-color: @grid;
                                   selection-color: @ink; }
-    QCheckBox::indicator { width: 14px; height: 14px; border: 1px solid @axis; border-radius: 2px;
-                           background: @card; }
-    QCheckBox::indicator:checked { background: @reference; border-color: @ink; }
+    QTreeView { background: @card; alternate-background-color: @stripe; border: 1px solid @grid;
+                selection-background-color: @grid; selection-color: @ink; }
+    QTreeView::item { min-height: 22px; }
+    QTreeView::item:selected { background: @grid; color: @ink; }
+    QTreeView::indicator { width: 14px; height: 14px; border: 1px solid @axis; border-radius: 2px; background: @paper; }
+    QTreeView::indicator:checked { background: @reference; border-color: @ink; }
+    QTreeView QLineEdit, QTreeView QComboBox { min-height: 0; padding: 0 2px; background: @paper; }
 
     QProgressBar { background: @card; border: 1px solid @grid; border-radius: 3px; text-align: center;
                    min-height: 22px; font-size: 12px; }
@@ -99,8 +99,6 @@ QString styleSheet() {
     QTabBar::tab:selected { color: @ink; border-bottom: 2px solid @reference; }
     QTabBar::tab:hover { color: @ink; }
     QScrollArea { border: 0; }
-    QGroupBox { border: 1px solid @grid; border-radius: 4px; margin-top: 9px; padding-top: 8px; }
-    QGroupBox::title { subcontrol-origin: margin; left: 8px; padding: 0 3px; color: @ink; }
 
     QTableView { background: @card; alternate-background-color: @stripe; gridline-color: @grid;
                  border: 1px solid @grid; selection-background-color: @grid; selection-color: @ink;
@@ -125,12 +123,6 @@ QString styleSheet() {
     sheet.replace("font-size: " + QString::number(size) + "px", "font-size: @" + QString::number(px(size)) + "px");
   }
   return sheet.replace("font-size: @", "font-size: ");
-}
-
-void mark(QWidget* field, bool wrong) {
-  field->setProperty("wrong", wrong);
-  field->style()->unpolish(field);  // the style sheet looks at properties only then
-  field->style()->polish(field);
 }
 
 QIcon icon(Shape shape) {

@@ -5,7 +5,6 @@
 #include <QColor>
 #include <QIcon>
 #include <QString>
-#include <QWidget>
 
 #include "pusht_task/palette.hpp"
 
@@ -31,9 +30,6 @@ int px(int length);
 
 /// Style sheet of the whole panel.
 QString styleSheet();
-
-/// Marks a field whose content breaks a rule, or takes the mark away.
-void mark(QWidget* field, bool wrong);
 
 /// Signs on the large buttons. kStart is a play sign on the color of the button Start.
 enum class Shape { kStart, kPlay, kPause, kStep, kStop };

@@ -62,7 +62,6 @@ TEST(EpisodesModel, ShowsAReplayThatStays) {
   EXPECT_EQ(shown(model, 0, EpisodesModel::kParting), QString::fromUtf8("–"));
   EXPECT_EQ(shown(model, 0, EpisodesModel::kCause), "stays together");
   EXPECT_EQ(shown(model, 0, EpisodesModel::kSeed), QString::fromUtf8("–")) << "its start was given";
-  EXPECT_EQ(model.seedsText(), "");
 }
 
 TEST(EpisodesModel, ReplacesAnEpisodeThatIsThere) {
@@ -75,17 +74,14 @@ TEST(EpisodesModel, ReplacesAnEpisodeThatIsThere) {
   EXPECT_TRUE(model.row(3).engine.success);
 }
 
-TEST(EpisodesModel, FindsEpisodesAndSeeds) {
+TEST(EpisodesModel, FindsEpisodes) {
   EpisodesModel model;
   model.add({episode(5), episode(6), episode(9)});
   EXPECT_EQ(model.rowOfEpisode(6), 1);
   EXPECT_EQ(model.rowOfEpisode(7), std::nullopt);
-  EXPECT_EQ(model.rowOfSeed(10009), 2);
-  EXPECT_EQ(model.rowOfSeed(42), std::nullopt);
-  EXPECT_EQ(model.seedsText(), "10005 to 10009");
   model.clear();
   EXPECT_EQ(model.rowCount(), 0);
-  EXPECT_EQ(model.rowOfSeed(10009), std::nullopt);
+  EXPECT_EQ(model.rowOfEpisode(6), std::nullopt);
 }
 
 TEST(EpisodesModel, InsertsManyAtOnce) {

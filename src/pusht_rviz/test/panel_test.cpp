@@ -34,11 +34,15 @@
 
 #include "curves.hpp"
 #include "episode_strip.hpp"
+#include "rows.hpp"
 
 namespace {
 
 using pusht_rviz::Curves;
 using pusht_rviz::EpisodeStrip;
+using pusht_rviz::rowIn;
+using pusht_rviz::ruleBelow;
+using pusht_rviz::valueIn;
 
 constexpr int kDeadline = 60'000;  // [ms] for what must come: it does so in a moment, on a busy machine later
 
@@ -111,14 +115,36 @@ class PanelTest : public testing::Test {
     QTest::mouseClick(button, Qt::LeftButton);
   }
 
-  /// Once the field is there.
-  void type(const char* name, const char* text) {
-    ASSERT_TRUE(waitUntil([&] { return dock_->findChild<QLineEdit*>(name) != nullptr; })) << name;
-    auto* const field = find<QLineEdit>(name);
-    ASSERT_TRUE(waitUntil([&] { return field->isVisible() && field->isEnabled(); })) << name;
-    field->setFocus();
+  rviz::PropertyTreeWidget& tree() { return *find<rviz::PropertyTreeWidget>("tree"); }
+
+  /// Opens the editor of a row as a user does, once the row is there. `path`: "engine/block_damp".
+  template <class Editor>
+  Editor* edit(const char* path) {
+    if (!waitUntil([&] { return tree().isVisible() && rowIn(tree(), path) != nullptr; })) {
+      ADD_FAILURE() << path << ": no such row";
+      return nullptr;
+    }
+    const QModelIndex row = tree().getModel()->indexOf(rowIn(tree(), path));
+    const QModelIndex value = row.sibling(row.row(), 1);
+    tree().scrollTo(value);
+    QTest::mouseClick(tree().viewport(), Qt::LeftButton, Qt::NoModifier, tree().visualRect(value).center());
+    Editor* editor = nullptr;
+    EXPECT_TRUE(waitUntil([&] {
+      editor = tree().viewport()->findChild<Editor*>();
+      return editor != nullptr && editor->isVisible();
+    })) << path;
+    return editor;
+  }
+
+  void type(const char* path, const char* text) {
+    auto* const field = edit<QLineEdit>(path);
+    ASSERT_NE(field, nullptr);
     field->selectAll();
     QTest::keyClicks(field, text);
+    QTest::keyClick(field, Qt::Key_Return);
+    ASSERT_TRUE(waitUntil([&] {
+      return tree().viewport()->findChild<QLineEdit*>() == nullptr && valueIn(tree(), path) == text;
+    })) << path;
   }
 
   void chooseRate(double rate) {
@@ -131,10 +157,13 @@ class PanelTest : public testing::Test {
   }
 
   void choosePolicy(const char* name) {
-    auto* const combo = find<QComboBox>("policy");
-    ASSERT_TRUE(waitUntil([&] { return combo->findText(name) >= 0; })) << name;
+    auto* const combo = edit<QComboBox>("policy");
+    ASSERT_NE(combo, nullptr);
+    ASSERT_GE(combo->findText(name), 0) << name;
     combo->setCurrentText(name);
-    Q_EMIT combo->activated(combo->currentIndex());
+    EXPECT_EQ(valueIn(tree(), "policy"), name);
+    QTest::keyClick(combo, Qt::Key_Return);
+    ASSERT_TRUE(waitUntil([&] { return tree().viewport()->findChild<QComboBox*>() == nullptr; }));
   }
 
   void openTab(int index) { find<QTabWidget>("tabs")->setCurrentIndex(index); }
@@ -165,15 +194,14 @@ TEST_F(PanelTest, DrivesARunThroughEveryButton) {
   openTab(kNextRun);
   type("spawn_seed", "42");
   EXPECT_FALSE(start->isEnabled());
-  EXPECT_EQ(find<QLabel>("spawn_seed.refusal")->text(),
-            "spawn seed '42': must be a whole number from 10000 + seed on, 10000");
+  EXPECT_EQ(ruleBelow(tree(), "spawn_seed"), "spawn seed '42': must be a whole number from 10000 + seed on, 10000");
   type("spawn_seed", "10001");
-  type("engine.block_damp", "1000");
+  type("engine/block_damp", "1000");
   EXPECT_FALSE(start->isEnabled());
-  EXPECT_EQ(find<QLabel>("engine.block_damp.refusal")->text(), "block_damp 1000.0: must be from 0.0 to 100.0 [1/s]");
-  type("engine.block_damp", "6");
-  EXPECT_EQ(find<QLineEdit>("first_episode")->text(), "1");
-  type("episodes", "2");
+  EXPECT_EQ(ruleBelow(tree(), "engine/block_damp"), "block_damp 1000.0: must be from 0.0 to 100.0 [1/s]");
+  type("engine/block_damp", "6");
+  EXPECT_EQ(valueIn(tree(), "run/first_episode"), "1");
+  type("run/episodes", "2");
   choosePolicy("/expert");
   ASSERT_TRUE(start->isEnabled()) << start->toolTip().toStdString();
 
@@ -246,27 +274,27 @@ TEST_F(PanelTest, ShowsWhyTheEvaluatorRefusesARun) {
   auto* const start = find<QPushButton>("start");
   ASSERT_TRUE(waitUntil([&] { return start->isEnabled(); })) << start->toolTip().toStdString();
   openTab(kNextRun);
-  type("episodes", "3");
+  type("run/episodes", "3");
   click("start");
   ASSERT_TRUE(waitUntil([&] {
     return find<QLabel>("status")->text() == "episodes and horizon: a smoke run has its own";
   })) << find<QLabel>("status")->text().toStdString();
   EXPECT_EQ(find<QTabWidget>("tabs")->currentIndex(), kNextRun) << "where it can be mended";
-  type("episodes", "2");
+  type("run/episodes", "2");
 
   // A goal that fails before its run begins leaves the folder to the next one.
-  const QString folder = find<QLineEdit>("out")->text();
-  type("out", "/proc/none/out");
+  const QString folder = valueIn(tree(), "results");
+  type("results", "/proc/none/out");
   click("start");
   const auto failed = [&] { return find<QLabel>("status")->text().contains("cannot create /proc/none"); };
   ASSERT_TRUE(waitUntil(failed)) << find<QLabel>("status")->text().toStdString();
-  EXPECT_EQ(find<QLineEdit>("out")->text(), "/proc/none/out");
+  EXPECT_EQ(valueIn(tree(), "results"), "/proc/none/out");
   openTab(kNextRun);
-  type("out", folder.toStdString().c_str());
+  type("results", folder.toStdString().c_str());
   click("start");
   ASSERT_TRUE(waitUntil([&] { return episodes_ == 2; }));
-  EXPECT_TRUE(waitUntil([&] { return find<QLineEdit>("out")->text() == folder + "-2"; }))
-      << "a folder takes one run: " << find<QLineEdit>("out")->text().toStdString();
+  EXPECT_TRUE(waitUntil([&] { return valueIn(tree(), "results") == folder + "-2"; }))
+      << "a folder takes one run: " << valueIn(tree(), "results").toStdString();
   ASSERT_TRUE(waitUntil([&] { return progress_.busy == 0; })) << "its results are written";
 }
 
@@ -291,6 +319,28 @@ TEST_F(PanelTest, ShowsANodeThatDiesAndGoesOn) {
   EXPECT_TRUE(waitUntil([&] { return find<QLabel>("status")->text().contains("engine: lost"); }));
   EXPECT_TRUE(waitUntil([&] { return find<QLabel>("node.reference")->toolTip().contains("alive"); }))
       << find<QLabel>("node.reference")->toolTip().toStdString();
+}
+
+/// With the environment variable PANEL_TEST_EVALUATOR: the process of the evaluator. It is stopped, goes on, is killed.
+TEST_F(PanelTest, ShowsAnEvaluatorThatHangsAndDies) {
+  const int victim = qEnvironmentVariableIntValue("PANEL_TEST_EVALUATOR");
+  if (victim == 0) {
+    GTEST_SKIP() << "no process to kill";
+  }
+  const auto* const evaluator = find<QLabel>("node.evaluator");
+  const auto becomes = [&](const char* word) { return waitUntil([&] { return evaluator->toolTip().contains(word); }); };
+  const auto* const start = find<QPushButton>("start");
+  ASSERT_TRUE(waitUntil([&] { return start->isEnabled(); })) << start->toolTip().toStdString();
+  ASSERT_EQ(kill(victim, SIGSTOP), 0);
+  ASSERT_TRUE(becomes("gives no answer")) << evaluator->toolTip().toStdString();
+  EXPECT_FALSE(start->isEnabled());
+  ASSERT_EQ(kill(victim, SIGCONT), 0);
+  ASSERT_TRUE(becomes("alive")) << evaluator->toolTip().toStdString();
+  EXPECT_TRUE(waitUntil([&] { return start->isEnabled(); })) << start->toolTip().toStdString();
+  ASSERT_EQ(kill(victim, SIGKILL), 0);
+  ASSERT_TRUE(becomes("lost")) << evaluator->toolTip().toStdString();
+  EXPECT_FALSE(start->isEnabled());
+  EXPECT_EQ(start->toolTip(), "waiting for the evaluator");
 }
 
 }  // namespace

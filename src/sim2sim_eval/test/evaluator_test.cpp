@@ -12,6 +12,7 @@
 #include <string>
 
 #include "live/evaluator_parameters.hpp"
+#include "live/node_watch.hpp"
 #include "live/progress_line.hpp"
 #include "live/request.hpp"
 #include "pusht_task/error.hpp"
@@ -57,6 +58,17 @@ TEST(SettingsFrom, RefusesWhatIsNone) {
             "engine_parameters 'block_damp=10 pusher_mass=2 block_damp=20': block_damp must be set once");
   EXPECT_EQ(refusalOf([] { parametersFrom("engine_parameters", std::string(1'000'000, 'a') + "=1"); }),
             "engine_parameters of 1000002 bytes: must have at most 10000");
+}
+
+TEST(NodeWatch, ANodeThatWasNeverThereIsNotLost) {
+  using pusht_msgs::NodeStatus;
+  EXPECT_EQ(presenceAfter(NodeStatus::WAITING, Answer::kNone), NodeStatus::WAITING);
+  EXPECT_EQ(presenceAfter(NodeStatus::WAITING, Answer::kGiven), NodeStatus::ALIVE);
+  for (const auto presence : {NodeStatus::ALIVE, NodeStatus::SILENT, NodeStatus::LOST}) {
+    EXPECT_EQ(presenceAfter(presence, Answer::kGiven), NodeStatus::ALIVE);
+    EXPECT_EQ(presenceAfter(presence, Answer::kLate), NodeStatus::SILENT);
+    EXPECT_EQ(presenceAfter(presence, Answer::kNone), NodeStatus::LOST);
+  }
 }
 
 TEST(MergedGoal, LeavesOpenWhatItDoesNotSay) {

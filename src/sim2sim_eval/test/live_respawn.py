@@ -7,12 +7,22 @@ import signal
 
 import rospy  # type: ignore[import]
 from actionlib_msgs.msg import GoalStatus  # type: ignore[import]
-from pusht_msgs.msg import Parameter  # type: ignore[import]
+from pusht_msgs.msg import Nodes, NodeStatus, Parameter  # type: ignore[import]
 from pusht_msgs.srv import Configure  # type: ignore[import]
-from pusht_testing.nodes import run
+from pusht_testing.nodes import Inbox, run
 from rosgraph_msgs.msg import Log  # type: ignore[import]
 
-from live_support import GoalCase, Topic, connected, kill, pid_of, result_bytes, status_of
+from live_support import (
+    NODES,
+    GoalCase,
+    Topic,
+    connected,
+    describe,
+    kill,
+    pid_of,
+    result_bytes,
+    status_of,
+)
 
 EPISODES = 3
 BATCH = ("--policy", "expert", "--episodes", str(EPISODES))
@@ -129,6 +139,29 @@ class LiveRespawn(GoalCase):
         result = self.result(GoalStatus.ABORTED)
         self.assertEqual((result.exit_code, result.faults_survived), (4, 0))
         self.assert_not_whole(self.out, "/reference/describe: no node answers within 10000 ms")
+
+    def test_presence_of_a_node_that_hangs_and_dies(self) -> None:
+        nodes = Inbox("/sim2sim/nodes", Nodes)
+        self.addCleanup(nodes.close)
+
+        def becomes(presence: int) -> Nodes:
+            return nodes.until(lambda message: message.nodes[1].presence == presence)[-1]
+
+        first = becomes(NodeStatus.ALIVE)
+        self.assertEqual([node.services for node in first.nodes], [f"/{node}" for node in NODES])
+        self.assertEqual(first.nodes[1].instance_id, describe("engine").instance_id)
+        self.assertIn("/policy", first.policies)
+        pid = pid_of("/engine")
+        self.addCleanup(kill, pid, signal.SIGCONT)
+        os.kill(pid, signal.SIGSTOP)
+        becomes(NodeStatus.SILENT)
+        os.kill(pid, signal.SIGCONT)
+        becomes(NodeStatus.ALIVE)
+        self.kill_node("engine")
+        others = {node.presence for node in becomes(NodeStatus.LOST).nodes if node.role != "engine"}
+        self.assertEqual(others, {NodeStatus.ALIVE})
+        back = becomes(NodeStatus.ALIVE)
+        self.assertNotEqual(back.nodes[1].instance_id, first.nodes[1].instance_id)
 
 
 run(LiveRespawn)

@@ -58,6 +58,12 @@ class Panel(LiveCase):
         victim = str(launch.node("/engine"))
         self.drive(launch, "ShowsANodeThatDiesAndGoesOn", PANEL_TEST_VICTIM=victim)
 
+    def test_evaluator_that_hangs_and_dies_shows(self) -> None:
+        launch = self.launch(policy="expert")
+        connected("/sim2sim/control", Control).close()  # it is there
+        victim = str(launch.node("/sim2sim"))
+        self.drive(launch, "ShowsAnEvaluatorThatHangsAndDies", PANEL_TEST_EVALUATOR=victim)
+
 
 class Replay(LiveCase):
     """replay.launch, without rviz."""

@@ -42,6 +42,7 @@ Evaluator::Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters
       activity_(node_, pacer_, [this](bool paused) { broadcast_.showPaused(paused); }),
       request_(node_.advertise<pusht_msgs::CompareGoal>("request", 1, true)),
       options_(node_.advertise<pusht_msgs::RunOptions>("options", 1, true)),
+      node_watch_(node_, parameters_.request.services),
       health_("none", "comparison", [this](pusht::DiagnosticStatusWrapper& status) { activity_.report(status); }),
       control_(node_.advertiseService("control", &Evaluator::onControl, this)),
       server_(
@@ -149,6 +150,7 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
                                {toMilliseconds(parameters_.patience), parameters_.respawn, [this] { return stopped(); },
                                 [this](const std::string& services) { waitFor(services); }},
                                toMilliseconds(parameters_.grace)};
+  node_watch_.follow(request.services);
   LiveNodes nodes(request.services, toMilliseconds(parameters_.deadline), worlds_);
   connectFirst(nodes, options);
 

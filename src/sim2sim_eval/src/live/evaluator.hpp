@@ -23,6 +23,7 @@
 #include "live/evaluator_parameters.hpp"
 #include "live/live_nodes.hpp"
 #include "live/live_run.hpp"
+#include "live/node_watch.hpp"
 #include "live/pacer.hpp"
 #include "live/progress_line.hpp"
 #include "live/request.hpp"
@@ -36,7 +37,8 @@ namespace sim2sim {
 
 /// Node that runs comparisons, one at a time: a goal that comes during a run is rejected. In its private namespace it
 /// offers the action `compare`, the service `control`, the latched topics `request` (values of fields that a goal
-/// leaves open), `options` (descriptions of the options of a run) and `progress`, and the topics of Broadcast.
+/// leaves open), `options` (descriptions of the options of a run) and `progress`, and the topics of NodeWatch and
+/// Broadcast.
 class Evaluator : private LiveObserver {
  public:
   Evaluator(const ros::NodeHandle& node, EvaluatorParameters parameters);
@@ -93,6 +95,8 @@ class Evaluator : private LiveObserver {
   Goal accepted_;  // last accepted goal; used in the thread of the callbacks alone
   ros::Publisher request_;
   ros::Publisher options_;
+
+  NodeWatch node_watch_;
 
   WorldMemory worlds_;  // used in the thread of run() alone
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/playback.hpp"
 
+#include <pusht_msgs/Nodes.h>
 #include <ros/ros.h>
 
 #include <algorithm>
@@ -71,7 +72,8 @@ Playback::Playback(const ros::NodeHandle& node, const PlaybackParameters& parame
       frame_prefixes_{"reference", "engine", "engine_replay"},
       broadcast_(node_),
       progress_(node_.advertise<pusht_msgs::Progress>("progress", 1, true)),
-      request_(node_.advertise<pusht_msgs::CompareGoal>("request", 1, true)) {
+      request_(node_.advertise<pusht_msgs::CompareGoal>("request", 1, true)),
+      nodes_(node_.advertise<pusht_msgs::Nodes>("nodes", 1)) {
   pusht_msgs::ControlRequest start;
   start.episode = static_cast<std::uint64_t>(parameters.episode.value_or(episodes_.begin()->first));
   const PlaybackPosition begin = positionOf(start);
@@ -83,6 +85,8 @@ Playback::Playback(const ros::NodeHandle& node, const PlaybackParameters& parame
   broadcast_.restore(run_.episodes, summarize(configuration.protocol, run_.episodes), lastOf(run_), stamp_);
   control_ = node_.advertiseService("control", &Playback::onControl, this);
   repeating_ = node_.createSteadyTimer(ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { republish(); });
+  heart_ = node_.createSteadyTimer(ros::WallDuration(0.25),
+                                   [this](const ros::SteadyTimerEvent&) { nodes_.publish(pusht_msgs::Nodes()); });
   publishProgress();
 }
 

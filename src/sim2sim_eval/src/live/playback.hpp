@@ -92,8 +92,11 @@ class Playback {
   std::mutex publishing_;  // held while publishing, so that the last message is the newest
   ros::Publisher progress_;
   ros::Publisher request_;
+  ros::Publisher nodes_;
   ros::ServiceServer control_;
-  ros::SteadyTimer repeating_;  // declared last, because its callback uses the members above
+  // Declared last, because their callbacks use the members above.
+  ros::SteadyTimer repeating_;
+  ros::SteadyTimer heart_;  // publishes that the player is there
 };
 
 }  // namespace sim2sim

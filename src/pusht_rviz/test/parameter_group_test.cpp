@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "parameter_draft.hpp"
+#include "parameter_group.hpp"
 
 #include <gmock/gmock.h>
 
@@ -92,81 +92,100 @@ TEST(Rules, LetSeedsBeBeyondTheIntegersOfParameters) {
   EXPECT_NE(refusalOf(descriptor("count", "integer", "0", 0.0, 10.0), "18446744073709551615"), "");
 }
 
-TEST(ParameterDraft, NamesWhatDiffersFromTheDefaultsOfTheKind) {
-  EXPECT_THAT(ParameterDraft(twoMassNode(), {}).named(), IsEmpty())
+/// Group whose rows are edited by their names.
+class Group : public ParameterGroup {
+ public:
+  template <class... Description>
+  explicit Group(const Description&... description) : ParameterGroup("engine", nullptr) {
+    build(description...);
+  }
+  void type(const char* name, const char* text) { find(name)->setText(text); }
+
+  /// Texts of the simulator's parameters, without those of the loop.
+  std::vector<std::string> texts() const {
+    std::vector<std::string> texts;
+    for (const ParameterProperty* const row : parameters()) {
+      if (row->descriptor().name.rfind("loop.", 0) != 0) {
+        texts.push_back(row->text());
+      }
+    }
+    return texts;
+  }
+};
+
+using Chosen = std::vector<pusht_msgs::Parameter>;
+
+TEST(ParameterGroup, NamesWhatDiffersFromTheDefaultsOfTheKind) {
+  EXPECT_THAT(Group(twoMassNode(), Chosen{}).named(), IsEmpty())
       << "what the node is does not count: its kind is named";
-  ParameterDraft draft(twoMassNode(), {parameter("block_damp", "20"), parameter("no_such", "1")});
-  EXPECT_THAT(draft.named(), ElementsAre(parameter("block_damp", "20")));
-  draft.type(1, "6");
-  EXPECT_THAT(draft.named(), IsEmpty()) << "6 is 6.0";
+  Group group(twoMassNode(), Chosen{parameter("block_damp", "20"), parameter("no_such", "1")});
+  EXPECT_THAT(group.named(), ElementsAre(parameter("block_damp", "20")));
+  group.type("block_damp", "6");
+  EXPECT_THAT(group.named(), IsEmpty()) << "6 is 6.0";
 }
 
-TEST(ParameterDraft, AlwaysNamesParametersWhoseDefaultIsNotKnown) {
+TEST(ParameterGroup, AlwaysNamesParametersWhoseDefaultIsNotKnown) {
   pusht_msgs::DescribeResponse foreign;
   foreign.parameters = {parameter("gain", "3")};
-  ParameterDraft draft(foreign, {});
-  EXPECT_THAT(draft.named(), ElementsAre(parameter("gain", "3")));
-  draft.type(0, "whatever");
-  EXPECT_THAT(draft.named(), ElementsAre(parameter("gain", "whatever")));
+  Group group(foreign, Chosen{});
+  EXPECT_THAT(group.named(), ElementsAre(parameter("gain", "3")));
+  group.type("gain", "whatever");
+  EXPECT_THAT(group.named(), ElementsAre(parameter("gain", "whatever")));
 }
 
-TEST(ParameterDraft, NamesOptionsThatDifferFromTheEvaluatorsValues) {
+TEST(ParameterGroup, NamesOptionsThatDifferFromTheEvaluatorsValues) {
   pusht_msgs::RunOptions options;
   options.descriptors = {descriptor("seed", "integer", "0", 0.0), descriptor("floor", "boolean", "true")};
   options.values = {parameter("seed", "9223372036854775809"), parameter("floor", "false")};
-  ParameterDraft draft(options);
-  EXPECT_THAT(draft.named(), IsEmpty()) << "whatever the defaults";
-  draft.type(0, "9223372036854775808");
-  EXPECT_THAT(draft.named(), ElementsAre(parameter("seed", "9223372036854775808"))) << "one double, two seeds";
-  draft.type(1, "true");
-  EXPECT_THAT(draft.named(), ElementsAre(parameter("seed", "9223372036854775808"), parameter("floor", "true")));
+  Group group(options);
+  EXPECT_THAT(group.named(), IsEmpty()) << "whatever the defaults";
+  group.type("seed", "9223372036854775808");
+  EXPECT_THAT(group.named(), ElementsAre(parameter("seed", "9223372036854775808"))) << "one double, two seeds";
+  group.type("floor", "true");
+  EXPECT_THAT(group.named(), ElementsAre(parameter("seed", "9223372036854775808"), parameter("floor", "true")));
 }
 
-/// Texts of the simulator's parameters, without those of the loop.
-std::vector<std::string> textsOf(const ParameterDraft& draft) {
-  std::vector<std::string> texts;
-  for (const DraftedParameter& drafted : draft) {
-    if (drafted.descriptor.name.rfind("loop.", 0) != 0) {
-      texts.push_back(drafted.text);
-    }
-  }
-  return texts;
+TEST(ParameterGroup, RefusesByName) {
+  Group group(twoMassNode(), Chosen{});
+  EXPECT_EQ(group.refusal(), "");
+  group.type("block_damp", " 1000 ");
+  EXPECT_EQ(group.find("block_damp")->text(), "1000") << "never corrected, but for spaces";
+  EXPECT_EQ(group.refusal(), "block_damp 1000.0: must be from 0.0 to 100.0 [1/s]");
 }
 
 TEST(Presets, SetWhatDoesNotDifferYet) {
-  ParameterDraft draft(rigidBody(), {});
-  EXPECT_THAT(textsOf(draft), ElementsAre("faithful", "true", "true"));
-  draft.type(0, "simple");
-  EXPECT_THAT(textsOf(draft), ElementsAre("simple", "false", "false"));
-  EXPECT_THAT(draft.named(), ElementsAre(parameter("preset", "simple"))) << "which sets the switches";
-  draft.type(1, "true");
-  EXPECT_THAT(draft.named(), ElementsAre(parameter("preset", "simple"), parameter("servo", "true")))
+  Group group(rigidBody(), Chosen{});
+  EXPECT_THAT(group.texts(), ElementsAre("faithful", "true", "true"));
+  group.type("preset", "simple");
+  EXPECT_THAT(group.texts(), ElementsAre("simple", "false", "false"));
+  EXPECT_THAT(group.named(), ElementsAre(parameter("preset", "simple"))) << "which sets the switches";
+  group.type("servo", "true");
+  EXPECT_THAT(group.named(), ElementsAre(parameter("preset", "simple"), parameter("servo", "true")))
       << "though that is its default";
-  draft.type(0, "shaped");
-  EXPECT_THAT(textsOf(draft), ElementsAre("shaped", "true", "false"));
-  EXPECT_THAT(draft.named(), ElementsAre(parameter("preset", "shaped")));
-  draft.type(2, "true");
-  draft.type(0, "faithful");
-  EXPECT_THAT(textsOf(draft), ElementsAre("faithful", "true", "true"));
-  EXPECT_THAT(draft.named(), IsEmpty());
+  group.type("preset", "shaped");
+  EXPECT_THAT(group.texts(), ElementsAre("shaped", "true", "false"));
+  EXPECT_THAT(group.named(), ElementsAre(parameter("preset", "shaped")));
+  group.type("walls", "true");
+  group.type("preset", "faithful");
+  EXPECT_THAT(group.texts(), ElementsAre("faithful", "true", "true"));
+  EXPECT_THAT(group.named(), IsEmpty());
 }
 
 TEST(Presets, LeaveWhatIsChosenByName) {
-  const std::vector<pusht_msgs::Parameter> chosen = {parameter("preset", "simple"), parameter("servo", "true")};
-  ParameterDraft draft(rigidBody(), chosen);
-  EXPECT_THAT(textsOf(draft), ElementsAre("simple", "true", "false"));
-  EXPECT_EQ(draft.named(), chosen);
-  EXPECT_THAT(ParameterDraft(rigidBody(), rigidBody().parameters).named(), ElementsAre(parameter("preset", "simple")));
+  const Chosen chosen = {parameter("preset", "simple"), parameter("servo", "true")};
+  Group group(rigidBody(), chosen);
+  EXPECT_THAT(group.texts(), ElementsAre("simple", "true", "false"));
+  EXPECT_EQ(group.named(), chosen);
+  EXPECT_THAT(Group(rigidBody(), rigidBody().parameters).named(), ElementsAre(parameter("preset", "simple")));
 }
 
-TEST(ParameterDraft, HasTheLoopBesideTheSimulator) {
-  ParameterDraft draft(twoMassNode(), {parameter("loop.hold", "3")});
-  EXPECT_THAT(draft.named(), ElementsAre(parameter("loop.hold", "3")));
-  const std::size_t delay = draft.find("loop.action_delay").value();
-  EXPECT_EQ(draft[delay].descriptor.unit, "control steps");
-  EXPECT_NE(refusalOf(draft[delay].descriptor, "-1"), "");
-  draft.type(delay, "2");
-  EXPECT_THAT(draft.named(), ElementsAre(parameter("loop.action_delay", "2"), parameter("loop.hold", "3")));
+TEST(ParameterGroup, HasTheLoopBesideTheSimulator) {
+  Group group(twoMassNode(), Chosen{parameter("loop.hold", "3")});
+  EXPECT_THAT(group.named(), ElementsAre(parameter("loop.hold", "3")));
+  EXPECT_EQ(group.find("loop.action_delay")->descriptor().unit, "control steps");
+  EXPECT_NE(refusalOf(group.find("loop.action_delay")->descriptor(), "-1"), "");
+  group.type("loop.action_delay", "2");
+  EXPECT_THAT(group.named(), ElementsAre(parameter("loop.action_delay", "2"), parameter("loop.hold", "3")));
 }
 
 }  // namespace

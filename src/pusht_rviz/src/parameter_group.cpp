@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "pusht_task/loop.hpp"
-#include "sim2sim_serving/parameters.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace pusht_rviz {
 namespace {

@@ -30,13 +30,10 @@ std::string line(const std::string& head, const std::string& left, const std::st
 /// "position" or "angle", of a divergence in kDivergencePairs over whole episodes.
 std::string labelOf(std::size_t pair) { return kQuantities[quantityIndex(kDivergencePairs[pair].divergence)].label; }
 
-/// "46 of 50, half by 1.3 s"
-std::string partedText(const FirstDivergences& first_divergences) {
-  const std::string count =
-      std::to_string(first_divergences.parted) + " of " + std::to_string(first_divergences.episodes);
-  return first_divergences.median_step
-             ? count + ", half by " + fixedText(*first_divergences.median_step * pusht::kControlStep, 1) + " s"
-             : count;
+/// "46 of 50, half by 1.3 s"; `median_step` is when half of them were so far [control steps].
+std::string countText(int some, int all, const std::optional<int>& median_step) {
+  return std::to_string(some) + " of " + std::to_string(all) +
+         (median_step ? ", half by " + fixedText(*median_step * pusht::kControlStep, 1) + " s" : "");
 }
 
 /// "most at: sticking on bar, 17"
@@ -47,14 +44,6 @@ std::string causeText(const FirstDivergences& first_divergences) {
   const CauseName& cause = mostFrequentCause(first_divergences);
   return std::string("most at: ") + cause.label + ", " +
          std::to_string(first_divergences.causes[static_cast<std::size_t>(cause.cause)]);
-}
-
-/// "44 of 45, half by 2.8 s": the failures that are stuck.
-std::string stuckText(const Endings& endings) {
-  const std::string count = std::to_string(endings.of(Ending::kStuck)) + " of " + std::to_string(endings.failures());
-  return endings.median_still_step
-             ? count + ", half by " + fixedText(*endings.median_still_step * pusht::kControlStep, 1) + " s"
-             : count;
 }
 
 /// "3 moving, 1 lost": the other failures.
@@ -78,7 +67,10 @@ std::string endingLines(const EndingsOfPairs& endings) {
   const auto both = [&](const std::string& head, const auto& text) {
     return line(head, text(endings.reference), text(endings.engine));
   };
-  return (failures == 0 ? "" : both("  failures stuck", stuckText)) +
+  const auto stuck_text = [](const Endings& of) {
+    return countText(of.of(Ending::kStuck), of.failures(), of.median_still_step);
+  };
+  return (failures == 0 ? "" : both("  failures stuck", stuck_text)) +
          (stuck == 0 ? "" : both("    their pusher", stuckPushersText)) +
          (failures == stuck ? "" : both("  other failures", otherEndingsText));
 }
@@ -218,9 +210,10 @@ std::string divergenceLines(const RunConfiguration& configuration, const Summary
     const Estimate& estimate = summary.mean(kEngineClosed, quantity);
     return signedText(estimate.value, estimate.interval, kQuantities[quantityIndex(quantity)].unit, kDigits);
   };
+  const FirstDivergences& first = summary.first_divergences;
   lines +=
       line("  less in closed loop", absorbed("absorbed_position_divergence"), absorbed("absorbed_angle_divergence")) +
-      line("  beyond the bound", partedText(summary.first_divergences), causeText(summary.first_divergences));
+      line("  beyond the bound", countText(first.parted, first.episodes, first.median_step), causeText(first));
   const std::vector<Probe> probes = configuration.protocol.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
     if (const int every = probes[i].reset_every; every > 0) {

@@ -267,7 +267,9 @@ void SimulatorSession::observe(const Action& action) const {
   observer_(update);
 }
 
-bool SimulatorSession::inEpisode() const { return episode_ && !episode_->failed && episode_->steps < episode_->horizon; }
+bool SimulatorSession::inEpisode() const {
+  return episode_ && !episode_->failed && episode_->steps < episode_->horizon;
+}
 
 const SimulatorKind& SimulatorSession::kindFor(const std::string& name) const {
   if (name == kind_.name) {

@@ -140,7 +140,7 @@ TEST(Worker, EndsThoughACallHangs) {
   EXPECT_EQ(shared.use_count(), 1) << "the thread has ended, and released what the calls share";
 }
 
-/// As a call to a master that hangs.
+/// Task that hangs as a call to a master would.
 TEST(Worker, LeavesBehindWhatCannotBeInterrupted) {
   const auto node = std::make_shared<Node>();
   {

@@ -14,7 +14,7 @@ import numpy as np
 from sim2sim_study import divergences, endings, hypotheses, noise_tables, push_hypotheses, pushes
 from sim2sim_study.endings import Cell, Table
 from sim2sim_study.parts import Part, parts_of, whole_plan
-from sim2sim_study.tables import write_table
+from sim2sim_study.tables import Row, write_table
 from study_case import StudyCase
 
 RATES = {"mujoco": 0.6, "chipmunk": 0.6, "two_mass": 0.2}  # success; elsewhere 0.4
@@ -55,13 +55,10 @@ def made_up_pushes(part: Part, windows: Any) -> Any:
 
 def made_up_divergences(part: Part, path: Path) -> None:
     generator = np.random.default_rng(5)
-    rows = [
-        {
-            **{"loop": cell.loop, "policy": cell.policy, "engine": cell.simulator},
-            **{name: generator.random() for name in divergences.DIVERGENCES},
-        }
-        for cell in cells_of(part)
-    ]
+    rows: List[Row] = []
+    for cell in cells_of(part):
+        of: Row = {"loop": cell.loop, "policy": cell.policy, "engine": cell.simulator}
+        rows.append({**of, **{name: generator.random() for name in divergences.DIVERGENCES}})
     write_table(path, rows)
 
 
@@ -103,8 +100,8 @@ class Tables(StudyCase):
         pushes.write_sums(self.work / "pushes.csv.xz", made[5], 20)
         made_up_divergences(self.parts[-1], self.tables / "divergences.csv")
         files = self.write()
-        csvs = ("curves", "divergences", "groups", "hypotheses", "hypotheses_pushes")
-        csvs += ("predictions", "pushes")
+        csvs = ["curves", "divergences", "groups", "hypotheses", "hypotheses_pushes"]
+        csvs += ["predictions", "pushes"]
         others = ("curves.png", "endings.csv.xz", "figures.json", "pushes.csv.xz")
         self.assertEqual(set(files), {*others, *(f"{name}.csv" for name in csvs)})
         figures = json.loads(files["figures.json"])

@@ -2,6 +2,7 @@
 #include "parameter_group.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "pusht_task/loop.hpp"
 #include "sim2sim_serving/node_parameters.hpp"
@@ -119,6 +120,7 @@ void ParameterGroup::rebase() {
 
 std::vector<ParameterProperty*> ParameterGroup::parameters() const {
   std::vector<ParameterProperty*> rows;
+  rows.reserve(static_cast<std::size_t>(numChildren()));
   for (int i = 0; i < numChildren(); ++i) {
     rows.push_back(static_cast<ParameterProperty*>(childAt(i)));
   }
@@ -146,7 +148,7 @@ std::vector<pusht_msgs::Parameter> ParameterGroup::named() const {
 
 std::string ParameterGroup::refusal() const {
   for (const ParameterProperty* const row : parameters()) {
-    if (const std::string rule = row->refusal(); !rule.empty()) {
+    if (std::string rule = row->refusal(); !rule.empty()) {
       return rule;
     }
   }

@@ -205,7 +205,10 @@ QVariant ParameterProperty::getViewData(int column, int role) const {
 }
 
 QWidget* ParameterProperty::createEditor(QWidget* parent, const QStyleOptionViewItem& option) {
-  return has_words_ ? EnumProperty::createEditor(parent, option) : Property::createEditor(parent, option);
+  if (has_words_) {
+    return EnumProperty::createEditor(parent, option);
+  }
+  return Property::createEditor(parent, option);  // NOLINT(bugprone-parent-virtual-call): a field, not a list of words
 }
 
 }  // namespace pusht_rviz

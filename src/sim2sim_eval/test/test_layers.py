@@ -33,6 +33,7 @@ HEAVY: Dict[str, Set[str]] = {
         "sim2sim_eval/src/batch/sweep_folder.hpp",
         "sim2sim_protocol/include/sim2sim_protocol/reference_cache.hpp",
         "sim2sim_protocol/include/sim2sim_protocol/results/agreement.hpp",
+        "sim2sim_protocol/include/sim2sim_protocol/results/json.hpp",
         "sim2sim_protocol/include/sim2sim_protocol/results/run.hpp",
         "sim2sim_protocol/include/sim2sim_protocol/results/run_configuration.hpp",
         "sim2sim_protocol/include/sim2sim_protocol/results/run_folder.hpp",

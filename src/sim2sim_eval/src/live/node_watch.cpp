@@ -32,7 +32,7 @@ std::vector<std::string> policiesOr(std::vector<std::string> before) {
   }
   std::vector<std::string> policies;
   XmlRpc::XmlRpcValue& served = lists[2];
-  for (int i = 0; i < served.size(); ++i) {
+  for (int i = 0; i < served.size(); ++i) {  // NOLINT(modernize-loop-convert): begin() is of structs
     const std::string& service = served[i][0];
     if (service.size() > act.size() && service.compare(service.size() - act.size(), act.size(), act) == 0) {
       policies.push_back(service.substr(0, service.size() - act.size()));
@@ -56,10 +56,10 @@ std::uint8_t presenceAfter(std::uint8_t presence, Answer answer) {
   return presence == NodeStatus::WAITING ? NodeStatus::WAITING : NodeStatus::LOST;
 }
 
-NodeWatch::NodeWatch(ros::NodeHandle& node, const LiveNodes::Services& services)
+NodeWatch::NodeWatch(ros::NodeHandle& node, LiveNodes::Services services)
     : topic_(node.advertise<pusht_msgs::Nodes>("nodes", 1)),
       watchdog_(kSilence),
-      services_(services),
+      services_(std::move(services)),
       thread_([this] { watch(); }) {}
 
 NodeWatch::~NodeWatch() {

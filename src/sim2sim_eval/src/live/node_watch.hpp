@@ -35,7 +35,7 @@ std::uint8_t presenceAfter(std::uint8_t presence, Answer answer);
 class NodeWatch {
  public:
   /// Advertises `nodes` in the namespace of `node`. Begins with the nodes of `services`.
-  NodeWatch(ros::NodeHandle& node, const LiveNodes::Services& services);
+  NodeWatch(ros::NodeHandle& node, LiveNodes::Services services);
   NodeWatch(const NodeWatch&) = delete;
   NodeWatch& operator=(const NodeWatch&) = delete;
   ~NodeWatch();

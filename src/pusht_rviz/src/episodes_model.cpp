@@ -40,7 +40,7 @@ QString text(const EpisodeRow& row, int column) {
       return outcome(row.reference);
     case EpisodesModel::kEngine:
       return outcome(row.engine);
-    case EpisodesModel::kParting:
+    case EpisodesModel::kFirstDivergence:
       return row.parting_step == 0 ? QString::fromUtf8(kDash) : seconds(row.parting_step);
     case EpisodesModel::kCause:
       return row.parting_step == 0 ? "stays together" : row.parting_cause;
@@ -55,7 +55,7 @@ QString toolTip(const EpisodeRow& row, int column) {
       return "reference: " + outcomeText(row.reference);
     case EpisodesModel::kEngine:
       return "engine, closed loop: " + outcomeText(row.engine);
-    case EpisodesModel::kParting:
+    case EpisodesModel::kFirstDivergence:
     case EpisodesModel::kCause:
       return row.parting_step == 0 ? QString("the replay stays within the bound around the reference")
                                    : "the replay is beyond the bound around the reference after " +
@@ -76,7 +76,7 @@ QVariant color(const EpisodeRow& row, int column) {
 
 int alignment(int column) {
   const bool number =
-      column == EpisodesModel::kEpisode || column == EpisodesModel::kSeed || column == EpisodesModel::kParting;
+      column == EpisodesModel::kEpisode || column == EpisodesModel::kSeed || column == EpisodesModel::kFirstDivergence;
   return static_cast<int>((number ? Qt::AlignRight : Qt::AlignLeft) | Qt::AlignVCenter);
 }
 

@@ -45,7 +45,7 @@ class EpisodesModel : public QAbstractTableModel {
   Q_OBJECT
 
  public:
-  enum Column { kEpisode, kSeed, kReference, kEngine, kParting, kCause, kColumns };
+  enum Column { kEpisode, kSeed, kReference, kEngine, kFirstDivergence, kCause, kColumns };
 
   using QAbstractTableModel::QAbstractTableModel;
 

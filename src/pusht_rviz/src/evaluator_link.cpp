@@ -196,6 +196,12 @@ void EvaluatorLink::showPresence() {
   if (std::exchange(statuses_[kEvaluator].presence, presence) == presence) {
     return;
   }
+  if (presence != NodeStatus::ALIVE) {  // nothing is known of the nodes that it watches
+    for (NodeStatus& status : statuses_) {
+      status.presence = NodeStatus::WAITING;
+    }
+    statuses_[kEvaluator].presence = presence;
+  }
   if (presence == NodeStatus::LOST) {
     progress_ = {};  // the latched messages of the next evaluator follow
     heard_ = seeking_ = false;

@@ -84,11 +84,17 @@ void SimulatorProperty::offerKinds() {
 }
 
 QString SimulatorProperty::waitsFor() const {
-  return pending_ ? getName() + ": waiting for the node to describe " + QString::fromStdString(kind_) : "";
+  if (!pending_) {
+    return "";
+  }
+  return getName() + ": " +
+         (refusal_.empty() ? "waiting for the node to describe " + QString::fromStdString(kind_)
+                           : QString::fromStdString(refusal_));
 }
 
 void SimulatorProperty::choose(const std::string& kind) {
   pending_ = true;
+  refusal_.clear();
   kind_ = kind;
   setStringStd(kind);
   clear();
@@ -100,11 +106,12 @@ void SimulatorProperty::setKind(const QString& kind, const pusht_msgs::DescribeR
   if (kind.isEmpty() || kind.toStdString() != kind_) {
     return;  // another kind was chosen since
   }
+  setDescription(titleOf(description));
   if (description.success == 0) {
-    setDescription(titleOf(description));
+    refusal_ = description.message;
+    Q_EMIT edited();
     return;
   }
-  setDescription(titleOf(description));
   pending_ = false;
   finish(kind_, description);
 }

@@ -33,7 +33,7 @@ class SimulatorProperty : public ParameterGroup {
   /// Takes the node's description of a kind: the answer to kindNeeded().
   void setKind(const QString& kind, const pusht_msgs::DescribeResponse& description);
 
-  /// Description that is still waited for, in words; empty: none.
+  /// Description that is still waited for, or why the node refused it, in words; empty: none.
   QString waitsFor() const;
 
   /// Kind that is chosen; empty: the node has not described itself.
@@ -55,6 +55,7 @@ class SimulatorProperty : public ParameterGroup {
   pusht_msgs::DescribeResponse node_;
   bool known_ = false;    // the node has described itself
   bool pending_ = false;  // the node has not described the chosen kind yet
+  std::string refusal_;   // why it did not
   QString note_;          // shown in place of a kind that can be chosen; empty: there is a choice
   std::string kind_;
 };

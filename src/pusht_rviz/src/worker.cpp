@@ -62,13 +62,11 @@ void Worker::ask(Call call) {
 }
 
 void Worker::attend() {
-  {
-    const std::lock_guard<std::mutex> lock(state_->mutex);
-    if (!state_->calling_since || Clock::now() - *state_->calling_since < state_->times.deadline) {
-      return;
-    }
+  // With the lock, so that no later call is interrupted in place of the one that is overdue.
+  const std::lock_guard<std::mutex> lock(state_->mutex);
+  if (state_->calling_since && Clock::now() - *state_->calling_since >= state_->times.deadline) {
+    interrupt_();
   }
-  interrupt_();
 }
 
 void Worker::run(const std::shared_ptr<State>& state) {

@@ -42,7 +42,7 @@ TEST(EpisodesModel, ShowsOutcomesAndPartingInWords) {
   EXPECT_EQ(shown(model, 0, EpisodesModel::kSeed), "10007");
   EXPECT_EQ(shown(model, 0, EpisodesModel::kReference), QString::fromUtf8("✓ solved"));
   EXPECT_EQ(shown(model, 0, EpisodesModel::kEngine), QString::fromUtf8("✗ stuck"));
-  EXPECT_EQ(shown(model, 0, EpisodesModel::kParting), "1.4 s");
+  EXPECT_EQ(shown(model, 0, EpisodesModel::kFirstDivergence), "1.4 s");
   EXPECT_EQ(shown(model, 0, EpisodesModel::kCause), "sticking on bar");
   EXPECT_EQ(model.row(0).steps, 300U) << "of the modes: probes do not count";
   const QString tip = model.data(model.index(0, EpisodesModel::kCause), Qt::ToolTipRole).toString();
@@ -59,7 +59,7 @@ TEST(EpisodesModel, ShowsAReplayThatStays) {
   result.seed = 0;
   EpisodesModel model;
   model.add({result});
-  EXPECT_EQ(shown(model, 0, EpisodesModel::kParting), QString::fromUtf8("–"));
+  EXPECT_EQ(shown(model, 0, EpisodesModel::kFirstDivergence), QString::fromUtf8("–"));
   EXPECT_EQ(shown(model, 0, EpisodesModel::kCause), "stays together");
   EXPECT_EQ(shown(model, 0, EpisodesModel::kSeed), QString::fromUtf8("–")) << "its start was given";
 }

@@ -333,6 +333,7 @@ TEST_F(PanelTest, ShowsAnEvaluatorThatHangsAndDies) {
   ASSERT_TRUE(waitUntil([&] { return start->isEnabled(); })) << start->toolTip().toStdString();
   ASSERT_EQ(kill(victim, SIGSTOP), 0);
   ASSERT_TRUE(becomes("gives no answer")) << evaluator->toolTip().toStdString();
+  EXPECT_FALSE(find<QLabel>("node.reference")->toolTip().contains("alive")) << "nothing is known of it now";
   EXPECT_FALSE(start->isEnabled());
   ASSERT_EQ(kill(victim, SIGCONT), 0);
   ASSERT_TRUE(becomes("alive")) << evaluator->toolTip().toStdString();

@@ -79,6 +79,13 @@ RunConfiguration configurationOf(const RunOptions& options) {
   return configuration;
 }
 
+TEST(EveryOption, IsInTheTable) {
+  EXPECT_THAT(namesOfOptions(),
+              ::testing::ElementsAre("seed", "first_episode", "episodes", "horizon", "floor", "reanchor",
+                                     "model_variants", "closed_variants", "bound_position", "bound_angle", "repeats",
+                                     "noise_seed", "independent_noise", "execute", "until_decided"));
+}
+
 TEST(EveryOption, ComesThroughAGoal) {
   forEachChanged([](const auto& /*option*/, const RunOptions& options) {
     LiveRequest request;

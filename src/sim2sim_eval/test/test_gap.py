@@ -203,7 +203,7 @@ class Probes(GapCase):
             ("--reanchor", "5,5"): "reanchor 5: is named twice",
             ("--reanchor", "5;6"): "reanchor '5;6': must be numbers of control steps",
             ("--bound-position", "0"): "bound position 0.0: must be finite and above 0",
-            ("--bound-angle", "-1"): "bound_angle -1.0: must be at least 0.0 [rad]",
+            ("--bound-angle", "-1"): "bound angle -1.0: must be finite and above 0",
             ("--until-decided", "1.5"): "until_decided 1.5: must be",
         }
         for arguments, reason in cases.items():

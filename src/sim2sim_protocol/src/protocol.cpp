@@ -45,6 +45,12 @@ const char* modeName(Mode mode) {
 }
 
 void Protocol::validate() const {
+  // Ranges that leave out their lower end.
+  bound().validate();
+  if (until_decided && !(*until_decided > 0.0 && *until_decided <= 1.0)) {
+    throw pusht::InvalidInput("until_decided " + pusht::shortestText(*until_decided) +
+                              ": must be above 0 and at most 1");
+  }
   forEachOption([&](const auto& option) {
     const auto& value = option.of(*this);
     using Value = std::decay_t<decltype(value)>;
@@ -54,12 +60,7 @@ void Protocol::validate() const {
       requireWithin<double>(option, value.value_or(option.range.least));
     }
   });
-  bound().validate();
   probes();
-  if (until_decided && !(*until_decided > 0.0 && *until_decided <= 1.0)) {
-    throw pusht::InvalidInput("until_decided " + pusht::shortestText(*until_decided) +
-                              ": must be above 0 and at most 1");
-  }
   if (until_decided && repeats > 1) {
     throw pusht::InvalidInput("until_decided " + pusht::shortestText(*until_decided) +
                               ": must not be given with repeats " + std::to_string(repeats) +

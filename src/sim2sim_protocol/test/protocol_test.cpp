@@ -573,10 +573,10 @@ TEST(Protocol, RefusesWhatItCannotRun) {
     return "";
   };
   EXPECT_THAT(refusal([](Protocol& p) { p.episodes = 0; }), HasSubstr("episodes 0: must be from 1 to 1000000"));
-  EXPECT_EQ(refusal([](Protocol& p) { p.bound_angle = -1.0; }), "bound_angle -1.0: must be at least 0.0 [rad]");
+  EXPECT_EQ(refusal([](Protocol& p) { p.bound_angle = -1.0; }), "bound angle -1.0: must be finite and above 0 [rad]");
   EXPECT_EQ(refusal([](Protocol& p) { p.bound_position = std::nan(""); }),
-            "bound_position nan: must be at least 0.0 [m]");
-  EXPECT_EQ(refusal([](Protocol& p) { p.until_decided = 1.5; }), "until_decided 1.5: must be from 0.0 to 1.0");
+            "bound position nan: must be finite and above 0 [m]");
+  EXPECT_EQ(refusal([](Protocol& p) { p.until_decided = 1.5; }), "until_decided 1.5: must be above 0 and at most 1");
   EXPECT_THAT(refusal([](Protocol& p) { p.episodes = 1'000'000'000; }), HasSubstr("episodes 1000000000"));
   EXPECT_THAT(refusal([](Protocol& p) { p.horizon = 301; }), HasSubstr("horizon 301"));
   EXPECT_THAT(refusal([](Protocol& p) { p.seed = ~0ULL - 10'000; }), HasSubstr("seed 18446744073709541615"));

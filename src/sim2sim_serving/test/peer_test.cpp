@@ -29,7 +29,7 @@ TEST(Stamps, GrowByAControlStep) {
   }
 }
 
-TEST(Stamps, StartAboveAndNeverGoBack) {
+TEST(Stamps, AreRaisedAndNeverGoBack) {
   StampSource stamps;
   stamps.raiseTo(ros::Time(7, 1));
   stamps.advance();

@@ -305,7 +305,6 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
     throw;
   }
   const nlohmann::json metrics = run.finish(*host.out);
-  *host.out << std::flush;
   warn(doubtAboutPolicy(metrics, origin));
   return {configuration, run.episodes(), metrics, origin, folder ? folder->path() : fs::path()};
 }

@@ -186,6 +186,7 @@ void Evaluator::answer(Job& job, const RunStatus& status) {
   } catch (const pusht::RuntimeFault& fault) {
     pusht::reportFailure(ros::this_node::getName(), fault);
   }
+  node_watch_.follow(parameters_.request.services);  // those of the next run, unless its goal names others
   const bool cancelled = activity_.end(status.exit_code == pusht::ExitCode::kOk ? "" : status.reason);
   if (job.goal) {
     pusht_msgs::CompareResult result = refusal(status.exit_code, status.reason);

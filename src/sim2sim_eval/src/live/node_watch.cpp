@@ -86,6 +86,11 @@ bool NodeWatch::ends() {
   return changed_.wait_for(lock, kPeriod, [this] { return ending_; });
 }
 
+bool NodeWatch::ending() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return ending_;
+}
+
 void NodeWatch::watch() {
   Clock::time_point next_policies;
   while (!ends()) {
@@ -107,6 +112,9 @@ void NodeWatch::watch() {
       }
     }
     for (Watched& node : nodes_) {
+      if (ending()) {
+        return;
+      }
       ask(node);
       publish();
     }

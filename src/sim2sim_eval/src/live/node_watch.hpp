@@ -55,6 +55,7 @@ class NodeWatch {
   void publish() const;
   /// Waits for the period of the questions. Whether the watch ends.
   bool ends();
+  bool ending();
   LiveNodes::Services services();
 
   ros::Publisher topic_;

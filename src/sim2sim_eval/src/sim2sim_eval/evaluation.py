@@ -61,8 +61,10 @@ def _evaluated_configuration(path: Path, checkpoint_sha256: str) -> Json:
     for name, value in EVALUATED.items():
         _require(path, origin, f"configuration.{name}", value)
     configuration: Json = origin["configuration"]
-    for name, value in changed_options(configuration).items():
-        raise Error(f"{path}: configuration.{name} is {value}; there must be none")
+    changed = changed_options(configuration)
+    if changed:
+        named = ", ".join(f"configuration.{name} is {value}" for name, value in changed.items())
+        raise Error(f"{path}: {named}; there must be none")
     return configuration
 
 

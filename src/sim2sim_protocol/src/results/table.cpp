@@ -177,8 +177,8 @@ std::string horizonLines(const Summary& summary, const Horizon& horizon, Marks& 
 
 std::string stepsText(int steps) { return std::to_string(steps) + (steps == 1 ? " step" : " steps"); }
 
-/// Lines of the pushes of state-reset replays; none without a push. They stand before the divergence, because they
-/// order engines better by the success that these cost (docs/findings.md).
+/// Lines of the pushes of state-reset replays; none without a push. They stand before the divergence: their
+/// direction error ranks engines by lost success better than their position error (docs/findings.md, P1).
 std::string pushLines(const RunConfiguration& configuration, const Summary& summary) {
   std::string lines;
   const std::vector<Probe> probes = configuration.protocol.probes();

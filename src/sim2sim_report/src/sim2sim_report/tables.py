@@ -80,8 +80,7 @@ def stuck_texts(episodes: Sequence[Episode]) -> Dict[str, str]:
 
 
 def divergences(run: Run) -> List[Json]:
-    """The lines of the table that the commands print, as they print them: pushes before the rest,
-    as these order engines better by the success that they cost."""
+    """The lines of the table that the commands print, as they print them."""
     m = run.metrics
 
     def line(head: str, quantities: Sequence[Any], **style: Any) -> Json:

@@ -82,7 +82,8 @@ def _by_number(found: Sequence[Any]) -> Row:
 
 
 def _has_pushes(pushes: Part, work: Path, tables: Path) -> bool:
-    """Takes the tables of pushes from the work folder, if they are there; says so if none are."""
+    """Brings the tables of pushes and divergences up to date from the work folder; whether all are
+    there."""
     if (work / PUSHES[-1]).exists():
         for name in PUSHES:
             write_file(tables / name, read_file(work / name))

@@ -13,8 +13,9 @@ namespace pusht_rviz {
 /// Makes calls one after the other, in a thread of its own; no method waits, except the destructor.
 ///
 /// Between the calls that ask() queues, the thread calls `look`, every Times::period. attend(), in the owner's thread,
-/// interrupts a call that is under way for longer than Times::deadline. A mutex guards queue and times; calls are made
-/// without it. Calls may outlive the worker, so they share what they use, and release it in the worker's thread.
+/// interrupts a call that is under way for longer than Times::deadline. A mutex guards the queue and the begin of the
+/// call under way; calls are made without it, interrupts with it. Calls may outlive the worker, so they share what they
+/// use, and release it in the worker's thread.
 class Worker {
  public:
   using Call = std::function<void()>;

@@ -206,12 +206,10 @@ TEST(Table, SaysWhatBecomesOfPushes) {
   const auto text = [&](double missed) {
     return table(configuration, summarize(configuration.protocol, episodesWithPushes(missed)));
   };
-  EXPECT_THAT(
-      text(0.18),
-      HasSubstr("\npushes, open loop\n"
-                "  in 5 steps            in the mean episode 18 % [15, 32] of those that move MuJoCo's tee miss "
-                "here; of the others 43 % [36, 53] move it the other way\n"
-                "    direction error     1.2500 rad ["));
+  EXPECT_THAT(text(0.18), HasSubstr("\npushes, open loop\n"
+                                    "  in 5 steps            direction error 1.2500 rad ["));
+  EXPECT_THAT(text(0.18), HasSubstr("\n    missed              in the mean episode 18 % [15, 32] of those that move "
+                                    "MuJoCo's tee miss here; of the others 43 % [36, 53] move it the other way\n"));
   EXPECT_LT(text(0.18).find("pushes, open loop"), text(0.18).find("divergence, open loop"));
   EXPECT_THAT(text(1.0), HasSubstr(" 100 % [83, 100] of those that move MuJoCo's tee miss here\n"));
   EXPECT_THAT(text(std::nan("")), Not(HasSubstr("pushes"))) << "the reference's tee does not move";

@@ -14,9 +14,8 @@ enum class Role { kReference, kEngine };
 
 /// What a policy is told of a rollout that begins.
 struct Beginning {
-  std::uint64_t seed =
-      0;            ///< of the rollout's random numbers; each use has a stream of its own, by its name (spawn.hpp)
-  int execute = 0;  ///< actions of a chunk that are executed before the next is computed; 0: as the policy says
+  std::uint64_t seed = 0;  ///< of the rollout's random numbers; each use has a stream of its own (spawn.hpp)
+  int execute = 0;         ///< actions of a chunk that are executed before the next is computed; 0: as the policy says
   Role role = Role::kReference;
 };
 

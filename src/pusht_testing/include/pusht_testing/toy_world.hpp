@@ -11,8 +11,8 @@
 
 namespace pusht {
 
-/// The pusher goes where it is told and shoves the tee ahead of it. A step in which
-/// the pusher is faster than 10 000 m/s fails.
+/// The pusher goes where it is told and shoves the tee ahead of it. A step with a
+/// pusher faster than 10 000 m/s fails.
 class ToyWorld : public Simulator {
  public:
   enum class Precision { kSingle, kDouble };

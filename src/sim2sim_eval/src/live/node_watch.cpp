@@ -81,19 +81,14 @@ LiveNodes::Services NodeWatch::services() {
   return services_;
 }
 
-bool NodeWatch::ends() {
+bool NodeWatch::ends(std::chrono::milliseconds period) {
   std::unique_lock<std::mutex> lock(mutex_);
-  return changed_.wait_for(lock, kPeriod, [this] { return ending_; });
-}
-
-bool NodeWatch::ending() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return ending_;
+  return changed_.wait_for(lock, period, [this] { return ending_; });
 }
 
 void NodeWatch::watch() {
   Clock::time_point next_policies;
-  while (!ends()) {
+  while (!ends(kPeriod)) {
     if (topic_.getNumSubscribers() == 0) {
       continue;
     }
@@ -112,7 +107,7 @@ void NodeWatch::watch() {
       }
     }
     for (Watched& node : nodes_) {
-      if (ending()) {
+      if (ends({})) {
         return;
       }
       ask(node);

@@ -53,9 +53,8 @@ class NodeWatch {
   void watch();
   void ask(Watched& node);
   void publish() const;
-  /// Waits for the period of the questions. Whether the watch ends.
-  bool ends();
-  bool ending();
+  /// Whether the watch ends, within `period` at the latest.
+  bool ends(std::chrono::milliseconds period);
   LiveNodes::Services services();
 
   ros::Publisher topic_;

@@ -146,8 +146,8 @@ def _pushes(run: Run, every: str) -> List[Json]:
         text += f"; of the others {share('pushes_turned')} move it the other way"
     error = figure(m, f"{probe}_push_direction_error", "rad")
     return [
-        {"head": f"pushes in {_steps(every)}", "cells": [text]},
-        {"head": "their direction error", "cells": [error]},
+        {"head": f"direction error of pushes in {_steps(every)}", "cells": ["", error]},
+        {"head": "pushes missed", "cells": [text]},
     ]
 
 

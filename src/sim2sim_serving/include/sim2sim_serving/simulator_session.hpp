@@ -25,10 +25,9 @@ class SimulatorSession {
  public:
   using Observer = std::function<void(const pusht_msgs::WorldStateStamped&)>;
 
-  /// `observer` gets the world after every reset and step that was taken (not in silent
-  /// episodes, nor for an answer given again). The world can
-  /// become one of any of `kinds`, which must outlive it; without any it stays of its own. Throws as the kind does that
-  /// refuses `parameters`.
+  /// `observer` gets the world after every reset and step that was taken (not in silent episodes, nor for an answer
+  /// given again). The world can become one of any of `kinds`, which must outlive it; without any it stays of its own.
+  /// Throws as the kind does that refuses `parameters`.
   SimulatorSession(SimulatorKind kind, const ParameterSet& parameters, std::string frame_prefix, Observer observer,
                    const SimulatorKinds* kinds = nullptr);
 

@@ -69,8 +69,8 @@ struct ComparisonResults {
   std::filesystem::path folder;  ///< of the results; empty: none
 };
 
-/// Runs the protocol, writes the results folder, and prints the table. An unfinished run in the folder
-/// is continued; its results have the bytes of a run in one piece. Throws InvalidInput for bad options, BadDependency
+/// Runs the protocol, writes the results folder, and prints the table. An unfinished run in the folder is
+/// continued; its results have the bytes of a run in one piece. Throws InvalidInput for bad options, BadDependency
 /// for a policy or model that does not load, SimulationFault or RuntimeFault during the run; finished episodes are kept
 /// then.
 ComparisonResults compare(const CompareOptions& options, const ComparisonHost& host = {});

@@ -186,9 +186,9 @@ std::string pushLines(const RunConfiguration& configuration, const Summary& summ
     const auto mean = [&](const char* quantity) { return summary.mean(rolloutOfProbe(i), quantity); };
     if (probes[i].reset_every > 0 && !std::isnan(mean("pushes_missed").value)) {
       const std::string reference = inSentence(configuration.reference.title);
-      lines += line("  in " + stepsText(probes[i].reset_every),
-                    "direction error " + cell(mean("push_direction_error"), "rad"), "") +
-               padded("    missed", kHead) + pushText(reference, mean("pushes_missed"), mean("pushes_turned")) + "\n";
+      lines += padded("  in " + stepsText(probes[i].reset_every), kHead) + "direction error " +
+               cell(mean("push_direction_error"), "rad") + "\n" + padded("    missed", kHead) +
+               pushText(reference, mean("pushes_missed"), mean("pushes_turned")) + "\n";
     }
   }
   return lines.empty() ? "" : "pushes, open loop\n" + lines;

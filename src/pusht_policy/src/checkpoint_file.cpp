@@ -2,6 +2,7 @@
 #include "checkpoint_file.hpp"
 
 #include "checkpoint_provenance.hpp"
+#include "file_kinds.hpp"
 #include "pusht_task/files.hpp"
 
 namespace pusht {
@@ -15,11 +16,17 @@ PolicyDescription descriptionIn(const Records& records, const std::string& name)
   return found == records.end() ? PolicyDescription() : descriptionFrom(found->second, name + ": " + kDescriptionFile);
 }
 
+std::string bytesOf(const std::filesystem::path& path, const std::string& name) {
+  requireFile(path, name);
+  return readFile(path, "policy");
+}
+
 }  // namespace
 
 CheckpointFile::CheckpointFile(const std::filesystem::path& path)
-    : name("policy " + path.string()), bytes(readFile(path, "policy")), hash(sha256(bytes)) {
+    : name("policy " + path.string()), bytes(bytesOf(path, name)), hash(sha256(bytes)) {
   requireHashOfProvenance(path, name, hash);
+  requireNoOtherFormat(bytes, name);
   records = verifiedRecords(bytes, name);
   description = descriptionIn(records, name);
 }

@@ -2,6 +2,7 @@
 #include "sim2sim_protocol/episode.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sim2sim {
 namespace {
@@ -22,6 +23,12 @@ RolloutResult resultOf(const Protocol& protocol, std::size_t rollout, const Roll
     result.first_divergence = firstDivergenceOf(view.reference, view.rollout.trace(), protocol.bound());
   }
   return result;
+}
+
+int limitedCommands(const pusht::Trace& trace) {
+  return static_cast<int>(std::count_if(trace.actions.begin(), trace.actions.end(), [](const pusht::Action& action) {
+    return std::abs(action[0]) >= pusht::kActionLimit || std::abs(action[1]) >= pusht::kActionLimit;
+  }));
 }
 
 }  // namespace
@@ -61,6 +68,9 @@ EpisodeResult Episode::result() const {
   for (const Mode mode : kModes) {
     result.rollouts.push_back(
         resultOf(protocol_, mode, {rollouts_[mode], reference, 0, &rollouts_[kEngineReplay].trace()}));
+    if (mode != kEngineReplay) {
+      result.rollouts.back().limited_commands = limitedCommands(rollouts_[mode].trace());
+    }
   }
   const std::vector<Probe> probes = protocol_.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {

@@ -2,10 +2,13 @@
 #include "sim2sim_protocol/initial_states.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <optional>
 #include <sstream>
 #include <utility>
 
+#include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
@@ -13,6 +16,7 @@
 #include "pusht_task/simulator.hpp"
 #include "pusht_task/split.hpp"
 #include "pusht_task/state_fields.hpp"
+#include "pusht_task/task.hpp"
 
 namespace sim2sim {
 namespace {
@@ -91,6 +95,29 @@ WorldState stateIn(const std::string& line, const std::vector<StateField>& colum
   return pusht::checkedStart(state);
 }
 
+/// Throws InvalidInput if the center of a body is beyond the walls.
+void requireOnTable(WorldState state) {
+  constexpr double kOtherUnit = 10.0;  // [m] no table is that large
+  for (const StateField& field : kStateFields) {
+    const double value = field.of(state);
+    if (field.unit == "m" && std::abs(value) > pusht::kWallInnerFace) {
+      throw pusht::InvalidInput(std::string(field.name) + " " + pusht::shortestText(value) + " m: the table ends at " +
+                                pusht::shortestText(pusht::kWallInnerFace) + " m" +
+                                (std::abs(value) > kOtherUnit ? "; pixels or millimeters?" : ""));
+    }
+  }
+}
+
+void requireApart(const WorldState& state) {
+  constexpr double kContact = 0.003;  // [m] soft contacts overlap
+  const pusht::Overlap overlap = pusht::deepestOverlap(state);
+  if (overlap.depth > kContact) {
+    throw pusht::InvalidInput(std::string(overlap.bodies) + " overlap by " + pusht::significantText(overlap.depth, 2) +
+                              " m: must be at most " + pusht::shortestText(kContact) +
+                              " m, unless overlapping_starts allows it");
+  }
+}
+
 }  // namespace
 
 InitialStates::InitialStates(std::vector<WorldState> states, int first)
@@ -147,8 +174,31 @@ InitialStates initialStatesFrom(const std::string& csv, int first, int count) {
   return {std::move(states), first};
 }
 
-std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::path& path, int first, int count) {
-  return path.empty() ? nullptr : std::make_shared<InitialStates>(readInitialStates(path, first, count));
+std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::path& path, int first, int count,
+                                                        bool may_overlap) {
+  if (path.empty()) {
+    return nullptr;
+  }
+  auto starts = std::make_shared<InitialStates>(readInitialStates(path, first, count));
+  std::map<std::string, int> lines;  // by key of the start
+  for (int episode = first; episode < first + count; ++episode) {
+    const int line = episode - first + 2;  // below the names of the columns
+    try {
+      requireOnTable(starts->at(episode));
+      if (!may_overlap) {
+        requireApart(starts->at(episode));
+      }
+      const auto [same, is_new] = lines.emplace(starts->keyOf(episode), line);
+      if (!is_new) {
+        throw pusht::InvalidInput("is the start of line " + std::to_string(same->second) +
+                                  " again: must be another one; `repeats` plays each start several times");
+      }
+    } catch (pusht::Error& error) {
+      error.addContext("starts " + path.string() + ": line " + std::to_string(line));
+      throw;
+    }
+  }
+  return starts;
 }
 
 std::string initialStatesCsv(const std::vector<WorldState>& states) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/error.hpp"
+
 namespace sim2sim {
 namespace {
 
@@ -121,6 +123,77 @@ TEST(Answer, OfASweepOverSwitchesSuggestsAttribute) {
 TEST(TitlesOf, NameWhatTellsRunsApart) {
   EXPECT_THAT(titlesOf({damped(6, 1, 1, 0.1), damped(20, 1, 1, 0.1), chipmunk(1, 1, 0.1)}),
               ElementsAre("two-mass engine, block_damp 6.0", "two-mass engine, block_damp 20.0", "Chipmunk"));
+}
+
+/// Run of a policy of which MuJoCo succeeds in the first `home` of 60 episodes, Chipmunk in the first `away`.
+RunResults policyRun(const std::string& policy, int home, int away) {
+  RunResults results = chipmunk(60, 1, 0.05);
+  results.metrics["policy"] = policy;
+  for (int i = 0; i < 60; ++i) {
+    results.episodes[i].rollouts[kReferenceClosed].success = i < home;
+    results.episodes[i].rollouts[kEngineClosed].success = i < away;
+  }
+  return results;
+}
+
+TEST(Answer, OfTwoPoliciesSaysWhichIsBetterWhere) {
+  EXPECT_EQ(answer({policyRun("runs/a.pt", 30, 20), policyRun("runs/b.pt", 34, 40)}),
+            "Is b.pt better than a.pt? In MuJoCo b.pt is not shown to be better or worse than a.pt: +7 points [-1, "
+            "+16] over 60 starts; 157 would show 5. In Chipmunk b.pt is better than a.pt: +33 points [+22, +46] over "
+            "60 starts. Chipmunk keeps 67 % [53, 81] of a.pt's success and 118 % [103, 138] of b.pt's: +51 points "
+            "[+29, +75].");
+}
+
+TEST(Answer, OfSeveralPoliciesNamesThoseThatDiffer) {
+  EXPECT_EQ(answer({policyRun("a.pt", 30, 20), policyRun("b.pt", 34, 40), policyRun("c.pt", 5, 21)}),
+            "Which policies are better than a.pt? In MuJoCo worse: c.pt; not shown: b.pt. In Chipmunk better: b.pt; "
+            "not shown: c.pt.");
+}
+
+TEST(Contrast, OfPoliciesHasBothSimulatorsAndTheTransfer) {
+  const Contrast contrast = contrastsOf(policyRun("a.pt", 30, 20), {policyRun("b.pt", 34, 40)}).front();
+  EXPECT_EQ(contrast.rows[0].name, kReferenceSuccessRow);
+  EXPECT_EQ(contrast.rows[1].name, kSuccessRow);
+  EXPECT_EQ(contrast.rows[2].name, kTransferRow);
+  EXPECT_NEAR(contrast.row(kTransferRow).difference.value, 40.0 / 34.0 - 20.0 / 30.0, 1e-12);
+  EXPECT_THAT(contrast.policies.value().reference.gained, ElementsAre(30, 31, 32, 33));
+  EXPECT_THAT(contrast.policies.value().reference.lost, ElementsAre());
+  EXPECT_EQ(contrast.engine.gained.size(), 20U);
+}
+
+std::string refusalOf(const RunResults& baseline, const std::vector<RunResults>& others) {
+  try {
+    contrastsOf(baseline, others);
+  } catch (const pusht::InvalidInput& refusal) {
+    return refusal.what();
+  }
+  return "";
+}
+
+TEST(Contrast, RefusesRunsThatDifferInPolicyAndEngine) {
+  RunResults both = damped(6, 60, 5, 0.08);
+  both.metrics["policy"] = "b.pt";
+  EXPECT_THAT(refusalOf(policyRun("a.pt", 30, 20), {both}),
+              HasSubstr("do not pair: policy is \"a.pt\" and \"b.pt\", and simulators/engine"));
+  RunResults engine = policyRun("a.pt", 30, 20);
+  engine.metrics["simulators"]["engine"]["parameters"]["iterations"] = 3;
+  EXPECT_THAT(refusalOf(policyRun("a.pt", 30, 20), {policyRun("b.pt", 30, 20), engine}),
+              HasSubstr("differs from run in the engine, others do not"));
+}
+
+/// Two files of one name, as of two folders that were entered in turn, are told apart by their digests.
+TEST(Contrast, TellsFilesOfOneNameApart) {
+  RunResults one = policyRun("policy.pt", 30, 20);
+  RunResults other = policyRun("policy.pt", 34, 20);
+  EXPECT_THAT(refusalOf(one, {other}), HasSubstr("the reference did not do the same in episode 30"));
+  one.policy_sha256 = "0123456789";
+  other.policy_sha256 = "abcdefabcd";
+  EXPECT_EQ(contrastsOf(one, {other}).front().title, "policy.pt (abcdefab)");
+  other = one;
+  other.metrics["execute"] = 4;
+  EXPECT_EQ(contrastsOf(one, {other}).front().title, "policy.pt, execute 4");
+  EXPECT_EQ(policyTitles({policyRun("x/a/p.pt", 1, 1), policyRun("x/b/p.pt", 1, 1)}),
+            (std::vector<std::string>{"a/p.pt", "b/p.pt"}));
 }
 
 }  // namespace

@@ -29,6 +29,7 @@
 #include "sim2sim_statistics/sequential.hpp"
 #include "simulation.hpp"
 #include "tail_coverage.hpp"
+#include "transfer_coverage.hpp"
 
 namespace sim2sim {
 namespace {
@@ -250,6 +251,8 @@ void study(int repetitions, std::uint64_t seed, const std::string& episodes) {
   equivalents(of_equivalents);
   Simulation of_repeats(std::max(1, repetitions / 2), seed);
   repeats(of_repeats);
+  Simulation of_transfers(std::max(1, repetitions / 2), seed);
+  transferDifferences(of_transfers);
 }
 
 // Exit codes of the suite's commands (docs/faults.md).

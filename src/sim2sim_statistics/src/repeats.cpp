@@ -91,6 +91,68 @@ Counts scaled(const PairTable& sum, double factor) {
 
 double asNumber(bool success) { return success ? 1.0 : 0.0; }
 
+/// Ratio of success rates, second / first; none if the first never succeeds.
+std::optional<double> ratioOf(const PairTable& sum) {
+  const double first = sum.both + sum.first_only;
+  return first == 0.0 ? std::nullopt : std::optional((sum.both + sum.second_only) / first);
+}
+
+/// Effective counts of the interval of a ratio.
+Counts countsOfRatio(const std::vector<PairTable>& starts, const PairTable& sum, double ratio) {
+  const double effect = designEffectOf(
+      starts, sum, [ratio](bool in_first, bool in_second) { return asNumber(in_second) - ratio * asNumber(in_first); });
+  return scaled(sum, studentsFactor(starts.size()) / effect);
+}
+
+/// The same for the difference of two ratios, where starts of one pair each are independent pairs.
+Counts countsOfTransfer(const std::vector<PairTable>& starts, const PairTable& sum, double ratio) {
+  const bool is_repeated = sum.pairs() > static_cast<int>(starts.size());
+  return is_repeated ? countsOfRatio(starts, sum, ratio) : scaled(sum, 1.0);
+}
+
+/// Correlation of the estimates of two ratios over the same starts, from the sums of residuals by start; 0 if one has
+/// none.
+double correlationOf(const std::vector<PairTable>& first, double first_ratio, const std::vector<PairTable>& second,
+                     double second_ratio) {
+  const auto sum_of = [](const PairTable& start, double ratio) {
+    return start.both + start.second_only - ratio * (start.both + start.first_only);
+  };
+  double products = 0.0;
+  double squares_of_first = 0.0;
+  double squares_of_second = 0.0;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const double of_first = sum_of(first[i], first_ratio);
+    const double of_second = sum_of(second[i], second_ratio);
+    products += of_first * of_second;
+    squares_of_first += of_first * of_first;
+    squares_of_second += of_second * of_second;
+  }
+  const double scale = std::sqrt(squares_of_first * squares_of_second);
+  return scale > 0.0 ? std::clamp(products / scale, -1.0, 1.0) : 0.0;
+}
+
+/// Distance of an end of the interval of a difference from the difference, from those of its two terms.
+double recovered(double of_one, double of_other, double correlation) {
+  return std::sqrt(std::max(0.0, of_one * of_one + of_other * of_other - 2.0 * correlation * of_one * of_other));
+}
+
+/// Ratio with the counts of its interval.
+struct SampledRatio {
+  double value;
+  Counts counts;
+};
+
+/// Interval of the difference of two ratios, second - first, for a normal quantile.
+Interval intervalOfDifference(const SampledRatio& first, const SampledRatio& second, double correlation, double z) {
+  const Interval less = tang(first.counts, z);
+  const Interval more = tang(second.counts, z);
+  const double difference = second.value - first.value;
+  return {difference - recovered(second.value - more.low, less.high - first.value, correlation),
+          difference + recovered(more.high - second.value, first.value - less.low, correlation)};
+}
+
+bool holdsZero(const Interval& interval) { return interval.low <= 0.0 && interval.high >= 0.0; }
+
 void requireCounts(const std::vector<StartCount>& starts) {
   for (const StartCount& start : starts) {
     if (start.episodes < 1) {
@@ -213,14 +275,36 @@ Difference repeatedDifference(const std::vector<PairTable>& starts) {
 
 std::optional<Interval> repeatedRatioInterval(const std::vector<PairTable>& starts) {
   const PairTable sum = sumOfTables(starts);
-  const double first = sum.both + sum.first_only;
-  if (areTooFew(starts.size()) || first == 0.0) {
+  const std::optional<double> ratio = ratioOf(sum);
+  if (areTooFew(starts.size()) || !ratio) {
     return std::nullopt;
   }
-  const double ratio = (sum.both + sum.second_only) / first;
-  const double effect = designEffectOf(
-      starts, sum, [ratio](bool in_first, bool in_second) { return asNumber(in_second) - ratio * asNumber(in_first); });
-  return tang(scaled(sum, studentsFactor(starts.size()) / effect));
+  return tang(countsOfRatio(starts, sum, *ratio));
+}
+
+Difference differenceOfRatios(const std::vector<PairTable>& first, const std::vector<PairTable>& second) {
+  if (first.size() != second.size()) {
+    refuse("starts of the second", second.size(), "as many as of the first, " + std::to_string(first.size()));
+  }
+  const PairTable sum_of_first = sumOfTables(first);
+  const PairTable sum_of_second = sumOfTables(second);
+  const std::optional<double> less = ratioOf(sum_of_first);
+  const std::optional<double> more = ratioOf(sum_of_second);
+  if (!less || !more) {
+    return {};
+  }
+  const double difference = *more - *less;
+  if (areTooFew(first.size())) {
+    return {difference, std::nullopt, std::nullopt};
+  }
+  const SampledRatio of_first{*less, countsOfTransfer(first, sum_of_first, *less)};
+  const SampledRatio of_second{*more, countsOfTransfer(second, sum_of_second, *more)};
+  const double correlation = correlationOf(first, *less, second, *more);
+  const auto interval = [&](double z) { return intervalOfDifference(of_first, of_second, correlation, z); };
+  constexpr double kFarthest = 38.0;  // the normal tail beyond is below the least double
+  const auto excludes_zero = [&](double z) { return !holdsZero(interval(z)); };
+  const double score = difference == 0.0 ? 0.0 : edge(excludes_zero, 0.0, kFarthest);
+  return {difference, interval(usualQuantile()), 2.0 * cdf(complement(boost::math::normal(), score))};
 }
 
 NoiseSplit noiseSplit(const std::vector<std::vector<double>>& starts) {

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <random>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace sim2sim {
@@ -192,6 +193,85 @@ TEST(Repeats, RefuseCountsThatCannotBe) {
   EXPECT_THROW(successNoiseSplit({{0, 0}}), std::domain_error);
   EXPECT_THROW(repeatedDifference({PairTable{}}), std::domain_error);
   EXPECT_THROW(repeatedRatioInterval({PairTable{-1, 2, 0, 0}}), std::domain_error);
+}
+
+/// Starts of one pair each: (both, first only, second only, neither) of each policy in turn.
+std::vector<PairTable> startsOf(const std::vector<PairTable>& tables) {
+  std::vector<PairTable> starts;
+  for (const PairTable& table : tables) {
+    starts.insert(starts.end(), table.both, {1, 0, 0, 0});
+    starts.insert(starts.end(), table.first_only, {0, 1, 0, 0});
+    starts.insert(starts.end(), table.second_only, {0, 0, 1, 0});
+    starts.insert(starts.end(), table.neither, {0, 0, 0, 1});
+  }
+  return starts;
+}
+
+/// Each kind of start of one policy meets all kinds of the other in the same shares, so their residuals do not
+/// correlate.
+TEST(DifferenceOfRatios, OfUnrelatedPoliciesAddsTheSquaresOfTheDistances) {
+  const PairTable first{24, 16, 8, 16};
+  std::vector<PairTable> second_by_kind;
+  for (const int count : {24, 16, 8, 16}) {
+    second_by_kind.push_back({count / 2, count / 8, count / 4, count / 8});
+  }
+  const Difference found = differenceOfRatios(startsOf({first}), startsOf(second_by_kind));
+  EXPECT_NEAR(found.value, 48.0 / 40.0 - 32.0 / 40.0, 1e-12);
+  const Interval less = tangInterval(first).value();
+  const Interval more = tangInterval({32, 8, 16, 8}).value();
+  EXPECT_NEAR(found.interval.value().low, 0.4 - std::hypot(1.2 - more.low, less.high - 0.8), 1e-9);
+  EXPECT_NEAR(found.interval.value().high, 0.4 + std::hypot(more.high - 1.2, 0.8 - less.low), 1e-9);
+  EXPECT_LT(found.p.value(), 0.05);
+}
+
+TEST(DifferenceOfRatios, OfAlikePoliciesIsNarrower) {
+  const std::vector<PairTable> first = startsOf({{24, 16, 8, 16}});
+  std::vector<PairTable> second = first;
+  std::swap(second.front(), second.back());
+  const Interval alike = differenceOfRatios(first, second).interval.value();
+  const Interval unlike = differenceOfRatios(first, {first.rbegin(), first.rend()}).interval.value();
+  EXPECT_EQ(differenceOfRatios(first, first).p.value(), 1.0);
+  EXPECT_LT(alike.high - alike.low, 0.5 * (unlike.high - unlike.low));
+}
+
+/// p is 0.05 where the interval ends at 0, and both agree on either side of it.
+TEST(DifferenceOfRatios, HasAProbabilityThatAgreesWithItsInterval) {
+  int findings = 0;
+  for (int gained = 0; gained <= 20; ++gained) {
+    const std::vector<PairTable> second = startsOf({{20 + gained, 20 - gained, 10, 30}});
+    const Difference found = differenceOfRatios(startsOf({{20, 20, 10, 30}}), second);
+    const bool excludes_zero = found.interval.value().low > 0.0;
+    EXPECT_EQ(found.p.value() < 0.05, excludes_zero) << gained;
+    findings += excludes_zero ? 1 : 0;
+  }
+  EXPECT_GT(findings, 0);
+  EXPECT_LT(findings, 20);
+}
+
+TEST(DifferenceOfRatios, OfRepeatsIsThatOfTheirStarts) {
+  const std::vector<PairTable> once = startsOf({{24, 16, 8, 16}});
+  const std::vector<PairTable> other(once.rbegin(), once.rend());
+  const auto often = [](std::vector<PairTable> starts) {
+    for (PairTable& start : starts) {
+      start = {5 * start.both, 5 * start.first_only, 5 * start.second_only, 5 * start.neither};
+    }
+    return starts;
+  };
+  const Interval of_often = differenceOfRatios(often(once), often(other)).interval.value();
+  const Interval of_once = differenceOfRatios(once, other).interval.value();
+  EXPECT_NEAR(of_often.high, of_once.high, 0.05) << "Student's t in place of the normal quantile";
+  EXPECT_GE(of_often.high, of_once.high);
+}
+
+TEST(DifferenceOfRatios, NeedsTenStartsAndSuccessOfBothReferences) {
+  const std::vector<PairTable> never(12, {0, 0, 1, 0});
+  const std::vector<PairTable> always(12, {1, 0, 0, 0});
+  EXPECT_TRUE(std::isnan(differenceOfRatios(never, always).value));
+  EXPECT_TRUE(std::isnan(differenceOfRatios(always, never).value));
+  const Difference few = differenceOfRatios({9, {1, 0, 0, 0}}, {9, {0, 1, 0, 0}});
+  EXPECT_EQ(few.value, -1.0);
+  EXPECT_FALSE(few.interval || few.p);
+  EXPECT_THROW(differenceOfRatios(never, {}), std::domain_error);
 }
 
 }  // namespace

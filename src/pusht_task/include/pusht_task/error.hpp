@@ -17,6 +17,8 @@ enum class ExitCode {
   kBadDependency = 3,   ///< something the run needs is missing or not as expected
   kRuntimeFault = 4,    ///< a peer died, a deadline passed, the disk is full, the run was interrupted
   kContractError = 5,   ///< an audit found an error of the contract
+  kNotMet = 6,          ///< a requirement (--require) is shown not to be met
+  kUndecided = 7,       ///< the episodes cannot say whether a requirement is met
   kInternalError = 70,  ///< a defect of ours or of a library
 };
 

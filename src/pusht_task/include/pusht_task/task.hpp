@@ -13,6 +13,14 @@ Action clip(const Action& action);
 /// Observation of `state` for a policy.
 Observation observe(const WorldState& state);
 
+/// Two bodies of the task that overlap, and how deep.
+struct Overlap {
+  const char* bodies = "";  ///< "pusher and tee", "pusher and walls", "tee and walls"
+  double depth = 0.0;       ///< [m]; 0 or less: none overlap
+};
+/// The deepest overlap of a state.
+Overlap deepestOverlap(const WorldState& state);
+
 /// Distance of the tee from its target pose.
 struct PoseError {
   double position = 0.0;  ///< [m]

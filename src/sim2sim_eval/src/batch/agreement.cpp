@@ -369,7 +369,8 @@ int agreementMain(int argc, char** argv) {
                "leave out the distance of each simulator from its own model variants");
   app.add_option("--policy", options.policy, "policy whose actions are replayed, as for `compare`")
       ->capture_default_str();
-  declare(app, protocol, {"seed", "first_episode", "episodes", "horizon", "reanchor", "noise_seed", "execute"});
+  declare(app, protocol,
+          {"seed", "first_episode", "episodes", "horizon", "reanchor", "noise_seed", "execute", "overlapping_starts"});
   app.add_option("--starts", starts, "CSV file with the start of each episode, instead of spawn seeds")
       ->check(notEmpty());
   app.add_option("--out", out, "write the agreement into a new JSON file")->check(notEmpty());
@@ -380,7 +381,8 @@ int agreementMain(int argc, char** argv) {
       protocol.episodes = defaultEpisodes(protocol, starts);
     }
     protocol.validate();
-    protocol.initial_states = givenInitialStates(starts, protocol.firstStart(), protocol.starts());
+    protocol.initial_states =
+        givenInitialStates(starts, protocol.firstStart(), protocol.starts(), protocol.overlapping_starts);
     const std::vector<Listed> listed = listedFrom(options);
     const std::vector<Along> alongs = alongsOf(options, listed);
     const Agreement result = PairsOfList(options, listed, alongs).agreement();

@@ -13,6 +13,7 @@
 
 #include "bag/messages.hpp"
 #include "bag/run_bag.hpp"
+#include "batch/requirements.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
@@ -26,6 +27,7 @@
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/run.hpp"
 #include "sim2sim_protocol/results/run_folder.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/traces.hpp"
 #include "sim2sim_protocol/runner.hpp"
 #include "sim2sim_serving/installed_file.hpp"
@@ -193,7 +195,8 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   configuration.smoke = options.smoke;
   configuration.protocol.validate();
   configuration.protocol.initial_states =
-      givenInitialStates(options.starts, configuration.protocol.firstStart(), configuration.protocol.starts());
+      givenInitialStates(options.starts, configuration.protocol.firstStart(), configuration.protocol.starts(),
+                         configuration.protocol.overlapping_starts);
   const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_parameters);
   const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_parameters);
   nameVariants(reference.kind, reference.parameters, configuration.protocol);
@@ -305,7 +308,7 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
     throw;
   }
   const nlohmann::json metrics = run.finish(*host.out);
-  warn(doubtAboutPolicy(metrics, origin));
+  warn(doubtAboutPolicy(metrics, origin, run.summary().endings.reference));
   return {configuration, run.episodes(), metrics, origin, folder ? folder->path() : fs::path()};
 }
 
@@ -313,7 +316,23 @@ int compareMain(int argc, char** argv) {
   CompareOptions options;
   CLI::App app("Runs one policy from the same starts in two simulators, and measures the gap.", "compare");
   options.declare(app);
-  return runCommand(app, argc, argv, [&] { compare(options); });
+  RequirementOptions required;
+  required.declare(app);
+  return runCommand(app, argc, argv, [&] {
+    const std::vector<Requirement> requirements = required.read();
+    for (const Requirement& requirement : requirements) {
+      requirement.requireOneRun(options.protocol.until_decided.has_value());
+    }
+    const ComparisonResults results = compare(options);
+    if (!requirements.empty()) {
+      const Protocol& protocol = results.configuration.protocol;
+      const Summary summary = summarize(protocol, results.episodes);
+      conclude(
+          "compare", required,
+          judgeAll(requirements, [&](const Requirement& requirement) { return judge(requirement, protocol, summary); }),
+          std::cout);
+    }
+  });
 }
 
 }  // namespace sim2sim

@@ -15,12 +15,16 @@ namespace sim2sim {
 
 int contrastMain(int argc, char** argv) {
   ContrastOptions options;
-  CLI::App app("Compares runs over the same episodes pair by pair: two folders of results, or the rows of a sweep.",
-               "contrast");
+  CLI::App app(
+      "Compares runs over the same episodes pair by pair, in other engines or of other policies: folders of results, "
+      "or "
+      "the rows of a sweep.",
+      "contrast");
   app.add_option("results", options.results, "folders of runs or sweeps")->required()->check(notEmpty());
   app.add_option("--against", options.against, "number of the run that the others are compared with, from 0")
       ->check(decimalInteger());
   app.add_option("--out", options.out, "JSON file for all figures")->check(notEmpty());
+  options.required.declare(app);
   return runCommand(app, argc, argv, [&] { contrast(options); });
 }
 
@@ -45,8 +49,12 @@ std::vector<RunResults> runsToContrast(const ContrastOptions& options) {
 }
 
 void contrast(const ContrastOptions& options) {
+  const std::vector<Requirement> requirements = options.required.read();
   pusht::requireNewFile("out", options.out);
   std::vector<RunResults> runs = runsToContrast(options);
+  for (const Requirement& requirement : requirements) {
+    requirement.requireRuns(static_cast<int>(runs.size()));
+  }
   const RunResults baseline = runs.front();
   runs.erase(runs.begin());
   const std::vector<Contrast> contrasts = contrastsOf(baseline, runs);
@@ -55,6 +63,10 @@ void contrast(const ContrastOptions& options) {
   if (!options.out.empty()) {
     pusht::writeNewFile("out", options.out, jsonText(toJson(baseline, runs, contrasts)));
   }
+  conclude("contrast", options.required,
+           judgeAll(requirements,
+                    [&](const Requirement& requirement) { return judge(requirement, baseline, runs, contrasts); }),
+           std::cout);
 }
 
 }  // namespace sim2sim

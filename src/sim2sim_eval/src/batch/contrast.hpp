@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "batch/requirements.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
 
 namespace sim2sim {
@@ -15,6 +16,7 @@ struct ContrastOptions {
   std::vector<std::string> results;  ///< folders of runs or sweeps; each row of a sweep is a run
   int against = 0;                   ///< number of the baseline among these runs, from 0
   std::filesystem::path out;         ///< JSON file for all figures; empty: none
+  RequirementOptions required{};
 };
 
 /// Results of all runs that the options name, the baseline first. Throws InvalidInput if there are fewer than two, or
@@ -22,7 +24,7 @@ struct ContrastOptions {
 std::vector<RunResults> runsToContrast(const ContrastOptions& options);
 
 /// Compares each run with the baseline, prints the table and writes the JSON file. Throws as runsToContrast() and
-/// requirePairs(); InvalidInput if there is something at `out` already.
+/// contrastsOf(); InvalidInput if there is something at `out` already; and as conclude().
 void contrast(const ContrastOptions& options);
 
 }  // namespace sim2sim

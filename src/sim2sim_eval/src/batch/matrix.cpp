@@ -20,6 +20,7 @@ namespace sim2sim {
 int matrixMain(int argc, char** argv) {
   std::filesystem::path sweep;
   std::vector<std::string> groups;
+  std::vector<std::string> policies;
   std::filesystem::path hypotheses;
   bool overwrite = false;
   CLI::App app(
@@ -30,6 +31,8 @@ int matrixMain(int argc, char** argv) {
   app.add_option("--group", groups, "only the policies of this group of the plan; may be repeated")
       ->type_size(1)
       ->allow_extra_args(false)
+      ->check(notEmpty());
+  app.add_option("--pair", policies, "two policies or more, each of which is compared with the others start by start")
       ->check(notEmpty());
   app.add_option("--hypotheses", hypotheses,
                  "YAML file with differences between groups of policies that were expected before the sweep was run; "
@@ -42,10 +45,14 @@ int matrixMain(int argc, char** argv) {
         hypotheses.empty() ? std::vector<Hypothesis>() : readHypotheses(hypotheses);
     const Matrix matrix = readMatrix(sweep, groups, [] { requireNotInterrupted(); });
     const std::vector<HypothesisResult> tested = test(matrix, expected);
+    const std::vector<PolicyPair> pairs = pairsOf(matrix, policies);
     requireNotInterrupted();
-    std::cout << table(matrix) << table(tested);
+    std::cout << table(matrix) << table(matrix, pairs) << table(tested);
     nlohmann::json content = toJson(matrix);
     content["hypotheses"] = toJson(tested);
+    if (!pairs.empty()) {
+      content["pairs"] = toJson(matrix, pairs);
+    }
     files.write(content, toCsv(matrix));
   });
 }

@@ -53,7 +53,11 @@ std::vector<PlannedDifference> plannedDifferences(const PlanQuestions& questions
     planned.push_back({text, {}, discordanceOf(table), questions.success});
   };
   success("success, engine - reference", pairsOf(pilot.episodes, kReferenceClosed, pilot.episodes, kEngineClosed));
-  if (other) {
+  if (other && pairingOf(pilot, *other) == Pairing::kPolicies) {
+    success("success in reference, other - pilot",
+            pairsOf(pilot.episodes, kReferenceClosed, other->episodes, kReferenceClosed));
+    success("success in engine, other - pilot", pairsOf(pilot.episodes, kEngineClosed, other->episodes, kEngineClosed));
+  } else if (other) {
     success("success, other - pilot", pairsOf(pilot.episodes, kEngineClosed, other->episodes, kEngineClosed));
   }
   for (std::size_t k = 0; k < kWholeEpisodePairs; ++k) {
@@ -82,6 +86,18 @@ std::string smallestText(const PlannedDifference& planned, int episodes) {
   return least ? significant(*least) : "none";
 }
 
+/// "353 episodes", or why none suffice. Success rates differ by no more than the share of pairs in which only one
+/// succeeds.
+std::string episodesText(const PlannedDifference& planned) {
+  if (!planned.deviation && *planned.wanted > *planned.discordant) {
+    return "none suffice: only one succeeds in " + significant(*planned.discordant) + " of all pairs";
+  }
+  const std::optional<int> episodes = planned.deviation ? episodesFor(*planned.deviation, *planned.wanted)
+                                                        : episodesForRates(*planned.discordant, *planned.wanted);
+  return episodes ? std::to_string(*episodes) + " episodes"
+                  : "more than " + std::to_string(kMostEpisodes) + " episodes";
+}
+
 /// Number of episodes that shows the wanted difference, as text; empty if none is wanted.
 std::string neededText(const PlannedDifference& planned) {
   if (!planned.wanted) {
@@ -90,11 +106,7 @@ std::string neededText(const PlannedDifference& planned) {
   if (!planned.deviation && !planned.discordant) {
     return "unknown: the pilot is too short";
   }
-  const std::optional<int> episodes = planned.deviation ? episodesFor(*planned.deviation, *planned.wanted)
-                                      : *planned.wanted <= planned.discordant.value_or(0.0)
-                                          ? episodesForRates(*planned.discordant, *planned.wanted)
-                                          : std::nullopt;
-  return significant(*planned.wanted) + ": " + (episodes ? std::to_string(*episodes) + " episodes" : "none suffice");
+  return significant(*planned.wanted) + ": " + episodesText(planned);
 }
 
 /// Number of policies that show that a ranking is preserved, as text.
@@ -197,7 +209,7 @@ void plan(const PlanOptions& options) {
   if (!options.other.empty()) {
     requireNotInterrupted();
     other = readResults(options.other);
-    requirePairs(pilot, *other);
+    pairingOf(pilot, *other);
   }
   const std::string table = planTable(options.questions, pilot, other);
   requireNotInterrupted();

@@ -35,8 +35,9 @@ std::vector<std::string> filesLike(const std::string& pattern) {
 
 std::vector<std::string> policiesNamed(const YAML::Node& node, const std::string& key) {
   const std::string text = textAt(node, key);
-  if (text.find_first_of("*?[") == std::string::npos) {
-    return {text};
+  std::error_code ignored;
+  if (text.find_first_of("*?[") == std::string::npos || std::filesystem::exists(text, ignored)) {
+    return {text};  // a file whose name has such a character is meant itself
   }
   std::vector<std::string> files = filesLike(text);
   if (files.empty()) {

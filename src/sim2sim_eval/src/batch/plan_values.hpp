@@ -33,6 +33,18 @@ inline std::string textAt(const YAML::Node& node, const std::string& key) {
   return node.Scalar();
 }
 
+/// A value or a list of values, as a list; none if the node is not there.
+inline std::vector<std::string> textsAt(const YAML::Node& node, const std::string& key) {
+  std::vector<std::string> texts;
+  if (node.IsDefined() && !node.IsSequence()) {
+    texts.push_back(textAt(node, key));
+  }
+  for (const YAML::Node& text : node.IsDefined() && node.IsSequence() ? node : YAML::Node()) {
+    texts.push_back(textAt(text, key));
+  }
+  return texts;
+}
+
 template <class Integer>
 Integer integerAt(const YAML::Node& node, const std::string& key) {
   const std::string text = textAt(node, key);

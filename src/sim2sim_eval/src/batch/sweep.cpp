@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "batch/requirements.hpp"
 #include "batch/shard.hpp"
 #include "batch/sweep_description.hpp"
 #include "batch/sweep_folder.hpp"
@@ -42,6 +43,7 @@ struct SweepOptions {
   std::string shard;  ///< "I/N"; empty: the whole sweep
   std::string out;    ///< results folder; empty: the next free results/sweep-N
   bool overwrite = false;
+  RequirementOptions required;  ///< besides those of the plan
   BatchOptions batch;
 };
 
@@ -78,14 +80,18 @@ void printRow(const RunConfiguration& configuration, const std::string& paramete
 class Sweeper {
  public:
   Sweeper(const SweepOptions& options, const SweepPlan& plan, const Protocol& protocol,
-          const std::vector<LoadedRun>& loaded, SweepFolder& folder)
+          const std::vector<LoadedRun>& loaded, const std::vector<Requirement>& requirements, SweepFolder& folder)
       : options_(options),
         plan_(plan),
         protocol_(protocol),
         loaded_(loaded),
         folder_(folder),
+        requirements_(requirements),
         varying_(varyingParameters(plan.rows)),
         bar_("episodes", static_cast<std::int64_t>(plan.rows.size()) * protocol.episodes) {}
+
+  /// Answers to the requirements, row by row.
+  const std::vector<RequirementResult>& answers() const { return answers_; }
 
   /// Throws RuntimeFault if it is interrupted, or at the end if there were rows that failed.
   void run() {
@@ -137,6 +143,11 @@ class Sweeper {
     }
     bar_.clear();
     printRow(configuration, parametersText(index), row->summary);
+    for (const Requirement& requirement : requirements_) {
+      RequirementResult answer = judge(requirement, protocol_, row->summary);
+      answer.requirement.insert(0, "row " + std::to_string(index) + " (" + parametersText(index) + "), ");
+      answers_.push_back(answer);
+    }
   }
 
   std::vector<EpisodeResult> runRow(std::size_t index, const LoadedSimulator& engine,
@@ -146,7 +157,10 @@ class Sweeper {
     std::vector<EpisodeResult> episodes(protocol_.episodes);
     int finished = 0;
     const auto take = [&](const EpisodeResult& result) {
-      episodes.at(result.index - protocol_.first_episode) = result;
+      EpisodeResult& kept = episodes.at(result.index - protocol_.first_episode) = result;
+      for (RolloutResult& rollout : kept.rollouts) {
+        rollout.limited_commands.reset();  // as in a row that is read back
+      }
       ++finished;
     };
     for (const FinishedEpisode& episode : journal.kept()) {
@@ -200,6 +214,8 @@ class Sweeper {
   const Protocol& protocol_;
   const std::vector<LoadedRun>& loaded_;  // by policy of the plan
   SweepFolder& folder_;
+  const std::vector<Requirement>& requirements_;
+  std::vector<RequirementResult> answers_;  // of each finished row
   std::vector<std::string> varying_;
   ProgressBar bar_;
 };
@@ -222,21 +238,63 @@ void nameVariants(SweepPlan& plan) {
   }
 }
 
-/// All policies of a plan, each with its reference.
-std::vector<LoadedRun> loadAll(const SweepPlan& plan) {
-  std::vector<LoadedRun> loaded;
-  for (std::size_t i = 0; i < plan.policies.size(); ++i) {
-    std::vector<SimulatorChoice> engines;
-    for (const PlannedRow& row : plan.rows) {
-      if (row.policy == i) {
-        engines.push_back(row.engine);
-      }
+/// Takes a policy and its rows out of a plan.
+void remove(SweepPlan& plan, std::size_t policy) {
+  plan.policies.erase(plan.policies.begin() + static_cast<std::ptrdiff_t>(policy));
+  plan.rows.erase(std::remove_if(plan.rows.begin(), plan.rows.end(),
+                                 [policy](const PlannedRow& row) { return row.policy == policy; }),
+                  plan.rows.end());
+  for (PlannedRow& row : plan.rows) {
+    row.policy -= row.policy > policy ? 1 : 0;
+  }
+}
+
+LoadedRun load(const SweepPlan& plan, std::size_t policy) {
+  std::vector<SimulatorChoice> engines;
+  for (const PlannedRow& row : plan.rows) {
+    if (row.policy == policy) {
+      engines.push_back(row.engine);
     }
-    const PlannedPolicy& planned = plan.policies[i];
-    loaded.emplace_back(pusht::PolicyChoice{planned.policy, true, plan.protocol.seed}, planned.reference, engines,
-                        plan.protocol);
+  }
+  const PlannedPolicy& planned = plan.policies[policy];
+  return {pusht::PolicyChoice{planned.policy, true, plan.protocol.seed}, planned.reference, engines, plan.protocol};
+}
+
+/// Loads all policies of a plan, each with its reference. Of several, one that is refused is taken out of the plan, and
+/// named in `refused`.
+std::vector<LoadedRun> loadAll(SweepPlan& plan, std::vector<std::string>& refused) {
+  std::vector<LoadedRun> loaded;
+  while (loaded.size() < plan.policies.size()) {
+    try {
+      loaded.push_back(load(plan, loaded.size()));
+    } catch (const pusht::Error& error) {
+      const bool is_of_the_policy =
+          error.exitCode() == pusht::ExitCode::kInvalidInput || error.exitCode() == pusht::ExitCode::kBadDependency;
+      if (!is_of_the_policy || plan.policies.size() == 1) {
+        throw;
+      }
+      refused.emplace_back(error.what());
+      std::cerr << "sweep: left out: " << error.what() << std::endl;
+      remove(plan, loaded.size());
+    }
   }
   return loaded;
+}
+
+/// Requirements of each row: those of the plan, and of the command line. A shard, which is not a whole row, has none of
+/// the plan's.
+std::vector<Requirement> requirementsOf(const SweepOptions& options, const SweepPlan& plan) {
+  RequirementOptions required = options.required;
+  if (options.shard.empty()) {
+    required.texts.insert(required.texts.begin(), plan.required.begin(), plan.required.end());
+  } else if (!required.texts.empty()) {
+    throw pusht::InvalidInput("require: must stand without --shard, as a shard is no whole row");
+  }
+  std::vector<Requirement> requirements = required.read();
+  for (const Requirement& requirement : requirements) {
+    requirement.requireOneRun(false);
+  }
+  return requirements;
 }
 
 /// Runs all rows of a plan over the same episodes, or continues an unfinished sweep: rows in the folder are not run
@@ -245,12 +303,14 @@ std::vector<LoadedRun> loadAll(const SweepPlan& plan) {
 /// then.
 void sweep(const SweepOptions& options) {
   SweepPlan plan = readSweepPlan(options.plan);
+  const std::vector<Requirement> requirements = requirementsOf(options, plan);
   if (options.episodes > 0) {
     plan.protocol.episodes = options.episodes;
     plan.protocol.validate();
   }
   nameVariants(plan);
-  plan.protocol.initial_states = givenInitialStates(plan.starts, plan.protocol.firstStart(), plan.protocol.starts());
+  plan.protocol.initial_states = givenInitialStates(plan.starts, plan.protocol.firstStart(), plan.protocol.starts(),
+                                                    plan.protocol.overlapping_starts);
   const Shard shard = options.shard.empty() ? Shard() : Shard::from(options.shard);
   const Protocol protocol = shard.share(plan.protocol);
   SweepFolder folder(options.out, options.overwrite, "sweep");
@@ -260,7 +320,8 @@ void sweep(const SweepOptions& options) {
     inputs.push_back({"policy", policy.policy});
   }
   folder.refuseInputs(inputs);
-  const std::vector<LoadedRun> loaded = loadFor(folder, [&] { return loadAll(plan); });
+  std::vector<std::string> refused;
+  const std::vector<LoadedRun> loaded = loadFor(folder, [&] { return loadAll(plan, refused); });
   for (const LoadedRun& run : loaded) {
     folder.refuseInputs(run.reference().inputs());
   }
@@ -276,7 +337,15 @@ void sweep(const SweepOptions& options) {
   }
   const json origin = provenanceOf(plan, protocol, loaded);
   folder.begin(description, origin);
-  withStatus(folder, [&] { Sweeper(options, plan, protocol, loaded, folder).run(); });
+  Sweeper sweeper(options, plan, protocol, loaded, requirements, folder);
+  withStatus(folder, [&] {
+    sweeper.run();
+    if (!refused.empty()) {
+      throw pusht::RuntimeFault(std::to_string(refused.size()) + " of " +
+                                std::to_string(refused.size() + plan.policies.size()) +
+                                " policies were left out, first " + refused.front());
+    }
+  });
   if (!plan.lists_policies) {
     const LoadedSimulator engine(plan.rows.front().engine);
     const RunConfiguration first = rowConfiguration(protocol, loaded.front(), engine);
@@ -287,6 +356,7 @@ void sweep(const SweepOptions& options) {
   if (options.shard.empty() && !plan.lists_policies) {  // the other shards may have the successes
     warn(doubtAboutPolicy(folder.rows().front(), origin));
   }
+  conclude("sweep", options.required, sweeper.answers(), std::cout);
 }
 
 }  // namespace
@@ -307,6 +377,7 @@ int sweepMain(int argc, char** argv) {
                  "sweep continues")
       ->check(notEmpty());
   app.add_flag("--overwrite", options.overwrite, "replace results that are in the folder already");
+  options.required.declare(app);
   options.batch.declare(app);
   return runCommand(app, argc, argv, [&] { sweep(options); });
 }

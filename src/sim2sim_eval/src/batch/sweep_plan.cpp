@@ -355,7 +355,7 @@ SweepPlan planFrom(const YAML::Node& root) {
   }
   requireDistinctKeys(root);
   std::vector<std::string> keys = {"policy", "policies", "reference", "reference_parameters",
-                                   "loop",   "engine",   "starts"};
+                                   "loop",   "engine",   "starts",    "require"};
   forEachOption([&](const auto& option) {
     if (option.in_plan) {
       keys.emplace_back(option.name);
@@ -381,6 +381,7 @@ SweepPlan planFrom(const YAML::Node& root) {
     plan.starts = textAt(starts, "starts");
   }
   plan.protocol = protocolIn(root, plan.starts);
+  plan.required = textsAt(root["require"], "require");
   return plan;
 }
 

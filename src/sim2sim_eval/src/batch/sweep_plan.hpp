@@ -36,6 +36,7 @@ struct SweepPlan {
   std::vector<PlannedPolicy> policies;
   bool lists_policies = false;          ///< whether the plan lists policies; otherwise it has just one
   std::vector<PlannedRow> rows;         ///< policy by policy; no two rows are equal
+  std::vector<std::string> required{};  ///< of each row, as for --require
   std::optional<OrderSample> sample{};  ///< orders whose combinations the rows are; none: the plan lists its rows
 };
 
@@ -56,6 +57,7 @@ struct SweepPlan {
 ///   values for each parameter; each combination is a row, and the last parameter varies fastest. `rows`: a list of
 ///   maps of names to values. `permutations`: `switches` (a list of true/false parameters), `orders` (how many random
 ///   orders of switching on to draw), `seed`; rows are the combinations along these orders and their reverses.
+/// - `require`, a list of what each row must show (results/requirement.hpp).
 ///
 /// Throws InvalidInput with file, line, key, value and rule.
 SweepPlan readSweepPlan(const std::filesystem::path& path);

@@ -140,8 +140,8 @@ void Evaluator::runIn(RunFolder& folder, const LiveRequest& request) {
 
 void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   request.protocol.validate();
-  request.protocol.initial_states =
-      givenInitialStates(request.starts, request.protocol.firstStart(), request.protocol.starts());
+  request.protocol.initial_states = givenInitialStates(request.starts, request.protocol.firstStart(),
+                                                       request.protocol.starts(), request.protocol.overlapping_starts);
   pacer_.setRate(request.rate);
   if (pacer_.paused()) {
     ROS_WARN_STREAM("the run waits, since the evaluator is paused; to go on: " << kHowToResume);
@@ -174,7 +174,7 @@ void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   broadcast_.end();
   const nlohmann::json metrics = run_->finish(std::cout, faults_survived_);
   ROS_INFO_STREAM("finished, all is well: results in " << folder_.string() << (parameters_.exit ? kEndOfLaunch : ""));
-  const std::string doubt = doubtAboutPolicy(metrics, provenance);
+  const std::string doubt = doubtAboutPolicy(metrics, provenance, run_->summary().endings.reference);
   if (!doubt.empty()) {
     ROS_WARN_STREAM(doubt);
   }

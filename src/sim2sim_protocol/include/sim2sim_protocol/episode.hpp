@@ -23,6 +23,9 @@ struct RolloutResult {
   QuantityValues quantities = noQuantities();
   std::optional<FirstDivergence> first_divergence{};  ///< empty if it stays within the protocol's bound
   std::optional<RolloutEnding> ending{};              ///< empty unless a policy drives it
+  /// Control steps whose command is at the limit (kActionLimit) in an axis: clipped, as a rule. Empty unless a policy
+  /// drives it, and in results that were read from episodes.csv.
+  std::optional<int> limited_commands{};
 
   /// Value of a quantity by name. Throws std::out_of_range for an unknown one.
   double at(std::string_view quantity) const { return quantities[quantityIndex(quantity)]; }

@@ -46,8 +46,11 @@ InitialStates readInitialStates(const std::filesystem::path& path, int first, in
 /// Reads the text of such a file. Throws InvalidInput as readInitialStates(), without a file.
 InitialStates initialStatesFrom(const std::string& csv, int first, int count);
 
-/// Calls readInitialStates(); null if `path` is empty.
-std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::path& path, int first, int count);
+/// Initial states of a run from a file, as readInitialStates(); null if `path` is empty. Throws InvalidInput with file,
+/// line, value and rule also for bodies beyond the table; for one start in two lines, as Protocol::repeats plays a
+/// start several times; and, unless they `may_overlap`, for bodies that overlap by more than a contact does.
+std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::path& path, int first, int count,
+                                                        bool may_overlap);
 
 /// Text of a file for readInitialStates(): all columns, every number in full precision.
 std::string initialStatesCsv(const std::vector<pusht::WorldState>& states);

@@ -32,6 +32,7 @@ struct RunOptions {
   std::uint64_t noise_seed = 0;
   bool independent_noise = false;
   int execute = 0;                        ///< actions of each answer of the policy; 0: as many as it says
+  bool overlapping_starts = false;        ///< bodies of given starts may overlap
   std::optional<double> until_decided{};  ///< [-] share of the reference's success; none: all episodes are run
 };
 
@@ -130,6 +131,8 @@ void forEachOption(const Function& function) {
   each("execute", "control steps",
        "actions of each answer of the policy that are executed before it is asked again; 0: as many as it says",
        Decides::kReference, Written::kIfChanged, true, &RunOptions::execute, {0.0, kMostRepeats});
+  each("overlapping_starts", "", "bodies of the starts in a file may overlap each other or the walls", Decides::kRest,
+       Written::kIfChanged, true, &RunOptions::overlapping_starts);
   each("until_decided", "",
        "stop as soon as it is decided whether the engine keeps this share of the reference's success, above 0 to 1; "
        "--episodes is then the most that it may take",

@@ -139,11 +139,6 @@ constexpr std::array kFigures = {Figure{"success", kSuccessRow, 3},
                                  Figure{"the position divergence", "mean_pos_divergence", 4},
                                  Figure{"the angle divergence", "mean_ang_divergence", 4}};
 
-const ContrastRow& rowOf(const Contrast& contrast, const Figure& figure) {
-  return *std::find_if(contrast.rows.begin(), contrast.rows.end(),
-                       [&](const ContrastRow& candidate) { return candidate.name == figure.row; });
-}
-
 /// "the position divergence falls by 0.0069 m [0.0024, 0.0114]"
 std::string clauseOf(const ContrastRow& row, const Figure& figure) {
   const std::string name = figure.name;
@@ -189,7 +184,7 @@ std::string changesOf(const std::vector<Contrast>& contrasts, const Labels& labe
   for (const Figure& figure : kFigures) {
     std::array<std::vector<std::string>, 2> where;  // falls, rises
     for (std::size_t i = 0; i < contrasts.size(); ++i) {
-      if (const ContrastRow& row = rowOf(contrasts[i], figure); row.isFinding()) {
+      if (const ContrastRow& row = contrasts[i].row(figure.row); row.isFinding()) {
         where[row.difference.value < 0.0 ? 0 : 1].push_back(labels.names[i + 1]);
       }
     }
@@ -252,6 +247,9 @@ std::vector<std::string> titlesOf(const std::vector<RunResults>& runs) {
 
 Answer answerOf(const RunResults& baseline, const std::vector<RunResults>& others,
                 const std::vector<Contrast>& contrasts) {
+  if (contrasts.front().policies) {
+    return policyAnswer(baseline, others, contrasts);
+  }
   const std::vector<RunResults> runs = allOf(baseline, others);
   const Labels labels = labelsOf(runs);
   const std::string question =
@@ -263,10 +261,13 @@ Answer answerOf(const RunResults& baseline, const std::vector<RunResults>& other
 }
 
 std::string sentenceOf(const RunResults& baseline, const RunResults& other, const Contrast& contrast) {
+  if (contrast.policies) {
+    return policySentence(baseline, other, contrast);
+  }
   const Labels labels = labelsOf({baseline, other});
   std::vector<std::string> clauses;
   std::transform(kFigures.begin(), kFigures.end(), std::back_inserter(clauses),
-                 [&](const Figure& figure) { return clauseOf(rowOf(contrast, figure), figure); });
+                 [&](const Figure& figure) { return clauseOf(contrast.row(figure.row), figure); });
   const std::string name = (labels.parameter.empty() ? "" : labels.parameter + " ") + labels.names[1];
   return "Against " + labels.baseline + ", with " + name + " " + pusht::joined(clauses, "; ") + ".";
 }

@@ -9,11 +9,8 @@
 
 namespace sim2sim {
 
-/// Name of the row of success in a Contrast.
-inline constexpr const char* kSuccessRow = "engine_success_rate";
-
-/// Names that distinguish runs: title, changed parameters, and parameters in which runs of one kind differ, such as
-/// "two-mass engine, block_damp 6.0".
+/// Names that distinguish runs of one policy: title, changed parameters, and parameters in which runs of one kind
+/// differ, such as "two-mass engine, block_damp 6.0".
 std::vector<std::string> titlesOf(const std::vector<RunResults>& runs);
 
 /// List of all runs, the baseline first.
@@ -35,5 +32,13 @@ Answer answerOf(const RunResults& baseline, const std::vector<RunResults>& other
 /// Sentence about one run against the baseline: "Against block_damp 6, with block_damp 20 success is not shown to
 /// change (...); the position divergence falls by 0.0069 m [0.0024, 0.0114]; ..."
 std::string sentenceOf(const RunResults& baseline, const RunResults& other, const Contrast& contrast);
+
+/// Names that distinguish policies: the ends of their paths, with digests of files that have one name.
+std::vector<std::string> policyTitles(const std::vector<RunResults>& runs);
+
+/// answerOf() and sentenceOf() of contrasts of policies.
+Answer policyAnswer(const RunResults& baseline, const std::vector<RunResults>& others,
+                    const std::vector<Contrast>& contrasts);
+std::string policySentence(const RunResults& baseline, const RunResults& other, const Contrast& contrast);
 
 }  // namespace sim2sim

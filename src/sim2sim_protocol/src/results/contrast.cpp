@@ -5,23 +5,20 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 
 #include "answers.hpp"
-#include "pusht_task/numbers.hpp"
+#include "pusht_task/error.hpp"
 #include "sim2sim_protocol/episode.hpp"
-#include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
-#include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
-#include "sim2sim_protocol/results/text.hpp"
+#include "sim2sim_statistics/repeats.hpp"
 #include "sim2sim_statistics/tails.hpp"
 #include "starts.hpp"
 
 namespace sim2sim {
 namespace {
-
-using nlohmann::json;
 
 /// The figures that are contrasted: those that depend on the engine.
 bool isContrasted(const Protocol& protocol, std::size_t rollout, const Quantity& quantity) {
@@ -69,28 +66,65 @@ RunResults byStarts(RunResults results) {
   return results;
 }
 
-Contrast contrastOf(const RunResults& baseline, const RunResults& other) {
-  Contrast contrast;
-  AnyDifference watched;
+SuccessChange changeIn(const RunResults& baseline, const RunResults& other, std::size_t rollout) {
+  SuccessChange change{};
   for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
-    const bool before = baseline.episodes[i].rollouts[kEngineClosed].success;
-    const bool now = other.episodes[i].rollouts[kEngineClosed].success;
-    watched.add(before, now);
+    const bool before = baseline.episodes[i].rollouts[rollout].success;
+    const bool now = other.episodes[i].rollouts[rollout].success;
+    change.counts.add(before, now);
     if (before != now) {
-      (now ? contrast.gained : contrast.lost).push_back(baseline.episodes[i].index);
+      (now ? change.gained : change.lost).push_back(baseline.episodes[i].index);
     }
   }
-  contrast.successes = watched.counts();
-  ContrastRow success{kSuccessRow, "", contrast.successes.pairs(), {}};
-  if (baseline.protocol.repeats == 1) {
-    success.difference = {contrast.successes.difference(), tangoInterval(contrast.successes),
-                          mcnemarMidP(contrast.successes)};
-    success.decided_after = watched.decidedAfter();
-  } else {
-    success.difference = repeatedDifference(
-        pairsByStart(baseline.protocol, baseline.episodes, kEngineClosed, other.episodes, kEngineClosed));
+  return change;
+}
+
+/// Number of episodes after which the success rates of two runs are known to differ, if watched.
+std::optional<int> decidedAfter(const RunResults& baseline, const RunResults& other, std::size_t rollout) {
+  AnyDifference watched;
+  for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
+    watched.add(baseline.episodes[i].rollouts[rollout].success, other.episodes[i].rollouts[rollout].success);
   }
-  contrast.rows.push_back(success);
+  return watched.decidedAfter();
+}
+
+ContrastRow successRow(const char* name, const RunResults& baseline, const RunResults& other, std::size_t rollout,
+                       const PairTable& counts) {
+  ContrastRow row{name, "", counts.pairs(), {}};
+  if (baseline.protocol.repeats == 1) {
+    row.difference = {counts.difference(), tangoInterval(counts), mcnemarMidP(counts)};
+    row.decided_after = decidedAfter(baseline, other, rollout);
+  } else {
+    row.difference =
+        repeatedDifference(pairsByStart(baseline.protocol, baseline.episodes, rollout, other.episodes, rollout));
+  }
+  return row;
+}
+
+/// Successes of both simulators by start.
+std::vector<PairTable> transferTables(const RunResults& run) {
+  return pairsByStart(run.protocol, run.episodes, kReferenceClosed, run.episodes, kEngineClosed);
+}
+
+ContrastRow transferRow(const RunResults& baseline, const RunResults& other) {
+  return {kTransferRow, "", static_cast<int>(baseline.episodes.size()),
+          differenceOfRatios(transferTables(baseline), transferTables(other))};
+}
+
+Outcomes outcomesIn(const RunResults& run) { return outcomesOf(run.protocol, run.episodes, kEngineClosed); }
+
+Contrast contrastOf(const RunResults& baseline, const RunResults& other, Pairing pairing) {
+  Contrast contrast;
+  contrast.engine = changeIn(baseline, other, kEngineClosed);
+  const ContrastRow success = successRow(kSuccessRow, baseline, other, kEngineClosed, contrast.engine.counts);
+  if (pairing == Pairing::kPolicies) {
+    const SuccessChange home = changeIn(baseline, other, kReferenceClosed);
+    contrast.rows = {successRow(kReferenceSuccessRow, baseline, other, kReferenceClosed, home.counts), success,
+                     transferRow(baseline, other)};
+    contrast.policies = PolicyContrast{home, outcomesIn(baseline), outcomesIn(other)};
+  } else {
+    contrast.rows = {success};
+  }
   const RunResults baseline_starts = byStarts(baseline);
   const RunResults other_starts = byStarts(other);
   const std::size_t rollouts = baseline.protocol.rolloutNames().size();
@@ -127,97 +161,33 @@ void adjust(std::vector<Contrast>& contrasts) {
   }
 }
 
-/// With a star where that is a finding.
-std::string probabilityCell(const std::optional<double>& p) {
-  return p ? probabilityText(*p) + (*p <= 1.0 - kConfidence ? " *" : "") : "";
-}
-
-std::string line(const std::string& name, const std::string& difference, const std::string& p,
-                 const std::string& adjusted) {
-  constexpr std::size_t kName = 44;
-  constexpr std::size_t kDifference = 38;
-  constexpr std::size_t kProbability = 11;
-  return "  " + padded(name, kName) + padded(difference, kDifference) + padded(p, kProbability) + adjusted + "\n";
-}
-
-std::string listed(const std::vector<int>& episodes) {
-  constexpr std::size_t kMost = 12;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(kMost, episodes.size()); ++i) {
-    text += (i == 0 ? "" : ", ") + std::to_string(episodes[i]);
-  }
-  return episodes.empty() ? "none" : text + (episodes.size() > kMost ? ", ..." : "");
-}
-
 }  // namespace
+
+const ContrastRow& Contrast::row(const std::string& name) const {
+  return *std::find_if(rows.begin(), rows.end(), [&](const ContrastRow& row) { return row.name == name; });
+}
 
 std::vector<Contrast> contrastsOf(const RunResults& baseline, const std::vector<RunResults>& others) {
   std::vector<Contrast> contrasts;
+  std::optional<Pairing> pairing;
   for (const RunResults& other : others) {
-    requirePairs(baseline, other);
-    contrasts.push_back(contrastOf(baseline, other));
+    const Pairing of_other = pairingOf(baseline, other);
+    if (pairing.value_or(of_other) != of_other) {
+      throw pusht::InvalidInput(other.folder.string() + ": differs from " + baseline.folder.string() + " in the " +
+                                (of_other == Pairing::kPolicies ? "policy" : "engine") +
+                                ", others do not; all must differ in the same");
+    }
+    pairing = of_other;
+    contrasts.push_back(contrastOf(baseline, other, of_other));
   }
-  const std::vector<std::string> titles = titlesOf(allOf(baseline, others));
+  const std::vector<RunResults> runs = allOf(baseline, others);
+  const std::vector<std::string> titles = pairing == Pairing::kPolicies ? policyTitles(runs) : titlesOf(runs);
   for (std::size_t i = 0; i < contrasts.size(); ++i) {
     contrasts[i].title = titles[i + 1];
+    contrasts[i].against = titles.front();
   }
   adjust(contrasts);
   return contrasts;
-}
-
-json toJson(const RunResults& baseline, const std::vector<RunResults>& others, const std::vector<Contrast>& contrasts) {
-  const Answer answer = answerOf(baseline, others, contrasts);
-  const std::string title = titlesOf(allOf(baseline, others)).front();
-  json result = {{"format", kContrastFormat},
-                 {"confidence", kConfidence},
-                 {"headline", {{"question", answer.question}, {"answer", answer.answer}}},
-                 {"baseline", {{"title", title}, {"simulator", baseline.metrics["simulators"]["engine"]}}},
-                 {"episodes", baseline.protocol.episodes},
-                 {"contrasts", json::array()}};
-  for (std::size_t i = 0; i < contrasts.size(); ++i) {
-    const Contrast& contrast = contrasts[i];
-    json figures = json::object();
-    for (const ContrastRow& row : contrast.rows) {
-      const std::optional<Interval>& interval = row.difference.interval;
-      figures[row.name + (row.unit.empty() ? "" : "_" + row.unit)] = {
-          {"unit", row.unit},
-          {"episodes", row.episodes},
-          {"difference", row.difference.value},
-          {"interval", interval ? json{interval->low, interval->high} : json()},
-          {"p", orNull(row.difference.p)},
-          {"adjusted_p", orNull(row.adjusted_p)},
-          {"decided_after", orNull(row.decided_after)}};
-    }
-    result["contrasts"].push_back({{"title", contrast.title},
-                                   {"headline", sentenceOf(baseline, others[i], contrast)},
-                                   {"both_succeed", contrast.successes.both},
-                                   {"only_baseline_succeeds", contrast.lost},
-                                   {"only_other_succeeds", contrast.gained},
-                                   {"neither_succeeds", contrast.successes.neither},
-                                   {"figures", figures}});
-  }
-  return result;
-}
-
-std::string table(const RunResults& baseline, const std::vector<RunResults>& others,
-                  const std::vector<Contrast>& contrasts) {
-  constexpr int kRateDigits = 3;
-  constexpr int kDigits = 4;
-  const std::string against = titlesOf(allOf(baseline, others)).front();
-  std::string text = answerOf(baseline, others, contrasts).text() + "\n";
-  for (const Contrast& contrast : contrasts) {
-    text += contrast.title + "\n  against " + against + ", " + std::to_string(contrast.successes.pairs()) +
-            " episodes\n" + line("", "difference", "p", "Holm");
-    for (const ContrastRow& row : contrast.rows) {
-      const int digits = row.unit.empty() ? kRateDigits : kDigits;
-      text += line(row.name, signedText(row.difference.value, row.difference.interval, row.unit, digits),
-                   probabilityCell(row.difference.p), probabilityCell(row.adjusted_p));
-    }
-    text += "  success lost in " + std::to_string(contrast.lost.size()) + " episodes: " + listed(contrast.lost) +
-            "\n  success gained in " + std::to_string(contrast.gained.size()) + ": " + listed(contrast.gained) + "\n";
-  }
-  return text + "(in brackets " + pusht::fixedText(100.0 * kConfidence, 0) +
-         " % intervals of each difference alone; Holm: p corrected for the number of figures above; * at most 0.05)\n";
 }
 
 }  // namespace sim2sim

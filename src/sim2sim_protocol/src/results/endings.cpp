@@ -17,7 +17,12 @@ Endings endingsOf(const std::vector<EpisodeResult>& episodes, std::size_t rollou
   Endings endings;
   std::vector<int> still_steps;
   for (const EpisodeResult& episode : episodes) {
-    const std::optional<RolloutEnding>& end = episode.rollouts[rollout].ending;
+    const RolloutResult& result = episode.rollouts[rollout];
+    if (result.limited_commands) {
+      endings.commands += result.steps;
+      endings.limited_commands += *result.limited_commands;
+    }
+    const std::optional<RolloutEnding>& end = result.ending;
     if (!end) {
       continue;
     }
@@ -63,6 +68,9 @@ nlohmann::json toJson(const Endings& endings, bool has_intervals) {
   for (std::size_t i = 0; i < kPusherEndingNames.size(); ++i) {
     result[std::string("stuck_pusher_") + kPusherEndingNames[i]] =
         shareJson(endings.stuck_pushers[i], endings.failures(), has_intervals);
+  }
+  if (endings.limitedShare() > kManyLimited) {
+    result["commands_at_limit"] = readableJson(endings.limitedShare());
   }
   return result;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_protocol/results/headline.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
@@ -109,9 +110,14 @@ struct Names {
   std::string loop;  ///< shared by both; empty: plain, or each has its own
 };
 
-/// What to know before the answer: how many failures of a role are stuck, if these are most of at least
-/// kFewestEpisodes.
+/// What to know before the answer: that the policy's commands are clipped, if most are; how many failures of a role are
+/// stuck, if these are most of at least kFewestEpisodes.
 std::string caveatOf(const RunConfiguration& configuration, const Names& names, const EndingsOfPairs& endings) {
+  if (const double share = std::max(endings.reference.limitedShare(), endings.engine.limitedShare());
+      share > kMostLimited) {
+    return percent(share) +
+           " of the policy's commands are at 1 m/s or beyond, where they are clipped: does it answer in " + "m/s?";
+  }
   std::string stuck;
   bool quiet = true;
   for (const auto& [role, name] : {std::pair(&endings.reference, names.reference), {&endings.engine, names.engine}}) {

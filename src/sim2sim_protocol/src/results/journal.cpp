@@ -94,6 +94,9 @@ bool Journal::read(const Protocol& protocol, const json& identity) {
           episodesFromCsv(protocol, csv_head_ + content.at("episode").get<std::string>());
       episode.result = std::move(results.at(0));
       episode.bins = binsFrom(content.at("bins"));
+      for (const Mode mode : {kReferenceClosed, kEngineClosed}) {
+        episode.result.rollouts[mode].limited_commands = content.at("limited").at(mode).get<int>();
+      }
     } catch (const std::exception&) {
       refuse(number, "is damaged");
     }
@@ -119,7 +122,10 @@ std::set<int> Journal::keptIndices() const {
 
 void Journal::add(const FinishedEpisode& episode) {
   append(lineOf({{"episode", episodesCsv(protocol_, {episode.result}).substr(csv_head_.size())},
-                 {"bins", toJson(episode.bins)}}));
+                 {"bins", toJson(episode.bins)},
+                 {"limited",
+                  {episode.result.rollouts[kReferenceClosed].limited_commands.value_or(0),
+                   episode.result.rollouts[kEngineClosed].limited_commands.value_or(0)}}}));
 }
 
 void Journal::append(const std::string& line) {

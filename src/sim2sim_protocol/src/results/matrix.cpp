@@ -187,8 +187,18 @@ Estimate meanDivergence(const CrossedTable& table) {
   return mean;
 }
 
+/// Cell of a group of one policy: over starts alone.
+GroupCell cellOfOne(const MatrixCell& cell) {
+  const Estimate transfer{cell.transfer.value_or(kNoSpread), cell.transfer_interval};
+  return {1, {cell.success.rate, cell.success.interval}, transfer, kNoSpread, cell.mean_divergences};
+}
+
 std::optional<GroupCell> groupCell(const Matrix& matrix, const std::vector<std::size_t>& members,
                                    std::size_t simulator) {
+  if (members.size() == 1) {
+    const std::optional<MatrixCell>& only = matrix.cells[members.front()][simulator];
+    return only ? std::optional(cellOfOne(*only)) : std::nullopt;
+  }
   Rows successes;
   Rows in_reference;
   const std::size_t first_reference = matrix.policies[members.front()].reference;

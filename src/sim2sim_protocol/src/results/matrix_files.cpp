@@ -168,8 +168,11 @@ std::string groupTable(const Matrix& matrix) {
                                         transferText(cell->transfer.value, cell->transfer.interval));
     }
   }
+  const bool has_one = std::any_of(matrix.groups.begin(), matrix.groups.end(),
+                                   [](const MatrixGroup& group) { return group.policies.size() == 1; });
   return "\nthe same for groups of policies; intervals over further trainings and starts (none below " +
-         std::to_string(kFewestRows) + " policies)\n" + aligned(rows);
+         std::to_string(kFewestRows) + " policies" + (has_one ? "; of a group of one over starts alone" : "") + ")\n" +
+         aligned(rows);
 }
 
 /// Mean divergence of replays of each group in each simulator, a table for each of kMatrixDivergences.

@@ -195,10 +195,11 @@ std::string noteOnNoise(const RunConfiguration& configuration, const json& prove
          " random numbers, and each start was played once: how much is chance is not known; see --repeats.";
 }
 
-std::string doubtAboutPolicy(const json& metrics, const json& provenance) {
+std::string doubtAboutPolicy(const json& metrics, const json& provenance, const Endings& reference) {
   const json hash = provenance.value(json::json_pointer("/policy/sha256"), json());
   const bool is_checkpoint = hash.is_string() && !hash.get_ref<const std::string&>().empty();
-  if (!is_checkpoint || metrics.at("reference_successes").get<int>() > 0) {
+  const bool has_other_unit = reference.limitedShare() > kMostLimited;  // the headline says so
+  if (!is_checkpoint || has_other_unit || metrics.at("reference_successes").get<int>() > 0) {
     return "";
   }
   const bool at_home = metrics.at("reference_simulator") == kCourseReference;

@@ -35,16 +35,56 @@ void requireSweepOrRun(const fs::path& folder) {
   }
 }
 
-/// Keys of metrics.json in which two runs must agree, as JSON pointers.
+/// Option that belongs to a policy more than to a run.
+constexpr const char* kExecute = "execute";
+
+/// Keys of metrics.json in which all runs that pair agree, as JSON pointers.
 std::vector<std::string> commonPlaces() {
-  std::vector<std::string> places = {"/policy"};
+  std::vector<std::string> places;
   forEachOption([&](const auto& option) {
-    if (option.written != Written::kElsewhere) {
+    if (option.written != Written::kElsewhere && option.name != std::string(kExecute)) {
       places.push_back(std::string("/") + option.name);
     }
   });
   places.insert(places.end(), {"/starts", "/smoke", "/probes", "/simulators/reference"});
   return places;
+}
+
+/// First difference of two runs in one of these places; empty without one.
+std::string differenceIn(const std::vector<std::string>& places, const RunResults& baseline, const RunResults& other) {
+  for (const std::string& key : places) {
+    const json::json_pointer place(key);
+    const json one = baseline.metrics.value(place, json());
+    const json two = other.metrics.value(place, json());
+    if (one != two) {
+      return key.substr(1) + firstDifference(one, two, " and ");
+    }
+  }
+  return "";
+}
+
+/// How the policies of two runs differ; empty if they do not, as far as their folders say.
+std::string differenceOfPolicies(const RunResults& baseline, const RunResults& other) {
+  const std::string difference = differenceIn({"/policy", std::string("/") + kExecute}, baseline, other);
+  const bool are_files = !baseline.policy_sha256.empty() && !other.policy_sha256.empty();
+  if (difference.empty() && are_files && baseline.policy_sha256 != other.policy_sha256) {
+    return "policy has sha256 " + baseline.policy_sha256 + " and " + other.policy_sha256;
+  }
+  return difference;
+}
+
+/// Digest of the policy's file, if the folder of a run says it.
+std::string policyDigest(const fs::path& folder) {
+  if (!isThere(folder / kProvenanceFile)) {
+    return "";
+  }
+  const json provenance = pusht::parseJson(pusht::readFile(folder / kProvenanceFile, "results"));
+  const json digest = provenance.is_object() ? provenance.value(json::json_pointer("/policy/sha256"), json()) : json();
+  return digest.is_string() ? digest.get<std::string>() : "";
+}
+
+[[noreturn]] void refusePair(const RunResults& baseline, const RunResults& other, const std::string& why) {
+  throw pusht::InvalidInput(baseline.folder.string() + " and " + other.folder.string() + ": do not pair: " + why);
 }
 
 bool sameReference(const EpisodeResult& a, const EpisodeResult& b) {
@@ -59,10 +99,12 @@ bool sameReference(const EpisodeResult& a, const EpisodeResult& b) {
 
 std::string RunResults::title() const { return titleOf(simulatorFrom(metrics.at("simulators").at("engine"))); }
 
+std::string RunResults::policy() const { return metrics.value("policy", ""); }
+
 const json& RunResults::engine() const { return metrics.at("simulators").at("engine"); }
 
 RunResults readResults(const fs::path& folder) {
-  RunResults results{folder, {}, {}, {}};
+  RunResults results{folder, {}, {}, {}, policyDigest(folder)};
   results.metrics = pusht::parseJson(pusht::readFile(folder / kMetricsFile, "results"));
   if (!results.metrics.is_object()) {
     refuse(folder / kMetricsFile, "must be a JSON object");
@@ -150,22 +192,33 @@ std::vector<fs::path> runsIn(const fs::path& folder) {
   return isThere(folder / kMetricsFile) ? std::vector<fs::path>{folder} : readSweep(folder).rowFolders();
 }
 
-void requirePairs(const RunResults& baseline, const RunResults& other) {
-  const auto refuse = [&](const std::string& why) {
-    throw pusht::InvalidInput(baseline.folder.string() + " and " + other.folder.string() + ": do not pair: " + why);
-  };
-  for (const std::string& key : commonPlaces()) {
-    const json::json_pointer place(key);
-    const json one = baseline.metrics.value(place, json());
-    const json two = other.metrics.value(place, json());
-    if (one != two) {
-      refuse(key.substr(1) + firstDifference(one, two, " and "));
+Pairing pairingOf(const RunResults& baseline, const RunResults& other) {
+  if (const std::string difference = differenceIn(commonPlaces(), baseline, other); !difference.empty()) {
+    refusePair(baseline, other, difference);
+  }
+  const std::string of_policies = differenceOfPolicies(baseline, other);
+  if (!of_policies.empty()) {
+    const std::string of_engines = differenceIn({"/simulators/engine"}, baseline, other);
+    if (!of_engines.empty()) {
+      refusePair(baseline, other,
+                 of_policies + ", and " + of_engines +
+                     "; one of both must be the same (`matrix` takes a sweep over "
+                     "both)");
     }
+    return Pairing::kPolicies;
   }
   for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
     if (!sameReference(baseline.episodes[i], other.episodes[i])) {
-      refuse("the reference did not do the same in episode " + std::to_string(baseline.episodes[i].index));
+      refusePair(baseline, other,
+                 "the reference did not do the same in episode " + std::to_string(baseline.episodes[i].index));
     }
+  }
+  return Pairing::kEngines;
+}
+
+void requirePairs(const RunResults& baseline, const RunResults& other) {
+  if (pairingOf(baseline, other) != Pairing::kEngines) {
+    refusePair(baseline, other, differenceOfPolicies(baseline, other));
   }
 }
 

@@ -70,7 +70,10 @@ std::string endingLines(const EndingsOfPairs& endings) {
   const auto stuck_text = [](const Endings& of) {
     return countText(of.of(Ending::kStuck), of.failures(), of.median_still_step);
   };
-  return (failures == 0 ? "" : both("  failures stuck", stuck_text)) +
+  const bool has_limited = std::max(endings.reference.limitedShare(), endings.engine.limitedShare()) > kManyLimited;
+  const auto limited_text = [](const Endings& of) { return percent(of.limitedShare()); };
+  return (has_limited ? both("commands at 1 m/s", limited_text) : "") +
+         (failures == 0 ? "" : both("  failures stuck", stuck_text)) +
          (stuck == 0 ? "" : both("    their pusher", stuckPushersText)) +
          (failures == stuck ? "" : both("  other failures", otherEndingsText));
 }

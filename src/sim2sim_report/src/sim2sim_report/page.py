@@ -3,7 +3,7 @@
 
 import json
 from pathlib import Path
-from typing import Any, Optional, Sequence
+from typing import Any, List, Optional, Sequence
 
 import jinja2
 from pusht_task.error import Error
@@ -76,8 +76,10 @@ class Page:
         """Page of a run, or of several over the same episodes, which are held against the first."""
         folders = [run.folder for run in runs]
         compared = self.suite.contrast(folders) if len(runs) > 1 else {}
-        engines = runs[0].name if len(runs) == 1 else f"{len(runs)} engines, pair by pair"
-        answers = [{"name": run.name, "answer": run.answer} for run in runs]
+        names = names_of(runs, compared)
+        what = "policies" if of_policies(compared) else "engines"
+        engines = runs[0].name if len(runs) == 1 else f"{len(runs)} {what}, pair by pair"
+        answers = [{"name": name, "answer": run.answer} for name, run in zip(names, runs)]
         audits = [audit.section(run.folder, run.metrics["simulators"]) for run in runs]
         broken = [line for found in audits for line in audit.caution(found)]
         return self._render(
@@ -87,12 +89,13 @@ class Page:
             headline=compared["headline"]["answer"] if compared else runs[0].answer,
             answers=answers if len(runs) > 1 else [],
             caution=broken + cautions([run.metrics for run in runs]),
-            rates=run_figures.draw_rates(runs),
+            rates=run_figures.draw_rates(runs, names if of_policies(compared) else None),
             contrasts=[contrast_rows(c) for c in compared.get("contrasts", [])],
-            baseline=runs[0].name,
+            contrasted="policy" if of_policies(compared) else "engine",
+            baseline=names[0],
             runs=[
-                {**_section(run, number, shown, animate), "audit": found}
-                for number, (run, shown, found) in enumerate(zip(runs, traces, audits))
+                {**_section(run, number, shown, animate), "name": name, "audit": found}
+                for number, (run, name, shown, found) in enumerate(zip(runs, names, traces, audits))
             ],
         )
 
@@ -220,9 +223,22 @@ class Page:
             context.setdefault(name, [])
         for name in ("baseline", "caveat"):
             context.setdefault(name, "")
+        context.setdefault("contrasted", "engine")
         rows = ROWS_WITHOUT_SCRIPT
         template = self.environment.get_template("page.html.j2")
         return template.render(rows_without_script=rows, **self.shared, **context)
+
+
+def of_policies(compared: Json) -> bool:
+    """Whether what `contrast` says is of several policies, not engines."""
+    return "policy" in compared.get("baseline", {})
+
+
+def names_of(runs: Sequence[Run], compared: Json) -> List[str]:
+    """The names that tell runs apart: their policies as `contrast` has them, or their engines."""
+    if of_policies(compared):
+        return [compared["baseline"]["title"], *(c["title"] for c in compared["contrasts"])]
+    return [run.name for run in runs]
 
 
 def _section(run: Run, number: int, traces: Optional[Traces], animate: Sequence[int]) -> Json:

@@ -35,11 +35,17 @@ def draw(run: Run, prefix: str) -> Dict[str, Drawing]:
     return drawings
 
 
-def draw_rates(runs: Sequence[Run]) -> Drawing:
-    """Success with intervals: the reference, and the engine of each run."""
-    first = runs[0].metrics
-    bars = [(f"{runs[0].title('reference')}", first, "reference")]
+def draw_rates(runs: Sequence[Run], policies: Optional[Sequence[str]] = None) -> Drawing:
+    """Success with intervals: the reference, and the engine of each run; of runs of several
+    `policies` each policy in both."""
+    bars = [(f"{runs[0].title('reference')}", runs[0].metrics, "reference")]
     bars += [(run.name, run.metrics, "engine") for run in runs]
+    if policies:
+        bars = [
+            (f"{policy} in {run.title('reference') if role == 'reference' else run.name}", m, role)
+            for policy, run in zip(policies, runs)
+            for role, m in (("reference", run.metrics), ("engine", run.metrics))
+        ]
     texts = [f"{name} {m[f'{role}_success_rate']:.3f}" for name, m, role in bars]
 
     def build(narrow: bool) -> Any:

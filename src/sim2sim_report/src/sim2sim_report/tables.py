@@ -32,8 +32,11 @@ HORIZONS = (  # as in the table of the commands
     ("first 5 s", FIVE_SECONDS),
     ("whole episode", MEANS),
 )
+MOST_EPISODES = 40  # whose numbers are listed
 CONTRASTED = {
+    "reference_success_rate": ("success rate, reference", RATE_DIGITS),
     "engine_success_rate": ("success rate", RATE_DIGITS),
+    "transfer": ("transfer", RATE_DIGITS),
     "mean_pos_divergence_m": ("position divergence", DIVERGENCE_DIGITS),
     "mean_ang_divergence_rad": ("angle divergence", DIVERGENCE_DIGITS),
 }
@@ -207,6 +210,8 @@ def contrast_rows(content: Json) -> Json:
         figure = content["figures"].get(key)
         if figure is None:
             continue
+        if "policy" in content and key == "engine_success_rate":
+            name += ", engine"
         text = signed(figure["difference"], digits) + (
             f" {figure['unit']}" if figure["unit"] else ""
         )
@@ -219,7 +224,28 @@ def contrast_rows(content: Json) -> Json:
                 "finding": _is_finding(figure),
             }
         )
-    return {"title": content["title"], "rows": rows}
+    return {"title": content["title"], "rows": rows, "alone": _alone(content)}
+
+
+def _alone(content: Json) -> List[Json]:
+    """The episodes in which only one of two policies succeeds, by simulator; none of two engines."""
+    if "policy" not in content:
+        return []
+    return [
+        {
+            "simulator": simulator,
+            "baseline": episodes_text(of["only_baseline_succeeds"]),
+            "other": episodes_text(of["only_other_succeeds"]),
+        }
+        for simulator, of in (("reference", content["reference"]), ("engine", content))
+    ]
+
+
+def episodes_text(episodes: Sequence[int]) -> str:
+    """Numbers of episodes with how many there are: "3: 1, 5, 8"."""
+    shown = ", ".join(map(str, episodes[:MOST_EPISODES]))
+    more = ", ..." if len(episodes) > MOST_EPISODES else ""
+    return f"{len(episodes)}: {shown}{more}" if episodes else "none"
 
 
 def _is_finding(figure: Json) -> bool:

@@ -41,6 +41,15 @@ Difference repeatedDifference(const std::vector<PairTable>& starts);
 /// succeeds.
 std::optional<Interval> repeatedRatioInterval(const std::vector<PairTable>& starts);
 
+/// Difference of two such ratios over the same starts, second - first, as of the transfers of two policies: does one
+/// keep more of its success than the other? NaN if the first of either never succeeds; no interval and no p below
+/// kFewestEpisodes starts. `first` and `second` have a table for each start, in the same order. The interval is
+/// recovered from Tang's of each ratio (with repeats repeatedRatioInterval()) and their correlation over starts; p is
+/// that of the widest interval without 0.
+/// Source: G. Y. Zou and A. Donner, "Construction of confidence limits about effect measures: a general approach"
+/// (Statistics in Medicine, 2008), equation 15, of correlated estimates.
+Difference differenceOfRatios(const std::vector<PairTable>& first, const std::vector<PairTable>& second);
+
 /// Variance of a figure of one episode, split into two sources, in the square of the figure's unit (one-way random
 /// effects). Their sum is the variance of an episode from any start.
 /// Source: S. R. Searle, G. Casella and C. E. McCulloch, "Variance Components" (1992), chapter 3.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Contrast of runs over the same episodes of the same reference: paired differences of a run, such as one with other
-/// parameters of the engine, from a baseline run.
+/// Contrast of runs over the same episodes of the same reference: paired differences of a run from a baseline run. They
+/// have one policy in other engines, or with other parameters of one; or other policies in one engine.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim2sim_protocol/results/run_results.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_statistics/intervals.hpp"
 #include "sim2sim_statistics/pairs.hpp"
 #include "sim2sim_statistics/sequential.hpp"
@@ -19,7 +20,7 @@ namespace sim2sim {
 /// rates, with Tango's interval and McNemar's mid-p.
 struct ContrastRow {
   std::string name;  ///< key of the mean in metrics.json, without its unit
-  std::string unit;  ///< empty: success
+  std::string unit;  ///< empty: success, transfer
   int episodes;      ///< number of episodes that have the figure in both runs
   Difference difference;
   std::optional<double> adjusted_p{};  ///< after Holm, over the whole family
@@ -31,18 +32,40 @@ struct ContrastRow {
   bool isFinding() const { return adjusted_p && *adjusted_p <= 1.0 - kConfidence && difference.value != 0.0; }
 };
 
+/// Paired successes of two runs in one simulator.
+struct SuccessChange {
+  PairTable counts;           ///< first: the baseline
+  std::vector<int> lost{};    ///< episodes in which only the baseline succeeds
+  std::vector<int> gained{};  ///< episodes in which only the other succeeds
+};
+
+/// What two policies differ in, besides the engine's figures.
+struct PolicyContrast {
+  SuccessChange reference;
+  Outcomes baseline;  ///< of each policy: its transfer
+  Outcomes other;
+};
+
 /// All differences of one run from the baseline. With repeats they are by start (results/starts.hpp), and nothing is
 /// watched episode by episode.
 struct Contrast {
-  std::string title;                ///< name of the run among all that are compared
-  PairTable successes;              ///< successes of the engine; first: the baseline
-  std::vector<int> lost{};          ///< episodes in which only the baseline succeeds
-  std::vector<int> gained{};        ///< episodes in which only the other succeeds
-  std::vector<ContrastRow> rows{};  ///< success first
+  std::string title;                         ///< name of the run among all that are compared
+  std::string against;                       ///< of the baseline, likewise
+  SuccessChange engine{};                    ///< successes in the engine
+  std::optional<PolicyContrast> policies{};  ///< none of two engines
+  std::vector<ContrastRow> rows{};           ///< success first; of policies in the reference, in the engine, transfer
+
+  /// Row of that name; there is one.
+  const ContrastRow& row(const std::string& name) const;
 };
 
+/// Names of the rows of success and transfer.
+inline constexpr const char* kReferenceSuccessRow = "reference_success_rate";
+inline constexpr const char* kSuccessRow = "engine_success_rate";
+inline constexpr const char* kTransferRow = "transfer";
+
 /// Contrasts each of `others` with `baseline`. The p-values of all figures of all contrasts are one family for Holm's
-/// correction. Throws as requirePairs().
+/// correction. Throws as pairingOf(), and InvalidInput if some differ in the engine and others in the policy.
 std::vector<Contrast> contrastsOf(const RunResults& baseline, const std::vector<RunResults>& others);
 
 /// Content of the file of `contrast --out`: the answer about all runs, a sentence and the figures of each. `contrasts`

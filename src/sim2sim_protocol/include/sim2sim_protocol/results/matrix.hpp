@@ -49,7 +49,8 @@ struct MatrixCell {
 };
 
 /// Group of policies in a simulator: means over its policies, with intervals over further trainings and starts
-/// (sim2sim_statistics/crossed.hpp).
+/// (sim2sim_statistics/crossed.hpp). A group of one has that policy's success and transfer, with intervals over further
+/// starts alone.
 struct GroupCell {
   std::size_t policy_count;  ///< how many have the cell
   Estimate success{};        ///< rate
@@ -94,6 +95,20 @@ struct Matrix {
   std::vector<MatrixGroup> groups;    ///< in the order of their first policies
   std::vector<MatrixSpread> spreads;  ///< of the figures that two groups or more have in two simulators or more
 };
+
+/// Two policies over the same starts in one simulator.
+struct PolicyPair {
+  std::size_t simulator;  ///< in Matrix::simulators
+  std::size_t first;      ///< in Matrix::policies
+  std::size_t second;
+  PairTable successes;
+  Difference difference;               ///< of the success rates, second - first: Tango's interval, McNemar's mid-p
+  std::optional<double> adjusted_p{};  ///< after Holm, over all pairs that are asked for
+};
+
+/// All pairs of some policies, in each simulator that both have. Throws InvalidInput for a name that is not in the
+/// matrix, one that stands twice, and below two names.
+std::vector<PolicyPair> pairsOf(const Matrix& matrix, const std::vector<std::string>& policies);
 
 /// Reads the matrix of the finished sweep in `folder`, with the policies of some groups, or all if `groups` is empty.
 /// Throws InvalidInput with file or row if it is no sweep over listed policies, or a shard of one, or a group is not in

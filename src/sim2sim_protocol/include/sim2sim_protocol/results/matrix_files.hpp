@@ -4,12 +4,13 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "sim2sim_protocol/results/matrix.hpp"
 
 namespace sim2sim {
 
-/// Content of matrix.json, hypotheses aside.
+/// Content of matrix.json, hypotheses and pairs aside.
 nlohmann::json toJson(const Matrix& matrix);
 
 /// Text of matrix.csv: a row for each policy in each simulator.
@@ -17,5 +18,9 @@ std::string toCsv(const Matrix& matrix);
 
 /// Tables for the terminal.
 std::string table(const Matrix& matrix);
+
+/// Content of "pairs" in matrix.json, and its table for the terminal; empty without pairs.
+nlohmann::json toJson(const Matrix& matrix, const std::vector<PolicyPair>& pairs);
+std::string table(const Matrix& matrix, const std::vector<PolicyPair>& pairs);
 
 }  // namespace sim2sim

@@ -31,7 +31,8 @@ nlohmann::json decision(const TransferBet& bet, double share);
 /// Warning that the policy looks untrained or stale, because it never succeeds in the reference; empty otherwise. Only
 /// checkpoints are judged: policies with a SHA-256 in `provenance`, the content of provenance.json. The course has the
 /// same guard.
-std::string doubtAboutPolicy(const nlohmann::json& metrics, const nlohmann::json& provenance);
+std::string doubtAboutPolicy(const nlohmann::json& metrics, const nlohmann::json& provenance,
+                             const Endings& reference = {});
 
 /// Note beside the figures of a policy that draws random numbers (the key `noise` of the policy in `provenance`), if
 /// each start was played once; empty otherwise, and where a loop has noise of its own, which the simulators' parameters

@@ -19,9 +19,14 @@ struct RunResults {
   nlohmann::json metrics;
   Protocol protocol;
   std::vector<EpisodeResult> episodes;
+  /// Digest of the policy's file in provenance.json. Empty: of a policy without a file, or a row of a sweep.
+  std::string policy_sha256{};
 
-  /// Name for people, with changed parameters: "two-mass engine, block_damp 20.0".
+  /// Name for people of the engine, with changed parameters: "two-mass engine, block_damp 20.0".
   std::string title() const;
+
+  /// Policy as it was named: "bc", or a path.
+  std::string policy() const;
 
   /// Engine in `metrics`: its name, title, parameters, and the names of the changed ones.
   const nlohmann::json& engine() const;
@@ -59,8 +64,17 @@ SweepResults readWholeSweep(const std::filesystem::path& folder, const std::stri
 /// Folders of all rows of a sweep, in order; `folder` itself if it is a run. Throws InvalidInput if it is neither.
 std::vector<std::filesystem::path> runsIn(const std::filesystem::path& folder);
 
-/// Throws InvalidInput if two runs do not pair: if policy, initial states, horizon, probes, reference or the
-/// reference's results differ.
+/// What two runs that pair differ in, if in anything.
+enum class Pairing {
+  kEngines,   ///< the reference did the same in both
+  kPolicies,  ///< or in how many actions of its answers are executed (RunOptions::execute)
+};
+
+/// Pairing of two runs. Throws InvalidInput with the first difference unless initial states, options, probes and
+/// reference are the same, and either the policy, with what it does in the reference, or the engine.
+Pairing pairingOf(const RunResults& baseline, const RunResults& other);
+
+/// Throws InvalidInput, likewise, unless the runs pair as kEngines.
 void requirePairs(const RunResults& baseline, const RunResults& other);
 
 }  // namespace sim2sim

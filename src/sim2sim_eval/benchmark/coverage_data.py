@@ -79,6 +79,12 @@ TABLES = {
     f"{FINDS}by start finds a difference that is not there [%], nominal 5": (
         Table("repeats", "errs", "5", 2, REPEATS)
     ),
+    f"{HOLDS}of the difference of two transfers holds it [%], nominal 95": (
+        Table("two policies", divisor=2, shape=REPEATS)
+    ),
+    f"{FINDS}finds a difference of two transfers that is not there [%], nominal 5": (
+        Table("two policies", "errs", "5", 2, REPEATS)
+    ),
 }
 # **worse than nominal**, (better), neither; a share without an error has none of these.
 CELL = re.compile(r"(?P<mark>\*\*|\()?(?P<percent>[\d.]+)(?: ± (?P<error>[\d.]+))?(?:\*\*|\))?")

@@ -68,6 +68,7 @@ ONE_POLICY = (
     Group(f"{INSTEAD}always t", DIFFERENCE, ("difference, t",)),
     Group(f"{INSTEAD}always Gaffke", DIFFERENCE, ("difference, Gaffke",)),
     Group("equivalent error: from Tango", ("equivalent errors",)),
+    Group("difference of transfers: from Tang", ("two policies",)),
 )
 POLICIES = (
     Group("success: t, Fieller", ("success of policies",)),

@@ -173,7 +173,7 @@ class Gate(PolicyCase):
 
 
 class PoliciesOfAPlan(PolicyCase):
-    def test_f54_one_that_is_refused_is_named_and_the_others_run(self) -> None:
+    def test_f55_one_that_is_refused_is_named_and_the_others_run(self) -> None:
         (self.folder / "bad.pt").write_text("hello")
         (self.folder / "plan.yaml").write_text(
             "{policies: [expert, bad.pt, fresh-untrained], episodes: 3, floor: false}"

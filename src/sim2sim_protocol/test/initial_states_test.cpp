@@ -86,6 +86,8 @@ TEST_F(StartsTest, WhatIsNoStartIsRefusedByLineValueAndRule) {
   EXPECT_THAT(refusal("pusher_x,pusher_y,tee_x,tee_y\n"), HasSubstr("column 'tee_yaw': is missing"));
 }
 
+constexpr const char* kTaken = "not refused";
+
 /// Starts that are given to a run.
 class GivenStartsTest : public StartsTest {
  protected:
@@ -100,25 +102,25 @@ TEST_F(GivenStartsTest, BeyondTheTableAreRefused) {
               HasSubstr("line 3: pusher_x 222.0 m: the table ends at 0.39 m; pixels or millimeters?"));
   EXPECT_THAT(refusalOfRun("0.5,0,0,0,0\n", 1), EndsWith("line 2: pusher_x 0.5 m: the table ends at 0.39 m"));
   EXPECT_THAT(refusalOfRun("0.2,0,0,-0.4,0\n", 1), HasSubstr("tee_y -0.4 m: the table ends"));
-  EXPECT_EQ(refusalOfRun("0.2,0,0,0,0\n222,97,256,256,0.785\n", 1), "") << "the second start is not needed";
+  EXPECT_EQ(refusalOfRun("0.2,0,0,0,0\n222,97,256,256,0.785\n", 1), kTaken) << "the second start is not needed";
 }
 
 /// The pusher's radius is 0.015 m; the bar ends at 0.06 m, and the walls are at 0.39 m.
 TEST_F(GivenStartsTest, ThatOverlapNeedAWord) {
   EXPECT_THAT(refusalOfRun("0.02,0,0,0,0\n", 1), HasSubstr("line 2: pusher and tee overlap by 0.03 m: must be at"));
   EXPECT_THAT(refusalOfRun("0.071,0,0,0,0\n", 1), HasSubstr("pusher and tee overlap by 0.004 m"));
-  EXPECT_EQ(refusalOfRun("0.073,0,0,0,0\n", 1), "") << "as deep as a contact";
+  EXPECT_EQ(refusalOfRun("0.073,0,0,0,0\n", 1), kTaken) << "as deep as a contact";
   EXPECT_THAT(refusalOfRun("0.38,0,0,0,0\n", 1), HasSubstr("pusher and walls overlap by 0.005 m"));
   EXPECT_THAT(refusalOfRun("0,0.3,0.34,0,0\n", 1), HasSubstr("tee and walls overlap by 0.01 m"));
   EXPECT_THAT(refusalOfRun("0,0.3,0,-0.3,0\n", 1), HasSubstr("tee and walls overlap by 0.015 m")) << "the stem";
-  EXPECT_EQ(refusalOfRun("0,0.3,0,-0.3,3.14159\n", 1), "") << "the stem is on the other side";
-  EXPECT_EQ(refusalOfRun("0.02,0,0,0,0\n", 1, true), "");
+  EXPECT_EQ(refusalOfRun("0,0.3,0,-0.3,3.14159\n", 1), kTaken) << "the stem is on the other side";
+  EXPECT_EQ(refusalOfRun("0.02,0,0,0,0\n", 1, true), kTaken);
 }
 
 TEST_F(GivenStartsTest, ThatAreOneStartAreRefused) {
   const std::string row = "0.2,0,0,0,0\n";
   EXPECT_THAT(refusalOfRun(row + "0.3,0,0,0,0\n" + row, 3), HasSubstr("line 4: is the start of line 2 again"));
-  EXPECT_EQ(refusalOfRun(row + "0.3,0,0,0,0\n" + row, 2), "");
+  EXPECT_EQ(refusalOfRun(row + "0.3,0,0,0,0\n" + row, 2), kTaken);
 }
 
 /// No spawn is refused, so that --write-starts gives what --starts takes.
@@ -128,7 +130,7 @@ TEST_F(GivenStartsTest, OfSpawnSeedsAreTaken) {
     states.push_back(pusht::spawn(pusht::kFirstSpawnSeed + seed));
   }
   pusht::writeFile(path(), initialStatesCsv(states));
-  EXPECT_EQ(pusht::testing::refusalOf([&] { givenInitialStates(path(), 0, 2000, false); }), "");
+  EXPECT_EQ(pusht::testing::refusalOf([&] { givenInitialStates(path(), 0, 2000, false); }), kTaken);
 }
 
 }  // namespace

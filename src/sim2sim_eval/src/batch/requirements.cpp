@@ -16,9 +16,9 @@
 namespace sim2sim {
 namespace {
 
-using Verdict = RequirementResult::Verdict;
+using Judged = RequirementResult::Verdict;
 
-std::size_t countOf(const std::vector<RequirementResult>& results, Verdict verdict) {
+std::size_t countOf(const std::vector<RequirementResult>& results, Judged verdict) {
   return static_cast<std::size_t>(
       std::count_if(results.begin(), results.end(),
                     [verdict](const RequirementResult& result) { return result.verdict == verdict; }));
@@ -29,16 +29,16 @@ std::string junitText(const std::string& command, const std::vector<RequirementR
   boost::property_tree::ptree suite;
   suite.put("<xmlattr>.name", "sim2sim " + command);
   suite.put("<xmlattr>.tests", results.size());
-  suite.put("<xmlattr>.failures", countOf(results, Verdict::kNotMet));
-  suite.put("<xmlattr>.errors", countOf(results, Verdict::kCannotSay));
+  suite.put("<xmlattr>.failures", countOf(results, Judged::kNotMet));
+  suite.put("<xmlattr>.errors", countOf(results, Judged::kCannotSay));
   for (const RequirementResult& result : results) {
     boost::property_tree::ptree test;
     test.put("<xmlattr>.classname", "sim2sim." + command);
     test.put("<xmlattr>.name", result.requirement);
-    if (result.verdict == Verdict::kMet) {
+    if (result.verdict == Judged::kMet) {
       test.put("system-out", result.sentence());
     } else {
-      test.put(result.verdict == Verdict::kNotMet ? "failure.<xmlattr>.message" : "error.<xmlattr>.message",
+      test.put(result.verdict == Judged::kNotMet ? "failure.<xmlattr>.message" : "error.<xmlattr>.message",
                result.sentence());
     }
     suite.add_child("testcase", test);
@@ -89,8 +89,8 @@ void conclude(const std::string& command, const RequirementOptions& options,
   if (!options.junit.empty()) {
     pusht::writeNewFile("junit", options.junit, junitText(command, results));
   }
-  for (const auto& [verdict, code] : {std::pair(Verdict::kNotMet, pusht::ExitCode::kNotMet),
-                                      std::pair(Verdict::kCannotSay, pusht::ExitCode::kUndecided)}) {
+  for (const auto& [verdict, code] : {std::pair(Judged::kNotMet, pusht::ExitCode::kNotMet),
+                                      std::pair(Judged::kCannotSay, pusht::ExitCode::kUndecided)}) {
     if (const std::size_t count = countOf(results, verdict); count > 0) {
       const auto first = std::find_if(results.begin(), results.end(),
                                       [v = verdict](const RequirementResult& result) { return result.verdict == v; });

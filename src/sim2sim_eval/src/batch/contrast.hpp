@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
 
 namespace sim2sim {
@@ -21,8 +22,8 @@ struct ContrastOptions {
 /// none with the number `against`; as runsIn() and readResults(). Ends as requireNotInterrupted().
 std::vector<RunResults> runsToContrast(const ContrastOptions& options);
 
-/// Compares each run with the baseline, prints the table and writes the JSON file. Throws as runsToContrast() and
-/// requirePairs(); InvalidInput if there is something at `out` already.
-void contrast(const ContrastOptions& options);
+/// Compares each run with the baseline, prints the table and writes the JSON file, whose content it returns. Throws as
+/// runsToContrast() and requirePairs(); InvalidInput if there is something at `out` already.
+nlohmann::json contrast(const ContrastOptions& options, const CommandHost& host = {});
 
 }  // namespace sim2sim

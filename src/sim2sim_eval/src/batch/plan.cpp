@@ -85,7 +85,7 @@ std::optional<double> smallest(const PlannedDifference& planned, int episodes) {
                            : smallestRateDifference(*planned.discordant, episodes);
 }
 
-/// The same, as a cell of the table.
+/// Smallest difference as a cell of the table.
 std::string smallestText(const PlannedDifference& planned, int episodes) {
   const std::optional<double> least = smallest(planned, episodes);
   return least ? significant(*least) : isKnown(planned) ? "none" : "-";

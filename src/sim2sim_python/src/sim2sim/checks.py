@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Checks of what a program hands over. Each raises InvalidInput, with thing, value and rule."""
 
-from typing import Any, Optional, Sequence, Tuple
+import os
+from typing import Any, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,31 @@ def checked_integer(name: str, value: object, least: int, greatest: int) -> int:
     if not least <= value <= greatest:
         raise InvalidInput(f"{name} {value}: must be from {least} to {greatest}")
     return int(value)
+
+
+def checked_text(name: str, value: object) -> str:
+    if not isinstance(value, str) or "\0" in value:
+        raise InvalidInput(f"{name} {value!r}: must be text without NUL characters")
+    return value
+
+
+def checked_path(name: str, value: object) -> str:
+    if not isinstance(value, (str, os.PathLike)):
+        raise InvalidInput(f"{name} {value!r}: must be a name or a path")
+    return checked_text(name, os.fspath(value))
+
+
+def checked_mapping(name: str, value: object) -> Mapping[Any, Any]:
+    """None is an empty one."""
+    if value is not None and not isinstance(value, Mapping):
+        raise InvalidInput(f"{name} {value!r}: must be a dict")
+    return value or {}
+
+
+def checked_list(name: str, value: object) -> List[Any]:
+    if not isinstance(value, (list, tuple, np.ndarray)):
+        raise InvalidInput(f"{name} {value!r}: must be a list")
+    return list(value)
 
 
 def checked_seed(seed: object) -> int:

@@ -12,6 +12,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Union
 from pusht_task.error import Error
 from pusht_task.files import read_text
 from sim2sim import _sim2sim
+from sim2sim.checks import checked_path, checked_text
 from sim2sim.errors import InvalidInput, of_exit_code
 from sim2sim.results import (
     Comparison,
@@ -112,7 +113,7 @@ def report(*results: Run, **options: object) -> Path:
 
 
 def _run(name: str, options: Mapping[str, object], progress: bool = False) -> Dict[str, Any]:
-    answer = _sim2sim.run(name, dict(options), progress)
+    answer = _sim2sim.run(name, dict(options), bool(progress))
     return {"text": answer["text"], "figures": json.loads(answer["figures"])}
 
 
@@ -121,9 +122,7 @@ def _folder_of(run: Run) -> str:
         if run.folder is None:
             raise InvalidInput("results: must have files; give compare() a folder with out=")
         return str(run.folder)
-    if not isinstance(run, (str, os.PathLike)):
-        raise InvalidInput(f"results {run!r}: must be a folder, or what compare() or sweep() gives")
-    return os.fspath(run)
+    return checked_path("results", run)
 
 
 def _run_over(
@@ -190,4 +189,5 @@ def _arguments_of(name: str, value: object) -> List[str]:
         return [f"--{name}"]
     if isinstance(value, (list, tuple)):
         value = ",".join(map(str, value))
-    return [f"--{name}={os.fspath(value) if isinstance(value, os.PathLike) else value}"]
+    text = os.fspath(value) if isinstance(value, os.PathLike) else str(value)
+    return [f"--{name}={checked_text(name, text)}"]

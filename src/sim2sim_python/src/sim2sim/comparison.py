@@ -6,7 +6,7 @@ import os
 from typing import Mapping, Optional
 
 from sim2sim import _sim2sim, tensors
-from sim2sim.checks import checked_integer
+from sim2sim.checks import checked_integer, checked_mapping, checked_text
 from sim2sim.errors import InvalidInput
 from sim2sim.results import Comparison, comparison_of
 
@@ -51,8 +51,8 @@ def compare(
     """
     options["reference"] = reference
     options["engine"] = engine
-    options["set_reference"] = dict(reference_parameters or {})
-    options["set"] = dict(engine_parameters or {})
+    options["set_reference"] = dict(checked_mapping("reference_parameters", reference_parameters))
+    options["set"] = dict(checked_mapping("engine_parameters", engine_parameters))
     is_callable = not isinstance(policy, (str, os.PathLike))
     if is_callable:
         _require_callable(policy)
@@ -62,11 +62,12 @@ def compare(
         _require_left_out(history=history, version=version)
         options["policy"] = policy
     name, looks_back = _name_of(policy), _checked_history(history)
+    known_as = "" if version is None else checked_text("version", version)
     with contextlib.ExitStack() as stack:
         if tensors.is_module(policy):
             policy = stack.enter_context(tensors.evaluated(policy))
         asked = policy if is_callable else None
-        texts = _sim2sim.compare(options, asked, name, version or "", looks_back, progress)
+        texts = _sim2sim.compare(options, asked, name, known_as, looks_back, bool(progress))
     return comparison_of(texts)
 
 

@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim2sim._sim2sim import LoadedPolicy, PolicyMemory
-from sim2sim.checks import OBSERVATION, checked_integer, checked_numbers, checked_seed
+from sim2sim.checks import (
+    OBSERVATION,
+    checked_integer,
+    checked_list,
+    checked_numbers,
+    checked_path,
+    checked_seed,
+)
 from sim2sim.errors import InvalidInput
 
 MOST_ACTIONS = 1000  # of an answer
@@ -48,7 +55,7 @@ class Policy:
         self, observations: NDArray[np.float32], memories: List[PolicyMemory]
     ) -> NDArray[np.float32]:
         """Actions [n, 2] for observations [n, 10] of rollouts with these memories."""
-        for row, memory in enumerate(_listed(memories)):
+        for row, memory in enumerate(checked_list("memories", memories)):
             if not isinstance(memory, PolicyMemory):
                 raise InvalidInput(f"memories: the one of row {row} must be from begin()")
         return self._loaded.act(_rows(observations), list(memories))
@@ -68,19 +75,11 @@ def load_policy(
 
     `execute`: actions of each answer that are executed; 0: as many as the policy says.
     """
-    if not isinstance(name, (str, os.PathLike)):
-        raise InvalidInput(f"policy {name!r}: must be a name or a file")
     executed = checked_integer("execute", execute, 0, MOST_ACTIONS)
     seed = checked_seed(untrained_seed)
-    return Policy(LoadedPolicy(os.fspath(name), bool(require_policy), seed), executed)
+    return Policy(LoadedPolicy(checked_path("policy", name), bool(require_policy), seed), executed)
 
 
 def _rows(observations: object) -> NDArray[np.float32]:
     rows = checked_numbers("observations", observations, (None, OBSERVATION))
     return np.asarray(rows, np.float32)
-
-
-def _listed(memories: object) -> List[Any]:
-    if not isinstance(memories, (list, tuple)):
-        raise InvalidInput(f"memories {memories!r}: must be a list, one for each row")
-    return list(memories)

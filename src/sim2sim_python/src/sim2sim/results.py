@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pusht_task.files import read_text
 from sim2sim import _sim2sim
+from sim2sim.checks import checked_path
 from sim2sim.errors import BadDependency, InvalidInput
 from sim2sim_protocol.result_files import name_of, row_folder
 
@@ -84,7 +85,7 @@ def load(folder: Any) -> Any:
 
     Raises InvalidInput if it holds neither, or files of another format.
     """
-    folder = Path(folder)
+    folder = Path(checked_path("results", folder))
     if (folder / name_of("sweep")).is_file():
         return loaded_sweep(folder, "")
     return loaded_run(folder, folder)

@@ -5,13 +5,18 @@ the methods: sim2sim_statistics; their measured coverage: docs/statistics.md.
 Intervals are of 95 %. Where too few samples are there for one, it is None.
 """
 
-from typing import Any, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from sim2sim import _sim2sim
-from sim2sim.checks import checked_integer, checked_number, checked_numbers
+from sim2sim.checks import (
+    checked_integer,
+    checked_list,
+    checked_number,
+    checked_numbers,
+)
 from sim2sim.errors import InvalidInput
 
 _functions = _sim2sim.statistics
@@ -130,9 +135,9 @@ def verdict_of(transfer: Optional[Tuple[float, float]]) -> str:
     return str(_functions.verdict_of(low, high))
 
 
-def holm(p: Iterable[float]) -> List[float]:
+def holm(p: ArrayLike) -> List[float]:
     """p-values of a family of tests after Holm's correction, in their order."""
-    return list(_functions.holm(checked_numbers("p", list(p))))
+    return list(_functions.holm(checked_numbers("p", p)))
 
 
 def mean_of(samples: ArrayLike, limit: float = np.inf) -> Estimate:
@@ -158,8 +163,8 @@ def paired_difference(differences: ArrayLike, extreme: Optional[float] = None) -
 
 def repeated_rate_interval(successes: Sequence[int], episodes: Sequence[int]) -> Optional[Interval]:
     """Interval of a success rate where each start was run several times: counts by start."""
-    counts = [_count("successes", count) for count in successes]
-    starts = [_count("episodes", count) for count in episodes]
+    counts = [_count("successes", count) for count in checked_list("successes", successes)]
+    starts = [_count("episodes", count) for count in checked_list("episodes", episodes)]
     if len(counts) != len(starts):
         raise InvalidInput(f"episodes: {len(starts)} starts; must be {len(counts)}, as successes")
     return _interval(_functions.repeated_rate_interval(list(zip(counts, starts))))
@@ -167,12 +172,18 @@ def repeated_rate_interval(successes: Sequence[int], episodes: Sequence[int]) ->
 
 def repeated_difference(starts: Sequence[Table]) -> Difference:
     """Difference of success rates where each start was run several times: a table for each."""
-    return _difference(_functions.repeated_difference([_counts(table) for table in starts]))
+    return _difference(
+        _functions.repeated_difference([_counts(table) for table in checked_list("starts", starts)])
+    )
 
 
 def repeated_ratio_interval(starts: Sequence[Table]) -> Optional[Interval]:
     """Interval of the ratio of success rates, likewise."""
-    return _interval(_functions.repeated_ratio_interval([_counts(table) for table in starts]))
+    return _interval(
+        _functions.repeated_ratio_interval(
+            [_counts(table) for table in checked_list("starts", starts)]
+        )
+    )
 
 
 def smallest_difference(standard_deviation: float, episodes: int) -> float:
@@ -214,6 +225,7 @@ def _count(name: str, value: object) -> int:
 
 
 def _counts(table: Table) -> List[int]:
+    table = checked_list("table", table)
     if len(table) != len(PairTable._fields):
         raise InvalidInput(f"table {table!r}: must have 4 counts: {', '.join(PairTable._fields)}")
     return [_count(name, count) for name, count in zip(PairTable._fields, table)]

@@ -18,7 +18,14 @@ from sim2sim._sim2sim import (
     kinds,
     parameters_of,
 )
-from sim2sim.checks import OBSERVATION, checked_integer, checked_numbers, checked_seed
+from sim2sim.checks import (
+    OBSERVATION,
+    checked_integer,
+    checked_mapping,
+    checked_numbers,
+    checked_seed,
+    checked_text,
+)
 from sim2sim.errors import InvalidInput
 from sim2sim.gym import NEXT_STEP, Box, Env, VectorEnv, register
 
@@ -57,9 +64,9 @@ class _Worlds:
     def __init__(
         self, kind: str, count: int, horizon: int, parameters: Mapping[str, object]
     ) -> None:
-        self.kind = kind
+        self.kind = checked_text("kind", kind)
         self.horizon = checked_integer("horizon", horizon, 1, 1_000_000)
-        self._batch = WorldBatch(kind, dict(parameters), count)
+        self._batch = WorldBatch(self.kind, dict(parameters), count)
         self._starts = [_Starts() for _ in range(count)]
         self._ended: Optional[NDArray[np.bool_]] = None  # None: must be reset
 
@@ -243,7 +250,7 @@ def make_vec(
 
 def parameters(kind: str) -> List[Dict[str, Any]]:
     """The parameters of a kind: name, type, unit, default, range, meaning."""
-    return parameters_of(kind)
+    return parameters_of(checked_text("kind", kind))
 
 
 def _first(info: Info) -> Info:
@@ -259,10 +266,11 @@ def _state_in(
     options: Optional[Mapping[str, Any]], count: Optional[int] = None
 ) -> Optional[NDArray[np.float64]]:
     """The state that options of a reset ask for, or those of `count` worlds."""
-    unknown = set(options or {}) - {"state"}
+    options = checked_mapping("options", options)
+    unknown = set(options) - {"state"}
     if unknown:
         raise InvalidInput(f"options {sorted(map(str, unknown))}: unknown; known: state")
-    state = (options or {}).get("state")
+    state = options.get("state")
     if state is None:
         return None
     if count is None and isinstance(state, Mapping):

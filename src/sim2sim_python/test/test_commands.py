@@ -103,7 +103,7 @@ class Runs(CommandsCase):
         refusals = (
             (lambda: sim2sim.report(self.first), "^results: must have files; give compare"),
             (lambda: sim2sim.report("other", pages=2), "--pages=2"),
-            (lambda: sim2sim.report(3), "^results 3: must be a folder"),  # type: ignore
+            (lambda: sim2sim.report(3), "^results 3: must be a name or a path"),  # type: ignore
         )
         for call, line in refusals:
             with self.assertRaisesRegex(sim2sim.InvalidInput, line) as caught:
@@ -117,9 +117,10 @@ class Runs(CommandsCase):
             (lambda: sim2sim.contrast("other", "other", against="b"), "^--against: 'b': must be"),
             (lambda: sim2sim.contrast("a", "b", agianst=1), "did you mean --against"),
             (lambda: sim2sim.contrast("-a", "--out=b"), "^results -a: must be the folder"),
-            (lambda: sim2sim.contrast("a\0b", "b"), "must have no NUL"),
+            (lambda: sim2sim.contrast("a\0b", "b"), "must be text without NUL characters$"),
             (lambda: sim2sim.plan("other", success=-1), "^success -1: must be above 0"),
             (lambda: sim2sim.matrix("other"), "^results other"),
+            (lambda: sim2sim.load(3), "^results 3: must be a name or a path$"),
             (lambda: sim2sim.plan("other", help=True), "^help: there is no such option"),
         )
         for call, line in refusals:

@@ -469,6 +469,8 @@ class Failures(ComparisonCase):
             (r"^'starts\\x00': must have no NUL character$", {"write_starts": "starts\0"}),
             (r"^'\\ud800': must be text that UTF-8 can hold$", {"engine": "\ud800"}),
             (r"^help: there is no such option; ", {"help": True}),
+            ("^version 3: must be text without NUL characters$", {"version": 3}),
+            ("^engine_parameters 3: must be a dict$", {"engine_parameters": 3}),
         ]
         for line, options in cases:
             self.refused(line, partial(sim2sim.compare, charge, **options))
@@ -484,7 +486,7 @@ class Failures(ComparisonCase):
         self.refused("^observations .*inhomogeneous", lambda: expert.act(ragged, []))
         self.refused("^seed 'up': must be an integer", lambda: expert.begin(words))
         number: Any = 3
-        self.refused("^policy 3: must be a name or a file", lambda: sim2sim.load_policy(number))
+        self.refused("^policy 3: must be a name or a path$", lambda: sim2sim.load_policy(number))
         self.refused(
             "^execute 'up': must be an integer", lambda: sim2sim.load_policy("bc", execute=words)
         )

@@ -34,10 +34,13 @@ using CommandWork = std::function<nlohmann::json(const CommandHost& host)>;
 /// then.
 using Command = CommandWork (*)(CLI::App& app);
 
-/// Commands that are not for the terminal alone: Python has them, too.
+/// Command `contrast`. Python has it, too, as the next three.
 CommandWork contrastCommand(CLI::App& app);
+/// Command `matrix`.
 CommandWork matrixCommand(CLI::App& app);
+/// Command `plan`.
 CommandWork planCommand(CLI::App& app);
+/// Command `sweep`.
 CommandWork sweepCommand(CLI::App& app);
 
 /// Runs such a command in a terminal.

@@ -4,8 +4,8 @@
 
 import sim2sim
 
-first = sim2sim.compare("bc", engine="two_mass", episodes=20)
-other = sim2sim.compare("bc", engine="chipmunk", episodes=20)
+first = sim2sim.compare("bc", engine="two_mass", episodes=20, floor=False)
+other = sim2sim.compare("bc", engine="chipmunk", episodes=20, floor=False)
 found = sim2sim.contrast(first, other)
 print(found.figures["headline"]["answer"])
 shown = found.columns["adjusted_p"] <= 0.05  # found.frame() has these columns in pandas

@@ -105,6 +105,8 @@ void catchInterruptsAside(const std::string& name) {
 
 bool interrupted() { return first_interrupt != 0; }
 
+void interrupt(bool wanted) { first_interrupt = wanted ? 1 : 0; }
+
 void requireNotInterrupted(const std::string& where) {
   if (interrupted()) {
     throw pusht::RuntimeFault(where.empty() ? "interrupted" : "interrupted " + where);

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An untrained PyTorch module as a policy: it looks back on two observations, and plans 8 steps."""
 
-import numpy as np
 import sim2sim
 import torch
 
@@ -10,10 +9,4 @@ torch.manual_seed(0)
 network = torch.nn.Sequential(torch.nn.Flatten(), torch.nn.Linear(2 * 10, 64), torch.nn.Tanh())
 network.extend([torch.nn.Linear(64, 8 * 2), torch.nn.Unflatten(1, (8, 2))])
 
-
-def policy(observations: np.ndarray) -> np.ndarray:
-    with torch.no_grad():
-        return network(torch.from_numpy(observations)).numpy()
-
-
-print(sim2sim.compare(policy, history=2, execute=4, episodes=20))
+print(sim2sim.compare(network, history=2, execute=4, episodes=20))

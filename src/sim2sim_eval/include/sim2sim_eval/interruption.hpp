@@ -17,8 +17,12 @@ void catchInterrupts(const std::string& name);
 /// from now on: roscpp takes an interrupted call of the master for a master that is not there.
 void catchInterruptsAside(const std::string& name);
 
-/// Whether a signal has asked for the end of the process.
+/// Whether a signal, or interrupt(), has asked for the end of the process's work.
 bool interrupted();
+
+/// Asks for it as a signal does, for a program that catches signals itself; false: takes it back, so that further work
+/// can begin.
+void interrupt(bool wanted);
 
 /// Throws RuntimeFault if interrupted() holds: "interrupted in row 3". A command calls it between the pieces of its
 /// work, and once more before it prints or writes what it has found.

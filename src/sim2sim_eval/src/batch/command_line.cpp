@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <system_error>
@@ -113,6 +114,12 @@ int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>
   } catch (const std::exception& failure) {
     return pusht::reportFailure(app.get_name(), failure);
   }
+}
+
+int runCommand(const std::string& name, Command command, int argc, char** argv) {
+  CLI::App app("", name);
+  const CommandWork work = command(app);
+  return runCommand(app, argc, argv, [&] { work({}); });
 }
 
 void parseArguments(CLI::App& app, std::vector<std::string> arguments) {

@@ -225,7 +225,7 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   const auto choose_policy = [&] {
     return pusht::choosePolicy({options.smoke ? pusht::kUntrainedPolicy : options.policy, options.require_policy,
                                 configuration.protocol.seed, options.allow_untrained},
-                               pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint), host.stop);
+                               pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint), interrupted);
   };
   const auto load = [&] {
     return LoadedRun(host.choose_policy ? host.choose_policy : choose_policy, reference, {chosen_engine},
@@ -287,7 +287,7 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
     try {
       runProtocol(
           configuration.protocol, loaded.workerFactory(engine), options.batch.threadCount(),
-          references ? &*references : nullptr, take, [&] { return decided || host.stop(); }, finished);
+          references ? &*references : nullptr, take, [&] { return decided || interrupted(); }, finished);
     } catch (const pusht::Error&) {
       if (!decided) {  // else it is of an episode that is not needed
         throw;

@@ -3,30 +3,31 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
-#include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 
 namespace sim2sim {
 
-int contrastMain(int argc, char** argv) {
-  ContrastOptions options;
-  CLI::App app(
+CommandWork contrastCommand(CLI::App& app) {
+  const auto options = std::make_shared<ContrastOptions>();
+  app.description(
       "Compares runs over the same episodes pair by pair, in other engines or of other policies: folders of results, "
       "or "
-      "the rows of a sweep.",
-      "contrast");
-  app.add_option("results", options.results, "folders of runs or sweeps")->required()->check(notEmpty());
-  app.add_option("--against", options.against, "number of the run that the others are compared with, from 0")
+      "the rows of a sweep.");
+  app.add_option("results", options->results, "folders of runs or sweeps")->required()->check(notEmpty());
+  app.add_option("--against", options->against, "number of the run that the others are compared with, from 0")
       ->check(decimalInteger());
-  app.add_option("--out", options.out, "JSON file for all figures")->check(notEmpty());
-  options.required.declare(app);
-  return runCommand(app, argc, argv, [&] { contrast(options); });
+  app.add_option("--out", options->out, "JSON file for all figures")->check(notEmpty());
+  options->required.declare(app);
+  return [options](const CommandHost& host) { return contrast(*options, host); };
 }
+
+int contrastMain(int argc, char** argv) { return runCommand("contrast", contrastCommand, argc, argv); }
 
 std::vector<RunResults> runsToContrast(const ContrastOptions& options) {
   std::vector<RunResults> runs;
@@ -48,7 +49,7 @@ std::vector<RunResults> runsToContrast(const ContrastOptions& options) {
   return runs;
 }
 
-void contrast(const ContrastOptions& options) {
+nlohmann::json contrast(const ContrastOptions& options, const CommandHost& host) {
   const std::vector<Requirement> requirements = options.required.read();
   pusht::requireNewFile("out", options.out);
   std::vector<RunResults> runs = runsToContrast(options);
@@ -59,14 +60,16 @@ void contrast(const ContrastOptions& options) {
   runs.erase(runs.begin());
   const std::vector<Contrast> contrasts = contrastsOf(baseline, runs);
   requireNotInterrupted();
-  std::cout << table(baseline, runs, contrasts);
+  *host.out << table(baseline, runs, contrasts);
+  nlohmann::json figures = toJson(baseline, runs, contrasts);
   if (!options.out.empty()) {
-    pusht::writeNewFile("out", options.out, jsonText(toJson(baseline, runs, contrasts)));
+    pusht::writeNewFile("out", options.out, jsonText(figures));
   }
   conclude("contrast", options.required,
            judgeAll(requirements,
                     [&](const Requirement& requirement) { return judge(requirement, baseline, runs, contrasts); }),
-           std::cout);
+           *host.out);
+  return figures;
 }
 
 }  // namespace sim2sim

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batch/requirements.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
 
 namespace sim2sim {
@@ -23,8 +24,8 @@ struct ContrastOptions {
 /// none with the number `against`; as runsIn() and readResults(). Ends as requireNotInterrupted().
 std::vector<RunResults> runsToContrast(const ContrastOptions& options);
 
-/// Compares each run with the baseline, prints the table and writes the JSON file. Throws as runsToContrast() and
-/// contrastsOf(); InvalidInput if there is something at `out` already; and as conclude().
-void contrast(const ContrastOptions& options);
+/// Compares each run with the baseline, prints the table and writes the JSON file, whose content it returns. Throws as
+/// runsToContrast() and contrastsOf(); InvalidInput if there is something at `out` already; and as conclude().
+nlohmann::json contrast(const ContrastOptions& options, const CommandHost& host = {});
 
 }  // namespace sim2sim

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstddef>
 #include <filesystem>
+#include <iostream>
 #include <map>
 #include <string>
 #include <utility>
@@ -131,7 +132,7 @@ void mergeShards(const std::vector<std::string>& folders, const std::string& out
     }
   });
   folder.begin(shards.description, shards.provenance);
-  withStatus(folder, [&] {
+  withStatus(folder, std::cout, [&] {
     for (std::size_t row = 0; row < rows.size(); ++row) {
       requireNotInterrupted("in " + rowText(row, rows.size()));
       folder.keep(row, rows[row], SweepRow(rows[row], joinRow(shards, rows[row], row)));

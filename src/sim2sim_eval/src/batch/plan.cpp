@@ -5,14 +5,15 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
-#include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_protocol/results/summary.hpp"
 #include "sim2sim_protocol/results/text.hpp"
@@ -74,16 +75,36 @@ std::vector<PlannedDifference> plannedDifferences(const PlanQuestions& questions
   return planned;
 }
 
-/// Smallest difference that `episodes` episodes show, as a cell of the table.
+/// Whether any pair of the pilot differs, so that a plan can be made.
+bool isKnown(const PlannedDifference& planned) {
+  return planned.deviation || (planned.discordant && *planned.discordant > 0.0);
+}
+
+/// Smallest difference that `episodes` episodes show; none if there is none, or nothing is known.
+std::optional<double> smallest(const PlannedDifference& planned, int episodes) {
+  if (!isKnown(planned)) {
+    return std::nullopt;
+  }
+  return planned.deviation ? smallestDifference(*planned.deviation, episodes)
+                           : smallestRateDifference(*planned.discordant, episodes);
+}
+
+/// Smallest difference as a cell of the table.
 std::string smallestText(const PlannedDifference& planned, int episodes) {
+  const std::optional<double> least = smallest(planned, episodes);
+  return least ? significant(*least) : isKnown(planned) ? "none" : "-";
+}
+
+/// Number of episodes that shows the wanted difference; none if none suffices, none is wanted or nothing is known.
+std::optional<int> needed(const PlannedDifference& planned) {
+  if (!planned.wanted) {
+    return std::nullopt;
+  }
   if (planned.deviation) {
-    return significant(smallestDifference(*planned.deviation, episodes));
+    return episodesFor(*planned.deviation, *planned.wanted);
   }
-  if (!planned.discordant || *planned.discordant <= 0.0) {
-    return "-";
-  }
-  const std::optional<double> least = smallestRateDifference(*planned.discordant, episodes);
-  return least ? significant(*least) : "none";
+  return *planned.wanted <= planned.discordant.value_or(0.0) ? episodesForRates(*planned.discordant, *planned.wanted)
+                                                             : std::nullopt;
 }
 
 /// "353 episodes", or why none suffice. Success rates differ by no more than the share of pairs in which only one
@@ -92,8 +113,7 @@ std::string episodesText(const PlannedDifference& planned) {
   if (!planned.deviation && *planned.wanted > *planned.discordant) {
     return "none suffice: only one succeeds in " + significant(*planned.discordant) + " of all pairs";
   }
-  const std::optional<int> episodes = planned.deviation ? episodesFor(*planned.deviation, *planned.wanted)
-                                                        : episodesForRates(*planned.discordant, *planned.wanted);
+  const std::optional<int> episodes = needed(planned);
   return episodes ? std::to_string(*episodes) + " episodes"
                   : "more than " + std::to_string(kMostEpisodes) + " episodes";
 }
@@ -109,13 +129,42 @@ std::string neededText(const PlannedDifference& planned) {
   return significant(*planned.wanted) + ": " + episodesText(planned);
 }
 
-/// Number of policies that show that a ranking is preserved, as text.
-std::string policiesText(double tau) {
-  if (tau >= 1.0) {
-    return std::to_string(kFewestPolicies);
+/// Figures of planTable(): for each difference the smallest ones that are shown, by the numbers of episodes.
+nlohmann::json planFigures(const PlanQuestions& questions, const RunResults& pilot,
+                           const std::optional<RunResults>& other) {
+  nlohmann::json differences = nlohmann::json::array();
+  for (const PlannedDifference& planned : plannedDifferences(questions, pilot, other)) {
+    nlohmann::json least = nlohmann::json::array();
+    for (const int episodes : questions.episodes) {
+      least.push_back(orNull(smallest(planned, episodes)));
+    }
+    differences.push_back({{"figure", planned.text},
+                           {"smallest", least},
+                           {"wanted", orNull(planned.wanted)},
+                           {"episodes_needed", orNull(needed(planned))}});
   }
-  const std::optional<int> policies = tau > 0.0 ? policiesForKendall(tau) : std::nullopt;
-  return policies ? std::to_string(*policies) : "none suffice";
+  return {{"episodes", questions.episodes}, {"differences", differences}};
+}
+
+/// Number of policies that show that a ranking is preserved; none if none suffice.
+std::optional<int> policiesFor(double tau) {
+  if (tau >= 1.0) {
+    return kFewestPolicies;
+  }
+  return tau > 0.0 ? policiesForKendall(tau) : std::nullopt;
+}
+
+/// Figures of policiesTable().
+nlohmann::json policiesFigures(const Matrix& pilot) {
+  nlohmann::json rankings = nlohmann::json::array();
+  for (const MatrixRanking& ranking : pilot.rankings) {
+    const double tau = ranking.comparison.kendall.value;
+    rankings.push_back({{"here", pilot.simulators[ranking.reference].name},
+                        {"there", pilot.simulators[ranking.test].name},
+                        {"kendall", std::isnan(tau) ? nlohmann::json() : nlohmann::json(tau)},
+                        {"policies_needed", orNull(policiesFor(tau))}});
+  }
+  return {{"rankings", rankings}};
 }
 
 void requirePositive(const std::string& name, const std::optional<double>& difference) {
@@ -136,16 +185,15 @@ void requireNoQuestions(const PlanOptions& options) {
 
 }  // namespace
 
-int planMain(int argc, char** argv) {
-  PlanOptions options;
-  PlanQuestions& questions = options.questions;
-  CLI::App app("Says how small a difference a run can show, from how much the episodes of a finished run vary.",
-               "plan");
-  app.add_option("pilot", options.pilot,
+CommandWork planCommand(CLI::App& app) {
+  const auto options = std::make_shared<PlanOptions>();
+  PlanQuestions& questions = options->questions;
+  app.description("Says how small a difference a run can show, from how much the episodes of a finished run vary.");
+  app.add_option("pilot", options->pilot,
                  "folder of a run; or of a sweep over policies, to plan how many a comparison of rankings takes")
       ->required()
       ->check(notEmpty());
-  app.add_option("other", options.other, "folder of a second run over the same episodes, to plan a contrast")
+  app.add_option("other", options->other, "folder of a second run over the same episodes, to plan a contrast")
       ->check(notEmpty());
   app.add_option("--episodes", questions.episodes, "numbers of episodes: N,N,...")
       ->delimiter(',')
@@ -154,8 +202,10 @@ int planMain(int argc, char** argv) {
       ->check(decimalReal());
   app.add_option("--position", questions.position, "[m] a difference of position divergences")->check(decimalReal());
   app.add_option("--angle", questions.angle, "[rad] a difference of angle divergences")->check(decimalReal());
-  return runCommand(app, argc, argv, [&] { plan(options); });
+  return [options](const CommandHost& host) { return plan(*options, host); };
 }
+
+int planMain(int argc, char** argv) { return runCommand("plan", planCommand, argc, argv); }
 
 std::string planTable(const PlanQuestions& questions, const RunResults& pilot, const std::optional<RunResults>& other) {
   constexpr std::size_t kText = 44;    // characters
@@ -182,8 +232,10 @@ std::string policiesTable(const Matrix& pilot) {
   std::vector<std::vector<std::string>> rows = {{"here", "there", "Kendall's tau", "policies"}};
   for (const MatrixRanking& ranking : pilot.rankings) {
     const double tau = ranking.comparison.kendall.value;
+    const std::optional<int> policies = policiesFor(tau);
     rows.push_back({pilot.simulators[ranking.reference].name, pilot.simulators[ranking.test].name,
-                    std::isnan(tau) ? "none" : significant(tau), policiesText(tau)});
+                    std::isnan(tau) ? "none" : significant(tau),
+                    policies ? std::to_string(*policies) : "none suffice"});
   }
   return aligned(rows) +
          "(so many policies show in 80 % of sweeps, at 5 %, that the ranking here is preserved there; tau as among "
@@ -191,11 +243,12 @@ std::string policiesTable(const Matrix& pilot) {
          std::to_string(pilot.policies.size()) + " policies)\n";
 }
 
-void plan(const PlanOptions& options) {
+nlohmann::json plan(const PlanOptions& options, const CommandHost& host) {
   if (std::filesystem::exists(std::filesystem::path(options.pilot) / kSweepFile)) {
     requireNoQuestions(options);
-    std::cout << policiesTable(readMatrix(options.pilot, {}, [] { requireNotInterrupted(); })) << std::flush;
-    return;
+    const Matrix matrix = readMatrix(options.pilot, {}, [] { requireNotInterrupted(); });
+    *host.out << policiesTable(matrix) << std::flush;
+    return policiesFigures(matrix);
   }
   requirePositive("success", options.questions.success);
   requirePositive("position", options.questions.position);
@@ -213,7 +266,8 @@ void plan(const PlanOptions& options) {
   }
   const std::string table = planTable(options.questions, pilot, other);
   requireNotInterrupted();
-  std::cout << table << std::flush;
+  *host.out << table << std::flush;
+  return planFigures(options.questions, pilot, other);
 }
 
 }  // namespace sim2sim

@@ -3,10 +3,12 @@
 /// shows a given difference. Work of the command `plan`.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_protocol/results/contrast.hpp"
 #include "sim2sim_protocol/results/matrix.hpp"
 
@@ -36,8 +38,9 @@ std::string planTable(const PlanQuestions& questions, const RunResults& pilot, c
 /// Kendall's tau is that of `pilot`.
 std::string policiesTable(const Matrix& pilot);
 
-/// Reads the runs and prints planTable(), or the sweep and prints policiesTable(). Throws InvalidInput for a difference
-/// that is not above 0 or asked of a sweep, a folder without results, or two runs that do not pair.
-void plan(const PlanOptions& options);
+/// Reads the runs and prints planTable(), or the sweep and prints policiesTable(). Returns the figures of the table;
+/// null where it has none. Throws InvalidInput for a difference that is not above 0 or asked of a sweep, a folder
+/// without results, or two runs that do not pair.
+nlohmann::json plan(const PlanOptions& options, const CommandHost& host = {});
 
 }  // namespace sim2sim

@@ -5,8 +5,9 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
-#include <iostream>
+#include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,25 +71,28 @@ bool hasSeveralKinds(const std::vector<PlannedRow>& rows) {
                      [&](const PlannedRow& row) { return &row.engine.kind.get() != &rows.front().engine.kind.get(); });
 }
 
-void printRow(const RunConfiguration& configuration, const std::string& parameters, const Summary& summary) {
-  std::cout << parameters << ": " << configuration.engine.title << " " << cell(summary.engine) << ", "
-            << configuration.reference.title << " " << cell(summary.reference) << ", divergence "
-            << divergences(summary, ", ") << std::endl;
+void printRow(std::ostream& out, const RunConfiguration& configuration, const std::string& parameters,
+              const Summary& summary) {
+  out << parameters << ": " << configuration.engine.title << " " << cell(summary.engine) << ", "
+      << configuration.reference.title << " " << cell(summary.reference) << ", divergence "
+      << divergences(summary, ", ") << std::endl;
 }
 
 /// Runs one row after the other.
 class Sweeper {
  public:
   Sweeper(const SweepOptions& options, const SweepPlan& plan, const Protocol& protocol,
-          const std::vector<LoadedRun>& loaded, const std::vector<Requirement>& requirements, SweepFolder& folder)
+          const std::vector<LoadedRun>& loaded, const std::vector<Requirement>& requirements, SweepFolder& folder,
+          const CommandHost& host)
       : options_(options),
         plan_(plan),
         protocol_(protocol),
         loaded_(loaded),
         folder_(folder),
         requirements_(requirements),
+        out_(*host.out),
         varying_(varyingParameters(plan.rows)),
-        bar_("episodes", static_cast<std::int64_t>(plan.rows.size()) * protocol.episodes) {}
+        bar_("episodes", static_cast<std::int64_t>(plan.rows.size()) * protocol.episodes, host.progress) {}
 
   /// Answers to the requirements, row by row.
   const std::vector<RequirementResult>& answers() const { return answers_; }
@@ -142,7 +146,7 @@ class Sweeper {
       folder_.keep(index, configuration, *row);
     }
     bar_.clear();
-    printRow(configuration, parametersText(index), row->summary);
+    printRow(out_, configuration, parametersText(index), row->summary);
     for (const Requirement& requirement : requirements_) {
       RequirementResult answer = judge(requirement, protocol_, row->summary);
       answer.requirement.insert(0, "row " + std::to_string(index) + " (" + parametersText(index) + "), ");
@@ -215,6 +219,7 @@ class Sweeper {
   const std::vector<LoadedRun>& loaded_;  // by policy of the plan
   SweepFolder& folder_;
   const std::vector<Requirement>& requirements_;
+  std::ostream& out_;
   std::vector<RequirementResult> answers_;  // of each finished row
   std::vector<std::string> varying_;
   ProgressBar bar_;
@@ -300,8 +305,8 @@ std::vector<Requirement> requirementsOf(const SweepOptions& options, const Sweep
 /// Runs all rows of a plan over the same episodes, or continues an unfinished sweep: rows in the folder are not run
 /// again. The reference is simulated once for all rows. A row whose simulation fails is left out, and the others run.
 /// Throws InvalidInput for a bad plan, RuntimeFault if it was interrupted or a row has failed; finished rows are kept
-/// then.
-void sweep(const SweepOptions& options) {
+/// then. Returns the folder of the results.
+json sweep(const SweepOptions& options, const CommandHost& host) {
   SweepPlan plan = readSweepPlan(options.plan);
   const std::vector<Requirement> requirements = requirementsOf(options, plan);
   if (options.episodes > 0) {
@@ -337,8 +342,8 @@ void sweep(const SweepOptions& options) {
   }
   const json origin = provenanceOf(plan, protocol, loaded);
   folder.begin(description, origin);
-  Sweeper sweeper(options, plan, protocol, loaded, requirements, folder);
-  withStatus(folder, [&] {
+  Sweeper sweeper(options, plan, protocol, loaded, requirements, folder, host);
+  withStatus(folder, *host.out, [&] {
     sweeper.run();
     if (!refused.empty()) {
       throw pusht::RuntimeFault(std::to_string(refused.size()) + " of " +
@@ -350,36 +355,39 @@ void sweep(const SweepOptions& options) {
     const LoadedSimulator engine(plan.rows.front().engine);
     const RunConfiguration first = rowConfiguration(protocol, loaded.front(), engine);
     if (const std::string note = noteOnNoise(first, origin); !note.empty()) {
-      std::cout << note << std::endl;
+      *host.out << note << std::endl;
     }
   }
   if (options.shard.empty() && !plan.lists_policies) {  // the other shards may have the successes
     warn(doubtAboutPolicy(folder.rows().front(), origin));
   }
-  conclude("sweep", options.required, sweeper.answers(), std::cout);
+  conclude("sweep", options.required, sweeper.answers(), *host.out);
+  return {{"folder", folder.path().string()}};
 }
 
 }  // namespace
 
-int sweepMain(int argc, char** argv) {
-  SweepOptions options;
-  CLI::App app("Runs the comparison for many settings of the engine's parameters, over the same episodes.", "sweep");
-  app.add_option("plan", options.plan,
+CommandWork sweepCommand(CLI::App& app) {
+  const auto options = std::make_shared<SweepOptions>();
+  app.description("Runs the comparison for many settings of the engine's parameters, over the same episodes.");
+  app.add_option("plan", options->plan,
                  "YAML file: policies, seed, episodes, and a grid or a list of parameter settings")
       ->required()
       ->check(notEmpty());
-  app.add_option("--episodes", options.episodes, "number of episodes, instead of the plan's")
+  app.add_option("--episodes", options->episodes, "number of episodes, instead of the plan's")
       ->check(decimalInteger() & CLI::PositiveNumber);
-  app.add_option("--shard", options.shard, "only a share of the episodes, for `merge`: I/N, e.g. 2/5")
+  app.add_option("--shard", options->shard, "only a share of the episodes, for `merge`: I/N, e.g. 2/5")
       ->check(notEmpty());
-  app.add_option("--out", options.out,
+  app.add_option("--out", options->out,
                  "folder for the results (default: the next free results/sweep-N); if it holds this sweep already, the "
                  "sweep continues")
       ->check(notEmpty());
-  app.add_flag("--overwrite", options.overwrite, "replace results that are in the folder already");
-  options.required.declare(app);
-  options.batch.declare(app);
-  return runCommand(app, argc, argv, [&] { sweep(options); });
+  app.add_flag("--overwrite", options->overwrite, "replace results that are in the folder already");
+  options->required.declare(app);
+  options->batch.declare(app);
+  return [options](const CommandHost& host) { return sweep(*options, host); };
 }
+
+int sweepMain(int argc, char** argv) { return runCommand("sweep", sweepCommand, argc, argv); }
 
 }  // namespace sim2sim

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <exception>
 #include <filesystem>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -101,7 +101,7 @@ std::string rowText(std::size_t index, std::size_t rows);
 
 /// Runs `body`, writes its end into status.json of the sweep, and rethrows what it throws.
 template <class Body>
-void withStatus(SweepFolder& folder, const Body& body) {
+void withStatus(SweepFolder& folder, std::ostream& out, const Body& body) {
   try {
     body();
   } catch (const std::exception& failure) {
@@ -113,7 +113,7 @@ void withStatus(SweepFolder& folder, const Body& body) {
     throw;
   }
   folder.finish(pusht::ExitCode::kOk, "finished");
-  std::cout << "results: " << folder.path().string() << std::endl;
+  out << "results: " << folder.path().string() << std::endl;
 }
 
 }  // namespace sim2sim

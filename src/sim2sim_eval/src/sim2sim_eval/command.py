@@ -6,13 +6,13 @@ import subprocess
 from pusht_task.error import Error, ExitCode
 
 
-def rosrun(command: str, *arguments: str) -> None:
-    """Runs a command of the suite. Refuses with its line if it fails."""
+def rosrun(command: str, *arguments: str) -> str:
+    """What a command of the suite prints. Refuses with its line if it fails."""
     try:
         process = subprocess.run(
             ["rosrun", "sim2sim_eval", command, *arguments],
             stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
         )
@@ -27,3 +27,4 @@ def rosrun(command: str, *arguments: str) -> None:
         raise Error(
             lines[-1], process.returncode if process.returncode > 0 else ExitCode.RUNTIME_FAULT
         )
+    return process.stdout

@@ -13,8 +13,11 @@ namespace py = pybind11;
 
 bool isList(const py::handle& value) { return py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value); }
 
-/// "--first-episode", or "--block_damp" where that is the option.
+/// "--first-episode", or "--block_damp" where that is the option; a positional argument as it is.
 std::string flagOf(const CLI::App& app, const std::string& name) {
+  if (app.get_option_no_throw(name) != nullptr && app.get_option(name)->get_positional()) {
+    return name;
+  }
   std::string flag = "--" + name;
   if (app.get_option_no_throw(flag) == nullptr) {
     std::replace(flag.begin(), flag.end(), '_', '-');
@@ -27,6 +30,8 @@ class Option {
  public:
   Option(const CLI::App& app, std::string keyword)
       : keyword_(std::move(keyword)), flag_(flagOf(app, keyword_)), option_(app.get_option_no_throw(flag_)) {}
+
+  bool isPositional() const { return option_ != nullptr && option_->get_positional(); }
 
   std::vector<std::string> arguments(const py::handle& value) const {
     if (py::isinstance<py::bool_>(value) && option_ != nullptr && !isFlag()) {
@@ -54,6 +59,9 @@ class Option {
 
   /// "--name=value" for each; an empty one as an argument of its own, for behind "=" the parser would take the next.
   std::vector<std::string> with(const std::vector<std::string>& values) const {
+    if (isPositional()) {
+      return values;
+    }
     std::vector<std::string> arguments;
     for (const std::string& value : values) {
       if (value.empty()) {
@@ -111,6 +119,7 @@ std::string textOf(const py::handle& value) {
 
 std::vector<std::string> argumentsOf(const CLI::App& app, const py::dict& options) {
   std::vector<std::string> arguments;
+  std::vector<std::string> positional = {"--"};
   for (const auto& [name, value] : options) {
     if (value.is_none()) {
       continue;
@@ -118,8 +127,13 @@ std::vector<std::string> argumentsOf(const CLI::App& app, const py::dict& option
     if (std::string(py::str(name)) == "help") {  // is the command's
       throw pusht::InvalidInput("help: there is no such option; help(sim2sim.compare) says what there is");
     }
-    const std::vector<std::string> more = Option(app, py::str(name)).arguments(value);
-    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Option option(app, py::str(name));
+    const std::vector<std::string> more = option.arguments(value);
+    std::vector<std::string>& taker = option.isPositional() ? positional : arguments;
+    taker.insert(taker.end(), more.begin(), more.end());
+  }
+  if (positional.size() > 1) {
+    arguments.insert(arguments.end(), positional.begin(), positional.end());
   }
   return arguments;
 }

@@ -19,8 +19,8 @@ std::string textOf(const pybind11::handle& value);
 /// Arguments for `app` that say what `options` say. A keyword is the name of an option, with underscores for dashes;
 /// None: left out; True or False: a flag, and True also an option whose value may be left out; a list: the values of
 /// an option that may be repeated, or one value with commas; a dict: NAME=VALUE for each entry of an option that may be
-/// repeated. Throws InvalidInput for a list or dict where there can be none. Unknown options are for the parser to
-/// refuse.
+/// repeated. Positional arguments come last, in the order of their keywords. Throws InvalidInput for a list or dict
+/// where there can be none. Unknown options are for the parser to refuse.
 std::vector<std::string> argumentsOf(const CLI::App& app, const pybind11::dict& options);
 
 }  // namespace sim2sim::python

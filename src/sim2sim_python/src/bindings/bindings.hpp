@@ -14,11 +14,17 @@ namespace sim2sim::python {
 constexpr pybind11::ssize_t kNumbers = std::tuple_size_v<pusht::Observation>;
 constexpr pybind11::ssize_t kAxes = std::tuple_size_v<pusht::Action>;
 
-/// Adds compare().
+/// Adds run(), which runs a command.
+void bindCommands(pybind11::module_& module);
+
+/// Adds compare() and load().
 void bindCompare(pybind11::module_& module);
 
 /// Adds LoadedPolicy and PolicyMemory.
 void bindLoadedPolicy(pybind11::module_& module);
+
+/// Adds the functions of the statistics.
+void bindStatistics(pybind11::module_& module);
 
 /// Adds WorldBatch, and what kinds of simulators there are.
 void bindWorldBatch(pybind11::module_& module);

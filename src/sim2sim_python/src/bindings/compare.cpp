@@ -1,31 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <pybind11/stl.h>
-
 #include <CLI/CLI.hpp>
-#include <atomic>
-#include <chrono>
-#include <condition_variable>
-#include <exception>
+#include <algorithm>
 #include <filesystem>
-#include <functional>
-#include <future>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "arguments.hpp"
 #include "bindings.hpp"
-#include "policy_desk.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
+#include "pusht_task/json_text.hpp"
 #include "python_policy.hpp"
+#include "served_run.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/comparison.hpp"
-#include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/results/episodes_csv.hpp"
 #include "sim2sim_protocol/results/json.hpp"
-#include "without_gil.hpp"
+#include "sim2sim_protocol/results/run_configuration.hpp"
+#include "sim2sim_protocol/results/run_results.hpp"
+#include "sim2sim_protocol/results/summary.hpp"
+#include "sim2sim_protocol/results/table.hpp"
 
 namespace sim2sim::python {
 namespace {
@@ -40,188 +37,24 @@ struct CallablePolicy {
   int history = 0;
 };
 
-/// Time between two looks at the signals that Python has got, while no query comes.
-constexpr std::chrono::milliseconds kSignalPeriod{50};
-
-/// Time for a run to end with the interpreter; its callable may not return.
-constexpr std::chrono::seconds kLeavingPatience{10};
-
-/// Whether a run is under way in this process, and whether the interpreter ends.
-struct Runs {
-  std::mutex mutex;
-  std::condition_variable changed;
-  bool is_running = false;
-  std::atomic<bool> is_leaving = false;
-};
-
-Runs& runs() {
-  static Runs runs;
-  return runs;
+/// The callable as the run's policy, once it has shown that it has no memory of its own.
+pusht::ChosenPolicy chosenFrom(const CallablePolicy& callable, PolicyDesk& desk) {
+  const py::object python = py::module_::import("platform").attr("python_version")();
+  nlohmann::json identity = {{"python", callable.name}, {"version", callable.version}, {"history", callable.history}};
+  nlohmann::json provenance = {
+      {"runs_on", "Python " + std::string(py::str(python))},
+      {"callable", callable.name},
+      {"history", callable.history},
+      {"version", callable.version.empty() ? nlohmann::json() : nlohmann::json(callable.version)},
+      {"note", "a Python callable: known by its name and version, not by its code"}};
+  const int history = std::max(callable.history, 1);
+  return {[&desk, history] { return std::make_unique<PythonPolicy>(desk, history); },
+          "python:" + callable.name,
+          identity,
+          provenance,
+          {},
+          ""};
 }
-
-/// The right to run, and to take the warnings of the process. Throws InvalidInput if another run has it.
-class OneRun {
- public:
-  explicit OneRun(std::function<void(const std::string&)> take_warning) {
-    const std::lock_guard<std::mutex> lock(runs().mutex);
-    if (runs().is_running) {
-      throw pusht::InvalidInput("compare: runs already in this process; must not be called beside itself");
-    }
-    runs().is_running = true;
-    sendWarningsTo(std::move(take_warning));
-  }
-  OneRun(const OneRun&) = delete;
-  OneRun& operator=(const OneRun&) = delete;
-  ~OneRun() {
-    sendWarningsTo({});
-    const std::lock_guard<std::mutex> lock(runs().mutex);
-    runs().is_running = false;
-    runs().changed.notify_all();
-  }
-};
-
-/// Ends the run of a daemon thread before the interpreter ends: later, a thread that wants the GIL is killed within
-/// C++.
-void leave() {
-  {
-    const py::gil_scoped_release released;
-    runs().is_leaving = true;
-    std::unique_lock<std::mutex> lock(runs().mutex);
-    runs().changed.wait_for(lock, kLeavingPatience, [] { return !runs().is_running; });
-  }
-  endWithoutGil();
-}
-
-/// A comparison in a thread of its own, and its service in the thread that called Python's compare().
-class ServedComparison {
- public:
-  ServedComparison(CompareOptions options, const CallablePolicy& callable, bool files, bool progress)
-      : options_(std::move(options)) {
-    host_.files = files;
-    host_.progress = progress;
-    host_.out = &text_;
-    host_.stop = [this] { return stop_.load(); };
-    if (!callable.policy.is_none()) {
-      callable_.emplace(callable.policy, callable.name, callable.history);
-      name_ = callable.name;
-      host_.policy_can_return = !callable.version.empty();
-      host_.choose_policy = [chosen = chosenFrom(callable)] { return chosen; };
-    }
-  }
-
-  /// Runs it. Throws what the comparison throws; what the callable raises, a warning that is an error, or a signal's
-  /// exception, as itself.
-  ComparisonResults run() {
-    const OneRun one_run([this](const std::string& warning) { desk_.warn(warning); });
-    std::future<void> run = std::async(std::launch::async, [this] { compareAside(); });
-    serve();
-    {
-      const py::gil_scoped_release released;
-      run.wait();
-    }
-    desk_.releaseDropped();
-    if (raised_) {
-      std::rethrow_exception(raised_);
-    }
-    if (failure_) {
-      std::rethrow_exception(failure_);
-    }
-    return std::move(*result_);
-  }
-
-  std::string text() const { return text_.str(); }
-
- private:
-  pusht::ChosenPolicy chosenFrom(const CallablePolicy& callable) {
-    const py::object python = py::module_::import("platform").attr("python_version")();
-    nlohmann::json identity = {{"python", callable.name}, {"version", callable.version}, {"history", callable.history}};
-    nlohmann::json provenance = {
-        {"runs_on", "Python " + std::string(py::str(python))},
-        {"callable", callable.name},
-        {"history", callable.history},
-        {"version", callable.version.empty() ? nlohmann::json() : nlohmann::json(callable.version)},
-        {"note", "a Python callable: known by its name and version, not by its code"}};
-    return {[this, history = callable.history] { return std::make_unique<PythonPolicy>(desk_, std::max(history, 1)); },
-            "python:" + callable.name,
-            identity,
-            provenance,
-            {},
-            ""};
-  }
-
-  void compareAside() {
-    try {
-      result_ = compare(options_, host_);
-    } catch (...) {
-      failure_ = std::current_exception();
-    }
-    desk_.end();
-  }
-
-  void serve() {
-    for (bool ended = false; !ended;) {
-      PolicyDesk::Work work;
-      {
-        const py::gil_scoped_release released;
-        work = desk_.wait(kSignalPeriod);
-      }
-      ended = work.ended;
-      try {
-        if (PyErr_CheckSignals() != 0) {
-          throw py::error_already_set();
-        }
-        if (runs().is_leaving) {
-          throw pusht::RuntimeFault("compare: the interpreter ends");
-        }
-        for (const std::string& warning : work.warnings) {
-          if (PyErr_WarnEx(PyExc_RuntimeWarning, warning.c_str(), 2) != 0) {
-            throw py::error_already_set();
-          }
-        }
-        desk_.releaseDropped();
-        if (!work.rows.empty()) {
-          answer(work.rows);
-        }
-      } catch (...) {  // not the callable's: a signal's, mostly
-        interrupt();
-      }
-    }
-  }
-
-  void answer(const std::vector<Row*>& rows) {
-    try {
-      callable_->answer(rows);
-      desk_.answered();
-    } catch (const pusht::Error&) {
-      desk_.refuse(std::current_exception());
-    } catch (const py::error_already_set& error) {
-      if (error.matches(PyExc_KeyboardInterrupt)) {
-        throw;
-      }
-      raised_ = raised_ ? raised_ : std::current_exception();
-      const std::string text = error.what();  // a traceback may follow
-      desk_.close("policy " + name_ + ": raised " + text.substr(0, text.find('\n')));
-    }
-  }
-
-  /// Ends the run because of the current exception.
-  void interrupt() {
-    raised_ = raised_ ? raised_ : std::current_exception();
-    stop_ = true;
-    desk_.close("interrupted");
-  }
-
-  CompareOptions options_;
-  ComparisonHost host_;
-  std::optional<Callable> callable_;
-  std::string name_;
-  PolicyDesk desk_;
-  std::atomic<bool> stop_ = false;
-  std::ostringstream text_;
-  std::exception_ptr raised_;
-  std::exception_ptr failure_;
-  std::optional<ComparisonResults> result_;
-};
 
 /// Throws InvalidInput if `options` ask for what cannot be with a Python callable.
 void requireFitting(const CompareOptions& options, const CallablePolicy& callable) {
@@ -238,6 +71,17 @@ void requireFitting(const CompareOptions& options, const CallablePolicy& callabl
   }
 }
 
+/// Results as Python takes them: the texts of their files.
+py::dict textsOf(const ComparisonResults& results, const std::string& text) {
+  py::dict answer;
+  answer["episodes"] = episodesCsv(results.configuration.protocol, results.episodes);
+  answer["metrics"] = jsonText(results.metrics);
+  answer["provenance"] = jsonText(results.provenance);
+  answer["text"] = text;
+  answer["folder"] = results.folder.string();
+  return answer;
+}
+
 py::dict compareInPython(const py::dict& keywords, const py::object& policy, const std::string& name,
                          const std::string& version, int history, bool progress) {
   CompareOptions options;
@@ -246,21 +90,47 @@ py::dict compareInPython(const py::dict& keywords, const py::object& policy, con
   parseArguments(app, argumentsOf(app, keywords));
   const CallablePolicy callable = {policy, name, version, history};
   requireFitting(options, callable);
-  const bool files = !options.out.empty();
   for (std::string* const written : {&options.out, &options.write_starts}) {
     if (!policy.is_none() && !written->empty()) {  // the callable may change folders
       *written = std::filesystem::absolute(*written).string();
     }
   }
-  ServedComparison comparison(std::move(options), callable, files, progress);
-  const ComparisonResults result = comparison.run();
-  py::dict answer;
-  answer["episodes"] = episodesCsv(result.configuration.protocol, result.episodes);
-  answer["metrics"] = jsonText(result.metrics);
-  answer["provenance"] = jsonText(result.provenance);
-  answer["text"] = comparison.text();
-  answer["folder"] = result.folder.string();
-  return answer;
+  ServedRun served("compare");
+  std::ostringstream text;
+  ComparisonHost host;
+  host.out = &text;
+  host.progress = progress;
+  host.files = !options.out.empty();
+  if (!policy.is_none()) {
+    PolicyDesk& desk = served.deskOf(Callable(policy, name, history));
+    host.policy_can_return = !version.empty();
+    host.choose_policy = [&desk, name, history, chosen = chosenFrom(callable, desk)] {
+      requireNoMemoryOfItsOwn(desk, name, std::max(history, 1));
+      return chosen;
+    };
+  }
+  std::optional<ComparisonResults> results;
+  served.run([&] { results = compare(options, host); });
+  return textsOf(*results, text.str());
+}
+
+RunConfiguration configurationOf(const RunResults& run) {
+  RunConfiguration configuration;
+  configuration.protocol = run.protocol;
+  run.metrics.at("policy").get_to(configuration.policy);
+  run.metrics.at("smoke").get_to(configuration.smoke);
+  configuration.reference = simulatorFrom(run.metrics.at("simulators").at("reference"));
+  configuration.engine = simulatorFrom(run.metrics.at("simulators").at("engine"));
+  return configuration;
+}
+
+/// Results of a run, or of a row of a sweep, from their folder; `provenance` is that of the run or the sweep.
+py::dict loadInPython(const std::string& folder, const std::string& provenance) {
+  const RunResults run = readResults(folder);
+  const RunConfiguration configuration = configurationOf(run);
+  const auto origin = pusht::parseOrderedJson(pusht::readFile(provenance, "results"));
+  return textsOf({configuration, run.episodes, run.metrics, origin, run.folder},
+                 table(configuration, summarize(run.protocol, run.episodes)));
 }
 
 }  // namespace
@@ -268,7 +138,7 @@ py::dict compareInPython(const py::dict& keywords, const py::object& policy, con
 void bindCompare(py::module_& module) {
   module.def("compare", compareInPython, py::arg("options"), py::arg("policy"), py::arg("name"), py::arg("version"),
              py::arg("history"), py::arg("progress"));
-  py::module_::import("atexit").attr("register")(py::cpp_function(leave));
+  module.def("load", loadInPython, py::arg("folder"), py::arg("provenance"));
 }
 
 }  // namespace sim2sim::python

@@ -4,11 +4,15 @@
 #include <pybind11/numpy.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 
 #include "bindings.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/spawn.hpp"
+#include "pusht_task/task.hpp"
 
 namespace sim2sim::python {
 namespace {
@@ -43,6 +47,39 @@ struct RolloutMemory : pusht::Policy::Memory {
   std::size_t next = 0;  // action of the answer
   std::size_t left = 0;  // actions of it that are still executed
 };
+
+/// Rows that a callable is tried out with: as many observations as it looks back on, from spawns, each another one.
+std::vector<std::unique_ptr<RolloutMemory>> trialRows(PolicyDesk& desk, int history) {
+  constexpr std::uint64_t kRows = 8;
+  std::vector<std::unique_ptr<RolloutMemory>> rows;
+  for (std::uint64_t number = 0; number < kRows; ++number) {
+    rows.push_back(std::make_unique<RolloutMemory>(desk, pusht::Beginning{number}));
+    for (int past = 0; past < history; ++past) {
+      rows.back()->see(pusht::observe(pusht::spawn(number + kRows * static_cast<std::uint64_t>(past))),
+                       static_cast<std::size_t>(history));
+    }
+  }
+  return rows;
+}
+
+/// Rows of the memories from `first`, until before `last`.
+template <class Iterator>
+std::vector<Row*> rowsOf(Iterator first, Iterator last) {
+  std::vector<Row*> rows;
+  std::transform(first, last, std::back_inserter(rows), [](const auto& memory) { return &memory->row; });
+  return rows;
+}
+
+/// Whether two answers are the same but for the rounding of another batch.
+bool isAlike(const std::vector<pusht::Action>& one, const std::vector<pusht::Action>& other) {
+  constexpr float kRounding = 1e-3F;  // [m/s]
+  const auto alike = [](float a, float b) {
+    return std::abs(a - b) <= kRounding || (!std::isfinite(a) && !std::isfinite(b));  // refused where it is executed
+  };
+  return std::equal(
+      one.begin(), one.end(), other.begin(), other.end(),
+      [&](const pusht::Action& a, const pusht::Action& b) { return std::equal(a.begin(), a.end(), b.begin(), alike); });
+}
 
 RolloutMemory& memoryOf(const pusht::Policy::Query& query) { return static_cast<RolloutMemory&>(*query.memory); }
 
@@ -81,9 +118,31 @@ void PythonPolicy::act(pusht::Span<const Query> queries, pusht::Span<pusht::Acti
   }
 }
 
+void requireNoMemoryOfItsOwn(PolicyDesk& desk, const std::string& name, int history) {
+  constexpr std::ptrdiff_t kFew = 3;
+  const auto in_order = trialRows(desk, history);
+  const auto in_reverse = trialRows(desk, history);
+  const auto few = trialRows(desk, history);
+  desk.ask(rowsOf(in_order.begin(), in_order.end()));
+  const auto require_same = [&](const auto& memories, std::ptrdiff_t count, const char* when) {
+    for (std::size_t row = 0; row < static_cast<std::size_t>(count); ++row) {
+      if (!isAlike(memories[row]->row.answer, in_order[row]->row.answer)) {
+        throw pusht::BadDependency(
+            "policy " + name + ": answers the same observation with another action " + when +
+            ": it has a memory or random numbers of its own, or mixes rows; give an object with begin(seed) and "
+            "act(observations, memories), or answer with chunks (n, K, 2)");
+      }
+    }
+  };
+  desk.ask(rowsOf(in_reverse.rbegin(), in_reverse.rend()));
+  require_same(in_reverse, static_cast<std::ptrdiff_t>(in_reverse.size()), "when the rows come again in another order");
+  desk.ask(rowsOf(few.begin(), few.begin() + kFew));
+  require_same(few, kFew, "beside other rows");
+}
+
 Callable::Callable(py::object policy, std::string name, int history)
     : policy_(std::move(policy)),
-      as_array_(py::module_::import("numpy").attr("asarray")),
+      as_array_(py::module_::import("sim2sim.tensors").attr("as_array")),
       name_(std::move(name)),
       history_(history),
       has_memory_(py::hasattr(policy_, "begin") && py::hasattr(policy_, "act")) {}

@@ -29,12 +29,19 @@ class PythonPolicy : public pusht::Policy {
   int history_;
 };
 
+/// Asks the desk's callable for the same rows three times: in order, in reverse, and a few of them. Throws
+/// BadDependency unless each row gets the same answer, to within what rounding in other batches makes; also as
+/// PolicyDesk::ask().
+void requireNoMemoryOfItsOwn(PolicyDesk& desk, const std::string& name, int history);
+
 /// Callable of Python that answers rows. All functions need the GIL.
 class Callable {
  public:
   /// `policy` is a function of observations, or an object with begin() and act(). With `history` 0 an observation is
   /// a row of 10 numbers, otherwise [history, 10]. `name` stands in messages.
   Callable(pybind11::object policy, std::string name, int history);
+
+  const std::string& name() const { return name_; }
 
   /// Asks the callable once for all rows. Throws BadDependency for an answer of the wrong type or shape, and what the
   /// callable raises.
@@ -47,7 +54,7 @@ class Callable {
   pybind11::array arrayOf(const pybind11::object& answer) const;
 
   pybind11::object policy_;
-  pybind11::object as_array_;  // numpy.asarray
+  pybind11::object as_array_;  // of sim2sim.tensors
   std::string name_;
   int history_;
   bool has_memory_;

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Worlds of PushT and comparisons of simulators, in process."""
+"""Worlds of PushT, comparisons of simulators, and what the other commands do, in process."""
 
+from sim2sim import statistics
 from sim2sim._sim2sim import FIRST_SPAWN_SEED, HORIZON, STATE_FIELDS, kinds
-from sim2sim.comparison import Comparison, compare
+from sim2sim.commands import contrast, matrix, plan, report, sweep
+from sim2sim.comparison import compare
 from sim2sim.errors import (
     BadDependency,
     ContractError,
@@ -12,8 +14,10 @@ from sim2sim.errors import (
     RuntimeFault,
     SimulationFault,
 )
+from sim2sim.gym import Box
 from sim2sim.policy import Policy, load_policy
-from sim2sim.worlds import Box, VectorWorld, World, make, make_vec, parameters
+from sim2sim.results import Comparison, Findings, Sweep, load
+from sim2sim.worlds import VectorWorld, World, make, make_vec, parameters
 
 __all__ = [
     "FIRST_SPAWN_SEED",
@@ -24,17 +28,26 @@ __all__ = [
     "Comparison",
     "ContractError",
     "Error",
+    "Findings",
     "InternalError",
     "InvalidInput",
     "Policy",
     "RuntimeFault",
     "SimulationFault",
+    "Sweep",
     "VectorWorld",
     "World",
     "compare",
+    "contrast",
     "kinds",
+    "load",
     "load_policy",
     "make",
     "make_vec",
+    "matrix",
     "parameters",
+    "plan",
+    "report",
+    "statistics",
+    "sweep",
 ]

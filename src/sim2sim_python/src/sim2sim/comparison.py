@@ -1,57 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Comparison of two simulators under one policy, in process."""
 
-import csv
-import json
+import contextlib
 import os
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Mapping, Optional
 
-import numpy as np
-from numpy.typing import NDArray
-
-from sim2sim import _sim2sim
+from sim2sim import _sim2sim, tensors
+from sim2sim.checks import checked_integer, checked_mapping, checked_text
 from sim2sim.errors import InvalidInput
-
-INTEGERS = {"episode": np.int64, "seed": np.uint64, "steps": np.int64, "repeat": np.int64}
-TEXTS = ("mode", "parting_cause", "parting_first", "ending", "pusher_ending")
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Results of a comparison: what its files say."""
-
-    episodes: Dict[str, NDArray[Any]] = field(repr=False)  # columns of episodes.csv
-    summary: Dict[str, Any] = field(repr=False)  # metrics.json
-    provenance: Dict[str, Any] = field(repr=False)  # provenance.json
-    text: str  # the table that the command prints
-    folder: Optional[Path]  # the files of the run; None: there are none
-
-    def __str__(self) -> str:
-        return self.text
-
-
-def columns_of(text: str) -> Dict[str, NDArray[Any]]:
-    """The columns of episodes.csv, a row for each rollout.
-
-    A number that a rollout has not is NaN. Given starts have no seeds, hence no such column.
-    """
-    names, *rows = csv.reader(text.splitlines())
-    columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
-    if not all(columns["seed"]):
-        del columns["seed"]
-    return {name: _column(name, cells) for name, cells in columns.items()}
-
-
-def _column(name: str, cells: List[str]) -> NDArray[Any]:
-    if name in TEXTS:
-        return np.array(cells)
-    if name == "success":
-        return np.array([cell == "true" for cell in cells])
-    if name in INTEGERS:
-        return np.array([int(cell) for cell in cells], INTEGERS[name])
-    return np.array([float(cell or "nan") for cell in cells])
+from sim2sim.results import Comparison, comparison_of
 
 
 def compare(
@@ -73,7 +30,12 @@ def compare(
     chunk [n, K, 2], of which the first `execute` are taken before it is asked again (all without
     `execute`). An object with begin(seed) and act(observations, memories) has a memory for each
     row: begin() makes one at the beginning of a rollout, act() changes it in place. All calls come
-    from the thread that called compare().
+    from the thread that called compare(). A PyTorch module, eager or scripted, is a callable: it
+    gets and gives tensors, without gradients and in evaluation mode.
+
+    Before the run a callable is asked for eight rows, in order, in reverse, and for three of them.
+    If a row gets another action (by more than 0.001 m/s), the callable has a memory or random
+    numbers of its own, or mixes rows, and is refused.
 
     `options` are those of the command, with underscores: episodes=200, horizon=100,
     loop={"action_delay": 2} or "tracker", threads=2, out="results/mine". Without `out` nothing is
@@ -89,8 +51,8 @@ def compare(
     """
     options["reference"] = reference
     options["engine"] = engine
-    options["set_reference"] = dict(reference_parameters or {})
-    options["set"] = dict(engine_parameters or {})
+    options["set_reference"] = dict(checked_mapping("reference_parameters", reference_parameters))
+    options["set"] = dict(checked_mapping("engine_parameters", engine_parameters))
     is_callable = not isinstance(policy, (str, os.PathLike))
     if is_callable:
         _require_callable(policy)
@@ -99,21 +61,14 @@ def compare(
     else:
         _require_left_out(history=history, version=version)
         options["policy"] = policy
-    results = _sim2sim.compare(
-        options,
-        policy if is_callable else None,
-        _name_of(policy),
-        version or "",
-        _checked_history(history),
-        progress,
-    )
-    return Comparison(
-        columns_of(results["episodes"]),
-        json.loads(results["metrics"]),
-        json.loads(results["provenance"]),
-        results["text"],
-        Path(results["folder"]) if results["folder"] else None,
-    )
+    name, looks_back = _name_of(policy), _checked_history(history)
+    known_as = "" if version is None else checked_text("version", version)
+    with contextlib.ExitStack() as stack:
+        if tensors.is_module(policy):
+            policy = stack.enter_context(tensors.evaluated(policy))
+        asked = policy if is_callable else None
+        texts = _sim2sim.compare(options, asked, name, known_as, looks_back, bool(progress))
+    return comparison_of(texts)
 
 
 def _require_callable(policy: object) -> None:
@@ -134,12 +89,13 @@ def _checked_history(history: Optional[int]) -> int:
     """The history as the extension takes it: 0 for an observation without one."""
     if history is None:
         return 0
-    if isinstance(history, bool) or not isinstance(history, int) or not 1 <= history <= 1000:
-        raise InvalidInput(f"history {history}: must be an integer from 1 to 1000")
-    return history
+    return checked_integer("history", history, 1, 1000)
 
 
 def _name_of(policy: object) -> str:
-    """Module and qualified name of a callable, or of its class."""
+    """Module and qualified name of a callable, or of its class; a scripted module knows that of
+    the class that was scripted."""
+    if tensors.is_module(policy) and hasattr(policy, "original_name"):
+        return f"torch.jit.{getattr(policy, 'original_name')}"
     named = policy if hasattr(policy, "__qualname__") else type(policy)
     return f"{getattr(named, '__module__', None) or '?'}.{getattr(named, '__qualname__')}"

@@ -52,3 +52,13 @@ class InternalError(Error):
 
     def __init__(self, message: str) -> None:
         super().__init__(message, ExitCode.INTERNAL_ERROR)
+
+
+def of_exit_code(exit_code: int, message: str) -> Error:
+    """The error of a command that ended with this code."""
+    kinds = (InvalidInput, BadDependency, RuntimeFault, ContractError)
+    for kind in kinds:
+        error: Error = kind(message)
+        if error.exit_code == exit_code:
+            return error
+    return InternalError(message)

@@ -9,6 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim2sim._sim2sim import LoadedPolicy, PolicyMemory
+from sim2sim.checks import (
+    OBSERVATION,
+    checked_integer,
+    checked_list,
+    checked_numbers,
+    checked_path,
+    checked_seed,
+)
+from sim2sim.errors import InvalidInput
+
+MOST_ACTIONS = 1000  # of an answer
 
 
 class Policy:
@@ -38,16 +49,19 @@ class Policy:
 
     def begin(self, seed: int) -> PolicyMemory:
         """The memory of a rollout; all its random numbers come from `seed`."""
-        return self._loaded.begin(seed, self._execute)
+        return self._loaded.begin(checked_seed(seed), self._execute)
 
     def act(
         self, observations: NDArray[np.float32], memories: List[PolicyMemory]
     ) -> NDArray[np.float32]:
         """Actions [n, 2] for observations [n, 10] of rollouts with these memories."""
-        return self._loaded.act(observations, memories)
+        for row, memory in enumerate(checked_list("memories", memories)):
+            if not isinstance(memory, PolicyMemory):
+                raise InvalidInput(f"memories: the one of row {row} must be from begin()")
+        return self._loaded.act(_rows(observations), list(memories))
 
     def __call__(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
-        return self._loaded(observations)
+        return self._loaded(_rows(observations))
 
 
 def load_policy(
@@ -61,4 +75,11 @@ def load_policy(
 
     `execute`: actions of each answer that are executed; 0: as many as the policy says.
     """
-    return Policy(LoadedPolicy(os.fspath(name), require_policy, untrained_seed), execute)
+    executed = checked_integer("execute", execute, 0, MOST_ACTIONS)
+    seed = checked_seed(untrained_seed)
+    return Policy(LoadedPolicy(checked_path("policy", name), bool(require_policy), seed), executed)
+
+
+def _rows(observations: object) -> NDArray[np.float32]:
+    rows = checked_numbers("observations", observations, (None, OBSERVATION))
+    return np.asarray(rows, np.float32)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Worlds of PushT with the interface of Gymnasium, one or many at a time.
+"""Worlds of PushT as environments of Gymnasium, one or many at a time.
 
 https://gymnasium.farama.org/api/env and /api/vector define what the methods mean.
 """
@@ -15,46 +15,24 @@ from sim2sim._sim2sim import (
     HORIZON,
     STATE_FIELDS,
     WorldBatch,
+    kinds,
     parameters_of,
 )
+from sim2sim.checks import (
+    OBSERVATION,
+    checked_integer,
+    checked_mapping,
+    checked_numbers,
+    checked_seed,
+    checked_text,
+)
 from sim2sim.errors import InvalidInput
+from sim2sim.gym import NEXT_STEP, Box, Env, VectorEnv, register
 
 Info = Dict[str, Any]
-OBSERVATION = 10  # numbers
 ACTION = 2  # numbers
 VELOCITIES = ("pusher_vx", "pusher_vy", "tee_vx", "tee_vy", "tee_yaw_rate")  # 0 if left out
 MOST_WORLDS = 100_000
-
-
-class Box:
-    """Arrays between two bounds, with what Gymnasium's space of that name has for reading it."""
-
-    def __init__(self, low: float, high: float, shape: Tuple[int, ...]) -> None:
-        self.dtype = np.dtype(np.float32)
-        self.shape = shape
-        self.low = np.full(shape, low, self.dtype)
-        self.high = np.full(shape, high, self.dtype)
-        self.seed(None)
-
-    def seed(self, seed: Optional[int] = None) -> None:
-        """Sets the generator of sample()."""
-        self._random = np.random.default_rng(seed)
-
-    def sample(self) -> NDArray[np.float32]:
-        """An array drawn uniformly between the bounds; normally distributed without bounds."""
-        if not np.isfinite(self.low).all():
-            return self._random.normal(size=self.shape).astype(self.dtype)
-        return self._random.uniform(self.low, self.high).astype(self.dtype)
-
-    def contains(self, array: Any) -> bool:
-        """Whether an array has the shape and lies between the bounds."""
-        array = np.asarray(array)
-        return bool(
-            array.shape == self.shape and (self.low <= array).all() and (array <= self.high).all()
-        )
-
-    def __repr__(self) -> str:
-        return f"Box({self.low.min()}, {self.high.max()}, {self.shape}, float32)"
 
 
 class _Starts:
@@ -86,14 +64,11 @@ class _Worlds:
     def __init__(
         self, kind: str, count: int, horizon: int, parameters: Mapping[str, object]
     ) -> None:
-        self.kind = kind
-        self.horizon = _checked_integer("horizon", horizon, 1, 1_000_000)
-        self._batch = WorldBatch(kind, dict(parameters), count)
+        self.kind = checked_text("kind", kind)
+        self.horizon = checked_integer("horizon", horizon, 1, 1_000_000)
+        self._batch = WorldBatch(self.kind, dict(parameters), count)
         self._starts = [_Starts() for _ in range(count)]
         self._ended: Optional[NDArray[np.bool_]] = None  # None: must be reset
-
-    def close(self) -> None:
-        """Does nothing: a world holds memory alone."""
 
     def render(self) -> None:
         """Does nothing: worlds have no picture of their own; `report` draws runs."""
@@ -135,7 +110,7 @@ class _Worlds:
         return terminated, truncated
 
 
-class World(_Worlds):
+class World(_Worlds, Env):
     """One world of PushT, of a kind of simulator, as an environment of Gymnasium.
 
     `horizon`: control steps after which an episode is truncated. `parameters` are the kind's.
@@ -145,11 +120,6 @@ class World(_Worlds):
         super().__init__(kind, 1, horizon, parameters)
         self.observation_space = Box(-np.inf, np.inf, (OBSERVATION,))
         self.action_space = Box(-1.0, 1.0, (ACTION,))
-
-    @property
-    def unwrapped(self) -> "World":
-        """The world itself."""
-        return self
 
     def reset(
         self, *, seed: Optional[int] = None, options: Optional[Mapping[str, Any]] = None
@@ -161,8 +131,9 @@ class World(_Worlds):
         numbers as STATE_FIELDS, or a dict of them, in which velocities may be left out.
         """
         state = _state_in(options)
-        seeds = [None if seed is None else _checked_seed(seed)]
-        info = self._reset(seeds, None if state is None else state[np.newaxis])
+        wanted = None if seed is None else checked_seed(seed)
+        super().reset(seed=wanted)
+        info = self._reset([wanted], None if state is None else state[np.newaxis])
         return self._batch.observations[0], _first(info)
 
     def step(self, action: ArrayLike) -> Tuple[NDArray[np.float32], float, bool, bool, Info]:
@@ -189,7 +160,7 @@ class World(_Worlds):
         self._batch.step(actions, np.ones(1, np.bool_))
 
 
-class VectorWorld(_Worlds):
+class VectorWorld(_Worlds, VectorEnv):
     """Worlds of one kind that step together, as a vector environment of Gymnasium.
 
     Autoreset is that of the next step (AutoresetMode.NEXT_STEP): the step after the end of an
@@ -197,12 +168,12 @@ class VectorWorld(_Worlds):
     neither terminated nor truncated. Its start is drawn as by reset() without a seed.
     """
 
-    metadata: Dict[str, Any] = {**_Worlds.metadata, "autoreset_mode": "NextStep"}
+    metadata: Dict[str, Any] = {**_Worlds.metadata, "autoreset_mode": NEXT_STEP}
 
     def __init__(
         self, kind: str, num_envs: int, *, horizon: int = HORIZON, **parameters: object
     ) -> None:
-        self.num_envs = _checked_integer("num_envs", num_envs, 1, MOST_WORLDS)
+        self.num_envs = checked_integer("num_envs", num_envs, 1, MOST_WORLDS)
         super().__init__(kind, self.num_envs, horizon, parameters)
         self.single_observation_space = Box(-np.inf, np.inf, (OBSERVATION,))
         self.single_action_space = Box(-1.0, 1.0, (ACTION,))
@@ -221,7 +192,9 @@ class VectorWorld(_Worlds):
         starts from states [num_envs, 10]. Each entry of info is an array over the worlds.
         """
         states = _state_in(options, self.num_envs)
-        info = self._reset(self._seeds(seed), states)
+        seeds = self._seeds(seed)
+        super().reset(seed=seeds[0])
+        info = self._reset(seeds, states)
         return self._batch.observations, info
 
     def step(
@@ -258,9 +231,9 @@ class VectorWorld(_Worlds):
         if isinstance(seed, (list, tuple, np.ndarray)):
             if len(seed) != self.num_envs:
                 raise InvalidInput(f"seed: {len(seed)} seeds; must be {self.num_envs}, or one")
-            return [None if one is None else _checked_seed(one) for one in seed]
-        first = _checked_seed(seed)
-        return [_checked_seed(first + world) for world in range(self.num_envs)]
+            return [None if one is None else checked_seed(one) for one in seed]
+        first = checked_seed(seed)
+        return [checked_seed(first + world) for world in range(self.num_envs)]
 
 
 def make(kind: str, *, horizon: int = HORIZON, **parameters: object) -> World:
@@ -277,7 +250,7 @@ def make_vec(
 
 def parameters(kind: str) -> List[Dict[str, Any]]:
     """The parameters of a kind: name, type, unit, default, range, meaning."""
-    return parameters_of(kind)
+    return parameters_of(checked_text("kind", kind))
 
 
 def _first(info: Info) -> Info:
@@ -285,49 +258,25 @@ def _first(info: Info) -> Info:
     return {name: value[0] if value.ndim > 1 else value[0].item() for name, value in info.items()}
 
 
-def _checked_integer(name: str, value: object, least: int, greatest: int) -> int:
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
-        raise InvalidInput(f"{name} {value!r}: must be an integer")
-    if not least <= value <= greatest:
-        raise InvalidInput(f"{name} {value}: must be from {least} to {greatest}")
-    return int(value)
-
-
-def _checked_seed(seed: object) -> int:
-    return _checked_integer("seed", seed, 0, 2**64 - 1)
-
-
 def _checked_actions(name: str, actions: object, shape: Tuple[int, ...]) -> NDArray[np.float32]:
-    return np.asarray(_numbers(name, actions, shape), np.float32)
-
-
-def _numbers(name: str, given: object, shape: Tuple[int, ...]) -> NDArray[Any]:
-    """`given` as an array of real numbers of this shape. Raises InvalidInput for any other."""
-    try:
-        array = np.asarray(given)
-    except ValueError as error:  # rows of different lengths
-        raise InvalidInput(f"{name} {given!r}: {error}") from None
-    if array.dtype.kind not in "fiu" or array.shape != shape:
-        raise InvalidInput(
-            f"{name} {array.dtype} of shape {array.shape}: must be real numbers of shape {shape}"
-        )
-    return array
+    return np.asarray(checked_numbers(name, actions, shape), np.float32)
 
 
 def _state_in(
     options: Optional[Mapping[str, Any]], count: Optional[int] = None
 ) -> Optional[NDArray[np.float64]]:
     """The state that options of a reset ask for, or those of `count` worlds."""
-    unknown = set(options or {}) - {"state"}
+    options = checked_mapping("options", options)
+    unknown = set(options) - {"state"}
     if unknown:
         raise InvalidInput(f"options {sorted(map(str, unknown))}: unknown; known: state")
-    state = (options or {}).get("state")
+    state = options.get("state")
     if state is None:
         return None
     if count is None and isinstance(state, Mapping):
         state = _numbers_by_name(state)
     shape = (len(STATE_FIELDS),) if count is None else (count, len(STATE_FIELDS))
-    return np.ascontiguousarray(_numbers("state", state, shape), np.float64)
+    return np.ascontiguousarray(checked_numbers("state", state, shape), np.float64)
 
 
 def _numbers_by_name(state: Mapping[str, float]) -> List[float]:
@@ -338,3 +287,6 @@ def _numbers_by_name(state: Mapping[str, float]) -> List[float]:
         if name not in state and name not in VELOCITIES:
             raise InvalidInput(f"state: {name} is missing; velocities alone may be left out")
     return [state.get(name, 0.0) for name in STATE_FIELDS]
+
+
+register(kinds())

@@ -13,7 +13,7 @@ __all__ = ["Suite"]
 class Suite:
     """The commands, called by `call(command, *arguments)`, which refuses if the command fails."""
 
-    def __init__(self, call: Callable[..., None]) -> None:
+    def __init__(self, call: Callable[..., object]) -> None:
         self._call = call
 
     def contrast(self, folders: Sequence[Path], against: int = 0) -> Json:

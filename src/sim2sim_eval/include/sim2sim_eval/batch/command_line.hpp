@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Common parts of all commands: exit codes, validators of options, progress bar.
+/// Common parts of all commands: how they are run, exit codes, validators of options, progress bar.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <iostream>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,31 @@ namespace sim2sim {
 /// Runs a command: parses the command line into `app`, catches signals (catchInterrupts), runs `body`, and returns the
 /// exit code. Every failure becomes one line on stderr and the exit code of its kind.
 int runCommand(CLI::App& app, int argc, char** argv, const std::function<void()>& body);
+
+/// What a command takes from the program around it. The defaults are those of a terminal.
+struct CommandHost {
+  std::ostream* out = &std::cout;  ///< gets what the command prints
+  bool progress = true;            ///< show a progress bar
+};
+
+/// Work of a command, which writes its files. Returns the figures that it has printed or written.
+using CommandWork = std::function<nlohmann::json(const CommandHost& host)>;
+
+/// Declares the options of a command, and its description, on a command line. The work has the options that are parsed
+/// then.
+using Command = CommandWork (*)(CLI::App& app);
+
+/// Command `contrast`. Python has it, too, as the next three.
+CommandWork contrastCommand(CLI::App& app);
+/// Command `matrix`.
+CommandWork matrixCommand(CLI::App& app);
+/// Command `plan`.
+CommandWork planCommand(CLI::App& app);
+/// Command `sweep`.
+CommandWork sweepCommand(CLI::App& app);
+
+/// Runs such a command in a terminal.
+int runCommand(const std::string& name, Command command, int argc, char** argv);
 
 /// Parses `arguments` as a command line into `app`. Throws InvalidInput with the message of the command.
 void parseArguments(CLI::App& app, std::vector<std::string> arguments);

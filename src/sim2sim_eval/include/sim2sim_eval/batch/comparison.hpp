@@ -4,15 +4,14 @@
 
 #include <filesystem>
 #include <functional>
-#include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "pusht_policy/policy_choice.hpp"
 #include "sim2sim_eval/batch/batch_options.hpp"
+#include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
-#include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
@@ -51,13 +50,10 @@ struct CompareOptions {
 };
 
 /// What a comparison takes from the program around it. The defaults are those of the command.
-struct ComparisonHost {
+struct ComparisonHost : CommandHost {
   std::function<pusht::ChosenPolicy()> choose_policy{};  ///< a policy of the program's own; empty: that of the options
   bool policy_can_return = true;  ///< whether a later run could have the same policy; else a run cannot be continued
   bool files = true;              ///< false: no folder of results
-  bool progress = true;           ///< show a progress bar
-  std::function<bool()> stop = interrupted;  ///< as in runProtocol(): when it holds, the run ends
-  std::ostream* out = &std::cout;            ///< gets the table
 };
 
 /// Results of a comparison: what its files say.

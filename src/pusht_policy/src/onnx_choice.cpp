@@ -20,6 +20,12 @@ ChosenPolicy trainedOnnx(const std::filesystem::path& path, const std::string& n
                        {"operations", info.operations},
                        {"instruction_set", info.instruction_set},
                        {"onnx", {{"opset", info.opset}, {"producer", info.producer}}}};
+  if (!info.data_files.empty()) {
+    chosen.identity["data_files"] = chosen.provenance["data_files"] = info.data_files;
+  }
+  addDescription(info.description, chosen.identity);
+  addDescription(info.description, chosen.provenance);
+  addNoise(info.description, chosen.provenance);
   chosen.libraries = {kOnnxPolicyLibrary};
   return chosen;
 }

@@ -31,7 +31,8 @@ bool GraphSizes::areComputedBy(const Node& node) {
 /// Result of an operation, which libtorch computes. It may ask the shape of a tensor, but not its numbers.
 std::optional<IValue> GraphSizes::computed(const Node& node) const {
   namespace aten = torch::jit::aten;
-  const bool asks_shape = node.kind() == aten::size || node.kind() == aten::dim || node.kind() == aten::len;
+  const bool asks_shape = node.kind() == aten::size || node.kind() == aten::dim || node.kind() == aten::len ||
+                          node.kind() == aten::__is__ || node.kind() == aten::__isnot__;
   torch::jit::Stack stack;
   for (const Value* input : node.inputs()) {
     const auto shape = shapes_.find(input);
@@ -41,6 +42,17 @@ std::optional<IValue> GraphSizes::computed(const Node& node) const {
       return {};
     }
     stack.push_back(*known);
+  }
+  if (node.kind() == torch::jit::prim::TupleConstruct) {
+    return c10::ivalue::Tuple::create(std::move(stack));
+  }
+  if (node.kind() == torch::jit::prim::ListConstruct) {
+    c10::impl::GenericList list(node.output()->type()->containedType(0));
+    std::for_each(stack.begin(), stack.end(), [&](const IValue& element) { list.push_back(element); });
+    return IValue(list);
+  }
+  if (node.maybeOperator() == nullptr) {
+    return {};
   }
   node.getOperation()(stack);
   return stack.empty() ? std::nullopt : std::optional<IValue>(stack.front());

@@ -217,9 +217,8 @@ NetworkTensor NetworkBuilder::take(Kind kind, const std::vector<NetworkTensor>& 
 
 /// The tensor as a value, also if it is a constant.
 NetworkTensor NetworkBuilder::computed(const NetworkTensor& tensor) {
-  return tensor.isConstant()
-             ? push({Kind::kConstant, columnsOf(tensor.shape), tensor.constant->values}, tensor.shape)
-             : tensor;
+  return tensor.isConstant() ? push({Kind::kConstant, columnsOf(tensor.shape), tensor.constant->values}, tensor.shape)
+                             : tensor;
 }
 
 NetworkTensor NetworkBuilder::extend(const NetworkTensor& tensor, const Sizes& shape) {
@@ -265,8 +264,8 @@ NetworkTensor NetworkBuilder::apply(Kind function, const NetworkTensor& tensor) 
 NetworkTensor NetworkBuilder::multiplyMatrix(const NetworkTensor& rows, const FloatTensor& matrix) {
   if (matrix.shape.size() != 2 || rows.shape.empty() || matrix.shape[0] != rows.shape.back() || matrix.shape[0] < 1 ||
       matrix.shape[1] < 1) {
-    throw UnfitOperand("its matrix must be float32 for " +
-                       std::to_string(rows.shape.empty() ? 1 : rows.shape.back()) + " inputs");
+    throw UnfitOperand("its matrix must be float32 for " + std::to_string(rows.shape.empty() ? 1 : rows.shape.back()) +
+                       " inputs");
   }
   const int columns = columnsOf({matrix.shape[1]});
   const int parts = columnsOf(rows.shape) / columnsOf({matrix.shape[0]});

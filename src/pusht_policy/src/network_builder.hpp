@@ -48,7 +48,7 @@ FloatTensor transposed(const FloatTensor& matrix);
 /// Float32 tensor for one rollout: a value of the kernel, or a constant.
 struct NetworkTensor {
   Sizes shape;
-  int value = -1;                                ///< of the kernel, row-major; -1 for a constant
+  int value = -1;                                 ///< of the kernel, row-major; -1 for a constant
   std::shared_ptr<const FloatTensor> constant{};  ///< null for a value
 
   bool isConstant() const { return constant != nullptr; }

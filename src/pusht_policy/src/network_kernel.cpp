@@ -67,9 +67,9 @@ bool isCombination(Kind kind) { return kind >= Kind::kAdd && kind <= Kind::kMin;
 bool isFunction(Kind kind) { return kind >= Kind::kTanh && kind <= Kind::kSqrt; }
 
 const char* toString(Kind kind) {
-  constexpr std::array kNames = {"matrix", "add", "subtract", "multiply",         "divide", "max",
-                                 "min",    "tanh", "erf",     "exp",              "exp minus one", "log",
-                                 "sigmoid", "softplus", "sqrt", "sum",            "pick",   "constant"};
+  constexpr std::array kNames = {"matrix",  "add",      "subtract", "multiply", "divide",        "max",
+                                 "min",     "tanh",     "erf",      "exp",      "exp minus one", "log",
+                                 "sigmoid", "softplus", "sqrt",     "sum",      "pick",          "constant"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 

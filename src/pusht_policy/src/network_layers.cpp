@@ -64,8 +64,7 @@ NetworkTensor NetworkLayers::geluByTanh(const NetworkTensor& x) {
   constexpr float kSqrt2PerPi = 0.7978845608028654F;
   constexpr float kCubic = 0.044715F;
   const NetworkTensor cubic = network_.combine(Kind::kMultiply, power(x, 3.0), kCubic);
-  const NetworkTensor inner =
-      network_.combine(Kind::kMultiply, network_.combine(Kind::kAdd, x, cubic), kSqrt2PerPi);
+  const NetworkTensor inner = network_.combine(Kind::kMultiply, network_.combine(Kind::kAdd, x, cubic), kSqrt2PerPi);
   const NetworkTensor outer = network_.combine(Kind::kAdd, network_.apply(Kind::kTanh, inner), 1.0F);
   return network_.combine(Kind::kMultiply, network_.combine(Kind::kMultiply, x, 0.5F), outer);
 }
@@ -116,16 +115,14 @@ NetworkTensor NetworkLayers::layerNorm(const NetworkTensor& x, const std::vector
   return shift == nullptr ? y : network_.combine(Kind::kAdd, y, *shift);
 }
 
-NetworkTensor NetworkLayers::batchNorm(const NetworkTensor& x, const NetworkTensor& mean,
-                                       const NetworkTensor& variance, float epsilon, const NetworkTensor* scale,
-                                       const NetworkTensor* shift) {
+NetworkTensor NetworkLayers::batchNorm(const NetworkTensor& x, const NetworkTensor& mean, const NetworkTensor& variance,
+                                       float epsilon, const NetworkTensor* scale, const NetworkTensor* shift) {
   Sizes shape(x.shape.size(), 1);
   shape.at(1) = x.shape.at(1);
   const auto along_axis = [&](const NetworkTensor& tensor) { return network_.reshape(tensor, shape); };
   const NetworkTensor deviation =
       network_.apply(Kind::kSqrt, network_.combine(Kind::kAdd, along_axis(variance), epsilon));
-  NetworkTensor y =
-      network_.combine(Kind::kDivide, network_.combine(Kind::kSubtract, x, along_axis(mean)), deviation);
+  NetworkTensor y = network_.combine(Kind::kDivide, network_.combine(Kind::kSubtract, x, along_axis(mean)), deviation);
   if (scale != nullptr) {
     y = network_.combine(Kind::kMultiply, y, along_axis(*scale));
   }

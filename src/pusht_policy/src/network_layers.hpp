@@ -46,8 +46,8 @@ class NetworkLayers {
   NetworkTensor batchNorm(const NetworkTensor& x, const NetworkTensor& mean, const NetworkTensor& variance,
                           float epsilon, const NetworkTensor* scale, const NetworkTensor* shift);
 
-  /// Weights of a recurrent cell, with its gates side by side: of a GRU reset, update and new; of an LSTM input, forget,
-  /// cell and output, as torch has them.
+  /// Weights of a recurrent cell, with its gates side by side: of a GRU reset, update and new; of an LSTM input,
+  /// forget, cell and output, as torch has them.
   struct CellWeights {
     FloatTensor of_input;  ///< [inputs, gates * hidden]
     FloatTensor of_state;  ///< [hidden, gates * hidden]

@@ -51,9 +51,9 @@ class Checkpoint {
       throw UnfitForKernel(why_not_on_kernel_);
     }
     const bool has_state = !description.state.empty();
-    const NetworkKernel kernel(static_cast<int>(observationNumbers(description) + numbersIn(description.state) +
-                                                numbersIn(description.noise)),
-                               readGraph(*graph_, network_->inputSizes(), has_state), instruction_set);
+    const NetworkKernel kernel(
+        static_cast<int>(observationNumbers(description) + numbersIn(description.state) + numbersIn(description.noise)),
+        readGraph(*graph_, network_->inputSizes(), has_state), instruction_set);
     KernelNetwork on_kernel(kernel);
     requireAgreement(answersToProbes(on_kernel, description, "kernel"), answers_);
     return kernel;

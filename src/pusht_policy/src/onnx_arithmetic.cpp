@@ -102,12 +102,10 @@ OnnxReader::Values OnnxReader::combineNumbers(const Node& node, Kind kind) {
   for (std::size_t i = 0; i < count; ++i) {
     const double a = left.numbers[left.numbers.size() == 1 ? 0 : i];
     const double b = right.numbers[right.numbers.size() == 1 ? 0 : i];
-    const std::map<Kind, double> results = {{Kind::kAdd, a + b},
-                                            {Kind::kSubtract, a - b},
-                                            {Kind::kMultiply, a * b},
-                                            {Kind::kDivide, b == 0.0 ? 0.0 : std::trunc(a / b)},
-                                            {Kind::kMax, std::max(a, b)},
-                                            {Kind::kMin, std::min(a, b)}};
+    const std::map<Kind, double> results = {
+        {Kind::kAdd, a + b},          {Kind::kSubtract, a - b},
+        {Kind::kMultiply, a * b},     {Kind::kDivide, b == 0.0 ? 0.0 : std::trunc(a / b)},
+        {Kind::kMax, std::max(a, b)}, {Kind::kMin, std::min(a, b)}};
     result.numbers[i] = results.at(kind);
   }
   return {number(std::move(result))};
@@ -126,8 +124,7 @@ OnnxReader::Values OnnxReader::readGemm(const Node& node) {
   if (has(node, 2)) {
     const float beta = floatOf(node, "beta", 1.0F);
     const NetworkTensor& bias = tensor(node, 2);
-    result = network_.combine(Kind::kAdd, result,
-                              beta == 1.0F ? bias : network_.combine(Kind::kMultiply, bias, beta));
+    result = network_.combine(Kind::kAdd, result, beta == 1.0F ? bias : network_.combine(Kind::kMultiply, bias, beta));
   }
   return one(result);
 }

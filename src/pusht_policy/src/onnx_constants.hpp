@@ -29,8 +29,8 @@ class OnnxDataFiles {
  public:
   explicit OnnxDataFiles(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Bytes that the tensor says it has there. Throws InvalidInput, beginning with `where`, if the file is not one in the
-  /// folder of the model, cannot be read, or does not have them.
+  /// Bytes that the tensor says it has there. Throws InvalidInput, beginning with `where`, if the file is not one in
+  /// the folder of the model, cannot be read, or does not have them.
   std::string bytesOf(const onnx::TensorProto& tensor, const std::string& where);
 
   /// SHA-256 of each file that was read.

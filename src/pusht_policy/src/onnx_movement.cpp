@@ -13,7 +13,7 @@ namespace pusht {
 
 using onnx::TensorProto;
 
-OnnxReader::Values OnnxReader::readConstant(const Node& node) { 
+OnnxReader::Values OnnxReader::readConstant(const Node& node) {
   OnnxConstant constant = readConstantNode(node, files_);
   other_numbers_ += constant.numbers.size() + constant.tensor.values.size();
   return {number(std::move(constant))};
@@ -22,8 +22,8 @@ OnnxReader::Values OnnxReader::readConstant(const Node& node) {
 OnnxReader::Values OnnxReader::readConstantOfShape(const Node& node) {
   OnnxConstant constant{TensorProto::FLOAT, {integers(node, 0), {}}, {}};
   const int count = columnsOf(constant.tensor.shape);
-  const OnnxConstant element =
-      hasAttribute(node, "value") ? readTensor(node.attribute(0).t(), "value", files_) : OnnxConstant{TensorProto::FLOAT, {{1}, {0.0F}}, {}};
+  const OnnxConstant element = hasAttribute(node, "value") ? readTensor(node.attribute(0).t(), "value", files_)
+                                                           : OnnxConstant{TensorProto::FLOAT, {{1}, {0.0F}}, {}};
   constant.type = element.type;
   if (element.tensor.values.size() + element.numbers.size() != 1) {
     throw UnfitForKernel("its value must be one number");
@@ -239,7 +239,9 @@ OnnxReader::Values OnnxReader::readSlice(const Node& node) {
   for (std::size_t i = 0; i < starts.size(); ++i) {
     const std::size_t axis = axisOf(axes[i], source.shape().size());
     const std::int64_t size = selection.shape[axis];
-    const auto bound = [&](std::int64_t index) { return std::clamp<std::int64_t>(index < 0 ? index + size : index, 0, size); };
+    const auto bound = [&](std::int64_t index) {
+      return std::clamp<std::int64_t>(index < 0 ? index + size : index, 0, size);
+    };
     if (steps[i] < 1) {
       throw UnfitForKernel("its steps must be at least 1");
     }

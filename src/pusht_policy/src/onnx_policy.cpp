@@ -31,29 +31,35 @@ std::string readOnnxFile(const std::filesystem::path& path, const std::string& n
 std::unique_ptr<OnnxPolicy> OnnxPolicy::load(const std::filesystem::path& path, InstructionSet instruction_set) {
   const std::string name = "policy " + path.string();
   const std::string bytes = readOnnxFile(path, name);
+  requireHashOfProvenance(path, name, sha256(bytes));
+  return read(bytes, path.has_parent_path() ? path.parent_path() : ".", name, instruction_set);
+}
+
+std::unique_ptr<OnnxPolicy> OnnxPolicy::read(const std::string& bytes, const std::filesystem::path& folder,
+                                             const std::string& name, InstructionSet instruction_set) {
   OnnxInfo info;
   info.sha256 = sha256(bytes);
-  requireHashOfProvenance(path, name, info.sha256);
+  OnnxNetwork network;
   try {
-    const OnnxNetwork network = readOnnx(bytes, path.has_parent_path() ? path.parent_path() : ".");
-    const PolicyDescription& description = network.description;
-    const std::size_t columns =
-        observationNumbers(description) + numbersIn(description.state) + numbersIn(description.noise);
-    const NetworkKernel kernel(static_cast<int>(columns), network.operations, instruction_set);
-    info.operations = kernel.operations();
-    info.instruction_set = toString(kernel.instructionSet());
-    info.opset = network.opset;
-    info.producer = network.producer;
-    info.data_files = network.data_files;
-    info.description = description;
-    auto on_kernel = std::make_unique<KernelNetwork>(kernel);
-    answersToProbes(*on_kernel, description, "its network");
-    return std::unique_ptr<OnnxPolicy>(
-        new OnnxPolicy(std::move(info), std::make_unique<NetworkActor>(std::move(on_kernel), description)));
+    network = readOnnx(bytes, folder);
   } catch (Error& error) {
     error.addContext(name);
     throw;
   }
+  const PolicyDescription& description = network.description;
+  const std::size_t columns =
+      observationNumbers(description) + numbersIn(description.state) + numbersIn(description.noise);
+  const NetworkKernel kernel(static_cast<int>(columns), network.operations, instruction_set);
+  auto on_kernel = std::make_unique<KernelNetwork>(kernel);
+  answersToProbes(*on_kernel, description, name);
+  info.operations = kernel.operations();
+  info.instruction_set = toString(kernel.instructionSet());
+  info.opset = network.opset;
+  info.producer = network.producer;
+  info.data_files = network.data_files;
+  info.description = description;
+  return std::unique_ptr<OnnxPolicy>(
+      new OnnxPolicy(std::move(info), std::make_unique<NetworkActor>(std::move(on_kernel), description)));
 }
 
 std::unique_ptr<OnnxPolicy> OnnxPolicy::clone() const {

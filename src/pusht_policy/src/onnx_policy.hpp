@@ -38,6 +38,11 @@ class OnnxPolicy : public Policy {
   static std::unique_ptr<OnnxPolicy> load(const std::filesystem::path& path,
                                           InstructionSet instruction_set = availableInstructionSets().back());
 
+  /// Policy of the bytes of a file in `folder`, tried out; `name` is for messages. Throws as load().
+  static std::unique_ptr<OnnxPolicy> read(const std::string& bytes, const std::filesystem::path& folder,
+                                          const std::string& name,
+                                          InstructionSet instruction_set = availableInstructionSets().back());
+
   /// Copy for another thread; it shares the weights.
   std::unique_ptr<OnnxPolicy> clone() const;
 

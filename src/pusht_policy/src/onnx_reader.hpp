@@ -73,7 +73,9 @@ class OnnxReader {
   static Values one(NetworkTensor tensor) { return {Value{std::move(tensor)}}; }
   static Value number(OnnxConstant constant);
   Value select(const Value& value, const Selection& selection);
-  Value reshaped(const Value& value, Sizes shape) { return select(value, {std::move(shape), allOf(value.shape()).elements}); }
+  Value reshaped(const Value& value, Sizes shape) {
+    return select(value, {std::move(shape), allOf(value.shape()).elements});
+  }
 
   template <Operation::Kind kKind>
   Values readFunction(const Node& node) {

@@ -7,8 +7,7 @@
 
 namespace pusht {
 
-TorchReader::TorchReader(const std::vector<const Value*>& inputs, const std::vector<Sizes>& shapes)
-    : network_(shapes) {
+TorchReader::TorchReader(const std::vector<const Value*>& inputs, const std::vector<Sizes>& shapes) : network_(shapes) {
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     define(inputs[i], {newItem(network_.input(i))});
   }
@@ -27,7 +26,8 @@ TorchReader::Items TorchReader::newItems(const std::vector<NetworkTensor>& tenso
 }
 
 void TorchReader::define(const Value* result, Items items) {
-  if (items.size() == 1 && result->type()->isSubtypeOf(*c10::TensorType::get())) {
+  const bool is_list = result->type()->kind() == c10::TypeKind::ListType;
+  if (items.size() == 1 && !is_list) {
     sizes_.set(result, items.front().tensor.shape);
   }
   items_[result] = std::move(items);
@@ -66,6 +66,10 @@ void TorchReader::readNode(const Node& node) {
 bool TorchReader::readStructure(const Node& node) {
   namespace prim = torch::jit::prim;
   const auto inputs = node.inputs();
+  if (node.kind() == prim::Uninitialized) {  // result of a branch that is not taken
+    unknown_.insert(node.output());
+    return true;
+  }
   if (node.kind() == prim::If) {
     readBranch(node);
     return true;
@@ -86,13 +90,17 @@ bool TorchReader::readStructure(const Node& node) {
     return false;
   }
   const Items& items = items_.at(inputs[0]);
+  if (node.kind() == prim::unchecked_cast) {  // of an optional tensor that is one
+    define(node.output(), items);
+    return true;
+  }
   if (node.kind() == prim::ListUnpack || node.kind() == prim::TupleUnpack) {
     for (std::size_t i = 0; i < node.outputs().size(); ++i) {
       define(node.outputs()[i], {items.at(i)});
     }
     return true;
   }
-  if (node.kind() == torch::jit::aten::__getitem__) {
+  if (node.kind() == torch::jit::aten::__getitem__ || node.kind() == prim::TupleIndex) {
     const auto index = sizes_.valueOf(inputs[1]);
     define(node.output(), {items.at(axisOf(index ? index->toInt() : 0, items.size()))});
     return index.has_value();
@@ -147,6 +155,9 @@ void TorchReader::readOperation(const Node& node) {
     result.memory = original.memory;
     result.version = in_place ? ++versions_[original.memory] : original.version;
   }
+  if (in_place) {
+    define(node.input(0), {result});
+  }
   define(node.output(), {std::move(result)});
 }
 
@@ -187,8 +198,7 @@ TorchReader::IValue TorchReader::constant(const Node& node, const char* input) c
 }
 
 bool TorchReader::hasOperand(const Node& node, const char* input) const {
-  return node.hasNamedInput(input) &&
-         (items_.count(node.namedInput(input)) > 0 || !constant(node, input).isNone());
+  return node.hasNamedInput(input) && (items_.count(node.namedInput(input)) > 0 || !constant(node, input).isNone());
 }
 
 NetworkTensor TorchReader::tensor(const Node& node, const char* input) const {
@@ -244,7 +254,8 @@ std::vector<std::int64_t> TorchReader::axes(const Node& node, const char* input)
 namespace {
 
 /// Operations of a graph, as far as they can be read.
-std::vector<Operation> readOperations(const torch::jit::Graph& graph, const std::vector<Sizes>& shapes, bool has_state) {
+std::vector<Operation> readOperations(const torch::jit::Graph& graph, const std::vector<Sizes>& shapes,
+                                      bool has_state) {
   if (graph.inputs().size() != 1 + shapes.size() || graph.outputs().size() != 1) {
     throw UnfitForKernel("forward must take what its description says and return one result");
   }

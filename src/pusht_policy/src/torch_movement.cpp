@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Operations that move numbers: libtorch itself does them to a tensor of the indices of the elements.
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "torch_reader.hpp"
@@ -13,7 +14,8 @@ torch::Tensor TorchReader::indicesOf(const NetworkTensor& tensor) {
 
 NetworkTensor TorchReader::moved(const NetworkTensor& tensor, const torch::Tensor& indices) {
   const torch::Tensor plain = indices.contiguous();
-  return network_.select({tensor}, {plain.sizes().vec(), {plain.data_ptr<int>(), plain.data_ptr<int>() + plain.numel()}});
+  return network_.select({tensor},
+                         {plain.sizes().vec(), {plain.data_ptr<int>(), plain.data_ptr<int>() + plain.numel()}});
 }
 
 NetworkTensor TorchReader::readFlatten(const Node& node) {
@@ -127,7 +129,11 @@ NetworkTensor TorchReader::readStack(const Node& node) {
 
 /// Results of operations that have several; empty for others.
 TorchReader::Items TorchReader::readParts(const Node& node) {
-  const std::string name = node.kind().toQualString();
+  constexpr std::string_view kUnsafe = "aten::unsafe_";  // parts that are nothing's views, as gates of a traced cell
+  std::string name = node.kind().toQualString();
+  if (name.rfind(kUnsafe, 0) == 0) {
+    name.replace(0, kUnsafe.size(), "aten::");
+  }
   if (name == "aten::lstm_cell") {
     return newItems(readLstmCell(node));
   }
@@ -139,7 +145,8 @@ TorchReader::Items TorchReader::readParts(const Node& node) {
   if (name == "aten::chunk") {
     parts = indices().chunk(constant(node, "chunks").toInt(), constant(node, "dim").toInt());
   } else if (name == "prim::ConstantChunk") {
-    parts = indicesOf(item(node.input(0)).tensor).chunk(node.i(torch::jit::attr::chunks), node.i(torch::jit::attr::dim));
+    parts =
+        indicesOf(item(node.input(0)).tensor).chunk(node.i(torch::jit::attr::chunks), node.i(torch::jit::attr::dim));
   } else if (name == "aten::split" && node.hasNamedInput("split_size")) {
     const IValue size = constant(node, "split_size");
     const std::int64_t dim = constant(node, "dim").toInt();

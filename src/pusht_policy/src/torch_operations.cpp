@@ -237,14 +237,18 @@ std::vector<std::int64_t> TorchReader::reducedAxes(const Node& node) const {
   }
   const std::vector<std::int64_t> axes = this->axes(node, "dim");
   const std::size_t count = tensor(node, "self").shape.size();
-  if (axes.empty() || std::any_of(axes.begin(), axes.end(), [&](std::int64_t axis) { return axisOf(axis, count) == 0; })) {
+  if (axes.empty() ||
+      std::any_of(axes.begin(), axes.end(), [&](std::int64_t axis) { return axisOf(axis, count) == 0; })) {
     refuse("must not be along the first axis, that of rollouts");
   }
   return axes;
 }
 
 Sizes TorchReader::reducedShape(const Node& node) const {
-  return torch::empty(tensor(node, "self").shape).sum(axes(node, "dim"), constant(node, "keepdim").toBool()).sizes().vec();
+  return torch::empty(tensor(node, "self").shape)
+      .sum(axes(node, "dim"), constant(node, "keepdim").toBool())
+      .sizes()
+      .vec();
 }
 
 NetworkTensor TorchReader::readLayerNorm(const Node& node) {

@@ -149,8 +149,8 @@ class TorchReader {
   NetworkLayers layers_{network_};
   GraphSizes sizes_;
   std::map<const Value*, Items> items_;
-  std::vector<int> versions_;                  // of each memory
-  std::set<const Value*> unknown_;             // results of operations that could not be read
+  std::vector<int> versions_;       // of each memory
+  std::set<const Value*> unknown_;  // results of operations that could not be read
   UnfitOperations unfit_;
 };
 

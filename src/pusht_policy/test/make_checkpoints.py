@@ -325,7 +325,9 @@ def save_described(folder: Path, course: nn.Module) -> None:
     save(still, folder / "gru_still.pt", **of_gru)
     torch.jit.script(FeedForwardTwin(still)).save(str(folder / "gru_twin.pt"))
     for name, module in recurrent().items():
-        shape = [2, 2, HIDDEN] if name == "lstm_layers" else [2, HIDDEN] if "lstm" in name else [HIDDEN]
+        shape = (
+            [2, 2, HIDDEN] if name == "lstm_layers" else [2, HIDDEN] if "lstm" in name else [HIDDEN]
+        )
         of = {"observations": 3, "actions": 1, "state": {"shape": shape}}
         save(module, folder / f"{name}_scripted.pt", **of)
         example = (torch.zeros(1, 3, OBSERVATION), torch.zeros(1, *shape))

@@ -88,16 +88,17 @@ INSTANTIATE_TEST_SUITE_P(
                          op("Cast", {"d"}, "e", integerAttribute("to", "1")) + op("MatMul", {"x", "m"}, "f") +
                          op("Add", {"f", "c"}, "g") + op("Mul", {"g", "e"}, "y"),
                      "10, matrix 2, add, multiply"},
-        OnnxSpelling{"SeveralPaths",
-                     op("MatMul", {"x", "w0"}, "a") + op("Split", {"a"}, "c", "output: 'd' " + integerAttribute("axis", "1")) +
-                         op("Mul", {"c", "d"}, "e") + op("Concat", {"e", "x", "c"}, "f", integerAttribute("axis", "-1")) +
-                         op("Constant", {}, "first", tensorAttribute("dims: 1 data_type: 7 int64_data: 3")) +
-                         op("Constant", {}, "end", tensorAttribute("dims: 1 data_type: 7 int64_data: -1")) +
-                         op("Constant", {}, "last", tensorAttribute("dims: 1 data_type: 7 int64_data: 1")) +
-                         op("Slice", {"f", "first", "end", "last"}, "g") +
-                         op("Constant", {}, "which", tensorAttribute("dims: 2 data_type: 7 int64_data: [0, -1]")) +
-                         op("Gather", {"g", "which"}, "h", integerAttribute("axis", "1")) + op("Add", {"h", "b"}, "y"),
-                     "10, matrix 24, pick 12, pick 12 (1), multiply (2, 3), pick 34 (4, 0, 2), pick 30, pick 2, add"},
+        OnnxSpelling{
+            "SeveralPaths",
+            op("MatMul", {"x", "w0"}, "a") + op("Split", {"a"}, "c", "output: 'd' " + integerAttribute("axis", "1")) +
+                op("Mul", {"c", "d"}, "e") + op("Concat", {"e", "x", "c"}, "f", integerAttribute("axis", "-1")) +
+                op("Constant", {}, "first", tensorAttribute("dims: 1 data_type: 7 int64_data: 3")) +
+                op("Constant", {}, "end", tensorAttribute("dims: 1 data_type: 7 int64_data: -1")) +
+                op("Constant", {}, "last", tensorAttribute("dims: 1 data_type: 7 int64_data: 1")) +
+                op("Slice", {"f", "first", "end", "last"}, "g") +
+                op("Constant", {}, "which", tensorAttribute("dims: 2 data_type: 7 int64_data: [0, -1]")) +
+                op("Gather", {"g", "which"}, "h", integerAttribute("axis", "1")) + op("Add", {"h", "b"}, "y"),
+            "10, matrix 24, pick 12, pick 12 (1), multiply (2, 3), pick 34 (4, 0, 2), pick 30, pick 2, add"},
         OnnxSpelling{"Functions",
                      op("MatMul", {"x", "w"}, "a") + op("Sigmoid", {"a"}, "c") + op("Mul", {"a", "c"}, "d") +
                          op("Elu", {"d"}, "e") + op("Softplus", {"e"}, "f") + op("Erf", {"f"}, "g") +
@@ -114,24 +115,25 @@ INSTANTIATE_TEST_SUITE_P(
                          op("Concat", {"n1", "rest"}, "shape", integerAttribute("axis", "0")) +
                          op("Reshape", {"a", "shape"}, "y"),
                      "10, matrix 2"},
-        OnnxSpelling{"LayerNorm",
-                     op("MatMul", {"x", "w0"}, "a") +
-                         op("LayerNormalization", {"a", "b0", "b0"}, "c", realAttribute("epsilon", "0.001")) +
-                         op("MatMul", {"c", "w1"}, "y"),
-                     "10, matrix 24, sum 1, divide, pick 24, subtract (1, 4), multiply (5, 5), sum 1, divide, add, sqrt, "
-                     "pick 24, divide (5, 11), multiply, add, matrix 2",
-                     17},
-        OnnxSpelling{"LayerNormDecomposed",
-                     op("MatMul", {"x", "w0"}, "a") +
-                         op("ReduceMean", {"a"}, "m", "attribute { name: 'axes' type: INTS ints: -1 }") +
-                         op("Sub", {"a", "m"}, "d") +
-                         op("Constant", {}, "two", tensorAttribute("data_type: 1 float_data: 2")) +
-                         op("Pow", {"d", "two"}, "e") +
-                         op("ReduceMean", {"e"}, "f", "attribute { name: 'axes' type: INTS ints: -1 }") +
-                         op("Add", {"f", "number"}, "g") + op("Sqrt", {"g"}, "h") + op("Div", {"d", "h"}, "i") +
-                         op("MatMul", {"i", "w1"}, "y"),
-                     "10, matrix 24, sum 1, divide, pick 24, subtract (1, 4), multiply (5, 5), sum 1, divide, add, sqrt, "
-                     "pick 24, divide (5, 11), matrix 2"},
+        OnnxSpelling{
+            "LayerNorm",
+            op("MatMul", {"x", "w0"}, "a") +
+                op("LayerNormalization", {"a", "b0", "b0"}, "c", realAttribute("epsilon", "0.001")) +
+                op("MatMul", {"c", "w1"}, "y"),
+            "10, matrix 24, sum 1, divide, pick 24, subtract (1, 4), multiply (5, 5), sum 1, divide, add, sqrt, "
+            "pick 24, divide (5, 11), multiply, add, matrix 2",
+            17},
+        OnnxSpelling{
+            "LayerNormDecomposed",
+            op("MatMul", {"x", "w0"}, "a") +
+                op("ReduceMean", {"a"}, "m", "attribute { name: 'axes' type: INTS ints: -1 }") +
+                op("Sub", {"a", "m"}, "d") + op("Constant", {}, "two", tensorAttribute("data_type: 1 float_data: 2")) +
+                op("Pow", {"d", "two"}, "e") +
+                op("ReduceMean", {"e"}, "f", "attribute { name: 'axes' type: INTS ints: -1 }") +
+                op("Add", {"f", "number"}, "g") + op("Sqrt", {"g"}, "h") + op("Div", {"d", "h"}, "i") +
+                op("MatMul", {"i", "w1"}, "y"),
+            "10, matrix 24, sum 1, divide, pick 24, subtract (1, 4), multiply (5, 5), sum 1, divide, add, sqrt, "
+            "pick 24, divide (5, 11), matrix 2"},
         OnnxSpelling{"WhatMovesNothing",
                      op("Constant", {}, "s", tensorAttribute(kShapeOfRows)) + op("Reshape", {"x", "s"}, "a") +
                          op("Flatten", {"a"}, "c") + op("Identity", {"c"}, "d") +
@@ -293,63 +295,63 @@ TEST(OnnxRefusal, OfModelsThatAreNotThisNetwork) {
   const auto output = [](onnx::ModelProto& m) -> onnx::ValueInfoProto& {
     return *m.mutable_graph()->mutable_output(0);
   };
-  for (const auto& [change, exit_code, part] : std::vector<ChangedModel>{
-           {[](auto& m) { m.set_ir_version(99); }, ExitCode::kInvalidInput,
-            "ir_version 3 to 10, but has ir_version 99"},
-           {[](auto& m) { m.mutable_opset_import(0)->set_version(6); }, ExitCode::kInvalidInput,
-            "opset 6: must be from 7 to 22"},
-           {[](auto& m) { m.mutable_opset_import(0)->set_version(23); }, ExitCode::kInvalidInput,
-            "opset 23: must be from 7 to 22"},
-           {[](auto& m) { m.clear_opset_import(); }, ExitCode::kInvalidInput, "must name one opset of ONNX"},
-           {[](auto& m) { m.add_functions()->set_name("Relu"); }, ExitCode::kInvalidInput,
-            "must have no functions of its own, but has 'Relu'"},
-           {[](auto& m) { m.mutable_graph()->add_input()->set_name("state"); }, ExitCode::kBadDependency,
-            "must have 1 input, as its description says (policy.json in its metadata; none: one), but has 2: 'x' "
-            "FLOAT ['n', 10], 'state' no tensor"},
-           {[&](auto& m) { *m.mutable_graph()->add_output() = output(m); }, ExitCode::kBadDependency,
-            "must have 1 output, as its description says (policy.json in its metadata; none: one), but has 2: 'y' FLOAT "
-            "['n', 2], 'y' FLOAT ['n', 2]"},
-           {[&](auto& m) { shapeOf(input(m)).mutable_dim(1)->set_dim_value(8); }, ExitCode::kBadDependency,
-            "input 'x': must be FLOAT [n, 10] or [1, 10], but is FLOAT ['n', 8]"},
-           {[&](auto& m) { shapeOf(input(m)).mutable_dim(0)->set_dim_value(4); }, ExitCode::kBadDependency,
-            "but is FLOAT [4, 10]"},
-           {[&](auto& m) { shapeOf(input(m)).mutable_dim(0)->set_dim_value(-1); }, ExitCode::kBadDependency,
-            "but is FLOAT [-1, 10]"},
-           {[&](auto& m) { input(m).mutable_type()->mutable_tensor_type()->clear_shape(); }, ExitCode::kBadDependency,
-            "but is FLOAT of any shape"},
-           {[&](auto& m) { input(m).mutable_type()->mutable_tensor_type()->set_elem_type(11); },
-            ExitCode::kBadDependency, "but is DOUBLE ['n', 10]"},
-           {[&](auto& m) { input(m).clear_type(); }, ExitCode::kBadDependency, "but is no tensor"},
-           {[&](auto& m) { shapeOf(output(m)).mutable_dim(1)->set_dim_value(3); }, ExitCode::kBadDependency,
-            "output 'y': must be FLOAT [n, 2] or [1, 2], but is FLOAT ['n', 3]"},
-           {[](auto& m) {
-              m.mutable_graph()->mutable_node(0)->set_input(1, "w0");
-              m.mutable_graph()->mutable_node(0)->set_input(2, "b0");
-            },
-            ExitCode::kBadDependency, "output 'y': must be [1, 2] for one rollout, but is [1, 24]"},
-           {[&](auto& m) { firstTensor(m).set_dims(0, 268435456); }, ExitCode::kInvalidInput,
-            "tensor 'w': must hold the values of its shape [268435456, 2], but holds 80 bytes"},
-           {[&](auto& m) {
-              firstTensor(m).set_dims(0, kHuge);
-              firstTensor(m).set_dims(1, kHuge);
-            },
-            ExitCode::kInvalidInput, "tensor 'w': must hold the values of its shape"},
-           {[&](auto& m) { firstTensor(m).set_dims(0, -10); }, ExitCode::kInvalidInput,
-            "tensor 'w': its dimensions must not be negative, but are [-10, 2]"},
-           {[&](auto& m) { firstTensor(m).mutable_raw_data()->push_back('\0'); }, ExitCode::kInvalidInput,
-            "but holds 81 bytes"},
-           {[&](auto& m) { firstTensor(m).clear_raw_data(); }, ExitCode::kInvalidInput, "but holds 0"},
-           {[&](auto& m) { firstTensor(m).add_float_data(1.0F); }, ExitCode::kInvalidInput, "tensor 'w': must hold"},
-           {[&](auto& m) { firstTensor(m).set_data_location(onnx::TensorProto::EXTERNAL); }, ExitCode::kInvalidInput,
-            "tensor 'w': its values must be in the file itself or in one beside it (external data), not in ''"},
-           {[&](auto& m) { firstTensor(m).mutable_segment()->set_begin(1); }, ExitCode::kInvalidInput,
-            "tensor 'w': must be in one piece"},
-           {[&](auto& m) {
-              const float nan = std::numeric_limits<float>::quiet_NaN();
-              firstTensor(m).mutable_raw_data()->replace(8, 4, reinterpret_cast<const char*>(&nan), 4);
-            },
-            ExitCode::kBadDependency, "tensor 'w': its values must be finite"},
-       }) {
+  for (
+      const auto& [change, exit_code, part] : std::vector<ChangedModel>{
+          {[](auto& m) { m.set_ir_version(99); }, ExitCode::kInvalidInput, "ir_version 3 to 10, but has ir_version 99"},
+          {[](auto& m) { m.mutable_opset_import(0)->set_version(6); }, ExitCode::kInvalidInput,
+           "opset 6: must be from 7 to 22"},
+          {[](auto& m) { m.mutable_opset_import(0)->set_version(23); }, ExitCode::kInvalidInput,
+           "opset 23: must be from 7 to 22"},
+          {[](auto& m) { m.clear_opset_import(); }, ExitCode::kInvalidInput, "must name one opset of ONNX"},
+          {[](auto& m) { m.add_functions()->set_name("Relu"); }, ExitCode::kInvalidInput,
+           "must have no functions of its own, but has 'Relu'"},
+          {[](auto& m) { m.mutable_graph()->add_input()->set_name("state"); }, ExitCode::kBadDependency,
+           "must have 1 input, as its description says (policy.json in its metadata; none: one), but has 2: 'x' "
+           "FLOAT ['n', 10], 'state' no tensor"},
+          {[&](auto& m) { *m.mutable_graph()->add_output() = output(m); }, ExitCode::kBadDependency,
+           "must have 1 output, as its description says (policy.json in its metadata; none: one), but has 2: 'y' FLOAT "
+           "['n', 2], 'y' FLOAT ['n', 2]"},
+          {[&](auto& m) { shapeOf(input(m)).mutable_dim(1)->set_dim_value(8); }, ExitCode::kBadDependency,
+           "input 'x': must be FLOAT [n, 10] or [1, 10], but is FLOAT ['n', 8]"},
+          {[&](auto& m) { shapeOf(input(m)).mutable_dim(0)->set_dim_value(4); }, ExitCode::kBadDependency,
+           "but is FLOAT [4, 10]"},
+          {[&](auto& m) { shapeOf(input(m)).mutable_dim(0)->set_dim_value(-1); }, ExitCode::kBadDependency,
+           "but is FLOAT [-1, 10]"},
+          {[&](auto& m) { input(m).mutable_type()->mutable_tensor_type()->clear_shape(); }, ExitCode::kBadDependency,
+           "but is FLOAT of any shape"},
+          {[&](auto& m) { input(m).mutable_type()->mutable_tensor_type()->set_elem_type(11); },
+           ExitCode::kBadDependency, "but is DOUBLE ['n', 10]"},
+          {[&](auto& m) { input(m).clear_type(); }, ExitCode::kBadDependency, "but is no tensor"},
+          {[&](auto& m) { shapeOf(output(m)).mutable_dim(1)->set_dim_value(3); }, ExitCode::kBadDependency,
+           "output 'y': must be FLOAT [n, 2] or [1, 2], but is FLOAT ['n', 3]"},
+          {[](auto& m) {
+             m.mutable_graph()->mutable_node(0)->set_input(1, "w0");
+             m.mutable_graph()->mutable_node(0)->set_input(2, "b0");
+           },
+           ExitCode::kBadDependency, "output 'y': must be [1, 2] for one rollout, but is [1, 24]"},
+          {[&](auto& m) { firstTensor(m).set_dims(0, 268435456); }, ExitCode::kInvalidInput,
+           "tensor 'w': must hold the values of its shape [268435456, 2], but holds 80 bytes"},
+          {[&](auto& m) {
+             firstTensor(m).set_dims(0, kHuge);
+             firstTensor(m).set_dims(1, kHuge);
+           },
+           ExitCode::kInvalidInput, "tensor 'w': must hold the values of its shape"},
+          {[&](auto& m) { firstTensor(m).set_dims(0, -10); }, ExitCode::kInvalidInput,
+           "tensor 'w': its dimensions must not be negative, but are [-10, 2]"},
+          {[&](auto& m) { firstTensor(m).mutable_raw_data()->push_back('\0'); }, ExitCode::kInvalidInput,
+           "but holds 81 bytes"},
+          {[&](auto& m) { firstTensor(m).clear_raw_data(); }, ExitCode::kInvalidInput, "but holds 0"},
+          {[&](auto& m) { firstTensor(m).add_float_data(1.0F); }, ExitCode::kInvalidInput, "tensor 'w': must hold"},
+          {[&](auto& m) { firstTensor(m).set_data_location(onnx::TensorProto::EXTERNAL); }, ExitCode::kInvalidInput,
+           "tensor 'w': its values must be in the file itself or in one beside it (external data), not in ''"},
+          {[&](auto& m) { firstTensor(m).mutable_segment()->set_begin(1); }, ExitCode::kInvalidInput,
+           "tensor 'w': must be in one piece"},
+          {[&](auto& m) {
+             const float nan = std::numeric_limits<float>::quiet_NaN();
+             firstTensor(m).mutable_raw_data()->replace(8, 4, reinterpret_cast<const char*>(&nan), 4);
+           },
+           ExitCode::kBadDependency, "tensor 'w': its values must be finite"},
+      }) {
     onnx::ModelProto model = onnxModel(op("Gemm", {"x", "w", "b"}, "y"));
     change(model);
     expectOnnxRefusal(model, exit_code, part);

@@ -195,9 +195,9 @@ TEST_F(RememberingNetwork, WithoutRecurrentWeightsIsItsFeedForwardTwin) {
 }
 
 TEST_F(RememberingNetwork, RunsOnTheKernelWithItsStateAndItsNoise) {
-  for (const char* name : {"gru.pt", "denoising.pt", "gru_cell_scripted.pt", "gru_cell_traced.pt",
-                           "lstm_cell_scripted.pt", "lstm_cell_traced.pt", "lstm_layers_scripted.pt",
-                           "lstm_layers_traced.pt"}) {
+  for (const char* name :
+       {"gru.pt", "denoising.pt", "gru_cell_scripted.pt", "gru_cell_traced.pt", "lstm_cell_scripted.pt",
+        "lstm_cell_traced.pt", "lstm_layers_scripted.pt", "lstm_layers_traced.pt"}) {
     const fs::path path = testing::checkpointsFromPython() / name;
     const auto policy = NetworkPolicy::load(path);
     ASSERT_EQ(policy->info().why_not_on_kernel, "") << name;

@@ -225,7 +225,7 @@ OnnxReader::Values OnnxReader::readReduceSum(const Node& node) {
 OnnxReader::Values OnnxReader::reduced(const Node& node, std::int64_t axes_are_inputs_since, bool mean) {
   const NetworkTensor& x = tensor(node, 0);
   const Sizes axes = axesOf(node, axes_are_inputs_since, value(node, 0));
-  if (axes.empty() || std::count(axes.begin(), axes.end(), 0) > 0) {
+  if (axes.empty() || (x.shape[0] == 1 && std::count(axes.begin(), axes.end(), 0) > 0)) {
     throw UnfitForKernel("its axes must be named, and not be the first, that of rollouts");
   }
   const NetworkTensor result = mean ? layers_.mean(x, axes) : network_.sum(x, axes);

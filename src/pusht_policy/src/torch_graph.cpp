@@ -75,8 +75,9 @@ bool TorchReader::readStructure(const Node& node) {
     return true;
   }
   if (node.kind() == prim::ListConstruct || node.kind() == prim::TupleConstruct) {
+    const bool grows = inputs.empty() && node.output()->type()->isSubtypeOf(*c10::ListType::ofTensors());
     const bool has_tensors =
-        std::any_of(inputs.begin(), inputs.end(), [&](const Value* input) { return items_.count(input) > 0; });
+        grows || std::any_of(inputs.begin(), inputs.end(), [&](const Value* input) { return items_.count(input) > 0; });
     Items items;
     for (std::size_t i = 0; has_tensors && i < inputs.size(); ++i) {
       items.push_back(items_.count(inputs[i]) > 0 ? item(inputs[i]) : newItem(tensorOf(inputs[i])));
@@ -92,6 +93,10 @@ bool TorchReader::readStructure(const Node& node) {
   const Items& items = items_.at(inputs[0]);
   if (node.kind() == prim::unchecked_cast) {  // of an optional tensor that is one
     define(node.output(), items);
+    return true;
+  }
+  if (node.kind() == torch::jit::aten::append) {
+    items_[inputs[0]].push_back(item(inputs[1]));
     return true;
   }
   if (node.kind() == prim::ListUnpack || node.kind() == prim::TupleUnpack) {

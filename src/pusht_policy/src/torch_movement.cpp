@@ -70,6 +70,26 @@ NetworkTensor TorchReader::readSelect(const Node& node) {
   return moved(x, indicesOf(x).select(constant(node, "dim").toInt(), constant(node, "index").toInt()));
 }
 
+/// Rows or columns by constant indices: x[:, [6, 7]].
+NetworkTensor TorchReader::readIndex(const Node& node) {
+  std::vector<at::indexing::TensorIndex> places;
+  for (const Value* place : node.namedInput("indices")->node()->inputs()) {
+    const auto value = sizes_.valueOf(place);
+    if (!value || !(value->isNone() || value->isTensor())) {
+      refuse("its indices must be constant");
+    }
+    places.push_back(value->isNone() ? at::indexing::TensorIndex(at::indexing::Slice())
+                                     : at::indexing::TensorIndex(value->toTensor()));
+  }
+  const NetworkTensor x = tensor(node, "self");
+  return moved(x, indicesOf(x).index(places));
+}
+
+NetworkTensor TorchReader::readIndexSelect(const Node& node) {
+  const NetworkTensor x = tensor(node, "self");
+  return moved(x, indicesOf(x).index_select(constant(node, "dim").toInt(), constant(node, "index").toTensor()));
+}
+
 NetworkTensor TorchReader::readTranspose(const Node& node) {
   const NetworkTensor x = tensor(node, "self");
   return moved(x, indicesOf(x).transpose(constant(node, "dim0").toInt(), constant(node, "dim1").toInt()));
@@ -129,9 +149,10 @@ NetworkTensor TorchReader::readStack(const Node& node) {
 
 /// Results of operations that have several; empty for others.
 TorchReader::Items TorchReader::readParts(const Node& node) {
-  constexpr std::string_view kUnsafe = "aten::unsafe_";  // parts that are nothing's views, as gates of a traced cell
+  constexpr std::string_view kUnsafe = "aten::unsafe_";  // parts that nothing else reads, as gates of a traced cell
   std::string name = node.kind().toQualString();
-  if (name.rfind(kUnsafe, 0) == 0) {
+  const bool is_unsafe = name.rfind(kUnsafe, 0) == 0;
+  if (is_unsafe) {
     name.replace(0, kUnsafe.size(), "aten::");
   }
   if (name == "aten::lstm_cell") {
@@ -159,7 +180,8 @@ TorchReader::Items TorchReader::readParts(const Node& node) {
   Items items;
   for (const torch::Tensor& part : parts) {
     const Item whole = item(node.input(0));
-    items.push_back({moved(whole.tensor, part), whole.memory, whole.version});
+    const NetworkTensor tensor = moved(whole.tensor, part);
+    items.push_back(is_unsafe ? newItem(tensor) : Item{tensor, whole.memory, whole.version});
   }
   return items;
 }

@@ -47,6 +47,7 @@ const std::map<std::string, TorchReader::Reader>& TorchReader::readers() {
       {"aten::celu", &Self::readCelu},
       {"aten::selu", &Self::readLayer<&Layers::selu>},
       {"aten::gelu", &Self::readGelu},
+      {"aten::glu", &Self::readGlu},
       {"aten::silu", &Self::readLayer<&Layers::silu>},
       {"aten::mish", &Self::readLayer<&Layers::mish>},
       {"aten::leaky_relu", &Self::readLeakyRelu},
@@ -66,8 +67,12 @@ const std::map<std::string, TorchReader::Reader>& TorchReader::readers() {
       {"aten::detach", &Self::readCopy},
       {"aten::contiguous", &Self::readCopy},
       {"aten::clone", &Self::readCopy},
-      {"aten::zeros", &Self::readZeros},
-      {"aten::zeros_like", &Self::readZerosLike},
+      {"aten::zeros", &Self::readFilled},
+      {"aten::ones", &Self::readFilled},
+      {"aten::full", &Self::readFilled},
+      {"aten::full_like", &Self::readFilled},
+      {"aten::zeros_like", &Self::readFilled},
+      {"aten::ones_like", &Self::readFilled},
       {"aten::flatten", &Self::readFlatten},
       {"aten::reshape", &Self::readReshape},
       {"aten::view", &Self::readReshape},
@@ -76,6 +81,8 @@ const std::map<std::string, TorchReader::Reader>& TorchReader::readers() {
       {"aten::squeeze", &Self::readSqueeze},
       {"aten::slice", &Self::readSlice},
       {"aten::narrow", &Self::readNarrow},
+      {"aten::index", &Self::readIndex},
+      {"aten::index_select", &Self::readIndexSelect},
       {"aten::select", &Self::readSelect},
       {"aten::transpose", &Self::readTranspose},
       {"aten::t", &Self::readMatrixTranspose},
@@ -230,15 +237,15 @@ NetworkTensor TorchReader::readSum(const Node& node) {
   return network_.reshape(sum, reducedShape(node));
 }
 
-/// Axes of a reduction, which must leave the rollouts apart.
+/// Axes of a reduction, which must leave the rollouts apart: a first axis of size 1 may be theirs.
 std::vector<std::int64_t> TorchReader::reducedAxes(const Node& node) const {
   if (!hasOperand(node, "dim")) {
     refuse("must name its axes");
   }
   const std::vector<std::int64_t> axes = this->axes(node, "dim");
-  const std::size_t count = tensor(node, "self").shape.size();
-  if (axes.empty() ||
-      std::any_of(axes.begin(), axes.end(), [&](std::int64_t axis) { return axisOf(axis, count) == 0; })) {
+  const Sizes shape = tensor(node, "self").shape;
+  const auto is_of_rollouts = [&](std::int64_t axis) { return axisOf(axis, shape.size()) == 0 && shape[0] == 1; };
+  if (axes.empty() || std::any_of(axes.begin(), axes.end(), is_of_rollouts)) {
     refuse("must not be along the first axis, that of rollouts");
   }
   return axes;
@@ -294,14 +301,22 @@ NetworkTensor TorchReader::readDropout(const Node& node) {
   return tensor(node, "input");
 }
 
-NetworkTensor TorchReader::readZeros(const Node& node) {
-  const Sizes shape = constant(node, "size").toIntVector();
-  return NetworkBuilder::constant({shape, std::vector<float>(columnsOf(shape))});
+/// A constant of zeros, ones or another number, of a shape or of that of a tensor.
+NetworkTensor TorchReader::readFilled(const Node& node) {
+  const std::string name = node.kind().toQualString();
+  const Sizes shape = node.hasNamedInput("size") ? constant(node, "size").toIntVector() : tensor(node, "self").shape;
+  double value = name.find("ones") == std::string::npos ? 0.0 : 1.0;
+  if (node.hasNamedInput("fill_value")) {
+    value = numberOf(node, "fill_value");
+  }
+  return NetworkBuilder::constant({shape, std::vector<float>(columnsOf(shape), static_cast<float>(value))});
 }
 
-NetworkTensor TorchReader::readZerosLike(const Node& node) {
-  const Sizes& shape = tensor(node, "self").shape;
-  return NetworkBuilder::constant({shape, std::vector<float>(columnsOf(shape))});
+NetworkTensor TorchReader::readGlu(const Node& node) {
+  const NetworkTensor x = tensor(node, "self");
+  const std::size_t axis = axisOf(constant(node, "dim").toInt(), x.shape.size());
+  const std::vector<NetworkTensor> halves = layers_.split(x, axis, Sizes(2, x.shape[axis] / 2));
+  return network_.combine(Kind::kMultiply, halves[0], network_.apply(Kind::kSigmoid, halves[1]));
 }
 
 }  // namespace pusht

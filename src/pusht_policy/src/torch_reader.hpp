@@ -121,8 +121,8 @@ class TorchReader {
   NetworkTensor readTo(const Node& node);
   NetworkTensor readDropout(const Node& node);
   NetworkTensor readCopy(const Node& node) { return tensor(node, "self"); }
-  NetworkTensor readZeros(const Node& node);
-  NetworkTensor readZerosLike(const Node& node);
+  NetworkTensor readFilled(const Node& node);
+  NetworkTensor readGlu(const Node& node);
   NetworkTensor readFlatten(const Node& node);
   NetworkTensor readReshape(const Node& node);
   NetworkTensor readUnflatten(const Node& node);
@@ -131,6 +131,8 @@ class TorchReader {
   NetworkTensor readSlice(const Node& node);
   NetworkTensor readNarrow(const Node& node);
   NetworkTensor readSelect(const Node& node);
+  NetworkTensor readIndex(const Node& node);
+  NetworkTensor readIndexSelect(const Node& node);
   NetworkTensor readTranspose(const Node& node);
   NetworkTensor readMatrixTranspose(const Node& node);
   NetworkTensor readPermute(const Node& node);

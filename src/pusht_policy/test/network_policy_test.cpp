@@ -252,7 +252,7 @@ TEST_F(NetworkFromPython, RunsOnTheKernelWithTheLayersThatPeopleTrain) {
     const auto scripted = NetworkPolicy::load(folder_ / (name + "_scripted.pt"));
     const auto traced = NetworkPolicy::load(folder_ / (name + "_traced.pt"));
     EXPECT_EQ(scripted->info().why_not_on_kernel, "") << name;
-    EXPECT_EQ(traced->info().operations, scripted->info().operations) << name;
+    EXPECT_EQ(traced->info().why_not_on_kernel, "") << name;
     const std::vector<float> actual = flatten(act(*scripted, testing::manyObservations(), 50));
     testing::expectNear(actual, onLibtorch(folder_ / (name + "_scripted.pt"), testing::manyObservations()), 1e-5F);
     EXPECT_EQ(bits(flatten(act(*traced, testing::manyObservations(), 50))), bits(actual)) << name;

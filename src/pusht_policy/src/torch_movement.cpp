@@ -72,17 +72,16 @@ NetworkTensor TorchReader::readSelect(const Node& node) {
 
 /// Rows or columns by constant indices: x[:, [6, 7]].
 NetworkTensor TorchReader::readIndex(const Node& node) {
-  std::vector<at::indexing::TensorIndex> places;
+  c10::List<c10::optional<at::Tensor>> places;
   for (const Value* place : node.namedInput("indices")->node()->inputs()) {
     const auto value = sizes_.valueOf(place);
     if (!value || !(value->isNone() || value->isTensor())) {
       refuse("its indices must be constant");
     }
-    places.push_back(value->isNone() ? at::indexing::TensorIndex(at::indexing::Slice())
-                                     : at::indexing::TensorIndex(value->toTensor()));
+    places.push_back(value->isNone() ? c10::optional<at::Tensor>() : value->toTensor());
   }
   const NetworkTensor x = tensor(node, "self");
-  return moved(x, indicesOf(x).index(places));
+  return moved(x, at::index(indicesOf(x), places));
 }
 
 NetworkTensor TorchReader::readIndexSelect(const Node& node) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Sizes in a TorchScript graph: what a reshape is given may be computed from the shape of an earlier result.
+/// Values in a TorchScript graph that are no tensors: constants, and what is computed from the shapes of tensors.
 #pragma once
 
 #include <torch/script.h>
@@ -7,25 +7,29 @@
 #include <map>
 #include <optional>
 
-#include "operation_list.hpp"
+#include "network_builder.hpp"
 
 namespace pusht {
 
-/// Shapes of the results of a graph that are known, and values that are constant with them.
+/// Shapes of the tensors of a graph, and values that are constant with them.
 class GraphSizes {
  public:
-  /// Whether an operation only computes sizes: valueOf() follows it.
+  /// Whether the results of an operation are no tensors: valueOf() computes them when they are asked for.
   static bool areComputedBy(const torch::jit::Node& node);
 
-  void set(const torch::jit::Value* result, const Sizes& shape) { shapes_[result] = shape; }
+  void set(const torch::jit::Value* tensor, const Sizes& shape) { shapes_[tensor] = shape; }
 
-  /// Value of a constant, or of what is computed from known shapes; empty for others.
+  /// Result of a branch that is another value, no tensor.
+  void setSame(const torch::jit::Value* result, const torch::jit::Value* other) { same_[result] = other; }
+
+  /// Value of a constant, or of what is computed from known shapes and constants; empty for others.
   std::optional<torch::jit::IValue> valueOf(const torch::jit::Value* value) const;
 
  private:
-  std::optional<torch::jit::IValue> sizeOf(const torch::jit::Node& node) const;
+  std::optional<torch::jit::IValue> computed(const torch::jit::Node& node) const;
 
   std::map<const torch::jit::Value*, Sizes> shapes_;
+  std::map<const torch::jit::Value*, const torch::jit::Value*> same_;
 };
 
 }  // namespace pusht

@@ -18,13 +18,6 @@ const std::vector<std::string> kLibraries = {
     "libXNNPACK.so",       "libgomp.so",      "libblas.so", "libblis",    "liblapack.so",
     "libopenblas",         "libatlas",        "libmkl"};
 
-/// Adds the description of a checkpoint that has one.
-void addDescription(const NetworkInfo& info, nlohmann::json& object) {
-  if (info.description.described) {
-    object["description"] = toJson(info.description);
-  }
-}
-
 nlohmann::json provenanceOf(const NetworkInfo& info) {
   nlohmann::json provenance = {{"sha256", info.sha256},
                                {"runs_on", info.runsOnKernel() ? "fixed-order kernel" : "libtorch"},
@@ -37,11 +30,8 @@ nlohmann::json provenanceOf(const NetworkInfo& info) {
     provenance["libtorch_choices"] = libtorchChoices();
     provenance["note"] = "the bits of this run depend on the BLAS; not on the kernel: " + info.why_not_on_kernel;
   }
-  addDescription(info, provenance);
-  if (info.description.isStochastic()) {
-    provenance["noise"] = provenance["description"]["noise"];
-    provenance["noise"]["drawn_by"] = "the suite, one stream of PCG64 for each rollout";
-  }
+  addDescription(info.description, provenance);
+  addNoise(info.description, provenance);
   return provenance;
 }
 
@@ -56,7 +46,7 @@ nlohmann::json identityOf(const NetworkInfo& info) {
     identity["libtorch_choices"] = libtorchChoices();
     identity["blas"] = info.blas.empty() ? "" : sha256OfFile(info.blas, "BLAS");
   }
-  addDescription(info, identity);
+  addDescription(info.description, identity);
   return identity;
 }
 

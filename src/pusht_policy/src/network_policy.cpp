@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pusht_policy/network_policy.hpp"
 
-#include <algorithm>
+#include <sys/mman.h>
+
 #include <chrono>
 #include <utility>
 
 #include "checkpoint_file.hpp"
-#include "network_memory.hpp"
+#include "network_actor.hpp"
 #include "network_trial.hpp"
 #include "pusht_task/error.hpp"
 #include "rehearsal.hpp"
@@ -15,8 +16,17 @@
 namespace pusht {
 namespace {
 
-constexpr int kInputs = std::tuple_size<Observation>::value;
-constexpr int kOutputs = std::tuple_size<Action>::value;
+/// Throws RuntimeFault unless there is memory for the buffers of OpenBLAS, of one of its threads and of the caller's:
+/// it asks for them in an endless loop.
+void requireMemoryOfBlas(const std::string& name) {
+  constexpr std::size_t kBuffers = std::size_t{2} << 27U;  // bytes, as Debian builds it
+  void* const buffers = mmap(nullptr, kBuffers, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (buffers == MAP_FAILED) {
+    throw RuntimeFault(name + ": its matrices need " + std::to_string(kBuffers >> 20U) +
+                       " MB more of memory for the BLAS");
+  }
+  munmap(buffers, kBuffers);
+}
 
 /// A network that has been loaded and tried out. Throws as NetworkPolicy::load() does.
 class Checkpoint {
@@ -28,30 +38,53 @@ class Checkpoint {
     } catch (const UnfitForKernel& error) {
       why_not_on_kernel_ = error.what();
     }
-    requireNoRandomOperation(file.name);
-    answers_ = tryOut(*network_, file.name);
+    if (graph_ != nullptr) {
+      requireFitForUse(*graph_, file.name);
+    }
+    tryOut(file.name);
   }
 
   /// Kernel that acts as the network does. Throws UnfitForKernel if there is none.
-  std::unique_ptr<NetworkKernel> kernel(InstructionSet instruction_set) const {
+  NetworkKernel kernel(InstructionSet instruction_set) const {
     const PolicyDescription& description = network_->description();
     if (graph_ == nullptr) {
       throw UnfitForKernel(why_not_on_kernel_);
     }
-    auto kernel = std::make_unique<NetworkKernel>(kInputs * description.observations,
-                                                  readGraph(*graph_, network_->observationSizes()), instruction_set);
-    requireAgreement(*kernel, description, answers_);
+    const bool has_state = !description.state.empty();
+    const NetworkKernel kernel(
+        static_cast<int>(observationNumbers(description) + numbersIn(description.state) + numbersIn(description.noise)),
+        readGraph(*graph_, network_->inputSizes(), has_state), instruction_set);
+    KernelNetwork on_kernel(kernel);
+    requireAgreement(answersToProbes(on_kernel, description, "kernel"), answers_);
     return kernel;
   }
 
-  std::unique_ptr<TorchNetwork> takeNetwork() { return std::move(network_); }
+  std::unique_ptr<Network> takeNetwork() { return std::move(network_); }
 
  private:
-  void requireNoRandomOperation(const std::string& name) const {
-    const std::string operation = graph_ == nullptr ? "" : randomOperationIn(*graph_);
-    if (!operation.empty()) {
+  static void requireFitForUse(const torch::jit::Graph& graph, const std::string& name) {
+    if (const std::string device = otherDeviceIn(graph); !device.empty()) {
+      throw BadDependency(name + ": must compute on the CPU, but has a constant on " + device +
+                          ": move the module to the CPU before it is traced or scripted");
+    }
+    if (const std::string operation = trainingOperationIn(graph); !operation.empty()) {
+      throw BadDependency(name + ": must be in evaluation, but " + operation +
+                          " does as in training: call .eval() before tracing");
+    }
+    if (const std::string operation = randomOperationIn(graph); !operation.empty()) {
       throw BadDependency(name + ": must not draw random numbers, but has " + operation +
                           ": it must take noise as an input, and say so in its policy.json");
+    }
+  }
+
+  /// Answers to the probes, which must be the same the second time.
+  void tryOut(const std::string& name) {
+    requireMemoryOfBlas(name);
+    answers_ = answersToProbes(*network_, network_->description(), name);
+    if (answersToProbes(*network_, network_->description(), name) != answers_) {
+      throw BadDependency(name +
+                          ": must act the same on the same inputs, but has a memory or is random: it must take its "
+                          "state and its noise as inputs, and say so in its policy.json");
     }
   }
 
@@ -83,25 +116,24 @@ NetworkInfo infoOf(const CheckpointFile& file) {
 
 }  // namespace
 
-NetworkPolicy::NetworkPolicy(NetworkInfo info, std::unique_ptr<NetworkKernel> kernel)
-    : info_(std::move(info)), kernel_(std::move(kernel)) {
-  info_.operations = kernel_->operations();
-  info_.instruction_set = toString(kernel_->instructionSet());
+NetworkPolicy::NetworkPolicy(NetworkInfo info, std::unique_ptr<NetworkActor> actor)
+    : info_(std::move(info)), actor_(std::move(actor)) {}
+
+NetworkPolicy::NetworkPolicy(NetworkInfo info, const NetworkKernel& kernel) : info_(std::move(info)) {
+  info_.operations = kernel.operations();
+  info_.instruction_set = toString(kernel.instructionSet());
+  actor_ = std::make_unique<NetworkActor>(std::make_unique<KernelNetwork>(kernel), info_.description);
 }
 
-NetworkPolicy::NetworkPolicy(NetworkInfo info, std::unique_ptr<TorchNetwork> network, std::string why_not_on_kernel)
-    : info_(std::move(info)), network_(std::move(network)) {
+NetworkPolicy::NetworkPolicy(NetworkInfo info, std::unique_ptr<Network> on_libtorch, std::string why_not_on_kernel)
+    : info_(std::move(info)), actor_(std::make_unique<NetworkActor>(std::move(on_libtorch), info_.description)) {
   info_.why_not_on_kernel = std::move(why_not_on_kernel);
 }
 
 NetworkPolicy::~NetworkPolicy() = default;
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::clone() const {
-  if (kernel_ != nullptr) {
-    return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(info_, std::make_unique<NetworkKernel>(*kernel_)));
-  }
-  return std::unique_ptr<NetworkPolicy>(
-      new NetworkPolicy(info_, std::make_unique<TorchNetwork>(*network_), info_.why_not_on_kernel));
+  return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(info_, actor_->clone()));
 }
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::load(const std::filesystem::path& path, InstructionSet instruction_set,
@@ -126,82 +158,14 @@ std::unique_ptr<NetworkPolicy> NetworkPolicy::loadOnLibtorch(const std::filesyst
 }
 
 std::unique_ptr<NetworkPolicy> NetworkPolicy::untrained(std::uint64_t seed) {
-  auto kernel = std::make_unique<NetworkKernel>(kInputs, untrainedOperations(seed));
-  return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(NetworkInfo(), std::move(kernel)));
+  const NetworkKernel kernel(std::tuple_size<Observation>::value, untrainedOperations(seed));
+  return std::unique_ptr<NetworkPolicy>(new NetworkPolicy(NetworkInfo(), kernel));
 }
 
 std::unique_ptr<Policy::Memory> NetworkPolicy::begin(const Beginning& beginning) const {
-  requireExecutable(beginning, info_.description.actions);
-  return info_.description.hasMemory() ? std::make_unique<NetworkMemory>(info_.description, beginning) : nullptr;
+  return actor_->begin(beginning);
 }
 
-void NetworkPolicy::act(Span<const Query> queries, Span<Action> actions) {
-  if (info_.description.hasMemory()) {
-    return actFromMemory(queries, actions);
-  }
-  if (kernel_ != nullptr) {
-    return actOnKernel(queries, actions);
-  }
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    network_->run(queries[i].observation, {}, {}, actions[i]);
-  }
-}
-
-void NetworkPolicy::actOnKernel(Span<const Query> queries, Span<Action> actions) {
-  inputs_.resize(queries.size() * kInputs);
-  outputs_.resize(queries.size() * kOutputs);
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    std::copy_n(queries[i].observation.begin(), kInputs, inputs_.data() + i * kInputs);
-  }
-  kernel_->run(inputs_, outputs_);
-  for (std::size_t i = 0; i < actions.size(); ++i) {
-    std::copy_n(outputs_.data() + i * kOutputs, kOutputs, actions[i].begin());
-  }
-}
-
-/// Every rollout sees its observation; the network is asked for those alone whose actions have run out.
-void NetworkPolicy::actFromMemory(Span<const Query> queries, Span<Action> actions) {
-  spent_.clear();
-  for (const Query& query : queries) {
-    if (query.memory == nullptr) {
-      throw InternalError("a policy with a memory must be asked with the memory of a rollout");
-    }
-    auto& memory = static_cast<NetworkMemory&>(*query.memory);
-    memory.see(query.observation);
-    if (memory.isSpent()) {
-      spent_.push_back(&memory);
-    }
-  }
-  if (kernel_ != nullptr) {
-    answerOnKernel();
-  } else {
-    answerOnLibtorch();
-  }
-  for (std::size_t i = 0; i < actions.size(); ++i) {
-    actions[i] = static_cast<NetworkMemory&>(*queries[i].memory).next();
-  }
-}
-
-void NetworkPolicy::answerOnKernel() {
-  const auto inputs = static_cast<std::size_t>(kernel_->inputs());
-  const auto outputs = static_cast<std::size_t>(kernel_->outputs());
-  inputs_.resize(spent_.size() * inputs);
-  outputs_.resize(spent_.size() * outputs);
-  for (std::size_t i = 0; i < spent_.size(); ++i) {
-    std::copy_n(spent_[i]->history().begin(), inputs, inputs_.data() + i * inputs);
-  }
-  kernel_->run(inputs_, outputs_);
-  for (std::size_t i = 0; i < spent_.size(); ++i) {
-    std::copy_n(outputs_.data() + i * outputs, outputs, spent_[i]->answer().begin());
-  }
-}
-
-void NetworkPolicy::answerOnLibtorch() {
-  inputs_.resize(numbersIn(info_.description.noise));
-  for (NetworkMemory* const memory : spent_) {
-    memory->draw(inputs_);
-    network_->run(memory->history(), memory->state(), inputs_, memory->answer());
-  }
-}
+void NetworkPolicy::act(Span<const Query> queries, Span<Action> actions) { actor_->act(queries, actions); }
 
 }  // namespace pusht

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "network_trial.hpp"
 
-#include <sys/mman.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "network_memory.hpp"
+#include "network_builder.hpp"
 #include "network_probes.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
@@ -44,21 +42,24 @@ void requireFinite(const std::vector<float>& values, const std::string& what, in
   }
 }
 
-std::vector<float> answersTo(const std::vector<float>& histories, TorchNetwork& network, const std::string& name) {
+}  // namespace
+
+std::vector<float> answersToProbes(Network& network, const PolicyDescription& description, const std::string& name) {
   constexpr int kActionNumbers = std::tuple_size<Action>::value;
-  const PolicyDescription& description = network.description();
+  const std::vector<float> histories = probeHistories(description.observations);
   const bool has_state = !description.state.empty();
   const int stride = has_state || description.isStochastic() ? kCallsWithState : 1;  // as many calls for all networks
-  const std::size_t length = histories.size() / kNetworkProbes;
+  const std::size_t length = observationNumbers(description);
   std::vector<float> answers;
-  std::vector<float> answer(static_cast<std::size_t>(description.actions) * kActionNumbers);
+  std::vector<float> answer(actionNumbers(description));
   std::vector<float> noise(numbersIn(description.noise));
   for (int probe = 0; probe < kNetworkProbes; probe += stride) {
     std::vector<float> state(numbersIn(description.state));
     PolicyNoise generator(static_cast<std::uint64_t>(probe), description.distribution);
     for (int call = 0; call < stride; ++call) {
       generator.draw(noise);
-      network.run({histories.data() + (probe + call) * length, length}, state, noise, answer);
+      const NetworkCall one = {{histories.data() + (probe + call) * length, length}, state, noise, answer};
+      network.answer({&one, 1});
       requireFinite(answer, "action", kActionNumbers, probe + call, name);
       requireFinite(state, "state number", 1, probe + call, name);
       answers.insert(answers.end(), answer.begin(), answer.end());
@@ -67,36 +68,7 @@ std::vector<float> answersTo(const std::vector<float>& histories, TorchNetwork& 
   return answers;
 }
 
-/// Throws RuntimeFault unless there is memory for the buffers of OpenBLAS, of one of its threads and of the caller's:
-/// it asks for them in an endless loop.
-void requireMemoryOfBlas(const std::string& name) {
-  constexpr std::size_t kBuffers = std::size_t{2} << 27U;  // bytes, as Debian builds it
-  void* const buffers = mmap(nullptr, kBuffers, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (buffers == MAP_FAILED) {
-    throw RuntimeFault(name + ": its matrices need " + std::to_string(kBuffers >> 20U) +
-                       " MB more of memory for the BLAS");
-  }
-  munmap(buffers, kBuffers);
-}
-
-}  // namespace
-
-std::vector<float> tryOut(TorchNetwork& network, const std::string& name) {
-  requireMemoryOfBlas(name);
-  const std::vector<float> histories = probeHistories(network.description().observations);
-  std::vector<float> answers = answersTo(histories, network, name);
-  if (answersTo(histories, network, name) != answers) {
-    throw BadDependency(name +
-                        ": must act the same on the same inputs, but has a memory or is random: it must take its state "
-                        "and its noise as inputs, and say so in its policy.json");
-  }
-  return answers;
-}
-
-void requireAgreement(NetworkKernel& kernel, const PolicyDescription& description, const std::vector<float>& expected) {
-  const std::vector<float> histories = probeHistories(description.observations);
-  std::vector<float> actual(expected.size());
-  kernel.run(histories, actual);
+void requireAgreement(const std::vector<float>& actual, const std::vector<float>& expected) {
   for (std::size_t i = 0; i < actual.size(); ++i) {
     const float difference = std::abs(actual[i] - expected[i]);
     if (!(difference <= kAgreement * std::max(1.0F, std::abs(expected[i])))) {

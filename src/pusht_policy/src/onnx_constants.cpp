@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 
 namespace pusht {
@@ -85,11 +86,54 @@ std::string textOf(const std::vector<std::int64_t>& shape) {
   return "[" + (dimensions.empty() ? "" : joined(dimensions)) + "]";
 }
 
-OnnxConstant readTensor(const TensorProto& tensor, const std::string& name) {
+std::string OnnxDataFiles::bytesOf(const TensorProto& tensor, const std::string& where) {
+  std::map<std::string, std::string> entries;
+  for (const onnx::StringStringEntryProto& entry : tensor.external_data()) {
+    entries[entry.key()] = entry.value();
+  }
+  const std::string& name = entries["location"];
+  if (folder_.empty() || name.empty() || name == "." || name == ".." || name.find('/') != std::string::npos) {
+    throw InvalidInput(where + ": its values must be in the file itself or in one beside it (external data), not in " +
+                       quoted(name));
+  }
+  if (contents_.count(name) == 0) {
+    contents_[name] = readFile(folder_ / name, "external data of the policy");
+  }
+  const std::string& content = contents_[name];
+  const auto number = [&](const char* key, std::uint64_t otherwise) {
+    const std::string& text = entries[key];
+    const bool is_number = text.size() < 19 && text.find_first_not_of("0123456789") == std::string::npos;
+    if (!is_number) {
+      throw InvalidInput(where + ": " + key + " of its external data must be a number of bytes, not " + quoted(text));
+    }
+    return text.empty() ? otherwise : std::stoull(text);
+  };
+  const std::uint64_t offset = number("offset", 0);
+  const std::uint64_t length = number("length", content.size() - std::min<std::uint64_t>(offset, content.size()));
+  if (offset > content.size() || length > content.size() - offset) {
+    throw InvalidInput(where + ": must be in the " + std::to_string(content.size()) + " bytes of " + quoted(name) +
+                       ", but begins at " + std::to_string(offset) + " and has " + std::to_string(length));
+  }
+  return content.substr(offset, length);
+}
+
+std::map<std::string, std::string> OnnxDataFiles::hashes() const {
+  std::map<std::string, std::string> hashes;
+  for (const auto& [name, content] : contents_) {
+    hashes[name] = sha256(content);
+  }
+  return hashes;
+}
+
+OnnxConstant readTensor(const TensorProto& tensor, const std::string& name, OnnxDataFiles& files) {
   constexpr int kMostDimensions = 16;
   const std::string where = "tensor " + quoted(name);
   if (tensor.data_location() != TensorProto::DEFAULT || tensor.external_data_size() > 0) {
-    throw InvalidInput(where + ": its values must be in the file itself, not in another one (external data)");
+    TensorProto whole;
+    *whole.mutable_dims() = tensor.dims();
+    whole.set_data_type(tensor.data_type());
+    whole.set_raw_data(files.bytesOf(tensor, where));
+    return readTensor(whole, name, files);
   }
   if (tensor.has_segment() || tensor.dims_size() > kMostDimensions) {
     throw InvalidInput(where + ": must be in one piece, with at most " + std::to_string(kMostDimensions) +
@@ -121,7 +165,7 @@ OnnxConstant readTensor(const TensorProto& tensor, const std::string& name) {
   return constant;
 }
 
-OnnxConstant readConstantNode(const onnx::NodeProto& node) {
+OnnxConstant readConstantNode(const onnx::NodeProto& node, OnnxDataFiles& files) {
   const std::string name = node.output_size() > 0 ? node.output(0) : "";
   const std::string where = "tensor " + quoted(name);
   if (node.attribute_size() != 1) {
@@ -129,7 +173,7 @@ OnnxConstant readConstantNode(const onnx::NodeProto& node) {
   }
   const onnx::AttributeProto& value = node.attribute(0);
   if (value.name() == "value" && value.has_t()) {
-    return readTensor(value.t(), name);
+    return readTensor(value.t(), name, files);
   }
   if (value.name() == "value_float") {
     return floatConstant({}, {value.f()}, where);

@@ -3,9 +3,10 @@
 
 #include <onnx/onnx_pb.h>
 
+#include <algorithm>
 #include <set>
 
-#include "onnx_nodes.hpp"
+#include "onnx_reader.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
 
@@ -34,18 +35,26 @@ std::string describe(const onnx::TypeProto::Tensor& tensor) {
          (tensor.has_shape() ? " [" + (dimensions.empty() ? "" : joined(dimensions)) + "]" : " of any shape");
 }
 
-/// Throws BadDependency unless the value is declared as rows of `columns` float32 numbers, or one such row. What a
-/// file leaves open about an output, the operations decide.
-void requireRowsOf(int columns, const onnx::ValueInfoProto& value, bool is_input) {
+/// Shape for a message, where the first axis is that of rollouts: "[n, 10]".
+std::string rowsOf(const Sizes& shape, const std::string& rollouts) {
+  std::vector<std::string> dimensions = {rollouts};
+  std::transform(shape.begin() + 1, shape.end(), std::back_inserter(dimensions),
+                 [](std::int64_t size) { return std::to_string(size); });
+  return "[" + joined(dimensions) + "]";
+}
+
+/// Throws BadDependency unless the value is declared as float32 of this shape, for one rollout or for many. What a file
+/// leaves open about an output, the operations decide.
+void requireShape(const Sizes& shape, const onnx::ValueInfoProto& value, bool is_input) {
   const onnx::TypeProto::Tensor& tensor = value.type().tensor_type();
-  const auto allows = [&](int axis, std::int64_t size) {
+  bool fits = tensor.has_shape() && tensor.shape().dim_size() == static_cast<int>(shape.size());
+  for (int axis = 0; fits && axis < tensor.shape().dim_size(); ++axis) {
     const auto& dimension = tensor.shape().dim(axis);
-    return dimension.has_dim_value() ? dimension.dim_value() == size : (axis == 0 || !is_input);
-  };
-  const bool has_shape = tensor.has_shape() && tensor.shape().dim_size() == 2 && allows(0, 1) && allows(1, columns);
-  if (tensor.elem_type() != TensorProto::FLOAT || !(has_shape || (!is_input && !tensor.has_shape()))) {
-    throw BadDependency((is_input ? "input " : "output ") + quoted(value.name()) + ": must be FLOAT [n, " +
-                        std::to_string(columns) + "] or [1, " + std::to_string(columns) + "], but is " +
+    fits = dimension.has_dim_value() ? dimension.dim_value() == shape[axis] : (axis == 0 || !is_input);
+  }
+  if (tensor.elem_type() != TensorProto::FLOAT || !(fits || (!is_input && !tensor.has_shape()))) {
+    throw BadDependency((is_input ? "input " : "output ") + quoted(value.name()) + ": must be FLOAT " +
+                        rowsOf(shape, "n") + " or " + rowsOf(shape, "1") + ", but is " +
                         (value.type().has_tensor_type() ? describe(tensor) : "no tensor"));
   }
 }
@@ -92,52 +101,132 @@ std::int64_t opsetOf(const onnx::ModelProto& model) {
   return *opsets.begin();
 }
 
-/// Only input of the graph that is no initializer: older files list those, too.
-const onnx::ValueInfoProto& inputOf(const onnx::GraphProto& graph) {
+using Infos = std::vector<const onnx::ValueInfoProto*>;
+
+/// Values with their types, for a message: "'x' FLOAT ['n', 10], 'h' FLOAT ['n', 64]".
+std::string typesOf(const Infos& values) {
+  std::vector<std::string> texts;
+  for (const onnx::ValueInfoProto* value : values) {
+    texts.push_back(quoted(value->name()) + " " +
+                    (value->type().has_tensor_type() ? describe(value->type().tensor_type()) : "no tensor"));
+  }
+  return joined(texts);
+}
+
+/// Inputs of the graph that are no initializers: older files list those, too.
+Infos inputsOf(const onnx::GraphProto& graph) {
   std::set<std::string> initializers;
   for (const TensorProto& tensor : graph.initializer()) {
     initializers.insert(tensor.name());
   }
-  std::vector<const onnx::ValueInfoProto*> inputs;
+  Infos inputs;
   for (const onnx::ValueInfoProto& input : graph.input()) {
     if (initializers.count(input.name()) == 0) {
       inputs.push_back(&input);
     }
   }
-  if (inputs.size() != 1 || graph.output_size() != 1) {
-    throw BadDependency("must have one input and one output, but has " + std::to_string(inputs.size()) + " and " +
-                        std::to_string(graph.output_size()));
+  return inputs;
+}
+
+/// Description in the metadata of the model; the plain contract if there is none. Throws InvalidInput if it is bad.
+PolicyDescription descriptionOf(const onnx::ModelProto& model) {
+  for (const onnx::StringStringEntryProto& entry : model.metadata_props()) {
+    if (entry.key() == kDescriptionFile) {
+      return descriptionFrom(entry.value(), kDescriptionFile);
+    }
   }
-  return *inputs.front();
+  return {};
+}
+
+/// Shape of a tensor for one rollout.
+Sizes ofOneRollout(const PolicyDescription::Shape& shape) {
+  Sizes sizes = {1};
+  sizes.insert(sizes.end(), shape.begin(), shape.end());
+  return sizes;
+}
+
+/// Shapes of what goes in, or comes out, by the description.
+std::vector<Sizes> shapesBy(const PolicyDescription& description, bool are_inputs) {
+  constexpr int kObservation = std::tuple_size<Observation>::value;
+  constexpr int kAction = std::tuple_size<Action>::value;
+  const int columns = are_inputs ? kObservation : kAction;
+  const int times = are_inputs ? description.observations : description.actions;
+  std::vector<Sizes> shapes = {description.described ? Sizes{1, times, columns} : Sizes{1, columns}};
+  if (!description.state.empty()) {
+    shapes.push_back(ofOneRollout(description.state));
+  }
+  if (are_inputs && !description.noise.empty()) {
+    shapes.push_back(ofOneRollout(description.noise));
+  }
+  return shapes;
+}
+
+/// Throws BadDependency unless these are as many as the description says, with its shapes.
+void requireSignature(const Infos& values, const std::vector<Sizes>& shapes, bool are_inputs) {
+  const std::string what = are_inputs ? "input" : "output";
+  if (values.size() != shapes.size()) {
+    throw BadDependency("must have " + std::to_string(shapes.size()) + " " + what + (shapes.size() == 1 ? "" : "s") +
+                        ", as its description says (" + kDescriptionFile + " in its metadata; none: one), but has " +
+                        std::to_string(values.size()) + ": " + typesOf(values));
+  }
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    requireShape(shapes[i], *values[i], are_inputs);
+  }
+}
+
+std::vector<std::string> namesOf(const Infos& values) {
+  std::vector<std::string> names;
+  for (const onnx::ValueInfoProto* value : values) {
+    names.push_back(value->name());
+  }
+  return names;
+}
+
+/// Operations of the graph, from inputs to outputs of these shapes.
+std::vector<Operation> operationsOf(const onnx::GraphProto& graph, OnnxReader& reader, OnnxDataFiles& files,
+                                    const Infos& outputs, const std::vector<Sizes>& shapes) {
+  for (const TensorProto& tensor : graph.initializer()) {
+    reader.addConstant(tensor.name(), readTensor(tensor, tensor.name(), files));
+  }
+  for (int i = 0; i < graph.node_size(); ++i) {
+    reader.read(graph.node(i), i);
+  }
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    const Sizes& shape = reader.shapeOf(outputs[i]->name());
+    if (shape != shapes[i]) {
+      throw BadDependency("output " + quoted(outputs[i]->name()) + ": must be " + textOf(shapes[i]) +
+                          " for one rollout, but is " + textOf(shape));
+    }
+  }
+  return reader.finish(namesOf(outputs));
 }
 
 }  // namespace
 
-OnnxNetwork readOnnx(const std::string& bytes, int inputs, int outputs) {
+OnnxNetwork readOnnx(const std::string& bytes, const std::filesystem::path& folder) {
   const onnx::ModelProto model = parsed(bytes);
-  const std::int64_t opset = opsetOf(model);
+  OnnxNetwork network;
+  network.opset = opsetOf(model);
+  network.producer = model.producer_name() + " " + model.producer_version();
+  network.description = descriptionOf(model);
   const onnx::GraphProto& graph = model.graph();
-  const onnx::ValueInfoProto& input = inputOf(graph);
-  requireRowsOf(inputs, input, true);
-  requireRowsOf(outputs, graph.output(0), false);
+  const Infos inputs = inputsOf(graph);
+  Infos outputs;
+  for (const onnx::ValueInfoProto& output : graph.output()) {
+    outputs.push_back(&output);
+  }
+  const std::vector<Sizes> input_shapes = shapesBy(network.description, true);
+  const std::vector<Sizes> output_shapes = shapesBy(network.description, false);
+  requireSignature(inputs, input_shapes, true);
+  requireSignature(outputs, output_shapes, false);
   try {
-    OnnxReader reader(input.name(), inputs, opset);
-    for (const TensorProto& tensor : graph.initializer()) {
-      reader.addConstant(tensor.name(), readTensor(tensor, tensor.name()));
-    }
-    for (int i = 0; i < graph.node_size(); ++i) {
-      reader.read(graph.node(i), i);
-    }
-    if (graph.output(0).name() != reader.rows()) {
-      throw UnfitForKernel("output " + quoted(graph.output(0).name()) + ": must be the result of the last operation");
-    }
-    if (reader.list().columns() != outputs) {
-      throw BadDependency("must map rows of " + std::to_string(inputs) + " numbers to rows of " +
-                          std::to_string(outputs) + ", not to rows of " + std::to_string(reader.list().columns()));
-    }
-    return {reader.list().operations(), opset, model.producer_name() + " " + model.producer_version()};
+    OnnxDataFiles files(folder);
+    OnnxReader reader(namesOf(inputs), input_shapes, network.opset, files);
+    network.operations = operationsOf(graph, reader, files, outputs, output_shapes);
+    network.data_files = files.hashes();
+    return network;
   } catch (const UnfitForKernel& error) {
-    throw InvalidInput(error.what() + std::string("; give a network that the kernel cannot run as TorchScript"));
+    throw InvalidInput(error.what() + std::string("; docs/networks.md says what runs, and what to do"));
   }
 }
 

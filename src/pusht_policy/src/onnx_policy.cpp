@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "onnx_policy.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <system_error>
-#include <tuple>
 #include <utility>
 
 #include "checkpoint_provenance.hpp"
-#include "network_probes.hpp"
+#include "network_trial.hpp"
 #include "onnx_graph.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
-#include "pusht_task/task.hpp"
 
 namespace pusht {
 namespace {
-
-constexpr int kOnnxInputs = std::tuple_size<Observation>::value;
-constexpr int kOnnxOutputs = std::tuple_size<Action>::value;
 
 /// Bytes of the file. Its size is asked first: protobuf reads no more, and a network of the kernel needs far less.
 std::string readOnnxFile(const std::filesystem::path& path, const std::string& name) {
@@ -32,62 +26,44 @@ std::string readOnnxFile(const std::filesystem::path& path, const std::string& n
   return readFile(path, "policy");
 }
 
-/// Throws BadDependency if an action for a probe is not finite.
-void requireFiniteActions(OnnxPolicy& policy) {
-  std::vector<Policy::Query> queries;
-  for (const Observation& probe : networkProbes()) {
-    queries.push_back({probe, nullptr});
-  }
-  std::vector<Action> actions(queries.size());
-  policy.act(queries, actions);
-  const auto bad = std::find_if(actions.begin(), actions.end(), [](const Action& action) { return !isFinite(action); });
-  if (bad != actions.end()) {
-    throw BadDependency("its actions must be finite, but are not for probe " +
-                        std::to_string(std::distance(actions.begin(), bad)));
-  }
-}
-
 }  // namespace
-
-OnnxPolicy::OnnxPolicy(OnnxInfo info, NetworkKernel kernel) : info_(std::move(info)), kernel_(std::move(kernel)) {
-  info_.operations = kernel_.operations();
-  info_.instruction_set = toString(kernel_.instructionSet());
-}
 
 std::unique_ptr<OnnxPolicy> OnnxPolicy::load(const std::filesystem::path& path, InstructionSet instruction_set) {
   const std::string name = "policy " + path.string();
   const std::string bytes = readOnnxFile(path, name);
+  requireHashOfProvenance(path, name, sha256(bytes));
+  return read(bytes, path.has_parent_path() ? path.parent_path() : ".", name, instruction_set);
+}
+
+std::unique_ptr<OnnxPolicy> OnnxPolicy::read(const std::string& bytes, const std::filesystem::path& folder,
+                                             const std::string& name, InstructionSet instruction_set) {
   OnnxInfo info;
   info.sha256 = sha256(bytes);
-  requireHashOfProvenance(path, name, info.sha256);
+  OnnxNetwork network;
   try {
-    const OnnxNetwork network = readOnnx(bytes, kOnnxInputs, kOnnxOutputs);
-    info.opset = network.opset;
-    info.producer = network.producer;
-    std::unique_ptr<OnnxPolicy> policy(
-        new OnnxPolicy(std::move(info), NetworkKernel(kOnnxInputs, network.operations, instruction_set)));
-    requireFiniteActions(*policy);
-    return policy;
+    network = readOnnx(bytes, folder);
   } catch (Error& error) {
     error.addContext(name);
     throw;
   }
+  const PolicyDescription& description = network.description;
+  const std::size_t columns =
+      observationNumbers(description) + numbersIn(description.state) + numbersIn(description.noise);
+  const NetworkKernel kernel(static_cast<int>(columns), network.operations, instruction_set);
+  auto on_kernel = std::make_unique<KernelNetwork>(kernel);
+  answersToProbes(*on_kernel, description, name);
+  info.operations = kernel.operations();
+  info.instruction_set = toString(kernel.instructionSet());
+  info.opset = network.opset;
+  info.producer = network.producer;
+  info.data_files = network.data_files;
+  info.description = description;
+  return std::unique_ptr<OnnxPolicy>(
+      new OnnxPolicy(std::move(info), std::make_unique<NetworkActor>(std::move(on_kernel), description)));
 }
 
 std::unique_ptr<OnnxPolicy> OnnxPolicy::clone() const {
-  return std::unique_ptr<OnnxPolicy>(new OnnxPolicy(info_, kernel_));
-}
-
-void OnnxPolicy::act(Span<const Query> queries, Span<Action> actions) {
-  inputs_.resize(queries.size() * kOnnxInputs);
-  outputs_.resize(queries.size() * kOnnxOutputs);
-  for (std::size_t i = 0; i < queries.size(); ++i) {
-    std::copy_n(queries[i].observation.begin(), kOnnxInputs, inputs_.data() + i * kOnnxInputs);
-  }
-  kernel_.run(inputs_, outputs_);
-  for (std::size_t i = 0; i < actions.size(); ++i) {
-    std::copy_n(outputs_.data() + i * kOnnxOutputs, kOnnxOutputs, actions[i].begin());
-  }
+  return std::unique_ptr<OnnxPolicy>(new OnnxPolicy(info_, actor_->clone()));
 }
 
 }  // namespace pusht

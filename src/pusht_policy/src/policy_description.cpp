@@ -191,4 +191,17 @@ json toJson(const PolicyDescription& description) {
   return object;
 }
 
+void addDescription(const PolicyDescription& description, json& object) {
+  if (description.described) {
+    object["description"] = toJson(description);
+  }
+}
+
+void addNoise(const PolicyDescription& description, json& provenance) {
+  if (description.isStochastic()) {
+    provenance["noise"] = toJson(description)["noise"];
+    provenance["noise"]["drawn_by"] = "the suite, one stream of PCG64 for each rollout";
+  }
+}
+
 }  // namespace pusht

@@ -2,27 +2,31 @@
 #include <torch/script.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "torch_network.hpp"
 
 namespace pusht {
 namespace {
 
-/// Whether an operation is one of those that draw only while a network is trained, and it is not.
-bool isAtRest(const torch::jit::Node& node) {
+/// Whether an operation is told that the network is trained, or that it is not; empty if it is not told.
+std::optional<bool> isTold(const torch::jit::Node& node) {
+  if (node.maybeSchema() == nullptr) {
+    return {};
+  }
   for (const char* const name : {"train", "training"}) {
     if (node.hasNamedInput(name)) {
       const auto train = torch::jit::toIValue(node.namedInput(name));
-      return train && train->isBool() && !train->toBool();
+      return train && train->isBool() ? std::optional<bool>(train->toBool()) : std::nullopt;
     }
   }
-  return false;
+  return {};
 }
 
 /// Whether an operation may draw random numbers. libtorch's own list misses those in place; they take a generator.
 bool drawsNumbers(const torch::jit::Node& node) {
   const torch::jit::FunctionSchema* const schema = node.maybeSchema();
-  if (schema == nullptr || isAtRest(node)) {
+  if (schema == nullptr || isTold(node) == false) {
     return false;
   }
   const auto& arguments = schema->arguments();
@@ -31,11 +35,12 @@ bool drawsNumbers(const torch::jit::Node& node) {
          });
 }
 
-std::string randomOperationInBlock(const torch::jit::Block& block) {
+/// First operation in a block, or in a block within, that is such.
+std::string findOperation(const torch::jit::Block& block, bool (*is_such)(const torch::jit::Node& node)) {
   for (const torch::jit::Node* node : block.nodes()) {
-    std::string name = drawsNumbers(*node) ? node->kind().toQualString() : "";
+    std::string name = is_such(*node) ? node->kind().toQualString() : "";
     for (const torch::jit::Block* inner : node->blocks()) {
-      name = name.empty() ? randomOperationInBlock(*inner) : name;
+      name = name.empty() ? findOperation(*inner, is_such) : name;
     }
     if (!name.empty()) {
       return name;
@@ -44,8 +49,33 @@ std::string randomOperationInBlock(const torch::jit::Block& block) {
   return "";
 }
 
+/// Finds a constant that names a device that is not the CPU.
+void findConstants(const torch::jit::Block& block, std::string& device) {
+  for (const torch::jit::Node* node : block.nodes()) {
+    const auto value = node->outputs().size() == 1 ? torch::jit::toIValue(node->output()) : c10::nullopt;
+    if (value && value->isDevice() && !value->toDevice().is_cpu()) {
+      device = value->toDevice().str();
+    } else if (value && value->isString() && value->toStringRef().rfind("cuda", 0) == 0) {
+      device = value->toStringRef();
+    }
+    for (const torch::jit::Block* inner : node->blocks()) {
+      findConstants(*inner, device);
+    }
+  }
+}
+
 }  // namespace
 
-std::string randomOperationIn(const torch::jit::Graph& graph) { return randomOperationInBlock(*graph.block()); }
+std::string randomOperationIn(const torch::jit::Graph& graph) { return findOperation(*graph.block(), drawsNumbers); }
+
+std::string trainingOperationIn(const torch::jit::Graph& graph) {
+  return findOperation(*graph.block(), [](const torch::jit::Node& node) { return isTold(node) == true; });
+}
+
+std::string otherDeviceIn(const torch::jit::Graph& graph) {
+  std::string device;
+  findConstants(*graph.block(), device);
+  return device;
+}
 
 }  // namespace pusht

@@ -1,343 +1,281 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <torch/script.h>
-
-#include <map>
+#include <algorithm>
 #include <utility>
 
-#include "graph_sizes.hpp"
 #include "torch_network.hpp"
+#include "torch_reader.hpp"
 
 namespace pusht {
-namespace {
 
-using Kind = Operation::Kind;
-using torch::jit::IValue;
-using torch::jit::Node;
-using torch::jit::Value;
-
-FloatTensor floatTensor(const torch::Tensor& tensor) { return {tensor.sizes().vec(), toVector(tensor)}; }
-
-/// Follows the row from operation to operation. It has a shape: element-wise operations extend their operand to it.
-class GraphReader {
- public:
-  GraphReader(const Value* rows, Sizes shape) : rows_(rows), list_(std::move(shape)) {
-    sizes_.set(rows_, list_.shape());
+TorchReader::TorchReader(const std::vector<const Value*>& inputs, const std::vector<Sizes>& shapes) : network_(shapes) {
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    define(inputs[i], {newItem(network_.input(i))});
   }
-
-  void read(const Node& node);
-
-  const Value* rows() const { return rows_; }
-  const std::vector<Operation>& operations() const { return list_.operations(); }
-
- private:
-  using Reader = void (GraphReader::*)(const Node&);
-  static const std::map<std::string, Reader>& readers();
-
-  void readLinear(const Node& node);
-  void readAddmm(const Node& node);
-  void readMatmul(const Node& node);
-  void readAdd(const Node& node);
-  void readSub(const Node& node);
-  void readRsub(const Node& node);
-  void readMul(const Node& node);
-  void readDiv(const Node& node);
-  void readNeg(const Node& node);
-  void readRelu(const Node& node);
-  void readRelu6(const Node& node);
-  void readClamp(const Node& node);
-  void readHardtanh(const Node& node);
-  void readTanh(const Node& node);
-  void readTo(const Node& node);
-  void readDropout(const Node& node);
-  void readCopy(const Node& node);
-  void readFlatten(const Node& node);
-  void readReshape(const Node& node);
-  void readUnflatten(const Node& node);
-  void readUnsqueeze(const Node& node);
-  void readSqueeze(const Node& node);
-
-  [[noreturn]] static void refuse(const Node& node, const std::string& why);
-  IValue constant(const Node& node, const char* input) const;
-  IValue otherConstant(const Node& node) const;
-  void requireRows(const Node& node, const char* input) const;
-  void requireOne(const Node& node, const char* input) const;
-
-  void append(const Node& node, Kind kind, const IValue& operand);
-  void appendMatrix(const Node& node, const IValue& matrix);
-
-  torch::Tensor emptyRow() const { return torch::empty(list_.shape()); }
-  void takeShape(const at::Tensor& like) { list_.reshape(like.sizes().vec()); }
-
-  const Value* rows_;
-  OperationList list_;
-  GraphSizes sizes_;
-};
-
-const std::map<std::string, GraphReader::Reader>& GraphReader::readers() {
-  static const std::map<std::string, Reader> table = {
-      {"aten::linear", &GraphReader::readLinear},
-      {"aten::addmm", &GraphReader::readAddmm},
-      {"aten::matmul", &GraphReader::readMatmul},
-      {"aten::add", &GraphReader::readAdd},
-      {"aten::sub", &GraphReader::readSub},
-      {"aten::rsub", &GraphReader::readRsub},
-      {"aten::mul", &GraphReader::readMul},
-      {"aten::div", &GraphReader::readDiv},
-      {"aten::neg", &GraphReader::readNeg},
-      {"aten::relu", &GraphReader::readRelu},
-      {"aten::relu6", &GraphReader::readRelu6},
-      {"aten::clamp", &GraphReader::readClamp},
-      {"aten::clamp_min", &GraphReader::readClamp},
-      {"aten::clamp_max", &GraphReader::readClamp},
-      {"aten::hardtanh", &GraphReader::readHardtanh},
-      {"aten::tanh", &GraphReader::readTanh},
-      {"aten::to", &GraphReader::readTo},
-      {"aten::dropout", &GraphReader::readDropout},
-      {"aten::detach", &GraphReader::readCopy},
-      {"aten::contiguous", &GraphReader::readCopy},
-      {"aten::clone", &GraphReader::readCopy},
-      {"aten::flatten", &GraphReader::readFlatten},
-      {"aten::reshape", &GraphReader::readReshape},
-      {"aten::view", &GraphReader::readReshape},
-      {"aten::unflatten", &GraphReader::readUnflatten},
-      {"aten::unsqueeze", &GraphReader::readUnsqueeze},
-      {"aten::squeeze", &GraphReader::readSqueeze},
-  };
-  return table;
 }
 
-void GraphReader::refuse(const Node& node, const std::string& why) {
-  throw UnfitForKernel(std::string(node.kind().toQualString()) + ": " + why);
+TorchReader::Item TorchReader::newItem(NetworkTensor tensor) {
+  versions_.push_back(0);
+  return {std::move(tensor), static_cast<int>(versions_.size()) - 1, 0};
 }
 
-void GraphReader::read(const Node& node) {
+TorchReader::Items TorchReader::newItems(const std::vector<NetworkTensor>& tensors) {
+  Items items;
+  std::transform(tensors.begin(), tensors.end(), std::back_inserter(items),
+                 [&](const NetworkTensor& tensor) { return newItem(tensor); });
+  return items;
+}
+
+void TorchReader::define(const Value* result, Items items) {
+  const bool is_list = result->type()->kind() == c10::TypeKind::ListType;
+  if (items.size() == 1 && !is_list) {
+    sizes_.set(result, items.front().tensor.shape);
+  }
+  items_[result] = std::move(items);
+}
+
+bool TorchReader::takesUnknown(const Node& node) const {
+  const auto inputs = node.inputs();
+  return std::any_of(inputs.begin(), inputs.end(), [&](const Value* input) { return unknown_.count(input) > 0; });
+}
+
+void TorchReader::read(const torch::jit::Block& block) {
+  for (const Node* node : block.nodes()) {
+    const std::string name = node->kind().toQualString();
+    bool is_read = false;
+    if (!takesUnknown(*node)) {
+      try {
+        readNode(*node);
+        is_read = true;
+      } catch (const UnfitForKernel& error) {
+        unfit_.add(name, error.what());
+      }
+    }
+    if (!is_read) {
+      unknown_.insert(node->outputs().begin(), node->outputs().end());
+    }
+  }
+}
+
+void TorchReader::readNode(const Node& node) {
+  if (!readStructure(node) && !GraphSizes::areComputedBy(node)) {
+    readOperation(node);
+  }
+}
+
+/// Lists and branches; whether it is one.
+bool TorchReader::readStructure(const Node& node) {
+  namespace prim = torch::jit::prim;
+  const auto inputs = node.inputs();
+  if (node.kind() == prim::Uninitialized) {  // result of a branch that is not taken
+    unknown_.insert(node.output());
+    return true;
+  }
+  if (node.kind() == prim::If) {
+    readBranch(node);
+    return true;
+  }
+  if (node.kind() == prim::ListConstruct || node.kind() == prim::TupleConstruct) {
+    const bool grows = inputs.empty() && node.output()->type()->isSubtypeOf(*c10::ListType::ofTensors());
+    const bool has_tensors =
+        grows || std::any_of(inputs.begin(), inputs.end(), [&](const Value* input) { return items_.count(input) > 0; });
+    Items items;
+    for (std::size_t i = 0; has_tensors && i < inputs.size(); ++i) {
+      items.push_back(items_.count(inputs[i]) > 0 ? item(inputs[i]) : newItem(tensorOf(inputs[i])));
+    }
+    if (has_tensors) {
+      define(node.output(), std::move(items));
+    }
+    return has_tensors;
+  }
+  if (inputs.empty() || items_.count(inputs[0]) == 0) {
+    return false;
+  }
+  const Items& items = items_.at(inputs[0]);
+  if (node.kind() == prim::unchecked_cast) {  // of an optional tensor that is one
+    define(node.output(), items);
+    return true;
+  }
+  if (node.kind() == torch::jit::aten::append) {
+    items_[inputs[0]].push_back(item(inputs[1]));
+    return true;
+  }
+  if (node.kind() == prim::ListUnpack || node.kind() == prim::TupleUnpack) {
+    for (std::size_t i = 0; i < node.outputs().size(); ++i) {
+      define(node.outputs()[i], {items.at(i)});
+    }
+    return true;
+  }
+  if (node.kind() == torch::jit::aten::__getitem__ || node.kind() == prim::TupleIndex) {
+    const auto index = sizes_.valueOf(inputs[1]);
+    define(node.output(), {items.at(axisOf(index ? index->toInt() : 0, items.size()))});
+    return index.has_value();
+  }
+  return false;
+}
+
+/// The branch that the shapes decide for.
+void TorchReader::readBranch(const Node& node) {
+  const auto condition = sizes_.valueOf(node.input(0));
+  if (!condition) {
+    refuse("its condition must not depend on numbers");
+  }
+  const torch::jit::Block& taken = *node.blocks()[condition->toBool() ? 0 : 1];
+  read(taken);
+  for (std::size_t i = 0; i < node.outputs().size(); ++i) {
+    const Value* const result = taken.outputs()[i];
+    if (unknown_.count(result) > 0) {
+      unknown_.insert(node.outputs()[i]);
+    } else if (const auto known = items_.find(result); known != items_.end()) {
+      define(node.outputs()[i], known->second);
+    } else {
+      sizes_.setSame(node.outputs()[i], result);
+    }
+  }
+}
+
+void TorchReader::readOperation(const Node& node) {
   std::string name = node.kind().toQualString();
-  if (name.back() == '_') {  // in place: nothing else reads the rows, so that is no difference
+  const bool in_place = name.back() == '_';
+  if (in_place) {
     name.pop_back();
+  }
+  if (Items parts = readParts(node); !parts.empty()) {
+    if (node.outputs().size() == 1) {
+      return define(node.output(), std::move(parts));
+    }
+    for (std::size_t i = 0; i < node.outputs().size(); ++i) {
+      define(node.outputs()[i], {parts.at(i)});
+    }
+    return;
   }
   const auto reader = readers().find(name);
   if (reader == readers().end()) {
-    refuse(node, "is not known to the kernel");
+    unfit_.addUnknown(name);
+    unknown_.insert(node.outputs().begin(), node.outputs().end());
+    return;
   }
-  try {
-    (this->*reader->second)(node);
-  } catch (const UnfitOperand& error) {
-    refuse(node, error.what());
+  Item result = newItem((this->*reader->second)(node));
+  if (in_place || views().count(name) > 0) {
+    const Item& original = item(node.input(0));
+    result.memory = original.memory;
+    result.version = in_place ? ++versions_[original.memory] : original.version;
   }
-  rows_ = node.output();
-  sizes_.set(rows_, list_.shape());
+  if (in_place) {
+    define(node.input(0), {result});
+  }
+  define(node.output(), {std::move(result)});
 }
 
-void GraphReader::requireRows(const Node& node, const char* input) const {
-  if (node.namedInput(input) != rows_) {
-    refuse(node, "must take the result of the operation before it");
+std::vector<Operation> TorchReader::finish(const std::vector<const Value*>& results) {
+  if (!unfit_.empty()) {
+    throw UnfitForKernel(unfit_.text());
+  }
+  std::vector<NetworkTensor> tensors;
+  std::transform(results.begin(), results.end(), std::back_inserter(tensors),
+                 [&](const Value* result) { return tensorOf(result); });
+  return network_.finish(tensors);
+}
+
+void TorchReader::refuse(const std::string& why) { throw UnfitForKernel(why); }
+
+const TorchReader::Item& TorchReader::item(const Value* value) const {
+  const auto found = items_.find(value);
+  if (found == items_.end() || found->second.size() != 1) {
+    refuse("its operand must be a tensor");
+  }
+  const Item& item = found->second.front();
+  requireUpToDate(item);
+  return item;
+}
+
+void TorchReader::requireUpToDate(const Item& item) const {
+  if (item.version != versions_[item.memory]) {
+    refuse("must not take a tensor that an operation in place has changed since");
   }
 }
 
-IValue GraphReader::constant(const Node& node, const char* input) const {
+TorchReader::IValue TorchReader::constant(const Node& node, const char* input) const {
   const auto value = sizes_.valueOf(node.namedInput(input));
   if (!value) {
-    refuse(node, std::string("its operand ") + input + " must be constant");
+    refuse(std::string("its operand ") + input + " must be constant");
   }
   return *value;
 }
 
-/// Operand of `node` that is not the rows.
-IValue GraphReader::otherConstant(const Node& node) const {
-  if (node.namedInput("other") == rows_) {
-    return constant(node, "self");
-  }
-  requireRows(node, "self");
-  return constant(node, "other");
+bool TorchReader::hasOperand(const Node& node, const char* input) const {
+  return node.hasNamedInput(input) && (items_.count(node.namedInput(input)) > 0 || !constant(node, input).isNone());
 }
 
-void GraphReader::requireOne(const Node& node, const char* input) const {
-  const IValue value = constant(node, input);
-  if (!value.isScalar() || value.toScalar().toDouble() != 1.0) {
-    refuse(node, std::string("its ") + input + " must be 1");
-  }
+NetworkTensor TorchReader::tensor(const Node& node, const char* input) const {
+  return item(node.namedInput(input)).tensor;
 }
 
-/// The operand is a number for all columns or a tensor with one for each.
-void GraphReader::append(const Node& node, Kind kind, const IValue& operand) {
-  if (!operand.isScalar() && !operand.isTensor()) {
-    refuse(node, "its operand must be a number or a tensor");
+/// Tensor or constant: a number for all columns or a tensor.
+NetworkTensor TorchReader::operand(const Node& node, const char* input) const {
+  return tensorOf(node.namedInput(input));
+}
+
+NetworkTensor TorchReader::tensorOf(const Value* source) const {
+  if (items_.count(source) > 0) {
+    return item(source).tensor;
   }
-  torch::Tensor values = operand.isTensor() ? operand.toTensor() : torch::scalar_tensor(operand.toScalar());
+  const auto known = sizes_.valueOf(source);
+  if (!known) {
+    refuse("its operand must be constant or a tensor");
+  }
+  const IValue& value = *known;
+  if (!value.isScalar() && !value.isTensor()) {
+    refuse("its operand must be a number or a tensor");
+  }
+  torch::Tensor values = value.isTensor() ? value.toTensor() : torch::scalar_tensor(value.toScalar());
   if (values.dim() == 0) {  // as torch takes it, whatever its type: in the type of the rows
     values = values.to(torch::kFloat32);
   }
   if (values.scalar_type() != torch::kFloat32) {
-    refuse(node, "its operand must be float32");
+    refuse("its operand must be float32");
   }
-  list_.append(kind, floatTensor(values));
+  return NetworkBuilder::constant({values.sizes().vec(), toVector(values)});
 }
 
-/// The matrix is [inputs, columns].
-void GraphReader::appendMatrix(const Node& node, const IValue& matrix) {
-  if (!matrix.isTensor() || matrix.toTensor().scalar_type() != torch::kFloat32) {
-    refuse(node, "its matrix must be float32 for " + std::to_string(list_.columns()) + " inputs");
+FloatTensor TorchReader::matrix(const IValue& value) const {
+  if (!value.isTensor() || value.toTensor().scalar_type() != torch::kFloat32) {
+    refuse("its matrix must be float32");
   }
-  list_.appendMatrix(floatTensor(matrix.toTensor()));
+  return {value.toTensor().sizes().vec(), toVector(value.toTensor())};
 }
 
-void GraphReader::readLinear(const Node& node) {
-  requireRows(node, "input");
-  const IValue weight = constant(node, "weight");
-  appendMatrix(node, weight.isTensor() ? weight.toTensor().t() : weight);
-  const IValue bias = constant(node, "bias");
-  if (!bias.isNone()) {
-    append(node, Kind::kAdd, bias);
+void TorchReader::requireOne(const Node& node, const char* input) const {
+  const IValue value = constant(node, input);
+  if (!value.isScalar() || value.toScalar().toDouble() != 1.0) {
+    refuse(std::string("its ") + input + " must be 1");
   }
 }
 
-void GraphReader::readAddmm(const Node& node) {
-  requireRows(node, "mat1");
-  requireOne(node, "beta");
-  requireOne(node, "alpha");
-  appendMatrix(node, constant(node, "mat2"));
-  append(node, Kind::kAdd, constant(node, "self"));
+std::vector<std::int64_t> TorchReader::axes(const Node& node, const char* input) const {
+  const IValue value = constant(node, input);
+  return value.isInt() ? std::vector<std::int64_t>{value.toInt()} : value.toIntVector();
 }
 
-void GraphReader::readMatmul(const Node& node) {
-  requireRows(node, "self");
-  appendMatrix(node, constant(node, "other"));
-}
-
-void GraphReader::readAdd(const Node& node) {
-  requireOne(node, "alpha");
-  append(node, Kind::kAdd, otherConstant(node));
-}
-
-void GraphReader::readSub(const Node& node) {
-  if (node.namedInput("other") == rows_) {
-    requireOne(node, "alpha");
-    list_.appendNegation();  // c - x is -x + c to the last bit
-    append(node, Kind::kAdd, constant(node, "self"));
-  } else {
-    requireRows(node, "self");
-    requireOne(node, "alpha");
-    append(node, Kind::kSubtract, constant(node, "other"));
-  }
-}
-
-void GraphReader::readRsub(const Node& node) {
-  requireRows(node, "self");
-  requireOne(node, "alpha");
-  list_.appendNegation();
-  append(node, Kind::kAdd, constant(node, "other"));
-}
-
-void GraphReader::readMul(const Node& node) { append(node, Kind::kMultiply, otherConstant(node)); }
-
-void GraphReader::readDiv(const Node& node) {
-  requireRows(node, "self");
-  if (node.hasNamedInput("rounding_mode") && !constant(node, "rounding_mode").isNone()) {
-    refuse(node, "must not round");
-  }
-  append(node, Kind::kDivide, constant(node, "other"));
-}
-
-void GraphReader::readNeg(const Node& node) {
-  requireRows(node, "self");
-  list_.appendNegation();
-}
-
-void GraphReader::readRelu(const Node& node) {
-  requireRows(node, "self");
-  append(node, Kind::kMax, 0);
-}
-
-void GraphReader::readRelu6(const Node& node) {
-  readRelu(node);
-  append(node, Kind::kMin, 6);
-}
-
-void GraphReader::readClamp(const Node& node) {
-  requireRows(node, "self");
-  for (const auto& [input, kind] : {std::pair("min", Kind::kMax), std::pair("max", Kind::kMin)}) {
-    if (node.hasNamedInput(input) && !constant(node, input).isNone()) {
-      append(node, kind, constant(node, input));
-    }
-  }
-}
-
-void GraphReader::readHardtanh(const Node& node) {
-  requireRows(node, "self");
-  append(node, Kind::kMax, constant(node, "min_val"));
-  append(node, Kind::kMin, constant(node, "max_val"));
-}
-
-void GraphReader::readTanh(const Node& node) {
-  requireRows(node, "self");
-  list_.appendTanh();
-}
-
-void GraphReader::readTo(const Node& node) {
-  requireRows(node, "self");
-  const IValue type = node.hasNamedInput("dtype") ? constant(node, "dtype") : IValue();
-  if (node.hasNamedInput("other") || !(type.isNone() || type.toScalarType() == torch::kFloat32)) {
-    refuse(node, "must keep float32");
-  }
-}
-
-void GraphReader::readDropout(const Node& node) {
-  requireRows(node, "input");
-  if (constant(node, "train").toBool()) {
-    refuse(node, "must be off");
-  }
-}
-
-void GraphReader::readCopy(const Node& node) { requireRows(node, "self"); }
-
-// Operations that change the shape of the row and move no number.
-
-void GraphReader::readFlatten(const Node& node) {
-  requireRows(node, "self");
-  takeShape(emptyRow().flatten(constant(node, "start_dim").toInt(), constant(node, "end_dim").toInt()));
-}
-
-void GraphReader::readReshape(const Node& node) {
-  requireRows(node, "self");
-  takeShape(emptyRow().reshape(constant(node, node.hasNamedInput("shape") ? "shape" : "size").toIntVector()));
-}
-
-void GraphReader::readUnflatten(const Node& node) {
-  requireRows(node, "self");
-  const std::int64_t dim = constant(node, "dim").toInt();
-  const Sizes parts = constant(node, "sizes").toIntVector();
-  Sizes sizes = list_.shape();
-  const auto place = sizes.erase(dim < 0 ? sizes.end() + dim : sizes.begin() + dim);
-  sizes.insert(place, parts.begin(), parts.end());
-  takeShape(emptyRow().reshape(sizes));
-}
-
-void GraphReader::readUnsqueeze(const Node& node) {
-  requireRows(node, "self");
-  takeShape(emptyRow().unsqueeze(constant(node, "dim").toInt()));
-}
-
-void GraphReader::readSqueeze(const Node& node) {
-  requireRows(node, "self");
-  const torch::Tensor like = emptyRow();
-  takeShape(node.hasNamedInput("dim") ? like.squeeze(constant(node, "dim").toInt()) : like.squeeze());
-}
+namespace {
 
 /// Operations of a graph, as far as they can be read.
-std::vector<Operation> readOperations(const torch::jit::Graph& graph, const Sizes& shape) {
-  if (graph.inputs().size() != 2 || graph.outputs().size() != 1) {
-    throw UnfitForKernel("forward must take one tensor and return one");
+std::vector<Operation> readOperations(const torch::jit::Graph& graph, const std::vector<Sizes>& shapes,
+                                      bool has_state) {
+  if (graph.inputs().size() != 1 + shapes.size() || graph.outputs().size() != 1) {
+    throw UnfitForKernel("forward must take what its description says and return one result");
   }
-  GraphReader reader(graph.inputs()[1], shape);
-  for (const Node* node : graph.nodes()) {
-    if (!GraphSizes::areComputedBy(*node)) {
-      reader.read(*node);
-    }
+  const std::vector<const torch::jit::Value*> inputs(graph.inputs().begin() + 1, graph.inputs().end());
+  TorchReader reader(inputs, shapes);
+  reader.read(*graph.block());
+  const torch::jit::Value* const result = graph.outputs()[0];
+  const torch::jit::Node& last = *result->node();
+  if (!has_state) {
+    return reader.finish({result});
   }
-  if (graph.outputs()[0] != reader.rows()) {
-    throw UnfitForKernel("forward must return the result of its last operation");
+  if (last.kind() != torch::jit::prim::TupleConstruct) {
+    throw UnfitForKernel("forward must return a tuple that it makes at its end");
   }
-  return reader.operations();
+  return reader.finish({last.inputs().begin(), last.inputs().end()});
 }
 
 }  // namespace
@@ -347,9 +285,9 @@ std::vector<float> toVector(const at::Tensor& tensor) {
   return {values.data_ptr<float>(), values.data_ptr<float>() + values.numel()};
 }
 
-std::vector<Operation> readGraph(const torch::jit::Graph& graph, const Sizes& shape) {
+std::vector<Operation> readGraph(const torch::jit::Graph& graph, const std::vector<Sizes>& shapes, bool has_state) {
   try {
-    return readOperations(graph, shape);
+    return readOperations(graph, shapes, has_state);
   } catch (const UnfitForKernel&) {
     throw;
   } catch (const std::exception& error) {

@@ -116,6 +116,22 @@ TorchNetwork::TorchNetwork(const std::string& bytes, std::string name, PolicyDes
   requireFinite(module_->named_buffers(), name_);
 }
 
+std::vector<Sizes> TorchNetwork::inputSizes() const {
+  std::vector<Sizes> sizes = {observation_sizes_};
+  for (const PolicyDescription::Shape& shape : {description_.state, description_.noise}) {
+    if (!shape.empty()) {
+      sizes.push_back(batchOfOne(shape));
+    }
+  }
+  return sizes;
+}
+
+void TorchNetwork::answer(Span<const NetworkCall> calls) {
+  for (const NetworkCall& call : calls) {
+    run(call.observations, call.state, call.noise, call.actions);
+  }
+}
+
 void TorchNetwork::run(Span<const float> observations, Span<float> state, Span<const float> noise,
                        Span<float> actions) {
   const torch::NoGradGuard no_gradients;
@@ -163,12 +179,7 @@ std::shared_ptr<torch::jit::Graph> TorchNetwork::straightened() const {
   try {
     const torch::jit::Module frozen = torch::jit::freeze(*module_, c10::nullopt, kOptimizeNumerics);
     std::shared_ptr<torch::jit::Graph> graph = frozen.get_method("forward").graph();
-    std::vector<std::vector<std::int64_t>> sizes = {observation_sizes_};
-    for (const PolicyDescription::Shape& shape : {description_.state, description_.noise}) {
-      if (!shape.empty()) {
-        sizes.push_back(batchOfOne(shape));
-      }
-    }
+    const std::vector<Sizes> sizes = inputSizes();
     if (graph->inputs().size() == 1 + sizes.size()) {  // with the shapes known, no branch depends on them
       for (std::size_t i = 0; i < sizes.size(); ++i) {
         graph->inputs()[1 + i]->setType(c10::TensorType::create(torch::empty(sizes[i])));

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "checkpoint_archive.hpp"
-#include "operation_list.hpp"
+#include "network_actor.hpp"
+#include "network_builder.hpp"
 #include "pusht_policy/network_kernel.hpp"
 #include "pusht_policy/policy_description.hpp"
 #include "pusht_task/types.hpp"
@@ -29,7 +30,7 @@ namespace pusht {
 
 /// TorchScript module with the signature of a description, called for one rollout at a time. libtorch uses one thread
 /// for each calling thread. Copies share the module, which several threads may run at once.
-class TorchNetwork {
+class TorchNetwork final : public Network {
  public:
   /// Loads the bytes of a checkpoint; `name` is for messages. Throws InvalidInput if they are no TorchScript,
   /// BadDependency if a parameter or buffer is not finite.
@@ -39,13 +40,16 @@ class TorchNetwork {
   /// anything but float32 of the described shapes.
   void run(Span<const float> observations, Span<float> state, Span<const float> noise, Span<float> actions);
 
+  void answer(Span<const NetworkCall> calls) override;
+  std::unique_ptr<Network> clone() const override { return std::make_unique<TorchNetwork>(*this); }
+
   /// Graph of forward() for one rollout, with operations and constants alone, in the module's own order of
   /// floating-point operations. Throws UnfitForKernel if there is none.
   std::shared_ptr<torch::jit::Graph> straightened() const;
 
   const PolicyDescription& description() const { return description_; }
-  /// Shape of the observations of a call.
-  const std::vector<std::int64_t>& observationSizes() const { return observation_sizes_; }
+  /// Shapes of what a call takes: observations, and state and noise if there are any.
+  std::vector<Sizes> inputSizes() const;
 
  private:
   [[noreturn]] void refuse(const std::string& instead) const;
@@ -64,9 +68,16 @@ class TorchNetwork {
 /// the end of a short record, and may crash on a bad pickle: rehearse().
 void requireWholeTensors(const std::string& bytes, const Records& records, const std::string& name);
 
-/// Operations of a graph whose first input is the module and whose second is float32 of this shape for one rollout: a
-/// row of as many numbers for the kernel. Throws UnfitForKernel.
-std::vector<Operation> readGraph(const torch::jit::Graph& graph, const std::vector<std::int64_t>& shape);
+/// Operations of a graph whose first input is the module and whose others are float32 of these shapes for one rollout:
+/// the kernel's row has their numbers side by side. With a state the result is (actions, state), and the row has both.
+/// Throws UnfitForKernel, naming all operations that the kernel cannot run.
+std::vector<Operation> readGraph(const torch::jit::Graph& graph, const std::vector<Sizes>& shapes, bool has_state);
+
+/// Name of an operation that does as in training; empty if there is none.
+std::string trainingOperationIn(const torch::jit::Graph& graph);
+
+/// Device that a constant of a graph names and that is not the CPU: "cuda:0"; empty if there is none.
+std::string otherDeviceIn(const torch::jit::Graph& graph);
 
 /// Name of an operation of a graph that draws random numbers; empty if there is none.
 std::string randomOperationIn(const torch::jit::Graph& graph);

@@ -101,7 +101,11 @@ const std::vector<BadCheckpoint>& badCheckpoints() {
       {"DropsOutAlways",
        "def forward(self, x):\n  return torch.dropout(x, 0.5, True)[:, :, :2]\n",
        kPlain,
-       {"must not draw random numbers, but has aten::dropout"}},
+       {"must be in evaluation, but aten::dropout does as in training: call .eval() before tracing"}},
+      {"ComputesOnAnotherDevice",
+       "def forward(self, x):\n  return x[:, :, :2] + torch.zeros([1, 1, 2], device='cuda:0')\n",
+       kPlain,
+       {"must compute on the CPU, but has a constant on cuda:0: move the module to the CPU before it is traced"}},
       {"DrawsForRareObservations",
        "def forward(self, x):\n  y = x[:, :, :2]\n  if bool(x.max() > 100.0):\n    y = y + torch.rand(1, 1, 2)\n"
        "  return y\n",

@@ -5,7 +5,7 @@ import json
 import pickle
 import sys
 from pathlib import Path
-from typing import Any, Tuple
+from typing import Any, Callable, Dict, Tuple
 
 import torch
 from torch import Tensor, nn
@@ -51,6 +51,80 @@ class Residual(nn.Module):
     def forward(self, obs: Tensor) -> Tensor:
         x = torch.relu(self.first(obs))
         return self.last(x + torch.relu(self.second(x)))
+
+
+class Gated(nn.Module):
+    """Two paths, one of which gates the other; parts of the observation go round both."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.first = nn.Linear(OBSERVATION, 2 * HIDDEN)
+        self.norm = nn.LayerNorm(HIDDEN + 4)
+        self.last = nn.Linear(HIDDEN + 4, ACTION)
+
+    def forward(self, obs: Tensor) -> Tensor:
+        value, gate = self.first(obs).chunk(2, dim=-1)
+        x = torch.cat([value * torch.sigmoid(gate), obs[:, :2], obs[:, 6:8] / 3.0], dim=-1)
+        return self.last(self.norm(x)) + 0.1 * (obs[:, 2:4] - obs[:, 0:2])
+
+
+class TwoHeads(nn.Module):
+    """The actor of SB3's SAC with its mean alone, and a second head that scales it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.latent = nn.Sequential(nn.Linear(OBSERVATION, HIDDEN), nn.ELU())
+        self.mean = nn.Linear(HIDDEN, ACTION)
+        self.scale = nn.Linear(HIDDEN, 1)
+
+    def forward(self, obs: Tensor) -> Tensor:
+        latent = self.latent(obs)
+        scale = torch.exp(self.scale(latent).clamp(-5.0, 2.0))
+        return torch.tanh(self.mean(latent)) * scale
+
+
+class Cosine(nn.Module):
+    def forward(self, obs: Tensor) -> Tensor:
+        return torch.cos(obs[:, :2])
+
+
+class GruMemory(nn.Module):
+    def __init__(self) -> None:
+        super().__init__()
+        self.cell = nn.GRUCell(OBSERVATION, HIDDEN)
+        self.head = nn.Linear(HIDDEN, ACTION)
+
+    def forward(self, obs: Tensor, state: Tensor) -> Tuple[Tensor, Tensor]:
+        hidden = self.cell(obs[:, -1], state)
+        return self.head(hidden).unsqueeze(1), hidden
+
+
+class LstmMemory(nn.Module):
+    """Its state has the hidden state and the cell state."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.cell = nn.LSTMCell(OBSERVATION, HIDDEN)
+        self.head = nn.Linear(HIDDEN, ACTION)
+
+    def forward(self, obs: Tensor, state: Tensor) -> Tuple[Tensor, Tensor]:
+        hidden, memory = self.cell(obs[:, -1], (state[:, 0], state[:, 1]))
+        return self.head(hidden).unsqueeze(1), torch.stack([hidden, memory], dim=1)
+
+
+class LongMemory(nn.Module):
+    """Two layers of nn.LSTM over a history of three observations."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.lstm = nn.LSTM(OBSERVATION, HIDDEN, num_layers=2, batch_first=True)
+        self.head = nn.Linear(HIDDEN, ACTION)
+
+    def forward(self, obs: Tensor, state: Tensor) -> Tuple[Tensor, Tensor]:
+        hidden, memory = state[:, 0].transpose(0, 1), state[:, 1].transpose(0, 1)
+        y, after = self.lstm(obs, (hidden.contiguous(), memory.contiguous()))
+        both = torch.stack([after[0].transpose(0, 1), after[1].transpose(0, 1)], dim=1)
+        return self.head(y[:, -1:]), both
 
 
 class EndlessToLoad(nn.Module):
@@ -157,7 +231,15 @@ class Denoising(nn.Module):
         return x.view(-1, 8, 2)
 
 
-def perceptron(activation: type = nn.ReLU) -> nn.Module:
+def recurrent() -> Dict[str, nn.Module]:
+    return {
+        "gru_cell": GruMemory(),
+        "lstm_cell": LstmMemory(),
+        "lstm_layers": LongMemory(),
+    }
+
+
+def perceptron(activation: Callable[[], nn.Module] = nn.ReLU) -> nn.Module:
     return nn.Sequential(
         nn.Linear(OBSERVATION, HIDDEN),
         activation(),
@@ -165,6 +247,23 @@ def perceptron(activation: type = nn.ReLU) -> nn.Module:
         activation(),
         nn.Linear(HIDDEN, ACTION),
     )
+
+
+def activations() -> Dict[str, nn.Module]:
+    functions = {
+        "gelu": nn.GELU,
+        "gelu_tanh": lambda: nn.GELU(approximate="tanh"),
+        "elu": nn.ELU,
+        "silu": nn.SiLU,
+        "mish": nn.Mish,
+        "selu": nn.SELU,
+        "softplus": lambda: nn.Softplus(beta=2.0),
+        "leaky_relu": nn.LeakyReLU,
+        "prelu": nn.PReLU,
+        "hardswish": nn.Hardswish,
+        "hardsigmoid": nn.Hardsigmoid,
+    }
+    return {name: Normalized(perceptron(function)) for name, function in functions.items()}
 
 
 def with_extras() -> nn.Module:
@@ -184,6 +283,25 @@ def layer_norm() -> nn.Module:
     return nn.Sequential(
         nn.Linear(OBSERVATION, HIDDEN), nn.LayerNorm(HIDDEN), nn.ReLU(), nn.Linear(HIDDEN, ACTION)
     )
+
+
+def batch_norm() -> nn.Module:
+    net = nn.Sequential(
+        nn.Linear(OBSERVATION, HIDDEN),
+        nn.BatchNorm1d(HIDDEN),
+        nn.ReLU(),
+        nn.Linear(HIDDEN, ACTION),
+    )
+    net(torch.randn(64, OBSERVATION))  # statistics of its own
+    return net
+
+
+def save_training(folder: Path) -> None:
+    """Networks traced as they are trained."""
+    for name, net in {"dropout": with_extras(), "batch_norm": batch_norm()}.items():
+        options = {"check_trace": False}
+        traced = torch.jit.trace(net.train(), torch.zeros(2, OBSERVATION), **options)
+        traced.save(str(folder / f"{name}_training.pt"))
 
 
 def save(module: nn.Module, path: Path, **description: Any) -> None:
@@ -206,6 +324,18 @@ def save_described(folder: Path, course: nn.Module) -> None:
     still = Recurrent(memory=False)
     save(still, folder / "gru_still.pt", **of_gru)
     torch.jit.script(FeedForwardTwin(still)).save(str(folder / "gru_twin.pt"))
+    for name, module in recurrent().items():
+        shape = (
+            [2, 2, HIDDEN] if name == "lstm_layers" else [2, HIDDEN] if "lstm" in name else [HIDDEN]
+        )
+        of = {"observations": 3, "actions": 1, "state": {"shape": shape}}
+        save(module, folder / f"{name}_scripted.pt", **of)
+        example = (torch.zeros(1, 3, OBSERVATION), torch.zeros(1, *shape))
+        torch.jit.save(
+            torch.jit.trace(module.eval(), example),
+            str(folder / f"{name}_traced.pt"),
+            _extra_files={"policy.json": json.dumps({"format": 1, **of})},
+        )
     noise = {"shape": [8, ACTION], "distribution": "normal"}
     save(Denoising(), folder / "denoising.pt", observations=2, actions=8, execute=4, noise=noise)
 
@@ -219,7 +349,11 @@ def main() -> None:
         "extras": Normalized(with_extras()),
         "residual": Residual(),
         "layer_norm": Normalized(layer_norm()),
-        "gelu": Normalized(perceptron(nn.GELU)),
+        "batch_norm": Normalized(batch_norm()),
+        "gated": Gated(),
+        "two_heads": TwoHeads(),
+        "cosine": Cosine(),
+        **activations(),
     }
     for name, module in modules.items():
         module.eval()
@@ -227,6 +361,7 @@ def main() -> None:
         torch.jit.trace(module, torch.zeros(1, OBSERVATION)).save(str(folder / f"{name}_traced.pt"))
     for name, module in {"to_load": EndlessToLoad(), "to_act": EndlessToAct()}.items():
         torch.jit.script(module.eval()).save(str(folder / f"endless_{name}.pt"))
+    save_training(folder)
     course = modules["course"]
     save_described(folder, course)
     torch.jit.freeze(torch.jit.script(course)).save(str(folder / "course_frozen.pt"))

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <limits>
+#include <numeric>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -78,6 +81,8 @@ Floats slowly(const Operation& operation, const Floats& row) {
       case Kind::kTanh:
         result[j] = static_cast<float>(std::tanh(static_cast<double>(x)));
         break;
+      default:
+        throw std::logic_error("no operation of this test");
     }
   }
   return result;
@@ -97,6 +102,26 @@ Floats run(NetworkKernel& kernel, const Floats& inputs) {
 }
 
 Floats firstRows(const Floats& rows, int count, int columns) { return {rows.begin(), rows.begin() + count * columns}; }
+
+std::vector<int> range(int count) {
+  std::vector<int> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), 0);
+  return numbers;
+}
+
+/// Every 16th number first, then these by halves.
+float sumInHalves(const Floats& values) {
+  Floats sums(16);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    sums[i % 16] += values[i];
+  }
+  for (std::size_t half = 8; half > 0; half /= 2) {
+    for (std::size_t j = 0; j < half; ++j) {
+      sums[j] += sums[j + half];
+    }
+  }
+  return sums[0];
+}
 
 class NetworkKernelOn : public ::testing::TestWithParam<InstructionSet> {};
 
@@ -171,29 +196,55 @@ TEST_P(NetworkKernelOn, AgreesWithLibtorch) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, NetworkKernelOn, ::testing::ValuesIn(availableInstructionSets()), [](const auto& info) {
-  std::string name = toString(info.param);
-  name.erase(std::remove(name.begin(), name.end(), '-'), name.end());
-  return name;
-});
-
 TEST(NetworkKernel, IsTestedOnTheReferenceBlasIfThatIsAskedFor) {
   if (std::getenv("PUSHT_REQUIRE_REFERENCE_BLAS") != nullptr) {
     EXPECT_TRUE(testing::onReferenceBlas()) << "the active BLAS is " << activeBlas();
   }
 }
 
-TEST(NetworkKernel, TanhIsWithinOneUlpOfLibtorch) {
-  constexpr int kCount = 10000;
-  NetworkKernel kernel(1, {{Kind::kTanh, 1, {}}});
-  const Floats values = randomFloats(kCount, 6.0);
-  const Floats actual = run(kernel, values);
-  const torch::Tensor expected = torch::tanh(torch::tensor(values));
-  for (int i = 0; i < kCount; ++i) {
-    const auto reference = expected[i].item<float>();
-    ASSERT_LE(std::abs(actual[i] - reference), std::nextafter(std::abs(reference), 2.0F) - std::abs(reference));
+/// A graph that uses every value again, wider and narrower, so that slots change their owners.
+TEST_P(NetworkKernelOn, HasTheBitsOfPlainLoopsOnSeveralPaths) {
+  constexpr int kColumns = 40;
+  const Floats matrix = randomFloats(10 * kColumns, 1.0);
+  NetworkKernel kernel(10,
+                       {{Kind::kMatrix, kColumns, matrix},
+                        {Kind::kMultiply, kColumns, {}, {1, 1}},
+                        {Kind::kPick, 90, {}, {2, 0, 1}, range(90)},
+                        {Kind::kSum, 2, {}, {3}},
+                        {Kind::kPick, 10, {}, {4, 0}, {0, 0, 0, 0, 0, 1, 1, 1, 2, 11}},
+                        {Kind::kConstant, 10, Floats(10, 0.5F)},
+                        {Kind::kSubtract, 10, {}, {6, 5}},
+                        {Kind::kMax, 10, {}, {7, 0}},
+                        {Kind::kDivide, 10, Floats(10, 3.0F)}},
+                       GetParam());
+  EXPECT_EQ(kernel.operations(),
+            "10, matrix 40, multiply (1, 1), pick 90 (2, 0, 1), sum 2, pick 10 (4, 0), constant 10, subtract (6, 5), "
+            "max (7, 0), divide");
+  const Floats rows = randomFloats(kMaxRows * 10, 2.0);
+  Floats expected;
+  for (int i = 0; i < kMaxRows; ++i) {
+    const Floats x(rows.begin() + i * 10, rows.begin() + (i + 1) * 10);
+    const Floats product = slowly({Kind::kMatrix, kColumns, matrix}, x);
+    Floats all;
+    std::transform(product.begin(), product.end(), std::back_inserter(all), [](float p) { return p * p; });
+    all.insert(all.end(), x.begin(), x.end());
+    all.insert(all.end(), product.begin(), product.end());
+    const float sums[] = {sumInHalves({all.begin(), all.begin() + 45}), sumInHalves({all.begin() + 45, all.end()})};
+    for (int j = 0; j < 10; ++j) {
+      const float picked = j < 5 ? sums[0] : j < 8 ? sums[1] : j == 8 ? x[0] : x[9];
+      expected.push_back(std::max(0.5F - picked, x[j]) / 3.0F);
+    }
+  }
+  for (const int batch : kBatches) {
+    EXPECT_EQ(bits(run(kernel, firstRows(rows, batch, 10))), bits(firstRows(expected, batch, 10)));
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(, NetworkKernelOn, ::testing::ValuesIn(availableInstructionSets()), [](const auto& info) {
+  std::string name = toString(info.param);
+  name.erase(std::remove(name.begin(), name.end(), '-'), name.end());
+  return name;
+});
 
 TEST(NetworkKernel, SaysWhatItDoes) {
   const NetworkKernel kernel(10, randomNetwork(10, 64, 2));
@@ -206,6 +257,11 @@ TEST(NetworkKernel, RefusesOperationsThatDoNotFit) {
   EXPECT_THROW(NetworkKernel(3, {{Kind::kMatrix, 2, Floats(5)}}), InternalError);
   EXPECT_THROW(NetworkKernel(3, {{Kind::kTanh, 3, Floats(3)}}), InternalError);
   EXPECT_THROW(NetworkKernel(3, {{Kind::kMatrix, 0, {}}}), InternalError);
+  EXPECT_THROW(NetworkKernel(3, {{Kind::kAdd, 3, {}, {0, 1}}}), InternalError) << "a value that comes later";
+  EXPECT_THROW(NetworkKernel(3, {{Kind::kAdd, 3, Floats(3), {0, 0}}}), InternalError);
+  EXPECT_THROW(NetworkKernel(3, {{Kind::kPick, 1, {}, {0}, {3}}}), InternalError);
+  EXPECT_THROW(NetworkKernel(3, {{Kind::kSum, 2, {}}}), InternalError);
+  EXPECT_THROW(NetworkKernel(3, {{Kind::kConstant, 2, Floats(1)}}), InternalError);
 }
 
 TEST(NetworkKernel, RefusesRowsThatDoNotFit) {

@@ -68,11 +68,11 @@ void expectRowsNotToDependOnTheBatch(Policy& policy) {
 }
 
 /// What libtorch makes of the observations.
-std::vector<float> onLibtorch(const fs::path& path) {
+std::vector<float> onLibtorch(const fs::path& path, const std::vector<Observation>& rows = observations()) {
   torch::jit::Module module = torch::jit::load(path.string());
   module.eval();
-  return testing::onLibtorch([&](const torch::Tensor& row) { return module.forward({row}).toTensor(); },
-                             flatten(observations()), std::tuple_size<Observation>::value);
+  return testing::onLibtorch([&](const torch::Tensor& row) { return module.forward({row}).toTensor(); }, flatten(rows),
+                             std::tuple_size<Observation>::value);
 }
 
 class NetworkCheckpoint : public ::testing::Test {
@@ -94,7 +94,7 @@ class NetworkCheckpoint : public ::testing::Test {
 };
 
 const char* const kLinear = "return torch.linear(x, self.w, self.b)";
-const char* const kGelu = "return torch.gelu(torch.linear(x, self.w, self.b))";
+const char* const kCosine = "return torch.cos(torch.linear(x, self.w, self.b))";  // not on the kernel
 
 TEST_F(NetworkCheckpoint, SaysWhereItsNumbersComeFrom) {
   write(kLinear);
@@ -109,7 +109,7 @@ TEST_F(NetworkCheckpoint, SaysWhereItsNumbersComeFrom) {
 TEST_F(NetworkCheckpoint, GivesARowTheSameBitsInAnyBatch) {
   write(kLinear);
   expectRowsNotToDependOnTheBatch(*NetworkPolicy::load(checkpoint_));
-  write(kGelu);
+  write(kCosine);
   expectRowsNotToDependOnTheBatch(*NetworkPolicy::load(checkpoint_));
 }
 
@@ -237,12 +237,32 @@ TEST_F(NetworkFromPython, RunsOnTheKernelScriptedAndTraced) {
             "add, add, divide, multiply, add");
 }
 
-TEST_F(NetworkFromPython, RunsOnLibtorchIfItIsNoStraightLine) {
-  for (const char* name : {"residual_scripted.pt", "residual_traced.pt", "layer_norm_scripted.pt",
-                           "layer_norm_traced.pt", "gelu_scripted.pt", "gelu_traced.pt"}) {
+TEST_F(NetworkFromPython, RunsOnLibtorchIfTheKernelHasNotItsOperations) {
+  for (const char* name : {"cosine_scripted.pt", "cosine_traced.pt"}) {
     const auto policy = NetworkPolicy::load(folder_ / name);
-    EXPECT_NE(policy->info().why_not_on_kernel, "") << name;
+    EXPECT_EQ(policy->info().why_not_on_kernel, "aten::cos: is not known to the kernel") << name;
     EXPECT_EQ(bits(flatten(act(*policy, observations()))), bits(onLibtorch(folder_ / name))) << name;
+  }
+}
+
+TEST_F(NetworkFromPython, RunsOnTheKernelWithTheLayersThatPeopleTrain) {
+  for (const std::string name :
+       {"residual", "layer_norm", "batch_norm", "gelu", "gelu_tanh", "elu", "silu", "mish", "selu", "softplus",
+        "leaky_relu", "prelu", "hardswish", "hardsigmoid", "gated", "two_heads"}) {
+    const auto scripted = NetworkPolicy::load(folder_ / (name + "_scripted.pt"));
+    const auto traced = NetworkPolicy::load(folder_ / (name + "_traced.pt"));
+    EXPECT_EQ(scripted->info().why_not_on_kernel, "") << name;
+    EXPECT_EQ(traced->info().why_not_on_kernel, "") << name;
+    const std::vector<float> actual = flatten(act(*scripted, testing::manyObservations(), 50));
+    testing::expectNear(actual, onLibtorch(folder_ / (name + "_scripted.pt"), testing::manyObservations()), 1e-5F);
+    EXPECT_EQ(bits(flatten(act(*traced, testing::manyObservations(), 50))), bits(actual)) << name;
+  }
+}
+
+TEST_F(NetworkFromPython, MustBeTracedInEvaluation) {
+  for (const char* name : {"dropout_training.pt", "batch_norm_training.pt"}) {
+    expectRefusal(folder_ / name, ExitCode::kBadDependency,
+                  {"must be in evaluation, but aten::", "does as in training: call .eval() before tracing"});
   }
 }
 

@@ -55,6 +55,18 @@ inline std::vector<Observation> observations() {
   return observations;
 }
 
+/// These, and random ones: a thousand.
+inline std::vector<Observation> manyObservations() {
+  constexpr int kMany = 1000;
+  std::vector<Observation> many = observations();
+  NumpyGenerator generator(20001);
+  while (many.size() < kMany) {
+    const std::vector<float> values = randomValues(generator, std::tuple_size<Observation>::value, 1.5);
+    std::copy(values.begin(), values.end(), many.emplace_back().begin());
+  }
+  return many;
+}
+
 /// The actions for `observations`, `batch` of them at a time.
 inline std::vector<Action> act(Policy& policy, const std::vector<Observation>& observations, std::size_t batch = 1) {
   std::vector<Policy::Query> queries(observations.size());

@@ -25,7 +25,7 @@ using testing::op;
 using testing::realAttribute;
 using testing::tensorAttribute;
 
-OnnxNetwork readModel(const onnx::ModelProto& model) { return readOnnx(model.SerializeAsString(), 10, 2); }
+OnnxNetwork readModel(const onnx::ModelProto& model) { return readOnnx(model.SerializeAsString()); }
 
 std::string operationsOf(const onnx::ModelProto& model) {
   return NetworkKernel(10, readModel(model).operations).operations();
@@ -88,6 +88,52 @@ INSTANTIATE_TEST_SUITE_P(
                          op("Cast", {"d"}, "e", integerAttribute("to", "1")) + op("MatMul", {"x", "m"}, "f") +
                          op("Add", {"f", "c"}, "g") + op("Mul", {"g", "e"}, "y"),
                      "10, matrix 2, add, multiply"},
+        OnnxSpelling{
+            "SeveralPaths",
+            op("MatMul", {"x", "w0"}, "a") + op("Split", {"a"}, "c", "output: 'd' " + integerAttribute("axis", "1")) +
+                op("Mul", {"c", "d"}, "e") + op("Concat", {"e", "x", "c"}, "f", integerAttribute("axis", "-1")) +
+                op("Constant", {}, "first", tensorAttribute("dims: 1 data_type: 7 int64_data: 3")) +
+                op("Constant", {}, "end", tensorAttribute("dims: 1 data_type: 7 int64_data: -1")) +
+                op("Constant", {}, "last", tensorAttribute("dims: 1 data_type: 7 int64_data: 1")) +
+                op("Slice", {"f", "first", "end", "last"}, "g") +
+                op("Constant", {}, "which", tensorAttribute("dims: 2 data_type: 7 int64_data: [0, -1]")) +
+                op("Gather", {"g", "which"}, "h", integerAttribute("axis", "1")) + op("Add", {"h", "b"}, "y"),
+            "10, matrix 24, pick 12, pick 12 (1), multiply (2, 3), pick 34 (4, 0, 2), pick 30, pick 2, add"},
+        OnnxSpelling{"Functions",
+                     op("MatMul", {"x", "w"}, "a") + op("Sigmoid", {"a"}, "c") + op("Mul", {"a", "c"}, "d") +
+                         op("Elu", {"d"}, "e") + op("Softplus", {"e"}, "f") + op("Erf", {"f"}, "g") +
+                         op("Exp", {"g"}, "h") + op("Log", {"h"}, "i") + op("LeakyRelu", {"i"}, "y"),
+                     "10, matrix 2, sigmoid, multiply (1, 2), min, exp minus one, max (3), add (5, 6), softplus, erf, "
+                     "exp, log, min, multiply, max (11), add (13, 14)"},
+        OnnxSpelling{"ShapesOfResults",
+                     op("MatMul", {"x", "w"}, "a") + op("Shape", {"a"}, "s") +
+                         op("Constant", {}, "zero", tensorAttribute("data_type: 7 int64_data: 0")) +
+                         op("Gather", {"s", "zero"}, "n") +
+                         op("Constant", {}, "axis", tensorAttribute("dims: 1 data_type: 7 int64_data: 0")) +
+                         op("Unsqueeze", {"n", "axis"}, "n1") +
+                         op("Constant", {}, "rest", tensorAttribute("dims: 1 data_type: 7 int64_data: -1")) +
+                         op("Concat", {"n1", "rest"}, "shape", integerAttribute("axis", "0")) +
+                         op("Reshape", {"a", "shape"}, "y"),
+                     "10, matrix 2"},
+        OnnxSpelling{
+            "LayerNorm",
+            op("MatMul", {"x", "w0"}, "a") +
+                op("LayerNormalization", {"a", "b0", "b0"}, "c", realAttribute("epsilon", "0.001")) +
+                op("MatMul", {"c", "w1"}, "y"),
+            "10, matrix 24, sum 1, divide, pick 24, subtract (1, 4), multiply (5, 5), sum 1, divide, add, sqrt, "
+            "pick 24, divide (5, 11), multiply, add, matrix 2",
+            17},
+        OnnxSpelling{
+            "LayerNormDecomposed",
+            op("MatMul", {"x", "w0"}, "a") +
+                op("ReduceMean", {"a"}, "m", "attribute { name: 'axes' type: INTS ints: -1 }") +
+                op("Sub", {"a", "m"}, "d") + op("Constant", {}, "two", tensorAttribute("data_type: 1 float_data: 2")) +
+                op("Pow", {"d", "two"}, "e") +
+                op("ReduceMean", {"e"}, "f", "attribute { name: 'axes' type: INTS ints: -1 }") +
+                op("Add", {"f", "number"}, "g") + op("Sqrt", {"g"}, "h") + op("Div", {"d", "h"}, "i") +
+                op("MatMul", {"i", "w1"}, "y"),
+            "10, matrix 24, sum 1, divide, pick 24, subtract (1, 4), multiply (5, 5), sum 1, divide, add, sqrt, "
+            "pick 24, divide (5, 11), matrix 2"},
         OnnxSpelling{"WhatMovesNothing",
                      op("Constant", {}, "s", tensorAttribute(kShapeOfRows)) + op("Reshape", {"x", "s"}, "a") +
                          op("Flatten", {"a"}, "c") + op("Identity", {"c"}, "d") +
@@ -145,7 +191,7 @@ TEST(OnnxModel, MayListItsInitializersAsInputs) {
 
 void expectOnnxRefusal(const std::string& bytes, ExitCode exit_code, const std::string& part) {
   try {
-    readOnnx(bytes, 10, 2);
+    readOnnx(bytes);
     FAIL() << "accepted, though " << part;
   } catch (const Error& error) {
     EXPECT_EQ(error.exitCode(), exit_code) << error.what();
@@ -165,8 +211,14 @@ struct UnfitNodes {
 
 TEST(OnnxRefusal, NamesOperatorNodeAndWhatToDo) {
   expectOnnxRefusal(onnxModel(op("MatMul", {"x", "w"}, "a") + op("Softmax", {"a"}, "y")), ExitCode::kInvalidInput,
-                    "operator 'Softmax' of node '/Softmax': is not known to the kernel; give a network that the kernel "
-                    "cannot run as TorchScript");
+                    "operator 'Softmax' of node '/Softmax': is not known to the kernel; docs/networks.md says what "
+                    "runs, and what to do");
+  expectOnnxRefusal(
+      onnxModel(op("Sin", {"x"}, "a") + op("Sin", {"a"}, "c") + op("Softmax", {"c"}, "d") +
+                op("Gemm", {"x", "w"}, "e", integerAttribute("transA", "1")) + op("Add", {"d", "e"}, "y")),
+      ExitCode::kInvalidInput,
+      "operator 'Sin' of node '/Sin', operator 'Softmax' of node '/Softmax': are not known to the kernel; operator "
+      "'Gemm' of node '/Gemm': its transA must be 0; docs/networks.md");
   expectOnnxRefusal(onnxModel("node { op_type: 'Gelu' domain: 'own' input: 'x' output: 'y' }"), ExitCode::kInvalidInput,
                     "operator 'own.Gelu' of node 0: is not known to the kernel");
   expectOnnxRefusal(onnxModel("node { op_type: 'A\\nB' name: 'n\\001' input: 'x' output: 'y' }"),
@@ -176,10 +228,10 @@ TEST(OnnxRefusal, NamesOperatorNodeAndWhatToDo) {
 TEST(OnnxRefusal, OfNodesThatTheKernelCannotDo) {
   const std::string product = op("MatMul", {"x", "w"}, "a");
   for (const UnfitNodes& unfit : std::vector<UnfitNodes>{
-           {product + op("Mul", {"a", "a"}, "y"), "'a' must be constant"},
-           {product + op("Add", {"x", "b"}, "y"), "must take the result of the operation before it"},
-           {product + op("Div", {"b", "a"}, "y"), "must take the result of the operation before it"},
-           {op("MatMul", {"w_t", "x"}, "y"), "must take the result of the operation before it"},
+           {product + op("Add", {"x", "b"}, "y"), "one for each of 10 columns"},
+           {product + op("MatMul", {"a", "x"}, "y"), "'x' must be constant"},
+           {op("MatMul", {"w_t", "x"}, "y"), "'x' must be constant"},
+           {product + op("Add", {"a", "nothing"}, "y"), "'nothing' must be the result of an operation before it"},
            {op("MatMul", {"x", "w_t"}, "y"), "its matrix must be float32 for 10 inputs"},
            {op("MatMul", {"x", "b"}, "y"), "its matrix must be float32 for 10 inputs"},
            {op("Gemm", {"x", "w"}, "y", integerAttribute("transA", "1")), "its transA must be 0"},
@@ -195,17 +247,22 @@ TEST(OnnxRefusal, OfNodesThatTheKernelCannotDo) {
            {op("Constant", {}, "c"), "must have one value"},
            {op("Clip", {"x"}, "y", realAttribute("min", "0")), "its bounds must be inputs in opset 14"},
            {op("Cast", {"x"}, "y", integerAttribute("to", "11")), "must keep float32"},
-           {op("Flatten", {"x"}, "y", integerAttribute("axis", "0")), "must keep the shape"},
-           {op("Reshape", {"x", "low"}, "y"), "must keep the shape"},
-           {op("Transpose", {"x"}, "y"), "must be of a constant"},
-           {op("Transpose", {"low"}, "m"), "two dimensions"},
+           {op("Flatten", {"x"}, "y", integerAttribute("axis", "0")), "must keep the rollouts apart"},
+           {op("Reshape", {"x", "low"}, "y"), "'low' must be constant integers"},
+           {op("Constant", {}, "s", tensorAttribute("dims: 2 data_type: 7 int64_data: [-1, 4]")) +
+                op("Reshape", {"x", "s"}, "y"),
+            "must keep the 10 numbers of a row"},
+           {op("Transpose", {"w"}, "m", "attribute { name: 'perm' type: INTS ints: [0, 0] }"), "each dimension once"},
+           {op("Pow", {"x", "number"}, "y"), "its exponent must be 0.5, 1, 2 or 3"},
+           {op("ReduceMean", {"x"}, "y"), "its axes must be named, and not be the first, that of rollouts"},
+           {op("BatchNormalization", {"x", "low", "low", "low", "low"}, "y", integerAttribute("training_mode", "1")),
+            "must be in evaluation: call .eval() before exporting"},
            {op("Constant", {}, "on", tensorAttribute("data_type: 9 int32_data: 1")) +
                 op("Dropout", {"x", "", "on"}, "y"),
             "must be off"},
            {op("MatMul", {"x", "w"}, "x"), "name 'x': must be given to one tensor"},
            {op("Identity", {"w"}, "b"), "name 'b': must be given to one tensor"},
-           {product, "output 'y': must be the result of the last operation"},
-           {product + op("Relu", {"a"}, "y") + op("Relu", {"y"}, "z"), "output 'y': must be the result of the last"},
+           {product, "output 'y': must be the result of an operation, in float32"},
        }) {
     expectOnnxRefusal(onnxModel(unfit.nodes), ExitCode::kInvalidInput, unfit.part);
   }
@@ -238,59 +295,63 @@ TEST(OnnxRefusal, OfModelsThatAreNotThisNetwork) {
   const auto output = [](onnx::ModelProto& m) -> onnx::ValueInfoProto& {
     return *m.mutable_graph()->mutable_output(0);
   };
-  for (const auto& [change, exit_code, part] : std::vector<ChangedModel>{
-           {[](auto& m) { m.set_ir_version(99); }, ExitCode::kInvalidInput,
-            "ir_version 3 to 10, but has ir_version 99"},
-           {[](auto& m) { m.mutable_opset_import(0)->set_version(6); }, ExitCode::kInvalidInput,
-            "opset 6: must be from 7 to 22"},
-           {[](auto& m) { m.mutable_opset_import(0)->set_version(23); }, ExitCode::kInvalidInput,
-            "opset 23: must be from 7 to 22"},
-           {[](auto& m) { m.clear_opset_import(); }, ExitCode::kInvalidInput, "must name one opset of ONNX"},
-           {[](auto& m) { m.add_functions()->set_name("Relu"); }, ExitCode::kInvalidInput,
-            "must have no functions of its own, but has 'Relu'"},
-           {[](auto& m) { m.mutable_graph()->add_input()->set_name("state"); }, ExitCode::kBadDependency,
-            "must have one input and one output, but has 2 and 1"},
-           {[&](auto& m) { shapeOf(input(m)).mutable_dim(1)->set_dim_value(8); }, ExitCode::kBadDependency,
-            "input 'x': must be FLOAT [n, 10] or [1, 10], but is FLOAT ['n', 8]"},
-           {[&](auto& m) { shapeOf(input(m)).mutable_dim(0)->set_dim_value(4); }, ExitCode::kBadDependency,
-            "but is FLOAT [4, 10]"},
-           {[&](auto& m) { shapeOf(input(m)).mutable_dim(0)->set_dim_value(-1); }, ExitCode::kBadDependency,
-            "but is FLOAT [-1, 10]"},
-           {[&](auto& m) { input(m).mutable_type()->mutable_tensor_type()->clear_shape(); }, ExitCode::kBadDependency,
-            "but is FLOAT of any shape"},
-           {[&](auto& m) { input(m).mutable_type()->mutable_tensor_type()->set_elem_type(11); },
-            ExitCode::kBadDependency, "but is DOUBLE ['n', 10]"},
-           {[&](auto& m) { input(m).clear_type(); }, ExitCode::kBadDependency, "but is no tensor"},
-           {[&](auto& m) { shapeOf(output(m)).mutable_dim(1)->set_dim_value(3); }, ExitCode::kBadDependency,
-            "output 'y': must be FLOAT [n, 2] or [1, 2], but is FLOAT ['n', 3]"},
-           {[](auto& m) {
-              m.mutable_graph()->mutable_node(0)->set_input(1, "w0");
-              m.mutable_graph()->mutable_node(0)->set_input(2, "b0");
-            },
-            ExitCode::kBadDependency, "must map rows of 10 numbers to rows of 2, not to rows of 24"},
-           {[&](auto& m) { firstTensor(m).set_dims(0, 268435456); }, ExitCode::kInvalidInput,
-            "tensor 'w': must hold the values of its shape [268435456, 2], but holds 80 bytes"},
-           {[&](auto& m) {
-              firstTensor(m).set_dims(0, kHuge);
-              firstTensor(m).set_dims(1, kHuge);
-            },
-            ExitCode::kInvalidInput, "tensor 'w': must hold the values of its shape"},
-           {[&](auto& m) { firstTensor(m).set_dims(0, -10); }, ExitCode::kInvalidInput,
-            "tensor 'w': its dimensions must not be negative, but are [-10, 2]"},
-           {[&](auto& m) { firstTensor(m).mutable_raw_data()->push_back('\0'); }, ExitCode::kInvalidInput,
-            "but holds 81 bytes"},
-           {[&](auto& m) { firstTensor(m).clear_raw_data(); }, ExitCode::kInvalidInput, "but holds 0"},
-           {[&](auto& m) { firstTensor(m).add_float_data(1.0F); }, ExitCode::kInvalidInput, "tensor 'w': must hold"},
-           {[&](auto& m) { firstTensor(m).set_data_location(onnx::TensorProto::EXTERNAL); }, ExitCode::kInvalidInput,
-            "tensor 'w': its values must be in the file itself, not in another one (external data)"},
-           {[&](auto& m) { firstTensor(m).mutable_segment()->set_begin(1); }, ExitCode::kInvalidInput,
-            "tensor 'w': must be in one piece"},
-           {[&](auto& m) {
-              const float nan = std::numeric_limits<float>::quiet_NaN();
-              firstTensor(m).mutable_raw_data()->replace(8, 4, reinterpret_cast<const char*>(&nan), 4);
-            },
-            ExitCode::kBadDependency, "tensor 'w': its values must be finite"},
-       }) {
+  for (
+      const auto& [change, exit_code, part] : std::vector<ChangedModel>{
+          {[](auto& m) { m.set_ir_version(99); }, ExitCode::kInvalidInput, "ir_version 3 to 10, but has ir_version 99"},
+          {[](auto& m) { m.mutable_opset_import(0)->set_version(6); }, ExitCode::kInvalidInput,
+           "opset 6: must be from 7 to 22"},
+          {[](auto& m) { m.mutable_opset_import(0)->set_version(23); }, ExitCode::kInvalidInput,
+           "opset 23: must be from 7 to 22"},
+          {[](auto& m) { m.clear_opset_import(); }, ExitCode::kInvalidInput, "must name one opset of ONNX"},
+          {[](auto& m) { m.add_functions()->set_name("Relu"); }, ExitCode::kInvalidInput,
+           "must have no functions of its own, but has 'Relu'"},
+          {[](auto& m) { m.mutable_graph()->add_input()->set_name("state"); }, ExitCode::kBadDependency,
+           "must have 1 input, as its description says (policy.json in its metadata; none: one), but has 2: 'x' "
+           "FLOAT ['n', 10], 'state' no tensor"},
+          {[&](auto& m) { *m.mutable_graph()->add_output() = output(m); }, ExitCode::kBadDependency,
+           "must have 1 output, as its description says (policy.json in its metadata; none: one), but has 2: 'y' FLOAT "
+           "['n', 2], 'y' FLOAT ['n', 2]"},
+          {[&](auto& m) { shapeOf(input(m)).mutable_dim(1)->set_dim_value(8); }, ExitCode::kBadDependency,
+           "input 'x': must be FLOAT [n, 10] or [1, 10], but is FLOAT ['n', 8]"},
+          {[&](auto& m) { shapeOf(input(m)).mutable_dim(0)->set_dim_value(4); }, ExitCode::kBadDependency,
+           "but is FLOAT [4, 10]"},
+          {[&](auto& m) { shapeOf(input(m)).mutable_dim(0)->set_dim_value(-1); }, ExitCode::kBadDependency,
+           "but is FLOAT [-1, 10]"},
+          {[&](auto& m) { input(m).mutable_type()->mutable_tensor_type()->clear_shape(); }, ExitCode::kBadDependency,
+           "but is FLOAT of any shape"},
+          {[&](auto& m) { input(m).mutable_type()->mutable_tensor_type()->set_elem_type(11); },
+           ExitCode::kBadDependency, "but is DOUBLE ['n', 10]"},
+          {[&](auto& m) { input(m).clear_type(); }, ExitCode::kBadDependency, "but is no tensor"},
+          {[&](auto& m) { shapeOf(output(m)).mutable_dim(1)->set_dim_value(3); }, ExitCode::kBadDependency,
+           "output 'y': must be FLOAT [n, 2] or [1, 2], but is FLOAT ['n', 3]"},
+          {[](auto& m) {
+             m.mutable_graph()->mutable_node(0)->set_input(1, "w0");
+             m.mutable_graph()->mutable_node(0)->set_input(2, "b0");
+           },
+           ExitCode::kBadDependency, "output 'y': must be [1, 2] for one rollout, but is [1, 24]"},
+          {[&](auto& m) { firstTensor(m).set_dims(0, 268435456); }, ExitCode::kInvalidInput,
+           "tensor 'w': must hold the values of its shape [268435456, 2], but holds 80 bytes"},
+          {[&](auto& m) {
+             firstTensor(m).set_dims(0, kHuge);
+             firstTensor(m).set_dims(1, kHuge);
+           },
+           ExitCode::kInvalidInput, "tensor 'w': must hold the values of its shape"},
+          {[&](auto& m) { firstTensor(m).set_dims(0, -10); }, ExitCode::kInvalidInput,
+           "tensor 'w': its dimensions must not be negative, but are [-10, 2]"},
+          {[&](auto& m) { firstTensor(m).mutable_raw_data()->push_back('\0'); }, ExitCode::kInvalidInput,
+           "but holds 81 bytes"},
+          {[&](auto& m) { firstTensor(m).clear_raw_data(); }, ExitCode::kInvalidInput, "but holds 0"},
+          {[&](auto& m) { firstTensor(m).add_float_data(1.0F); }, ExitCode::kInvalidInput, "tensor 'w': must hold"},
+          {[&](auto& m) { firstTensor(m).set_data_location(onnx::TensorProto::EXTERNAL); }, ExitCode::kInvalidInput,
+           "tensor 'w': its values must be in the file itself or in one beside it (external data), not in ''"},
+          {[&](auto& m) { firstTensor(m).mutable_segment()->set_begin(1); }, ExitCode::kInvalidInput,
+           "tensor 'w': must be in one piece"},
+          {[&](auto& m) {
+             const float nan = std::numeric_limits<float>::quiet_NaN();
+             firstTensor(m).mutable_raw_data()->replace(8, 4, reinterpret_cast<const char*>(&nan), 4);
+           },
+           ExitCode::kBadDependency, "tensor 'w': its values must be finite"},
+      }) {
     onnx::ModelProto model = onnxModel(op("Gemm", {"x", "w", "b"}, "y"));
     change(model);
     expectOnnxRefusal(model, exit_code, part);

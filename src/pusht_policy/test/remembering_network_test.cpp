@@ -181,7 +181,7 @@ TEST_F(RememberingNetwork, OfOneObservationAndOneActionIsThePlainPolicy) {
 TEST_F(RememberingNetwork, WithoutRecurrentWeightsIsItsFeedForwardTwin) {
   const auto recurrent = NetworkPolicy::load(testing::checkpointsFromPython() / "gru_still.pt");
   const auto twin = NetworkPolicy::load(testing::checkpointsFromPython() / "gru_twin.pt");
-  EXPECT_FALSE(twin->info().runsOnKernel()) << "both on libtorch, whose tanh is another one";
+  EXPECT_TRUE(twin->info().runsOnKernel() && recurrent->info().runsOnKernel());
   EXPECT_EQ(bits(flatten(drive(*recurrent, {{}}, 50, 1).front())), bits(flatten(testing::act(*twin, observations()))));
   const auto remembering = NetworkPolicy::load(testing::checkpointsFromPython() / "gru.pt");
   const std::vector<Observation> still(3, observations().front());
@@ -192,6 +192,21 @@ TEST_F(RememberingNetwork, WithoutRecurrentWeightsIsItsFeedForwardTwin) {
     remembering->act({&query, 1}, {&actions[i], 1});
   }
   EXPECT_NE(actions[0], actions[1]) << "with recurrent weights the past counts";
+}
+
+TEST_F(RememberingNetwork, RunsOnTheKernelWithItsStateAndItsNoise) {
+  for (const char* name :
+       {"gru.pt", "denoising.pt", "gru_cell_scripted.pt", "gru_cell_traced.pt", "lstm_cell_scripted.pt",
+        "lstm_cell_traced.pt", "lstm_layers_scripted.pt", "lstm_layers_traced.pt"}) {
+    const fs::path path = testing::checkpointsFromPython() / name;
+    const auto policy = NetworkPolicy::load(path);
+    ASSERT_EQ(policy->info().why_not_on_kernel, "") << name;
+    const std::vector<Beginning> beginnings = {{1}, {2}, {3}, {4}};
+    testing::expectNear(flatten(drive(*policy, beginnings, 50, 4).back()),
+                        flatten(drive(*NetworkPolicy::loadOnLibtorch(path), beginnings, 50, 1).back()), 1e-5F);
+    const auto baseline = NetworkPolicy::load(path, InstructionSet::kBaseline);
+    EXPECT_EQ(drive(*baseline, beginnings, 20, 3), drive(*policy, beginnings, 20, 4)) << name;
+  }
 }
 
 TEST_F(RememberingNetwork, RunsOnTheKernelIfItIsAStraightLine) {

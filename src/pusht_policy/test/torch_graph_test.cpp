@@ -200,6 +200,126 @@ INSTANTIATE_TEST_SUITE_P(
                           "  return torch.addmm(self.b, x, self.m)\n", "10, matrix 2, add"}),
     spellingName);
 
+// Networks of several paths, and functions of the kernel's own.
+
+const char* const kHidden = "10, matrix 24, add, ";
+
+std::string withFunction(const std::string& function) {
+  return "  h = " + function + "(torch.linear(x, self.w0, self.b0))\n  return torch.linear(h, self.w2, self.b2)\n";
+}
+
+struct Graph {
+  const char* name;
+  std::string body;
+  std::string expected;  ///< end of the kernel's operations
+};
+
+std::ostream& operator<<(std::ostream& stream, const Graph& graph) { return stream << graph.name; }
+
+class NetworkGraph : public ::testing::TestWithParam<Graph> {};
+
+TEST_P(NetworkGraph, RunsOnTheKernel) {
+  const testing::TemporaryFolder folder;
+  torch::jit::Module module = makeModule(GetParam().body);
+  module.save((folder / "policy.pt").string());
+  const std::vector<float> expected =
+      testing::onLibtorch([&](const torch::Tensor& row) { return module.forward({row}).toTensor(); },
+                          testing::flatten(testing::manyObservations()), std::tuple_size<Observation>::value);
+  std::vector<float> baseline;
+  for (const InstructionSet instruction_set : {InstructionSet::kBaseline, availableInstructionSets().back()}) {
+    const auto policy = NetworkPolicy::load(folder / "policy.pt", instruction_set);
+    ASSERT_EQ(policy->info().why_not_on_kernel, "");
+    EXPECT_THAT(policy->info().operations, ::testing::EndsWith(GetParam().expected));
+    const std::vector<float> actual = testing::flatten(testing::act(*policy, testing::manyObservations(), 7));
+    testing::expectNear(actual, expected, 1e-5F);
+    baseline = baseline.empty() ? actual : baseline;
+    EXPECT_EQ(bits(actual), bits(baseline)) << toString(instruction_set);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , NetworkGraph,
+    ::testing::Values(
+        Graph{"SameRowsTwice", "  x = torch.linear(x, self.w, self.b)\n  return x * x\n",
+              "10, matrix 2, add, multiply (2, 2)"},
+        Graph{"EarlierRows",
+              "  h = torch.relu(torch.linear(x, self.w0, self.b0))\n"
+              "  return torch.linear(h, self.w2, self.b2) + torch.linear(x, self.w, self.b)\n",
+              "matrix 2, add, matrix 2 (0), add, add (5, 7)"},
+        Graph{"Residual",
+              "  h = torch.linear(x, self.w0, self.b0)\n"
+              "  h = h + torch.relu(torch.linear(h, self.w1, self.b1))\n"
+              "  return torch.linear(h, self.w2, self.b2)\n",
+              "matrix 24, add, max, add (2, 5), matrix 2, add"},
+        Graph{"SlicesAndCat",
+              "  a, b = torch.linear(x, self.w0, self.b0).chunk(2, -1)\n"
+              "  c = torch.cat([b.tanh(), a, x[:, 2:8:2], x[:, :1], torch.stack([a[:, 3], b[:, 4]], 1)], 1)\n"
+              "  return c[:, :2] - c[..., -2:] + c.split([20, 10], 1)[1][:, :2]\n",
+              "pick 30 (5, 3, 6, 7, 10), pick 2, pick 2 (11), subtract (12, 13), pick 10 (11), pick 2, add (14, 16)"},
+        Graph{"ReadAfterItWasChanged",
+              "  y = torch.linear(x, self.w, self.b)\n"
+              "  z = y.relu_()\n"
+              "  return y\n",
+              "10, matrix 2, add, max"},
+        Graph{"ChangedInPlace",
+              "  h = torch.linear(x, self.w0, self.b0)\n"
+              "  y = torch.linear(h, self.w1, self.b1)\n"
+              "  y.relu_()\n"
+              "  y = y.add_(h)\n"
+              "  return torch.linear(y, self.w2, self.b2)\n",
+              "max, add (5, 2), matrix 2, add"},
+        Graph{"Quotient", "  return 1.0 / (2.0 + torch.relu(torch.linear(x, self.w, self.b)))\n",
+              "constant 2, divide (5, 4), multiply"},
+        Graph{"Elu", withFunction("torch.elu"), "min, exp minus one, max (2), add (4, 5), matrix 2, add"},
+        Graph{"Selu", withFunction("torch.selu"), "multiply, matrix 2, add"},
+        Graph{"Celu", withFunction("torch.celu"), "add (4, 5), matrix 2, add"},
+        Graph{"Sigmoid", withFunction("torch.sigmoid"), std::string(kHidden) + "sigmoid, matrix 2, add"},
+        Graph{"Swish", "  h = torch.linear(x, self.w0, self.b0)\n  return torch.linear(h * h.sigmoid(), self.w2)\n",
+              std::string(kHidden) + "sigmoid, multiply (2, 3), matrix 2"},
+        Graph{"Silu", withFunction("torch.silu"), std::string(kHidden) + "sigmoid, multiply (2, 3), matrix 2, add"},
+        Graph{"Gelu", withFunction("torch.gelu"), "divide, erf, add, multiply (2, 5), multiply, matrix 2, add"},
+        Graph{"GeluByTanh",
+              "  h = torch.gelu(torch.linear(x, self.w0, self.b0), approximate='tanh')\n"
+              "  return torch.linear(h, self.w2, self.b2)\n",
+              "tanh, add, multiply (2), multiply (10, 9), matrix 2, add"},
+        Graph{"LeakyRelu", "  return torch.leaky_relu(torch.linear(x, self.w), 0.2)\n",
+              "10, matrix 2, min, multiply, max (1), add (3, 4)"},
+        Graph{"Softplus", withFunction("torch.softplus"), std::string(kHidden) + "softplus, matrix 2, add"},
+        Graph{"Mish", withFunction("torch.mish"),
+              std::string(kHidden) + "softplus, tanh, multiply (2, 4), matrix 2, add"},
+        Graph{"HardSwish", withFunction("torch.hardswish"),
+              std::string(kHidden) + "multiply, add, max, min, multiply (2, 6), matrix 2, add"},
+        Graph{"HardSigmoid", withFunction("torch.hardsigmoid"),
+              std::string(kHidden) + "multiply, add, max, min, matrix 2, add"},
+        Graph{"ExpLogSqrtAbsErf",
+              "  h = torch.exp(torch.linear(x, self.w))\n"
+              "  return torch.log(h + 1.0) + torch.sqrt(torch.abs(h)) * torch.erf(h) - torch.expm1(h).pow(2) / 1e4\n",
+              "divide, subtract (10, 13)"},
+        Graph{"LayerNorm",
+              "  h = torch.layer_norm(torch.linear(x, self.w0, self.b0), [24], self.b0, self.b1, 1e-5)\n"
+              "  return torch.linear(h, self.w2, self.b2)\n",
+              "add, sqrt, pick 24, divide (6, 12), multiply, add, matrix 2, add"},
+        Graph{"BatchNorm",
+              "  h = torch.batch_norm(torch.linear(x, self.w0), self.b0, self.b1, self.b0, self.b1.abs(), False, 0.1,"
+              " 1e-5, False)\n  return torch.linear(h, self.w2, self.b2)\n",
+              "10, matrix 24, subtract, divide, multiply, add, matrix 2, add"},
+        Graph{"MeanOfColumns",
+              "  h = torch.linear(x, self.w0, self.b0)\n"
+              "  h = (h - h.mean(dim=1, keepdim=True)) / (1.0 + h.sum(1).unsqueeze(1).abs())\n"
+              "  return torch.linear(h, self.w2, self.b2)\n",
+              "matrix 2, add"},
+        Graph{"ListThatGrows",
+              "  heads = torch.jit.annotate(List[Tensor], [])\n"
+              "  for i in range(3):\n"
+              "    heads.append(torch.linear(x, self.w * float(i + 1), self.b))\n"
+              "  return torch.stack(heads, 0).mean(0) + torch.glu(x[:, [0, 7, 8, 3]], -1)\n",
+              "add (12, 15)"},
+        Graph{"RowsAsMatrices",
+              "  h = torch.tanh(torch.matmul(x.view(1, 5, 2), self.w))\n"
+              "  return h.transpose(1, 2).flatten(1)[:, 8:10]\n",
+              "pick 2"}),
+    [](const ::testing::TestParamInfo<Graph>& info) { return std::string(info.param.name); });
+
 // What the kernel does not know, or must not do, is left to libtorch; there a row must not depend on its batch either.
 
 class NetworkLeftToLibtorch : public NetworkSpelling {};
@@ -217,55 +337,39 @@ TEST_P(NetworkLeftToLibtorch, GivesItsBitsForEveryBatch) {
 
 INSTANTIATE_TEST_SUITE_P(
     , NetworkLeftToLibtorch,
-    ::testing::Values(Spelling{"SameRowsTwice",
-                               "  x = torch.linear(x, self.w, self.b)\n"
-                               "  return x * x\n",
-                               "aten::mul: its operand self must be constant"},
-                      Spelling{"EarlierRows",
-                               "  h = torch.relu(torch.linear(x, self.w0, self.b0))\n"
-                               "  return torch.linear(h, self.w2, self.b2) + torch.linear(x, self.w, self.b)\n",
-                               "aten::linear: must take the result of the operation before it"},
-                      Spelling{"Residual",
-                               "  h = torch.linear(x, self.w0, self.b0)\n"
-                               "  h = h + torch.relu(torch.linear(h, self.w1, self.b1))\n"
-                               "  return torch.linear(h, self.w2, self.b2)\n",
-                               "aten::add: "},
-                      Spelling{"RowsReadAfterTheyWereChanged",
-                               "  y = torch.linear(x, self.w, self.b)\n"
-                               "  z = y.relu_()\n"
-                               "  return y\n",
-                               "must return the result of its last operation"},
-                      Spelling{"Gelu",
-                               "  x = torch.gelu(torch.linear(x, self.w0, self.b0))\n"
-                               "  return torch.linear(x, self.w2, self.b2)\n",
-                               "aten::gelu: is not known to the kernel"},
-                      Spelling{"LayerNorm",
-                               "  x = torch.layer_norm(torch.linear(x, self.w0, self.b0), [24])\n"
-                               "  return torch.linear(x, self.w2, self.b2)\n",
-                               "aten::layer_norm: is not known to the kernel"},
-                      Spelling{"ScaledAdd",
-                               "  return torch.add(torch.linear(x, self.w, self.b), self.act_min, alpha=2)\n",
-                               "aten::add: its alpha must be 1"},
-                      Spelling{"ScaledAddmm", "  return torch.addmm(self.b, x, self.m, beta=0.5, alpha=2.0)\n",
-                               "aten::addmm: its beta must be 1"},
-                      Spelling{"Quotient", "  return 1.0 / (2.0 + torch.relu(torch.linear(x, self.w, self.b)))\n",
-                               "aten::reciprocal: is not known to the kernel"},
-                      Spelling{"RoundedQuotient",
-                               "  return torch.div(torch.linear(x, self.w, self.b), 0.125, rounding_mode='floor')\n",
-                               "aten::div: must not round"},
-                      Spelling{"DoubleAndBack", "  return torch.linear(x.double().float(), self.w, self.b)\n",
-                               "aten::to: must keep float32"},
-                      Spelling{"DoubleOperand",
-                               "  return torch.linear((x + self.ten_double).float(), self.w, self.b)\n",
-                               "aten::add: its operand must be float32"},
-                      Spelling{"BranchOnTheNumbers",
-                               "  y = torch.linear(x, self.w, self.b)\n"
-                               "  if bool(y[0, 0] > 0.0):\n"
-                               "    y = y + 1.0\n"
-                               "  return y\n",
-                               "is not known to the kernel"},
-                      Spelling{"Rows", "  return torch.linear(x, self.w, self.b).sum(0, keepdim=True)\n",
-                               "aten::sum: is not known to the kernel"}),
+    ::testing::Values(
+        Spelling{"PartReadAfterTheWholeWasChanged",
+                 "  y = torch.linear(x, self.w0, self.b0)\n"
+                 "  z = y[:, :2]\n"
+                 "  y = y.relu_()\n"
+                 "  return z\n",
+                 "must not take a tensor that an operation in place has changed since"},
+        Spelling{"AllThatIsNotKnown",
+                 "  y = torch.sin(torch.linear(x, self.w, self.b))\n"
+                 "  z = torch.cos(y) + torch.cos(torch.linear(x, self.w))\n"
+                 "  return torch.add(torch.linear(x, self.w), self.act_min, alpha=2) + z\n",
+                 "aten::sin, aten::cos: are not known to the kernel; aten::add: its alpha must be 1"},
+        Spelling{"SoftplusWithALowThreshold", "  return torch.softplus(torch.linear(x, self.w, self.b), 1, 2)\n",
+                 "aten::softplus: its threshold must be at least 15"},
+        Spelling{"ScaledAdd", "  return torch.add(torch.linear(x, self.w, self.b), self.act_min, alpha=2)\n",
+                 "aten::add: its alpha must be 1"},
+        Spelling{"ScaledAddmm", "  return torch.addmm(self.b, x, self.m, beta=0.5, alpha=2.0)\n",
+                 "aten::addmm: its beta must be 1"},
+        Spelling{"RoundedQuotient",
+                 "  return torch.div(torch.linear(x, self.w, self.b), 0.125, rounding_mode='floor')\n",
+                 "aten::div: must not round"},
+        Spelling{"DoubleAndBack", "  return torch.linear(x.double().float(), self.w, self.b)\n",
+                 "aten::to: must keep float32"},
+        Spelling{"DoubleOperand", "  return torch.linear((x + self.ten_double).float(), self.w, self.b)\n",
+                 "aten::add: its operand must be float32"},
+        Spelling{"BranchOnTheNumbers",
+                 "  y = torch.linear(x, self.w, self.b)\n"
+                 "  if bool(y[0, 0] > 0.0):\n"
+                 "    y = y + 1.0\n"
+                 "  return y\n",
+                 "aten::gt: is not known to the kernel"},
+        Spelling{"Rows", "  return torch.linear(x, self.w, self.b).sum(0, keepdim=True)\n",
+                 "aten::sum: must not be along the first axis"}),
     spellingName);
 
 }  // namespace

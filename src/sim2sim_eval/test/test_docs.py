@@ -95,7 +95,10 @@ class Docs(CommandCase):
 
     @long_form
     def test_bring_your_own(self) -> None:
-        self.assertEqual(self.check(DOCS / "bring_your_own.md"), 8)
+        self.assertEqual(self.check(DOCS / "bring_your_own.md"), 7)
+
+    def test_networks(self) -> None:
+        self.assertEqual(self.check(DOCS / "networks.md"), 7)
 
     @long_form
     def test_commands(self) -> None:
@@ -175,6 +178,9 @@ class Pasted(LiveCase):
     def test_readme_takes_three_minutes_and_two_commands(self) -> None:
         self.assertLessEqual(len((ROOT / "README.md").read_text().splitlines()), 110)
         self.check(ROOT / "README.md", 0)
+
+    def test_networks(self) -> None:
+        self.assertEqual(self.check(DOCS / "networks.md"), 7)
 
     @long_form
     def test_commands(self) -> None:

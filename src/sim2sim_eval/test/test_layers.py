@@ -42,7 +42,7 @@ HEAVY: Dict[str, Set[str]] = {
     },
     "regex": set(),
     "ros/ros.h": set(),
-    "torch/": {"pusht_policy/src/graph_sizes.hpp"},
+    "torch/": {"pusht_policy/src/graph_sizes.hpp", "pusht_policy/src/torch_reader.hpp"},
     "yaml-cpp/": {
         "sim2sim_eval/src/batch/plan_loops.hpp",
         "sim2sim_eval/src/batch/plan_policies.hpp",

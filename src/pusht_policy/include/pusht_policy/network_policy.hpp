@@ -17,8 +17,8 @@
 
 namespace pusht {
 
-class NetworkMemory;
-class TorchNetwork;
+class Network;
+class NetworkActor;
 
 /// Version of the loaded libtorch.
 std::string libtorchVersion();
@@ -43,8 +43,8 @@ struct NetworkInfo {
   bool runsOnKernel() const { return why_not_on_kernel.empty(); }
 };
 
-/// Policy of a network. It runs on NetworkKernel if the checkpoint is a sequence of operations that the kernel knows,
-/// and the results agree with libtorch's; otherwise on libtorch, one row at a time, so rows stay independent. Actions
+/// Policy of a network. It runs on NetworkKernel if the checkpoint has operations alone that the kernel knows, and the
+/// results agree with libtorch's; otherwise on libtorch, one row at a time, so rows stay independent. Actions
 /// are the network's outputs: not clipped, and possibly not finite.
 ///
 /// A checkpoint with a description may look back on several observations, answer with several actions, and have a state
@@ -90,20 +90,12 @@ class NetworkPolicy : public Policy {
   const NetworkInfo& info() const { return info_; }
 
  private:
-  NetworkPolicy(NetworkInfo info, std::unique_ptr<NetworkKernel> kernel);
-  NetworkPolicy(NetworkInfo info, std::unique_ptr<TorchNetwork> network, std::string why_not_on_kernel);
-
-  void actOnKernel(Span<const Query> queries, Span<Action> actions);
-  void actFromMemory(Span<const Query> queries, Span<Action> actions);
-  void answerOnKernel();
-  void answerOnLibtorch();
+  NetworkPolicy(NetworkInfo info, const NetworkKernel& kernel);
+  NetworkPolicy(NetworkInfo info, std::unique_ptr<Network> on_libtorch, std::string why_not_on_kernel);
+  NetworkPolicy(NetworkInfo info, std::unique_ptr<NetworkActor> actor);
 
   NetworkInfo info_;
-  std::unique_ptr<NetworkKernel> kernel_;  // null on libtorch
-  std::unique_ptr<TorchNetwork> network_;
-  std::vector<float> inputs_;  // rows of the kernel; on libtorch, the noise of a call
-  std::vector<float> outputs_;
-  std::vector<NetworkMemory*> spent_;  // rollouts that need an answer
+  std::unique_ptr<NetworkActor> actor_;
 };
 
 }  // namespace pusht

@@ -53,4 +53,10 @@ PolicyDescription descriptionFrom(const std::string& text, const std::string& wh
 /// Description as written in a file, with all defaults.
 nlohmann::json toJson(const PolicyDescription& description);
 
+/// Adds the description of a network that has one, as "description", to the provenance or the identity of a policy.
+void addDescription(const PolicyDescription& description, nlohmann::json& object);
+
+/// Adds to a provenance where the noise of a network comes from, if it takes any.
+void addNoise(const PolicyDescription& description, nlohmann::json& provenance);
+
 }  // namespace pusht

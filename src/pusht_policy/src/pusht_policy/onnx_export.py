@@ -6,12 +6,14 @@ gives the bits of the TorchScript.
 """
 
 import contextlib
+import ctypes
 import hashlib
 import inspect
 import io
+import json
 import warnings
 from pathlib import Path
-from typing import Any, Dict
+from typing import Any, Dict, List, Tuple
 
 import torch
 
@@ -38,7 +40,7 @@ def export(source: Path, target: Path, overwrite: bool = False) -> None:
     """Writes the checkpoint `source` as ONNX, and its provenance beside it, first.
 
     Raises Error, and writes nothing, if the checkpoint is not the one of its provenance, is no
-    TorchScript, or is anything but a network from [n, 10] to [n, 2].
+    TorchScript, does not map what its description says, or `compare` would refuse the ONNX file.
     """
     if target.suffix != SUFFIX:
         raise Error(f"out {target}: must end in {SUFFIX}, by which the suite knows ONNX")
@@ -48,7 +50,9 @@ def export(source: Path, target: Path, overwrite: bool = False) -> None:
         require_new_file("provenance", provenance_path(target))
     digest = sha256_of(source)
     provenance = _provenance_of(source, digest)
-    content = onnx_bytes(load(source), str(source))
+    module, description = load(source)
+    content = onnx_bytes(module, str(source), description=description)
+    require_runs(content, str(source))
     provenance.update(
         checkpoint={"file": target.name, "sha256": hashlib.sha256(content).hexdigest()},
         exported={
@@ -62,15 +66,17 @@ def export(source: Path, target: Path, overwrite: bool = False) -> None:
     write_file(target, content)
 
 
-def load(path: Path) -> torch.jit.ScriptModule:
-    """The module of a checkpoint. Raises Error unless it maps float32 [1, 10] to [1, 2], alone."""
+def load(path: Path) -> Tuple[torch.jit.ScriptModule, str]:
+    """The module of a checkpoint and its description. Raises Error unless it does what that says."""
     extra: Dict[str, Any] = {DESCRIPTION: ""}
     try:
         module = torch.jit.load(io.BytesIO(read_file(path)), "cpu", extra).eval()
     except (RuntimeError, ValueError) as error:
         raise Error(f"{path}: must be TorchScript: {_first_line(error)}") from None
-    if extra[DESCRIPTION]:
-        raise Error(f"{path}: must have no {DESCRIPTION}: ONNX here is a network without a memory")
+    description = extra[DESCRIPTION]
+    description = description.decode() if isinstance(description, bytes) else description
+    if description:
+        return module, description
     try:
         with torch.no_grad():
             action = module(torch.zeros(1, OBSERVATION))
@@ -80,17 +86,20 @@ def load(path: Path) -> torch.jit.ScriptModule:
     if not isinstance(action, torch.Tensor) or action.shape != (1, ACTION):
         found = list(action.shape) if isinstance(action, torch.Tensor) else type(action).__name__
         raise Error(f"{path}: must map [1, 10] to [1, 2], not to {found}", ExitCode.BAD_DEPENDENCY)
-    return module
+    return module, ""
 
 
-def onnx_bytes(module: torch.nn.Module, name: str, opset: int = OPSET) -> bytes:
-    """The module as ONNX, from observation [n, 10] to action [n, 2]. `name` is for messages."""
+def onnx_bytes(
+    module: torch.nn.Module, name: str, opset: int = OPSET, description: str = ""
+) -> bytes:
+    """The module as ONNX, with its description in the metadata. `name` is for messages."""
     if not torch.__version__.startswith("1."):
         import onnx  # type: ignore[import]  # noqa: F401  # later exporters need it
+    inputs, outputs, arguments = _signature(description, name)
     options: Dict[str, Any] = {
-        "input_names": ["observation"],
-        "output_names": ["action"],
-        "dynamic_axes": {"observation": {0: "n"}, "action": {0: "n"}},
+        "input_names": inputs,
+        "output_names": outputs,
+        "dynamic_axes": {tensor: {0: "n"} for tensor in (*inputs, *outputs)},
         "opset_version": opset,
     }
     if "dynamo" in inspect.signature(torch.onnx.export).parameters:
@@ -99,10 +108,48 @@ def onnx_bytes(module: torch.nn.Module, name: str, opset: int = OPSET) -> bytes:
     try:
         with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
             warnings.simplefilter("ignore")
-            torch.onnx.export(module, (torch.zeros(1, OBSERVATION),), saved, **options)
+            torch.onnx.export(module, tuple(arguments), saved, **options)
     except RuntimeError as error:
         raise Error(f"{name}: cannot be exported: {_first_line(error)}") from None
-    return saved.getvalue()
+    return saved.getvalue() + (_metadata(DESCRIPTION, description) if description else b"")
+
+
+def require_runs(content: bytes, name: str) -> None:
+    """Raises Error if `compare` would refuse this ONNX file."""
+    reason = ctypes.create_string_buffer(4096)
+    check = ctypes.CDLL("libpusht_onnx_policy.so").checkOnnx
+    check.argtypes = (ctypes.c_char_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_size_t)
+    code = check(content, len(content), reason, len(reason))
+    if code != 0:
+        raise Error(f"{name}: as {reason.value.decode()}", ExitCode(code))
+
+
+def _signature(description: str, name: str) -> Tuple[List[str], List[str], List[torch.Tensor]]:
+    """Names of inputs and outputs, and inputs of one rollout."""
+    if not description:
+        return ["observation"], ["action"], [torch.zeros(1, OBSERVATION)]
+    try:
+        fields = json.loads(description)
+        inputs = {"observations": [fields["observations"], OBSERVATION]}
+        inputs.update({key: fields[key]["shape"] for key in ("state", "noise") if key in fields})
+        arguments = [torch.zeros(1, *shape) for shape in inputs.values()]
+    except (ValueError, KeyError, TypeError, RuntimeError) as error:
+        raise Error(f"{name}: {DESCRIPTION} must be a description: {error!r}") from None
+    outputs = ["actions", "next_state"] if "state" in inputs else ["actions"]
+    return list(inputs), outputs, arguments
+
+
+def _metadata(key: str, value: str) -> bytes:
+    """An entry of a model's metadata (field 14) as protobuf has it: appended, it is part of it."""
+
+    def field(number: int, content: bytes) -> bytes:
+        size, length = len(content), b""
+        while size > 127:
+            length += bytes([size % 128 + 128])
+            size //= 128
+        return bytes([number * 8 + 2]) + length + bytes([size]) + content
+
+    return field(14, field(1, key.encode()) + field(2, value.encode()))
 
 
 def _provenance_of(source: Path, digest: str) -> Json:

@@ -14,6 +14,9 @@ namespace sim2sim::python {
 constexpr pybind11::ssize_t kNumbers = std::tuple_size_v<pusht::Observation>;
 constexpr pybind11::ssize_t kAxes = std::tuple_size_v<pusht::Action>;
 
+/// Adds audit_policy().
+void bindAuditPolicy(pybind11::module_& module);
+
 /// Adds compare().
 void bindCompare(pybind11::module_& module);
 

@@ -8,6 +8,7 @@
 PYBIND11_MODULE(_sim2sim, module) {
   module.doc() = "What the package sim2sim has in C++; _sim2sim.pyi has its types.";
   sim2sim::python::translateErrors();
+  sim2sim::python::bindAuditPolicy(module);
   sim2sim::python::bindCompare(module);
   sim2sim::python::bindLoadedPolicy(module);
   sim2sim::python::bindWorldBatch(module);

@@ -13,6 +13,7 @@ from sim2sim.errors import (
     SimulationFault,
 )
 from sim2sim.policy import Policy, load_policy
+from sim2sim.policy_audit import PolicyAudit, audit_policy
 from sim2sim.worlds import Box, VectorWorld, World, make, make_vec, parameters
 
 __all__ = [
@@ -27,10 +28,12 @@ __all__ = [
     "InternalError",
     "InvalidInput",
     "Policy",
+    "PolicyAudit",
     "RuntimeFault",
     "SimulationFault",
     "VectorWorld",
     "World",
+    "audit_policy",
     "compare",
     "kinds",
     "load_policy",

@@ -19,6 +19,18 @@ def compare(
     progress: bool,
 ) -> Dict[str, str]: ...
 
+def audit_policy(
+    policy: object,
+    name: str,
+    history: int,
+    observations: List[NDArray[np.float32]],
+    actions: List[NDArray[np.float32]],
+    label: str,
+) -> Dict[str, str]: ...
+def read_demonstrations(
+    path: str,
+) -> Tuple[List[NDArray[np.float32]], List[NDArray[np.float32]]]: ...
+
 class PolicyMemory: ...
 
 class LoadedPolicy:

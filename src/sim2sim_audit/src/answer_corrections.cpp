@@ -20,7 +20,8 @@ constexpr std::size_t kActionNumbers = std::tuple_size<Action>::value;
 /// Corrections as they are added.
 class AnswerList {
  public:
-  void add(Correction::Group group, const std::string& words, std::function<Action(const Action&, const Observation&)> change) {
+  void add(Correction::Group group, const std::string& words,
+           std::function<Action(const Action&, const Observation&)> change) {
     Correction correction{group, words};
     correction.action = std::move(change);
     corrections_.push_back(std::move(correction));

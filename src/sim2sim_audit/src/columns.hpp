@@ -59,8 +59,8 @@ class Columns {
   }
   /// [least, greatest] to [0, 1]
   Normalization<kColumns> toUnit() const {
-    return made([this](std::size_t i) { return least_[i]; },
-                [this](std::size_t i) { return greatest_[i] - least_[i]; }, 1.0);
+    return made([this](std::size_t i) { return least_[i]; }, [this](std::size_t i) { return greatest_[i] - least_[i]; },
+                1.0);
   }
   /// Mean to 0, deviation to 1
   Normalization<kColumns> toStandard() const {

@@ -18,6 +18,7 @@ struct Correction {
   enum class Group {
     kNormalization,
     kOrder,
+    kWithinPairs,
     kFrame,
     kOrigin,
     kUnits,

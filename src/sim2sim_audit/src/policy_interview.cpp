@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <utility>
 
 namespace sim2sim {
 namespace {
@@ -55,21 +56,46 @@ Answers joinedLike(const std::vector<std::vector<Observation>>& sequences, const
   return answers;
 }
 
+/// Mean of several answers to the same questions.
+class MeanAnswers {
+ public:
+  void add(const Answers& answers) {
+    ++count_;
+    if (count_ == 1) {
+      mean_ = answers;
+      return;
+    }
+    for (std::size_t i = 0; i < mean_.size(); ++i) {
+      for (std::size_t step = 0; step < mean_[i].size(); ++step) {
+        for (std::size_t axis = 0; axis < mean_[i][step].size(); ++axis) {
+          float& mean = mean_[i][step][axis];
+          mean += (answers[i][step][axis] - mean) / static_cast<float>(count_);
+        }
+      }
+    }
+  }
+
+  Answers take() { return std::move(mean_); }
+
+ private:
+  Answers mean_;
+  int count_ = 0;
+};
+
 }  // namespace
 
-Sample sampleOf(const std::vector<Demonstration>& demonstrations, const std::vector<Unit>& units) {
+Sample sampleOf(const PolicySignature& signature, const std::vector<Demonstration>& demonstrations,
+                const std::vector<Unit>& units) {
   Sample sample;
-  std::size_t last = demonstrations.size();
   for (const Unit& unit : units) {
-    if (unit.demonstration != last) {
-      sample.demonstrations.emplace_back();
-      last = unit.demonstration;
-    }
     const Demonstration& whole = demonstrations[unit.demonstration];
+    const std::size_t back = signature.has_state ? unit.begin : static_cast<std::size_t>(signature.observations - 1);
+    const std::size_t first = unit.begin - std::min(back, unit.begin);
+    const auto begin = static_cast<std::ptrdiff_t>(first);
     const auto end = static_cast<std::ptrdiff_t>(unit.end);
-    sample.demonstrations.back() = {{whole.observations.begin(), whole.observations.begin() + end},
-                                    {whole.actions.begin(), whole.actions.begin() + end}};
-    sample.units.push_back({sample.demonstrations.size() - 1, unit.begin, unit.end});
+    sample.units.push_back({sample.demonstrations.size(), unit.begin - first, unit.end - first});
+    sample.demonstrations.push_back({{whole.observations.begin() + begin, whole.observations.begin() + end},
+                                     {whole.actions.begin() + begin, whole.actions.begin() + end}});
   }
   return sample;
 }
@@ -78,12 +104,11 @@ PolicyInterview::PolicyInterview(Policy& policy, const PolicySignature& signatur
     : policy_(policy), signature_(signature) {}
 
 Answers PolicyInterview::answersTo(const Sample& sample, const Corrections& corrections, int draws) {
-  const auto actions = static_cast<std::size_t>(signature_.actions);
-  const Correction* history = nullptr;
   Sequences sequences;
   for (const Demonstration& demonstration : sample.demonstrations) {
-    sequences.push_back(filledUp(demonstration.observations, actions));
+    sequences.push_back(filledUp(demonstration.observations, static_cast<std::size_t>(signature_.actions)));
   }
+  const Correction* history = nullptr;
   for (const Correction* correction : corrections) {
     for (std::vector<Observation>& sequence : sequences) {
       if (correction->observation) {
@@ -92,24 +117,14 @@ Answers PolicyInterview::answersTo(const Sample& sample, const Corrections& corr
     }
     history = correction->history ? correction : history;
   }
-  Answers mean;
-  const int drawn = signature_.is_stochastic ? draws : 1;
-  for (int draw = 0; draw < drawn; ++draw) {
+  MeanAnswers mean;
+  for (int draw = 0; draw < (signature_.is_stochastic ? draws : 1); ++draw) {
     const auto seed = static_cast<std::uint64_t>(draw);
-    const Answers answers = history != nullptr   ? callByCall(sequences, *history, seed)
-                            : signature_.isPlain() ? stepByStep(sequences, seed)
-                                                   : inTurn(sequences, seed, 0);
-    mean.resize(answers.size());
-    for (std::size_t i = 0; i < answers.size(); ++i) {
-      mean[i].resize(answers[i].size(), Action{});
-      for (std::size_t step = 0; step < answers[i].size(); ++step) {
-        for (std::size_t axis = 0; axis < answers[i][step].size(); ++axis) {
-          mean[i][step][axis] += answers[i][step][axis] / static_cast<float>(drawn);
-        }
-      }
-    }
+    mean.add(history != nullptr     ? callByCall(sequences, *history, seed)
+             : signature_.isPlain() ? stepByStep(sequences, seed)
+                                    : inTurn(sequences, seed, 0));
   }
-  return mean;
+  return mean.take();
 }
 
 /// Actions of rollouts that see these sequences, step by step, without the first `skipped` of each.
@@ -208,8 +223,7 @@ std::vector<double> PolicyInterview::errorsOf(const Sample& sample, const Answer
   }
   std::vector<double> errors;
   for (const Unit& unit : sample.units) {
-    errors.push_back(
-        errorIn(unit, read[unit.demonstration], sample.demonstrations[unit.demonstration].actions, later));
+    errors.push_back(errorIn(unit, read[unit.demonstration], sample.demonstrations[unit.demonstration].actions, later));
   }
   return errors;
 }

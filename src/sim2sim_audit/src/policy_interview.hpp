@@ -30,8 +30,10 @@ struct Sample {
   std::vector<Unit> units{};
 };
 
-/// Sample of these units, with demonstrations cut off behind them.
-Sample sampleOf(const std::vector<Demonstration>& demonstrations, const std::vector<Unit>& units);
+/// Sample of these units. Demonstrations are cut off behind them, and as far before them as a policy of this signature
+/// does not look back.
+Sample sampleOf(const PolicySignature& signature, const std::vector<Demonstration>& demonstrations,
+                const std::vector<Unit>& units);
 
 /// Actions in answer to each demonstration of a sample: those of a whole number of answers.
 using Answers = std::vector<std::vector<pusht::Action>>;
@@ -41,6 +43,8 @@ class PolicyInterview {
  public:
   /// `policy` must outlive it.
   PolicyInterview(pusht::Policy& policy, const PolicySignature& signature);
+
+  const PolicySignature& signature() const { return signature_; }
 
   /// Means of the policy's actions over `draws` of its random numbers, where it is asked under those of `corrections`
   /// that are of questions. All actions of an answer are executed before it is asked again.

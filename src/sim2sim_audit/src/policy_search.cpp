@@ -11,13 +11,13 @@
 namespace sim2sim {
 namespace {
 
-constexpr std::size_t kQuickSteps = 48;     // of the first round
-constexpr std::size_t kSurvivors = 20;      // of the first round
-constexpr std::size_t kFinalists = 3;       // of each size
-constexpr std::size_t kBestQuestions = 2;   // to which every other question's correction is added
+constexpr std::size_t kQuickSteps = 64;    // of the first round
+constexpr std::size_t kSurvivors = 32;     // of the first round
+constexpr std::size_t kFinalists = 3;      // of each size
+constexpr std::size_t kBestQuestions = 2;  // to which every other question's correction is added
 // An error may be that of a fault beyond one of these shares.
-constexpr double kHelped = 0.85;            // of the error as it is, under the best correction
-constexpr double kNear = 0.55;              // of the error of a constant action
+constexpr double kHelped = 0.85;  // of the error as it is, under the best correction
+constexpr double kNear = 0.55;    // of the error of a constant action
 
 bool isBetter(const Trial& a, const Trial& b) { return a.error < b.error; }
 
@@ -28,14 +28,21 @@ std::vector<Trial> best(std::vector<Trial> trials, std::size_t count) {
   return trials;
 }
 
-/// Beginnings of the first units: equal shares of so many steps.
-std::vector<Unit> beginningsOf(const std::vector<Unit>& units, std::size_t steps) {
-  constexpr std::size_t kUnits = 3;
-  std::vector<Unit> chosen(units.begin(), units.begin() + std::min<std::ptrdiff_t>(kUnits, static_cast<std::ptrdiff_t>(units.size())));
-  for (Unit& unit : chosen) {
-    unit.end = std::min(unit.end, unit.begin + steps / kUnits);
+/// Parts of some units, for the first round: each from another phase of its unit. A policy with a state must be shown
+/// all that comes before, so fewer and early ones do.
+std::vector<Unit> glimpsesOf(const Sample& sample, bool has_state) {
+  const std::size_t count = has_state ? 2 : 4;
+  const std::size_t steps = kQuickSteps / count;
+  constexpr std::size_t kPhases = 4;
+  std::vector<Unit> glimpses;
+  for (std::size_t i = 0; i < std::min(count, sample.units.size()); ++i) {
+    Unit unit = sample.units[i * sample.units.size() / count];
+    const std::size_t spare = unit.steps() - std::min(steps, unit.steps());
+    unit.begin += spare * i / kPhases;
+    unit.end = std::min(unit.end, unit.begin + steps);
+    glimpses.push_back(unit);
   }
-  return chosen;
+  return glimpses;
 }
 
 Corrections together(const Corrections& a, const Corrections& b) {
@@ -56,7 +63,7 @@ class Search {
         questions_(questions),
         answers_(answers),
         sample_(sample),
-        quick_(sampleOf(sample.demonstrations, beginningsOf(sample.units, kQuickSteps))),
+        quick_(sampleOf(policy.signature(), sample.demonstrations, glimpsesOf(sample, policy.signature().has_state))),
         constant_(constant) {}
 
   Finalists run() {
@@ -92,7 +99,8 @@ class Search {
     const auto read = [&](const Corrections& corrections) {
       if (!corrections.empty()) {
         ++tried_;
-        trials_[corrections.size() - 1].push_back({corrections, averageOf(policy_.errorsOf(quick_, answers, corrections))});
+        trials_[corrections.size() - 1].push_back(
+            {corrections, averageOf(policy_.errorsOf(quick_, answers, corrections))});
       }
     };
     read(questions);

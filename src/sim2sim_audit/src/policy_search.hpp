@@ -24,10 +24,10 @@ struct Finalists {
   std::list<Correction> refined{};  ///< corrections that the search made itself
 };
 
-/// Looks at each correction, and at pairs of two groups, in rounds: all on a few steps, the best ones on all of `sample`;
-/// the best one is refined. A pair of a question's and an answer's correction costs nothing, as the policy is asked once
-/// for each question. Pairs of two questions' are tried where there may be a fault (beside the best ones) or a single
-/// one does not explain it (the common ones), by the error of the `constant` action.
+/// Looks at each correction, and at pairs of two groups, in rounds: all on a few steps, the best ones on all of
+/// `sample`; the best one is refined. A pair of a question's and an answer's correction costs nothing, as the policy is
+/// asked once for each question. Pairs of two questions' are tried where there may be a fault (beside the best ones) or
+/// a single one does not explain it (the common ones), by the error of the `constant` action.
 Finalists searchFaults(PolicyInterview& policy, const std::vector<Correction>& questions,
                        const std::vector<Correction>& answers, const Sample& sample, double constant);
 

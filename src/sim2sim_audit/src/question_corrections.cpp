@@ -103,11 +103,11 @@ void addOrders(QuestionList& list) {
         is_swap);
   }
   const auto swap = [](float& a, float& b) { std::swap(a, b); };
-  list.addOfPairs(Correction::Group::kOrder, "sine and cosine swapped", kAngles, swap);
-  list.addOfPairs(Correction::Group::kOrder, "sine and cosine of the tee swapped", std::array{kTeeAngle}, swap);
-  list.addOfPairs(Correction::Group::kOrder, "x and y of all positions swapped", kPositions, swap);
-  list.addOfPairs(Correction::Group::kOrder, "x and y of the pusher swapped", std::array{kPusher}, swap);
-  list.addOfPairs(Correction::Group::kOrder, "x and y of the tee swapped", std::array{kTee}, swap);
+  list.addOfPairs(Correction::Group::kWithinPairs, "sine and cosine swapped", kAngles, swap);
+  list.addOfPairs(Correction::Group::kWithinPairs, "sine and cosine of the tee swapped", std::array{kTeeAngle}, swap);
+  list.addOfPairs(Correction::Group::kWithinPairs, "x and y of all positions swapped", kPositions, swap);
+  list.addOfPairs(Correction::Group::kWithinPairs, "x and y of the pusher swapped", std::array{kPusher}, swap);
+  list.addOfPairs(Correction::Group::kWithinPairs, "x and y of the tee swapped", std::array{kTee}, swap);
   list.add(Correction::Group::kOrder, "the last number first",
            [](Observation& observation) { std::reverse(observation.begin(), observation.end()); });
   // x of pusher, tee and target, then y of them; and the inverse.
@@ -118,12 +118,13 @@ void addOrders(QuestionList& list) {
       observation[i] = recorded[kAxisByAxis[i]];
     }
   });
-  list.add(Correction::Group::kOrder, "x and y together, as they come with all x before all y", [kAxisByAxis](Observation& o) {
-    const Observation recorded = o;
-    for (std::size_t i = 0; i < kNumbers; ++i) {
-      o[kAxisByAxis[i]] = recorded[i];
-    }
-  });
+  list.add(Correction::Group::kOrder, "x and y together, as they come with all x before all y",
+           [kAxisByAxis](Observation& o) {
+             const Observation recorded = o;
+             for (std::size_t i = 0; i < kNumbers; ++i) {
+               o[kAxisByAxis[i]] = recorded[i];
+             }
+           });
 }
 
 /// Number times a factor: "times 1000 (mm)".
@@ -167,7 +168,8 @@ void addUnits(QuestionList& list) {
 Correction originMoved(double dx, double dy, double step) {
   constexpr double kLeastStep = 0.01;  // [m]
   Correction correction{Correction::Group::kOrigin,
-                        "positions moved by (" + pusht::fixedText(dx, 2) + ", " + pusht::fixedText(dy, 2) + ") m", false};
+                        "positions moved by (" + pusht::fixedText(dx, 2) + ", " + pusht::fixedText(dy, 2) + ") m",
+                        false};
   correction.observation = [dx, dy](Observation observation) {
     for (const std::size_t pair : kPositions) {
       first(observation, pair) += static_cast<float>(dx);
@@ -225,18 +227,23 @@ void addAngles(QuestionList& list) {
     });
   };
   list.addOfPairs(Correction::Group::kAngle, "sine and cosine of the angle in degrees", kAngles, scaled(1.0 / kDegree));
-  list.addOfPairs(Correction::Group::kAngle, "sine and cosine of an angle that was taken for degrees", kAngles, scaled(kDegree));
+  list.addOfPairs(Correction::Group::kAngle, "sine and cosine of an angle that was taken for degrees", kAngles,
+                  scaled(kDegree));
   list.addOfPairs(Correction::Group::kAngle, "sine and cosine of half the angle", kAngles, scaled(0.5));
   list.addOfPairs(Correction::Group::kAngle, "sine and cosine of twice the angle", kAngles, scaled(2.0));
   for (const float other : {0.0F, 1.0F}) {
     const std::string beside = other == 0.0F ? ", 0 in place of the cosine" : ", 1 in place of the cosine";
-    list.addOfPairs(Correction::Group::kAngle, "the angle [rad] in place of its sine" + beside, kAngles, plain(1.0, other));
+    list.addOfPairs(Correction::Group::kAngle, "the angle [rad] in place of its sine" + beside, kAngles,
+                    plain(1.0, other));
     list.addOfPairs(Correction::Group::kAngle, "the angle [deg] in place of its sine" + beside, kAngles,
                     plain(1.0 / kDegree, other));
   }
-  list.addOfPairs(Correction::Group::kAngle, "the other sign of the sine", kAngles, [](float& sine, float&) { sine = -sine; });
-  list.addOfPairs(Correction::Group::kAngle, "the other sign of the cosine", kAngles, [](float&, float& cosine) { cosine = -cosine; });
-  list.addOfPairs(Correction::Group::kAngle, "the tee's angle turned by 180 deg", std::array{kTeeAngle}, turned(pusht::kPi));
+  list.addOfPairs(Correction::Group::kAngle, "the other sign of the sine", kAngles,
+                  [](float& sine, float&) { sine = -sine; });
+  list.addOfPairs(Correction::Group::kAngle, "the other sign of the cosine", kAngles,
+                  [](float&, float& cosine) { cosine = -cosine; });
+  list.addOfPairs(Correction::Group::kAngle, "the tee's angle turned by 180 deg", std::array{kTeeAngle},
+                  turned(pusht::kPi));
   list.addOfPairs(Correction::Group::kAngle, "angles turned by 180 deg", kAngles, turned(pusht::kPi));
   list.addOfPairs(Correction::Group::kAngle, "angles turned by 90 deg", kAngles, turned(pusht::kPi / 2));
   list.addOfPairs(Correction::Group::kAngle, "angles turned by -90 deg", kAngles, turned(-pusht::kPi / 2));
@@ -250,7 +257,9 @@ void addAxes(QuestionList& list) {
     y = -y;
   };
   const std::vector<std::pair<std::string, std::vector<std::size_t>>> subjects = {
-      {"all positions", {kPusher, kTee, kTarget}}, {"the pusher's position", {kPusher}}, {"the tee's position", {kTee}}};
+      {"all positions", {kPusher, kTee, kTarget}},
+      {"the pusher's position", {kPusher}},
+      {"the tee's position", {kTee}}};
   for (const auto& [name, pairs] : subjects) {
     list.addOfPairs(Correction::Group::kAxes, "the other sign of x of " + name, pairs, other_x);
     list.addOfPairs(Correction::Group::kAxes, "the other sign of y of " + name, pairs, other_y);

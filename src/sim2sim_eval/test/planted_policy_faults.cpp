@@ -23,8 +23,8 @@ struct FaultyMemory : Policy::Memory {
   std::unique_ptr<Policy::Memory> memory{};  // of a policy with a state
   std::uint64_t seed = 0;
   Observations past{};
-  std::deque<Action> answer{};    // what is left of it
-  std::deque<Action> late{};      // on their way
+  std::deque<Action> answer{};  // what is left of it
+  std::deque<Action> late{};    // on their way
 };
 
 class FaultyPolicy final : public Policy {
@@ -131,9 +131,9 @@ class FaultyPolicy final : public Policy {
 
 // Faults.
 
-PolicyFault ofObservation(const std::string& name, std::vector<std::string> named_by,
+PolicyFault ofObservation(const std::string& name, const std::string& named_by,
                           const std::function<void(Observation&)>& change) {
-  PolicyFault fault{name, std::move(named_by)};
+  PolicyFault fault{name, named_by};
   fault.observation = [change](Observation observation) {
     change(observation);
     return observation;
@@ -141,15 +141,15 @@ PolicyFault ofObservation(const std::string& name, std::vector<std::string> name
   return fault;
 }
 
-PolicyFault ofAction(const std::string& name, std::vector<std::string> named_by,
+PolicyFault ofAction(const std::string& name, const std::string& named_by,
                      std::function<Action(Action, const Observation&)> change) {
-  PolicyFault fault{name, std::move(named_by)};
+  PolicyFault fault{name, named_by};
   fault.action = std::move(change);
   return fault;
 }
 
-PolicyFault ofDelay(int steps, std::vector<std::string> named_by) {
-  PolicyFault fault{"actions " + std::to_string(steps) + " control steps late", std::move(named_by)};
+PolicyFault ofDelay(int steps, const std::string& named_by) {
+  PolicyFault fault{"actions " + std::to_string(steps) + " control steps late", named_by};
   fault.delay = steps;
   return fault;
 }
@@ -173,56 +173,57 @@ std::function<void(Observation&)> angleTimes(double factor, double turn) {
 }
 
 void addOfObservations(std::vector<PolicyFault>& faults) {
-  faults.push_back(ofObservation("pusher and tee swapped", {"pusher and tee swapped"}, [](Observation& o) {
+  faults.push_back(ofObservation("pusher and tee swapped", "pusher and tee swapped", [](Observation& o) {
     std::swap(o[0], o[2]);
     std::swap(o[1], o[3]);
   }));
-  faults.push_back(ofObservation("sine and cosine swapped", {"sine and cosine swapped"}, [](Observation& o) {
+  faults.push_back(ofObservation("sine and cosine swapped", "sine and cosine swapped", [](Observation& o) {
     std::swap(o[4], o[5]);
     std::swap(o[8], o[9]);
   }));
-  faults.push_back(ofObservation("target first", {"the order tee, tee's angle, target, target's angle, pusher"},
+  faults.push_back(ofObservation("target first", "the order tee, tee's angle, target, target's angle, pusher",
                                  [](Observation& o) {  // target, its angle, pusher, tee, its angle
                                    std::rotate(o.begin(), o.begin() + 8, o.end());
                                  }));
-  faults.push_back(ofObservation("x and y swapped", {"x and y of all positions swapped"}, [](Observation& o) {
+  faults.push_back(ofObservation("x and y swapped", "x and y of all positions swapped", [](Observation& o) {
     for (const std::size_t i : {0, 2, 6}) {
       std::swap(o[i], o[i + 1]);
     }
   }));
-  faults.push_back(ofObservation("sign of the sine", {"the other sign of the sine"}, [](Observation& o) {
+  faults.push_back(ofObservation("sign of the sine", "the other sign of the sine", [](Observation& o) {
     o[4] = -o[4];
     o[8] = -o[8];
   }));
-  faults.push_back(ofObservation("sign of the cosine", {"the other sign of the cosine"}, [](Observation& o) {
+  faults.push_back(ofObservation("sign of the cosine", "the other sign of the cosine", [](Observation& o) {
     o[5] = -o[5];
     o[9] = -o[9];
   }));
-  faults.push_back(ofObservation("sign of x", {"the other sign of x of all positions"}, [](Observation& o) {
+  faults.push_back(ofObservation("sign of x", "the other sign of x of all positions", [](Observation& o) {
     for (const std::size_t i : {0, 2, 6}) {
       o[i] = -o[i];
     }
   }));
-  faults.push_back(ofObservation("sign of the tee's y", {"the other sign of y of the tee's position"},
+  faults.push_back(ofObservation("sign of the tee's y", "the other sign of y of the tee's position",
                                  [](Observation& o) { o[3] = -o[3]; }));
-  faults.push_back(ofObservation("positions halved", {"positions times 2"}, scaled(0.5F)));
-  faults.push_back(ofObservation("positions in mm", {"positions times 0.001"}, scaled(1000.0F)));
-  faults.push_back(ofObservation("positions in m for a policy of cm", {"positions times 100 (cm)"}, scaled(0.01F)));
-  faults.push_back(ofObservation("origin in a corner", {"positions moved by (-0."}, [](Observation& o) {
+  faults.push_back(ofObservation("positions halved", "positions times 2", scaled(0.5F)));
+  faults.push_back(ofObservation("positions in mm", "positions times 0.001", scaled(1000.0F)));
+  faults.push_back(ofObservation("positions in m for a policy of cm", "positions times 100 (cm)", scaled(0.01F)));
+  faults.push_back(ofObservation("origin in a corner", "positions moved by (-0.", [](Observation& o) {
     for (const std::size_t i : {0, 1, 2, 3, 6, 7}) {
       o[i] += 0.39F;
     }
   }));
-  faults.push_back(ofObservation("yaw taken for degrees", {"sine and cosine of the angle in degrees"},
-                                 angleTimes(pusht::kPi / 180.0, 0.0)));
-  faults.push_back(ofObservation("yaw from another axis", {"angles turned by -90 deg"}, angleTimes(1.0, pusht::kPi / 2)));
+  faults.push_back(ofObservation("trained with a yaw taken for degrees",
+                                 "sine and cosine of an angle that was taken for degrees",
+                                 angleTimes(180.0 / pusht::kPi, 0.0)));
+  faults.push_back(ofObservation("yaw from another axis", "angles turned by -90 deg", angleTimes(1.0, pusht::kPi / 2)));
   faults.push_back(ofObservation("the tee relative to the pusher",
-                                 {"the tee's position on the table, as it comes relative to the pusher"},
+                                 "the tee's position on the table, as it comes relative to the pusher",
                                  [](Observation& o) {
                                    o[2] -= o[0];
                                    o[3] -= o[1];
                                  }));
-  faults.push_back(ofObservation("the table turned", {"the table turned by -90 deg"}, [](Observation& o) {
+  faults.push_back(ofObservation("the table turned", "the table turned by -90 deg", [](Observation& o) {
     for (const std::size_t i : {0, 2, 6}) {
       o[i] = -std::exchange(o[i + 1], o[i]);
     }
@@ -253,12 +254,12 @@ struct Ranges {
 
 void addOfNormalization(std::vector<PolicyFault>& faults, const std::vector<Demonstration>& trained_on) {
   const Ranges ranges(trained_on);
-  faults.push_back(ofObservation("normalized twice", {"one normalization to [-1, 1] taken off"}, [=](Observation& o) {
+  faults.push_back(ofObservation("normalized twice", "one normalization to [-1, 1] taken off", [=](Observation& o) {
     for (std::size_t i = 0; i < o.size(); ++i) {
       o[i] = (o[i] - ranges.least[i]) * 2.0F / ranges.range[i] - 1.0F;
     }
   }));
-  faults.push_back(ofObservation("not normalized", {"observations normalized to [-1, 1]"}, [=](Observation& o) {
+  faults.push_back(ofObservation("not normalized", "observations normalized to [-1, 1]", [=](Observation& o) {
     for (std::size_t i = 0; i < o.size(); ++i) {
       o[i] = (o[i] + 1.0F) / 2.0F * ranges.range[i] + ranges.least[i];
     }
@@ -269,25 +270,27 @@ void addOfActions(std::vector<PolicyFault>& faults) {
   const auto times = [](float x, float y) {
     return [x, y](Action a, const Observation&) -> Action { return {x * a[0], y * a[1]}; };
   };
-  faults.push_back(ofAction("sign of actions", {"the other sign of actions"}, times(-1.0F, -1.0F)));
-  faults.push_back(ofAction("sign of an action's y", {"the other sign of y of actions"}, times(1.0F, -1.0F)));
-  faults.push_back(ofAction("actions halved", {"actions times 2"}, times(0.5F, 0.5F)));
-  faults.push_back(ofAction("actions doubled", {"actions times 0.5"}, times(2.0F, 2.0F)));
-  faults.push_back(ofAction("actions in mm/s", {"actions times 0.001"}, times(1000.0F, 1000.0F)));
-  faults.push_back(ofAction("ways of a step", {"actions times 10 (they are ways of a control step, not velocities)"},
+  faults.push_back(ofAction("sign of actions", "the other sign of actions", times(-1.0F, -1.0F)));
+  faults.push_back(ofAction("sign of an action's y", "the other sign of y of actions", times(1.0F, -1.0F)));
+  faults.push_back(ofAction("actions halved", "actions times 2", times(0.5F, 0.5F)));
+  faults.push_back(ofAction("actions doubled", "actions times 0.5", times(2.0F, 2.0F)));
+  faults.push_back(ofAction("actions in mm/s", "actions times 0.001", times(1000.0F, 1000.0F)));
+  faults.push_back(ofAction("ways of a step", "actions times 10 (they are ways of a control step, not velocities)",
                             times(0.1F, 0.1F)));
-  faults.push_back(ofAction("x and y of actions swapped", {"x and y of actions swapped"},
-                            [](Action a, const Observation&) -> Action { return {a[1], a[0]}; }));
-  faults.push_back(ofAction("positions to be reached", {"actions taken as positions to be reached in a control step"},
+  faults.push_back(
+      ofAction("x and y of actions swapped", "x and y of actions swapped", [](Action a, const Observation&) -> Action {
+        return {a[1], a[0]};
+      }));
+  faults.push_back(ofAction("positions to be reached", "actions taken as positions to be reached in a control step",
                             [](Action a, const Observation& o) -> Action {
                               return {o[0] + 0.1F * a[0], o[1] + 0.1F * a[1]};
                             }));
-  faults.push_back(ofAction("actions in the tee's axes", {"actions turned from the tee's axes into the table's"},
+  faults.push_back(ofAction("actions in the tee's axes", "actions turned from the tee's axes into the table's",
                             [](Action a, const Observation& o) -> Action {
                               return {o[5] * a[0] + o[4] * a[1], o[5] * a[1] - o[4] * a[0]};
                             }));
-  faults.push_back(ofDelay(1, {"actions 1 step earlier (observations or actions come late)"}));
-  faults.push_back(ofDelay(2, {"actions 2 steps earlier (observations or actions come late)"}));
+  faults.push_back(ofDelay(1, "actions 1 step earlier (observations or actions come late)"));
+  faults.push_back(ofDelay(2, "actions 2 steps earlier (observations or actions come late)"));
 }
 
 /// Rows written number by number, as a wrapper does that has its axes in another order.
@@ -305,22 +308,23 @@ std::vector<Row> numberByNumber(const std::vector<Row>& rows) {
 }
 
 void addOfSequences(std::vector<PolicyFault>& faults) {
-  PolicyFault upside_down{"history upside down", {"the newest observation first"}};
+  PolicyFault upside_down{"history upside down", "the newest observation first"};
   upside_down.history = [](Observations past) {
     std::reverse(past.begin(), past.end());
     return past;
   };
   faults.push_back(upside_down);
-  PolicyFault layout{"history number by number", {"the history observation by observation, as it comes number by number"}};
+  PolicyFault layout{"history number by number",
+                     "the history observation by observation, as it comes number by number"};
   layout.history = [](const Observations& past) { return numberByNumber(past); };
   faults.push_back(layout);
-  PolicyFault backwards{"chunk backwards", {"the last action of an answer first"}};
+  PolicyFault backwards{"chunk backwards", "the last action of an answer first"};
   backwards.chunk = [](Actions actions) {
     std::reverse(actions.begin(), actions.end());
     return actions;
   };
   faults.push_back(backwards);
-  PolicyFault axes{"chunk axis by axis", {"x and y together, as an answer has all x before all y"}};
+  PolicyFault axes{"chunk axis by axis", "x and y together, as an answer has all x before all y"};
   axes.chunk = [](const Actions& actions) { return numberByNumber(actions); };
   faults.push_back(axes);
 }

@@ -15,8 +15,7 @@ namespace sim2sim::testing {
 /// Fault of a policy's interface.
 struct PolicyFault {
   std::string name;
-  /// Beginnings of the words of corrections by which it must be named; of alternatives any.
-  std::vector<std::string> named_by;
+  std::string named_by;  ///< beginning of the words of the correction that names it
   std::function<pusht::Observation(pusht::Observation)> observation{};
   std::function<std::vector<pusht::Observation>(std::vector<pusht::Observation>)> history{};
   std::function<pusht::Action(pusht::Action, const pusht::Observation&)> action{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Audit of a policy: is it asked as it was trained? It is given recorded observations, and its answers are held against
-/// the recorded actions. If they are far from them, a search names the fault of the interface that explains it.
+/// Audit of a policy: is it asked as it was trained? It is given recorded observations, and its answers are held
+/// against the recorded actions. If they are far from them, a search names the fault of the interface that explains it.
 #pragma once
 
 #include <cstddef>
@@ -32,8 +32,8 @@ struct PolicySignature {
 
 /// What an audit says of a policy.
 enum class PolicyVerdict {
-  kNear,       ///< its actions are near the recorded ones, and no fault explains the rest
-  kFault,      ///< a fault explains the error
+  kNear,        ///< its actions are near the recorded ones, and no fault explains the rest
+  kFault,       ///< a fault explains the error
   kUnexplained  ///< its actions are far from the recorded ones, and no fault of the list explains it
 };
 
@@ -54,11 +54,11 @@ struct PolicyAudit {
   PolicySignature signature;
   std::size_t episodes = 0;  ///< of the demonstrations
   std::size_t steps = 0;
-  std::size_t units = 0;      ///< episodes, or parts of them, that the figures are means of
-  bool are_episodes = true;   ///< whether units are whole episodes
-  std::size_t tried = 0;      ///< faults and pairs of faults that the search looked at
-  Estimate error;             ///< of the policy as it is
-  Estimate constant;          ///< of the best constant action
+  std::size_t units = 0;                  ///< episodes, or parts of them, that the figures are means of
+  bool are_episodes = true;               ///< whether units are whole episodes
+  std::size_t tried = 0;                  ///< faults and pairs of faults that the search looked at
+  Estimate error;                         ///< of the policy as it is
+  Estimate constant;                      ///< of the best constant action
   std::vector<Explanation> explanations;  ///< the best ones; those that are named first
 
   /// The fault that explains the error, in words; empty if there is none.

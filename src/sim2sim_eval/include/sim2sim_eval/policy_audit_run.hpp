@@ -36,8 +36,8 @@ struct PolicyAuditRun {
 /// Signature of a policy, by its provenance. One that has none, as the expert, may remember anything.
 PolicySignature signatureOf(const pusht::ChosenPolicy& policy);
 
-/// Asks a policy with demonstrations. Once the process is interrupted it is not asked any more. Throws as auditPolicy(),
-/// with the policy's name; RuntimeFault if the process is interrupted.
+/// Asks a policy with demonstrations. Once the process is interrupted it is not asked any more. Throws as
+/// auditPolicy(), with the policy's name; RuntimeFault if the process is interrupted.
 PolicyAudit auditNamedPolicy(pusht::Policy& policy, const std::string& name, const PolicySignature& signature,
                              const std::vector<Demonstration>& demonstrations);
 

@@ -52,8 +52,8 @@ class CsvColumns {
       const std::optional<std::size_t> column = find(short_name);
       const std::optional<std::size_t> other = find(long_name);
       if (column.has_value() == other.has_value()) {
-        throw pusht::InvalidInput(std::string("column '") + short_name + "' or '" + long_name + "': " +
-                                  (column ? "must appear only once" : "is missing"));
+        throw pusht::InvalidInput(std::string("column '") + short_name + "' or '" + long_name +
+                                  "': " + (column ? "must appear only once" : "is missing"));
       }
       numbers_[i] = column ? *column : *other;
     }

@@ -54,9 +54,9 @@ TrainingLoss lossOf(const std::filesystem::path& checkpoint) {
 std::string lossText(const TrainingLoss& loss) {
   constexpr int kDigits = 3;
   return loss.name.empty() ? ""
-                           : "its training ended at " + pusht::significantText(loss.training, kDigits) +
-                                 ", and at " + pusht::significantText(loss.validation, kDigits) +
-                                 " on demonstrations left out (" + loss.name + ")\n";
+                           : "its training ended at " + pusht::significantText(loss.training, kDigits) + ", and at " +
+                                 pusht::significantText(loss.validation, kDigits) + " on demonstrations left out (" +
+                                 loss.name + ")\n";
 }
 
 }  // namespace
@@ -71,7 +71,8 @@ std::string PolicyAuditRun::json() const {
   file.update(toJson(audit));
   file["training"] = nullptr;
   if (!loss.name.empty()) {
-    file["training"] = {{"loss", loss.name}, {"final_train_loss", loss.training}, {"final_validation_loss", loss.validation}};
+    file["training"] = {
+        {"loss", loss.name}, {"final_train_loss", loss.training}, {"final_validation_loss", loss.validation}};
   }
   return jsonText(file);
 }

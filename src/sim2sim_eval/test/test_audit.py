@@ -5,12 +5,14 @@
 import json
 import re
 import unittest
-from typing import Any, Dict, List
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
 
 from command_case import CommandCase, executable
 
 AUDIT = executable("sim2sim_eval", "audit")
 COMPARE = executable("sim2sim_eval", "compare")
+DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
 RUN = ("--policy", "expert", "--episodes", "1", "--horizon", "20", "--no-floor")
 
 
@@ -139,6 +141,78 @@ class Audits(CommandCase):
         self.assertEqual(audit["simulators"], self.load("run", "metrics.json")["simulators"])
         against_task = self.audit("--engine", "mujoco", "--against", "task")
         self.assertIsNone(against_task["simulators"]["reference"])
+
+    def demonstrations(self, episodes: int = 30) -> str:
+        """A CSV of the expert's demonstrations, by way of the bag."""
+        options = ("--seed", "20000", "--episodes", str(episodes), "--out", "demonstrations.bag")
+        self.run_all((DEMONSTRATE, *options))
+        return "demonstrations.bag"
+
+    def csv(self, *changes: Tuple[str, str]) -> str:
+        """A CSV of enough steps, with changes of its text."""
+        names = [f"o{i}" for i in range(10)] + ["a0", "a1", "reward"]
+        rows = [["0.1"] * 13 for _ in range(700)]
+        text = "\n".join(",".join(row) for row in [names, *rows]) + "\n"
+        for old, new in changes:
+            self.assertIn(old, text)
+            text = text.replace(old, new, 1)
+        (self.folder / "lab.csv").write_text(text)
+        return "lab.csv"
+
+    def test_a_policy_that_is_asked_wrongly(self) -> None:
+        from torch_policies import save_swapped  # takes a second
+
+        save_swapped(str(self.folder / "swapped.pt"))
+        bag = self.demonstrations()
+        command = (AUDIT, "--demonstrations", bag, "--out", "audit.json", "--overwrite", "--policy")
+        process = self.run_command(*command, "swapped.pt")
+        self.assert_one_line(process, 5, "audit")
+        self.assertIn("with pusher and tee swapped the error falls", process.stdout.splitlines()[0])
+        written = self.load(".", "audit.json")
+        self.assertEqual((written["verdict"], written["contract_holds"]), ("fault", False))
+        self.assertEqual(written["explanations"][0]["corrections"], ["pusher and tee swapped"])
+        self.assertIn("  its training ended at 0.0119", self.run_all((*command, "bc")))
+        self.assertEqual(self.load(".", "audit.json")["verdict"], "near")
+
+    def test_f54_demonstrations_that_are_refused(self) -> None:
+        for changes, message in (
+            ([("0.1,0.1", "0.1,east")], "line 2: column 'o1' 'east': must be a decimal number"),
+            ([("0.1,0.1", "0.1,nan")], "line 2: column 'o1' 'nan': must be a decimal number"),
+            ([("o3,", "height,")], "line 1: column 'o3' or 'tee_y': is missing"),
+            ([("reward", "a1")], "line 1: column 'a1': must appear only once"),
+            ([("reward", "tee_y")], "line 1: column 'o3' or 'tee_y': must appear only once"),
+            ([("0.1,0.1,", "0.1,")], "line 2: 12 values: must be 13, one for each column"),
+            ([("reward", "episode"), ("0.1\n", "7\n")], "line 4: episode '0.1'"),
+        ):
+            with self.subTest(message):
+                process = self.run_command(
+                    AUDIT, "--policy", "expert", "--demonstrations", self.csv(*changes)
+                )
+                self.assert_one_line(process, 2, "audit")
+                self.assertIn(f"demonstrations lab.csv: {message}", process.stderr)
+
+    def test_f54_what_is_no_demonstration_or_too_little(self) -> None:
+        (self.folder / "short.csv").write_text(
+            "\n".join(Path(self.folder / self.csv()).read_text().splitlines()[:300])
+        )
+        (self.folder / "no.bag").write_text("no bag")
+        for name, message in (
+            ("missing.bag", "bag missing.bag: must be a readable file"),
+            ("missing.csv", "missing.csv"),
+            ("no.bag", "bag no.bag: must be a whole bag"),
+            ("short.csv", "1 episodes with 14 parts"),
+        ):
+            with self.subTest(name):
+                process = self.run_command(AUDIT, "--policy", "expert", "--demonstrations", name)
+                self.assert_one_line(process, 2, "audit")
+                self.assertIn(message, process.stderr)
+        for arguments in (
+            ("--policy", "expert"),
+            ("--demonstrations", "lab.csv"),
+            ("--policy", "expert", "--demonstrations", "lab.csv", "--engine", "mujoco"),
+        ):
+            with self.subTest(arguments):
+                self.assert_one_line(self.run_command(AUDIT, *arguments), 2, "audit")
 
 
 if __name__ == "__main__":

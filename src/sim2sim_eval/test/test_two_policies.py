@@ -141,7 +141,7 @@ class Gate(PolicyCase):
         self.assertIn("must be one of transfer", message)
         self.assertFalse((self.folder / "b").exists())
 
-    def test_f54_what_cannot_be_required_is_refused_before_the_run(self) -> None:
+    def test_f57_what_cannot_be_required_is_refused_before_the_run(self) -> None:
         (self.folder / "there.xml").write_text("kept")
         require = ("--require", "transfer > 0.8")
         for more, said in (

@@ -40,17 +40,6 @@ std::string csvRow(WorldState state) {
   return row + "\n";
 }
 
-/// The cells of a line, spaces around them left out.
-std::vector<std::string> cellsOf(const std::string& line) {
-  constexpr const char* kBlank = " \t\r";
-  std::vector<std::string> cells = pusht::split(line, ',');
-  for (std::string& cell : cells) {
-    const std::size_t begin = std::min(cell.find_first_not_of(kBlank), cell.size());
-    cell = cell.substr(begin, cell.find_last_not_of(kBlank) + 1 - begin);
-  }
-  return cells;
-}
-
 const StateField& columnOf(const std::string& name) {
   const auto* const column = std::find_if(kStateFields.begin(), kStateFields.end(),
                                           [&](const StateField& known) { return known.name == name; });
@@ -62,7 +51,7 @@ const StateField& columnOf(const std::string& name) {
 
 /// The columns that the first line names.
 std::vector<StateField> columnsIn(const std::string& line) {
-  const std::vector<std::string> names = cellsOf(line);
+  const std::vector<std::string> names = pusht::cellsOf(line);
   std::vector<StateField> columns;
   for (const std::string& name : names) {
     columns.push_back(columnOf(name));
@@ -79,7 +68,7 @@ std::vector<StateField> columnsIn(const std::string& line) {
 }
 
 WorldState stateIn(const std::string& line, const std::vector<StateField>& columns) {
-  const std::vector<std::string> cells = cellsOf(line);
+  const std::vector<std::string> cells = pusht::cellsOf(line);
   if (cells.size() != columns.size()) {
     throw pusht::InvalidInput(std::to_string(cells.size()) + " values: must be " + std::to_string(columns.size()) +
                               ", one for each column");

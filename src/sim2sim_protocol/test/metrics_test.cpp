@@ -30,6 +30,7 @@ TEST(DoubtAboutPolicy, IsRaisedWhereATrainedOneNeverSucceedsAtHome) {
   EXPECT_EQ(doubt(1, checkpoint), "");
   configuration.reference = {"chipmunk", "Chipmunk"};
   EXPECT_THAT(doubt(0, checkpoint), HasSubstr("never succeeds in the reference. It looks"));
+  EXPECT_THAT(doubt(0, checkpoint), HasSubstr("audit --policy FILE --demonstrations BAG"));
   configuration.reference = {"mujoco", "MuJoCo"};
   EXPECT_THAT(doubt(0, checkpoint), HasSubstr("in the reference, the simulator it was trained in. It looks"));
   configuration.policy = "somebody's node";

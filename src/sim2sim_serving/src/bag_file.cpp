@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_serving/bag_file.hpp"
 
+#include <console_bridge/console.h>
+#include <ros/exception.h>
+
 #include <system_error>
 #include <utility>
 
@@ -20,6 +23,15 @@ const fs::path& requireFree(const fs::path& path) {
   }
   return path;
 }
+
+/// rosbag's libraries print some of the errors that they throw; one line is enough.
+class QuietLibraries {
+ public:
+  QuietLibraries() { console_bridge::noOutputHandler(); }
+  QuietLibraries(const QuietLibraries&) = delete;
+  QuietLibraries& operator=(const QuietLibraries&) = delete;
+  ~QuietLibraries() { console_bridge::restorePreviousOutputHandler(); }
+};
 
 }  // namespace
 
@@ -55,6 +67,30 @@ void BagFile::attempt(const std::function<void()>& action) const {
     action();
   } catch (const rosbag::BagException& error) {
     throw RuntimeFault("cannot write " + path_.string() + ": " + error.what());
+  }
+}
+
+void readBag(const fs::path& path, const std::function<void(const rosbag::Bag&)>& work) {
+  const std::string name = "bag " + path.string();
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored)) {
+    throw InvalidInput(name + ": must be a readable file");
+  }
+  const QuietLibraries quiet;
+  try {
+    const rosbag::Bag bag(path.string());
+    work(bag);
+  } catch (Error& error) {
+    error.addContext(name);
+    throw;
+  } catch (const rosbag::BagUnindexedException&) {
+    throw InvalidInput(name + ": was not closed; `rosbag reindex " + path.string() + "` recovers it");
+  } catch (const ros::Exception& error) {  // of rosbag and of the messages
+    if (dynamic_cast<const rosbag::BagIOException*>(&error) != nullptr) {
+      sha256OfFile(path, "bag");  // throws if the disk is at fault
+    }
+    throw InvalidInput(name + ": must be a whole bag: " + error.what() +
+                       "; if it was cut short, `rosbag reindex " + path.string() + "` recovers what is left");
   }
 }
 

@@ -21,4 +21,15 @@ inline std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
+/// Cells of a line of CSV, blanks around them left out.
+inline std::vector<std::string> cellsOf(const std::string& line) {
+  constexpr const char* kBlank = " \t\r";
+  std::vector<std::string> cells = split(line, ',');
+  for (std::string& cell : cells) {
+    const std::size_t begin = std::min(cell.find_first_not_of(kBlank), cell.size());
+    cell = cell.substr(begin, cell.find_last_not_of(kBlank) + 1 - begin);
+  }
+  return cells;
+}
+
 }  // namespace pusht

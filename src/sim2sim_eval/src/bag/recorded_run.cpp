@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bag/recorded_run.hpp"
 
-#include <console_bridge/console.h>
 #include <pusht_msgs/EpisodeResult.h>
 #include <pusht_msgs/Trace.h>
 #include <pusht_msgs/WorldStateStamped.h>
@@ -16,15 +15,14 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "bag/messages.hpp"
 #include "bag/run_bag.hpp"
 #include "pusht_task/error.hpp"
-#include "pusht_task/files.hpp"
 #include "pusht_task/json_text.hpp"
+#include "sim2sim_serving/bag_file.hpp"
 #include "sim2sim_serving/conversions.hpp"
 
 namespace sim2sim {
@@ -140,25 +138,6 @@ class Reader {
   std::map<int, EpisodeResult> results_;
 };
 
-template <class Message>
-Message messageIn(const rosbag::MessageInstance& instance) {
-  const boost::shared_ptr<Message> message = instance.instantiate<Message>();
-  if (message == nullptr) {
-    throw pusht::InvalidInput(instance.getTopic() + " is " + instance.getDataType() + ", must be " +
-                              ros::message_traits::datatype<Message>() + " as it is now");
-  }
-  return *message;
-}
-
-/// rosbag's libraries print some of the errors that they throw; one line is enough.
-class QuietLibraries {
- public:
-  QuietLibraries() { console_bridge::noOutputHandler(); }
-  QuietLibraries(const QuietLibraries&) = delete;
-  QuietLibraries& operator=(const QuietLibraries&) = delete;
-  ~QuietLibraries() { console_bridge::restorePreviousOutputHandler(); }
-};
-
 /// Message of a run.
 struct Recorded {
   ros::Time stamp;
@@ -176,13 +155,13 @@ Recorded recordedIn(const rosbag::MessageInstance& instance, const std::map<std:
   const auto plainly = [](Reader& reader, const auto& message) { reader.take(message); };
   const auto world = modes.find(instance.getTopic());
   if (world != modes.end()) {
-    return recorded(0, messageIn<pusht_msgs::WorldStateStamped>(instance),
+    return recorded(0, pusht::messageIn<pusht_msgs::WorldStateStamped>(instance),
                     [mode = world->second](Reader& reader, const auto& message) { reader.take(mode, message); });
   }
   if (instance.getTopic() == kTraceTopic) {
-    return recorded(1, messageIn<pusht_msgs::Trace>(instance), plainly);
+    return recorded(1, pusht::messageIn<pusht_msgs::Trace>(instance), plainly);
   }
-  return recorded(2, messageIn<pusht_msgs::EpisodeResult>(instance), plainly);
+  return recorded(2, pusht::messageIn<pusht_msgs::EpisodeResult>(instance), plainly);
 }
 
 /// Description of the bag's run; of the last run if a plain recorder has recorded several.
@@ -192,7 +171,7 @@ nlohmann::ordered_json descriptionIn(const rosbag::Bag& bag) {
     throw pusht::InvalidInput(std::string("holds 0 messages on ") + kConfigurationTopic +
                               ", must be 1: the bag of one run");
   }
-  const std::string text = messageIn<std_msgs::String>(*std::next(view.begin(), view.size() - 1)).data;
+  const std::string text = pusht::messageIn<std_msgs::String>(*std::next(view.begin(), view.size() - 1)).data;
   nlohmann::ordered_json description = pusht::parseOrderedJson(text);
   if (!description.is_object()) {
     throw pusht::InvalidInput(std::string("its last message on ") + kConfigurationTopic + " must hold a JSON object");
@@ -263,29 +242,15 @@ RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop,
 
 RecordedRun readRun(const fs::path& path, const std::function<bool()>& stop,
                     const std::function<void(Episode&&)>& each) {
-  const std::string name = "bag " + path.string();
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) {
-    throw pusht::InvalidInput(name + ": must be a readable file");
-  }
-  const QuietLibraries quiet;
-  try {
-    const rosbag::Bag bag(path.string());
-    return runIn(bag, stop, each);
-  } catch (pusht::Error& error) {
-    error.addContext(name);
-    throw;
-  } catch (const nlohmann::json::exception& error) {
-    throw pusht::InvalidInput(name + ": " + kConfigurationTopic + ": " + error.what());
-  } catch (const rosbag::BagUnindexedException&) {
-    throw pusht::InvalidInput(name + ": was not closed; `rosbag reindex " + path.string() + "` recovers it");
-  } catch (const ros::Exception& error) {  // of rosbag and of the messages
-    if (dynamic_cast<const rosbag::BagIOException*>(&error) != nullptr) {
-      pusht::sha256OfFile(path, "bag");  // throws if the disk is at fault
+  std::optional<RecordedRun> run;
+  pusht::readBag(path, [&](const rosbag::Bag& bag) {
+    try {
+      run = runIn(bag, stop, each);
+    } catch (const nlohmann::json::exception& error) {
+      throw pusht::InvalidInput(std::string(kConfigurationTopic) + ": " + error.what());
     }
-    throw pusht::InvalidInput(name + ": must be a whole bag: " + error.what() +
-                              "; if it was cut short, `rosbag reindex " + path.string() + "` recovers what is left");
-  }
+  });
+  return std::move(*run);
 }
 
 }  // namespace sim2sim

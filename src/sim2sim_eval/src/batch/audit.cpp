@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
+#include <iostream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/simulators.hpp"
 #include "sim2sim_eval/interruption.hpp"
+#include "sim2sim_eval/policy_audit_run.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"
 
@@ -31,6 +33,8 @@ struct AuditOptions {
   int threads = 0;            ///< 0: one for each core that the process may use
   std::filesystem::path out;  ///< JSON file to be written; empty: none
   bool overwrite = false;     ///< replace a file that is there already
+  std::string policy;         ///< audited in place of simulators; empty: none
+  std::filesystem::path demonstrations;  ///< bag or CSV, for the policy
 };
 
 AuditedSimulator auditedOf(const LoadedSimulator& simulator) {
@@ -68,6 +72,23 @@ void auditSimulators(const AuditOptions& options) {
   requireContract(result);
 }
 
+/// Prints the audit of the policy, and writes it. Throws ContractError if a fault explains its error; InvalidInput for a
+/// file that is there already; as auditPolicyFile().
+void auditPolicy(const AuditOptions& options) {
+  if (!options.overwrite) {
+    pusht::requireNewFile("audit", options.out);
+  }
+  PolicyAuditRun run = auditPolicyFile(options.policy, readDemonstrations(options.demonstrations));
+  run.demonstrations = options.demonstrations.string();
+  std::cout << run.text() << std::flush;
+  if (!options.out.empty()) {
+    options.overwrite ? pusht::writeFile(options.out, run.json()) : pusht::writeNewFile("audit", options.out, run.json());
+  }
+  if (run.audit.verdict == PolicyVerdict::kFault) {
+    throw pusht::ContractError("the policy is asked wrongly: right with " + run.audit.fault());
+  }
+}
+
 }  // namespace
 
 int auditMain(int argc, char** argv) {
@@ -95,7 +116,20 @@ int auditMain(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--out", options.out, "write the audit into a new JSON file")->check(notEmpty());
   app.add_flag("--overwrite", options.overwrite, "replace a file that is there already");
-  return runCommand(app, argc, argv, [&] { auditSimulators(options); });
+  CLI::Option* const policy =
+      app.add_option("--policy", options.policy, "audits a policy in place of simulators: a file or a name")
+          ->check(notEmpty());
+  CLI::Option* const demonstrations =
+      app.add_option("--demonstrations", options.demonstrations,
+                     "what the policy is asked: a bag of `demonstrate`, or a CSV of observations and actions")
+          ->check(notEmpty());
+  demonstrations->needs(policy);
+  policy->needs(demonstrations);
+  for (const char* of_simulators : {"--reference", "--engine", "--set", "--set-reference", "--against", "--seed", "--threads"}) {
+    policy->excludes(app.get_option(of_simulators));
+  }
+  return runCommand(app, argc, argv,
+                    [&] { options.policy.empty() ? auditSimulators(options) : auditPolicy(options); });
 }
 
 }  // namespace sim2sim

@@ -205,7 +205,8 @@ std::string doubtAboutPolicy(const json& metrics, const json& provenance, const 
   const bool at_home = metrics.at("reference_simulator") == kCourseReference;
   return "policy " + metrics.at("policy").get<std::string>() + " never succeeds in the reference" +
          (at_home ? ", the simulator it was trained in" : "") +
-         ". It looks untrained or stale: the figures measure the policy, not the gap between the simulators.";
+         ". It looks untrained or stale: the figures measure the policy, not the gap between the simulators. Whether "
+         "it is asked wrongly: audit --policy FILE --demonstrations BAG.";
 }
 
 }  // namespace sim2sim

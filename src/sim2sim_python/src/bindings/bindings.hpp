@@ -17,6 +17,9 @@ constexpr pybind11::ssize_t kAxes = std::tuple_size_v<pusht::Action>;
 /// Adds run(), which runs a command.
 void bindCommands(pybind11::module_& module);
 
+/// Adds audit_policy().
+void bindAuditPolicy(pybind11::module_& module);
+
 /// Adds compare() and load().
 void bindCompare(pybind11::module_& module);
 

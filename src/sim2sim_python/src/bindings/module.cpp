@@ -11,6 +11,7 @@ PYBIND11_MODULE(_sim2sim, module) {
   sim2sim::python::translateErrors();
   sim2sim::python::endRunsAtExit();
   sim2sim::python::bindCommands(module);
+  sim2sim::python::bindAuditPolicy(module);
   sim2sim::python::bindCompare(module);
   sim2sim::python::bindLoadedPolicy(module);
   sim2sim::python::bindStatistics(module);

@@ -25,10 +25,25 @@ struct Row {
   PyObject* memory = nullptr;              ///< the callable's own; owned, null before the first query
 };
 
+/// Place at which a policy that is a Python callable gets its answers.
+class Desk {
+ public:
+  Desk() = default;
+  Desk(const Desk&) = delete;
+  Desk& operator=(const Desk&) = delete;
+  virtual ~Desk() = default;
+
+  /// Returns when all `rows` are answered. Throws what the callable's answer is refused for.
+  virtual void ask(const std::vector<Row*>& rows) = 0;
+
+  /// Gives up a reference of a memory.
+  virtual void drop(PyObject* memory) = 0;
+};
+
 /// Desk at which threads of a run ask, and one thread, which may call Python, answers. So the callable runs in the
 /// thread in which compare() was called: Ctrl-C reaches it, and settings that belong to a thread (torch.no_grad) hold.
 /// While the callable runs, further queries gather; the next call answers them all.
-class PolicyDesk {
+class PolicyDesk final : public Desk {
  public:
   /// What there is to do.
   struct Work {
@@ -37,16 +52,12 @@ class PolicyDesk {
     bool ended = false;                   ///< the run is over: there will be no more
   };
 
-  PolicyDesk() = default;
-  PolicyDesk(const PolicyDesk&) = delete;
-  PolicyDesk& operator=(const PolicyDesk&) = delete;
-
   /// Waits until all `rows` are answered. Throws RuntimeFault with the reason if the desk is closed, and what the
   /// answering thread found wrong. For threads of the run.
-  void ask(const std::vector<Row*>& rows);
+  void ask(const std::vector<Row*>& rows) override;
 
-  /// Gives up a reference of a memory, which only a thread with the GIL may do.
-  void drop(PyObject* memory);
+  /// Keeps the reference until releaseDropped(): only a thread with the GIL may give it up.
+  void drop(PyObject* memory) override;
 
   void warn(const std::string& warning);
 

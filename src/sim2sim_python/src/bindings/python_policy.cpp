@@ -21,7 +21,7 @@ namespace py = pybind11;
 
 /// Memory of a rollout: what the callable is asked with, and the actions of its last answer that are left.
 struct RolloutMemory : pusht::Policy::Memory {
-  RolloutMemory(PolicyDesk& desk_of_run, const pusht::Beginning& beginning) : desk(desk_of_run), told(beginning) {
+  RolloutMemory(Desk& desk_of_run, const pusht::Beginning& beginning) : desk(desk_of_run), told(beginning) {
     row.seed = beginning.seed;
   }
   RolloutMemory(const RolloutMemory&) = delete;
@@ -41,7 +41,7 @@ struct RolloutMemory : pusht::Policy::Memory {
     row.past.back() = observation;
   }
 
-  PolicyDesk& desk;
+  Desk& desk;
   pusht::Beginning told;
   Row row;
   std::size_t next = 0;  // action of the answer

@@ -13,19 +13,19 @@
 
 namespace sim2sim::python {
 
-/// Policy in a thread of a run, whose answers come from a PolicyDesk. It keeps the history of each rollout, and asks
+/// Policy whose answers come from a desk. It keeps the history of each rollout, and asks
 /// only when the actions of the last answer are used up.
 class PythonPolicy : public pusht::Policy {
  public:
   /// `history`: number of observations that the callable looks back on, at least 1. The desk must outlive the policy
   /// and its memories.
-  PythonPolicy(PolicyDesk& desk, int history) : desk_(desk), history_(history) {}
+  PythonPolicy(Desk& desk, int history) : desk_(desk), history_(history) {}
 
   std::unique_ptr<Memory> begin(const pusht::Beginning& beginning) const override;
   void act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) override;
 
  private:
-  PolicyDesk& desk_;
+  Desk& desk_;
   int history_;
 };
 

@@ -16,6 +16,7 @@ from sim2sim.errors import (
 )
 from sim2sim.gym import Box
 from sim2sim.policy import Policy, load_policy
+from sim2sim.policy_audit import PolicyAudit, audit_policy
 from sim2sim.results import Comparison, Findings, Sweep, load
 from sim2sim.worlds import VectorWorld, World, make, make_vec, parameters
 
@@ -32,11 +33,13 @@ __all__ = [
     "InternalError",
     "InvalidInput",
     "Policy",
+    "PolicyAudit",
     "RuntimeFault",
     "SimulationFault",
     "Sweep",
     "VectorWorld",
     "World",
+    "audit_policy",
     "compare",
     "contrast",
     "kinds",

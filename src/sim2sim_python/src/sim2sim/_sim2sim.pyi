@@ -23,6 +23,18 @@ def run(name: str, options: Dict[str, Any], progress: bool) -> Dict[str, str]: .
 
 statistics: Any  # the functions that sim2sim.statistics describes
 
+def audit_policy(
+    policy: object,
+    name: str,
+    history: int,
+    observations: List[NDArray[np.float32]],
+    actions: List[NDArray[np.float32]],
+    label: str,
+) -> Dict[str, str]: ...
+def read_demonstrations(
+    path: str,
+) -> Tuple[List[NDArray[np.float32]], List[NDArray[np.float32]]]: ...
+
 class PolicyMemory: ...
 
 class LoadedPolicy:

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Bag that is complete or absent.
+/// Bags: one that is complete or absent, and reading of one that may be damaged.
 #pragma once
 
 #include <ros/message_traits.h>
 #include <ros/time.h>
 #include <rosbag/bag.h>
+#include <rosbag/message_instance.h>
 
 #include <boost/make_shared.hpp>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include <memory>
 #include <string>
 
+#include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 
 namespace pusht {
@@ -54,5 +56,20 @@ class BagFile {
   AsideFile file_;  // the bag opens it by its name
   std::unique_ptr<rosbag::Bag> bag_;
 };
+
+/// Reads the bag at `path` by `work`. Throws InvalidInput, naming the bag, if there is no file or it is no whole bag;
+/// RuntimeFault if the disk is at fault; an Error of `work` with the bag in front.
+void readBag(const std::filesystem::path& path, const std::function<void(const rosbag::Bag&)>& work);
+
+/// Message of a bag. Throws InvalidInput if it is of another type, or of that type in another version.
+template <class Message>
+Message messageIn(const rosbag::MessageInstance& instance) {
+  const boost::shared_ptr<Message> message = instance.instantiate<Message>();
+  if (message == nullptr) {
+    throw InvalidInput(instance.getTopic() + " is " + instance.getDataType() + ", must be " +
+                       ros::message_traits::datatype<Message>() + " as it is now");
+  }
+  return *message;
+}
 
 }  // namespace pusht

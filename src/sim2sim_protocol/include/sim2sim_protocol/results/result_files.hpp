@@ -52,6 +52,7 @@ inline constexpr int kEquivalentFormat = resultFile("equivalent").format;
 inline constexpr int kContrastFormat = resultFile("contrast").format;
 inline constexpr int kAgreementFormat = resultFile("agreement").format;
 inline constexpr int kAuditFormat = resultFile("audit").format;
+inline constexpr int kPolicyAuditFormat = resultFile("policy_audit").format;
 inline constexpr int kRolloutFormat = resultFile("rollout").format;
 inline constexpr int kStatusFormat = resultFile("status").format;
 

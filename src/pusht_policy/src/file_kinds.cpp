@@ -51,7 +51,7 @@ struct Format {
 
 constexpr std::array kFormats = {
     Format{[](std::string_view b) { return isZip(b) && has(b, "stable_baselines3"); }, "a model of Stable-Baselines3",
-           "; load it there, and trace its actor: docs/policies.md has an example"},
+           "; load it there, and trace its actor: docs/networks.md has an example"},
     Format{[](std::string_view b) {
              return isZip(b) && (has(b, "serialized_exported_program") || has(b, "models/model.json"));
            },

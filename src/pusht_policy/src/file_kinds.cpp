@@ -23,10 +23,8 @@ bool begins(std::string_view bytes, std::string_view what) { return bytes.substr
 
 bool isZip(std::string_view bytes) { return begins(bytes, "PK\x03\x04"); }
 
-/// An archive of torch.save() has its pickle, and no code.
-bool isSaved(std::string_view bytes) {
-  return isZip(bytes) && has(bytes, "/data.pkl") && !has(bytes, "/constants.pkl");
-}
+/// An archive of torch.save() has its pickle.
+bool isSaved(std::string_view bytes) { return isZip(bytes) && has(bytes, "/data.pkl"); }
 
 /// Length of a JSON header in 8 bytes, then the header. Source: https://huggingface.co/docs/safetensors.
 bool isSafetensors(std::string_view bytes) {
@@ -59,7 +57,9 @@ constexpr std::array kFormats = {
     Format{[](std::string_view b) { return isSaved(b) && has(b, "OrderedDict"); },
            "weights without their network (a state_dict)", kTrace},
     Format{isSaved, "a pickled object (torch.save), which needs its Python code", kTrace},
-    Format{[](std::string_view b) { return begins(b, "\x80\x02") || begins(b, "\x80\x03") || begins(b, "\x80\x04"); },
+    Format{[](std::string_view b) {
+             return begins(b, "\x80\x02") || begins(b, "\x80\x03") || begins(b, "\x80\x04") || begins(b, "\x80\x05");
+           },
            "a pickled object, which needs its Python code", kTrace},
     Format{isSafetensors, "weights without their network (safetensors)", kTrace},
     Format{[](std::string_view b) { return begins(b, "\x89HDF"); }, "an HDF5 file, as of Keras", "; export it to ONNX"},
@@ -80,6 +80,9 @@ void requireFile(const fs::path& path, const std::string& name) {
 }
 
 void requireNoOtherFormat(const std::string& bytes, const std::string& name) {
+  if (isZip(bytes) && has(bytes, "/constants.pkl")) {
+    return;  // TorchScript, whatever its modules are called
+  }
   for (const Format& format : kFormats) {
     if (format.is(bytes)) {
       throw InvalidInput(name + ": must be TorchScript, is " + std::string(format.what) + std::string(format.advice));

@@ -17,6 +17,8 @@ namespace {
 using namespace std::string_literals;
 using ::testing::HasSubstr;
 
+constexpr const char* kTaken = "not refused";
+
 std::string refusalOfBytes(const std::string& bytes) {
   return testing::refusalOf([&] { requireNoOtherFormat(bytes, "policy p.pt"); });
 }
@@ -41,18 +43,20 @@ TEST(FileKinds, SayWhatAFileIs) {
 
 /// What is TorchScript, or nothing known, is left to the reader of archives.
 TEST(FileKinds, LeaveOthersAlone) {
-  EXPECT_EQ(refusalOfBytes("PK\x03\x04 p/data.pkl p/code/__torch__.py p/constants.pkl"), "");
-  EXPECT_EQ(refusalOfBytes("hello"), "");
-  EXPECT_EQ(refusalOfBytes(""), "");
+  EXPECT_EQ(refusalOfBytes("PK\x03\x04 p/data.pkl p/code/__torch__.py p/constants.pkl"), kTaken);
+  EXPECT_EQ(refusalOfBytes("PK\x03\x04 p/data.pkl p/code/__torch__/stable_baselines3/actor.py p/constants.pkl"),
+            kTaken);
+  EXPECT_EQ(refusalOfBytes("hello"), kTaken);
+  EXPECT_EQ(refusalOfBytes(""), kTaken);
 }
 
 TEST(FileKinds, AFolderIsNamed) {
   const testing::TemporaryFolder folder;
   const auto refusal = [&] { return testing::refusalOf([&] { requireFile(folder.path(), "policy p"); }); };
   EXPECT_EQ(refusal(), "policy p: must be a TorchScript file, is a folder");
-  writeFile(folder / "model.safetensors", "");
+  writeFile(folder / "model.safetensors", kTaken);
   EXPECT_THAT(refusal(), HasSubstr("is a folder with weights without their network (model.safetensors)"));
-  EXPECT_EQ(testing::refusalOf([&] { requireFile(folder / "model.safetensors", "policy p"); }), "");
+  EXPECT_EQ(testing::refusalOf([&] { requireFile(folder / "model.safetensors", "policy p"); }), kTaken);
 }
 
 }  // namespace

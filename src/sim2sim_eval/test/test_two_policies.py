@@ -131,7 +131,7 @@ class Gate(PolicyCase):
         self.assertIn("shown otherwise", message)
         self.ended(MET, CONTRAST, "a", "b", "--require", "B.reference > 0.5")
         _, message = self.ended(2, CONTRAST, "a", "b", "--require", "C > A")
-        self.assertIn('requirement "C > A": must name runs from A to B', message)
+        self.assertIn('requirement "C > A": must name runs by their letters', message)
 
     def test_of_a_run_that_ends_when_it_is_decided(self) -> None:
         run = (*self.RUN[:3], "--episodes", "400", "--no-floor", "--until-decided", "0.8")

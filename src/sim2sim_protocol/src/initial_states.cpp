@@ -81,7 +81,12 @@ WorldState stateIn(const std::string& line, const std::vector<StateField>& colum
     }
     columns[i].of(state) = *number;
   }
-  return pusht::checkedStart(state);
+  const WorldState start = pusht::checkedStart(state);
+  if (std::abs(state.tee_yaw) > 2.0 * pusht::kPi) {
+    throw pusht::InvalidInput("tee_yaw " + pusht::shortestText(state.tee_yaw) +
+                              " rad: must be within a turn, 2 pi; degrees?");
+  }
+  return start;
 }
 
 /// Throws InvalidInput if the center of a body is beyond the walls.
@@ -103,7 +108,7 @@ void requireApart(const WorldState& state) {
   if (overlap.depth > kContact) {
     throw pusht::InvalidInput(std::string(overlap.bodies) + " overlap by " + pusht::significantText(overlap.depth, 2) +
                               " m: must be at most " + pusht::shortestText(kContact) +
-                              " m, unless overlapping_starts allows it");
+                              " m, unless --overlapping-starts allows it");
   }
 }
 

@@ -138,8 +138,8 @@ RunResults policyRun(const std::string& policy, int home, int away) {
 
 TEST(Answer, OfTwoPoliciesSaysWhichIsBetterWhere) {
   EXPECT_EQ(answer({policyRun("runs/a.pt", 30, 20), policyRun("runs/b.pt", 34, 40)}),
-            "Is b.pt better than a.pt? In MuJoCo b.pt is not shown to be better or worse than a.pt: +7 points [+0, "
-            "+16] over 60 starts; 188 would show 5. In Chipmunk b.pt is better than a.pt: +33 points [+23, +46] over "
+            "Is b.pt better than a.pt? In MuJoCo b.pt is not shown to be better or worse than a.pt: +6.7 points [+0.2, "
+            "+15.9] over 60 starts; 188 would show 5. In Chipmunk b.pt is better than a.pt: +33 points [+23, +46] over "
             "60 starts. Chipmunk keeps 67 % [49, 81] of a.pt's success and 118 % [106, 141] of b.pt's: +51 points "
             "[+33, +80].");
 }

@@ -204,7 +204,7 @@ TEST(Headline, OfAPolicyInAnotherUnitSaysSo) {
   endings.reference.commands = 1000;
   endings.reference.limited_commands = 990;
   EXPECT_EQ(headlineOf(configurationOf("Chipmunk", 50), outcomesOf(PairTable{0, 0, 0, 50}), endings).caveat,
-            "99 % of the policy's commands are at 1 m/s or beyond, where they are clipped: does it answer in m/s?");
+            "99 % of the policy's commands are at the limit of 1 m/s, where they are clipped: does it answer in m/s?");
   endings.reference.limited_commands = 400;
   EXPECT_EQ(headlineOf(configurationOf("Chipmunk", 50), outcomesOf(PairTable{0, 0, 0, 50}), endings).caveat, "");
 }

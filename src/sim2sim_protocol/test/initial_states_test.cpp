@@ -117,6 +117,11 @@ TEST_F(GivenStartsTest, ThatOverlapNeedAWord) {
   EXPECT_EQ(refusalOfRun("0.02,0,0,0,0\n", 1, true), kTaken);
 }
 
+TEST_F(GivenStartsTest, InDegreesAreRefused) {
+  EXPECT_THAT(refusalOfRun("0.2,0,0,0,45\n", 1), HasSubstr("tee_yaw 45.0 rad: must be within a turn, 2 pi; degrees?"));
+  EXPECT_EQ(refusalOfRun("0.2,0,0,0,-6.2\n", 1), kTaken);
+}
+
 TEST_F(GivenStartsTest, ThatAreOneStartAreRefused) {
   const std::string row = "0.2,0,0,0,0\n";
   EXPECT_THAT(refusalOfRun(row + "0.3,0,0,0,0\n" + row, 3), HasSubstr("line 4: is the start of line 2 again"));

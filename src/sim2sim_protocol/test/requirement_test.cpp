@@ -78,17 +78,28 @@ TEST(Requirement, RefusesWhatIsNone) {
   EXPECT_THAT(refusalOfText("B.transfer > A.engine"), HasSubstr("must compare the same figure of two runs"));
 }
 
+TEST(Requirement, HasABoundThatAFigureCanBeBeyond) {
+  EXPECT_THAT(refusalOfText("engine < 80"), HasSubstr("the number must be from 0.0 to 1.0; or in percent, as 80%"));
+  EXPECT_THAT(refusalOfText("engine > reference - 5"), HasSubstr("the number must be from -1.0 to 1.0"));
+  EXPECT_THAT(refusalOfText("transfer > 80"), HasSubstr("the number must be from 0.0 to 10.0"));
+  EXPECT_THAT(refusalOfText("transfer > -0.1"), HasSubstr("the number must be from 0.0"));
+}
+
 TEST(Requirement, NamesRunsWhereThereAreSeveral) {
-  EXPECT_THAT(refusalOfCall([] { Requirement("B > A").requireOneRun(false); }), HasSubstr("must name no run"));
-  EXPECT_THAT(refusalOfCall([] { Requirement("transfer > 0.8").requireRuns(2); }), HasSubstr("must name runs, A to B"));
-  EXPECT_THAT(refusalOfCall([] { Requirement("C > A").requireRuns(2); }), HasSubstr("from A to B, as there are 2"));
+  EXPECT_THAT(refusalOfCall([] { Requirement("B > A").requireOneRun(std::nullopt); }), HasSubstr("must name no run"));
+  for (const char* text : {"transfer > 0.8", "C > A"}) {
+    EXPECT_THAT(refusalOfCall([&] { Requirement(text).requireRuns(2); }),
+                HasSubstr("must name runs by their letters, from A, as there are 2"));
+  }
   EXPECT_THAT(refusalOfCall([] { Requirement("C > B").requireRuns(3); }), HasSubstr("must compare with A"));
   EXPECT_EQ(refusalOfCall([] { Requirement("B.engine > B.reference").requireRuns(2); }), "");
 }
 
 TEST(Requirement, OfARunThatMayStopEarlyIsOfItsTransfer) {
-  EXPECT_EQ(refusalOfCall([] { Requirement("transfer > 0.8").requireOneRun(true); }), "");
-  EXPECT_THAT(refusalOfCall([] { Requirement("engine > 0.8").requireOneRun(true); }),
+  EXPECT_EQ(refusalOfCall([] { Requirement("transfer > 0.8").requireOneRun(0.8); }), "");
+  EXPECT_THAT(refusalOfCall([] { Requirement("transfer > 0.8").requireOneRun(0.5); }),
+              HasSubstr("must have the share of --until-decided, 0.5"));
+  EXPECT_THAT(refusalOfCall([] { Requirement("engine > 0.8").requireOneRun(0.8); }),
               HasSubstr("must be one of transfer"));
 }
 
@@ -104,8 +115,8 @@ TEST(Requirement, IsJudgedByTheInterval) {
   EXPECT_EQ(answerTo("engine > reference", 100, 60).verdict, Verdict::kNotMet);
 }
 
-/// Of success 100 of 200 the interval's half-width is near 0.07: to leave out a bound 0.05 away in 80 % of runs takes
-/// (1.96 + 0.84)^2 0.25 / 0.05^2 = 785 starts.
+/// The interval of 100 successes of 200 has a half-width near 0.07: to leave out a bound 0.05 away in 80 % of runs
+/// takes (1.96 + 0.84)^2 0.25 / 0.05^2 = 785 starts.
 TEST(Requirement, SaysHowManyStartsWouldDecide) {
   const RequirementResult answer = answerTo("engine > 0.45", 100, 100);
   EXPECT_EQ(answer.verdict, Verdict::kCannotSay);

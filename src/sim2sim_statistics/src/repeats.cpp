@@ -104,7 +104,7 @@ Counts countsOfRatio(const std::vector<PairTable>& starts, const PairTable& sum,
   return scaled(sum, studentsFactor(starts.size()) / effect);
 }
 
-/// The same for the difference of two ratios, where starts of one pair each are independent pairs.
+/// Effective counts of a ratio in a difference of two, where starts of one pair each are independent pairs.
 Counts countsOfTransfer(const std::vector<PairTable>& starts, const PairTable& sum, double ratio) {
   const bool is_repeated = sum.pairs() > static_cast<int>(starts.size());
   return is_repeated ? countsOfRatio(starts, sum, ratio) : scaled(sum, 1.0);

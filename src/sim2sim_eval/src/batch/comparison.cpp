@@ -321,16 +321,16 @@ int compareMain(int argc, char** argv) {
   return runCommand(app, argc, argv, [&] {
     const std::vector<Requirement> requirements = required.read();
     for (const Requirement& requirement : requirements) {
-      requirement.requireOneRun(options.protocol.until_decided.has_value());
+      requirement.requireOneRun(options.protocol.until_decided);
     }
     const ComparisonResults results = compare(options);
     if (!requirements.empty()) {
       const Protocol& protocol = results.configuration.protocol;
       const Summary summary = summarize(protocol, results.episodes);
-      conclude(
-          "compare", required,
-          judgeAll(requirements, [&](const Requirement& requirement) { return judge(requirement, protocol, summary); }),
-          std::cout);
+      const std::vector<RequirementResult> answers =
+          judgeAll(requirements, [&](const Requirement& requirement) { return judge(requirement, protocol, summary); });
+      report("compare", required, answers, std::cout);
+      requireAllMet(answers);
     }
   });
 }

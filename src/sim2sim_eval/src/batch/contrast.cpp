@@ -59,16 +59,22 @@ nlohmann::json contrast(const ContrastOptions& options, const CommandHost& host)
   const RunResults baseline = runs.front();
   runs.erase(runs.begin());
   const std::vector<Contrast> contrasts = contrastsOf(baseline, runs);
+  const std::vector<RequirementResult> answers = judgeAll(
+      requirements, [&](const Requirement& requirement) { return judge(requirement, baseline, runs, contrasts); });
   requireNotInterrupted();
   *host.out << table(baseline, runs, contrasts);
   nlohmann::json figures = toJson(baseline, runs, contrasts);
   if (!options.out.empty()) {
     pusht::writeNewFile("out", options.out, jsonText(figures));
   }
-  conclude("contrast", options.required,
-           judgeAll(requirements,
-                    [&](const Requirement& requirement) { return judge(requirement, baseline, runs, contrasts); }),
-           *host.out);
+  if (!answers.empty()) {
+    *host.out << "A: " << contrasts.front().against << "\n";
+    for (std::size_t i = 0; i < contrasts.size(); ++i) {
+      *host.out << letterOf(static_cast<int>(i) + 1) << ": " << contrasts[i].title << "\n";
+    }
+  }
+  report("contrast", options.required, answers, *host.out);
+  requireAllMet(answers);
   return figures;
 }
 

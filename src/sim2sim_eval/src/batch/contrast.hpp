@@ -25,7 +25,7 @@ struct ContrastOptions {
 std::vector<RunResults> runsToContrast(const ContrastOptions& options);
 
 /// Compares each run with the baseline, prints the table and writes the JSON file, whose content it returns. Throws as
-/// runsToContrast() and contrastsOf(); InvalidInput if there is something at `out` already; and as conclude().
+/// runsToContrast() and contrastsOf(); InvalidInput if there is something at `out` already; and as requireAllMet().
 nlohmann::json contrast(const ContrastOptions& options, const CommandHost& host = {});
 
 }  // namespace sim2sim

@@ -67,6 +67,10 @@ std::vector<Requirement> RequirementOptions::read() const {
     throw pusht::InvalidInput("junit " + junit.string() + ": must stand with --require, whose answers it gets");
   }
   pusht::requireNewFile("junit", junit);
+  std::error_code ignored;
+  if (junit.has_parent_path() && !std::filesystem::is_directory(junit.parent_path(), ignored)) {
+    throw pusht::InvalidInput("junit " + junit.string() + ": must be in a folder that is there");
+  }
   std::vector<Requirement> requirements;
   std::transform(texts.begin(), texts.end(), std::back_inserter(requirements),
                  [](const std::string& text) { return Requirement(text); });
@@ -80,8 +84,8 @@ std::vector<RequirementResult> judgeAll(const std::vector<Requirement>& requirem
   return results;
 }
 
-void conclude(const std::string& command, const RequirementOptions& options,
-              const std::vector<RequirementResult>& results, std::ostream& out) {
+void report(const std::string& command, const RequirementOptions& options,
+            const std::vector<RequirementResult>& results, std::ostream& out) {
   for (const RequirementResult& result : results) {
     out << "required: " << result.sentence() << "\n";
   }
@@ -89,16 +93,21 @@ void conclude(const std::string& command, const RequirementOptions& options,
   if (!options.junit.empty()) {
     pusht::writeNewFile("junit", options.junit, junitText(command, results));
   }
-  for (const auto& [verdict, code] : {std::pair(Judged::kNotMet, pusht::ExitCode::kNotMet),
-                                      std::pair(Judged::kCannotSay, pusht::ExitCode::kUndecided)}) {
-    if (const std::size_t count = countOf(results, verdict); count > 0) {
-      const auto first = std::find_if(results.begin(), results.end(),
-                                      [v = verdict](const RequirementResult& result) { return result.verdict == v; });
-      throw pusht::Error(code, std::to_string(count) + " of " + std::to_string(results.size()) +
-                                   (results.size() == 1 ? " requirement" : " requirements") +
-                                   " not met: " + first->sentence());
-    }
+}
+
+void requireAllMet(const std::vector<RequirementResult>& results) {
+  const std::size_t not_met = countOf(results, Judged::kNotMet);
+  const Judged verdict = not_met > 0 ? Judged::kNotMet : Judged::kCannotSay;
+  const std::size_t count = countOf(results, verdict);
+  if (count == 0) {
+    return;
   }
+  const auto first = std::find_if(results.begin(), results.end(),
+                                  [verdict](const RequirementResult& result) { return result.verdict == verdict; });
+  throw pusht::Error(not_met > 0 ? pusht::ExitCode::kNotMet : pusht::ExitCode::kUndecided,
+                     std::to_string(count) + " of " + std::to_string(results.size()) +
+                         (results.size() == 1 ? " requirement" : " requirements") +
+                         (not_met > 0 ? " not met: " : " undecided: ") + first->sentence());
 }
 
 }  // namespace sim2sim

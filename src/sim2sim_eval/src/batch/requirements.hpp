@@ -24,7 +24,7 @@ struct RequirementOptions {
   void declare(CLI::App& app);
 
   /// The requirements. Throws InvalidInput for one that cannot be read, for --junit without one, and if there is
-  /// something at `junit` already.
+  /// something at `junit` already, or no folder for it.
   std::vector<Requirement> read() const;
 };
 
@@ -32,9 +32,11 @@ struct RequirementOptions {
 std::vector<RequirementResult> judgeAll(const std::vector<Requirement>& requirements,
                                         const std::function<RequirementResult(const Requirement&)>& judge);
 
-/// Prints the answers, writes them as JUnit's XML, and then throws Error unless all requirements are met: with exit
-/// code 6 if one is shown not to be, else 7. `command` names the suite of tests.
-void conclude(const std::string& command, const RequirementOptions& options,
-              const std::vector<RequirementResult>& results, std::ostream& out);
+/// Prints the answers, and writes them as JUnit's XML. `command` names the suite of tests.
+void report(const std::string& command, const RequirementOptions& options,
+            const std::vector<RequirementResult>& results, std::ostream& out);
+
+/// Throws Error unless all requirements are met: with exit code 6 if one is shown not to be, else 7.
+void requireAllMet(const std::vector<RequirementResult>& results);
 
 }  // namespace sim2sim

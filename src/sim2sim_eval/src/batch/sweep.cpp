@@ -266,8 +266,8 @@ LoadedRun load(const SweepPlan& plan, std::size_t policy) {
 }
 
 /// Loads all policies of a plan, each with its reference. Of several, one that is refused is taken out of the plan, and
-/// named in `refused`.
-std::vector<LoadedRun> loadAll(SweepPlan& plan, std::vector<std::string>& refused) {
+/// named in `refused`; not of a shard, as a merged sweep has all rows.
+std::vector<LoadedRun> loadAll(SweepPlan& plan, bool is_shard, std::vector<std::string>& refused) {
   std::vector<LoadedRun> loaded;
   while (loaded.size() < plan.policies.size()) {
     try {
@@ -275,7 +275,7 @@ std::vector<LoadedRun> loadAll(SweepPlan& plan, std::vector<std::string>& refuse
     } catch (const pusht::Error& error) {
       const bool is_of_the_policy =
           error.exitCode() == pusht::ExitCode::kInvalidInput || error.exitCode() == pusht::ExitCode::kBadDependency;
-      if (!is_of_the_policy || plan.policies.size() == 1) {
+      if (!is_of_the_policy || is_shard || plan.policies.size() == 1) {
         throw;
       }
       refused.emplace_back(error.what());
@@ -284,6 +284,15 @@ std::vector<LoadedRun> loadAll(SweepPlan& plan, std::vector<std::string>& refuse
     }
   }
   return loaded;
+}
+
+/// Throws RuntimeFault if policies were `refused`, and are not in the plan any more.
+void requireNoneLeftOut(const SweepPlan& plan, const std::vector<std::string>& refused) {
+  if (!refused.empty()) {
+    throw pusht::RuntimeFault(std::to_string(refused.size()) + " of " +
+                              std::to_string(refused.size() + plan.policies.size()) +
+                              " policies were left out, first " + refused.front());
+  }
 }
 
 /// Requirements of each row: those of the plan, and of the command line. A shard, which is not a whole row, has none of
@@ -297,7 +306,7 @@ std::vector<Requirement> requirementsOf(const SweepOptions& options, const Sweep
   }
   std::vector<Requirement> requirements = required.read();
   for (const Requirement& requirement : requirements) {
-    requirement.requireOneRun(false);
+    requirement.requireOneRun(std::nullopt);
   }
   return requirements;
 }
@@ -326,7 +335,7 @@ json sweep(const SweepOptions& options, const CommandHost& host) {
   }
   folder.refuseInputs(inputs);
   std::vector<std::string> refused;
-  const std::vector<LoadedRun> loaded = loadFor(folder, [&] { return loadAll(plan, refused); });
+  const std::vector<LoadedRun> loaded = loadFor(folder, [&] { return loadAll(plan, !options.shard.empty(), refused); });
   for (const LoadedRun& run : loaded) {
     folder.refuseInputs(run.reference().inputs());
   }
@@ -343,14 +352,18 @@ json sweep(const SweepOptions& options, const CommandHost& host) {
   const json origin = provenanceOf(plan, protocol, loaded);
   folder.begin(description, origin);
   Sweeper sweeper(options, plan, protocol, loaded, requirements, folder, host);
-  withStatus(folder, *host.out, [&] {
-    sweeper.run();
-    if (!refused.empty()) {
-      throw pusht::RuntimeFault(std::to_string(refused.size()) + " of " +
-                                std::to_string(refused.size() + plan.policies.size()) +
-                                " policies were left out, first " + refused.front());
-    }
-  });
+  try {
+    withStatus(folder, *host.out, [&] {
+      sweeper.run();
+      requireNoneLeftOut(plan, refused);
+    });
+  } catch (const pusht::Error&) {
+    report("sweep", options.required, sweeper.answers(), *host.out);
+    throw;
+  }
+  if (!options.shard.empty() && !plan.required.empty()) {
+    *host.out << "require: is not asked of a shard\n";
+  }
   if (!plan.lists_policies) {
     const LoadedSimulator engine(plan.rows.front().engine);
     const RunConfiguration first = rowConfiguration(protocol, loaded.front(), engine);
@@ -361,7 +374,8 @@ json sweep(const SweepOptions& options, const CommandHost& host) {
   if (options.shard.empty() && !plan.lists_policies) {  // the other shards may have the successes
     warn(doubtAboutPolicy(folder.rows().front(), origin));
   }
-  conclude("sweep", options.required, sweeper.answers(), *host.out);
+  report("sweep", options.required, sweeper.answers(), *host.out);
+  requireAllMet(sweeper.answers());
   return {{"folder", folder.path().string()}};
 }
 

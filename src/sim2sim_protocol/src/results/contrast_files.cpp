@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-/// With a star where that is a finding.
+/// Probability, with a star where it is a finding.
 std::string probabilityCell(const std::optional<double>& p) {
   return p ? probabilityText(*p) + (*p <= 1.0 - kConfidence ? " *" : "") : "";
 }

@@ -116,7 +116,7 @@ std::string caveatOf(const RunConfiguration& configuration, const Names& names, 
   if (const double share = std::max(endings.reference.limitedShare(), endings.engine.limitedShare());
       share > kMostLimited) {
     return percent(share) +
-           " of the policy's commands are at 1 m/s or beyond, where they are clipped: does it answer in " + "m/s?";
+           " of the policy's commands are at the limit of 1 m/s, where they are clipped: does it answer in m/s?";
   }
   std::string stuck;
   bool quiet = true;

@@ -188,16 +188,21 @@ Estimate meanDivergence(const CrossedTable& table) {
 }
 
 /// Cell of a group of one policy: over starts alone.
-GroupCell cellOfOne(const MatrixCell& cell) {
-  const Estimate transfer{cell.transfer.value_or(kNoSpread), cell.transfer_interval};
-  return {1, {cell.success.rate, cell.success.interval}, transfer, kNoSpread, cell.mean_divergences};
+GroupCell cellOfOne(const MatrixCell& cell, bool is_away) {
+  GroupCell one{1, {cell.success.rate, cell.success.interval}, {}, kNoSpread};
+  if (is_away) {
+    one.transfer = {cell.transfer.value_or(kNoSpread), cell.transfer_interval};
+    one.divergences = cell.mean_divergences;
+  }
+  return one;
 }
 
 std::optional<GroupCell> groupCell(const Matrix& matrix, const std::vector<std::size_t>& members,
                                    std::size_t simulator) {
   if (members.size() == 1) {
     const std::optional<MatrixCell>& only = matrix.cells[members.front()][simulator];
-    return only ? std::optional(cellOfOne(*only)) : std::nullopt;
+    return only ? std::optional(cellOfOne(*only, matrix.policies[members.front()].reference != simulator))
+                : std::nullopt;
   }
   Rows successes;
   Rows in_reference;

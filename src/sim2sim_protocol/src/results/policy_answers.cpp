@@ -69,14 +69,17 @@ std::vector<std::string> apartBy(const std::vector<RunResults>& runs, std::strin
   return are_same ? std::vector<std::string>(runs.size()) : values;
 }
 
-/// "+3 points [-4, +10]"; with a digit where the interval is narrow.
+/// "+3 points [-4, +10]"; with a digit where the interval is narrow, and where an end would round to 0.
 std::string pointsText(const Difference& difference) {
   constexpr double kNarrow = 4.0;  // [points]
   const auto signed_number = [](double points, int digits) {
     return (points >= 0.0 ? "+" : "") + pusht::fixedText(points, digits);
   };
   const std::optional<Interval>& interval = difference.interval;
-  const int digits = interval && kPoints * (interval->high - interval->low) < kNarrow ? 1 : 0;
+  const auto rounds_to_zero = [](double end) { return end != 0.0 && std::abs(kPoints * end) < 0.5; };
+  const bool is_fine = interval && (kPoints * (interval->high - interval->low) < kNarrow ||
+                                    rounds_to_zero(interval->low) || rounds_to_zero(interval->high));
+  const int digits = is_fine ? 1 : 0;
   std::string text = signed_number(kPoints * difference.value, digits) + " points";
   if (interval) {
     text += " [" + signed_number(kPoints * interval->low, digits) + ", " +
@@ -89,7 +92,7 @@ std::string pointsText(const Difference& difference) {
 std::string planText(const SuccessChange& change) {
   const double discordant =
       (change.counts.first_only + change.counts.second_only) / static_cast<double>(change.counts.pairs());
-  if (discordant <= kWorthwhile / kPoints) {
+  if (discordant <= kWorthwhile / kPoints || change.counts.pairs() < kFewestEpisodes) {
     return "";
   }
   const std::optional<int> needed = episodesForRates(discordant, kWorthwhile / kPoints);
@@ -132,7 +135,8 @@ std::string transferClause(const std::string& engine, const std::string& baselin
                            const Contrast& contrast) {
   const PolicyContrast& policies = *contrast.policies;
   if (!policies.baseline.transfer || !policies.other.transfer) {
-    return "";
+    return " There is no transfer of " + (policies.baseline.transfer ? other : baseline) +
+           ", which never succeeds in the reference.";
   }
   const ContrastRow& row = contrast.row(kTransferRow);
   std::string name = engine;
@@ -190,7 +194,8 @@ std::vector<std::string> policyTitles(const std::vector<RunResults>& runs) {
     const bool has_namesake = std::any_of(runs.begin(), runs.end(), [&](const RunResults& other) {
       return other.policy() == runs[i].policy() && other.policy_sha256 != runs[i].policy_sha256;
     });
-    titles[i] += has_namesake ? " (" + runs[i].policy_sha256.substr(0, kDigits) + ")" : "";
+    titles[i] +=
+        has_namesake && !runs[i].policy_sha256.empty() ? " (" + runs[i].policy_sha256.substr(0, kDigits) + ")" : "";
     titles[i] += executed[i].empty() ? "" : ", " + executed[i];
   }
   return titles;

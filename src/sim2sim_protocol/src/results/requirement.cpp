@@ -56,8 +56,6 @@ Requirement::Figure figureNamed(const std::string& requirement, const std::strin
   return figure;
 }
 
-std::string letterOf(int run) { return std::string(1, static_cast<char>('A' + run)); }
-
 Estimate negative(const Estimate& estimate) {
   Estimate result{-estimate.value, std::nullopt};
   if (estimate.interval) {
@@ -127,7 +125,20 @@ const char* rowOf(const Requirement& requirement, const Contrast& contrast) {
   return requirement.figure.name == kReference ? kReferenceSuccessRow : kTransferRow;
 }
 
+/// Throws InvalidInput for a bound that no figure can be beyond.
+void requireReachable(const Requirement& requirement) {
+  constexpr double kMostTransfer = 10.0;
+  const double most = requirement.figure.name == kTransfer ? kMostTransfer : 1.0;
+  const double least = requirement.subtracted ? -most : 0.0;
+  if (requirement.bound < least || requirement.bound > most) {
+    refuse(requirement.text, "the number must be from " + pusht::shortestText(least) + " to " +
+                                 pusht::shortestText(most) + "; or in percent, as 80%");
+  }
+}
+
 }  // namespace
+
+std::string letterOf(int run) { return std::string(1, run <= 'Z' - 'A' ? static_cast<char>('A' + run) : '?'); }
 
 Requirement::Requirement(const std::string& given) : text(given) {
   static const std::regex grammar(
@@ -142,10 +153,12 @@ Requirement::Requirement(const std::string& given) : text(given) {
   is_more = parts[2] == ">";
   if (parts[6].matched) {
     bound = numberOf(text, parts[6]);
+    requireReachable(*this);
     return;
   }
   subtracted = figureNamed(text, parts[3]);
   bound = parts[5].matched ? numberOf(text, parts[5]) * (parts[4] == "-" ? -1.0 : 1.0) : 0.0;
+  requireReachable(*this);
   const bool is_of_one_run = figure.run == subtracted->run;
   if (is_of_one_run && (figure.name == subtracted->name || figure.name == kTransfer || subtracted->name == kTransfer)) {
     refuse(text, "must compare engine and reference, within a run");
@@ -155,22 +168,23 @@ Requirement::Requirement(const std::string& given) : text(given) {
   }
 }
 
-void Requirement::requireOneRun(bool until_decided) const {
+void Requirement::requireOneRun(const std::optional<double>& until_decided) const {
   if (figure.run || (subtracted && subtracted->run)) {
     refuse(text, "must name no run, as there is one");
   }
   if (until_decided && figure.name != kTransfer) {
     refuse(text, "must be one of transfer, the only figure with an interval in a run that ends when it is decided");
   }
+  if (until_decided && bound != *until_decided) {
+    refuse(text, "must have the share of --until-decided, " + pusht::shortestText(*until_decided) +
+                     ", at which the run ends");
+  }
 }
 
 void Requirement::requireRuns(int runs) const {
   for (const Figure* of : {&figure, subtracted ? &*subtracted : &figure}) {
-    if (!of->run) {
-      refuse(text, "must name runs, A to " + letterOf(runs - 1));
-    }
-    if (*of->run >= runs) {
-      refuse(text, "must name runs from A to " + letterOf(runs - 1) + ", as there are " + std::to_string(runs));
+    if (!of->run || *of->run >= runs) {
+      refuse(text, "must name runs by their letters, from A, as there are " + std::to_string(runs));
     }
   }
   if (subtracted && figure.run != subtracted->run && *figure.run != 0 && *subtracted->run != 0) {
@@ -187,6 +201,9 @@ std::string RequirementResult::sentence() const {
   if (std::isnan(found.value)) {
     return text;
   }
+  if (verdict == Verdict::kCannotSay && may_go_on) {
+    return text + "; it takes more --episodes";
+  }
   if (verdict == Verdict::kCannotSay && !found.interval) {
     return text + "; it takes " + std::to_string(kFewestEpisodes) + " or more starts";
   }
@@ -198,7 +215,13 @@ std::string RequirementResult::sentence() const {
 }
 
 RequirementResult judge(const Requirement& requirement, const Protocol& protocol, const Summary& summary) {
-  return judged(requirement, foundIn(requirement, protocol, summary), startsOf(protocol, summary.episodes));
+  RequirementResult result =
+      judged(requirement, foundIn(requirement, protocol, summary), startsOf(protocol, summary.episodes));
+  if (protocol.until_decided) {
+    result.starts_needed.reset();  // its interval does not narrow as those of a fixed number do
+    result.may_go_on = true;
+  }
+  return result;
 }
 
 RequirementResult judge(const Requirement& requirement, const RunResults& baseline,

@@ -38,11 +38,15 @@ void requireSweepOrRun(const fs::path& folder) {
 /// Option that belongs to a policy more than to a run.
 constexpr const char* kExecute = "execute";
 
+/// Option that starts are let through with; they are the same with and without it.
+constexpr const char* kOverlapping = "overlapping_starts";
+
 /// Keys of metrics.json in which all runs that pair agree, as JSON pointers.
 std::vector<std::string> commonPlaces() {
   std::vector<std::string> places;
   forEachOption([&](const auto& option) {
-    if (option.written != Written::kElsewhere && option.name != std::string(kExecute)) {
+    const std::string name = option.name;
+    if (option.written != Written::kElsewhere && name != kExecute && name != kOverlapping) {
       places.push_back(std::string("/") + option.name);
     }
   });
@@ -205,12 +209,18 @@ Pairing pairingOf(const RunResults& baseline, const RunResults& other) {
                      "; one of both must be the same (`matrix` takes a sweep over "
                      "both)");
     }
+    if (baseline.protocol.until_decided) {
+      refusePair(baseline, other,
+                 "they end when a share is decided; a difference of policies needs runs of a fixed length");
+    }
     return Pairing::kPolicies;
   }
   for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
     if (!sameReference(baseline.episodes[i], other.episodes[i])) {
+      const bool are_told_apart = !baseline.policy_sha256.empty() && !other.policy_sha256.empty();
       refusePair(baseline, other,
-                 "the reference did not do the same in episode " + std::to_string(baseline.episodes[i].index));
+                 "the reference did not do the same in episode " + std::to_string(baseline.episodes[i].index) +
+                     (are_told_apart ? "" : ", or another policy has the name " + baseline.policy()));
     }
   }
   return Pairing::kEngines;

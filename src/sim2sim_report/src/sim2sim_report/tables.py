@@ -212,9 +212,11 @@ def contrast_rows(content: Json) -> Json:
             continue
         if "policy" in content and key == "engine_success_rate":
             name += ", engine"
-        text = signed(figure["difference"], digits) + (
-            f" {figure['unit']}" if figure["unit"] else ""
-        )
+        text = "none"
+        if figure["difference"] is not None:
+            text = signed(figure["difference"], digits) + (
+                f" {figure['unit']}" if figure["unit"] else ""
+            )
         rows.append(
             {
                 "name": name,

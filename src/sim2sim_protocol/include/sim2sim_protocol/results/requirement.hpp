@@ -36,13 +36,16 @@ struct Requirement {
   /// Reads a requirement. Throws InvalidInput with the rule that it breaks.
   explicit Requirement(const std::string& text);
 
-  /// Throws InvalidInput unless it is one of a single run, all of whose intervals the run will have: one that may stop
-  /// early (`until_decided`) has that of the transfer alone.
-  void requireOneRun(bool until_decided) const;
+  /// Throws InvalidInput unless it is one of a single run, and the run will have its interval: one that ends when a
+  /// share is decided has that of the transfer alone, and answers for that share.
+  void requireOneRun(const std::optional<double>& until_decided) const;
 
   /// Throws InvalidInput unless it is one of `runs` runs, and compares none but with the first.
   void requireRuns(int runs) const;
 };
+
+/// Letter of a run: A for 0. Past Z it is "?", which no requirement can name.
+std::string letterOf(int run);
 
 /// Answer to a requirement.
 struct RequirementResult {
@@ -52,6 +55,7 @@ struct RequirementResult {
   Verdict verdict;
   Estimate found;                      ///< of the figure, or of the difference of two
   std::optional<int> starts_needed{};  ///< that would decide in 80 % of runs, if `found` is the truth; none: too many
+  bool may_go_on = false;              ///< a run that ends when it is decided, and was not
 
   /// "transfer > 0.8: cannot say, 0.970 [0.771, 1.230]; 343 starts would decide"
   std::string sentence() const;

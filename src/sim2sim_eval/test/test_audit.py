@@ -172,7 +172,7 @@ class Audits(CommandCase):
         written = self.load(".", "audit.json")
         self.assertEqual((written["verdict"], written["contract_holds"]), ("fault", False))
         self.assertEqual(written["explanations"][0]["corrections"], ["pusher and tee swapped"])
-        self.assertIn("  its training ended at 0.0119", self.run_all((*command, "bc")))
+        self.assertIn("its training ended at 0.0119", self.run_all((*command, "bc")))
         self.assertEqual(self.load(".", "audit.json")["verdict"], "near")
 
     def test_f54_demonstrations_that_are_refused(self) -> None:

@@ -12,6 +12,7 @@ from command_case import CommandCase, executable
 
 AUDIT = executable("sim2sim_eval", "audit")
 COMPARE = executable("sim2sim_eval", "compare")
+THREE_EPISODES = [("0.1\n", "7\n"), ("0.1\n", "8\n"), ("0.1\n", "7\n")]
 DEMONSTRATE = executable("sim2sim_eval", "demonstrate")
 RUN = ("--policy", "expert", "--episodes", "1", "--horizon", "20", "--no-floor")
 
@@ -171,7 +172,7 @@ class Audits(CommandCase):
         written = self.load(".", "audit.json")
         self.assertEqual((written["verdict"], written["contract_holds"]), ("fault", False))
         self.assertEqual(written["explanations"][0]["corrections"], ["pusher and tee swapped"])
-        self.assertIn("  its training ended at 0.0119", self.run_all((*command, "bc")))
+        self.assertIn("its training ended at 0.0119", self.run_all((*command, "bc")))
         self.assertEqual(self.load(".", "audit.json")["verdict"], "near")
 
     def test_f54_demonstrations_that_are_refused(self) -> None:
@@ -182,7 +183,7 @@ class Audits(CommandCase):
             ([("reward", "a1")], "line 1: column 'a1': must appear only once"),
             ([("reward", "tee_y")], "line 1: column 'o3' or 'tee_y': must appear only once"),
             ([("0.1,0.1,", "0.1,")], "line 2: 12 values: must be 13, one for each column"),
-            ([("reward", "episode"), ("0.1\n", "7\n")], "line 4: episode '0.1'"),
+            ([("reward", "episode"), *THREE_EPISODES], "line 4: episode '7': its rows must"),
         ):
             with self.subTest(message):
                 process = self.run_command(

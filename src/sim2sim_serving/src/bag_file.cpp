@@ -89,8 +89,8 @@ void readBag(const fs::path& path, const std::function<void(const rosbag::Bag&)>
     if (dynamic_cast<const rosbag::BagIOException*>(&error) != nullptr) {
       sha256OfFile(path, "bag");  // throws if the disk is at fault
     }
-    throw InvalidInput(name + ": must be a whole bag: " + error.what() +
-                       "; if it was cut short, `rosbag reindex " + path.string() + "` recovers what is left");
+    throw InvalidInput(name + ": must be a whole bag: " + error.what() + "; if it was cut short, `rosbag reindex " +
+                       path.string() + "` recovers what is left");
   }
 }
 

@@ -11,7 +11,6 @@
 #include "pusht_task/json_text.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/interruption.hpp"
-#include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
 #include "sim2sim_serving/installed_file.hpp"
 
@@ -74,7 +73,8 @@ std::string PolicyAuditRun::json() const {
     file["training"] = {
         {"loss", loss.name}, {"final_train_loss", loss.training}, {"final_validation_loss", loss.validation}};
   }
-  return jsonText(file);
+  constexpr int kIndent = 2;
+  return file.dump(kIndent) + "\n";
 }
 
 PolicySignature signatureOf(const pusht::ChosenPolicy& policy) {

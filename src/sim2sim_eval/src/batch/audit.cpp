@@ -72,8 +72,8 @@ void auditSimulators(const AuditOptions& options) {
   requireContract(result);
 }
 
-/// Prints the audit of the policy, and writes it. Throws ContractError if a fault explains its error; InvalidInput for a
-/// file that is there already; as auditPolicyFile().
+/// Prints the audit of the policy, and writes it. Throws ContractError if a fault explains its error; InvalidInput for
+/// a file that is there already; as auditPolicyFile().
 void auditPolicy(const AuditOptions& options) {
   if (!options.overwrite) {
     pusht::requireNewFile("audit", options.out);
@@ -82,7 +82,8 @@ void auditPolicy(const AuditOptions& options) {
   run.demonstrations = options.demonstrations.string();
   std::cout << run.text() << std::flush;
   if (!options.out.empty()) {
-    options.overwrite ? pusht::writeFile(options.out, run.json()) : pusht::writeNewFile("audit", options.out, run.json());
+    options.overwrite ? pusht::writeFile(options.out, run.json())
+                      : pusht::writeNewFile("audit", options.out, run.json());
   }
   if (run.audit.verdict == PolicyVerdict::kFault) {
     throw pusht::ContractError("the policy is asked wrongly: right with " + run.audit.fault());
@@ -125,11 +126,11 @@ int auditMain(int argc, char** argv) {
           ->check(notEmpty());
   demonstrations->needs(policy);
   policy->needs(demonstrations);
-  for (const char* of_simulators : {"--reference", "--engine", "--set", "--set-reference", "--against", "--seed", "--threads"}) {
+  for (const char* of_simulators :
+       {"--reference", "--engine", "--set", "--set-reference", "--against", "--seed", "--threads"}) {
     policy->excludes(app.get_option(of_simulators));
   }
-  return runCommand(app, argc, argv,
-                    [&] { options.policy.empty() ? auditSimulators(options) : auditPolicy(options); });
+  return runCommand(app, argc, argv, [&] { options.policy.empty() ? auditSimulators(options) : auditPolicy(options); });
 }
 
 }  // namespace sim2sim

@@ -2,7 +2,9 @@
 #include "kernel_functions.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -43,11 +45,11 @@ struct Functions {
 
   [[gnu::always_inline]] static Doubles all(double value) { return value - Doubles{}; }
 
-  template <int kCount>
-  [[gnu::always_inline]] static Doubles polynomial(const double (&coefficients)[kCount], const Doubles& x) {
+  template <std::size_t kCount>
+  [[gnu::always_inline]] static Doubles polynomial(const std::array<double, kCount>& coefficients, const Doubles& x) {
     Doubles sum = all(coefficients[kCount - 1]);
 #pragma GCC unroll 32
-    for (int i = kCount - 2; i >= 0; --i) {
+    for (int i = static_cast<int>(kCount) - 2; i >= 0; --i) {
       sum = sum * x + coefficients[i];
     }
     return sum;
@@ -65,9 +67,9 @@ struct Functions {
     constexpr double kLeast = -700.0;
     constexpr double kMost = 700.0;
     constexpr double kPerLn2 = 0x1.71547652b82fep0;
-    static constexpr double kSeries[] = {1.0 / 2,       1.0 / 6,        1.0 / 24,        1.0 / 120,
-                                         1.0 / 720,     1.0 / 5040,     1.0 / 40320,     1.0 / 362880,
-                                         1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800};
+    static constexpr std::array kSeries = {1.0 / 2,       1.0 / 6,        1.0 / 24,        1.0 / 120,
+                                           1.0 / 720,     1.0 / 5040,     1.0 / 40320,     1.0 / 362880,
+                                           1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800};
     const Doubles at_least = argument < kLeast ? all(kLeast) : argument;
     const Doubles x = at_least > kMost ? all(kMost) : at_least;
     const Doubles shifted = x * kPerLn2 + kRounder;
@@ -102,21 +104,21 @@ struct Functions {
   /// x times a polynomial in x^2 up to 4, a Chebyshev fit with a relative error of 2e-11; beyond, the float is 1.
   [[gnu::always_inline]] static Doubles erf(const Doubles& x) {
     constexpr double kMost = 4.0;
-    static constexpr double kFit[] = {0.353530995644115022,     -0.17657623321207172,      0.131675116723653611,
-                                      -0.107710449040000534,    0.0902090009164634716,     -0.0747277260711611664,
-                                      0.0598867995441831537,    -0.0457664819493776951,    0.0330614691469806,
-                                      -0.0224661834254027106,   0.0143457370256611412,     -0.00863003774965730007,
-                                      0.00486462751615975456,   -0.00253035653071606083,   0.00127232419626191736,
-                                      -0.000673086548474439132, 0.000299180998130682474,   -0.0000723168414684691726,
-                                      0.000031074384035564711,  -0.0000367141020877584915, 0.0000132555242082359636};
+    static constexpr std::array kFit = {0.353530995644115022,     -0.17657623321207172,      0.131675116723653611,
+                                        -0.107710449040000534,    0.0902090009164634716,     -0.0747277260711611664,
+                                        0.0598867995441831537,    -0.0457664819493776951,    0.0330614691469806,
+                                        -0.0224661834254027106,   0.0143457370256611412,     -0.00863003774965730007,
+                                        0.00486462751615975456,   -0.00253035653071606083,   0.00127232419626191736,
+                                        -0.000673086548474439132, 0.000299180998130682474,   -0.0000723168414684691726,
+                                        0.000031074384035564711,  -0.0000367141020877584915, 0.0000132555242082359636};
     const Doubles bounded = magnitude(x) > kMost ? withSignOf(x, all(kMost)) : x;
     return bounded * polynomial(kFit, bounded * bounded / 8.0 - 1.0);
   }
 
   /// log(1 + x) + exponent * ln(2), from the series of 2 atanh(x / (2 + x)), for 1 + x in sqrt(1/2) to sqrt(2).
   [[gnu::always_inline]] static Doubles logOf(const Doubles& x, const Doubles& exponent) {
-    static constexpr double kSeries[] = {1.0 / 3,  1.0 / 5,  1.0 / 7,  1.0 / 9, 1.0 / 11,
-                                         1.0 / 13, 1.0 / 15, 1.0 / 17, 1.0 / 19};
+    static constexpr std::array kSeries = {1.0 / 3,  1.0 / 5,  1.0 / 7,  1.0 / 9, 1.0 / 11,
+                                           1.0 / 13, 1.0 / 15, 1.0 / 17, 1.0 / 19};
     const Doubles s = x / (2.0 + x);
     const Doubles s2 = s * s;
     return exponent * kLn2High + (2.0 * (s + s * s2 * polynomial(kSeries, s2)) + exponent * kLn2Low);

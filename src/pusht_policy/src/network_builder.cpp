@@ -362,6 +362,7 @@ NetworkTensor NetworkBuilder::reshape(NetworkTensor tensor, Sizes shape) {
 
 std::vector<Operation> NetworkBuilder::finish(const std::vector<NetworkTensor>& outputs) {
   std::vector<NetworkTensor> rows;
+  rows.reserve(outputs.size());
   for (const NetworkTensor& output : outputs) {
     rows.push_back(reshape(computed(output), {columnsOf(output.shape)}));
   }

@@ -269,6 +269,7 @@ NetworkTensor OnnxReader::reordered(const NetworkTensor& gates, const std::vecto
   const auto count = static_cast<std::int64_t>(order.size());
   const std::vector<NetworkTensor> parts = layers_.split(gates, 0, Sizes(order.size(), gates.shape.at(0) / count));
   std::vector<NetworkTensor> sorted;
+  sorted.reserve(order.size());
   for (const std::size_t index : order) {
     sorted.push_back(parts.at(index));
   }

@@ -106,6 +106,7 @@ using Infos = std::vector<const onnx::ValueInfoProto*>;
 /// Values with their types, for a message: "'x' FLOAT ['n', 10], 'h' FLOAT ['n', 64]".
 std::string typesOf(const Infos& values) {
   std::vector<std::string> texts;
+  texts.reserve(values.size());
   for (const onnx::ValueInfoProto* value : values) {
     texts.push_back(quoted(value->name()) + " " +
                     (value->type().has_tensor_type() ? describe(value->type().tensor_type()) : "no tensor"));
@@ -176,6 +177,7 @@ void requireSignature(const Infos& values, const std::vector<Sizes>& shapes, boo
 
 std::vector<std::string> namesOf(const Infos& values) {
   std::vector<std::string> names;
+  names.reserve(values.size());
   for (const onnx::ValueInfoProto* value : values) {
     names.push_back(value->name());
   }

@@ -85,7 +85,7 @@ bool TorchReader::readStructure(const Node& node) {
     if (has_tensors) {
       define(node.output(), std::move(items));
     }
-    return has_tensors;
+    return true;  // constants are computed when they are asked for
   }
   if (inputs.empty() || items_.count(inputs[0]) == 0) {
     return false;

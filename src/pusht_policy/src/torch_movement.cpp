@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Operations that move numbers: libtorch itself does them to a tensor of the indices of the elements.
 #include <algorithm>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -72,13 +73,21 @@ NetworkTensor TorchReader::readSelect(const Node& node) {
 
 /// Rows or columns by constant indices: x[:, [6, 7]].
 NetworkTensor TorchReader::readIndex(const Node& node) {
+  const Value* const list = node.namedInput("indices");
+  std::vector<std::optional<IValue>> indices;
+  if (const auto known = sizes_.valueOf(list)) {
+    indices.assign(known->toListRef().begin(), known->toListRef().end());
+  } else {
+    for (const Value* index : list->node()->inputs()) {
+      indices.push_back(sizes_.valueOf(index));
+    }
+  }
   c10::List<c10::optional<at::Tensor>> places;
-  for (const Value* place : node.namedInput("indices")->node()->inputs()) {
-    const auto value = sizes_.valueOf(place);
-    if (!value || !(value->isNone() || value->isTensor())) {
+  for (const auto& index : indices) {
+    if (!index || !(index->isNone() || index->isTensor())) {
       refuse("its indices must be constant");
     }
-    places.push_back(value->isNone() ? c10::optional<at::Tensor>() : value->toTensor());
+    places.push_back(index->isNone() ? c10::optional<at::Tensor>() : index->toTensor());
   }
   const NetworkTensor x = tensor(node, "self");
   return moved(x, at::index(indicesOf(x), places));

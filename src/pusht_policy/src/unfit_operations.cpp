@@ -24,7 +24,8 @@ std::string UnfitOperations::text() const {
   constexpr std::size_t kMost = 20;
   std::string text;
   if (!unknown_.empty()) {
-    std::vector<std::string> names(unknown_.begin(), unknown_.begin() + std::min(unknown_.size(), kMost));
+    std::vector<std::string> names = unknown_;
+    names.resize(std::min(names.size(), kMost));
     text = joined(names) + (unknown_.size() > kMost ? ", ..." : "") +
            (unknown_.size() == 1 ? ": is not known to the kernel" : ": are not known to the kernel");
   }

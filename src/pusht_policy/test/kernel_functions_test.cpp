@@ -24,7 +24,7 @@ struct KernelFunction {
   Real (*expected)(Real x);
 };
 
-const KernelFunction kFunctions[] = {
+const std::vector<KernelFunction> kFunctions = {
     {"tanh", Kind::kTanh, [](Real x) { return std::tanh(x); }},
     {"erf", Kind::kErf, [](Real x) { return std::erf(x); }},
     {"exp", Kind::kExp, [](Real x) { return std::exp(x); }},

@@ -250,7 +250,7 @@ def perceptron(activation: Callable[[], nn.Module] = nn.ReLU) -> nn.Module:
 
 
 def activations() -> Dict[str, nn.Module]:
-    functions = {
+    functions: Dict[str, Callable[[], nn.Module]] = {
         "gelu": nn.GELU,
         "gelu_tanh": lambda: nn.GELU(approximate="tanh"),
         "elu": nn.ELU,
@@ -299,8 +299,7 @@ def batch_norm() -> nn.Module:
 def save_training(folder: Path) -> None:
     """Networks traced as they are trained."""
     for name, net in {"dropout": with_extras(), "batch_norm": batch_norm()}.items():
-        options = {"check_trace": False}
-        traced = torch.jit.trace(net.train(), torch.zeros(2, OBSERVATION), **options)
+        traced = torch.jit.trace(net.train(), torch.zeros(2, OBSERVATION), check_trace=False)
         traced.save(str(folder / f"{name}_training.pt"))
 
 

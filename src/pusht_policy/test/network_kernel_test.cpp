@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
@@ -229,7 +230,8 @@ TEST_P(NetworkKernelOn, HasTheBitsOfPlainLoopsOnSeveralPaths) {
     std::transform(product.begin(), product.end(), std::back_inserter(all), [](float p) { return p * p; });
     all.insert(all.end(), x.begin(), x.end());
     all.insert(all.end(), product.begin(), product.end());
-    const float sums[] = {sumInHalves({all.begin(), all.begin() + 45}), sumInHalves({all.begin() + 45, all.end()})};
+    const std::array<float, 2> sums = {sumInHalves({all.begin(), all.begin() + 45}),
+                                       sumInHalves({all.begin() + 45, all.end()})};
     for (int j = 0; j < 10; ++j) {
       const float picked = j < 5 ? sums[0] : j < 8 ? sums[1] : j == 8 ? x[0] : x[9];
       expected.push_back(std::max(0.5F - picked, x[j]) / 3.0F);

@@ -309,11 +309,11 @@ INSTANTIATE_TEST_SUITE_P(
               "  return torch.linear(h, self.w2, self.b2)\n",
               "matrix 2, add"},
         Graph{"ListThatGrows",
-              "  heads = torch.jit.annotate(List[Tensor], [])\n"
-              "  for i in range(3):\n"
+              "  heads = [torch.linear(x, self.w, self.b)]\n"
+              "  for i in range(2):\n"
               "    heads.append(torch.linear(x, self.w * float(i + 1), self.b))\n"
               "  return torch.stack(heads, 0).mean(0) + torch.glu(x[:, [0, 7, 8, 3]], -1)\n",
-              "add (12, 15)"},
+              "sigmoid, multiply (10, 12), add (8, 13)"},
         Graph{"RowsAsMatrices",
               "  h = torch.tanh(torch.matmul(x.view(1, 5, 2), self.w))\n"
               "  return h.transpose(1, 2).flatten(1)[:, 8:10]\n",

@@ -40,7 +40,7 @@ def export(source: Path, target: Path, overwrite: bool = False) -> None:
     """Writes the checkpoint `source` as ONNX, and its provenance beside it, first.
 
     Raises Error, and writes nothing, if the checkpoint is not the one of its provenance, is no
-    TorchScript, does not map what its description says, or `compare` would refuse the ONNX file.
+    TorchScript, does not map what its description says, or `compare` would refuse the ONNX.
     """
     if target.suffix != SUFFIX:
         raise Error(f"out {target}: must end in {SUFFIX}, by which the suite knows ONNX")

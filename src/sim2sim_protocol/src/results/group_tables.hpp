@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "sim2sim_protocol/results/matrix.hpp"
 #include "sim2sim_statistics/crossed.hpp"
 #include "sim2sim_statistics/tails.hpp"
 
@@ -36,5 +37,8 @@ inline Rows withoutGaps(const Rows& rows) {
 inline bool isCarriedByFewStarts(const CrossedTable& divergences) {
   return isCarriedByFew(divergences.columnMeans(), 0.0);
 }
+
+/// Groups of a matrix that has its policies and cells, in the order of their first policies.
+std::vector<MatrixGroup> groupsOf(const Matrix& matrix);
 
 }  // namespace sim2sim

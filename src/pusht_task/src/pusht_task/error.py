@@ -17,6 +17,8 @@ class ExitCode(IntEnum):
     BAD_DEPENDENCY = 3  # something the run needs is missing or not as expected
     RUNTIME_FAULT = 4  # a peer died, a deadline passed, the disk is full, the run was interrupted
     CONTRACT_ERROR = 5  # an audit found an error of the contract
+    NOT_MET = 6
+    UNDECIDED = 7
     INTERNAL_ERROR = 70  # a defect of ours or of a library
 
 

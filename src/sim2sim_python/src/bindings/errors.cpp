@@ -28,6 +28,10 @@ const char* nameOf(const pusht::Error& error) {
       return "RuntimeFault";
     case pusht::ExitCode::kContractError:
       return "ContractError";
+    case pusht::ExitCode::kNotMet:
+      return "RequirementNotMet";
+    case pusht::ExitCode::kUndecided:
+      return "RequirementUndecided";
     case pusht::ExitCode::kOk:
     case pusht::ExitCode::kInternalError:
       break;

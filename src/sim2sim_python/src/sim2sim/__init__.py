@@ -11,6 +11,8 @@ from sim2sim.errors import (
     Error,
     InternalError,
     InvalidInput,
+    RequirementNotMet,
+    RequirementUndecided,
     RuntimeFault,
     SimulationFault,
 )
@@ -34,6 +36,8 @@ __all__ = [
     "InvalidInput",
     "Policy",
     "PolicyAudit",
+    "RequirementNotMet",
+    "RequirementUndecided",
     "RuntimeFault",
     "SimulationFault",
     "Sweep",

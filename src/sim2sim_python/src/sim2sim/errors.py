@@ -10,6 +10,8 @@ __all__ = [
     "ExitCode",
     "InternalError",
     "InvalidInput",
+    "RequirementNotMet",
+    "RequirementUndecided",
     "RuntimeFault",
     "SimulationFault",
 ]
@@ -47,6 +49,20 @@ class ContractError(Error):
         super().__init__(message, ExitCode.CONTRACT_ERROR)
 
 
+class RequirementNotMet(Error):
+    """Requirement that is shown not to be met."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, ExitCode.NOT_MET)
+
+
+class RequirementUndecided(Error):
+    """Requirement of which the episodes cannot say whether it is met."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, ExitCode.UNDECIDED)
+
+
 class InternalError(Error):
     """Defect of the suite or of a library."""
 
@@ -56,7 +72,14 @@ class InternalError(Error):
 
 def of_exit_code(exit_code: int, message: str) -> Error:
     """The error of a command that ended with this code."""
-    kinds = (InvalidInput, BadDependency, RuntimeFault, ContractError)
+    kinds = (
+        InvalidInput,
+        BadDependency,
+        RuntimeFault,
+        ContractError,
+        RequirementNotMet,
+        RequirementUndecided,
+    )
     for kind in kinds:
         error: Error = kind(message)
         if error.exit_code == exit_code:

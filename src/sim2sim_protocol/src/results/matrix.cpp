@@ -22,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-
 /// "MuJoCo, timestep 0.005" of "mujoco:timestep=0.005".
 std::string titleOf(const std::string& name, const std::string& title) {
   std::string text = title;

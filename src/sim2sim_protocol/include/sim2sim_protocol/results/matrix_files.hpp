@@ -19,8 +19,10 @@ std::string toCsv(const Matrix& matrix);
 /// Tables for the terminal.
 std::string table(const Matrix& matrix);
 
-/// Content of "pairs" in matrix.json, and its table for the terminal; empty without pairs.
+/// Content of "pairs" in matrix.json.
 nlohmann::json toJson(const Matrix& matrix, const std::vector<PolicyPair>& pairs);
+
+/// Table of pairs for the terminal; empty without pairs.
 std::string table(const Matrix& matrix, const std::vector<PolicyPair>& pairs);
 
 }  // namespace sim2sim

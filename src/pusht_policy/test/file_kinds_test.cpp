@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "file_kinds.hpp"
+#include "../src/file_kinds.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

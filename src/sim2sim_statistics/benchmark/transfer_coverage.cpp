@@ -18,15 +18,15 @@ namespace sim2sim {
 namespace {
 
 /// Starts of a run, and how often each is played.
-struct Design {
+struct PairDesign {
   int starts;
   int repeats;
 
   std::string name() const { return std::to_string(starts) + " x " + std::to_string(repeats); }
 };
 
-constexpr std::array kDesigns = {Design{10, 1},   Design{20, 1}, Design{50, 1}, Design{200, 1},
-                                 Design{1000, 1}, Design{25, 5}, Design{50, 10}};
+constexpr std::array kPairDesigns = {PairDesign{10, 1},   PairDesign{20, 1}, PairDesign{50, 1}, PairDesign{200, 1},
+                                     PairDesign{1000, 1}, PairDesign{25, 5}, PairDesign{50, 10}};
 
 /// Success rates of a policy in the reference and in the engine.
 struct PolicyRates {
@@ -50,7 +50,7 @@ struct TwoPolicies {
   }
 };
 
-constexpr std::array kPolicies = {
+constexpr std::array kTwoPolicies = {
     TwoPolicies{{0.62, 0.20}, {0.62, 0.20}, 0.0},  TwoPolicies{{0.62, 0.20}, {0.62, 0.20}, 0.6},
     TwoPolicies{{0.60, 0.51}, {0.75, 0.71}, 0.3},  TwoPolicies{{0.60, 0.51}, {0.75, 0.71}, 0.8},
     TwoPolicies{{0.90, 0.85}, {0.90, 0.85}, 0.5},  TwoPolicies{{0.40, 0.50}, {0.55, 0.30}, 0.5},
@@ -64,7 +64,7 @@ struct Played {
   std::vector<PairTable> second;
 };
 
-Played play(const TwoPolicies& policies, const Design& design, Random& random) {
+Played playBoth(const TwoPolicies& policies, const PairDesign& design, Random& random) {
   const boost::math::normal normals;
   const std::array bounds = {quantile(normals, policies.first.home), quantile(normals, policies.first.away),
                              quantile(normals, policies.second.home), quantile(normals, policies.second.away)};
@@ -86,8 +86,8 @@ Played play(const TwoPolicies& policies, const Design& design, Random& random) {
 }
 
 /// Whether the interval holds the truth, and whether the test excludes it; of a difference that is not 0 no test.
-Answers<2> ask(const TwoPolicies& policies, const Design& design, Random& random) {
-  const Played played = play(policies, design, random);
+Answers<2> askBoth(const TwoPolicies& policies, const PairDesign& design, Random& random) {
+  const Played played = playBoth(policies, design, random);
   const Difference found = differenceOfRatios(played.first, played.second);
   const bool are_equal = std::abs(policies.difference()) < kSame;
   return {holds(found.interval, policies.difference()),
@@ -97,25 +97,25 @@ Answers<2> ask(const TwoPolicies& policies, const Design& design, Random& random
 }  // namespace
 
 void transferDifferences(Simulation& simulation) {
-  std::array<std::array<std::array<Proportion, 2>, kDesigns.size()>, kPolicies.size()> shares;
-  for (std::size_t i = 0; i < kPolicies.size(); ++i) {
-    for (std::size_t j = 0; j < kDesigns.size(); ++j) {
+  std::array<std::array<std::array<Proportion, 2>, kPairDesigns.size()>, kTwoPolicies.size()> shares;
+  for (std::size_t i = 0; i < kTwoPolicies.size(); ++i) {
+    for (std::size_t j = 0; j < kPairDesigns.size(); ++j) {
       shares.at(i).at(j) =
-          simulation.ask<2>([&](Random& random) { return ask(kPolicies.at(i), kDesigns.at(j), random); });
+          simulation.ask<2>([&](Random& random) { return askBoth(kTwoPolicies.at(i), kPairDesigns.at(j), random); });
     }
   }
   std::vector<std::string> columns = {"figure", "policies"};
-  for (const Design& design : kDesigns) {
+  for (const PairDesign& design : kPairDesigns) {
     columns.push_back(design.name());
   }
   const auto print = [&](const std::string& title, const std::string& figure, std::size_t question, auto cell) {
     printHead(title, columns);
-    for (std::size_t i = 0; i < kPolicies.size(); ++i) {
-      std::vector<std::string> cells = {figure, kPolicies.at(i).name()};
+    for (std::size_t i = 0; i < kTwoPolicies.size(); ++i) {
+      std::vector<std::string> cells = {figure, kTwoPolicies.at(i).name()};
       for (const auto& of_design : shares.at(i)) {
         cells.push_back(cell(of_design.at(question)));
       }
-      if (question == 0 || std::abs(kPolicies.at(i).difference()) < kSame) {
+      if (question == 0 || std::abs(kTwoPolicies.at(i).difference()) < kSame) {
         printRow(cells);
       }
     }

@@ -257,7 +257,7 @@ def activations() -> Dict[str, nn.Module]:
         "silu": nn.SiLU,
         "mish": nn.Mish,
         "selu": nn.SELU,
-        "softplus": lambda: nn.Softplus(beta=2.0),
+        "softplus": lambda: nn.Softplus(beta=2),
         "leaky_relu": nn.LeakyReLU,
         "prelu": nn.PReLU,
         "hardswish": nn.Hardswish,

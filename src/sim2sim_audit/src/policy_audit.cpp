@@ -179,7 +179,7 @@ class HeldOut {
     return interview_.errorsOf(sample_, interview_.answersTo(sample_, corrections, kDraws), corrections);
   }
 
-  /// Those of finalists under which all answers are finite.
+  /// Finalists under which all answers are finite.
   std::vector<Measured> measured(const Finalists& finalists) {
     std::vector<Measured> all;
     for (const std::vector<Trial>* trials : {&finalists.singles, &finalists.pairs}) {

@@ -179,9 +179,6 @@ class Pasted(LiveCase):
         self.assertLessEqual(len((ROOT / "README.md").read_text().splitlines()), 110)
         self.check(ROOT / "README.md", 0)
 
-    def test_networks(self) -> None:
-        self.assertEqual(self.check(DOCS / "networks.md"), 7)
-
     @long_form
     def test_commands(self) -> None:
         files = ("live/metrics.json", "first/report.html", "switches/attribution.json")

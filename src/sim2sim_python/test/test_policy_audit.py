@@ -33,7 +33,7 @@ def late(observations: Rows) -> Rows:
 
 
 class Steering:
-    """The same with a memory, which it has no use for."""
+    """A policy with a memory, which it has no use for."""
 
     def begin(self, seed: int) -> List[int]:
         return []

@@ -67,7 +67,7 @@ def export(source: Path, target: Path, overwrite: bool = False) -> None:
 
 
 def load(path: Path) -> Tuple[torch.jit.ScriptModule, str]:
-    """The module of a checkpoint and its description. Raises Error unless it does what that says."""
+    """A checkpoint and its description. Raises Error unless it does what that says."""
     extra: Dict[str, Any] = {DESCRIPTION: ""}
     try:
         module = torch.jit.load(io.BytesIO(read_file(path)), "cpu", extra).eval()

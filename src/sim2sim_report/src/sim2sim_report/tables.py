@@ -230,7 +230,7 @@ def contrast_rows(content: Json) -> Json:
 
 
 def _alone(content: Json) -> List[Json]:
-    """The episodes in which only one of two policies succeeds, by simulator; none of two engines."""
+    """Episodes in which only one of two policies succeeds, by simulator; none of two engines."""
     if "policy" not in content:
         return []
     return [

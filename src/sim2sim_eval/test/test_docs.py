@@ -102,7 +102,7 @@ class Docs(CommandCase):
 
     @long_form
     def test_commands(self) -> None:
-        self.assertEqual(self.check(DOCS / "commands.md"), 6)
+        self.assertEqual(self.check(DOCS / "commands.md"), 12)
 
     def test_faults(self) -> None:
         self.assertEqual(self.check(DOCS / "faults.md"), 2)

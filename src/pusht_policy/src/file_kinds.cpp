@@ -75,7 +75,7 @@ void requireFile(const fs::path& path, const std::string& name) {
   }
   const bool has_weights = fs::exists(path / "model.safetensors", ignored);
   throw InvalidInput(
-      name + ": must be a TorchScript file, is a folder" +
+      name + ": must be a readable file, is a folder" +
       (has_weights ? " with weights without their network (model.safetensors)" + std::string(kTrace) : std::string()));
 }
 

@@ -53,7 +53,7 @@ TEST(FileKinds, LeaveOthersAlone) {
 TEST(FileKinds, AFolderIsNamed) {
   const testing::TemporaryFolder folder;
   const auto refusal = [&] { return testing::refusalOf([&] { requireFile(folder.path(), "policy p"); }); };
-  EXPECT_EQ(refusal(), "policy p: must be a TorchScript file, is a folder");
+  EXPECT_EQ(refusal(), "policy p: must be a readable file, is a folder");
   writeFile(folder / "model.safetensors", kTaken);
   EXPECT_THAT(refusal(), HasSubstr("is a folder with weights without their network (model.safetensors)"));
   EXPECT_EQ(testing::refusalOf([&] { requireFile(folder / "model.safetensors", "policy p"); }), kTaken);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <exception>
 #include <iostream>
 
 #include "pusht_task/error.hpp"
@@ -36,19 +37,26 @@ LoadedRun load(const SweepPlan& plan, std::size_t policy) {
 
 std::vector<LoadedRun> loadAll(SweepPlan& plan, bool is_shard, std::vector<std::string>& refused) {
   std::vector<LoadedRun> loaded;
+  std::exception_ptr first;
   while (loaded.size() < plan.policies.size()) {
     try {
       loaded.push_back(load(plan, loaded.size()));
     } catch (const pusht::Error& error) {
       const bool is_of_the_policy =
           error.exitCode() == pusht::ExitCode::kInvalidInput || error.exitCode() == pusht::ExitCode::kBadDependency;
-      if (!is_of_the_policy || is_shard || plan.policies.size() == 1) {
+      if (!is_of_the_policy || is_shard) {
         throw;
       }
+      first = first ? first : std::current_exception();
       refused.emplace_back(error.what());
-      std::cerr << "sweep: left out: " << error.what() << std::endl;
       remove(plan, loaded.size());
     }
+  }
+  if (loaded.empty()) {
+    std::rethrow_exception(first);
+  }
+  for (const std::string& why : refused) {
+    std::cerr << "sweep: left out: " << why << std::endl;
   }
   return loaded;
 }

@@ -11,7 +11,7 @@
 namespace sim2sim {
 
 /// Loads all policies of a plan, each with its reference. Of several, one that is refused is taken out of the plan, and
-/// named in `refused`; not of a shard, as a merged sweep has all rows. Throws as
+/// named in `refused`; not of a shard, as a merged sweep has all rows. Throws, the first of them if all are refused, as
 /// LoadedRun.
 std::vector<LoadedRun> loadAll(SweepPlan& plan, bool is_shard, std::vector<std::string>& refused);
 

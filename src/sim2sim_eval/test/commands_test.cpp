@@ -89,7 +89,7 @@ std::vector<EpisodeResult> episodesOf(int count, double spread) {
 }
 
 RunResults pilotOf(int count, double spread) {
-  RunResults pilot{"pilot", {}, {}, episodesOf(count, spread)};
+  RunResults pilot{"pilot", nlohmann::json::object(), {}, episodesOf(count, spread)};
   pilot.protocol.episodes = count;
   return pilot;
 }

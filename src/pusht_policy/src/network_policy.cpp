@@ -51,7 +51,7 @@ class Checkpoint {
       throw UnfitForKernel(why_not_on_kernel_);
     }
     const bool has_state = !description.state.empty();
-    const NetworkKernel kernel(
+    NetworkKernel kernel(
         static_cast<int>(observationNumbers(description) + numbersIn(description.state) + numbersIn(description.noise)),
         readGraph(*graph_, network_->inputSizes(), has_state), instruction_set);
     KernelNetwork on_kernel(kernel);

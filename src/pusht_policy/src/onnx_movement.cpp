@@ -179,6 +179,7 @@ OnnxReader::Values OnnxReader::readConcat(const Node& node) {
   const std::int64_t axis = integerOf(node, "axis", 0);
   if (value(node, 0).other == nullptr) {
     std::vector<NetworkTensor> tensors;
+    tensors.reserve(static_cast<std::size_t>(node.input_size()));
     for (int i = 0; i < node.input_size(); ++i) {
       tensors.push_back(tensor(node, i));
     }

@@ -242,7 +242,7 @@ std::vector<std::int64_t> TorchReader::reducedAxes(const Node& node) const {
   if (!hasOperand(node, "dim")) {
     refuse("must name its axes");
   }
-  const std::vector<std::int64_t> axes = this->axes(node, "dim");
+  std::vector<std::int64_t> axes = this->axes(node, "dim");
   const Sizes shape = tensor(node, "self").shape;
   const auto is_of_rollouts = [&](std::int64_t axis) { return axisOf(axis, shape.size()) == 0 && shape[0] == 1; };
   if (axes.empty() || std::any_of(axes.begin(), axes.end(), is_of_rollouts)) {

@@ -33,7 +33,7 @@ TEST(FileKinds, SayWhatAFileIs) {
   EXPECT_THAT(refusalOfBytes(zip + "p/models/model.json"), HasSubstr("is an ExportedProgram"));
   EXPECT_THAT(refusalOfBytes(zip + "data _stable_baselines3_version policy.pth p/data.pkl"),
               HasSubstr("is a model of Stable-Baselines3"));
-  EXPECT_THAT(refusalOfBytes("\x80\x02}q\x00."), HasSubstr("is a pickled object, which needs its Python code"));
+  EXPECT_THAT(refusalOfBytes("\x80\x02}q."), HasSubstr("is a pickled object, which needs its Python code"));
   EXPECT_THAT(refusalOfBytes("\x40\0\0\0\0\0\0\0{\"weight\":"s),
               HasSubstr("weights without their network (safetensors)"));
   EXPECT_THAT(refusalOfBytes("\x89HDF\r\n"), HasSubstr("is an HDF5 file"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -70,10 +71,13 @@ void addActionAxes(AnswerList& list) {
     const char* words;
     double xx, xy, yx, yy;
   };
-  constexpr Turn kTurns[] = {
-      {"the other sign of x of actions", -1.0, 0.0, 0.0, 1.0}, {"the other sign of y of actions", 1.0, 0.0, 0.0, -1.0},
-      {"the other sign of actions", -1.0, 0.0, 0.0, -1.0},     {"x and y of actions swapped", 0.0, 1.0, 1.0, 0.0},
-      {"actions turned by 90 deg", 0.0, -1.0, 1.0, 0.0},       {"actions turned by -90 deg", 0.0, 1.0, -1.0, 0.0},
+  constexpr std::array kTurns = {
+      Turn{"the other sign of x of actions", -1.0, 0.0, 0.0, 1.0},
+      Turn{"the other sign of y of actions", 1.0, 0.0, 0.0, -1.0},
+      Turn{"the other sign of actions", -1.0, 0.0, 0.0, -1.0},
+      Turn{"x and y of actions swapped", 0.0, 1.0, 1.0, 0.0},
+      Turn{"actions turned by 90 deg", 0.0, -1.0, 1.0, 0.0},
+      Turn{"actions turned by -90 deg", 0.0, 1.0, -1.0, 0.0},
   };
   for (const Turn& turn : kTurns) {
     list.addBlind(Correction::Group::kActionAxes, turn.words,

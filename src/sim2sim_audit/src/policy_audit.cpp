@@ -55,7 +55,7 @@ using UnitIterator = std::vector<Unit>::const_iterator;
 /// End of the units from `begin` on, at most up to `end`, that are at least so many and have so many steps.
 UnitIterator enough(UnitIterator begin, UnitIterator end, std::size_t units, std::size_t steps) {
   std::size_t have = 0;
-  UnitIterator last = begin;
+  auto last = begin;
   while (last != end && (static_cast<std::size_t>(last - begin) < units || have < steps)) {
     have += last->steps();
     ++last;
@@ -240,7 +240,7 @@ std::string PolicyAudit::fault() const {
 PolicyAudit auditPolicy(pusht::Policy& policy, const PolicySignature& signature,
                         const std::vector<Demonstration>& demonstrations) {
   const std::vector<Unit> units = unitsIn(demonstrations);
-  const UnitIterator split =
+  const auto split =
       enough(units.begin(), units.end() - static_cast<std::ptrdiff_t>(kFewestPairs), kSearchedUnits, kSearchedSteps);
   const Sample searched = sampleOf(signature, demonstrations, {units.begin(), split});
   const Sample sample =

@@ -129,7 +129,7 @@ void addOrders(QuestionList& list) {
 
 /// Number times a factor: "times 1000 (mm)".
 std::string timesText(double factor, bool is_length) {
-  const std::string times = "times " + pusht::significantText(factor, 3);
+  std::string times = "times " + pusht::significantText(factor, 3);
   if (!is_length) {
     return times;
   }

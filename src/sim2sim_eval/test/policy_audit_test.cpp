@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <memory>
@@ -122,9 +123,8 @@ std::vector<Faults> plantedFaults() {
     return *std::find_if(singles.begin(), singles.end(), [&](const PolicyFault& fault) { return fault.name == name; });
   };
   std::vector<Faults> planted;
-  for (const PolicyFault& fault : singles) {
-    planted.push_back({fault});
-  }
+  std::transform(singles.begin(), singles.end(), std::back_inserter(planted),
+                 [](const PolicyFault& fault) { return Faults{fault}; });
   for (const auto& [one, other] :
        std::vector<std::pair<std::string, std::string>>{{"pusher and tee swapped", "actions halved"},
                                                         {"sine and cosine swapped", "sign of an action's y"},

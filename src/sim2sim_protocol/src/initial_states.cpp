@@ -81,7 +81,7 @@ WorldState stateIn(const std::string& line, const std::vector<StateField>& colum
     }
     columns[i].of(state) = *number;
   }
-  const WorldState start = pusht::checkedStart(state);
+  WorldState start = pusht::checkedStart(state);
   if (std::abs(state.tee_yaw) > 2.0 * pusht::kPi) {
     throw pusht::InvalidInput("tee_yaw " + pusht::shortestText(state.tee_yaw) +
                               " rad: must be within a turn, 2 pi; degrees?");

@@ -169,6 +169,7 @@ std::vector<Demonstration> demonstrationsIn(const rosbag::Bag& bag) {
                               ": must be a bag of `demonstrate`");
   }
   std::vector<Demonstration> demonstrations;
+  demonstrations.reserve(by_seed.size());
   for (auto& [seed, demonstration] : by_seed) {
     demonstrations.push_back(std::move(demonstration));
   }

@@ -43,11 +43,12 @@ TrainingLoss lossOf(const std::filesystem::path& checkpoint) {
   }
   const json provenance = pusht::parseJson(pusht::readFile(path, "provenance", pusht::kLargestSmallFile));
   const json training = provenance.value("training", json::object());
-  const auto numberOf = [&](const char* key) { return training.value(key, json()); };
-  if (!numberOf("final_train_loss").is_number() || !numberOf("final_validation_loss").is_number()) {
+  const auto number_of = [&](const char* key) { return training.value(key, json()); };
+  if (!number_of("final_train_loss").is_number() || !number_of("final_validation_loss").is_number()) {
     return {};
   }
-  return {training.value("loss", std::string("loss")), numberOf("final_train_loss"), numberOf("final_validation_loss")};
+  return {training.value("loss", std::string("loss")), number_of("final_train_loss"),
+          number_of("final_validation_loss")};
 }
 
 std::string lossText(const TrainingLoss& loss) {

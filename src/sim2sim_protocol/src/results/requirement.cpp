@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <regex>
 #include <string>
+#include <utility>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
@@ -140,7 +141,7 @@ void requireReachable(const Requirement& requirement) {
 
 std::string letterOf(int run) { return std::string(1, run <= 'Z' - 'A' ? static_cast<char>('A' + run) : '?'); }
 
-Requirement::Requirement(const std::string& given) : text(given) {
+Requirement::Requirement(std::string given) : text(std::move(given)) {
   static const std::regex grammar(
       R"(\s*([A-Za-z.]+)\s*([<>])\s*(?:([A-Za-z][A-Za-z.]*)\s*(?:([+-])\s*([0-9.]+%?)\s*)?|(-?[0-9.]+%?)\s*))");
   constexpr std::size_t kLongest = 200;  // characters

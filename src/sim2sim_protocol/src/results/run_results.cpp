@@ -69,7 +69,7 @@ std::string differenceIn(const std::vector<std::string>& places, const RunResult
 
 /// How the policies of two runs differ; empty if they do not, as far as their folders say.
 std::string differenceOfPolicies(const RunResults& baseline, const RunResults& other) {
-  const std::string difference = differenceIn({"/policy", std::string("/") + kExecute}, baseline, other);
+  std::string difference = differenceIn({"/policy", std::string("/") + kExecute}, baseline, other);
   const bool are_files = !baseline.policy_sha256.empty() && !other.policy_sha256.empty();
   if (difference.empty() && are_files && baseline.policy_sha256 != other.policy_sha256) {
     return "policy has sha256 " + baseline.policy_sha256 + " and " + other.policy_sha256;

@@ -85,7 +85,7 @@ class Page:
         return self._render(
             title=f"{runs[0].title('reference')} to {engines}",
             question=compared["headline"]["question"] if compared else runs[0].question,
-            caveat=next((run.caveat for run in runs if run.caveat), ""),
+            caveat=next((_caveat(*it, compared) for it in zip(names, runs) if it[1].caveat), ""),
             headline=compared["headline"]["answer"] if compared else runs[0].answer,
             answers=answers if len(runs) > 1 else [],
             caution=broken + cautions([run.metrics for run in runs]),
@@ -239,6 +239,11 @@ def names_of(runs: Sequence[Run], compared: Json) -> List[str]:
     if of_policies(compared):
         return [compared["baseline"]["title"], *(c["title"] for c in compared["contrasts"])]
     return [run.name for run in runs]
+
+
+def _caveat(name: str, run: Run, compared: Json) -> str:
+    """The caveat of a run, with its policy where there are several."""
+    return f"{name}: {run.caveat}" if of_policies(compared) else run.caveat
 
 
 def _section(run: Run, number: int, traces: Optional[Traces], animate: Sequence[int]) -> Json:

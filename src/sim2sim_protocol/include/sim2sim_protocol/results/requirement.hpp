@@ -34,7 +34,7 @@ struct Requirement {
   double bound = 0.0;
 
   /// Reads a requirement. Throws InvalidInput with the rule that it breaks.
-  explicit Requirement(const std::string& text);
+  explicit Requirement(std::string given);
 
   /// Throws InvalidInput unless it is one of a single run, and the run will have its interval: one that ends when a
   /// share is decided has that of the transfer alone, and answers for that share.

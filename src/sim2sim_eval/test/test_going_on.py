@@ -150,7 +150,7 @@ class Comparison(GoingOn):
         flipped[100] ^= 1
         for damaged, named in (
             ([lines[0], bytes(flipped), *lines[2:]], "line 2 is damaged"),
-            ([b"?", *lines[1:]], "line 1 must say the format 2 and the run"),
+            ([b"?", *lines[1:]], "line 1 must say the format 3 and the run"),
             ([lines[0], lines[1], lines[1]], "line 3 has episode"),
         ):
             journal.write_bytes(b"\n".join(damaged) + b"\n")

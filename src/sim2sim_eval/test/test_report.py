@@ -416,7 +416,7 @@ class Content(ReportCase):
         )
         page = html.unescape(self.report("policies", "--images", "images")).replace("\u00a0", " ")
         cells = re.findall(r"\d\.\d\d \[\d\.\d\d, \d\.\d\d\]", printed)
-        self.assertEqual(len(cells), 6)
+        self.assertEqual(len(cells), 12, "of policies, and of groups of one")
         for cell in cells:
             self.assertIn(f">{cell}<", page)
         for transfer in re.findall(r"\d+ % \[\d+, \d+\]", printed):

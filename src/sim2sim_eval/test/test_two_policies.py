@@ -11,13 +11,17 @@ from xml.etree import ElementTree
 import numpy as np
 from scipy import stats  # type: ignore[import]
 
+from pusht_testing.warm_commands import warm
+
 from command_case import CommandCase, executable
 
 COMPARE = executable("sim2sim_eval", "compare")
 CONTRAST = executable("sim2sim_eval", "contrast")
 MATRIX = executable("sim2sim_eval", "matrix")
 PLAN = executable("sim2sim_eval", "plan")
+REPORT = executable("sim2sim_eval", "report")
 SWEEP = executable("sim2sim_eval", "sweep")
+warm([REPORT], "sim2sim_report.make", "sim2sim_eval.command")
 MET, NOT_MET, UNDECIDED = 0, 6, 7  # exit codes
 
 
@@ -74,6 +78,18 @@ class TwoPolicies(PolicyCase):
         plan, _ = self.ended(0, PLAN, "a", "b", "--success", "0.2")
         self.assertIn("success in reference, other - pilot", plan)
         self.assertIn("success in engine, other - pilot", plan)
+
+    def test_stand_on_one_page(self) -> None:
+        self.compared("a", "fresh-untrained", episodes=12)
+        self.compared("b", "expert", episodes=12)
+        self.ended(0, REPORT, "a", "b", "--out", "page.html")
+        page = (self.folder / "page.html").read_text()
+        self.assertIn("Is expert better than fresh-untrained?", page)
+        self.assertIn("There is no transfer of fresh-untrained, which never succeeds", page)
+        self.assertRegex(page, r"<td>transfer</td><td class=\"number\">none</td>")
+        self.assertIn("episodes in which only one succeeds", page)
+        self.assertRegex(page, r"<td>reference</td><td class=\"long\">none</td>")
+        self.assertIn("fresh-untrained in MuJoCo", page)
 
     def test_in_another_engine_too_are_refused(self) -> None:
         self.compared("a", "expert", episodes=3)

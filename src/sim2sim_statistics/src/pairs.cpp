@@ -74,6 +74,10 @@ double mcnemarMidP(const PairTable& table) {
                                                : 2.0 * cdf(discordant.coin, discordant.rarer) - point;
 }
 
+Difference rateDifference(const PairTable& table) {
+  return {table.difference(), tangoInterval(table), mcnemarMidP(table)};
+}
+
 std::vector<double> holm(const std::vector<double>& p) {
   for (const double value : p) {
     if (!(value >= 0.0 && value <= 1.0)) {

@@ -161,7 +161,7 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
   message.neither_succeeds = static_cast<std::uint32_t>(outcomes.table.neither);
   message.transfer = outcomes.transfer.value_or(kNan);
   const Interval transfer =
-      (finished ? transferInterval(configuration, outcomes) : std::nullopt).value_or(Interval{kNan, kNan});
+      (finished ? transferInterval(configuration.protocol, outcomes) : std::nullopt).value_or(Interval{kNan, kNan});
   message.transfer_low = transfer.low;
   message.transfer_high = transfer.high;
   message.transfer_text = finished ? transferText(configuration, outcomes) : "";

@@ -40,10 +40,6 @@ std::optional<double> deviationOf(const std::vector<double>& differences) {
   return differences.size() < 2 ? std::nullopt : std::optional(standardDeviation(differences));
 }
 
-double discordanceOf(const PairTable& table) {
-  return (table.first_only + table.second_only) / static_cast<double>(table.pairs());
-}
-
 std::vector<PlannedDifference> plannedDifferences(const PlanQuestions& questions, const RunResults& pilot,
                                                   const std::optional<RunResults>& other) {
   const std::array<std::pair<std::string, std::optional<double>>, 2> names = {
@@ -51,7 +47,7 @@ std::vector<PlannedDifference> plannedDifferences(const PlanQuestions& questions
 
   std::vector<PlannedDifference> planned;
   const auto success = [&](const std::string& text, const PairTable& table) {
-    planned.push_back({text, {}, discordanceOf(table), questions.success});
+    planned.push_back({text, {}, table.discordant(), questions.success});
   };
   success("success, engine - reference", pairsOf(pilot.episodes, kReferenceClosed, pilot.episodes, kEngineClosed));
   if (other && pairingOf(pilot, *other) == Pairing::kPolicies) {

@@ -92,7 +92,7 @@ ContrastRow successRow(const char* name, const RunResults& baseline, const RunRe
                        const PairTable& counts) {
   ContrastRow row{name, "", counts.pairs(), {}};
   if (baseline.protocol.repeats == 1) {
-    row.difference = {counts.difference(), tangoInterval(counts), mcnemarMidP(counts)};
+    row.difference = rateDifference(counts);
     row.decided_after = decidedAfter(baseline, other, rollout);
   } else {
     row.difference =

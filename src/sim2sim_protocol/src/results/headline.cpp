@@ -159,9 +159,8 @@ TransferVerdict verdictOf(const Interval& transfer) {
   return transfer.low >= kNotEnough ? TransferVerdict::kTransfersInPart : TransferVerdict::kAtMostInPart;
 }
 
-std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes) {
-  return configuration.protocol.until_decided ? std::optional(transferSequence(outcomes.table))
-                                              : outcomes.transfer_interval;
+std::optional<Interval> transferInterval(const Protocol& protocol, const Outcomes& outcomes) {
+  return protocol.until_decided ? std::optional(transferSequence(outcomes.table)) : outcomes.transfer_interval;
 }
 
 std::string transferNumber(const RunConfiguration& configuration, double share) {
@@ -203,7 +202,7 @@ Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outco
             (partial ? soFar(words) : words) + with + names.reference + " never succeeds" +
                 (partial ? count : " in " + counted(episodes) + ".")};
   }
-  const Interval interval = asPrinted(transferInterval(configuration, outcomes).value());
+  const Interval interval = asPrinted(transferInterval(configuration.protocol, outcomes).value());
   const TransferVerdict verdict = verdictOf(interval);
   const std::string words = wordsOf(verdict, interval);
   const double transfer = (successes.both + successes.second_only) / static_cast<double>(reference_successes);

@@ -33,7 +33,7 @@ PolicyPair pairIn(const Matrix& matrix, std::size_t simulator, std::size_t first
   for (std::size_t episode = 0; episode < one.size(); ++episode) {
     pair.successes.add(one[episode], other[episode]);
   }
-  pair.difference = {pair.successes.difference(), tangoInterval(pair.successes), mcnemarMidP(pair.successes)};
+  pair.difference = rateDifference(pair.successes);
   return pair;
 }
 

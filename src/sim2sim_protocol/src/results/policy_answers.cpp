@@ -90,8 +90,7 @@ std::string pointsText(const Difference& difference) {
 
 /// "; 940 would show 5"; empty where that many or more were played, and where no number would.
 std::string planText(const SuccessChange& change) {
-  const double discordant =
-      (change.counts.first_only + change.counts.second_only) / static_cast<double>(change.counts.pairs());
+  const double discordant = change.counts.discordant();
   if (discordant <= kWorthwhile / kPoints || change.counts.pairs() < kFewestEpisodes) {
     return "";
   }

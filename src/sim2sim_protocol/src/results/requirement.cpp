@@ -68,10 +68,8 @@ Estimate negative(const Estimate& estimate) {
 /// Figure of a run.
 Estimate figureOf(const Requirement::Figure& figure, const Protocol& protocol, const Summary& summary) {
   if (figure.name == kTransfer) {
-    RunConfiguration configuration;
-    configuration.protocol = protocol;
     return {summary.outcomes.transfer.value_or(std::nan("")),
-            summary.outcomes.transfer ? transferInterval(configuration, summary.outcomes) : std::nullopt};
+            summary.outcomes.transfer ? transferInterval(protocol, summary.outcomes) : std::nullopt};
   }
   const SuccessRate& rate = figure.name == kEngine ? summary.engine : summary.reference;
   return {rate.rate, rate.interval};

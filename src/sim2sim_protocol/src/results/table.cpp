@@ -307,7 +307,7 @@ std::string transferText(const RunConfiguration& configuration, const Outcomes& 
   const auto text = [&](double share) {
     return std::isinf(share) ? "any" : transferNumber(configuration, share) + " %";
   };
-  const std::optional<Interval> interval = transferInterval(configuration, outcomes);
+  const std::optional<Interval> interval = transferInterval(configuration.protocol, outcomes);
   return text(*outcomes.transfer) + (interval ? " [" + text(interval->low) + ", " + text(interval->high) + "]" : "");
 }
 

@@ -13,6 +13,7 @@
 #include "policy_desk.hpp"
 #include "pusht_task/error.hpp"
 #include "python_policy.hpp"
+#include "served_run.hpp"
 #include "sim2sim_eval/policy_audit_run.hpp"
 
 namespace sim2sim::python {
@@ -21,18 +22,6 @@ namespace {
 namespace py = pybind11;
 
 using Rows = py::array_t<float, py::array::c_style | py::array::forcecast>;
-
-/// Desk that calls Python at once, in the thread that asks, which has the GIL.
-class DirectDesk final : public Desk {
- public:
-  explicit DirectDesk(const Callable& callable) : callable_(callable) {}
-
-  void ask(const std::vector<Row*>& rows) override { callable_.answer(rows); }
-  void drop(PyObject* memory) override { Py_DECREF(memory); }
-
- private:
-  const Callable& callable_;
-};
 
 /// Rows of an episode as arrays of fixed length. Throws InvalidInput unless all numbers are finite.
 template <class Row>
@@ -71,26 +60,11 @@ std::vector<Demonstration> demonstrationsFrom(const std::vector<Rows>& observati
   return demonstrations;
 }
 
-/// Number of actions in an answer of the callable, from a rollout of its own.
-int actionsOf(const Callable& callable, const pusht::Observation& observation, int history) {
-  DirectDesk desk(callable);
-  Row row;
-  row.past.assign(static_cast<std::size_t>(history), observation);
-  callable.answer({&row});
-  if (row.memory != nullptr) {
-    desk.drop(row.memory);
-  }
-  return static_cast<int>(row.answer.size());
-}
-
-PolicyAuditRun auditCallable(const py::object& policy, const std::string& name, int history,
+PolicyAuditRun auditCallable(PolicyDesk& desk, const std::string& name, const PolicySignature& interface,
                              const std::vector<Demonstration>& demonstrations) {
-  const Callable callable(policy, name, history);
-  PolicySignature signature;
-  signature.observations = std::max(history, 1);
-  signature.actions = actionsOf(callable, demonstrations.front().observations.front(), signature.observations);
-  signature.has_state = py::hasattr(policy, "begin") && py::hasattr(policy, "act");
-  DirectDesk desk(callable);
+  requireNoMemoryOfItsOwn(desk, name, interface.observations);
+  PolicySignature signature = interface;
+  signature.actions = actionsInAnswer(desk, signature.observations);
   PythonPolicy asked(desk, signature.observations);
   PolicyAuditRun run;
   run.policy = "python:" + name;
@@ -102,8 +76,17 @@ py::dict auditInPython(const py::object& policy, const std::string& name, int hi
                        const std::vector<Rows>& observations, const std::vector<Rows>& actions,
                        const std::string& label) {
   const std::vector<Demonstration> demonstrations = demonstrationsFrom(observations, actions);
-  PolicyAuditRun run =
-      policy.is_none() ? auditPolicyFile(name, demonstrations) : auditCallable(policy, name, history, demonstrations);
+  ServedRun served("audit_policy");
+  PolicyAuditRun run;
+  if (policy.is_none()) {
+    served.run([&] { run = auditPolicyFile(name, demonstrations); });
+  } else {
+    PolicySignature interface;
+    interface.observations = std::max(history, 1);
+    interface.has_state = py::hasattr(policy, "begin") && py::hasattr(policy, "act");
+    PolicyDesk& desk = served.deskOf(Callable(policy, name, history));
+    served.run([&] { run = auditCallable(desk, name, interface, demonstrations); });
+  }
   run.demonstrations = label;
   py::dict answer;
   answer["json"] = run.json();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Where the threads of a run, which have no GIL, meet the thread that called Python's compare().
+/// Where the threads of a run, which have no GIL, meet the thread that called Python.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -25,25 +25,10 @@ struct Row {
   PyObject* memory = nullptr;              ///< the callable's own; owned, null before the first query
 };
 
-/// Place at which a policy that is a Python callable gets its answers.
-class Desk {
- public:
-  Desk() = default;
-  Desk(const Desk&) = delete;
-  Desk& operator=(const Desk&) = delete;
-  virtual ~Desk() = default;
-
-  /// Returns when all `rows` are answered. Throws what the callable's answer is refused for.
-  virtual void ask(const std::vector<Row*>& rows) = 0;
-
-  /// Gives up a reference of a memory.
-  virtual void drop(PyObject* memory) = 0;
-};
-
 /// Desk at which threads of a run ask, and one thread, which may call Python, answers. So the callable runs in the
-/// thread in which compare() was called: Ctrl-C reaches it, and settings that belong to a thread (torch.no_grad) hold.
-/// While the callable runs, further queries gather; the next call answers them all.
-class PolicyDesk final : public Desk {
+/// thread in which the command was called: Ctrl-C reaches it, and settings that belong to a thread (torch.no_grad)
+/// hold. While the callable runs, further queries gather; the next call answers them all.
+class PolicyDesk {
  public:
   /// What there is to do.
   struct Work {
@@ -54,10 +39,10 @@ class PolicyDesk final : public Desk {
 
   /// Waits until all `rows` are answered. Throws RuntimeFault with the reason if the desk is closed, and what the
   /// answering thread found wrong. For threads of the run.
-  void ask(const std::vector<Row*>& rows) override;
+  void ask(const std::vector<Row*>& rows);
 
   /// Keeps the reference until releaseDropped(): only a thread with the GIL may give it up.
-  void drop(PyObject* memory) override;
+  void drop(PyObject* memory);
 
   void warn(const std::string& warning);
 

@@ -21,7 +21,7 @@ namespace py = pybind11;
 
 /// Memory of a rollout: what the callable is asked with, and the actions of its last answer that are left.
 struct RolloutMemory : pusht::Policy::Memory {
-  RolloutMemory(Desk& desk_of_run, const pusht::Beginning& beginning) : desk(desk_of_run), told(beginning) {
+  RolloutMemory(PolicyDesk& desk_of_run, const pusht::Beginning& beginning) : desk(desk_of_run), told(beginning) {
     row.seed = beginning.seed;
   }
   RolloutMemory(const RolloutMemory&) = delete;
@@ -41,7 +41,7 @@ struct RolloutMemory : pusht::Policy::Memory {
     row.past.back() = observation;
   }
 
-  Desk& desk;
+  PolicyDesk& desk;
   pusht::Beginning told;
   Row row;
   std::size_t next = 0;  // action of the answer
@@ -138,6 +138,12 @@ void requireNoMemoryOfItsOwn(PolicyDesk& desk, const std::string& name, int hist
   require_same(in_reverse, static_cast<std::ptrdiff_t>(in_reverse.size()), "when the rows come again in another order");
   desk.ask(rowsOf(few.begin(), few.begin() + kFew));
   require_same(few, kFew, "beside other rows");
+}
+
+int actionsInAnswer(PolicyDesk& desk, int history) {
+  const std::vector<std::unique_ptr<RolloutMemory>> rows = trialRows(desk, history);
+  desk.ask({&rows.front()->row});
+  return static_cast<int>(rows.front()->row.answer.size());
 }
 
 Callable::Callable(py::object policy, std::string name, int history)

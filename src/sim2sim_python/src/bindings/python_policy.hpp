@@ -19,13 +19,13 @@ class PythonPolicy : public pusht::Policy {
  public:
   /// `history`: number of observations that the callable looks back on, at least 1. The desk must outlive the policy
   /// and its memories.
-  PythonPolicy(Desk& desk, int history) : desk_(desk), history_(history) {}
+  PythonPolicy(PolicyDesk& desk, int history) : desk_(desk), history_(history) {}
 
   std::unique_ptr<Memory> begin(const pusht::Beginning& beginning) const override;
   void act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) override;
 
  private:
-  Desk& desk_;
+  PolicyDesk& desk_;
   int history_;
 };
 
@@ -33,6 +33,9 @@ class PythonPolicy : public pusht::Policy {
 /// BadDependency unless each row gets the same answer, to within what rounding in other batches makes; also as
 /// PolicyDesk::ask().
 void requireNoMemoryOfItsOwn(PolicyDesk& desk, const std::string& name, int history);
+
+/// Number of actions in an answer of the desk's callable. Throws as PolicyDesk::ask().
+int actionsInAnswer(PolicyDesk& desk, int history);
 
 /// Callable of Python that answers rows. All functions need the GIL.
 class Callable {

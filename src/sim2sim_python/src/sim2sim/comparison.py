@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Comparison of two simulators under one policy, in process."""
 
-import contextlib
-import os
 from typing import Mapping, Optional
 
-from sim2sim import _sim2sim, tensors
-from sim2sim.checks import checked_integer, checked_mapping, checked_text
-from sim2sim.errors import InvalidInput
+from sim2sim import _sim2sim
+from sim2sim.asked import asked
+from sim2sim.checks import checked_mapping, checked_text
 from sim2sim.results import Comparison, comparison_of
 
 
@@ -53,49 +51,13 @@ def compare(
     options["engine"] = engine
     options["set_reference"] = dict(checked_mapping("reference_parameters", reference_parameters))
     options["set"] = dict(checked_mapping("engine_parameters", engine_parameters))
-    is_callable = not isinstance(policy, (str, os.PathLike))
-    if is_callable:
-        _require_callable(policy)
-        if not getattr(policy, "row_independent", False) and options.get("threads") is None:
-            options["threads"] = 1
-    else:
-        _require_left_out(history=history, version=version)
-        options["policy"] = policy
-    name, looks_back = _name_of(policy), _checked_history(history)
     known_as = "" if version is None else checked_text("version", version)
-    with contextlib.ExitStack() as stack:
-        if tensors.is_module(policy):
-            policy = stack.enter_context(tensors.evaluated(policy))
-        asked = policy if is_callable else None
-        texts = _sim2sim.compare(options, asked, name, known_as, looks_back, bool(progress))
-    return comparison_of(texts)
-
-
-def _require_callable(policy: object) -> None:
-    if not callable(policy) and not (hasattr(policy, "begin") and hasattr(policy, "act")):
-        raise InvalidInput(
-            f"policy {policy!r}: must be a name, a file, a callable, or an object with begin() "
-            "and act()"
+    with asked(policy, history=history, version=version) as it:
+        if it.callable is None:
+            options["policy"] = policy
+        elif not getattr(policy, "row_independent", False) and options.get("threads") is None:
+            options["threads"] = 1
+        texts = _sim2sim.compare(
+            options, it.callable, it.name, known_as, it.history, bool(progress)
         )
-
-
-def _require_left_out(**given: object) -> None:
-    for name, value in given.items():
-        if value is not None:
-            raise InvalidInput(f"{name} {value}: must be left out unless the policy is a callable")
-
-
-def _checked_history(history: Optional[int]) -> int:
-    """The history as the extension takes it: 0 for an observation without one."""
-    if history is None:
-        return 0
-    return checked_integer("history", history, 1, 1000)
-
-
-def _name_of(policy: object) -> str:
-    """Module and qualified name of a callable, or of its class; a scripted module knows that of
-    the class that was scripted."""
-    if tensors.is_module(policy) and hasattr(policy, "original_name"):
-        return f"torch.jit.{getattr(policy, 'original_name')}"
-    named = policy if hasattr(policy, "__qualname__") else type(policy)
-    return f"{getattr(named, '__module__', None) or '?'}.{getattr(named, '__qualname__')}"
+    return comparison_of(texts)

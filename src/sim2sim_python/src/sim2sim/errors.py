@@ -17,71 +17,62 @@ __all__ = [
 ]
 
 
-class InvalidInput(Error):
+class _Kind(Error):
+    """Error whose class tells its exit code."""
+
+    code: ExitCode
+
+    def __init__(self, message: str) -> None:
+        super().__init__(message, self.code)
+
+
+class InvalidInput(_Kind):
     """Bad input or configuration."""
 
-    def __init__(self, message: str) -> None:
-        super().__init__(message, ExitCode.INVALID_INPUT)
+    code = ExitCode.INVALID_INPUT
 
 
-class BadDependency(Error):
+class BadDependency(_Kind):
     """Something that the run needs is missing or not as expected: a policy's answer, say."""
 
-    def __init__(self, message: str) -> None:
-        super().__init__(message, ExitCode.BAD_DEPENDENCY)
+    code = ExitCode.BAD_DEPENDENCY
 
 
-class RuntimeFault(Error):
+class RuntimeFault(_Kind):
     """Fault while running."""
 
-    def __init__(self, message: str) -> None:
-        super().__init__(message, ExitCode.RUNTIME_FAULT)
+    code = ExitCode.RUNTIME_FAULT
 
 
 class SimulationFault(RuntimeFault):
     """Failure of a world's physics; other parameters may succeed."""
 
 
-class ContractError(Error):
+class ContractError(_Kind):
     """Broken contract of a simulator."""
 
-    def __init__(self, message: str) -> None:
-        super().__init__(message, ExitCode.CONTRACT_ERROR)
+    code = ExitCode.CONTRACT_ERROR
 
 
-class RequirementNotMet(Error):
+class RequirementNotMet(_Kind):
     """Requirement that is shown not to be met."""
 
-    def __init__(self, message: str) -> None:
-        super().__init__(message, ExitCode.NOT_MET)
+    code = ExitCode.NOT_MET
 
 
-class RequirementUndecided(Error):
+class RequirementUndecided(_Kind):
     """Requirement of which the episodes cannot say whether it is met."""
 
-    def __init__(self, message: str) -> None:
-        super().__init__(message, ExitCode.UNDECIDED)
+    code = ExitCode.UNDECIDED
 
 
-class InternalError(Error):
+class InternalError(_Kind):
     """Defect of the suite or of a library."""
 
-    def __init__(self, message: str) -> None:
-        super().__init__(message, ExitCode.INTERNAL_ERROR)
+    code = ExitCode.INTERNAL_ERROR
 
 
 def of_exit_code(exit_code: int, message: str) -> Error:
     """The error of a command that ended with this code."""
-    kinds = (
-        InvalidInput,
-        BadDependency,
-        RuntimeFault,
-        ContractError,
-        RequirementNotMet,
-        RequirementUndecided,
-    )
-    for kind in kinds:
-        error: Error = kind(message)
-        if error.exit_code == exit_code:
-            return error
-    return InternalError(message)
+    kinds = {int(kind.code): kind for kind in _Kind.__subclasses__()}
+    return kinds.get(exit_code, InternalError)(message)

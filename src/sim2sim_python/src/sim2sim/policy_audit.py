@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim2sim import _sim2sim
-from sim2sim.comparison import _checked_history, _name_of, _require_callable, _require_left_out
+from sim2sim.asked import asked
 from sim2sim.policy import Policy
 
 Episodes = Sequence[Tuple[NDArray[Any], NDArray[Any]]]
@@ -37,19 +37,13 @@ def audit_policy(
     """Asks a policy what was recorded, as `rosrun sim2sim_eval audit --policy` does.
 
     `policy` is what compare() takes: a name, a file, a callable with its `history`, or an object
-    with begin() and act(). `demonstrations` are a bag or a CSV, or for each episode a pair of
+    with begin() and act(), or a PyTorch module. `demonstrations` are a bag or a CSV, or for each episode a pair of
     observations [n, 10] and actions [n, 2].
 
     Raises Error, with the command's words, but none for a fault; what the callable raises.
     """
     if isinstance(policy, Policy):
         policy = policy.name
-    if isinstance(policy, (str, os.PathLike)):
-        _require_left_out(history=history)
-        asked, name = None, os.fspath(policy)
-    else:
-        _require_callable(policy)
-        asked, name = policy, _name_of(policy)
     if isinstance(demonstrations, (str, os.PathLike)):
         label = os.fspath(demonstrations)
         observations, actions = _sim2sim.read_demonstrations(label)
@@ -57,7 +51,8 @@ def audit_policy(
         label = "arrays"
         observations = [np.asarray(episode[0], np.float32) for episode in demonstrations]
         actions = [np.asarray(episode[1], np.float32) for episode in demonstrations]
-    found = _sim2sim.audit_policy(
-        asked, name, _checked_history(history), observations, actions, label
-    )
+    with asked(policy, history=history) as it:
+        found = _sim2sim.audit_policy(
+            it.callable, it.name, it.history, observations, actions, label
+        )
     return PolicyAudit(found["fault"], json.loads(found["json"]), found["text"])

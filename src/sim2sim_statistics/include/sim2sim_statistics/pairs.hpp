@@ -22,6 +22,8 @@ struct PairTable {
   /// Throws std::domain_error if a count is negative, as all functions of a table.
   void validate() const;
   int pairs() const { return both + first_only + second_only + neither; }
+  /// Share of pairs in which only one succeeds.
+  double discordant() const { return (first_only + second_only) / static_cast<double>(pairs()); }
   /// Difference of the success rates, second - first.
   double difference() const { return (second_only - first_only) / static_cast<double>(pairs()); }
 };
@@ -47,6 +49,9 @@ double mcnemarExact(const PairTable& table);
 /// level. Source: M. W. Fagerland, S. Lydersen and P. Laake, "The McNemar test for binary matched-pairs data: mid-p and
 /// asymptotic are better than exact conditional" (BMC Medical Research Methodology, 2013).
 double mcnemarMidP(const PairTable& table);
+
+/// Difference of success rates, second - first, with Tango's interval and McNemar's mid-p.
+Difference rateDifference(const PairTable& table);
 
 /// p-values of a family of tests after Holm's correction, in the order given. If all at or below 0.05 are called
 /// findings, at most 5 % of families have a false one.

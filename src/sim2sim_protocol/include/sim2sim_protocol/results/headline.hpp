@@ -39,7 +39,7 @@ TransferVerdict verdictOf(const Interval& transfer);
 
 /// Interval of the transfer that holds: that of its outcomes, or transferSequence() if the run ends when it is decided.
 /// Empty if there is none.
-std::optional<Interval> transferInterval(const RunConfiguration& configuration, const Outcomes& outcomes);
+std::optional<Interval> transferInterval(const Protocol& protocol, const Outcomes& outcomes);
 
 /// Share of the reference's success in percent: "31". It gets more digits if it would otherwise be printed on the other
 /// side of a bound of the scale, or of the share that decides the end of the run: 0.4996 is "49.96", not "50".

@@ -36,9 +36,9 @@ def audit_policy(
 ) -> PolicyAudit:
     """Asks a policy what was recorded, as `rosrun sim2sim_eval audit --policy` does.
 
-    `policy` is what compare() takes: a name, a file, a callable with its `history`, or an object
-    with begin() and act(), or a PyTorch module. `demonstrations` are a bag or a CSV, or for each episode a pair of
-    observations [n, 10] and actions [n, 2].
+    `policy` is what compare() takes: a name, a file, a callable with its `history`, an object with
+    begin() and act(), or a PyTorch module. `demonstrations` are a bag or a CSV, or for each episode
+    a pair of observations [n, 10] and actions [n, 2].
 
     Raises Error, with the command's words, but none for a fault; what the callable raises.
     """

@@ -68,8 +68,8 @@ TEST(BulletIdioms, TheMotorIsAsStiffAsASubstepAllows) {
   BulletParameters parameters;
   parameters.servo = false;
   const auto world = worldOf<BulletScene>(parameters);
-  EXPECT_EQ(physics::servo(*world, motor).list(), std::vector<std::string>());
-  EXPECT_EQ(physics::servoLimit(*world, motor).list(), std::vector<std::string>());
+  EXPECT_EQ(physics::servo(*world, motor).summary(), "");
+  EXPECT_EQ(physics::servoLimit(*world, motor).summary(), "");
 }
 
 }  // namespace

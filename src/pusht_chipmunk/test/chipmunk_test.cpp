@@ -62,8 +62,9 @@ std::vector<PlantedError> errors() {
 
 INSTANTIATE_TEST_SUITE_P(Chipmunk, PlantedErrorSuite, ::testing::ValuesIn(errors()));
 
-}  // namespace
-}  // namespace pusht::testing
-
+// A kind's suites may stand in any namespace.
 PUSHT_TEST_SIMULATOR_KIND(Chipmunk, subjects());
 PUSHT_TEST_CONVERGENCE(Chipmunk, convergence());
+
+}  // namespace
+}  // namespace pusht::testing

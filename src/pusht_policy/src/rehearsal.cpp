@@ -15,6 +15,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "pusht_task/ending_signals.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/reason.hpp"
 
@@ -23,7 +24,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::array<int, 3> kEndingSignals{SIGINT, SIGTERM, SIGHUP};
 constexpr std::chrono::milliseconds kStopPeriod{100};
 
 /// Blocks the ending signals in this thread while it exists. A wait with mask() unblocks them, so no signal is lost

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "plain_motions.hpp"
@@ -15,16 +16,32 @@
 namespace pusht::testing {
 
 void Deviations::expectNear(const std::string& what, double found, double expected, double tolerance) {
+  ++expected_;
   if (!(std::abs(found - expected) <= tolerance)) {
-    list_.push_back(what + ": " + significantText(found, 6) + ", must be " + significantText(expected, 6) + " +- " +
-                    significantText(tolerance, 3));
+    add(std::abs(found - expected) / tolerance, what + ": " + significantText(found, 6) + ", must be " +
+                                                    significantText(expected, 6) + " +- " +
+                                                    significantText(tolerance, 3));
   }
 }
 
 void Deviations::expect(bool holds, const std::string& what) {
+  ++expected_;
   if (!holds) {
-    list_.push_back(what);
+    add(std::numeric_limits<double>::infinity(), what);
   }
+}
+
+void Deviations::add(double excess, const std::string& what) {
+  if (count_ == 0 || std::isnan(excess) || excess > most_) {
+    most_ = std::isnan(excess) ? std::numeric_limits<double>::infinity() : excess;
+    what_ = what;
+  }
+  ++count_;
+}
+
+std::string Deviations::summary() const {
+  return count_ == 0 ? ""
+                     : std::to_string(count_) + " of " + std::to_string(expected_) + " figures deviate; most: " + what_;
 }
 
 namespace physics {
@@ -338,7 +355,7 @@ Deviations contactFriction(Simulator& world, const PhysicsOfKind& physics) {
 std::vector<std::string> findingsIn(Simulator& world, const PhysicsOfKind& claims) {
   std::vector<std::string> names;
   for (const NamedPhysicsCheck& named : kPhysicsChecks) {
-    if (!named.check(world, claims).list().empty()) {
+    if (named.check(world, claims).any()) {
       names.emplace_back(named.name);
     }
   }

@@ -14,6 +14,7 @@
 #include <thread>
 #include <utility>
 
+#include "pusht_task/ending_signals.hpp"
 #include "pusht_task/error.hpp"
 #include "sim2sim_serving/node.hpp"
 
@@ -78,7 +79,7 @@ void catchInterrupts(const std::string& name) {
   struct sigaction action {};
   action.sa_flags = SA_RESTART;
   action.sa_handler = onInterrupt;
-  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int number : pusht::kEndingSignals) {
     sigaction(number, &action, nullptr);
   }
   action.sa_handler = endAtOnce;
@@ -97,9 +98,10 @@ void catchInterruptsAside(const std::string& name) {
   }).detach();
   sigset_t signals;
   sigemptyset(&signals);
-  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGALRM}) {
+  for (const int number : pusht::kEndingSignals) {
     sigaddset(&signals, number);
   }
+  sigaddset(&signals, SIGALRM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
 

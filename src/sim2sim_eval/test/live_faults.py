@@ -323,6 +323,32 @@ class LostMaster(LiveCase):
                 environment=environment,
             )
 
+    def test_parameters_of_a_command_line_end_with_their_node(self) -> None:
+        """The next node of that name would get them. What is left all the same is named."""
+        _, uri = self.start_master()
+        environment = {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1"}
+        master = rosgraph.Master("/live_test", master_uri=uri)
+        for package, name, parameter in (
+            ("pusht_engine", "engine_node", "block_damp"),
+            ("sim2sim_eval", "quasi_static_simulator", "characteristic_length"),
+        ):
+            command = (node_file(package, name), "__name:=kept")
+            first = Process(self, *command, f"_{parameter}:=0.05", environment=environment)
+            describe = ("rosservice", "call", "--wait", "/kept/describe", "{}")
+            self.assertIn(parameter, self.succeed(*describe, environment=environment))
+            self.assertEqual(master.getParam(f"/kept/{parameter}"), 0.05)
+            first.interrupt()
+            first.ended()
+            self.assertFalse(master.hasParam("/kept"), name)
+            master.setParam("/kept/nonsense", 7)
+            second = Process(self, *command, environment=environment)
+            second.line(
+                "/kept/nonsense.*unknown; known: .*`rosparam delete /kept/nonsense` removes it"
+            )
+            second.interrupt()
+            second.ended()
+            master.deleteParam("/kept")
+
     def test_contracts_say_how_they_are_used(self) -> None:
         uri = f"http://127.0.0.1:{free_port()}"
         for name, subject in (

@@ -352,6 +352,7 @@ class Refusals(LiveCase):
         launch = SharedLaunch(self, policy="expert", engine="bulet", status_file="copy.json")
         launch.ended()
         self.assert_refusal(launch, "simulator 'bulet': unknown", 2)
+        self.assertFalse(rospy.has_param("/sim2sim"), "what the launch has set is left to others")
 
     def test_f19_negative_mass(self) -> None:
         self.assert_refused("pusher_mass -1.0: must be from", pusher_mass=-1)

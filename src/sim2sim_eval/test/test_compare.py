@@ -1003,7 +1003,7 @@ class Faults(CompareCase):
 
     def test_f22_interrupted(self) -> None:
         """Once, or twice at once, as `timeout` does: it signals the command and its group."""
-        for number, times in ((signal.SIGINT, 1), (signal.SIGTERM, 2)):
+        for number, times in ((signal.SIGINT, 1), (signal.SIGTERM, 2), (signal.SIGUSR1, 1)):
             out = f"out-{number.name}"
             terminal, side = pty.openpty()
             command = [COMPARE, "--policy", "expert", "--episodes", "100000", "--out", out]

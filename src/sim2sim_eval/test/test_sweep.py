@@ -15,6 +15,7 @@ from typing import Dict, List
 
 import rospkg  # type: ignore[import]
 import torch
+from pusht_task.command import SIGNALS
 from pusht_testing.long_tests import LONG
 from pusht_testing.warm_commands import warm
 from sim2sim_eval.command import rosrun
@@ -215,11 +216,11 @@ class Rows(SweepCase):
 
     def test_plot_that_is_interrupted(self) -> None:
         self.finished("out", plan="{policy: expert, episodes: 2, rows: [{}, {block_damp: 20}]}")
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in SIGNALS:
             with subprocess.Popen(
                 (PLOT, "out"), cwd=self.folder, stderr=subprocess.PIPE, text=True
             ) as process:
-                until(lambda: catches(process.pid, signal.SIGHUP))
+                until(lambda: catches(process.pid, SIGNALS[-1]))
                 process.send_signal(number)
                 _, said = process.communicate(timeout=self.deadline)
             self.assertEqual((process.returncode, said), (4, INTERRUPTED), number)

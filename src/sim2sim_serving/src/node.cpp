@@ -20,6 +20,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/reason.hpp"
 #include "pusht_task/standard_streams.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace pusht {
 namespace {
@@ -54,6 +55,26 @@ void requireMaster(NoMaster no_master) {
 bool startedByRoslaunch(int argc, char** argv) {
   return std::any_of(argv, argv + argc, [](const std::string& argument) { return argument.rfind("__log:=", 0) == 0; });
 }
+
+/// Removes private parameters at its end: the next node of this name would get them. One that roslaunch may start again
+/// needs them.
+class Removal {
+ public:
+  Removal(Life life, bool started_by_roslaunch) : life_(life), started_by_roslaunch_(started_by_roslaunch) {}
+  Removal(const Removal&) = delete;
+  Removal& operator=(const Removal&) = delete;
+  ~Removal() {
+    if (!started_by_roslaunch_) {
+      removeOwnParameters();
+    } else if (life_ == Life::kRunsOnce) {
+      ros::param::del("~");
+    }
+  }
+
+ private:
+  Life life_;
+  bool started_by_roslaunch_;
+};
 
 /// Shuts the node down when the master has died, or the roslaunch that has started the node: it would live on without
 /// being found, or ended, by anyone.
@@ -109,14 +130,17 @@ class Watch {
 }  // namespace
 
 int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, const std::function<ExitCode()>& body,
-            std::uint32_t init_options) {
+            Life life) {
   openStandardStreams();
   try {
-    const bool started_by_roslaunch = startedByRoslaunch(argc, argv);  // init() takes such arguments away
+    // init() takes such arguments away.
+    const bool started_by_roslaunch = startedByRoslaunch(argc, argv);
+    takeCommandLine(argc, argv);
     schedulePatiently();
-    ros::init(argc, argv, name, init_options);
+    ros::init(argc, argv, name, life == Life::kRunsOnce ? ros::init_options::NoSigintHandler : 0U);
     requireMaster(no_master);
     const ros::NodeHandle keeps_node_started;
+    const Removal removal(life, started_by_roslaunch);
     const Watch watch(started_by_roslaunch);
     const ExitCode code = body();
     watch.requireNothingLost();

@@ -23,6 +23,8 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 
+std::set<std::string> own_keys;  // private parameters that this process has set
+
 /// Read by libraries from the private namespace of every node.
 constexpr std::array<const char*, 2> kOfLibraries = {"diagnostic_period", "tf"};
 
@@ -141,6 +143,7 @@ std::string serviceName(const std::string& what, const std::string& name) {
 
 void setParameters(const ros::NodeHandle& private_handle, const Parameters& parameters) {
   for (const pusht_msgs::Parameter& parameter : parameters) {
+    own_keys.insert(parameter.name);
     const ParameterValue value = valueOf(parameter.value);
     if (const auto* flag = std::get_if<bool>(&value)) {
       private_handle.setParam(parameter.name, *flag);
@@ -163,6 +166,22 @@ std::optional<std::string> storedText(const std::string& key) {
   return single ? std::optional(textIn(value)) : std::nullopt;
 }
 
+void takeCommandLine(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const std::size_t end = argument.find(":=");
+    if (end != std::string::npos && end > 1 && argument[0] == '_' && argument[1] != '_') {
+      own_keys.insert(argument.substr(1, end - 1));
+    }
+  }
+}
+
+void removeOwnParameters() {
+  for (const std::string& key : own_keys) {
+    ros::param::del("~" + key);
+  }
+}
+
 ParameterReader::ParameterReader(const ros::NodeHandle& private_handle) : namespace_(private_handle.getNamespace()) {
   XmlRpcValue all;
   if (private_handle.getParam(namespace_, all) && all.getType() == XmlRpcValue::TypeStruct) {
@@ -178,7 +197,11 @@ const XmlRpcValue* ParameterReader::find(const std::string& key) {
 }
 
 void ParameterReader::refuse(const std::string& key, const std::string& rule) const {
-  throw InvalidInput("parameter " + namespace_ + "/" + key + " " + shown(values_.at(key)) + ": " + rule);
+  const std::string whole = namespace_ + "/" + key;
+  throw InvalidInput("parameter " + whole + " " + shown(values_.at(key)) + ": " + rule +
+                     (own_keys.count(key) > 0 ? ""
+                                              : " (set by a launch file or left by an earlier node: `rosparam delete " +
+                                                    whole + "` removes it)"));
 }
 
 std::string ParameterReader::text(const std::string& key, const std::string& fallback) {
@@ -277,14 +300,14 @@ void ParameterReader::enterWorkingDirectory() {
 }
 
 void ParameterReader::refuseUnknown() const {
-  for (const auto& [key, value] : values_) {
+  for (const auto& entry : values_) {
+    const std::string& key = entry.first;
     if (known_.count(key) == 0) {
       std::set<std::string> offered = known_;
       for (const char* name : kOfLibraries) {
         offered.erase(name);
       }
-      throw InvalidInput("parameter " + namespace_ + "/" + key + " " + shown(value) +
-                         ": unknown; known: " + joined(offered));
+      refuse(key, "unknown; known: " + joined(offered));
     }
   }
 }

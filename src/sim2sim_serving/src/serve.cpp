@@ -101,7 +101,7 @@ class SimulatorNode {
       for (const pusht_msgs::Parameter& old : before.parameters) {
         node_.deleteParam(old.name);
       }
-      node_.setParam("kind", kind);
+      setParameters(node_, {parameter("kind", kind)});
       health_.setHardware(kind);
     }
     setParameters(node_, now);

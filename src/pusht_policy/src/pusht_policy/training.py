@@ -168,7 +168,7 @@ def _difference_of_training(provenance: Json, trainer: Trainer, epochs: int) -> 
 
 @contextlib.contextmanager
 def _stop_signals() -> Iterator[Callable[[], bool]]:
-    """SIGINT, SIGTERM and SIGHUP ask for a stop while the context lasts."""
+    """SIGNALS ask for a stop while the context lasts."""
     received: List[int] = []
     previous = [signal.signal(s, lambda number, _: received.append(number)) for s in SIGNALS]
     try:

@@ -19,7 +19,8 @@ from typing import Any, Callable, Iterator, NoReturn, Optional
 from pusht_task.error import Error, ExitCode, clipped
 from pusht_task.files import named
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+# Those of ending_signals.hpp.
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2)
 ONE_SIGNAL = 0.5  # [s] Closer signals are one: `timeout` sends to the command and to its group
 PATIENCE = 10  # [s] for an end in order after a signal
 BLAS_MEMORY = 300  # MB, of numpy with OpenBLAS and of what draws with it
@@ -110,7 +111,7 @@ def _forget_stdout() -> None:
 
 
 class Interrupts:
-    """SIGINT, SIGTERM and SIGHUP as in the commands in C++: KeyboardInterrupt in the main thread.
+    """SIGNALS as in the commands in C++: KeyboardInterrupt in the main thread.
 
     A second signal more than 0.5 s later, or 10 s without an end, ends the process at once.
     """

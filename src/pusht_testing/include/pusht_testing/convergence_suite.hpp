@@ -48,8 +48,9 @@ class ConvergenceSuite : public ::testing::TestWithParam<ConvergenceSubject> {
 }  // namespace pusht::testing
 
 // NOLINTNEXTLINE(cppcoreguidelines-macro-usage): gtest's is one
-#define PUSHT_TEST_CONVERGENCE(name, subjects)                                     \
-  namespace pusht::testing {                                                       \
-  INSTANTIATE_TEST_SUITE_P(name, ConvergenceSuite, ::testing::ValuesIn(subjects)); \
-  }                                                                                \
+#define PUSHT_TEST_CONVERGENCE(name, subjects)                                       \
+  namespace name##_convergence_suite {                                               \
+    using namespace ::pusht::testing;                                                \
+    INSTANTIATE_TEST_SUITE_P(name, ConvergenceSuite, ::testing::ValuesIn(subjects)); \
+  }                                                                                  \
   static_assert(true, "so that a semicolon follows")

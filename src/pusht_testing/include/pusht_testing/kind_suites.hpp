@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// All suites that every kind of simulator must pass, over your kind with some settings of its parameters. At the top
-/// level of one source of its test:
+/// All suites that every kind of simulator must pass, over your kind with some settings of its parameters. In one
+/// source of its test, in any namespace:
 ///
 ///   std::vector<pusht::testing::Subject> subjects() { return {{mineKind()}, {mineKind(), {{"friction", "0.3"}}}}; }
 ///   PUSHT_TEST_SIMULATOR_KIND(Mine, subjects());
@@ -46,10 +46,11 @@ void expectNear(const WorldState& a, const WorldState& b, double tolerance);
 }  // namespace pusht::testing
 
 // NOLINTNEXTLINE(cppcoreguidelines-macro-usage): gtest's is one
-#define PUSHT_TEST_SIMULATOR_KIND(name, subjects)                                     \
-  namespace pusht::testing {                                                          \
-  INSTANTIATE_TEST_SUITE_P(name, SimulatorSuite, ::testing::ValuesIn(subjects));      \
-  INSTANTIATE_TEST_SUITE_P(name, BatchSimulatorSuite, ::testing::ValuesIn(subjects)); \
-  INSTANTIATE_TEST_SUITE_P(name, PhysicsSuite, ::testing::ValuesIn(subjects));        \
-  }                                                                                   \
+#define PUSHT_TEST_SIMULATOR_KIND(name, subjects)                                       \
+  namespace name##_kind_suites {                                                        \
+    using namespace ::pusht::testing;                                                   \
+    INSTANTIATE_TEST_SUITE_P(name, SimulatorSuite, ::testing::ValuesIn(subjects));      \
+    INSTANTIATE_TEST_SUITE_P(name, BatchSimulatorSuite, ::testing::ValuesIn(subjects)); \
+    INSTANTIATE_TEST_SUITE_P(name, PhysicsSuite, ::testing::ValuesIn(subjects));        \
+  }                                                                                     \
   static_assert(true, "so that a semicolon follows")

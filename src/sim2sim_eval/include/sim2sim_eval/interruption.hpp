@@ -7,7 +7,7 @@
 
 namespace sim2sim {
 
-/// Catches SIGINT, SIGTERM and SIGHUP from now on. The first one asks for an end in order: interrupted() holds. A
+/// Catches kEndingSignals from now on. The first one asks for an end in order: interrupted() holds. A
 /// second one (half a second later, or more), or 10 s without such an end, ends the process at once, with a line of
 /// `name` and exit code 4, because code that is not ours may never return. Work under way is then lost; files are
 /// complete or absent all the same.

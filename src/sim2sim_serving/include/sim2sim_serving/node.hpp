@@ -2,7 +2,6 @@
 /// Frame of every node: start, end, failures.
 #pragma once
 
-#include <cstdint>
 #include <exception>
 #include <functional>
 #include <string>
@@ -17,12 +16,18 @@ enum class NoMaster {
   kWait,  ///< roscpp says so; the node begins when there is one
 };
 
+/// Life of a node.
+enum class Life {
+  kServes,    ///< until it is ended; may be started again with the parameters that it has on the parameter server
+  kRunsOnce,  ///< catches signals itself; where roslaunch has started it, its private parameters go with it
+};
+
 /// Starts a node called `name`, runs `body` and returns the process's exit code. A failure is one line on stderr.
 /// `body` begins with requireClock() and ends when ros::ok() no longer holds. A master that dies (noticed within 5 s:
 /// the node is shut down) and a roslaunch that has started the node and dies (within 1 s) end in exit code 4 and a
-/// hint. `init_options` are those of ros::init().
+/// hint. What the node has set on the parameter server goes with it, unless roslaunch has started it.
 int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, const std::function<ExitCode()>& body,
-            std::uint32_t init_options = 0);
+            Life life = Life::kServes);
 
 /// Throws RuntimeFault if `use_sim_time` is set and there is no clock. Apart from runNode(), for a node that must leave
 /// a word about it.

@@ -52,8 +52,16 @@ std::optional<std::string> storedText(const std::string& key);
 /// for a name that is not valid.
 std::string serviceName(const std::string& what, const std::string& name);
 
+/// Takes note of the private parameters that a command line sets (`_out:=here`), before ros::init() writes them to the
+/// parameter server and takes them away.
+void takeCommandLine(int argc, char** argv);
+
+/// Removes from the parameter server what the command line and setParameters() have set there.
+void removeOwnParameters();
+
 /// The private parameters of a node as they are when it starts. Every getter throws InvalidInput, naming the key with
-/// its namespace, the value and the rule, if the value is not of its type.
+/// its namespace, the value and the rule, if the value is not of its type; and, if this process has not set it, how to
+/// remove it from the parameter server, where an earlier node may have left it.
 class ParameterReader {
  public:
   explicit ParameterReader(const ros::NodeHandle& private_handle);

@@ -34,7 +34,7 @@ from pusht_msgs.srv import Act as ActService  # type: ignore[import]
 from pusht_msgs.srv import Configure, ConfigureResponse, Describe, Reset, Step
 from rosgraph_msgs.msg import Clock  # type: ignore[import]
 
-from pusht_task.error import ExitCode
+from pusht_task.error import Error, ExitCode
 from pusht_task.task import PUSHER_FRAME_HEIGHT, TEE_FRAME_HEIGHT
 from sim2sim_serving.parameters import Value, merged
 from sim2sim_serving.policy_session import Act, Begin, PolicySession
@@ -115,6 +115,7 @@ def _serve(
     if not _await_master(identity.name):
         return ExitCode.RUNTIME_FAULT
     rospy.init_node(identity.name)
+    rospy.on_shutdown(_remove_own_parameters)
     if not _clock_runs():
         hint = "unset it, or start what publishes the clock"
         print(
@@ -141,9 +142,31 @@ def _serve(
 
 def _private_parameters(defaults: Mapping[str, Value]) -> Dict[str, Value]:
     """The node's private parameters on top of `defaults`."""
-    namespace = rospy.get_name()
-    given = rospy.get_param(namespace, {})
-    return merged(defaults, given, f"{namespace}/")
+    namespace = f"{rospy.get_name()}/"
+    values = dict(defaults)
+    for name, value in rospy.get_param(rospy.get_name(), {}).items():
+        try:
+            values = merged(values, {name: value}, namespace)
+        except Error as failure:
+            if name in _own_parameters():
+                raise
+            raise Error(
+                f"{failure} (set by a launch file or left by an earlier node: "
+                f"`rosparam delete {namespace}{name}` removes it)"
+            ) from None
+    return values
+
+
+def _own_parameters() -> List[str]:
+    """Private parameters that the command line sets; rospy writes them to the parameter server."""
+    return list(rospy.client.load_command_line_node_params(sys.argv))
+
+
+def _remove_own_parameters() -> None:
+    """Leaves nothing to the next node of this name."""
+    for name in _own_parameters():
+        with contextlib.suppress(KeyError, OSError, rospy.ROSException):
+            rospy.delete_param(f"~{name}")
 
 
 def _await_master(name: str) -> bool:

@@ -106,11 +106,20 @@ bool isLooks(std::string_view name) {
          endsWithAny(name, {"_rgba", "_group", "_matid", "_user"});
 }
 
-/// Computed from other numbers, which say better what is wrong.
-bool isDerived(std::string_view name) {
-  return startsWithAny(name, {"statistic"}) ||
-         endsWithAny(name, {"_subtreemass", "_invweight0", "_M0", "_acc0", "_length0", "_lengthrange", "_simple",
-                            "_simplenum", "_sameframe", "_rbound"});
+/// How far a number is from what the file says. What is nearest says best what is wrong.
+enum class Origin { kFile, kMass, kInertia, kDerived };
+
+Origin originOf(std::string_view name) {
+  if (name == "body_mass") {
+    return Origin::kMass;
+  }
+  if (startsWithAny(name, {"body_ipos", "body_iquat", "body_inertia"})) {
+    return Origin::kInertia;
+  }
+  const bool is_derived = startsWithAny(name, {"statistic"}) ||
+                          endsWithAny(name, {"_subtreemass", "_invweight0", "_M0", "_acc0", "_length0", "_lengthrange",
+                                             "_simple", "_simplenum", "_sameframe", "_rbound"});
+  return is_derived ? Origin::kDerived : Origin::kFile;
 }
 
 std::string nameOf(const mjModel& model, int type, int id) {
@@ -152,7 +161,8 @@ std::vector<int> collidingGeoms(const mjModel& model) {
 }
 
 [[noreturn]] void refuse(const std::string& what, const std::string& value, const std::string& expected) {
-  throw InvalidInput(what + " is " + value + ": must be " + expected);
+  throw InvalidInput(what + " is " + value + ": must be " + expected +
+                     "; a scene may only look different, numbers change by parameters");
 }
 
 void checkNames(const mjModel& model, const mjModel& shipped, int type, const std::vector<int>& ids,
@@ -217,9 +227,9 @@ void checkScene(const mjModel& model) {
 
   const std::vector<Field> found = fieldsOf(model);
   const std::vector<Field> expected = fieldsOf(shipped);
-  for (const bool derived : {false, true}) {
+  for (const Origin origin : {Origin::kFile, Origin::kMass, Origin::kInertia, Origin::kDerived}) {
     for (std::size_t i = 0; i < expected.size(); ++i) {
-      if (isLooks(expected[i].name) || isDerived(expected[i].name) != derived) {
+      if (isLooks(expected[i].name) || originOf(expected[i].name) != origin) {
         continue;
       }
       if (startsWithAny(expected[i].name, {"geom_"})) {

@@ -129,11 +129,23 @@ TEST(Plan, SaysHowManyEpisodesShowADifference) {
   EXPECT_THAT(table, HasSubstr("0.27      0.65: none suffice: only one succeeds in 0.5 of all pairs\n"));
 }
 
+TEST(Plan, SaysWhyNoDifferenceOfSuccessIsShown) {
+  PlanQuestions questions;
+  questions.episodes = {5, 50};
+  EXPECT_THAT(
+      planTable(questions, pilotOf(100, 0.16), std::nullopt),
+      HasSubstr("success, engine - reference                 none      0.27      none: only one succeeds in 0.5 of "
+                "all pairs\n"));
+}
+
 TEST(Plan, OfAContrastHasTheDifferencesOfTwoRuns) {
   PlanQuestions questions;
   questions.episodes = {50};
   const std::string table = planTable(questions, pilotOf(100, 0.1), pilotOf(100, 0.1));
-  EXPECT_THAT(table, HasSubstr("success, other - pilot                      -         \n")) << "no pair differs";
+  EXPECT_THAT(
+      table,
+      HasSubstr("success, other - pilot                      -         none: only one succeeds in 0 of all pairs\n"))
+      << "no pair differs";
   EXPECT_THAT(table, HasSubstr("position divergence [m], other - pilot      0         \n"));
 }
 
@@ -149,7 +161,7 @@ TEST(Plan, SaysHowManyPoliciesARankingTakes) {
   Matrix pilot{};
   pilot.simulators = {{"mujoco", "MuJoCo"}, {"chipmunk", "Chipmunk"}};
   pilot.policies.resize(10);
-  for (const double tau : {0.1, 0.2, -0.5, 1.0, std::nan("")}) {
+  for (const double tau : {0.1, 0.2, -0.5, 0.001, 1.0, std::nan("")}) {
     RankingComparison comparison{};
     comparison.kendall.value = tau;
     pilot.rankings.push_back({0, 1, 10, comparison});
@@ -158,9 +170,10 @@ TEST(Plan, SaysHowManyPoliciesARankingTakes) {
             "here    there     Kendall's tau  policies\n"
             "mujoco  chipmunk  0.1            350\n"
             "mujoco  chipmunk  0.2            89\n"
-            "mujoco  chipmunk  -0.5           none suffice\n"
+            "mujoco  chipmunk  -0.5           none suffice: the pilot's order is not preserved\n"
+            "mujoco  chipmunk  0.001          more than 10000\n"
             "mujoco  chipmunk  1              8\n"
-            "mujoco  chipmunk  none           none suffice\n"
+            "mujoco  chipmunk  none           none suffice: no pair of policies differs in both\n"
             "(so many policies show in 80 % of sweeps, at 5 %, that the ranking here is preserved there; tau as among "
             "the 10 policies)\n");
 }

@@ -12,9 +12,12 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import rospkg  # type: ignore[import]
+from pusht_testing.long_tests import LONG
+
 from command_case import CommandCase
 
-PACKAGE = Path(__file__).resolve().parent / "data" / "pusht_toy"
+PACKAGE = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "examples" / "pusht_toy"
 KNOWN = "box2d, bullet, chipmunk, mujoco, rigid_body, toy, two_mass"
 
 
@@ -46,7 +49,8 @@ class Overlay(CommandCase):
             "find_package(catkin REQUIRED COMPONENTS pusht_task)\ncatkin_package()\n"
         )
         python = [f"-D{name}_EXECUTABLE={sys.executable}" for name in ("PYTHON", "Python3")]
-        command = ["catkin_make", "--directory", str(cls.workspace), "-DCATKIN_ENABLE_TESTING=OFF"]
+        command = ["catkin_make", "--directory", str(cls.workspace)]
+        command.append(f"-DCATKIN_ENABLE_TESTING={'ON' if LONG else 'OFF'}")
         build = subprocess.run(
             [*command, *python], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
         )
@@ -84,6 +88,14 @@ class Overlay(CommandCase):
         )
         self.assertEqual(launch.returncode, 0, launch.stdout + launch.stderr)
         self.assertEqual(self.result_bytes("live"), self.result_bytes("batch"))
+
+    @unittest.skipUnless(LONG, "long form: script/test --long")
+    def test_its_own_tests_pass(self) -> None:
+        build = ("catkin_make", "--directory", str(self.workspace), "run_tests_pusht_toy")
+        self.assertEqual(self.in_overlay(*build).returncode, 0)
+        results = self.in_overlay("catkin_test_results", str(self.workspace / "build"))
+        self.assertEqual(results.returncode, 0, results.stdout)
+        self.assertRegex(results.stdout, r"Summary: [1-9]\d+ tests, 0 errors, 0 failures")
 
     def test_it_is_listed_where_its_workspace_is(self) -> None:
         process = self.compare("--engine", "toi")

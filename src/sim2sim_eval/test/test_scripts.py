@@ -3,6 +3,7 @@
 """The scripts that check the suite: what they count, and which files they look at."""
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -264,6 +265,33 @@ class Environment(ScriptCase):
         shown = [line.split(",")[0] for line in process.stdout.splitlines()]
         self.assertEqual(shown, [f"compiling: {share} %" for share in (13, 24, 47, 100)])
         self.assertEqual(self.bash("show_progress 3 <said").stdout, "")
+
+
+class Container(ScriptCase):
+    """The recipe names what there is, and its entry runs in the workspace."""
+
+    def setUp(self) -> None:
+        super().setUp()
+        lines = (ROOT / "script" / "Containerfile").read_text().splitlines()
+        steps = [line.split(" ", 1) for line in lines if line and not line.startswith(("#", " "))]
+        self.steps = {name: text for name, text in steps}
+
+    def test_steps_are_those_of_a_newcomer(self) -> None:
+        release = self.steps["FROM"].split(":")[1]
+        self.assertIn(f"!= {release}", (ROOT / "script" / "lint").read_text(), "the tools' release")
+        self.assertEqual(self.steps["COPY"], ". /sim2sim")
+        script = self.steps["RUN"].replace("/sim2sim", str(ROOT), 1)
+        self.assertTrue(os.access(script, os.X_OK), script)
+
+    def test_entry_runs_in_the_workspace(self) -> None:
+        entry = [
+            text.replace("/sim2sim", str(ROOT)) for text in json.loads(self.steps["ENTRYPOINT"])
+        ]
+        found = self.run_in_folder(*entry, "rospack", "find", "sim2sim_eval")
+        self.assertEqual(found.stdout.strip(), str(ROOT / "src" / "sim2sim_eval"))
+        node, package, launch = json.loads(self.steps["CMD"])[:3]
+        self.assertEqual((node, package), ("roslaunch", "sim2sim_eval"))
+        self.assertTrue((ROOT / "src" / package / "launch" / launch).is_file())
 
 
 class Lint(ScriptCase):

@@ -2,6 +2,7 @@
 #include "batch/plan.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -103,21 +104,28 @@ std::optional<int> needed(const PlannedDifference& planned) {
                                                              : std::nullopt;
 }
 
-/// "353 episodes", or why none suffice. Success rates differ by no more than the share of pairs in which only one
-/// succeeds.
+/// Why a number of episodes shows no difference of success rates: they differ by no more than this share.
+std::string discordantText(const PlannedDifference& planned) {
+  return "only one succeeds in " + significant(*planned.discordant) + " of all pairs";
+}
+
+/// "353 episodes", or why none suffice.
 std::string episodesText(const PlannedDifference& planned) {
   if (!planned.deviation && *planned.wanted > *planned.discordant) {
-    return "none suffice: only one succeeds in " + significant(*planned.discordant) + " of all pairs";
+    return "none suffice: " + discordantText(planned);
   }
   const std::optional<int> episodes = needed(planned);
   return episodes ? std::to_string(*episodes) + " episodes"
                   : "more than " + std::to_string(kMostEpisodes) + " episodes";
 }
 
-/// Number of episodes that shows the wanted difference, as text; empty if none is wanted.
-std::string neededText(const PlannedDifference& planned) {
+/// Number of episodes that shows the wanted difference, as text. If none is wanted: why `episodes` show no difference
+/// of success rates; empty if they show one.
+std::string neededText(const PlannedDifference& planned, const std::vector<int>& episodes) {
   if (!planned.wanted) {
-    return "";
+    const bool all_show = !planned.discordant || std::all_of(episodes.begin(), episodes.end(),
+                                                             [&](int count) { return smallest(planned, count); });
+    return all_show ? "" : "none: " + discordantText(planned);
   }
   if (!planned.deviation && !planned.discordant) {
     return "unknown: the pilot is too short";
@@ -148,6 +156,16 @@ std::optional<int> policiesFor(double tau) {
     return kFewestPolicies;
   }
   return tau > 0.0 ? policiesForKendall(tau) : std::nullopt;
+}
+
+/// policiesFor() as a cell of the table, with the reason if none suffice.
+std::string policiesText(double tau) {
+  if (const std::optional<int> policies = policiesFor(tau)) {
+    return std::to_string(*policies);
+  }
+  return std::isnan(tau) ? "none suffice: no pair of policies differs in both"
+         : tau <= 0.0    ? "none suffice: the pilot's order is not preserved"
+                         : "more than " + std::to_string(kMostPolicies);
 }
 
 /// Figures of policiesTable().
@@ -217,7 +235,7 @@ std::string planTable(const PlanQuestions& questions, const RunResults& pilot, c
     for (const int episodes : questions.episodes) {
       table << padded(smallestText(planned, episodes), kColumn);
     }
-    table << neededText(planned) << "\n";
+    table << neededText(planned, questions.episodes) << "\n";
   }
   table << "(found in 80 % of runs at 5 %, two-sided; spreads as in the " << pilot.episodes.size() << " episodes of "
         << pilot.folder.string() << ")\n";
@@ -228,10 +246,8 @@ std::string policiesTable(const Matrix& pilot) {
   std::vector<std::vector<std::string>> rows = {{"here", "there", "Kendall's tau", "policies"}};
   for (const MatrixRanking& ranking : pilot.rankings) {
     const double tau = ranking.comparison.kendall.value;
-    const std::optional<int> policies = policiesFor(tau);
     rows.push_back({pilot.simulators[ranking.reference].name, pilot.simulators[ranking.test].name,
-                    std::isnan(tau) ? "none" : significant(tau),
-                    policies ? std::to_string(*policies) : "none suffice"});
+                    std::isnan(tau) ? "none" : significant(tau), policiesText(tau)});
   }
   return aligned(rows) +
          "(so many policies show in 80 % of sweeps, at 5 %, that the ranking here is preserved there; tau as among "

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
 #include "pusht_task/numbers.hpp"
 #include "sim2sim_protocol/results/json.hpp"
 #include "sim2sim_protocol/results/result_files.hpp"
@@ -75,6 +76,28 @@ constexpr std::size_t kCellWidth = 42;
 std::string shareCell(const Share& share, int digits) {
   const std::string part = std::isfinite(share.part) ? "  " + percent(share.part) : "";
   return signedText(share.value, share.interval, "", digits) + part;
+}
+
+/// Gaps that are wider with all switches off than those of a tee that never moves; empty if none is.
+std::string beyondNullModel(const Attribution& attribution) {
+  std::vector<std::string> titles;
+  for (const AttributedGap& gap : attribution.gaps) {
+    if (gap.all_off > gap.null_model.value) {
+      titles.push_back(gap.title);
+    }
+  }
+  return titles.empty() ? ""
+                        : "(all off is farther from " + attribution.reference +
+                              " than a tee that never moves: " + pusht::joined(titles, "; ") +
+                              "; shares of such a gap say little of a good engine)\n";
+}
+
+/// Where the cost of a switch to the full engine is: the share is a mean over orders, most of them of poor engines.
+std::string costsText(const Attribution& attribution) {
+  return attribution.orders > 0
+             ? ""
+             : "(what a switch costs the engine that has all others: leave_one_out in " +
+                   std::string(kAttributionFile) + ", plot_sweep --costs; clearest where the sweep has --reanchor 5)\n";
 }
 
 }  // namespace
@@ -172,7 +195,7 @@ std::string table(const Attribution& attribution) {
          " % interval and share of the whole;\nsuccess: reference rate minus engine rate." +
          (attribution.episodes < kFewestPairs ? " Below " + std::to_string(kFewestPairs) + " episodes no intervals"
                                               : "") +
-         ")\n";
+         ")\n" + beyondNullModel(attribution) + costsText(attribution);
 }
 
 }  // namespace sim2sim

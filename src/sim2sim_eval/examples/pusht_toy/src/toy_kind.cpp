@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// A simulator without physics as a kind: the pusher goes where it is told and shoves the tee ahead of it.
+#include "toy_kind.hpp"
+
+#include <memory>
+
+#include "pusht_task/simulator.hpp"
 #include "pusht_task/simulator_plugin.hpp"
 
 namespace {
@@ -31,12 +35,12 @@ pusht::SimulatorModel load(const pusht::ParameterSet& parameters) {
                               [reach = parameters.get<double>("reach")] { return std::make_unique<ToyWorld>(reach); });
 }
 
+}  // namespace
+
 const pusht::SimulatorKind& toyKind() {
   static const pusht::SimulatorKind kind = {"toy", "toy", "1", {{"reach", "m", "from pusher to tee", 0.08, 0.0, 0.2}},
                                             {},    1e-12, load};
   return kind;
 }
-
-}  // namespace
 
 PUSHT_EXPORT_SIMULATOR_KIND(toy, toyKind);

@@ -12,6 +12,7 @@
 #include <cctype>
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <iostream>
 #include <mutex>
 #include <thread>
@@ -137,7 +138,11 @@ int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, 
     const bool started_by_roslaunch = startedByRoslaunch(argc, argv);
     takeCommandLine(argc, argv);
     schedulePatiently();
-    ros::init(argc, argv, name, life == Life::kRunsOnce ? ros::init_options::NoSigintHandler : 0U);
+    std::uint32_t options = 0;
+    if (life == Life::kRunsOnce) {
+      options = ros::init_options::NoSigintHandler;
+    }
+    ros::init(argc, argv, name, options);
     requireMaster(no_master);
     const ros::NodeHandle keeps_node_started;
     const Removal removal(life, started_by_roslaunch);

@@ -108,10 +108,13 @@ void Peer::connect(const Wait& wait) {
     if (may_live) {
       last_sign = std::chrono::steady_clock::now();
     } else if (!wait.respawn && std::chrono::steady_clock::now() - last_sign > kDeadOrNever) {
-      if (errs) {  // a node that begins, or ends, may do so for a moment
+      // A node that begins, or ends, may err for a moment; and roscpp holds a connection to one that has died for valid
+      // until its poll thread has seen the end.
+      const bool listens = ros::service::exists(service, false);
+      if (listens && errs) {
         throw BadDependency(service + ": the node at " + owner_ + " answers with an error; its log says why");
       }
-      if (ros::service::exists(service, false)) {  // takes connections, and refuses each call
+      if (listens) {  // takes connections, and refuses each call
         throw InvalidInput(service + ": the service of the node at " + owner_ +
                            " is of another type than pusht_msgs/Describe: is it a node of another task?");
       }

@@ -998,6 +998,22 @@ class Faults(CompareCase):
         self.assertIn("cannot write to stdout", process.stderr)
         self.assertEqual(self.files("out"), RESULTS)
 
+    def test_options_of_an_engine_that_there_is_not(self) -> None:
+        for option, value in (
+            ("--block_damp", "20"),
+            ("--loop-engine", "action_delay=1"),
+            ("--reanchor", "5"),
+            ("--model-variants", "timestep=0.005"),
+            ("--until-decided", "0.8"),
+            ("--record", ""),
+            ("--require", "transfer > 0.8"),
+        ):
+            given = [text for text in (option, value) if text]
+            process = self.compare("--engine", "none", *given, "--out", "out")
+            self.assert_one_line(process, 2)
+            self.assertRegex(process.stderr, "engine", option)
+            self.assertNotIn("episodes.csv", self.files("out"))
+
     def test_f22_folder_that_cannot_be_made(self) -> None:
         self.assert_one_line(self.compare(*SHORT, "--out", "/proc/none/out"), 4)
 

@@ -5,7 +5,7 @@
 import csv
 import json
 import unittest
-from typing import Any, Dict, Tuple
+from typing import Any, Dict, List, Tuple
 from xml.etree import ElementTree
 
 import numpy as np
@@ -90,6 +90,59 @@ class TwoPolicies(PolicyCase):
         self.assertIn("episodes in which only one succeeds", page)
         self.assertRegex(page, r"<td>reference</td><td class=\"long\">none</td>")
         self.assertIn("fresh-untrained in MuJoCo", page)
+
+    def test_in_the_reference_alone_say_what_they_say_beside_an_engine(self) -> None:
+        for out, policy in (("a", "expert"), ("b", "bc")):
+            self.compared(out, policy, "--reanchor", "5", "--traces")
+            printed = self.compared(f"{out}-alone", policy, "--engine", "none", "--traces")
+            rows = [self.reference_rows(folder) for folder in (out, f"{out}-alone")]
+            self.assertEqual(*rows)
+            self.assertEqual(
+                len((self.folder / f"{out}-alone/episodes.csv").read_text().splitlines()), 41
+            )
+            metrics, alone = (
+                json.loads((self.folder / folder / "metrics.json").read_text())
+                for folder in (out, f"{out}-alone")
+            )
+            own = {"config_hash", "knobs", "engine_simulator", "simulators", "probes"}
+            for key in set(alone) - own:
+                self.assertEqual(alone[key], metrics[key], key)
+            self.assertFalse({key for key in alone if "transfer" in key or "divergence" in key})
+            self.assertTrue(printed.count("MuJoCo") >= 2 and "transfer" not in printed, printed)
+            head = (self.folder / f"{out}-alone/divergence.csv").read_text().splitlines()
+            self.assertEqual(len(head), 1)
+            traces = np.load(self.folder / f"{out}-alone/traces.npy")
+            self.assertEqual(set(traces["mode"]), {b"reference_closed"})
+        for pair in (("a", "b"), ("a-alone", "b-alone")):
+            self.ended(0, CONTRAST, *pair, "--out", f"{pair[0]}.json")
+        whole, alone = (
+            json.loads((self.folder / f"{out}.json").read_text())["contrasts"][0]
+            for out in ("a", "a-alone")
+        )
+        self.assertEqual(list(alone["figures"]), ["reference_success_rate"])
+        figure, of_two = (found["figures"]["reference_success_rate"] for found in (alone, whole))
+        self.assertLessEqual(figure.pop("adjusted_p"), of_two.pop("adjusted_p"))
+        self.assertEqual(figure, of_two)
+        self.assertEqual(alone["reference"], whole["reference"])
+        self.assertEqual(alone["headline"].count(" In "), 0)
+        plan, _ = self.ended(0, PLAN, "a-alone", "b-alone", "--success", "0.2")
+        self.assertEqual(len(plan.splitlines()), 3)
+        said, _ = self.ended(MET, CONTRAST, "a-alone", "b-alone", "--require", "A.reference > 0.3")
+        self.assertIn("A.reference > 0.3: shown", said)
+        for command, refusal in (
+            ((CONTRAST, "a", "b-alone"), "one of them has no engine"),
+            ((CONTRAST, "a-alone", "a-alone"), "the same policy, and no engine"),
+            ((CONTRAST, "a-alone", "b-alone", "--require", "B > A"), "these runs have no engine"),
+            ((PLAN, "a-alone"), "has no engine; must stand beside a run of another policy"),
+            ((REPORT, "a-alone", "--out", "page.html"), "has no engine"),
+        ):
+            self.assertIn(refusal, self.ended(2, *command)[1])
+
+    def reference_rows(self, out: str) -> List[Dict[str, str]]:
+        """Rows of the reference's closed loop, without columns of pushes."""
+        with (self.folder / out / "episodes.csv").open() as file:
+            rows = [row for row in csv.DictReader(file) if row["mode"] == "reference_closed"]
+        return [{key: row[key] for key in row if not key.startswith("push")} for row in rows]
 
     def test_in_another_engine_too_are_refused(self) -> None:
         self.compared("a", "expert", episodes=3)

@@ -9,6 +9,9 @@ namespace {
 
 RolloutResult resultOf(const Protocol& protocol, std::size_t rollout, const RolloutView& view) {
   RolloutResult result;
+  if (!protocol.isFlown(rollout)) {
+    return result;
+  }
   result.steps = view.rollout.steps();
   result.success = view.rollout.success();
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
@@ -46,6 +49,9 @@ int Episode::steps() const {
 }
 
 bool Episode::goesOn(Mode mode) const {
+  if (!protocol_.isFlown(mode)) {
+    return false;
+  }
   return mode == kEngineReplay ? rollouts_[kEngineReplay].steps() < rollouts_[kReferenceClosed].steps()
                                : !rollouts_[mode].finished(protocol_.horizon);
 }
@@ -68,7 +74,7 @@ EpisodeResult Episode::result() const {
   for (const Mode mode : kModes) {
     result.rollouts.push_back(
         resultOf(protocol_, mode, {rollouts_[mode], reference, 0, &rollouts_[kEngineReplay].trace()}));
-    if (mode != kEngineReplay) {
+    if (protocol_.isClosed(mode)) {
       result.rollouts.back().limited_commands = limitedCommands(rollouts_[mode].trace());
     }
   }

@@ -45,7 +45,7 @@ Flight::Flight(Protocol protocol, const Worlds& worlds, pusht::Policy& policy, c
       worlds_(worlds),
       policy_(policy),
       variants_(variants),
-      episodes_(worlds[kEngineClosed]->lanes()) {}
+      episodes_(worlds[kReferenceClosed]->lanes()) {}
 
 bool Flight::full() const {
   return std::all_of(episodes_.begin(), episodes_.end(), [](const auto& episode) { return episode.has_value(); });
@@ -72,6 +72,9 @@ const Episode& Flight::begin(int index, CachedTraces cached) {
 }
 
 pusht::Rollout Flight::start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory) {
+  if (!protocol_.isFlown(mode)) {
+    return pusht::Rollout(protocol_.initialState(index));
+  }
   return located(protocol_, index, modeName(mode), 0, [&] {
     pusht::BatchSimulator& world = *worlds_[mode];
     world.reset(static_cast<int>(lane), protocol_.initialState(index));

@@ -60,7 +60,15 @@ void Protocol::validate() const {
       requireWithin<double>(option, value.value_or(option.range.least));
     }
   });
-  probes();
+  for (const Probe& probe : probes()) {
+    if (alone && !probe.closed) {
+      throw pusht::InvalidInput("probe " + probe.name + ": must be left out without an engine");
+    }
+  }
+  if (alone && until_decided) {
+    throw pusht::InvalidInput("until_decided " + pusht::shortestText(*until_decided) +
+                              ": must be left out without an engine");
+  }
   if (until_decided && repeats > 1) {
     throw pusht::InvalidInput("until_decided " + pusht::shortestText(*until_decided) +
                               ": must not be given with repeats " + std::to_string(repeats) +
@@ -102,10 +110,13 @@ std::optional<Probe> Protocol::probeOf(std::size_t rollout) const {
 
 bool Protocol::isClosed(std::size_t rollout) const {
   const std::optional<Probe> probe = probeOf(rollout);
-  return probe ? probe->closed : rollout != kEngineReplay;
+  return probe ? probe->closed : rollout != kEngineReplay && isFlown(rollout);
 }
 
 bool Protocol::has(std::size_t rollout, Scope scope) const {
+  if (!isFlown(rollout)) {
+    return false;
+  }
   const std::optional<Probe> probe = probeOf(rollout);
   switch (scope) {
     case Scope::kModes:

@@ -2,6 +2,7 @@
 #include "sim2sim_eval/batch/comparison.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <filesystem>
@@ -126,6 +127,19 @@ void requireNoFiles(const CompareOptions& options) {
   refuse("overwrite", options.overwrite);
 }
 
+/// Throws InvalidInput for an option of the engine, where there is none.
+void requireNothingOfAnEngine(const CompareOptions& options) {
+  for (const std::string& setting : options.engine_parameters) {
+    const std::vector<std::string>& of_reference = options.reference_parameters;  // --loop sets both
+    if (std::find(of_reference.begin(), of_reference.end(), setting) == of_reference.end()) {
+      throw pusht::InvalidInput("setting '" + setting + "' of the engine: must be left out with engine none");
+    }
+  }
+  if (options.record) {
+    throw pusht::InvalidInput("record: must be left out with engine none, as a bag has two simulators");
+  }
+}
+
 /// What to do after an interruption, as a clause behind the message; empty if there is nothing to continue.
 std::string adviceAfterInterruption(const CompareOptions& options, const ComparisonHost& host,
                                     const RunFolder* folder) {
@@ -163,7 +177,9 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option("--reference", reference,
                  "kind of simulator: " + pusht::joined(pusht::SimulatorKinds::installed().names()))
       ->capture_default_str();
-  app.add_option("--engine", engine, "kind of simulator that is compared with the reference")->capture_default_str();
+  app.add_option("--engine", engine,
+                 "kind of simulator that is compared with the reference; none: success in the reference alone")
+      ->capture_default_str();
   app.add_option("--set", engine_parameters, "NAME=VALUE: a parameter of the engine; may be repeated")
       ->allow_extra_args(false);
   app.add_option("--set-reference", reference_parameters, "NAME=VALUE: a parameter of the reference; may be repeated")
@@ -193,12 +209,18 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
     configuration.protocol.episodes = defaultEpisodes(configuration.protocol, options.starts);
   }
   configuration.smoke = options.smoke;
+  if (options.engine == kNoEngine) {
+    requireNothingOfAnEngine(options);
+    configuration.protocol.alone = true;
+    configuration.protocol.floor = false;  // of divergences
+  }
   configuration.protocol.validate();
   configuration.protocol.initial_states =
       givenInitialStates(options.starts, configuration.protocol.firstStart(), configuration.protocol.starts(),
                          configuration.protocol.overlapping_starts);
   const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_parameters);
-  const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_parameters);
+  const SimulatorChoice chosen_engine =
+      configuration.protocol.alone ? noEngine() : chooseSimulator(options.engine, options.engine_parameters);
   nameVariants(reference.kind, reference.parameters, configuration.protocol);
   std::error_code ignored;
   if (!options.write_starts.empty() &&
@@ -281,7 +303,8 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
         traces->add(episode);
       }
       count(result);
-      bar.advance("success " + std::to_string(reference_successes) + " : " + std::to_string(engine_successes));
+      bar.advance("success " + std::to_string(reference_successes) +
+                  (configuration.protocol.alone ? "" : " : " + std::to_string(engine_successes)));
       decided = run.decided();
     };
     try {
@@ -322,6 +345,9 @@ int compareMain(int argc, char** argv) {
     const std::vector<Requirement> requirements = required.read();
     for (const Requirement& requirement : requirements) {
       requirement.requireOneRun(options.protocol.until_decided);
+      if (options.engine == kNoEngine) {
+        requirement.requireReferenceAlone();
+      }
     }
     const ComparisonResults results = compare(options);
     if (!requirements.empty()) {

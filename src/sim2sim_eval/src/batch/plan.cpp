@@ -50,6 +50,11 @@ std::vector<PlannedDifference> plannedDifferences(const PlanQuestions& questions
   const auto success = [&](const std::string& text, const PairTable& table) {
     planned.push_back({text, {}, table.discordant(), questions.success});
   };
+  if (pilot.protocol.alone) {
+    success("success in reference, other - pilot",
+            pairsOf(pilot.episodes, kReferenceClosed, other->episodes, kReferenceClosed));
+    return planned;
+  }
   success("success, engine - reference", pairsOf(pilot.episodes, kReferenceClosed, pilot.episodes, kEngineClosed));
   if (other && pairingOf(pilot, *other) == Pairing::kPolicies) {
     success("success in reference, other - pilot",
@@ -269,6 +274,10 @@ nlohmann::json plan(const PlanOptions& options, const CommandHost& host) {
   if (pilot.protocol.repeats > 1) {
     throw pusht::InvalidInput("pilot " + options.pilot + ": has " + std::to_string(pilot.protocol.repeats) +
                               " repeats of each start; must have one, because a plan counts independent episodes");
+  }
+  if (pilot.protocol.alone && options.other.empty()) {
+    throw pusht::InvalidInput("pilot " + options.pilot +
+                              ": has no engine; must stand beside a run of another policy, to plan a contrast");
   }
   std::optional<RunResults> other;
   if (!options.other.empty()) {

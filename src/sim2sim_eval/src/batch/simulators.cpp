@@ -5,6 +5,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/split.hpp"
+#include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"
 
@@ -50,6 +51,20 @@ SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::
     choice.set(name, setting.substr(equals + 1));
   }
   return choice;
+}
+
+SimulatorChoice noEngine() {
+  static const pusht::SimulatorKind kind = [] {
+    pusht::SimulatorKind none;
+    none.name = kNoEngine;
+    none.title = "no engine";
+    none.load = [](const pusht::ParameterSet& parameters) {
+      return pusht::SimulatorModel{parameters, nlohmann::json::object(), [] { return nullptr; },
+                                   [](int /*lanes*/) { return nullptr; }};
+    };
+    return none;
+  }();
+  return {kind, kind.defaults()};
 }
 
 SimulatorChoice simulatorFromText(const std::string& text) {

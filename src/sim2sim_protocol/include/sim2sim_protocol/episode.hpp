@@ -47,6 +47,7 @@ class Episode {
   Episode(Protocol protocol, int index, std::array<pusht::Rollout, kModeCount> rollouts,
           std::vector<std::optional<pusht::Trace>> probes = {});
 
+  const Protocol& protocol() const { return protocol_; }
   int index() const { return index_; }
   const pusht::Rollout& rollout(Mode mode) const { return rollouts_[mode]; }
 

@@ -38,10 +38,16 @@ constexpr std::size_t rolloutOfProbe(std::size_t probe) { return kModeCount + pr
 /// Name in episodes.csv: "reference_closed", "engine_closed", "engine_replay".
 const char* modeName(Mode mode);
 
+/// Name of the engine of a run that has none, in its description.
+inline constexpr const char* kNoEngine = "none";
+
 /// Options of a run with its given initial states, and what follows from them.
 struct Protocol : RunOptions {
   /// Initial states of all episodes. Null: episodes start from the states of their spawn seeds.
   std::shared_ptr<const InitialStates> initial_states{};
+
+  /// Whether there is no engine: of the modes the reference's closed loop alone is flown.
+  bool alone = false;
 
   /// Index and number of the initial states: repeats share one.
   int firstStart() const { return first_episode / repeats; }
@@ -55,7 +61,7 @@ struct Protocol : RunOptions {
   /// Largest divergence at which a rollout still counts as following the reference.
   Bound bound() const { return {bound_position, bound_angle}; }
 
-  /// Throws InvalidInput with option, value and rule if an option is out of range.
+  /// Throws InvalidInput with option, value and rule if an option is out of range, or asks for what needs an engine.
   void validate() const;
 
   /// Spawn seed of an episode; repeats of a start share it. It is held out: no demonstration starts from it. Empty if
@@ -83,6 +89,9 @@ struct Protocol : RunOptions {
 
   /// Probe of a rollout, by its index in rolloutNames(); empty for a mode.
   std::optional<Probe> probeOf(std::size_t rollout) const;
+
+  /// Whether a rollout of rolloutNames() is flown; one that is not has no step and no figure.
+  bool isFlown(std::size_t rollout) const { return !alone || rollout == kReferenceClosed || rollout >= kModeCount; }
 
   /// Whether a policy drives a rollout; `rollout` is an index of rolloutNames().
   bool isClosed(std::size_t rollout) const;

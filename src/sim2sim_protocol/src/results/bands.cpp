@@ -84,6 +84,9 @@ EpisodeBins DivergenceBands::binsOf(const Protocol& protocol, const Episode& epi
   const std::size_t rollouts = rolloutOfProbe(protocol.probes().size());
   for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts; ++rollout) {
     auto& of_rollout = bins.emplace_back();
+    if (!protocol.isFlown(rollout)) {
+      continue;
+    }
     for (const Divergence& divergence : divergenceBySteps(reference, episode.trace(rollout))) {
       for (std::size_t i = 0; i < kComponents.size(); ++i) {
         of_rollout[i].push_back(static_cast<std::uint16_t>(binOf(divergence.*kComponents[i])));

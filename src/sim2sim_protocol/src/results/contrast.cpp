@@ -113,7 +113,19 @@ ContrastRow transferRow(const RunResults& baseline, const RunResults& other) {
 
 Outcomes outcomesIn(const RunResults& run) { return outcomesOf(run.protocol, run.episodes, kEngineClosed); }
 
+/// Two policies in the reference alone.
+Contrast contrastAlone(const RunResults& baseline, const RunResults& other) {
+  Contrast contrast;
+  contrast.policies = PolicyContrast{changeIn(baseline, other, kReferenceClosed), {}, {}};
+  contrast.rows = {
+      successRow(kReferenceSuccessRow, baseline, other, kReferenceClosed, contrast.policies->reference.counts)};
+  return contrast;
+}
+
 Contrast contrastOf(const RunResults& baseline, const RunResults& other, Pairing pairing) {
+  if (baseline.protocol.alone) {
+    return contrastAlone(baseline, other);
+  }
   Contrast contrast;
   contrast.engine = changeIn(baseline, other, kEngineClosed);
   const ContrastRow success = successRow(kSuccessRow, baseline, other, kEngineClosed, contrast.engine.counts);
@@ -162,6 +174,10 @@ void adjust(std::vector<Contrast>& contrasts) {
 }
 
 }  // namespace
+
+bool Contrast::has(const std::string& name) const {
+  return std::any_of(rows.begin(), rows.end(), [&](const ContrastRow& row) { return row.name == name; });
+}
 
 const ContrastRow& Contrast::row(const std::string& name) const {
   return *std::find_if(rows.begin(), rows.end(), [&](const ContrastRow& row) { return row.name == name; });

@@ -95,12 +95,16 @@ json toJson(const RunResults& baseline, const std::vector<RunResults>& others, c
           {"adjusted_p", orNull(row.adjusted_p)},
           {"decided_after", orNull(row.decided_after)}};
     }
-    json described = successJson(contrast.engine);
-    described.update(
-        {{"title", contrast.title}, {"headline", sentenceOf(baseline, others[i], contrast)}, {"figures", figures}});
+    json described = {
+        {"title", contrast.title}, {"headline", sentenceOf(baseline, others[i], contrast)}, {"figures", figures}};
     if (contrast.policies) {
       described["policy"] = others[i].policy();
       described["reference"] = successJson(contrast.policies->reference);
+    }
+    if (contrast.has(kSuccessRow)) {
+      described.update(successJson(contrast.engine));
+    }
+    if (contrast.has(kTransferRow)) {
       described["transfer"] = {{"baseline", transferJson(contrast.policies->baseline)},
                                {"other", transferJson(contrast.policies->other)}};
     }
@@ -115,17 +119,16 @@ std::string table(const RunResults& baseline, const std::vector<RunResults>& oth
   constexpr int kDigits = 4;
   std::string text = answerOf(baseline, others, contrasts).text() + "\n";
   for (const Contrast& contrast : contrasts) {
-    text += contrast.title + "\n  against " + contrast.against + ", " + std::to_string(contrast.engine.counts.pairs()) +
+    text += contrast.title + "\n  against " + contrast.against + ", " + std::to_string(baseline.protocol.episodes) +
             " episodes\n" + line("", "difference", "p", "Holm");
     for (const ContrastRow& row : contrast.rows) {
       const int digits = row.unit.empty() ? kRateDigits : kDigits;
       text += line(row.name, signedText(row.difference.value, row.difference.interval, row.unit, digits),
                    probabilityCell(row.difference.p), probabilityCell(row.adjusted_p));
     }
-    text += contrast.policies
-                ? transfersText(*contrast.policies) + changeText(contrast.policies->reference, " in the reference") +
-                      changeText(contrast.engine, " in the engine")
-                : changeText(contrast.engine, "");
+    text += contrast.has(kTransferRow) ? transfersText(*contrast.policies) : "";
+    text += contrast.policies ? changeText(contrast.policies->reference, " in the reference") : "";
+    text += contrast.has(kSuccessRow) ? changeText(contrast.engine, contrast.policies ? " in the engine" : "") : "";
   }
   return text + "(in brackets " + pusht::fixedText(100.0 * kConfidence, 0) +
          " % intervals of each difference alone; Holm: p corrected for the number of figures above; * at most 0.05)\n";

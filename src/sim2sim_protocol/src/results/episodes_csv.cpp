@@ -28,6 +28,17 @@ Number numberFrom(const std::string& text) {
   return number;  // what is not all of a number does not give the same text again
 }
 
+/// Rollouts that have a row.
+std::vector<std::size_t> flownRollouts(const Protocol& protocol) {
+  std::vector<std::size_t> flown;
+  for (std::size_t rollout = 0; rollout < protocol.rolloutNames().size(); ++rollout) {
+    if (protocol.isFlown(rollout)) {
+      flown.push_back(rollout);
+    }
+  }
+  return flown;
+}
+
 std::string csvHead(const Protocol& protocol) {
   std::string head = "episode,seed,mode,steps,success";
   for (const std::size_t i : protocol.quantityColumns()) {
@@ -122,7 +133,7 @@ std::string episodesCsv(const Protocol& protocol, const std::vector<EpisodeResul
   const std::vector<std::string> modes = protocol.rolloutNames();
   std::string csv = csvHead(protocol);
   for (const EpisodeResult& episode : episodes) {
-    for (std::size_t i = 0; i < modes.size(); ++i) {
+    for (const std::size_t i : flownRollouts(protocol)) {
       csv += csvRow(protocol, episode, modes[i], episode.rollouts.at(i));
     }
   }
@@ -134,13 +145,13 @@ std::vector<EpisodeResult> episodesFromCsv(const Protocol& protocol, const std::
   if (!lines.empty() && lines.front() + "\n" != csvHead(protocol)) {
     throw pusht::InvalidInput("line 1: must have the columns that this version writes; run it again");
   }
-  const std::size_t rollouts = protocol.rolloutNames().size();
-  const std::size_t count = lines.empty() ? 0 : (lines.size() - 1) / rollouts;
+  const std::vector<std::size_t> flown = flownRollouts(protocol);
+  const std::size_t count = lines.empty() ? 0 : (lines.size() - 1) / flown.size();
   std::vector<EpisodeResult> episodes(count);
   for (std::size_t i = 0; i < count; ++i) {
-    episodes[i].rollouts.resize(rollouts);
-    for (std::size_t rollout = 0; rollout < rollouts; ++rollout) {
-      readCsvRow(protocol, lines[1 + i * rollouts + rollout], episodes[i], episodes[i].rollouts[rollout]);
+    episodes[i].rollouts.resize(protocol.rolloutNames().size());
+    for (std::size_t row = 0; row < flown.size(); ++row) {
+      readCsvRow(protocol, lines[1 + i * flown.size() + row], episodes[i], episodes[i].rollouts[flown[row]]);
     }
   }
   const std::vector<std::string> expected = linesOf(episodesCsv(protocol, episodes));

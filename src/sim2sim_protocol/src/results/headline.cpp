@@ -138,8 +138,8 @@ std::string caveatOf(const RunConfiguration& configuration, const Names& names, 
 }  // namespace
 
 std::string nameOf(TransferVerdict verdict) {
-  constexpr std::array kNames = {"exceeds",           "transfers",  "transfers_in_part",  "at_most_in_part",
-                                 "does_not_transfer", "cannot_say", "nothing_to_transfer"};
+  constexpr std::array kNames = {"exceeds",           "transfers",  "transfers_in_part",   "at_most_in_part",
+                                 "does_not_transfer", "cannot_say", "nothing_to_transfer", "not_asked"};
   return kNames.at(static_cast<std::size_t>(verdict));
 }
 
@@ -182,7 +182,26 @@ std::string transferNumber(const RunConfiguration& configuration, double share) 
   return pusht::fixedText(kHundred * exact, kMostDigits);
 }
 
+namespace {
+
+/// "In 62 % [48, 74] of 50 episodes in MuJoCo.": of a run without an engine. With repeats the table has the interval.
+Headline headlineAlone(const RunConfiguration& configuration, const Outcomes& outcomes, const EndingsOfPairs& endings) {
+  const int episodes = outcomes.table.pairs();
+  const int successes = outcomes.table.both + outcomes.table.first_only;
+  const Names names(configuration);
+  const std::optional<Interval> interval =
+      configuration.protocol.repeats == 1 ? std::optional(wilsonInterval(successes, episodes)) : std::nullopt;
+  return {TransferVerdict::kNotAsked, "How often does the policy succeed?", caveatOf(configuration, names, endings),
+          "In " + percent(successes / static_cast<double>(episodes), interval) + " of " + counted(episodes) + " in " +
+              names.reference + names.loop + "."};
+}
+
+}  // namespace
+
 Headline headlineOf(const RunConfiguration& configuration, const Outcomes& outcomes, const EndingsOfPairs& endings) {
+  if (configuration.protocol.alone) {
+    return headlineAlone(configuration, outcomes, endings);
+  }
   const PairTable& successes = outcomes.table;
   const int episodes = successes.pairs();
   const int reference_successes = successes.both + successes.first_only;

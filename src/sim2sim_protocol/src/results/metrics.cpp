@@ -99,37 +99,19 @@ json repeats(const Summary& summary) {
   return keys;
 }
 
-}  // namespace
-
-std::string metricName(const std::string& rollout, const Quantity& quantity) {
-  return rollout == modeName(kEngineReplay) && quantity.course_key != nullptr ? quantity.course_key
-                                                                              : rollout + "_" + quantity.name;
+/// The keys of metrics.json on success in a simulator.
+json success(const std::string& role, const SuccessRate& rate) {
+  return {{role + "_success_rate", roundToMicro(rate.rate)},
+          {role + "_successes", rate.successes},
+          {role + "_success_interval", readableJson(rate.interval)}};
 }
 
-json metrics(const RunConfiguration& configuration, const Summary& summary) {
-  json metrics = describe(configuration);
-  metrics["episodes"] = summary.episodes;  // fewer than asked for, where it was decided before
-  metrics.update({
-      {"engine_success_rate", roundToMicro(summary.engine.rate)},
-      {"confidence", kConfidence},
-      {"engine_successes", summary.engine.successes},
-      {"engine_success_interval", readableJson(summary.engine.interval)},
-      {"reference_success_rate", roundToMicro(summary.reference.rate)},
-      {"reference_successes", summary.reference.successes},
-      {"reference_success_interval", readableJson(summary.reference.interval)},
-  });
+/// Adds the keys of metrics.json that compare the engine with the reference.
+void addComparison(json& metrics, const RunConfiguration& configuration, const Summary& summary) {
+  metrics.update(success("engine", summary.engine));
   metrics.update(outcomes(summary.outcomes));
   metrics.update(endings(summary.endings));
   const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();
-  forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
-    const std::string name = metricName(rollouts[rollout], kQuantities[i]);
-    const std::string unit = kQuantities[i].unit;
-    const Estimate& mean = summary.means[rollout][i];
-    addFigure(metrics, name, unit, mean.value, mean.interval);
-    if (isOfCourse(rollout, i)) {
-      metrics[name + "_" + unit] = printedMean(summary, rollout, i).value;
-    }
-  });
   for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
     for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
       const Quantity& quantity = kQuantities[quantityIndex(kDivergencePairs[i].divergence)];
@@ -144,9 +126,6 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
                 baseline.over_variants_interval);
     }
   }
-  for (const ClosedVariant& variant : summary.closed_variants) {
-    metrics.update(closedVariant(rollouts[variant.rollout], variant));
-  }
   if (summary.noise) {
     metrics.update(repeats(summary));
   }
@@ -155,6 +134,42 @@ json metrics(const RunConfiguration& configuration, const Summary& summary) {
   metrics["median_parting_step"] = orNull(first_divergences.median_step);
   metrics["floor_parted"] = summary.floor ? json(summary.floor->parted) : json();
   metrics["predictability_horizon_step"] = summary.floor ? orNull(summary.floor->median_step) : json();
+}
+
+}  // namespace
+
+std::string metricName(const std::string& rollout, const Quantity& quantity) {
+  return rollout == modeName(kEngineReplay) && quantity.course_key != nullptr ? quantity.course_key
+                                                                              : rollout + "_" + quantity.name;
+}
+
+json metrics(const RunConfiguration& configuration, const Summary& summary) {
+  json metrics = describe(configuration);
+  metrics["episodes"] = summary.episodes;  // fewer than asked for, where it was decided before
+  metrics["confidence"] = kConfidence;
+  metrics.update(success("reference", summary.reference));
+  const std::vector<std::string> rollouts = configuration.protocol.rolloutNames();
+  forEachQuantity(configuration.protocol, [&](std::size_t rollout, std::size_t i) {
+    const std::string name = metricName(rollouts[rollout], kQuantities[i]);
+    const std::string unit = kQuantities[i].unit;
+    const Estimate& mean = summary.means[rollout][i];
+    addFigure(metrics, name, unit, mean.value, mean.interval);
+    if (isOfCourse(rollout, i)) {
+      metrics[name + "_" + unit] = printedMean(summary, rollout, i).value;
+    }
+  });
+  for (const ClosedVariant& variant : summary.closed_variants) {
+    metrics.update(closedVariant(rollouts[variant.rollout], variant));
+  }
+  if (configuration.protocol.alone) {
+    metrics.update(endings("reference", summary.endings.reference));
+    if (summary.noise) {
+      metrics["number_of_starts"] = summary.outcomes.starts;
+      addNoiseSplit(metrics, "reference_success", "", summary.noise->reference);
+    }
+  } else {
+    addComparison(metrics, configuration, summary);
+  }
   if (configuration.reference.name == kCourseReference) {  // as the course calls them
     for (const char* key : {"success_rate", "successes", "success_interval"}) {
       metrics[std::string("mj_") + key] = metrics[std::string("reference_") + key];

@@ -204,9 +204,13 @@ std::string policySentence(const RunResults& baseline, const RunResults& other, 
   const std::vector<std::string> titles = policyTitles({baseline, other});
   const Simulators simulators(baseline);
   const int repeats = baseline.protocol.repeats;
-  return clauseOf(simulators.reference, titles[1], titles[0], contrast.row(kReferenceSuccessRow),
-                  contrast.policies->reference, repeats) +
-         " " + clauseOf(simulators.engine, titles[1], titles[0], contrast.row(kSuccessRow), contrast.engine, repeats) +
+  const std::string at_home = clauseOf(simulators.reference, titles[1], titles[0], contrast.row(kReferenceSuccessRow),
+                                       contrast.policies->reference, repeats);
+  if (!contrast.has(kSuccessRow)) {
+    return at_home;
+  }
+  return at_home + " " +
+         clauseOf(simulators.engine, titles[1], titles[0], contrast.row(kSuccessRow), contrast.engine, repeats) +
          transferClause(simulators.engine, titles[0], titles[1], contrast);
 }
 
@@ -219,8 +223,8 @@ Answer policyAnswer(const RunResults& baseline, const std::vector<RunResults>& o
   }
   const Simulators simulators(baseline);
   return {"Which policies are better than " + titles[0] + "?",
-          changesIn(simulators.reference, kReferenceSuccessRow, contrasts) + " " +
-              changesIn(simulators.engine, kSuccessRow, contrasts)};
+          changesIn(simulators.reference, kReferenceSuccessRow, contrasts) +
+              (baseline.protocol.alone ? "" : " " + changesIn(simulators.engine, kSuccessRow, contrasts))};
 }
 
 }  // namespace sim2sim

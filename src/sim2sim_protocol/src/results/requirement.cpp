@@ -115,13 +115,13 @@ int startsOf(const Protocol& protocol, int episodes) { return episodes / protoco
 
 /// Row of a contrast that has a figure of two runs.
 const char* rowOf(const Requirement& requirement, const Contrast& contrast) {
-  if (requirement.figure.name == kEngine) {
-    return kSuccessRow;
+  const std::string& name = requirement.figure.name;
+  const char* const row = name == kEngine ? kSuccessRow : name == kReference ? kReferenceSuccessRow : kTransferRow;
+  if (!contrast.has(row)) {
+    refuse(requirement.text, contrast.policies ? "must compare reference, as these runs have no engine"
+                                               : "must compare engine, as these runs differ in their engines");
   }
-  if (!contrast.policies) {
-    refuse(requirement.text, "must compare engine, as these runs differ in their engines");
-  }
-  return requirement.figure.name == kReference ? kReferenceSuccessRow : kTransferRow;
+  return row;
 }
 
 /// Throws InvalidInput for a bound that no figure can be beyond.
@@ -177,6 +177,12 @@ void Requirement::requireOneRun(const std::optional<double>& until_decided) cons
   if (until_decided && bound != *until_decided) {
     refuse(text, "must have the share of --until-decided, " + pusht::shortestText(*until_decided) +
                      ", at which the run ends");
+  }
+}
+
+void Requirement::requireReferenceAlone() const {
+  if (figure.name != kReference || subtracted) {
+    refuse(text, "must be as \"reference > 0.6\", as there is no engine");
   }
 }
 

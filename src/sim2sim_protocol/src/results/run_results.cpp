@@ -197,6 +197,9 @@ std::vector<fs::path> runsIn(const fs::path& folder) {
 }
 
 Pairing pairingOf(const RunResults& baseline, const RunResults& other) {
+  if (baseline.protocol.alone != other.protocol.alone) {
+    refusePair(baseline, other, "one of them has no engine");
+  }
   if (const std::string difference = differenceIn(commonPlaces(), baseline, other); !difference.empty()) {
     refusePair(baseline, other, difference);
   }
@@ -214,6 +217,9 @@ Pairing pairingOf(const RunResults& baseline, const RunResults& other) {
                  "they end when a share is decided; a difference of policies needs runs of a fixed length");
     }
     return Pairing::kPolicies;
+  }
+  if (baseline.protocol.alone) {
+    refusePair(baseline, other, "they have the same policy, and no engine: nothing differs");
   }
   for (std::size_t i = 0; i < baseline.episodes.size(); ++i) {
     if (!sameReference(baseline.episodes[i], other.episodes[i])) {

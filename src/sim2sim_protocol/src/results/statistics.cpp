@@ -61,8 +61,10 @@ nlohmann::json statistics(const RunConfiguration& configuration, const std::vect
     statistics["rollouts"][rollouts[rollout]][name] = distribution(protocol, starts, episodes, {rollout, i});
   });
   for (std::size_t rollout = kReferenceClosed + 1; rollout < rollouts.size(); ++rollout) {
-    statistics["rollouts"][rollouts[rollout]]["parting"] =
-        toJson(firstDivergencesOf(episodes, rollout), shares_have_intervals);
+    if (protocol.isFlown(rollout)) {
+      statistics["rollouts"][rollouts[rollout]]["parting"] =
+          toJson(firstDivergencesOf(episodes, rollout), shares_have_intervals);
+    }
   }
   for (std::size_t rollout = 0; rollout < rollouts.size(); ++rollout) {
     if (protocol.isClosed(rollout)) {

@@ -168,9 +168,11 @@ std::vector<std::vector<double>> valuesByStart(const Protocol& protocol, const s
 }
 
 NoiseSplits noiseSplits(const Protocol& protocol, const std::vector<EpisodeResult>& episodes) {
-  NoiseSplits splits{successNoiseSplit(successesByStart(protocol, episodes, kReferenceClosed)),
-                     successNoiseSplit(successesByStart(protocol, episodes, kEngineClosed)),
-                     {}};
+  NoiseSplits splits{successNoiseSplit(successesByStart(protocol, episodes, kReferenceClosed)), {}, {}};
+  if (protocol.alone) {
+    return splits;
+  }
+  splits.engine = successNoiseSplit(successesByStart(protocol, episodes, kEngineClosed));
   for (std::size_t i = 0; i < kWholeEpisodePairs; ++i) {
     const FigureIndex figure{kEngineReplay, quantityIndex(kDivergencePairs[i].divergence)};
     splits.divergences[i] = noiseSplit(valuesByStart(protocol, episodes, figure));
@@ -326,7 +328,7 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   const std::optional<std::size_t> floor = widestFloor(protocol);
   const std::vector<std::size_t> variants = variantRollouts(protocol, false);
   for (std::size_t rollout = kReferenceClosed + 1; rollout < summary.means.size(); ++rollout) {
-    for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
+    for (std::size_t i = 0; i < kDivergencePairs.size() && protocol.isFlown(rollout); ++i) {
       summary.baselines[rollout][i] = comparisonOf(protocol, starts, rollout, kDivergencePairs[i], floor, variants);
       const FigureIndex figure{rollout, quantityIndex(kDivergencePairs[i].divergence)};
       summary.baselines[rollout][i].episodes = static_cast<int>(samplesOf(episodes, figure).size());

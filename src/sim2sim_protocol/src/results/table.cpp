@@ -61,11 +61,11 @@ std::string stuckPushersText(const Endings& endings) {
 }
 
 /// Lines on how failures end, as far as there are any.
-std::string endingLines(const EndingsOfPairs& endings) {
+std::string endingLines(const Protocol& protocol, const EndingsOfPairs& endings) {
   const int failures = endings.reference.failures() + endings.engine.failures();
   const int stuck = endings.reference.of(Ending::kStuck) + endings.engine.of(Ending::kStuck);
   const auto both = [&](const std::string& head, const auto& text) {
-    return line(head, text(endings.reference), text(endings.engine));
+    return line(head, text(endings.reference), protocol.alone ? "" : text(endings.engine));
   };
   const auto stuck_text = [](const Endings& of) {
     return countText(of.of(Ending::kStuck), of.failures(), of.median_still_step);
@@ -104,15 +104,16 @@ std::string noisePart(const NoiseSplit& split) {
 }
 
 /// Lines of the two parts of the variance of success; none without repeats.
-std::string noiseLines(const Summary& summary) {
+std::string noiseLines(const Protocol& protocol, const Summary& summary) {
   if (!summary.noise) {
     return "";
   }
-  const auto variance = [](const Estimate& estimate) { return cell(estimate, ""); };
-  return line("  variance of starts", variance(summary.noise->reference.starts),
-              variance(summary.noise->engine.starts)) +
-         line("  variance of repeats", variance(summary.noise->reference.repeats),
-              variance(summary.noise->engine.repeats));
+  const auto both = [&](const std::string& head, const Estimate& of_reference, const Estimate& of_engine) {
+    return line(head, cell(of_reference, ""), protocol.alone ? "" : cell(of_engine, ""));
+  };
+  const auto& [of_reference, of_engine, of_divergences] = *summary.noise;
+  return both("  variance of starts", of_reference.starts, of_engine.starts) +
+         both("  variance of repeats", of_reference.repeats, of_engine.repeats);
 }
 
 /// "100 episodes", or "100 episodes, 4 of each start"
@@ -298,31 +299,18 @@ std::string variantLines(const RunConfiguration& configuration, const Summary& s
   return lines;
 }
 
+/// Table of a run without an engine.
+std::string tableAlone(const RunConfiguration& configuration, const Summary& summary, const std::string& headline) {
+  const Protocol& protocol = configuration.protocol;
+  return headline + line("", configuration.reference.title, "") +
+         line("success, closed loop", cell(summary.reference), "") + noiseLines(protocol, summary) +
+         endingLines(protocol, summary.endings) + variantLines(configuration, summary) + "(" +
+         episodesText(protocol, summary) + "; in brackets " + fixedText(100.0 * kConfidence, 0) +
+         " % intervals over other initial states" + (protocol.repeats > 1 ? " and other noise" : "") +
+         ", not over other trainings of the policy)\n";
+}
+
 }  // namespace
-
-std::string transferText(const RunConfiguration& configuration, const Outcomes& outcomes) {
-  if (!outcomes.transfer) {
-    return "undefined: the reference never succeeds";
-  }
-  const auto text = [&](double share) {
-    return std::isinf(share) ? "any" : transferNumber(configuration, share) + " %";
-  };
-  const std::optional<Interval> interval = transferInterval(configuration.protocol, outcomes);
-  return text(*outcomes.transfer) + (interval ? " [" + text(interval->low) + ", " + text(interval->high) + "]" : "");
-}
-
-std::string shareText(const SuccessRate& rate) {
-  constexpr int kDigits = 3;
-  return valueText(rate.rate, rate.interval, kDigits);
-}
-
-std::string cell(const SuccessRate& rate) { return std::to_string(rate.successes) + "  " + shareText(rate); }
-
-std::string cell(const Estimate& estimate, const std::string& unit) {
-  constexpr int kDigits = 4;
-  const std::string value = fixedText(readable(estimate.value), kDigits) + " " + unit;
-  return estimate.interval ? value + " " + bracketed(*estimate.interval, kDigits) : value;
-}
 
 std::string doubtMark(const Summary& summary, std::string_view divergence) {
   const std::string mark = markOf(summary, divergence);
@@ -350,27 +338,20 @@ std::string divergences(const Summary& summary, const std::string& separator) {
   return text;
 }
 
-std::string decisionText(const TransferBet& bet, double share) {
-  constexpr int kDigits = 6;
-  const std::string success = pusht::significantText(100.0 * share, kDigits) + " % of the reference's success";
-  if (bet.verdict() == Verdict::kUndecided) {
-    return "not decided after " + std::to_string(bet.counts().pairs()) + " episodes: does the engine keep " + success +
-           "?\n";
-  }
-  return "decided after " + std::to_string(*bet.decidedAfter()) + " episodes: the engine " +
-         (bet.verdict() == Verdict::kKeeps ? "keeps" : "does not keep") + " " + success + "\n";
-}
-
 std::string table(const RunConfiguration& configuration, const Summary& summary) {
   const Outcomes& outcomes = summary.outcomes;
   const PairTable& pairs = outcomes.table;
   const Headline headline = headlineOf(configuration, outcomes, summary.endings);
+  const std::string head = (headline.caveat.empty() ? "" : headline.caveat + "\n") + headline.text() + "\n";
+  if (configuration.protocol.alone) {
+    return tableAlone(configuration, summary, head);
+  }
   Marks marks;
   std::string table =
-      (headline.caveat.empty() ? "" : headline.caveat + "\n") + headline.text() + "\n" +
-      line("", configuration.reference.title + " (reference)", configuration.engine.title) +
-      line("success, closed loop", cell(summary.reference), cell(summary.engine)) + noiseLines(summary) +
-      endingLines(summary.endings) + line("transfer", "", transferText(configuration, outcomes)) +
+      head + line("", configuration.reference.title + " (reference)", configuration.engine.title) +
+      line("success, closed loop", cell(summary.reference), cell(summary.engine)) +
+      noiseLines(configuration.protocol, summary) + endingLines(configuration.protocol, summary.endings) +
+      line("transfer", "", transferText(configuration, outcomes)) +
       line("engine - reference", outcomes.p ? "McNemar p " + probabilityText(*outcomes.p) : "",
            signedText(outcomes.table.difference(), outcomes.difference_interval, "", 3)) +
       line("the same episodes",

@@ -48,6 +48,9 @@ std::string recordsOf(const Episode& episode) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   std::string bytes;
   for (const Mode mode : kModes) {
+    if (!episode.protocol().isFlown(mode)) {
+      continue;
+    }
     const pusht::Trace& trace = episode.rollout(mode).trace();
     std::string name = modeName(mode);
     name.resize(kModeLength, '\0');

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 REFERENCE, ENGINE, REPLAY = MODES = ("reference_closed", "engine_closed", "engine_replay")
 METRICS_FORMAT = format_of("metrics")
+NO_ENGINE = "none"  # name of the engine of a run that has none
 QUESTION = "Does the skill transfer?"
 KINDS = {  # kind of an episode by success (in the reference, in the engine)
     (True, False): "only_reference_succeeds",
@@ -165,6 +166,8 @@ def read_run(folder: Path) -> Run:
         raise Error(f"{folder}: is a sweep; it must stand alone")
     metrics = read_json(folder / name_of("metrics"), "the folder of a whole run is needed")
     require_format(folder / name_of("metrics"), metrics, METRICS_FORMAT)
+    if metrics.get("engine_simulator") == NO_ENGINE:
+        raise Error(f"{folder}: has no engine; a page compares two simulators")
     statistics = read_json(folder / name_of("statistics"))
     require_format(folder / name_of("statistics"), statistics, format_of("statistics"))
     provenance = read_json(folder / name_of("provenance"))

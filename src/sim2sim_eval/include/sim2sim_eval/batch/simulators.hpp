@@ -33,6 +33,9 @@ struct SimulatorChoice {
 /// ParameterSet::set; InvalidInput for a setting that is none or is given twice.
 SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::string>& settings);
 
+/// Engine of a run that has none (kNoEngine): a kind without worlds.
+SimulatorChoice noEngine();
+
 /// Simulator that "KIND" or "KIND:NAME=VALUE:NAME=VALUE" asks for. Throws as chooseSimulator().
 SimulatorChoice simulatorFromText(const std::string& text);
 

@@ -55,6 +55,9 @@ struct Contrast {
   std::optional<PolicyContrast> policies{};  ///< none of two engines
   std::vector<ContrastRow> rows{};           ///< success first; of policies in the reference, in the engine, transfer
 
+  /// Whether there is a row of that name. Without an engine there is that of success in the reference alone.
+  bool has(const std::string& name) const;
+
   /// Row of that name; there is one.
   const ContrastRow& row(const std::string& name) const;
 };

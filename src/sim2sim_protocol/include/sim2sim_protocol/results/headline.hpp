@@ -21,20 +21,21 @@ constexpr double kNotEnough = 0.5;  ///< an interval up to here: it does not tra
 
 /// Verdict on the interval [low, high] of the transfer.
 enum class TransferVerdict {
-  kExceeds,           ///< kMore < low
-  kTransfers,         ///< kWhole <= low <= kMore
-  kTransfersInPart,   ///< kNotEnough <= low, high < kWhole
-  kAtMostInPart,      ///< low < kNotEnough < high < kWhole
-  kDoesNotTransfer,   ///< high <= kNotEnough
-  kCannotSay,         ///< low < kWhole <= high, or fewer than kFewestEpisodes
-  kNothingToTransfer  ///< the reference never succeeds
+  kExceeds,            ///< kMore < low
+  kTransfers,          ///< kWhole <= low <= kMore
+  kTransfersInPart,    ///< kNotEnough <= low, high < kWhole
+  kAtMostInPart,       ///< low < kNotEnough < high < kWhole
+  kDoesNotTransfer,    ///< high <= kNotEnough
+  kCannotSay,          ///< low < kWhole <= high, or fewer than kFewestEpisodes
+  kNothingToTransfer,  ///< the reference never succeeds
+  kNotAsked            ///< there is no engine
 };
 
 /// Name in files: "exceeds", "transfers", "transfers_in_part", "at_most_in_part", "does_not_transfer", "cannot_say",
-/// "nothing_to_transfer".
+/// "nothing_to_transfer", "not_asked".
 std::string nameOf(TransferVerdict verdict);
 
-/// Verdict on an interval of the transfer. kNothingToTransfer is not among its results.
+/// Verdict on an interval of the transfer. kNothingToTransfer and kNotAsked are not among its results.
 TransferVerdict verdictOf(const Interval& transfer);
 
 /// Interval of the transfer that holds: that of its outcomes, or transferSequence() if the run ends when it is decided.

@@ -40,6 +40,9 @@ struct Requirement {
   /// share is decided has that of the transfer alone, and answers for that share.
   void requireOneRun(const std::optional<double>& until_decided) const;
 
+  /// Throws InvalidInput unless it is one of the reference's success, all that a run without an engine has.
+  void requireReferenceAlone() const;
+
   /// Throws InvalidInput unless it is one of `runs` runs, and compares none but with the first.
   void requireRuns(int runs) const;
 };

@@ -91,14 +91,14 @@ class Docs(CommandCase):
 
     @long_form
     def test_tutorial(self) -> None:
-        self.assertEqual(self.check(DOCS / "tutorial.md"), 16)
+        self.assertEqual(self.check(DOCS / "tutorial.md"), 14)
 
     @long_form
     def test_bring_your_own(self) -> None:
         self.assertEqual(self.check(DOCS / "bring_your_own.md"), 7)
 
     def test_networks(self) -> None:
-        self.assertEqual(self.check(DOCS / "networks.md"), 7)
+        self.assertEqual(self.check(DOCS / "networks.md"), 4)
 
     @long_form
     def test_commands(self) -> None:

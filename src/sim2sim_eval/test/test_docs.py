@@ -98,7 +98,7 @@ class Docs(CommandCase):
         self.assertEqual(self.check(DOCS / "bring_your_own.md"), 7)
 
     def test_networks(self) -> None:
-        self.assertEqual(self.check(DOCS / "networks.md"), 4)
+        self.assertEqual(self.check(DOCS / "networks.md"), 7)
 
     @long_form
     def test_commands(self) -> None:

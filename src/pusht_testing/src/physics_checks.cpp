@@ -32,8 +32,9 @@ void Deviations::expect(bool holds, const std::string& what) {
 }
 
 void Deviations::add(double excess, const std::string& what) {
-  if (count_ == 0 || std::isnan(excess) || excess > most_) {
-    most_ = std::isnan(excess) ? std::numeric_limits<double>::infinity() : excess;
+  const double size = std::isnan(excess) ? std::numeric_limits<double>::infinity() : excess;
+  if (count_ == 0 || size > most_) {
+    most_ = size;
     what_ = what;
   }
   ++count_;

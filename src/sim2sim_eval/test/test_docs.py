@@ -91,7 +91,7 @@ class Docs(CommandCase):
 
     @long_form
     def test_tutorial(self) -> None:
-        self.assertEqual(self.check(DOCS / "tutorial.md"), 16)
+        self.assertEqual(self.check(DOCS / "tutorial.md"), 14)
 
     @long_form
     def test_bring_your_own(self) -> None:

@@ -24,7 +24,7 @@ constexpr std::size_t kHead = 24;  // width of the first column
 std::string line(const std::string& head, const std::string& left, const std::string& right,
                  std::size_t width = kHead) {
   constexpr std::size_t kColumn = 32;
-  return padded(head, width) + padded(left, kColumn) + right + "\n";
+  return padded(head, width) + (right.empty() ? left : padded(left, kColumn) + right) + "\n";
 }
 
 /// "position" or "angle", of a divergence in kDivergencePairs over whole episodes.

@@ -130,12 +130,15 @@ TEST(Plan, SaysHowManyEpisodesShowADifference) {
 }
 
 TEST(Plan, SaysWhyNoDifferenceOfSuccessIsShown) {
+  RunResults pilot = pilotOf(100, 0.16);
+  for (EpisodeResult& episode : pilot.episodes) {
+    episode.rollouts[kEngineClosed].success = episode.rollouts[kReferenceClosed].success != (episode.index < 3);
+  }
   PlanQuestions questions;
-  questions.episodes = {5, 50};
-  EXPECT_THAT(
-      planTable(questions, pilotOf(100, 0.16), std::nullopt),
-      HasSubstr("success, engine - reference                 none      0.27      none: only one succeeds in 0.5 of "
-                "all pairs\n"));
+  questions.episodes = {20, 1000};
+  EXPECT_THAT(planTable(questions, pilot, std::nullopt),
+              HasSubstr("success, engine - reference                 none      0.015     none: only one succeeds in "
+                        "0.03 of all pairs\n"));
 }
 
 TEST(Plan, OfAContrastHasTheDifferencesOfTwoRuns) {

@@ -339,7 +339,7 @@ class LostMaster(LiveCase):
             self.assertEqual(master.getParam(f"/kept/{parameter}"), 0.05)
             first.interrupt()
             first.ended()
-            self.assertFalse(master.hasParam("/kept"), name)
+            self.assertEqual(master.getParam("/kept"), {}, name)
             master.setParam("/kept/nonsense", 7)
             second = Process(self, *command, environment=environment)
             second.line(

@@ -9,12 +9,15 @@
 #include <vector>
 
 #include "run_episodes.hpp"
+#include "sim2sim_protocol/results/attribution.hpp"
+#include "sim2sim_protocol/results/attribution_files.hpp"
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 
 namespace sim2sim {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -33,6 +36,24 @@ std::vector<EpisodeResult> episodesAgainstNull(double difference) {
     replay.at("mean_angle_divergence") = 0.5 + 0.001 * (episode.index % 2);
   }
   return episodes;
+}
+
+TEST(TableOfAnAttribution, SaysWhereAllOffIsFartherThanATeeThatNeverMoves) {
+  const auto gap = [](const char* title, double all_off, double null_model) {
+    AttributedGap result{"", title, "m", all_off, 0.01, {Share{}}};
+    result.null_model = {null_model, std::nullopt};
+    return result;
+  };
+  Attribution attribution{"MuJoCo", "engine", "expert", 30, "", 2, 0, {"drag"}, {}};
+  attribution.gaps = {gap("position, open loop", 0.2, 0.1), gap("angle, open loop", 0.05, 0.1),
+                      gap("success, closed loop", 0.5, std::nan(""))};
+  EXPECT_THAT(table(attribution),
+              HasSubstr("\n(all off is farther from MuJoCo than a tee that never moves: position, open "
+                        "loop; shares of such a gap say little of a good engine)\n"));
+  EXPECT_THAT(table(attribution), HasSubstr("leave_one_out in attribution.json, plot_sweep --costs"));
+  attribution.gaps.front().all_off = 0.05;
+  attribution.orders = 40;  // without all combinations no switch is left out alone
+  EXPECT_THAT(table(attribution), Not(AnyOf(HasSubstr("farther"), HasSubstr("leave_one_out"))));
 }
 
 TEST(Table, MarksADivergenceThatDoesNotBeatTheNullModel) {

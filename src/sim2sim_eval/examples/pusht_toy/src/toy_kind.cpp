@@ -8,9 +8,11 @@
 
 namespace {
 
+constexpr double kStartTolerance = 1e-12;  // [m, rad, m/s, rad/s] it keeps what it is told
+
 class ToyWorld : public pusht::Simulator {
  public:
-  explicit ToyWorld(double reach) : reach_(reach) {}
+  explicit ToyWorld(double reach) : Simulator("", kStartTolerance), reach_(reach) {}
 
  private:
   void doReset(const pusht::WorldState& state) override { state_ = state; }
@@ -38,8 +40,8 @@ pusht::SimulatorModel load(const pusht::ParameterSet& parameters) {
 }  // namespace
 
 const pusht::SimulatorKind& toyKind() {
-  static const pusht::SimulatorKind kind = {"toy", "toy", "1", {{"reach", "m", "from pusher to tee", 0.08, 0.0, 0.2}},
-                                            {},    1e-12, load};
+  static const pusht::SimulatorKind kind = {
+      "toy", "toy", "1", {{"reach", "m", "from pusher to tee", 0.08, 0.0, 0.2}}, {}, kStartTolerance, load};
   return kind;
 }
 

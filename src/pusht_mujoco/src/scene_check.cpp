@@ -161,8 +161,7 @@ std::vector<int> collidingGeoms(const mjModel& model) {
 }
 
 [[noreturn]] void refuse(const std::string& what, const std::string& value, const std::string& expected) {
-  throw InvalidInput(what + " is " + value + ": must be " + expected +
-                     "; a scene may only look different, numbers change by parameters");
+  throw InvalidInput(what + " is " + value + ": must be " + expected + "; a scene may only look different");
 }
 
 void checkNames(const mjModel& model, const mjModel& shipped, int type, const std::vector<int>& ids,

@@ -51,9 +51,11 @@ TEST_P(PhysicsSuite, WorldsMoveAsTheKindClaims) {
   for (const NamedPhysicsCheck& named : kPhysicsChecks) {
     const Deviations deviations = named.check(*world, GetParam().physics);
     if (deviations.any()) {
-      ADD_FAILURE() << named.name << ": " << deviations.summary()
-                    << "\n(`audit --engine NAME --against task` names the cause, where it can)";
+      ADD_FAILURE() << named.name << ": " << deviations.summary();
     }
+  }
+  if (HasFailure()) {
+    ADD_FAILURE() << "the cause, where it can be told: audit --engine " << GetParam().kind.name << " --against task";
   }
 }
 

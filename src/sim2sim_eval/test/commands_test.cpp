@@ -137,8 +137,8 @@ TEST(Plan, SaysWhyNoDifferenceOfSuccessIsShown) {
   PlanQuestions questions;
   questions.episodes = {20, 1000};
   EXPECT_THAT(planTable(questions, pilot, std::nullopt),
-              HasSubstr("success, engine - reference                 none      0.015     none: only one succeeds in "
-                        "0.03 of all pairs\n"));
+              HasSubstr("success, engine - reference                 none      0.015     (none: only one succeeds "
+                        "in 0.03 of all pairs)\n"));
 }
 
 TEST(Plan, OfAContrastHasTheDifferencesOfTwoRuns) {
@@ -147,7 +147,7 @@ TEST(Plan, OfAContrastHasTheDifferencesOfTwoRuns) {
   const std::string table = planTable(questions, pilotOf(100, 0.1), pilotOf(100, 0.1));
   EXPECT_THAT(
       table,
-      HasSubstr("success, other - pilot                      -         none: only one succeeds in 0 of all pairs\n"))
+      HasSubstr("success, other - pilot                      -         (none: only one succeeds in 0 of all pairs)\n"))
       << "no pair differs";
   EXPECT_THAT(table, HasSubstr("position divergence [m], other - pilot      0         \n"));
 }

@@ -337,6 +337,10 @@ class LostMaster(LiveCase):
             describe = ("rosservice", "call", "--wait", "/kept/describe", "{}")
             self.assertIn(parameter, self.succeed(*describe, environment=environment))
             self.assertEqual(master.getParam(f"/kept/{parameter}"), 0.05)
+            wanted = f"{{parameters: [{{name: {parameter}, value: '0.06'}}], end_episode: true}}"
+            configure = ("rosservice", "call", "/kept/configure", wanted)
+            self.assertIn("success: True", self.succeed(*configure, environment=environment))
+            self.assertEqual(master.getParam(f"/kept/{parameter}"), 0.06)
             first.interrupt()
             first.ended()
             self.assertEqual(master.getParam("/kept"), {}, name)
@@ -348,6 +352,13 @@ class LostMaster(LiveCase):
             second.interrupt()
             second.ended()
             master.deleteParam("/kept")
+        audit = Process(
+            self,
+            *(node_file("sim2sim_eval", "audit_node"), "_out:=left.json", "_patience:=0.1"),
+            environment=environment,
+        )
+        self.assertNotEqual(audit.ended(), 0)
+        self.assertEqual(master.getParam("/audit"), {}, audit.output)
 
     def test_contracts_say_how_they_are_used(self) -> None:
         uri = f"http://127.0.0.1:{free_port()}"

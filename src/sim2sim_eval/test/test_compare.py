@@ -999,19 +999,20 @@ class Faults(CompareCase):
         self.assertEqual(self.files("out"), RESULTS)
 
     def test_options_of_an_engine_that_there_is_not(self) -> None:
-        for option, value in (
-            ("--block_damp", "20"),
-            ("--loop-engine", "action_delay=1"),
-            ("--reanchor", "5"),
-            ("--model-variants", "timestep=0.005"),
-            ("--until-decided", "0.8"),
-            ("--record", ""),
-            ("--require", "transfer > 0.8"),
+        without = "must be left out without an engine"
+        for option, value, said in (
+            ("--block_damp", "20", "setting 'block_damp=20' of the engine: must be left out"),
+            ("--loop-engine", "action_delay=1", "setting 'loop.action_delay=1' of the engine"),
+            ("--reanchor", "5", f"probe engine_reanchored_5: {without}"),
+            ("--model-variants", "timestep=0.005", f"probe variant_timestep=0.005: {without}"),
+            ("--until-decided", "0.8", f"until_decided 0.8: {without}"),
+            ("--record", "", "record: must be left out with engine none"),
+            ("--require", "transfer > 0.8", 'must be as "reference > 0.6", as there is no engine'),
         ):
             given = [text for text in (option, value) if text]
             process = self.compare("--engine", "none", *given, "--out", "out")
             self.assert_one_line(process, 2)
-            self.assertRegex(process.stderr, "engine", option)
+            self.assertIn(said, process.stderr)
             self.assertFalse((self.folder / "out" / "episodes.csv").exists())
 
     def test_f22_folder_that_cannot_be_made(self) -> None:

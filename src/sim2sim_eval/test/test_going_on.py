@@ -88,6 +88,13 @@ class Comparison(GoingOn):
             before = lines
         self.assertEqual(self.finished(*RUN), whole)
 
+    def test_run_without_an_engine_goes_on(self) -> None:
+        alone = (*RUN, "--engine", "none")
+        whole = self.finished(*alone, out="whole")
+        self.interrupt(*alone, episodes=5, number=signal.SIGUSR1)
+        self.assertFalse((self.folder / "out" / "metrics.json").exists())
+        self.assertEqual(self.finished(*alone), whole)
+
     def test_nothing_is_left_of_what_was_there_before(self) -> None:
         """Neither the report of the part of a run nor files that a killed process was writing."""
         whole = self.finished(*RUN, out="whole")

@@ -9,6 +9,7 @@ from typing import Dict, Iterator, List, Set, Tuple
 from xml.etree import ElementTree
 
 import rospkg  # type: ignore[import]
+from pusht_task.command import SIGNALS
 
 ROOT = Path(__file__).resolve().parents[3]
 MANIFESTS = {
@@ -116,6 +117,12 @@ class Packages(unittest.TestCase):
                 if entry.tag.endswith("depend") and entry.tag != "test_depend":
                     below = layer_of.get(str(entry.text), len(layers))
                     self.assertGreater(below, layer_of[package], f"{package}: {entry.text}")
+
+    def test_commands_in_both_languages_end_at_the_same_signals(self) -> None:
+        header = ROOT / "src/pusht_task/include/pusht_task/ending_signals.hpp"
+        listed = re.search(r"kEndingSignals\{(.*)\}", header.read_text())
+        assert listed
+        self.assertEqual(listed[1].split(", "), [number.name for number in SIGNALS])
 
     def test_nodes_begin_without_parameters_of_an_earlier_launch(self) -> None:
         files = list((ROOT / "src").glob("*/launch/*.launch"))

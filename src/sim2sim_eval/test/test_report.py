@@ -13,7 +13,6 @@ import os
 import re
 import shlex
 import shutil
-import signal
 import subprocess
 import unittest
 from pathlib import Path
@@ -26,6 +25,7 @@ from selenium import webdriver  # type: ignore[import]
 from selenium.webdriver.chrome.options import Options  # type: ignore[import]
 from selenium.webdriver.chrome.service import Service  # type: ignore[import]
 from selenium.webdriver.support.wait import WebDriverWait  # type: ignore[import]
+from pusht_task.command import SIGNALS
 from pusht_task.palette import DARK, LIGHT
 from pusht_testing.warm_commands import warm
 from sim2sim_eval.command import rosrun
@@ -847,7 +847,7 @@ class Refusals(ReportCase):
                 shutil.rmtree(path.parent)
 
     def test_signals(self) -> None:
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in SIGNALS:
             with self.subTest(number), subprocess.Popen(
                 (REPORT, str(self.run_folder), "--out", "refused.html"),
                 cwd=self.folder,
@@ -855,7 +855,7 @@ class Refusals(ReportCase):
                 stderr=subprocess.PIPE,
                 text=True,
             ) as process:
-                until(lambda: catches(process.pid, signal.SIGHUP))
+                until(lambda: catches(process.pid, SIGNALS[-1]))
                 process.send_signal(number)
                 printed, said = process.communicate(timeout=self.deadline)
                 expected = (4, "", "report: interrupted; nothing is written\n")

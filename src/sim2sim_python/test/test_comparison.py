@@ -213,6 +213,15 @@ class Results(ComparisonCase):
         self.assertEqual(changed[:2], ["loop.preset", "loop.observation_delay"])
         self.assertEqual(set(results.episodes["ending"]) - {"moving", "success"}, {""})
 
+    def test_the_reference_alone(self) -> None:
+        out = self.folder / "alone"
+        options = {"engine": "none", "episodes": 10, "repeats": 2}
+        alone = sim2sim.compare("expert", out=out, **options)
+        self.assertEqual(set(alone.episodes["mode"]), {"reference_closed"})
+        self.assertIn("reference_success_variance_repeats", alone.summary)
+        self.assertEqual(alone.summary["number_of_starts"], 5)
+        self.assertEqual(sim2sim.load(out).text, "".join(alone.text.splitlines(True)[1:-2]))
+
     def test_repeats_are_a_column_of_whole_numbers(self) -> None:
         repeat = sim2sim.compare(charge, repeats=2, **SHORT).episodes["repeat"]
         self.assertEqual((repeat.dtype, repeat.tolist()), (np.int64, [0, 0, 0, 1, 1, 1] * 2))

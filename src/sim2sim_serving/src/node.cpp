@@ -2,6 +2,7 @@
 #include "sim2sim_serving/node.hpp"
 
 #include <ros/ros.h>
+#include <ros/xmlrpc_manager.h>
 #include <sched.h>
 #include <unistd.h>
 
@@ -65,14 +66,33 @@ class Removal {
   Removal(const Removal&) = delete;
   Removal& operator=(const Removal&) = delete;
   ~Removal() {
-    if (!started_by_roslaunch_) {
-      removeOwnParameters();
-    } else if (life_ == Life::kRunsOnce) {
-      ros::param::del("~");
+    try {
+      if (isReplaced()) {
+        return;  // they are the other node's now
+      }
+      if (!started_by_roslaunch_) {
+        removeOwnParameters();
+      } else if (life_ == Life::kRunsOnce) {
+        ros::param::del("~");
+      }
+    } catch (const std::exception& failure) {
+      ROS_WARN_STREAM("parameters stay on the parameter server: " << failure.what());
     }
   }
 
  private:
+  /// Whether a second node of this name has registered.
+  static bool isReplaced() {
+    XmlRpc::XmlRpcValue arguments;
+    XmlRpc::XmlRpcValue result;
+    XmlRpc::XmlRpcValue uri;
+    arguments[0] = ros::this_node::getName();
+    arguments[1] = ros::this_node::getName();
+    return ros::master::execute("lookupNode", arguments, result, uri, false) &&
+           uri.getType() == XmlRpc::XmlRpcValue::TypeString &&
+           static_cast<std::string>(uri) != ros::XMLRPCManager::instance()->getServerURI();
+  }
+
   Life life_;
   bool started_by_roslaunch_;
 };
@@ -138,11 +158,8 @@ int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, 
     const bool started_by_roslaunch = startedByRoslaunch(argc, argv);
     takeCommandLine(argc, argv);
     schedulePatiently();
-    std::uint32_t options = 0;
-    if (life == Life::kRunsOnce) {
-      options = ros::init_options::NoSigintHandler;
-    }
-    ros::init(argc, argv, name, options);
+    const std::uint32_t catches_signals = ros::init_options::NoSigintHandler;
+    ros::init(argc, argv, name, life == Life::kRunsOnce ? catches_signals : 0);
     requireMaster(no_master);
     const ros::NodeHandle keeps_node_started;
     const Removal removal(life, started_by_roslaunch);

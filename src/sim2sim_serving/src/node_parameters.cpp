@@ -23,7 +23,8 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 
-std::set<std::string> own_keys;  // private parameters that this process has set
+/// Private parameters that this process has set. Of the main thread, which spins.
+std::set<std::string> own_keys;
 
 /// Read by libraries from the private namespace of every node.
 constexpr std::array<const char*, 2> kOfLibraries = {"diagnostic_period", "tf"};
@@ -143,7 +144,6 @@ std::string serviceName(const std::string& what, const std::string& name) {
 
 void setParameters(const ros::NodeHandle& private_handle, const Parameters& parameters) {
   for (const pusht_msgs::Parameter& parameter : parameters) {
-    own_keys.insert(parameter.name);
     const ParameterValue value = valueOf(parameter.value);
     if (const auto* flag = std::get_if<bool>(&value)) {
       private_handle.setParam(parameter.name, *flag);
@@ -154,6 +154,7 @@ void setParameters(const ros::NodeHandle& private_handle, const Parameters& para
     } else {
       private_handle.setParam(parameter.name, parameter.value);
     }
+    own_keys.insert(parameter.name);
   }
 }
 
@@ -196,12 +197,17 @@ const XmlRpcValue* ParameterReader::find(const std::string& key) {
   return value == values_.end() ? nullptr : &value->second;
 }
 
-void ParameterReader::refuse(const std::string& key, const std::string& rule) const {
+/// How to remove a parameter that this process has not set, in brackets.
+std::string ParameterReader::originOf(const std::string& key) const {
   const std::string whole = namespace_ + "/" + key;
-  throw InvalidInput("parameter " + whole + " " + shown(values_.at(key)) + ": " + rule +
-                     (own_keys.count(key) > 0 ? ""
-                                              : " (set by a launch file or left by an earlier node: `rosparam delete " +
-                                                    whole + "` removes it)"));
+  return own_keys.count(key) > 0
+             ? ""
+             : " (set by a launch file or left by an earlier node: `rosparam delete " + whole + "` removes it)";
+}
+
+void ParameterReader::refuse(const std::string& key, const std::string& rule) const {
+  throw InvalidInput("parameter " + namespace_ + "/" + key + " " + shown(values_.at(key)) + ": " + rule +
+                     originOf(key));
 }
 
 std::string ParameterReader::text(const std::string& key, const std::string& fallback) {
@@ -282,7 +288,11 @@ std::uint64_t ParameterReader::seed(const std::string& key, std::uint64_t fallba
 ParameterSet ParameterReader::changed(ParameterSet parameters) {
   for (const Parameter& known : ParameterSet(parameters)) {
     if (const XmlRpcValue* value = find(known.name())) {
-      parameters.set(known.name(), textIn(*value));
+      try {
+        parameters.set(known.name(), textIn(*value));
+      } catch (const InvalidInput& error) {
+        throw InvalidInput(error.what() + originOf(known.name()));
+      }
     }
   }
   return parameters;

@@ -129,9 +129,11 @@ void requireNoFiles(const CompareOptions& options) {
 
 /// Throws InvalidInput for an option of the engine, where there is none.
 void requireNothingOfAnEngine(const CompareOptions& options) {
+  const std::vector<std::string>& of_reference = options.reference_parameters;
   for (const std::string& setting : options.engine_parameters) {
-    const std::vector<std::string>& of_reference = options.reference_parameters;  // --loop sets both
-    if (std::find(of_reference.begin(), of_reference.end(), setting) == of_reference.end()) {
+    const bool is_of_both = setting.rfind(pusht::kLoopPrefix, 0) == 0 &&  // --loop
+                            std::find(of_reference.begin(), of_reference.end(), setting) != of_reference.end();
+    if (!is_of_both) {
       throw pusht::InvalidInput("setting '" + setting + "' of the engine: must be left out with engine none");
     }
   }

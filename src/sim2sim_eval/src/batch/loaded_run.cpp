@@ -62,6 +62,9 @@ LoadedRun::LoadedRun(const std::function<pusht::ChosenPolicy()>& choose_policy, 
 WorkerFactory LoadedRun::workerFactory(const LoadedSimulator& engine) const {
   const auto make_worlds = [make_reference = reference_.model.make_lanes,
                             make_engine = engine.model.make_lanes](int lanes) {
+    if (make_engine == nullptr) {
+      return Worlds{make_reference(lanes), nullptr, nullptr};
+    }
     return Worlds{make_reference(lanes), make_engine(lanes), make_engine(lanes)};
   };
   const auto make_policy = [make = policy_.make, reference = reference_.loop, engine = engine.loop] {

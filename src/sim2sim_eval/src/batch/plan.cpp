@@ -50,15 +50,15 @@ std::vector<PlannedDifference> plannedDifferences(const PlanQuestions& questions
   const auto success = [&](const std::string& text, const PairTable& table) {
     planned.push_back({text, {}, table.discordant(), questions.success});
   };
-  if (pilot.protocol.alone) {
-    success("success in reference, other - pilot",
-            pairsOf(pilot.episodes, kReferenceClosed, other->episodes, kReferenceClosed));
-    return planned;
+  if (!pilot.protocol.alone) {
+    success("success, engine - reference", pairsOf(pilot.episodes, kReferenceClosed, pilot.episodes, kEngineClosed));
   }
-  success("success, engine - reference", pairsOf(pilot.episodes, kReferenceClosed, pilot.episodes, kEngineClosed));
   if (other && pairingOf(pilot, *other) == Pairing::kPolicies) {
     success("success in reference, other - pilot",
             pairsOf(pilot.episodes, kReferenceClosed, other->episodes, kReferenceClosed));
+    if (pilot.protocol.alone) {
+      return planned;
+    }
     success("success in engine, other - pilot", pairsOf(pilot.episodes, kEngineClosed, other->episodes, kEngineClosed));
   } else if (other) {
     success("success, other - pilot", pairsOf(pilot.episodes, kEngineClosed, other->episodes, kEngineClosed));
@@ -130,7 +130,7 @@ std::string neededText(const PlannedDifference& planned, const std::vector<int>&
   if (!planned.wanted) {
     const bool all_show = !planned.discordant || std::all_of(episodes.begin(), episodes.end(),
                                                              [&](int count) { return smallest(planned, count); });
-    return all_show ? "" : "none: " + discordantText(planned);
+    return all_show ? "" : "(none: " + discordantText(planned) + ")";
   }
   if (!planned.deviation && !planned.discordant) {
     return "unknown: the pilot is too short";
@@ -275,9 +275,11 @@ nlohmann::json plan(const PlanOptions& options, const CommandHost& host) {
     throw pusht::InvalidInput("pilot " + options.pilot + ": has " + std::to_string(pilot.protocol.repeats) +
                               " repeats of each start; must have one, because a plan counts independent episodes");
   }
-  if (pilot.protocol.alone && options.other.empty()) {
+  const bool asks_divergence = options.questions.position || options.questions.angle;
+  if (pilot.protocol.alone && (options.other.empty() || asks_divergence)) {
     throw pusht::InvalidInput("pilot " + options.pilot +
-                              ": has no engine; must stand beside a run of another policy, to plan a contrast");
+                              ": has no engine; must stand beside a run of another policy, without --position and "
+                              "--angle");
   }
   std::optional<RunResults> other;
   if (!options.other.empty()) {

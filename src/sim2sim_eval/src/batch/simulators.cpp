@@ -59,8 +59,7 @@ SimulatorChoice noEngine() {
     none.name = kNoEngine;
     none.title = "no engine";
     none.load = [](const pusht::ParameterSet& parameters) {
-      return pusht::SimulatorModel{parameters, nlohmann::json::object(), [] { return nullptr; },
-                                   [](int /*lanes*/) { return nullptr; }};
+      return pusht::SimulatorModel{parameters, nlohmann::json::object(), nullptr, nullptr};  // no worlds
     };
     return none;
   }();

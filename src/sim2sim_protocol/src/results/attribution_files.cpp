@@ -94,10 +94,10 @@ std::string beyondNullModel(const Attribution& attribution) {
 
 /// Where the cost of a switch to the full engine is: the share is a mean over orders, most of them of poor engines.
 std::string costsText(const Attribution& attribution) {
-  return attribution.orders > 0
-             ? ""
-             : "(what a switch costs the engine that has all others: leave_one_out in " +
-                   std::string(kAttributionFile) + ", plot_sweep --costs; clearest where the sweep has --reanchor 5)\n";
+  return attribution.orders > 0 ? ""
+                                : "(what a switch costs the engine that has all others: leave_one_out in " +
+                                      std::string(kAttributionFile) +
+                                      ", plot_sweep --costs; clearest where the plan has `reanchor: [5]`)\n";
 }
 
 }  // namespace

@@ -187,6 +187,9 @@ namespace {
 /// "In 62 % [48, 74] of 50 episodes in MuJoCo.": of a run without an engine. With repeats the table has the interval.
 Headline headlineAlone(const RunConfiguration& configuration, const Outcomes& outcomes, const EndingsOfPairs& endings) {
   const int episodes = outcomes.table.pairs();
+  if (episodes == 0) {
+    return tooFew(0, configuration.protocol.repeats);
+  }
   const int successes = outcomes.table.both + outcomes.table.first_only;
   const Names names(configuration);
   const std::optional<Interval> interval =

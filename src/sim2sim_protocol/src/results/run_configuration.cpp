@@ -262,7 +262,7 @@ Protocol protocolFrom(const json& description) {
   if (const auto starts = description.find("starts"); starts != description.end()) {
     protocol.initial_states = std::make_shared<InitialStates>(InitialStates::named(starts->get<std::string>()));
   }
-  protocol.alone = description.at("engine_simulator") == kNoEngine;
+  protocol.alone = description.value("engine_simulator", "") == kNoEngine;  // a sweep's description has no engine
   protocol.validate();
   return protocol;
 }

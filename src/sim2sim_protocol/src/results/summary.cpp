@@ -328,7 +328,10 @@ Summary summarize(const Protocol& protocol, const std::vector<EpisodeResult>& ep
   const std::optional<std::size_t> floor = widestFloor(protocol);
   const std::vector<std::size_t> variants = variantRollouts(protocol, false);
   for (std::size_t rollout = kReferenceClosed + 1; rollout < summary.means.size(); ++rollout) {
-    for (std::size_t i = 0; i < kDivergencePairs.size() && protocol.isFlown(rollout); ++i) {
+    if (!protocol.isFlown(rollout)) {
+      continue;
+    }
+    for (std::size_t i = 0; i < kDivergencePairs.size(); ++i) {
       summary.baselines[rollout][i] = comparisonOf(protocol, starts, rollout, kDivergencePairs[i], floor, variants);
       const FigureIndex figure{rollout, quantityIndex(kDivergencePairs[i].divergence)};
       summary.baselines[rollout][i].episodes = static_cast<int>(samplesOf(episodes, figure).size());

@@ -19,7 +19,8 @@ enum class NoMaster {
 /// Life of a node.
 enum class Life {
   kServes,    ///< until it is ended; may be started again with the parameters that it has on the parameter server
-  kRunsOnce,  ///< catches signals itself; where roslaunch has started it, its private parameters go with it
+  kRunsOnce,  ///< to its own end, catching signals itself; roslaunch must not start it again, as a launch's private
+              ///< parameters go with it
 };
 
 /// Starts a node called `name`, runs `body` and returns the process's exit code. A failure is one line on stderr.

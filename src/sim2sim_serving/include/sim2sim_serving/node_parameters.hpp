@@ -93,6 +93,7 @@ class ParameterReader {
 
  private:
   const XmlRpc::XmlRpcValue* find(const std::string& key);
+  std::string originOf(const std::string& key) const;
   [[noreturn]] void refuse(const std::string& key, const std::string& rule) const;
 
   std::string namespace_;

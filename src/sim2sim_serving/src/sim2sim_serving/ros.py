@@ -18,7 +18,7 @@ import sys
 import threading
 import xmlrpc.client
 from types import MappingProxyType
-from typing import Any, Callable, Dict, List, Mapping, Optional
+from typing import Any, Callable, Dict, List, Mapping, Optional, Set
 
 import rosgraph  # type: ignore[import]
 import rospy  # type: ignore[import]
@@ -48,6 +48,8 @@ MASTER_PERIOD = 0.1  # [s] of the looks for one at start
 MASTER_DEADLINE = 2.0  # [s] for its answer
 CLOCK_PATIENCE = 5.0  # [s]
 MASTER_PATIENCE = 3  # checks in a row that fail
+
+OWN_PARAMETERS: Set[str] = set()  # private parameters that this process has set
 
 
 def serve_simulator(
@@ -114,6 +116,7 @@ def _serve(
     """Serves the methods of what `start` gives; if it fails, only `describe`, with the error."""
     if not _await_master(identity.name):
         return ExitCode.RUNTIME_FAULT
+    OWN_PARAMETERS.update(rospy.client.load_command_line_node_params(sys.argv))
     rospy.init_node(identity.name)
     rospy.on_shutdown(_remove_own_parameters)
     if not _clock_runs():
@@ -148,7 +151,7 @@ def _private_parameters(defaults: Mapping[str, Value]) -> Dict[str, Value]:
         try:
             values = merged(values, {name: value}, namespace)
         except Error as failure:
-            if name in _own_parameters():
+            if name in OWN_PARAMETERS:
                 raise
             raise Error(
                 f"{failure} (set by a launch file or left by an earlier node: "
@@ -157,16 +160,21 @@ def _private_parameters(defaults: Mapping[str, Value]) -> Dict[str, Value]:
     return values
 
 
-def _own_parameters() -> List[str]:
-    """Private parameters that the command line sets; rospy writes them to the parameter server."""
-    return list(rospy.client.load_command_line_node_params(sys.argv))
-
-
 def _remove_own_parameters() -> None:
-    """Leaves nothing to the next node of this name."""
-    for name in _own_parameters():
-        with contextlib.suppress(KeyError, OSError, rospy.ROSException):
-            rospy.delete_param(f"~{name}")
+    """Leaves nothing to the next node of this name, unless roslaunch may start this one again."""
+    if _launched():
+        return
+    with contextlib.suppress(KeyError, OSError, rosgraph.MasterException, rospy.ROSException):
+        if rosgraph.Master(rospy.get_name()).lookupNode(rospy.get_name()) != rospy.get_node_uri():
+            return  # they are those of the node that has replaced this one
+        for name in OWN_PARAMETERS:
+            with contextlib.suppress(KeyError):
+                rospy.delete_param(f"~{name}")
+
+
+def _launched() -> bool:
+    """Whether roslaunch has started this node: it names a log file to each."""
+    return any(argument.startswith("__log:=") for argument in sys.argv)
 
 
 def _await_master(name: str) -> bool:
@@ -221,6 +229,7 @@ class _SimulatorNode(SimulatorSession):
             for name, value in self.parameters.items():
                 with contextlib.suppress(OverflowError):  # XML-RPC's integers have 32 bits
                     rospy.set_param(f"~{name}", value)
+                    OWN_PARAMETERS.add(name)
         return response
 
 
@@ -304,8 +313,7 @@ class _Health:
 
         Without them the node could not be found, or would not be ended.
         """
-        # roslaunch names a log file to every node that it starts.
-        launched = any(argument.startswith("__log:=") for argument in sys.argv)
+        launched = _launched()
         parent = os.getppid()
         misses = 0
         try:

@@ -45,7 +45,7 @@ Flight::Flight(Protocol protocol, const Worlds& worlds, pusht::Policy& policy, c
       worlds_(worlds),
       policy_(policy),
       variants_(variants),
-      episodes_(worlds[kReferenceClosed]->lanes()) {}
+      episodes_(worlds[protocol_.alone ? kReferenceClosed : kEngineClosed]->lanes()) {}
 
 bool Flight::full() const {
   return std::all_of(episodes_.begin(), episodes_.end(), [](const auto& episode) { return episode.has_value(); });

@@ -114,7 +114,7 @@ TEST(Table, SaysIfFewEpisodesCarryAMean) {
     episode.rollouts[kEngineReplay].at("mean_position_divergence") = episode.index < 2 ? 2.0 : 0.01;
   }
   EXPECT_THAT(table(bareConfiguration(), summarize(bare(), episodes)),
-              HasSubstr("\n    largest 5 % carry   91 % of the mean "));
+              HasSubstr("\n    largest 5 % carry   91 % of the mean\n"));
   episodes.resize(19);
   EXPECT_THAT(table(bareConfiguration(), summarize(bare(), episodes)), Not(HasSubstr("carry"))) << "too few to say";
 }

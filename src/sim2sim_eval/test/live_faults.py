@@ -349,6 +349,7 @@ class LostMaster(LiveCase):
             second.line(
                 "/kept/nonsense.*unknown; known: .*`rosparam delete /kept/nonsense` removes it"
             )
+            self.assertIn("success: False", self.succeed(*describe, environment=environment))
             second.interrupt()
             second.ended()
             master.deleteParam("/kept")

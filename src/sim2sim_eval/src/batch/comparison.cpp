@@ -129,7 +129,7 @@ void requireNoFiles(const CompareOptions& options) {
 /// What to do after an interruption, as a clause behind the message; empty if there is nothing to continue.
 std::string adviceAfterInterruption(const CompareOptions& options, const ComparisonHost& host,
                                     const RunFolder* folder) {
-  if (folder == nullptr || !host.policy_can_return) {
+  if (folder == nullptr || !host.can_return) {
     return "";
   }
   return std::string("; ") +
@@ -199,6 +199,7 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
                          configuration.protocol.overlapping_starts);
   const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_parameters);
   const SimulatorChoice chosen_engine = chooseSimulator(options.engine, options.engine_parameters);
+  requireTwoWorlds(reference, chosen_engine);
   nameVariants(reference.kind, reference.parameters, configuration.protocol);
   std::error_code ignored;
   if (!options.write_starts.empty() &&
@@ -207,7 +208,7 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   }
   std::optional<RunFolder> folder;
   if (host.files) {
-    folder.emplace(options.out, options.overwrite, "compare", options.goesOn() && host.policy_can_return);
+    folder.emplace(options.out, options.overwrite, "compare", options.goesOn() && host.can_return);
   } else {
     requireNoFiles(options);
   }

@@ -170,7 +170,7 @@ class Sweeps(Served):
         self.assertEqual(node.ended(), 1)
         self.start_node(MORTAL, version="2")
         self.assertEqual(sweep.ended(), 3, sweep.output)
-        said = 'sweep: /engine: has the version "2": must have "1", as it said before\n'
+        said = '): /engine: has the version "2": must have "1", as it said before\n'
         self.assertTrue(sweep.output.endswith(said), sweep.output)
 
     def test_f58_a_node_that_raises_or_hangs_costs_its_row(self) -> None:

@@ -161,7 +161,8 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option("--write-starts", write_starts, "write the starts of the run into a new CSV file, for --starts")
       ->check(notEmpty());
   app.add_option("--reference", reference,
-                 "kind of simulator: " + pusht::joined(pusht::SimulatorKinds::installed().names()))
+                 "kind of simulator: " + pusht::joined(pusht::SimulatorKinds::installed().names()) +
+                     "; or node:/NAME, what that node serves")
       ->capture_default_str();
   app.add_option("--engine", engine, "kind of simulator that is compared with the reference")->capture_default_str();
   app.add_option("--set", engine_parameters, "NAME=VALUE: a parameter of the engine; may be repeated")

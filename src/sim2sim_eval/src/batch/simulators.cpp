@@ -57,7 +57,7 @@ std::vector<std::string> partsOf(const std::string& text) {
 }  // namespace
 
 std::shared_ptr<const ForeignKind> lend(ForeignKind kind) {
-  const auto lent = std::make_shared<const ForeignKind>(std::move(kind));
+  auto lent = std::make_shared<const ForeignKind>(std::move(kind));
   foreignKinds()[lent->name] = lent;
   return lent;
 }

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "pusht_task/error.hpp"
+#include "sim2sim_serving/conversions.hpp"
 #include "sim2sim_serving/node_parameters.hpp"
 
 namespace sim2sim {
@@ -50,9 +51,9 @@ TEST(ProvenanceOf, HasTheNodesVersionUnlessItSaysOneItself) {
   auto description = nodeDescription({});
   description.version = "1.2";
   description.provenance = "{}";
-  EXPECT_EQ(provenanceOf(description).dump(), R"({"version":"1.2"})");
+  EXPECT_EQ(pusht::provenanceOf(description).dump(), R"({"version":"1.2"})");
   description.provenance = R"({"version":"of its own"})";
-  EXPECT_EQ(provenanceOf(description).dump(), R"({"version":"of its own"})");
+  EXPECT_EQ(pusht::provenanceOf(description).dump(), R"({"version":"of its own"})");
 }
 
 TEST(RecordOf, RefusesAProvenanceThatIsNone) {

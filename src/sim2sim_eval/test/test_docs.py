@@ -95,7 +95,7 @@ class Docs(CommandCase):
 
     @long_form
     def test_bring_your_own(self) -> None:
-        self.assertEqual(self.check(DOCS / "bring_your_own.md"), 7)
+        self.assertEqual(self.check(DOCS / "bring_your_own.md"), 8)
 
     def test_networks(self) -> None:
         self.assertEqual(self.check(DOCS / "networks.md"), 7)

@@ -64,7 +64,8 @@ const Episode& Flight::begin(int index, CachedTraces cached) {
           : start(kReferenceClosed, lane, index, policy_.begin(protocol_.beginning(index, pusht::Role::kReference)));
   pusht::Rollout engine =
       start(kEngineClosed, lane, index, policy_.begin(protocol_.beginning(index, pusht::Role::kEngine)));
-  pusht::Rollout replay = start(kEngineReplay, lane, index, nullptr);
+  pusht::Rollout replay =
+      replaysAfterwards() ? pusht::Rollout(engine.trace().states.front()) : start(kEngineReplay, lane, index, nullptr);
   return episodes_.at(lane).emplace(
       protocol_, index,
       std::array<pusht::Rollout, kModeCount>{std::move(reference), std::move(engine), std::move(replay)},
@@ -76,9 +77,35 @@ pusht::Rollout Flight::start(Mode mode, std::size_t lane, int index, std::unique
     return pusht::Rollout(protocol_.initialState(index));
   }
   return located(protocol_, index, modeName(mode), 0, [&] {
-    pusht::BatchSimulator& world = *worlds_[mode];
+    pusht::BatchSimulator& world = worldOf(mode);
     world.reset(static_cast<int>(lane), protocol_.initialState(index));
     return pusht::Rollout(world.state(static_cast<int>(lane)), std::move(memory));
+  });
+}
+
+pusht::BatchSimulator& Flight::worldOf(Mode mode) const {
+  return *worlds_[mode == kEngineReplay && replaysAfterwards() ? kEngineClosed : mode];
+}
+
+/// Whether a mode takes the next step: a replay that has no world of its own waits for the closed loop's end.
+bool Flight::mayAdvance(Mode mode, std::size_t lane) const {
+  const bool waits = mode == kEngineReplay && replaysAfterwards() && goesOn(kEngineClosed, lane);
+  return goesOn(mode, lane) && !waits;
+}
+
+/// Gives the world of the closed loop to a replay that begins and has none of its own. Throws SimulationFault if it
+/// does not start as it did before.
+void Flight::turnToReplay(std::size_t lane) {
+  const Episode& episode = *episodes_[lane];
+  if (!replaysAfterwards() || episode.rollout(kEngineReplay).steps() > 0) {
+    return;
+  }
+  located(protocol_, episode.index(), modeName(kEngineReplay), 0, [&] {
+    pusht::BatchSimulator& world = worldOf(kEngineReplay);
+    world.reset(static_cast<int>(lane), protocol_.initialState(episode.index()));
+    if (!(world.state(static_cast<int>(lane)) == episode.rollout(kEngineReplay).trace().states.front())) {
+      throw pusht::SimulationFault("the second reset to the same state leads to another: must lead to the same bits");
+    }
   });
 }
 
@@ -109,10 +136,13 @@ void Flight::advance(Mode mode, std::size_t& next_answer) {
   actions_.assign(episodes_.size(), std::nullopt);
   bool any = false;
   for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
-    if (!goesOn(mode, lane)) {
+    if (!mayAdvance(mode, lane)) {
       continue;
     }
     const Episode& episode = *episodes_[lane];
+    if (mode == kEngineReplay) {
+      turnToReplay(lane);
+    }
     const pusht::Action& action = mode == kEngineReplay ? episode.nextReplayed() : answers_.at(next_answer++);
     located(protocol_, episode.index(), modeName(mode), episode.rollout(mode).steps(), [&] { requireFinite(action); });
     actions_[lane] = action;
@@ -121,12 +151,13 @@ void Flight::advance(Mode mode, std::size_t& next_answer) {
   if (!any) {
     return;
   }
-  worlds_[mode]->step(actions_);
+  pusht::BatchSimulator& world = worldOf(mode);
+  world.step(actions_);
   for (std::size_t lane = 0; lane < episodes_.size(); ++lane) {
     if (actions_[lane]) {
       Episode& episode = *episodes_[lane];
       located(protocol_, episode.index(), modeName(mode), episode.rollout(mode).steps(),
-              [&] { episode.record(mode, *actions_[lane], worlds_[mode]->state(static_cast<int>(lane))); });
+              [&] { episode.record(mode, *actions_[lane], world.state(static_cast<int>(lane))); });
     }
   }
 }
@@ -153,7 +184,7 @@ void Flight::probe(Episode& episode, std::size_t lane, const std::function<void(
     const Probe& probe = probes[i];
     const bool in_variant = probe.world == ProbedWorld::kVariant;
     pusht::BatchSimulator& world =
-        in_variant ? variantOf(probe) : *worlds_[probe.isOfReference() ? kReferenceClosed : kEngineReplay];
+        in_variant ? variantOf(probe) : worldOf(probe.isOfReference() ? kReferenceClosed : kEngineReplay);
     int step = 0;
     const auto before_step = [&](int next) {
       step = next;

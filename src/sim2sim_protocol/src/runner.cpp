@@ -167,8 +167,9 @@ void runProtocol(const Protocol& protocol, const WorkerFactory& factory, int thr
                  const std::function<void(Episode&&)>& deliver, const std::function<bool()>& stop,
                  const std::set<int>& finished) {
   protocol.validate();
-  threads = std::min(threads, protocol.episodes);
-  const int lanes = std::min(kEpisodesInFlight, (protocol.episodes + threads - 1) / threads);
+  threads = factory.one_at_a_time ? 1 : std::min(threads, protocol.episodes);
+  const int lanes =
+      factory.one_at_a_time ? 1 : std::min(kEpisodesInFlight, (protocol.episodes + threads - 1) / threads);
   EpisodeQueue queue(protocol, finished, kEpisodesHeld * threads, deliver, stop);
   const auto work_or_end = [&] {
     try {

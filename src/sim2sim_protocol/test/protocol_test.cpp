@@ -26,6 +26,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/rollout.hpp"
 #include "pusht_task/spawn.hpp"
+#include "pusht_testing/refusal.hpp"
 #include "pusht_testing/temporary_folder.hpp"
 #include "sim2sim_protocol/divergence.hpp"
 #include "sim2sim_protocol/episode.hpp"
@@ -295,6 +296,63 @@ class MeetingPolicy : public pusht::Policy {
 };
 
 /// However few cores there are, and however few episodes.
+/// The engine's world alone, in which the replay runs too.
+Worlds withoutReplay(Worlds worlds) {
+  worlds[kEngineReplay] = nullptr;
+  return worlds;
+}
+
+TEST(Protocol, AReplayAfterTheClosedLoopIsTheSame) {
+  Protocol protocol;
+  protocol.episodes = 5;
+  protocol.reanchor = {5};
+  WorkerFactory one_world{[](int lanes) { return withoutReplay(enginePairs(lanes)); }, expert};
+  const std::string csv = episodesCsv(protocol, run(protocol, {enginePairs, expert}));
+  EXPECT_EQ(episodesCsv(protocol, run(protocol, one_world)), csv);
+  one_world.one_at_a_time = true;
+  EXPECT_EQ(episodesCsv(protocol, run(protocol, one_world, 2)), csv);
+}
+
+TEST(Protocol, OneAtATimeHasOneWorld) {
+  Protocol protocol;
+  protocol.episodes = 5;
+  int made = 0;
+  const auto worlds = [&](int lanes) {
+    made += lanes;
+    return sameEngines(lanes);
+  };
+  run(protocol, {worlds, idlePolicy, {}, true}, 4);
+  EXPECT_EQ(made, 1);
+}
+
+/// A world that starts a little elsewhere each time.
+class Drifting : public pusht::Simulator {
+ private:
+  void doReset(const pusht::WorldState& state) override {
+    state_ = state;
+    state_.tee_position.x() += 1e-9 * ++resets_;
+  }
+  void doStep(const pusht::Action& /*action*/) override {}
+  pusht::WorldState doState() const override { return state_; }
+
+  int resets_ = 0;
+  pusht::WorldState state_;
+};
+
+TEST(Protocol, AReplayAfterTheClosedLoopMustStartAsItDid) {
+  Protocol protocol;
+  protocol.horizon = 3;
+  const auto worlds = [](int /*lanes*/) {
+    return withoutReplay(
+        worldsOf(std::make_unique<pusht::TwoMassEngine>(), std::make_unique<Drifting>(), std::make_unique<Drifting>()));
+  };
+  EXPECT_EQ(pusht::testing::refusalOf<pusht::SimulationFault>([&] {
+              run(protocol, {worlds, idlePolicy, {}, true});
+            }),
+            "episode 0 (spawn seed 10000), engine_replay, step 0: the second reset to the same state leads to another: "
+            "must lead to the same bits");
+}
+
 TEST(Protocol, AllThreadsTakePart) {
   constexpr int kThreads = 4;
   Meeting meeting(kThreads);

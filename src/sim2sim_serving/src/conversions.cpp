@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_serving/conversions.hpp"
 
+#include <nlohmann/json.hpp>
+
+#include "pusht_task/error.hpp"
+#include "pusht_task/json_text.hpp"
+
 namespace pusht {
 
 pusht_msgs::WorldState toMessage(const WorldState& state) {
@@ -27,6 +32,15 @@ WorldState fromMessage(const pusht_msgs::WorldState& message) {
   state.tee_velocity = {message.tee_vx, message.tee_vy};
   state.tee_yaw_rate = message.tee_yaw_rate;
   return state;
+}
+
+nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
+  nlohmann::json provenance = parseJson(node.provenance);
+  if (!provenance.is_object()) {
+    throw BadDependency(node.name + ": provenance '" + node.provenance + "': must be a JSON object");
+  }
+  provenance.emplace("version", node.version);
+  return provenance;
 }
 
 }  // namespace pusht

@@ -172,6 +172,16 @@ int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, 
   }
 }
 
+void becomeNode() {
+  if (!ros::isInitialized()) {
+    schedulePatiently();
+    ros::init(ros::M_string(), "sim2sim",
+              ros::init_options::AnonymousName | ros::init_options::NoSigintHandler | ros::init_options::NoRosout);
+  }
+  requireMaster(NoMaster::kFail);
+  static const ros::NodeHandle keeps_node_started;
+}
+
 void requireClock() {
   if (ros::param::param("/use_sim_time", false) && !ros::Time::waitForValid(ros::WallDuration(kClockPatience))) {
     throw RuntimeFault(

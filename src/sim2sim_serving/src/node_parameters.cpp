@@ -99,6 +99,36 @@ pusht_msgs::ParameterDescriptor toMessage(const ParameterDescriptor& descriptor)
   return message;
 }
 
+ParameterDescriptor fromMessage(const pusht_msgs::ParameterDescriptor& message) {
+  static const std::map<std::string, ParameterValue> types = {
+      {"boolean", false}, {"integer", std::int64_t{0}}, {"real", 0.0}, {"text", std::string()}};
+  const auto type = types.find(message.type);
+  if (type == types.end()) {
+    throw BadDependency("parameter " + message.name + ": type '" + message.type +
+                        "': must be boolean, integer, real or text");
+  }
+  ParameterDescriptor descriptor;
+  descriptor.name = message.name;
+  descriptor.unit = message.unit;
+  descriptor.meaning = message.meaning;
+  descriptor.default_value = type->second;
+  try {
+    descriptor.default_value = descriptor.read(message.default_value);
+  } catch (const InvalidInput& refusal) {
+    throw BadDependency(std::string("default of ") + refusal.what());
+  }
+  descriptor.least = message.least;
+  descriptor.greatest = message.greatest;
+  descriptor.words = message.words;
+  for (const pusht_msgs::Preset& preset : message.presets) {
+    descriptor.presets.push_back({preset.word, {}});
+    for (const pusht_msgs::Parameter& setting : preset.settings) {
+      descriptor.presets.back().settings.emplace_back(setting.name, setting.value);
+    }
+  }
+  return descriptor;
+}
+
 void requireOnce(const Parameters& parameters) {
   for (auto first = parameters.begin(); first != parameters.end(); ++first) {
     const auto second =

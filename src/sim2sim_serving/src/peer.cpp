@@ -157,7 +157,10 @@ void Peer::requireSameOwner() const {
 
 void Peer::raise(int exit_code, const std::string& message) const {
   const auto code = static_cast<ExitCode>(exit_code);
-  for (const ExitCode known : {ExitCode::kInvalidInput, ExitCode::kRuntimeFault, ExitCode::kInternalError}) {
+  if (code == ExitCode::kInvalidInput) {
+    throw InvalidInput(services_ + ": " + clipped(message));
+  }
+  for (const ExitCode known : {ExitCode::kRuntimeFault, ExitCode::kInternalError}) {
     if (code == known) {
       throw Error(code, services_ + ": " + clipped(message));
     }

@@ -84,6 +84,9 @@ RemoteSimulator::RemoteSimulator(const Peer& peer, StampSource& stamps, const st
 }
 
 RemoteSimulator::~RemoteSimulator() {
+  if (token_.empty()) {
+    return;
+  }
   pusht_msgs::ConfigureRequest request;
   request.end_episode = 1;
   request.token = token_;
@@ -104,6 +107,7 @@ void RemoteSimulator::configure(const std::string& kind, const Parameters& chang
   request.token = token_;
   parameters_hash_ = configure_.call(request).parameters_hash;
   kind_ = kind.empty() ? kind_ : kind;
+  token_.clear();
 }
 
 pusht_msgs::DescribeResponse RemoteSimulator::describe() {

@@ -25,6 +25,23 @@ TEST(ParameterDescriptors, ReadDecimalNumbers) {
   EXPECT_FALSE(std::signbit(std::get<double>(kMass.read("-0"))));
 }
 
+TEST(ParameterDescriptors, ComeBackFromTheirMessages) {
+  ParameterDescriptor mode = {"mode", "", "of the tee", std::string("free")};
+  mode.words = {"free", "stuck"};
+  mode.presets = {{"stuck", {{"mass", "10.0"}}}};
+  for (const ParameterDescriptor& descriptor : {kMass, mode, ParameterDescriptor{"walls", "", "", true}}) {
+    const pusht_msgs::ParameterDescriptor message = toMessage(descriptor);
+    EXPECT_EQ(toMessage(fromMessage(message)), message);
+  }
+  pusht_msgs::ParameterDescriptor message = toMessage(kMass);
+  message.default_value = "much";
+  EXPECT_EQ(refusalOf<BadDependency>([&] { fromMessage(message); }),
+            "default of mass 'much': must be a decimal number");
+  message.type = "complex";
+  EXPECT_EQ(refusalOf<BadDependency>([&] { fromMessage(message); }),
+            "parameter mass: type 'complex': must be boolean, integer, real or text");
+}
+
 TEST(ParameterDescriptors, ReadWhatTheyAre) {
   EXPECT_EQ(ParameterDescriptor({"walls", "", "", false}).read("true"), ParameterValue(true));
   EXPECT_EQ(ParameterDescriptor({"sweeps", "", "", std::int64_t{1}}).read("20"), ParameterValue(std::int64_t{20}));

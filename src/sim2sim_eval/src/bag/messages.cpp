@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "pusht_task/error.hpp"
-#include "pusht_task/json_text.hpp"
 #include "pusht_task/parameters.hpp"
 #include "sim2sim_protocol/divergence.hpp"
 #include "sim2sim_protocol/results/headline.hpp"
@@ -182,17 +181,8 @@ pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const 
   return message;
 }
 
-nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node) {
-  nlohmann::json provenance = pusht::parseJson(node.provenance);
-  if (!provenance.is_object()) {
-    throw pusht::BadDependency(node.name + ": provenance '" + node.provenance + "': must be a JSON object");
-  }
-  provenance.emplace("version", node.version);
-  return provenance;
-}
-
 SimulatorRecord recordOf(const pusht_msgs::DescribeResponse& node) {
-  const nlohmann::json provenance = provenanceOf(node);
+  const nlohmann::json provenance = pusht::provenanceOf(node);
   SimulatorRecord record{node.name, node.title.empty() ? node.name : node.title};
   for (const pusht_msgs::Parameter& parameter : node.parameters) {
     const auto& descriptors = node.parameter_descriptors;

@@ -33,12 +33,8 @@ pusht_msgs::Trace toMessage(const std::string& mode, int episode, const pusht::T
 pusht_msgs::Summary summaryMessage(const RunConfiguration& configuration, const std::optional<Summary>& finished,
                                    const ros::Time& stamp);
 
-/// Provenance that a node reports, with its "version": all that its numbers depend on. Throws BadDependency if it is no
-/// JSON object.
-nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node);
-
 /// Record of a served simulator: name, title, parameters. A parameter without a descriptor counts as changed. Throws as
-/// provenanceOf().
+/// pusht::provenanceOf().
 SimulatorRecord recordOf(const pusht_msgs::DescribeResponse& node);
 
 }  // namespace sim2sim

@@ -84,6 +84,9 @@ std::vector<Listed> listedFrom(const AgreementOptions& options) {
       throw pusht::InvalidInput("simulators " + pusht::joined(options.simulators) +
                                 ": must be named once each: " + text + " is there twice");
     }
+    for (const Listed& other : listed) {
+      requireTwoWorlds(other.choice, choice);
+    }
     listed.push_back({choice, {}});
     if (options.variants) {
       for (const LoadedVariant& variant : loadDefaultVariants(choice.kind, choice.parameters)) {

@@ -50,6 +50,9 @@ void auditSimulators(const AuditOptions& options) {
   const auto load = [](const std::string& kind, const std::vector<std::string>& settings) {
     const SimulatorChoice choice = chooseSimulator(kind, settings);
     requireNoLoop(choice, "an audit");
+    if (choice.foreign) {
+      throw pusht::InvalidInput("simulator " + choice.name() + ": must be a kind: audit.launch audits nodes");
+    }
     return LoadedSimulator(choice);
   };
   const LoadedSimulator engine = load(options.engine, options.engine_parameters);

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <iterator>
 #include <optional>
@@ -14,15 +15,19 @@
 #include <type_traits>
 #include <vector>
 
+#include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/loop.hpp"
+#include "pusht_task/numbers.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 
 namespace sim2sim {
 namespace {
 
 constexpr int kMostThreads = 1024;
+constexpr double kLeastTime = 0.001;        // [s]
+constexpr double kGreatestTime = 86'400.0;  // [s]
 
 /// "first-episode"
 std::string optionName(std::string name) {
@@ -64,6 +69,17 @@ void declareOption(CLI::App& app, const std::string& name, std::vector<std::stri
       ->default_str(kDefaultVariants);
 }
 
+/// Declares a time in seconds.
+void declareTime(CLI::App& app, const std::string& name, std::chrono::milliseconds& time, const std::string& meaning) {
+  using Seconds = std::chrono::duration<double>;
+  app.add_option_function<double>(
+         name,
+         [&time](double seconds) { time = std::chrono::duration_cast<std::chrono::milliseconds>(Seconds(seconds)); },
+         meaning)
+      ->check(decimalReal() & CLI::Range(kLeastTime, kGreatestTime))
+      ->default_str(pusht::shortestText(Seconds(time).count()));
+}
+
 }  // namespace
 
 void BatchOptions::declare(CLI::App& app) {
@@ -73,6 +89,9 @@ void BatchOptions::declare(CLI::App& app) {
   app.add_option("--reference-cache", reference_cache,
                  "folder that keeps what the reference did, for later runs with the same policy and reference")
       ->check(notEmpty());
+  nodeTimes() = {};
+  declareTime(app, "--deadline", nodeTimes().deadline, "[s] for each answer of a node that is named as a simulator");
+  declareTime(app, "--patience", nodeTimes().patience, "[s] that such a node is waited for");
 }
 
 int defaultEpisodes(const RunOptions& options, const std::filesystem::path& starts) {
@@ -134,6 +153,11 @@ int BatchOptions::threadCount() const {
 std::optional<ReferenceCache> BatchOptions::references(const LoadedRun& loaded, const RunOptions& options) const {
   if (reference_cache.empty()) {
     return std::nullopt;
+  }
+  const auto& foreign = loaded.reference().foreign;
+  if (foreign && foreign->code.value("version", "").empty()) {
+    throw pusht::InvalidInput("reference_cache " + reference_cache + ": must be left out: " + foreign->name +
+                              " does not say its version");
   }
   return ReferenceCache(reference_cache, loaded.referenceKey(options));
 }

@@ -145,7 +145,7 @@ void requireNothingOfAnEngine(const CompareOptions& options) {
 /// What to do after an interruption, as a clause behind the message; empty if there is nothing to continue.
 std::string adviceAfterInterruption(const CompareOptions& options, const ComparisonHost& host,
                                     const RunFolder* folder) {
-  if (folder == nullptr || !host.policy_can_return) {
+  if (folder == nullptr || !host.can_return) {
     return "";
   }
   return std::string("; ") +
@@ -177,7 +177,8 @@ void CompareOptions::declare(CLI::App& app) {
   app.add_option("--write-starts", write_starts, "write the starts of the run into a new CSV file, for --starts")
       ->check(notEmpty());
   app.add_option("--reference", reference,
-                 "kind of simulator: " + pusht::joined(pusht::SimulatorKinds::installed().names()))
+                 "kind of simulator: " + pusht::joined(pusht::SimulatorKinds::installed().names()) +
+                     "; or node:/NAME, what that node serves")
       ->capture_default_str();
   app.add_option("--engine", engine,
                  "kind of simulator that is compared with the reference; none: success in the reference alone")
@@ -223,6 +224,7 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_parameters);
   const SimulatorChoice chosen_engine =
       configuration.protocol.alone ? noEngine() : chooseSimulator(options.engine, options.engine_parameters);
+  requireTwoWorlds(reference, chosen_engine);
   nameVariants(reference.kind, reference.parameters, configuration.protocol);
   std::error_code ignored;
   if (!options.write_starts.empty() &&
@@ -231,7 +233,7 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   }
   std::optional<RunFolder> folder;
   if (host.files) {
-    folder.emplace(options.out, options.overwrite, "compare", options.goesOn() && host.policy_can_return);
+    folder.emplace(options.out, options.overwrite, "compare", options.goesOn() && host.can_return);
   } else {
     requireNoFiles(options);
   }

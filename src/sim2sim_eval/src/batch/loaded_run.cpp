@@ -15,12 +15,29 @@ namespace {
 const std::vector<std::string> kLibraries = {"libm.so", "libpusht_task.so", "libpusht_policy.so",
                                              "libsim2sim_protocol.so"};
 
-nlohmann::json codeOf(const std::vector<const pusht::SimulatorKind*>& kinds, const pusht::ChosenPolicy& policy) {
+/// Fingerprint of the code of simulators and policy; what a foreign kind says of its own, under its name.
+nlohmann::json codeOf(const std::vector<SimulatorChoice>& simulators, const pusht::ChosenPolicy& policy) {
   std::vector<std::string> libraries = kLibraries;
-  for (const pusht::SimulatorKind* kind : kinds) {
-    libraries.insert(libraries.end(), kind->libraries.begin(), kind->libraries.end());
+  for (const SimulatorChoice& simulator : simulators) {
+    const std::vector<std::string>& of_kind = simulator.kind.get().libraries;
+    libraries.insert(libraries.end(), of_kind.begin(), of_kind.end());
   }
-  return codeFingerprint(libraries, policy.libraries);
+  nlohmann::json code = codeFingerprint(libraries, policy.libraries);
+  for (const SimulatorChoice& simulator : simulators) {
+    if (simulator.foreign) {
+      code[simulator.foreign->name] = simulator.foreign->code;
+    }
+  }
+  return code;
+}
+
+/// Model variants of the reference. Throws InvalidInput if it has but one world, which they would share.
+std::vector<pusht::SimulatorModel> variantsOfReference(const LoadedSimulator& reference, const RunOptions& options) {
+  if (reference.hasOneWorld() && !variantsOf(options).empty()) {
+    throw pusht::InvalidInput("model variants: must be left out: the reference " + reference.foreign->name +
+                              " is a node, which has one world");
+  }
+  return loadVariants(reference.kind, reference.model.parameters, options);
 }
 
 /// Refuses more actions to be executed than an answer of the policy has, before a run begins.
@@ -46,31 +63,28 @@ LoadedRun::LoadedRun(const pusht::PolicyChoice& policy, const SimulatorChoice& r
 
 LoadedRun::LoadedRun(const std::function<pusht::ChosenPolicy()>& choose_policy, const SimulatorChoice& reference,
                      const std::vector<SimulatorChoice>& engines, const RunOptions& options)
-    : reference_(reference),
-      variants_(loadVariants(reference_.kind, reference_.model.parameters, options)),
-      policy_(choose_policy()) {
-  std::vector<const pusht::SimulatorKind*> kinds = {&reference_.kind};
-  reference_code_ = codeOf(kinds, policy_);
-  for (const SimulatorChoice& engine : engines) {
-    kinds.push_back(&engine.kind.get());
-  }
-  code_ = codeOf(kinds, policy_);
+    : reference_(reference), variants_(variantsOfReference(reference_, options)), policy_(choose_policy()) {
+  std::vector<SimulatorChoice> simulators = {reference};
+  reference_code_ = codeOf(simulators, policy_);
+  simulators.insert(simulators.end(), engines.begin(), engines.end());
+  code_ = codeOf(simulators, policy_);
   requireActions(policy_, options.execute);
   warn(policy_.warning);
 }
 
 WorkerFactory LoadedRun::workerFactory(const LoadedSimulator& engine) const {
-  const auto make_worlds = [make_reference = reference_.model.make_lanes,
-                            make_engine = engine.model.make_lanes](int lanes) {
+  const auto make_worlds = [make_reference = reference_.model.make_lanes, make_engine = engine.model.make_lanes,
+                            one_engine = engine.hasOneWorld()](int lanes) {
     if (make_engine == nullptr) {
       return Worlds{make_reference(lanes), nullptr, nullptr};
     }
-    return Worlds{make_reference(lanes), make_engine(lanes), make_engine(lanes)};
+    return Worlds{make_reference(lanes), make_engine(lanes), one_engine ? nullptr : make_engine(lanes)};
   };
   const auto make_policy = [make = policy_.make, reference = reference_.loop, engine = engine.loop] {
     return pusht::looped(make(), reference, engine);
   };
-  return {make_worlds, make_policy, [variants = variants_] { return worldsOf(variants); }};
+  return {make_worlds, make_policy, [variants = variants_] { return worldsOf(variants); },
+          reference_.hasOneWorld() || engine.hasOneWorld()};
 }
 
 nlohmann::ordered_json LoadedRun::provenance(const RunConfiguration& configuration,

@@ -1,15 +1,72 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim2sim_eval/batch/simulators.hpp"
 
+#include <map>
 #include <set>
+#include <utility>
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/split.hpp"
+#include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
+namespace {
+
+// Begins of the names of foreign kinds.
+const std::string kNode = "node:";
+const std::string kPython = "python:";
+
+/// What a node serves. Throws as pusht::servedKind.
+ForeignKind kindOfNode(const std::string& name) {
+  const std::string services = name.substr(kNode.size());
+  if (services.empty() || services.front() != '/') {
+    throw pusht::InvalidInput("simulator '" + name + "': must be " + kNode + "/NAME, the name of a node");
+  }
+  auto [kind, code] = pusht::servedKind(services, nodeTimes(), interrupted);
+  return {name, std::move(kind), std::move(code), true};
+}
+
+/// Foreign kinds that are in use, by name.
+std::map<std::string, std::weak_ptr<const ForeignKind>>& foreignKinds() {
+  static std::map<std::string, std::weak_ptr<const ForeignKind>> kinds;
+  return kinds;
+}
+
+/// Foreign kind of that name, one in use or that of a node; null for the name of an installed kind. Throws as
+/// kindOfNode().
+std::shared_ptr<const ForeignKind> foreignKind(const std::string& name) {
+  if (std::shared_ptr<const ForeignKind> known = foreignKinds()[name].lock()) {
+    return known;
+  }
+  return name.compare(0, kNode.size(), kNode) == 0 ? lend(kindOfNode(name)) : nullptr;
+}
+
+/// Name of a kind and settings, from "KIND:NAME=VALUE:NAME=VALUE". The name of a foreign kind has two words.
+std::vector<std::string> partsOf(const std::string& text) {
+  std::vector<std::string> parts = pusht::split(text, ':');
+  const std::string begin = parts.front() + ":";
+  if ((begin == kNode || begin == kPython) && parts.size() > 1) {
+    parts[1].insert(0, begin);
+    parts.erase(parts.begin());
+  }
+  return parts;
+}
+
+}  // namespace
+
+std::shared_ptr<const ForeignKind> lend(ForeignKind kind) {
+  auto lent = std::make_shared<const ForeignKind>(std::move(kind));
+  foreignKinds()[lent->name] = lent;
+  return lent;
+}
+
+pusht::NodeTimes& nodeTimes() {
+  static pusht::NodeTimes times;
+  return times;
+}
 
 void SimulatorChoice::set(const std::string& name, const std::string& text) {
   const std::string of_loop = pusht::loopParameterOf(name);
@@ -35,8 +92,9 @@ std::vector<std::string> SimulatorChoice::names() const {
 }
 
 SimulatorChoice chooseSimulator(const std::string& kind, const std::vector<std::string>& settings) {
-  const pusht::SimulatorKind& chosen = pusht::SimulatorKinds::installed().named(kind);
-  SimulatorChoice choice{chosen, chosen.defaults()};
+  const std::shared_ptr<const ForeignKind> foreign = foreignKind(kind);
+  const pusht::SimulatorKind& chosen = foreign ? foreign->kind : pusht::SimulatorKinds::installed().named(kind);
+  SimulatorChoice choice{chosen, chosen.defaults(), pusht::plainLoop(), foreign};
   std::set<std::string> seen;
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
@@ -67,7 +125,7 @@ SimulatorChoice noEngine() {
 }
 
 SimulatorChoice simulatorFromText(const std::string& text) {
-  const std::vector<std::string> parts = pusht::split(text, ':');
+  const std::vector<std::string> parts = partsOf(text);
   return chooseSimulator(parts.front(), {parts.begin() + 1, parts.end()});
 }
 
@@ -87,11 +145,18 @@ std::vector<std::string> settingsOf(const SimulatorChoice& simulator) {
 }
 
 std::string textOf(const SimulatorChoice& simulator) {
-  std::string text = simulator.kind.get().name;
+  std::string text = simulator.name();
   for (const std::string& setting : settingsOf(simulator)) {
     text.append(":").append(setting);
   }
   return text;
+}
+
+void requireTwoWorlds(const SimulatorChoice& reference, const SimulatorChoice& engine) {
+  if (reference.foreign && reference.foreign->one_world && reference.foreign == engine.foreign) {
+    throw pusht::InvalidInput("simulator " + reference.name() +
+                              ": must not be in two roles: a node has one world; serve it by two nodes");
+  }
 }
 
 void requireNoLoop(const SimulatorChoice& simulator, const std::string& command) {

@@ -31,6 +31,7 @@
 #include "sim2sim_protocol/results/run_folder.hpp"
 #include "sim2sim_protocol/results/table.hpp"
 #include "sim2sim_protocol/runner.hpp"
+#include "sim2sim_serving/peer.hpp"
 
 namespace sim2sim {
 namespace {
@@ -106,11 +107,17 @@ class Sweeper {
     }
     std::size_t failures = 0;
     std::string first_failure;
+    const auto count = [&](const pusht::Error& fault) {
+      first_failure = ++failures == 1 ? fault.what() : first_failure;
+    };
     for (std::size_t index = 0; index < plan_.rows.size(); ++index) {
       try {
         finishRow(index);
       } catch (const pusht::SimulationFault& fault) {  // other parameters may do better
-        first_failure = ++failures == 1 ? fault.what() : first_failure;
+        count(fault);
+      } catch (const pusht::NodeMissing& fault) {  // it may come back, and the row goes on another time
+        requireNotInterrupted("in " + rowText(index, plan_.rows.size()));
+        count(fault);
       }
       if (!keeps_references && failures == 0 && isLastOfPolicy(index)) {
         folder_.removeReference();
@@ -204,7 +211,7 @@ class Sweeper {
     const SimulatorChoice& engine = plan_.rows[index].engine;
     std::string text = plan_.lists_policies ? runOf(index).policyName() : "";
     if (hasSeveralKinds(plan_.rows)) {
-      text += (text.empty() ? "" : ", ") + engine.kind.get().name;
+      text += (text.empty() ? "" : ", ") + engine.name();
     }
     for (const std::string& name : engine.names()) {
       if (std::find(varying_.begin(), varying_.end(), name) != varying_.end()) {

@@ -310,6 +310,7 @@ void addRows(SweepPlan& plan, std::size_t first, const std::vector<SimulatorChoi
     const std::size_t before = plan.rows.size();
     for (const SimulatorChoice& engine : engines) {
       if (!listed || !(engine == plan.policies[policy].reference)) {
+        requireTwoWorlds(plan.policies[policy].reference, engine);
         plan.rows.push_back({policy, engine});
       }
     }

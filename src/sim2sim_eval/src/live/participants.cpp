@@ -11,6 +11,7 @@
 #include "sim2sim_protocol/model_variants.hpp"
 #include "sim2sim_protocol/probes.hpp"
 #include "sim2sim_protocol/results/provenance.hpp"
+#include "sim2sim_serving/conversions.hpp"
 #include "sim2sim_serving/simulator_kinds.hpp"
 
 namespace sim2sim {
@@ -73,9 +74,9 @@ RunConfiguration configurationOf(const LiveRequest& request, const LiveNodes& no
 }
 
 nlohmann::ordered_json runProvenance(const RunConfiguration& configuration, const LiveNodes& nodes) {
-  nlohmann::ordered_json result =
-      provenance(configuration, provenanceOf(nodes.describePolicy()), provenanceOf(nodes.describe(kReferenceClosed)),
-                 provenanceOf(nodes.describe(kEngineClosed)));
+  nlohmann::ordered_json result = provenance(configuration, pusht::provenanceOf(nodes.describePolicy()),
+                                             pusht::provenanceOf(nodes.describe(kReferenceClosed)),
+                                             pusht::provenanceOf(nodes.describe(kEngineClosed)));
   result["nodes"]["policy"] = participant(nodes.describePolicy());
   for (const Mode mode : kModes) {
     result["nodes"][modeName(mode)] = participant(nodes.describe(mode));
@@ -86,7 +87,7 @@ nlohmann::ordered_json runProvenance(const RunConfiguration& configuration, cons
 std::vector<Input> inputsOf(const LiveRequest& request, const LiveNodes& nodes) {
   std::vector<Input> inputs = {{"policy", nodes.describePolicy().name}, {"starts", request.starts}};
   for (const Mode mode : kModes) {
-    const std::vector<Input> files = filesIn(provenanceOf(nodes.describe(mode)));
+    const std::vector<Input> files = filesIn(pusht::provenanceOf(nodes.describe(mode)));
     inputs.insert(inputs.end(), files.begin(), files.end());
   }
   return inputs;

@@ -18,7 +18,8 @@
 
 namespace sim2sim {
 
-/// Simulators in which episodes run: one for each mode, with a lane for each episode in flight.
+/// Simulators in which episodes run: one for each mode, with a lane for each episode in flight. A null replay runs in
+/// the engine's, after the closed loop: the world is reset in between, and must start as before.
 using Worlds = std::array<std::unique_ptr<pusht::BatchSimulator>, kModeCount>;
 
 /// Worlds of the model variants, in the order of variantsOf(); each has one lane.
@@ -61,7 +62,11 @@ class Flight {
   void askPolicy();
   pusht::Rollout start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory);
   bool goesOn(Mode mode, std::size_t lane) const { return episodes_[lane] && episodes_[lane]->goesOn(mode); }
+  bool mayAdvance(Mode mode, std::size_t lane) const;
+  bool replaysAfterwards() const { return worlds_[kEngineReplay] == nullptr; }
+  pusht::BatchSimulator& worldOf(Mode mode) const;
   void advance(Mode mode, std::size_t& next_answer);
+  void turnToReplay(std::size_t lane);
   void probe(Episode& episode, std::size_t lane, const std::function<void()>& watch) const;
   pusht::BatchSimulator& variantOf(const Probe& probe) const;
   pusht::Trace drive(pusht::BatchSimulator& world, int index, const std::function<void(int)>& before_step) const;

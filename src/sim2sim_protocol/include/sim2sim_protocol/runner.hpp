@@ -28,15 +28,16 @@ struct WorkerFactory {
   std::function<Worlds(int lanes)> make_worlds;
   std::function<std::unique_ptr<pusht::Policy>()> make_policy;
   std::function<VariantWorlds()> make_variants{};  ///< empty: the protocol has no model variants
+  bool one_at_a_time = false;  ///< run one episode at a time, in the calling thread: there is one world of a simulator
 };
 
-/// Runs the episodes of `protocol` in `threads` >= 1 threads, without those in `finished`. Results depend neither on
-/// the number of threads nor on `references`. `deliver` gets the finished episodes in the order of their indices, one
-/// at a time, in any of the threads. `stop` is asked before every control step of the modes and before every delivery,
-/// by several threads at once; when it is true the run ends early, and what is in flight or waits for delivery is lost.
-/// `references` (null: none) has traces of the reference, which are not simulated again; the others are added to it.
-/// Throws InvalidInput as Protocol::validate(), RuntimeFault if a thread cannot be started, and what worlds, policy,
-/// `deliver` and the cache throw; the first error ends all threads.
+/// Runs the episodes of `protocol` in `threads` >= 1 threads (in one if `factory` says so), without those in
+/// `finished`. Results depend neither on the number of threads nor on `references`. `deliver` gets the finished
+/// episodes in the order of their indices, one at a time, in any of the threads. `stop` is asked before every control
+/// step of the modes and before every delivery, by several threads at once; when it is true the run ends early, and
+/// what is in flight or waits for delivery is lost. `references` (null: none) has traces of the reference, which are
+/// not simulated again; the others are added to it. Throws InvalidInput as Protocol::validate(), RuntimeFault if a
+/// thread cannot be started, and what worlds, policy, `deliver` and the cache throw; the first error ends all threads.
 void runProtocol(const Protocol& protocol, const WorkerFactory& factory, int threads, const ReferenceCache* references,
                  const std::function<void(Episode&&)>& deliver, const std::function<bool()>& stop,
                  const std::set<int>& finished = {});

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bindings.hpp"
-#include "policy_desk.hpp"
+#include "desk.hpp"
 #include "pusht_task/error.hpp"
 #include "python_policy.hpp"
 #include "served_run.hpp"
@@ -60,7 +60,7 @@ std::vector<Demonstration> demonstrationsFrom(const std::vector<Rows>& observati
   return demonstrations;
 }
 
-PolicyAuditRun auditCallable(PolicyDesk& desk, const std::string& name, const PolicySignature& interface,
+PolicyAuditRun auditCallable(Desk& desk, const std::string& name, const PolicySignature& interface,
                              const std::vector<Demonstration>& demonstrations) {
   requireNoMemoryOfItsOwn(desk, name, interface.observations);
   PolicySignature signature = interface;
@@ -84,7 +84,7 @@ py::dict auditInPython(const py::object& policy, const std::string& name, int hi
     PolicySignature interface;
     interface.observations = std::max(history, 1);
     interface.has_state = py::hasattr(policy, "begin") && py::hasattr(policy, "act");
-    PolicyDesk& desk = served.deskOf(Callable(policy, name, history));
+    Desk& desk = served.deskOf(Callable(policy, name, history));
     served.run([&] { run = auditCallable(desk, name, interface, demonstrations); });
   }
   run.demonstrations = label;

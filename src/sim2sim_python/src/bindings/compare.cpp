@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "arguments.hpp"
 #include "bindings.hpp"
@@ -14,6 +15,7 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/json_text.hpp"
 #include "python_policy.hpp"
+#include "python_world.hpp"
 #include "served_run.hpp"
 #include "sim2sim_eval/batch/command_line.hpp"
 #include "sim2sim_eval/batch/comparison.hpp"
@@ -38,7 +40,7 @@ struct CallablePolicy {
 };
 
 /// The callable as the run's policy, once it has shown that it has no memory of its own.
-pusht::ChosenPolicy chosenFrom(const CallablePolicy& callable, PolicyDesk& desk) {
+pusht::ChosenPolicy chosenFrom(const CallablePolicy& callable, Desk& desk) {
   const py::object python = py::module_::import("platform").attr("python_version")();
   nlohmann::json identity = {{"python", callable.name}, {"version", callable.version}, {"history", callable.history}};
   nlohmann::json provenance = {
@@ -71,6 +73,17 @@ void requireFitting(const CompareOptions& options, const CallablePolicy& callabl
   }
 }
 
+/// Simulators of Python, which choices find by name while these live. With the GIL, at their end, too.
+using Lent = std::vector<std::shared_ptr<const ForeignKind>>;
+
+Lent lend(const py::list& simulators, Desk& desk) {
+  Lent lent;
+  for (const py::handle& worlds : simulators) {
+    lent.push_back(sim2sim::lend(kindOf(py::reinterpret_borrow<py::object>(worlds), desk)));
+  }
+  return lent;
+}
+
 /// Results as Python takes them: the texts of their files.
 py::dict textsOf(const ComparisonResults& results, const std::string& text) {
   py::dict answer;
@@ -83,7 +96,7 @@ py::dict textsOf(const ComparisonResults& results, const std::string& text) {
 }
 
 py::dict compareInPython(const py::dict& keywords, const py::object& policy, const std::string& name,
-                         const std::string& version, int history, bool progress) {
+                         const std::string& version, int history, const py::list& simulators, bool progress) {
   CompareOptions options;
   CLI::App app("", "compare");
   options.declare(app);
@@ -91,24 +104,28 @@ py::dict compareInPython(const py::dict& keywords, const py::object& policy, con
   const CallablePolicy callable = {policy, name, version, history};
   requireFitting(options, callable);
   for (std::string* const written : {&options.out, &options.write_starts}) {
-    if (!policy.is_none() && !written->empty()) {  // the callable may change folders
+    if ((!policy.is_none() || !simulators.empty()) && !written->empty()) {  // what Python runs may change folders
       *written = std::filesystem::absolute(*written).string();
     }
   }
   ServedRun served("compare");
+  const Lent lent = lend(simulators, served.desk());
   std::ostringstream text;
   ComparisonHost host;
   host.out = &text;
   host.progress = progress;
   host.files = !options.out.empty();
   if (!policy.is_none()) {
-    PolicyDesk& desk = served.deskOf(Callable(policy, name, history));
-    host.policy_can_return = !version.empty();
+    Desk& desk = served.deskOf(Callable(policy, name, history));
+    host.can_return = !version.empty();
     host.choose_policy = [&desk, name, history, chosen = chosenFrom(callable, desk)] {
       requireNoMemoryOfItsOwn(desk, name, std::max(history, 1));
       return chosen;
     };
   }
+  host.can_return = host.can_return && std::none_of(lent.begin(), lent.end(), [](const auto& simulator) {
+                      return simulator->kind.version.empty();
+                    });
   std::optional<ComparisonResults> results;
   served.run([&] { results = compare(options, host); });
   return textsOf(*results, text.str());
@@ -137,7 +154,7 @@ py::dict loadInPython(const std::string& folder, const std::string& provenance) 
 
 void bindCompare(py::module_& module) {
   module.def("compare", compareInPython, py::arg("options"), py::arg("policy"), py::arg("name"), py::arg("version"),
-             py::arg("history"), py::arg("progress"));
+             py::arg("history"), py::arg("simulators"), py::arg("progress"));
   module.def("load", loadInPython, py::arg("folder"), py::arg("provenance"));
 }
 

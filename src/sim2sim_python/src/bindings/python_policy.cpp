@@ -21,7 +21,7 @@ namespace py = pybind11;
 
 /// Memory of a rollout: what the callable is asked with, and the actions of its last answer that are left.
 struct RolloutMemory : pusht::Policy::Memory {
-  RolloutMemory(PolicyDesk& desk_of_run, const pusht::Beginning& beginning) : desk(desk_of_run), told(beginning) {
+  RolloutMemory(Desk& desk_of_run, const pusht::Beginning& beginning) : desk(desk_of_run), told(beginning) {
     row.seed = beginning.seed;
   }
   RolloutMemory(const RolloutMemory&) = delete;
@@ -41,7 +41,7 @@ struct RolloutMemory : pusht::Policy::Memory {
     row.past.back() = observation;
   }
 
-  PolicyDesk& desk;
+  Desk& desk;
   pusht::Beginning told;
   Row row;
   std::size_t next = 0;  // action of the answer
@@ -49,7 +49,7 @@ struct RolloutMemory : pusht::Policy::Memory {
 };
 
 /// Rows that a callable is tried out with: as many observations as it looks back on, from spawns, each another one.
-std::vector<std::unique_ptr<RolloutMemory>> trialRows(PolicyDesk& desk, int history) {
+std::vector<std::unique_ptr<RolloutMemory>> trialRows(Desk& desk, int history) {
   constexpr std::uint64_t kRows = 8;
   std::vector<std::unique_ptr<RolloutMemory>> rows;
   for (std::uint64_t number = 0; number < kRows; ++number) {
@@ -118,7 +118,7 @@ void PythonPolicy::act(pusht::Span<const Query> queries, pusht::Span<pusht::Acti
   }
 }
 
-void requireNoMemoryOfItsOwn(PolicyDesk& desk, const std::string& name, int history) {
+void requireNoMemoryOfItsOwn(Desk& desk, const std::string& name, int history) {
   constexpr std::ptrdiff_t kFew = 3;
   const auto in_order = trialRows(desk, history);
   const auto in_reverse = trialRows(desk, history);
@@ -140,7 +140,7 @@ void requireNoMemoryOfItsOwn(PolicyDesk& desk, const std::string& name, int hist
   require_same(few, kFew, "beside other rows");
 }
 
-int actionsInAnswer(PolicyDesk& desk, int history) {
+int actionsInAnswer(Desk& desk, int history) {
   const std::vector<std::unique_ptr<RolloutMemory>> rows = trialRows(desk, history);
   desk.ask({&rows.front()->row});
   return static_cast<int>(rows.front()->row.answer.size());

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "policy_desk.hpp"
+#include "desk.hpp"
 #include "pusht_task/policy.hpp"
 
 namespace sim2sim::python {
@@ -19,23 +19,23 @@ class PythonPolicy : public pusht::Policy {
  public:
   /// `history`: number of observations that the callable looks back on, at least 1. The desk must outlive the policy
   /// and its memories.
-  PythonPolicy(PolicyDesk& desk, int history) : desk_(desk), history_(history) {}
+  PythonPolicy(Desk& desk, int history) : desk_(desk), history_(history) {}
 
   std::unique_ptr<Memory> begin(const pusht::Beginning& beginning) const override;
   void act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) override;
 
  private:
-  PolicyDesk& desk_;
+  Desk& desk_;
   int history_;
 };
 
 /// Asks the desk's callable for the same rows three times: in order, in reverse, and a few of them. Throws
 /// BadDependency unless each row gets the same answer, to within what rounding in other batches makes; also as
-/// PolicyDesk::ask().
-void requireNoMemoryOfItsOwn(PolicyDesk& desk, const std::string& name, int history);
+/// Desk::ask().
+void requireNoMemoryOfItsOwn(Desk& desk, const std::string& name, int history);
 
-/// Number of actions in an answer of the desk's callable. Throws as PolicyDesk::ask().
-int actionsInAnswer(PolicyDesk& desk, int history);
+/// Number of actions in an answer of the desk's callable. Throws as Desk::ask().
+int actionsInAnswer(Desk& desk, int history);
 
 /// Callable of Python that answers rows. All functions need the GIL.
 class Callable {

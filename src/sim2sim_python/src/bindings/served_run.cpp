@@ -59,6 +59,14 @@ class OneRun {
   }
 };
 
+void carryOut(Call& call) {
+  try {
+    call.work();
+  } catch (const pusht::Error&) {
+    call.error = std::current_exception();
+  }
+}
+
 /// Ends the run of a daemon thread before the interpreter ends: later, a thread that wants the GIL is killed within
 /// C++.
 void leave() {
@@ -73,7 +81,7 @@ void leave() {
 
 }  // namespace
 
-PolicyDesk& ServedRun::deskOf(Callable callable) {
+Desk& ServedRun::deskOf(Callable callable) {
   callable_.emplace(std::move(callable));
   return desk_;
 }
@@ -106,7 +114,7 @@ void ServedRun::workAside(const std::function<void()>& work) {
 
 void ServedRun::serve() {
   for (bool ended = false; !ended;) {
-    PolicyDesk::Work work;
+    Desk::Work work;
     {
       const py::gil_scoped_release released;
       work = desk_.wait(kSignalPeriod);
@@ -125,18 +133,24 @@ void ServedRun::serve() {
         }
       }
       desk_.releaseDropped();
-      if (!work.rows.empty()) {
-        answer(work.rows);
-      }
+      answer(work);
     } catch (...) {  // not the callable's: a signal's, mostly
       interruptRun();
     }
   }
 }
 
-void ServedRun::answer(const std::vector<Row*>& rows) {
+void ServedRun::answer(const Desk::Work& work) {
+  std::string asked;  // what Python runs now
   try {
-    callable_->answer(rows);
+    for (Call* call : work.calls) {
+      asked = call->name;
+      carryOut(*call);
+    }
+    if (!work.rows.empty()) {
+      asked = "policy " + callable_->name();
+      callable_->answer(work.rows);
+    }
     desk_.answered();
   } catch (const pusht::Error&) {
     desk_.refuse(std::current_exception());
@@ -146,7 +160,7 @@ void ServedRun::answer(const std::vector<Row*>& rows) {
     }
     raised_ = raised_ ? raised_ : std::current_exception();
     const std::string text = error.what();  // a traceback may follow
-    desk_.close("policy " + callable_->name() + ": raised " + text.substr(0, text.find('\n')));
+    desk_.close(asked + ": raised " + text.substr(0, text.find('\n')));
   }
 }
 

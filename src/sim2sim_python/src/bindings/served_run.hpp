@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "policy_desk.hpp"
+#include "desk.hpp"
 #include "python_policy.hpp"
 
 namespace sim2sim::python {
@@ -23,8 +23,11 @@ class ServedRun {
   /// `command` names the run in messages: "compare".
   explicit ServedRun(std::string command) : command_(std::move(command)) {}
 
-  /// The desk at which the work asks `callable`.
-  PolicyDesk& deskOf(Callable callable);
+  /// The desk at which the work calls Python.
+  Desk& desk() { return desk_; }
+
+  /// The desk, at which the work asks `callable`, too.
+  Desk& deskOf(Callable callable);
 
   /// Runs `work`. Throws what it throws; what the callable raises, a warning that is an error, or a signal's exception,
   /// as itself.
@@ -33,14 +36,14 @@ class ServedRun {
  private:
   void workAside(const std::function<void()>& work);
   void serve();
-  void answer(const std::vector<Row*>& rows);
+  void answer(const Desk::Work& work);
 
   /// Ends the run because of the current exception.
   void interruptRun();
 
   std::string command_;
   std::optional<Callable> callable_;
-  PolicyDesk desk_;
+  Desk desk_;
   std::exception_ptr raised_;
   std::exception_ptr failure_;
 };

@@ -20,7 +20,8 @@ from sim2sim.gym import Box
 from sim2sim.policy import Policy, load_policy
 from sim2sim.policy_audit import PolicyAudit, audit_policy
 from sim2sim.results import Comparison, Findings, Sweep, load
-from sim2sim.worlds import VectorWorld, World, make, make_vec, parameters
+from sim2sim.simulator import Worlds, worlds
+from sim2sim.world import VectorWorld, World, make, make_vec, parameters
 
 __all__ = [
     "FIRST_SPAWN_SEED",
@@ -43,6 +44,7 @@ __all__ = [
     "Sweep",
     "VectorWorld",
     "World",
+    "Worlds",
     "audit_policy",
     "compare",
     "contrast",
@@ -57,4 +59,5 @@ __all__ = [
     "report",
     "statistics",
     "sweep",
+    "worlds",
 ]

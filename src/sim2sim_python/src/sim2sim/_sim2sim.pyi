@@ -16,6 +16,7 @@ def compare(
     name: str,
     version: str,
     history: int,
+    simulators: List[Any],
     progress: bool,
 ) -> Dict[str, str]: ...
 def load(folder: str, provenance: str) -> Dict[str, str]: ...

@@ -7,13 +7,14 @@ from sim2sim import _sim2sim
 from sim2sim.asked import asked
 from sim2sim.checks import checked_mapping, checked_text
 from sim2sim.results import Comparison, comparison_of
+from sim2sim.simulator import in_python
 
 
 def compare(
     policy: object = "bc",
     *,
-    reference: Optional[str] = None,
-    engine: Optional[str] = None,
+    reference: object = None,
+    engine: object = None,
     reference_parameters: Optional[Mapping[str, object]] = None,
     engine_parameters: Optional[Mapping[str, object]] = None,
     history: Optional[int] = None,
@@ -35,6 +36,10 @@ def compare(
     If a row gets another action (by more than 0.001 m/s), the callable has a memory or random
     numbers of its own, or mixes rows, and is refused.
 
+    `reference` and `engine` are names as for the command, or classes with reset() and step() of
+    which a world is made by each call: worlds() describes them, and gives them a name, a version
+    and parameters. Their calls come from the same thread. Without a `version` a run cannot go on.
+
     `options` are those of the command, with underscores: episodes=200, horizon=100,
     loop={"action_delay": 2} or "tracker", threads=2, out="results/mine". Without `out` nothing is
     written.
@@ -45,19 +50,20 @@ def compare(
     says so, and gets all cores. `version` names the policy for runs that continue and for
     reference_cache, which otherwise refuse a callable.
 
-    Raises Error, with the command's words; what the callable raises; KeyboardInterrupt at Ctrl-C.
+    Raises Error, with the command's words; what a callable or a world raises; KeyboardInterrupt at
+    Ctrl-C.
     """
-    options["reference"] = reference
-    options["engine"] = engine
+    simulators = in_python(options, reference=reference, engine=engine)
     options["set_reference"] = dict(checked_mapping("reference_parameters", reference_parameters))
     options["set"] = dict(checked_mapping("engine_parameters", engine_parameters))
     known_as = "" if version is None else checked_text("version", version)
     with asked(policy, history=history, version=version) as it:
         if it.callable is None:
             options["policy"] = policy
-        elif not getattr(policy, "row_independent", False) and options.get("threads") is None:
+        one_thread = it.callable is not None and not getattr(policy, "row_independent", False)
+        if (one_thread or simulators) and options.get("threads") is None:
             options["threads"] = 1
         texts = _sim2sim.compare(
-            options, it.callable, it.name, known_as, it.history, bool(progress)
+            options, it.callable, it.name, known_as, it.history, simulators, bool(progress)
         )
     return comparison_of(texts)

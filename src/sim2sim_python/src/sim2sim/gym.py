@@ -81,7 +81,7 @@ if not TYPE_CHECKING:  # the types are those of what stands in
             for kind in kinds:
                 envs.register(
                     f"sim2sim/PushT-{kind}-v0",
-                    entry_point="sim2sim.worlds:World",
-                    vector_entry_point="sim2sim.worlds:VectorWorld",
+                    entry_point="sim2sim.world:World",
+                    vector_entry_point="sim2sim.world:VectorWorld",
                     kwargs={"kind": kind},
                 )

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// The types of the task as messages, and back; every bit is kept.
+/// The types of the task as messages, and back; every bit is kept. What a node says of itself.
 #pragma once
 
+#include <pusht_msgs/Describe.h>
 #include <pusht_msgs/WorldState.h>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "pusht_task/types.hpp"
 
@@ -12,5 +15,9 @@ namespace pusht {
 pusht_msgs::WorldState toMessage(const WorldState& state);
 /// State with the numbers of a message, bit for bit.
 WorldState fromMessage(const pusht_msgs::WorldState& message);
+
+/// Provenance that a node reports, with its "version": all that its numbers depend on. Throws BadDependency if it is no
+/// JSON object.
+nlohmann::json provenanceOf(const pusht_msgs::DescribeResponse& node);
 
 }  // namespace pusht

@@ -30,6 +30,10 @@ enum class Life {
 int runNode(int argc, char** argv, const std::string& name, NoMaster no_master, const std::function<ExitCode()>& body,
             Life life = Life::kServes);
 
+/// Makes this process, which has a main of its own, a node as well: one of a random name, that leaves signals to the
+/// process. Does nothing the next time. Throws RuntimeFault, with a hint, if no master answers.
+void becomeNode();
+
 /// Throws RuntimeFault if `use_sim_time` is set and there is no clock. Apart from runNode(), for a node that must leave
 /// a word about it.
 void requireClock();

@@ -30,6 +30,8 @@ bool sameValue(const std::string& a, const std::string& b);
 Parameters toMessages(const ParameterSet& parameters);
 /// Description of a parameter as a message.
 pusht_msgs::ParameterDescriptor toMessage(const ParameterDescriptor& descriptor);
+/// Parameter as a node describes it. Throws BadDependency for an unknown type, or a default that is not of it.
+ParameterDescriptor fromMessage(const pusht_msgs::ParameterDescriptor& message);
 
 /// Throws InvalidInput with name, values and rule if `parameters` has a name twice. Otherwise one of the values would
 /// be ignored silently.

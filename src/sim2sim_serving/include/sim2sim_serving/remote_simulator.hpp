@@ -79,7 +79,7 @@ class RemoteSimulator : public Simulator {
   std::string kind_;             // kind that the world must have; kinds with equal parameters have equal hashes
   std::string version_;          // version that the kind had when the world was taken over
   std::string parameters_hash_;  // hash of the parameters that the world must have
-  std::string token_;            // token of the hold; a new one for each reset
+  std::string token_;            // token of the hold; a new one for each reset; empty: not held
   std::uint64_t episode_ = 0;
   int horizon_ = 0;
   bool silent_ = false;

@@ -21,7 +21,7 @@ struct BatchOptions {
   int threads = 0;              ///< number of threads; 0: one for each core that the process may use
   std::string reference_cache;  ///< folder of the reference cache; empty: none
 
-  /// Declares the options on a command line.
+  /// Declares the options on a command line; the time limits of nodes are nodeTimes() of the process.
   void declare(CLI::App& app);
 
   /// Number of threads, at least 1.

@@ -52,8 +52,8 @@ struct CompareOptions {
 /// What a comparison takes from the program around it. The defaults are those of the command.
 struct ComparisonHost : CommandHost {
   std::function<pusht::ChosenPolicy()> choose_policy{};  ///< a policy of the program's own; empty: that of the options
-  bool policy_can_return = true;  ///< whether a later run could have the same policy; else a run cannot be continued
-  bool files = true;              ///< false: no folder of results
+  bool can_return = true;  ///< whether a later run could have the same policy and simulators, and so be continued
+  bool files = true;       ///< false: no folder of results
 };
 
 /// Results of a comparison: what its files say.

@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -25,14 +26,22 @@ struct Row {
   PyObject* memory = nullptr;              ///< the callable's own; owned, null before the first query
 };
 
+/// Call of something of Python other than the policy: a world's step.
+struct Call {
+  std::string name;  ///< of what is called, for messages
+  const std::function<void()>& work;
+  std::exception_ptr error{};  ///< pusht::Error that the work has thrown
+};
+
 /// Desk at which threads of a run ask, and one thread, which may call Python, answers. So the callable runs in the
 /// thread in which the command was called: Ctrl-C reaches it, and settings that belong to a thread (torch.no_grad)
 /// hold. While the callable runs, further queries gather; the next call answers them all.
-class PolicyDesk {
+class Desk {
  public:
   /// What there is to do.
   struct Work {
     std::vector<Row*> rows{};             ///< to be answered; answered() must follow
+    std::vector<Call*> calls{};           ///< likewise
     std::vector<std::string> warnings{};  ///< that came up meanwhile
     bool ended = false;                   ///< the run is over: there will be no more
   };
@@ -40,6 +49,10 @@ class PolicyDesk {
   /// Waits until all `rows` are answered. Throws RuntimeFault with the reason if the desk is closed, and what the
   /// answering thread found wrong. For threads of the run.
   void ask(const std::vector<Row*>& rows);
+
+  /// Waits until the answering thread has run `work`, which may call Python. Throws RuntimeFault with the reason if the
+  /// desk is closed, and the Error that the work throws. `name` says in messages what raised. For threads of the run.
+  void call(const std::string& name, const std::function<void()>& work);
 
   /// Keeps the reference until releaseDropped(): only a thread with the GIL may give it up.
   void drop(PyObject* memory);
@@ -66,11 +79,13 @@ class PolicyDesk {
 
  private:
   struct Query {
-    const std::vector<Row*>* rows;
+    const std::vector<Row*>* rows;  // null: a call
+    Call* call = nullptr;
     bool answered = false;
     std::exception_ptr error{};
   };
 
+  void ask(Query query);
   void finish(const std::exception_ptr& error);
 
   std::mutex mutex_;

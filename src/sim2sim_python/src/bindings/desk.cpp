@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "policy_desk.hpp"
+#include "desk.hpp"
 
 #include <utility>
 
@@ -7,8 +7,17 @@
 
 namespace sim2sim::python {
 
-void PolicyDesk::ask(const std::vector<Row*>& rows) {
-  Query query{&rows};
+void Desk::ask(const std::vector<Row*>& rows) { ask(Query{&rows}); }
+
+void Desk::call(const std::string& name, const std::function<void()>& work) {
+  Call call{name, work};
+  ask(Query{nullptr, &call});
+  if (call.error) {
+    std::rethrow_exception(call.error);
+  }
+}
+
+void Desk::ask(Query query) {
   std::unique_lock<std::mutex> lock(mutex_);
   if (closed_) {
     throw pusht::RuntimeFault(*closed_);
@@ -21,45 +30,49 @@ void PolicyDesk::ask(const std::vector<Row*>& rows) {
   }
 }
 
-void PolicyDesk::drop(PyObject* memory) {
+void Desk::drop(PyObject* memory) {
   const std::lock_guard<std::mutex> lock(mutex_);
   dropped_.push_back(memory);
 }
 
-void PolicyDesk::warn(const std::string& warning) {
+void Desk::warn(const std::string& warning) {
   const std::lock_guard<std::mutex> lock(mutex_);
   warnings_.push_back(warning);
   work_.notify_one();
 }
 
-void PolicyDesk::end() {
+void Desk::end() {
   const std::lock_guard<std::mutex> lock(mutex_);
   ended_ = true;
   work_.notify_one();
 }
 
-PolicyDesk::Work PolicyDesk::wait(std::chrono::milliseconds patience) {
+Desk::Work Desk::wait(std::chrono::milliseconds patience) {
   std::unique_lock<std::mutex> lock(mutex_);
   work_.wait_for(lock, patience, [this] { return !waiting_.empty() || !warnings_.empty() || ended_; });
   in_hand_ = std::exchange(waiting_, {});
-  Work work{{}, std::exchange(warnings_, {}), ended_};
+  Work work{{}, {}, std::exchange(warnings_, {}), ended_};
   for (const Query* query : in_hand_) {
-    work.rows.insert(work.rows.end(), query->rows->begin(), query->rows->end());
+    if (query->call != nullptr) {
+      work.calls.push_back(query->call);
+    } else {
+      work.rows.insert(work.rows.end(), query->rows->begin(), query->rows->end());
+    }
   }
   return work;
 }
 
-void PolicyDesk::answered() {
+void Desk::answered() {
   const std::lock_guard<std::mutex> lock(mutex_);
   finish(nullptr);
 }
 
-void PolicyDesk::refuse(std::exception_ptr error) {
+void Desk::refuse(std::exception_ptr error) {
   const std::lock_guard<std::mutex> lock(mutex_);
   finish(error);
 }
 
-void PolicyDesk::close(const std::string& reason) {
+void Desk::close(const std::string& reason) {
   const std::lock_guard<std::mutex> lock(mutex_);
   closed_ = reason;
   in_hand_.insert(in_hand_.end(), waiting_.begin(), waiting_.end());
@@ -67,7 +80,7 @@ void PolicyDesk::close(const std::string& reason) {
   finish(std::make_exception_ptr(pusht::RuntimeFault(reason)));
 }
 
-void PolicyDesk::finish(const std::exception_ptr& error) {
+void Desk::finish(const std::exception_ptr& error) {
   for (Query* query : in_hand_) {
     query->error = error;
     query->answered = true;
@@ -76,7 +89,7 @@ void PolicyDesk::finish(const std::exception_ptr& error) {
   answers_.notify_all();
 }
 
-void PolicyDesk::releaseDropped() {
+void Desk::releaseDropped() {
   std::vector<PyObject*> dropped;
   {
     const std::lock_guard<std::mutex> lock(mutex_);

@@ -146,15 +146,19 @@ std::string causeOfSmoothing(double speed) {
                      : "Coulomb friction of the tee is sharp, not smoothed";
 }
 
-std::string causeOfTeeLaw(double residual) {
-  return "a free tee moves by none of the audit's laws: the best fit is off by " + number(1e3 * residual) +
+std::string causeOfTeeLaw(const Comparison& finding) {
+  const bool in_engine = *finding.engine > *finding.reference;
+  return std::string(in_engine ? "a free tee" : "the reference's free tee") +
+         " moves by none of the audit's laws: the best fit is off by " +
+         number(1e3 * (in_engine ? *finding.engine : *finding.reference)) +
          " mm (root mean square), and its masses and frictions are numbers of a poor fit";
 }
 
-std::string causeOfOutline(double departure) {
-  return departure > 0.0 ? "the tee is not two boxes: a face that is to be flat is round or slanted by " +
-                               number(1e3 * departure) + " mm, so that it has no sizes of boxes"
-                         : "the tee is two boxes, the reference's is not";
+std::string causeOfOutline(const Comparison& finding) {
+  const bool in_engine = *finding.engine > *finding.reference;
+  return std::string(in_engine ? "the tee is" : "the reference's tee is") +
+         " not two boxes: a face that is to be flat is round or slanted by " +
+         number(1e3 * (in_engine ? *finding.engine : *finding.reference)) + " mm, so that it has no sizes of boxes";
 }
 
 std::string causeOfSlop(double least) {
@@ -233,9 +237,9 @@ std::string causeInEngine(const Comparison& finding) {
     case Property::kFrictionSmoothing:
       return causeOfSmoothing(engine);
     case Property::kTeeLaw:
-      return causeOfTeeLaw(engine);
+      return causeOfTeeLaw(finding);
     case Property::kOutline:
-      return causeOfOutline(engine);
+      return causeOfOutline(finding);
     case Property::kSlop:
       return causeOfSlop(engine);
     default:

@@ -92,7 +92,8 @@ double radiusByCorner(Bench& bench, double end, double back) {
   const Eigen::Vector2d inside = scene.tee_position + Eigen::Vector2d(end - kInside, back - kInside);
   const auto distance = touchDistance(bench, {scene, inside, {diagonal, diagonal}, 0.0, 2.0 * kInside});
   if (!distance) {
-    throw std::runtime_error("the bar's corner is not touched where it should be");
+    throw std::runtime_error("the bar's corner is not touched with the pusher's center " +
+                             pusht::significantText(1e3 * kInside, 3) + " mm inside of where it touches both faces");
   }
   const double cut = kInside - *distance * diagonal;  // [m] from the square corner, along each axis
   return cut / (1.0 - diagonal);

@@ -99,20 +99,15 @@ double radiusByCorner(Bench& bench, double end, double back) {
   return cut / (1.0 - diagonal);
 }
 
-/// Where faces of this tee are touched: clear of corners and of the other box, also on a smaller tee than the task's.
-struct Places {
-  double aside;       ///< [m] along the bar
-  double along_stem;  ///< [m] along body y
+constexpr double kAside = 0.045;  // [m] along the bar, clear of the stem
 
-  /// From where the pusher touches the ends of bar and stem [m] from their origin.
-  static Places of(double bar, double stem) {
-    constexpr Places kOfTask = {0.045, -0.08};
-    constexpr double kShare = 0.77;     // of the bar; a little more than the task's place has
-    constexpr double kFromEnd = 0.024;  // [m] a little less than the task's place is from the stem's end
-    const double radius = pusht::Physics().pusher_radius;
-    return {std::min(kOfTask.aside, kShare * (bar - radius)), std::max(kOfTask.along_stem, kFromEnd - (stem - radius))};
-  }
-};
+/// [m] Place beside the stem, along body y: clear of its end, also of a shorter one than the task's. `end` is where the
+/// pusher touches that, from the origin [m].
+double besideTheStem(double end) {
+  constexpr double kOfTask = -0.08;
+  constexpr double kFromEnd = 0.024;  // [m] a little less than the task's place is from its end
+  return std::max(kOfTask, kFromEnd - (end - pusht::Physics().pusher_radius));
+}
 
 /// Sizes and places of bar, stem and pusher, by touching each face and a corner.
 void shapes(Bench& bench, Measurements& found) {
@@ -123,19 +118,19 @@ void shapes(Bench& bench, Measurements& found) {
   const double origin_x = 0.5 * (right - left);
   found.set(Property::kOriginX, origin_x);
   const double end = surfaceAt(bench, {0.0, 0.0}, {0.0, -1.0}, task.stem_offset + task.stem_half_length + radius);
-  const Places places = Places::of(0.5 * (right + left), end);
-  const double back = surfaceAt(bench, {places.aside, 0.0}, {0.0, 1.0}, task.bar_half_width + radius);
+  const double along_stem = besideTheStem(end);
+  const double back = surfaceAt(bench, {kAside, 0.0}, {0.0, 1.0}, task.bar_half_width + radius);
   const double found_radius = radiusByCorner(bench, right, back);
   found.set(Property::kPusherRadius, found_radius);
   found.set(Property::kBarHalfLength, 0.5 * (right + left) - found_radius);
   // Bodies that touch from afar leave no way into the notch between bar and stem.
-  const double front = surfaceAt(bench, {places.aside, 0.0}, {0.0, -1.0}, task.bar_half_width + radius);
+  const double front = surfaceAt(bench, {kAside, 0.0}, {0.0, -1.0}, task.bar_half_width + radius);
   const double origin_y = 0.5 * (back - front);
   found.set(Property::kOriginY, origin_y);
   found.set(Property::kBarHalfWidth, 0.5 * (back + front) - found_radius);
   found.set(Property::kStemEnd, end + origin_y - found_radius);
-  const double stem_right = surfaceAt(bench, {0.0, places.along_stem}, {1.0, 0.0}, task.stem_half_width + radius);
-  const double stem_left = surfaceAt(bench, {0.0, places.along_stem}, {-1.0, 0.0}, task.stem_half_width + radius);
+  const double stem_right = surfaceAt(bench, {0.0, along_stem}, {1.0, 0.0}, task.stem_half_width + radius);
+  const double stem_left = surfaceAt(bench, {0.0, along_stem}, {-1.0, 0.0}, task.stem_half_width + radius);
   found.set(Property::kStemHalfWidth, 0.5 * (stem_right + stem_left) - found_radius);
   found.set(Property::kStemPlace, 0.5 * (stem_right - stem_left) - origin_x);
 }
@@ -145,11 +140,10 @@ void outline(Bench& bench, Measurements& found) {
   const pusht::Physics task;
   const double radius = task.pusher_radius;
   const double stem_end = task.stem_offset + task.stem_half_length;
-  const auto reach = [&](Property size) { return found.need(size) + found.need(Property::kPusherRadius); };
-  const auto [aside, along_stem] = Places::of(reach(Property::kBarHalfLength), reach(Property::kStemEnd));
+  const double along_stem = besideTheStem(found.need(Property::kStemEnd) + found.need(Property::kPusherRadius));
   const double up_the_stem = 0.75 * along_stem;
   double departure = 0.0;
-  for (const Face& face : {Face{{0.0, 1.0}, task.bar_half_width + radius, {{-aside, 0.0}, {0.0, 0.0}, {aside, 0.0}}},
+  for (const Face& face : {Face{{0.0, 1.0}, task.bar_half_width + radius, {{-kAside, 0.0}, {0.0, 0.0}, {kAside, 0.0}}},
                            Face{{1.0, 0.0}, task.bar_half_length + radius, {{0.0, 0.008}, {0.0, 0.0}}},
                            Face{{1.0, 0.0}, task.stem_half_width + radius, {{0.0, up_the_stem}, {0.0, along_stem}}},
                            Face{{0.0, -1.0}, stem_end + radius, {{-0.01, 0.0}, {0.0, 0.0}, {0.01, 0.0}}}}) {

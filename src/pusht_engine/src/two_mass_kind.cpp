@@ -33,16 +33,21 @@ SimulatorModel loadParameters(const ParameterSet& set) {
 /// Two discs of point masses, a servo that knows no force, drag on both masses, no frictions, no walls; and a link
 /// whose stretch is part of the motion but not of a world's state.
 std::vector<std::string> departures() {
-  return {"servo_gain",       "servo_limit",    "pusher_damping",
-          "pusher_mass",      "tee_moment",     "tee_damping",
-          "tee_yaw_damping",  "tee_friction_x", "tee_friction_y",
-          "tee_yaw_friction", "friction_shape", "friction_point",
-          "damping_point",    "pusher_radius",  "bar_half_length",
-          "bar_half_width",   "stem_end",       "stem_half_width",
-          "contact_friction", "overlap",        "hit",
-          "wall_up",          "wall_down",      "wall_right",
-          "wall_left",        "tee_wall_up",    "tee_wall_down",
-          "tee_wall_right",   "tee_wall_left"};
+  return {"servo_gain",      "servo_limit",
+          "pusher_damping",  "pusher_mass",
+          "tee_moment",      "tee_damping",
+          "tee_yaw_damping", "tee_friction_x",
+          "tee_friction_y",  "tee_yaw_friction",
+          "friction_shape",  "friction_point",
+          "damping_point",   "outline",
+          "pusher_radius",   "bar_half_length",
+          "bar_half_width",  "stem_end",
+          "stem_half_width", "contact_friction",
+          "overlap",         "hit",
+          "wall_up",         "wall_down",
+          "wall_right",      "wall_left",
+          "tee_wall_up",     "tee_wall_down",
+          "tee_wall_right",  "tee_wall_left"};
 }
 
 }  // namespace

@@ -69,23 +69,48 @@ Measurements inSi(const Measurements& measured, double common_factor) {
   return result;
 }
 
-/// Mass of the pusher in SI [kg], read as the nearer of two. A free pusher whose servo acts at the velocity at a
-/// substep's begin moves as one with less mass whose servo acts at the velocity at its end; no free motion tells.
-double massRead(double mass, double reference, double common_factor) {
-  const double explicit_servo = mass + pusht::kSubstep * siFactor() / common_factor;
-  return std::abs(explicit_servo - reference) < std::abs(mass - reference) ? explicit_servo : mass;
-}
-
 /// Measurements of `world` in units in which they can be compared with the reference's, which are in SI.
 Measurements comparable(const Measurements& reference, const Measurements& world) {
-  const double factor = commonFactor(reference, world);
-  Measurements result = inSi(world, factor);
-  const auto& mass = result[Property::kPusherMass].value;
-  const auto& of_reference = reference[Property::kPusherMass].value;
-  if (mass && of_reference) {
-    result.set(Property::kPusherMass, massRead(*mass, *of_reference * siFactor(), factor));
+  return inSi(world, commonFactor(reference, world));
+}
+
+/// Mass [kg] that the pusher has if its servo is explicit. It acts then at the velocity at a substep's begin, and moves
+/// a free pusher as an implicit one moves a pusher with less mass; no free motion tells.
+std::optional<double> massOfExplicit(const Measurements& in_si) {
+  const auto& mass = in_si[Property::kPusherMass].value;
+  const auto& lag = in_si[Property::kServoLag].value;
+  const auto& gain = in_si[Property::kServoGain].value;
+  return mass && lag && gain && std::isfinite(*gain) ? std::optional(*mass + *lag * *gain) : std::nullopt;
+}
+
+/// Whether the servo of `world` is read as explicit: that gives the pusher the mass of the `other` world's, and as an
+/// implicit one's the mass is neither that nor the task's.
+bool isServoExplicit(const Measurements& world, const Measurements& other) {
+  const std::optional<double> of_explicit = massOfExplicit(world);
+  const auto& of_other = other[Property::kPusherMass].value;
+  const auto is_same = [](double a, double b) {
+    return std::abs(a - b) <= describe(Property::kPusherMass).resolution.relative * std::abs(b);
+  };
+  const double mass = world[Property::kPusherMass].value.value_or(0.0);
+  return of_explicit && of_other && is_same(*of_explicit, *of_other) && !is_same(mass, *of_other) &&
+         !is_same(mass, pusht::Physics().pusher_mass);
+}
+
+/// Sets mass and lag by the reading of the servo.
+void readServo(Measurements& in_si, bool is_explicit) {
+  if (is_explicit) {
+    in_si.set(Property::kPusherMass, *massOfExplicit(in_si));
+  } else if (in_si[Property::kServoLag].value) {
+    in_si.set(Property::kServoLag, 0.0);
   }
-  return result;
+}
+
+/// Reads the servos of both worlds, whose masses are in SI.
+void readServos(Measurements& reference, Measurements& world) {
+  const bool is_world_explicit = isServoExplicit(world, reference);
+  const bool is_reference_explicit = !is_world_explicit && isServoExplicit(reference, world);
+  readServo(world, is_world_explicit);
+  readServo(reference, is_reference_explicit);
 }
 
 double distance(double a, double b) { return a == b ? 0.0 : std::abs(a - b); }  // infinities may be equal
@@ -149,29 +174,47 @@ Comparison compareOne(Property property, const Measurements& reference, const Me
   return comparison;
 }
 
-/// Cause in `comparisons` from which a difference of `property` may follow; none if there is none.
-std::optional<Property> causeIn(const std::vector<Comparison>& comparisons, Property property) {
-  for (const Property cause : describe(property).follows_from) {
-    if (comparisons[static_cast<std::size_t>(cause)].verdict == PropertyVerdict::kDiffers) {
-      return cause;
+/// [-] Size of a difference, in multiples of what counts; at most that of a thing which one of the worlds does not
+/// have.
+double sizeOf(const Comparison& comparison) {
+  constexpr double kAbsent = 100.0;
+  const double felt = describe(comparison.property).resolution.felt;
+  const double size = distance(*comparison.engine, *comparison.reference) / (felt > 0.0 ? felt : comparison.allowed);
+  return size < kAbsent ? size : kAbsent;
+}
+
+/// Whether `cause` is large enough for `effect` to be what it shows there. Of the planted faults, one of size 1 moves
+/// no other property by more than this reach.
+bool mayFollow(const Comparison& effect, const Comparison& cause) {
+  constexpr double kReach = 4.0;
+  return cause.verdict == PropertyVerdict::kDiffers && sizeOf(effect) <= kReach * sizeOf(cause);
+}
+
+/// Cause in `comparisons` from which a difference may follow, the largest; none if there is none.
+const Comparison* causeIn(const std::vector<Comparison>& comparisons, const Comparison& difference) {
+  const Comparison* largest = nullptr;
+  for (const Property property : describe(difference.property).follows_from) {
+    const Comparison& cause = comparisons[static_cast<std::size_t>(property)];
+    if (mayFollow(difference, cause) && (largest == nullptr || sizeOf(cause) > sizeOf(*largest))) {
+      largest = &cause;
     }
   }
-  return std::nullopt;
+  return largest;
 }
 
 /// Takes differences back that follow from others, and names the one from which all of them follow.
 void explainAway(std::vector<Comparison>& comparisons) {
   const std::vector<Comparison> before = comparisons;
   for (Comparison& comparison : comparisons) {
-    std::optional<Property> cause = causeIn(before, comparison.property);
-    if (comparison.verdict != PropertyVerdict::kDiffers || !cause) {
+    const Comparison* cause = comparison.verdict == PropertyVerdict::kDiffers ? causeIn(before, comparison) : nullptr;
+    if (cause == nullptr) {
       continue;
     }
-    for (auto earlier = cause; earlier; earlier = causeIn(before, *earlier)) {
+    for (const Comparison* earlier = cause; earlier != nullptr; earlier = causeIn(before, *earlier)) {
       cause = earlier;
     }
     comparison.verdict = PropertyVerdict::kCannotTell;
-    comparison.reason = std::string("may follow from ") + describe(*cause).title;
+    comparison.reason = std::string("may follow from ") + describe(cause->property).title;
   }
 }
 
@@ -253,12 +296,16 @@ bool Audit::hasContractErrors() const {
 Audit compare(const Measurements& reference, const Measurements& engine, const std::vector<Measurements>& variants,
               double start_tolerance, const std::vector<std::string>& departures) {
   requireKeys(departures);
-  const Measurements reference_si = inSi(reference, 1.0);
-  const Measurements engine_si = comparable(reference, engine);
+  Measurements reference_si = inSi(reference, 1.0);
+  Measurements engine_si = comparable(reference, engine);
+  readServos(reference_si, engine_si);
   std::vector<Measurements> variants_si;
   variants_si.reserve(variants.size());
   for (const Measurements& variant : variants) {
     variants_si.push_back(comparable(reference, variant));
+    readServo(variants_si.back(), isServoExplicit(variants_si.back(), reference_si));
+    // A variant's explicit servo, as of MuJoCo's Euler, makes no other explicit servo the same.
+    variants_si.back().withdraw(Property::kServoLag, "of a model variant");
   }
   Audit result;
   for (const PropertyDescription& description : allProperties()) {

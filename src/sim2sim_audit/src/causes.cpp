@@ -135,6 +135,32 @@ std::string causeOfMoveOrder(const Comparison& finding) {
                : "bodies move with the velocities of a substep's end: after collisions are solved, not before";
 }
 
+std::string causeOfServoLag(double seconds) {
+  return "the servo is explicit: its force is that of the velocity " + number(1e3 * seconds) +
+         " ms ago, at a substep's begin. A free pusher moves as one with less mass";
+}
+
+std::string causeOfSmoothing(double speed) {
+  return speed > 0.0 ? "Coulomb friction of the tee is smoothed: it fades below " + number(speed) +
+                           " m/s, as by tanh, and holds nothing at rest"
+                     : "Coulomb friction of the tee is sharp, not smoothed";
+}
+
+std::string causeOfTeeLaw(const Comparison& finding) {
+  const bool in_engine = *finding.engine > *finding.reference;
+  return std::string(in_engine ? "a free tee" : "the reference's free tee") +
+         " moves by none of the audit's laws: the best fit is off by " +
+         number(1e3 * (in_engine ? *finding.engine : *finding.reference)) +
+         " mm (root mean square), and its masses and frictions are numbers of a poor fit";
+}
+
+std::string causeOfOutline(const Comparison& finding) {
+  const bool in_engine = *finding.engine > *finding.reference;
+  return std::string(in_engine ? "the tee is" : "the reference's tee is") +
+         " not two boxes: a face that is to be flat is round or slanted by " +
+         number(1e3 * (in_engine ? *finding.engine : *finding.reference)) + " mm, so that it has no sizes of boxes";
+}
+
 std::string causeOfSlop(double least) {
   return std::isfinite(least) ? "bodies that overlap by up to " + number(1e3 * least) + " mm are left alone"
                               : "bodies that overlap are not pushed apart";
@@ -206,6 +232,14 @@ std::string causeInEngine(const Comparison& finding) {
       return causeOfServoGain(finding);
     case Property::kMoveOrder:
       return causeOfMoveOrder(finding);
+    case Property::kServoLag:
+      return engine > 0.0 ? causeOfServoLag(engine) : "the servo is implicit, the reference's is explicit";
+    case Property::kFrictionSmoothing:
+      return causeOfSmoothing(engine);
+    case Property::kTeeLaw:
+      return causeOfTeeLaw(finding);
+    case Property::kOutline:
+      return causeOfOutline(finding);
     case Property::kSlop:
       return causeOfSlop(engine);
     default:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Shapes by touch, and what contacts do under a push.
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "experiments.hpp"
 #include "force_sensor.hpp"
 #include "pusht_task/constants.hpp"
+#include "pusht_task/numbers.hpp"
 #include "pusht_task/physics.hpp"
 
 namespace sim2sim {
@@ -23,34 +25,60 @@ WorldState teeAtYawZero(const Bench& bench) {
   return scene;
 }
 
+// [m] Below the nominal touch: one body inside the other, and less deep than MuJoCo's bodies are above each other (30.2
+// mm), which would be pushed apart up and down, where they cannot move.
+constexpr double kDeep = 0.029;
+
 /// Approach to the tee from `outward` (body frame), `beside` its origin, to a touch that is to be at `nominal` [m].
 Approach approachTo(const Bench& bench, const Eigen::Vector2d& beside, const Eigen::Vector2d& outward, double nominal) {
-  // [m] Below the nominal touch: one body inside the other, and less deep than MuJoCo's bodies are above each other
-  // (30.2 mm), which would be pushed apart up and down, where they cannot move.
-  constexpr double kDeep = 0.029;
   constexpr double kClear = 0.1;  // [m] beyond it, and beyond a collision margin of 0.04 m
   const WorldState scene = teeAtYawZero(bench);
   return {scene, scene.tee_position + beside, outward, nominal - kDeep, nominal + kClear};
 }
 
-/// Throws std::runtime_error if there is none.
-double needTouch(const std::optional<double>& distance) {
+/// Throws std::runtime_error if there is none: says where the pusher was.
+double needTouch(const std::optional<double>& distance, const Approach& approach) {
   if (!distance) {
-    throw std::runtime_error("the tee is not touched where it should be");
+    const auto millimeters = [](double length) { return pusht::significantText(1e3 * length, 3); };
+    const Eigen::Vector2d deepest =
+        approach.center + approach.overlapping * approach.outward - approach.scene.tee_position;
+    throw std::runtime_error("the tee is not touched with the pusher's center at (" + millimeters(deepest.x()) + ", " +
+                             millimeters(deepest.y()) + ") mm in its axes, where it is " + millimeters(kDeep) +
+                             " mm deep in the task's tee");
   }
   return *distance;
 }
 
 /// [m] Distance from the tee origin along `outward`, plus `beside` across it, at which the tee is touched.
 double surfaceAt(Bench& bench, const Eigen::Vector2d& beside, const Eigen::Vector2d& outward, double nominal) {
-  return needTouch(touchDistance(bench, approachTo(bench, beside, outward, nominal)));
+  const Approach approach = approachTo(bench, beside, outward, nominal);
+  return needTouch(touchDistance(bench, approach), approach);
+}
+
+/// Face of a box: where the pusher touches it at several places. A flat one is touched at the same distance.
+struct Face {
+  Eigen::Vector2d outward;
+  double nominal;                       ///< [m] distance of the touch from the origin
+  std::vector<Eigen::Vector2d> places;  ///< [m] from the origin, across `outward`
+};
+
+/// [m] Largest difference of the distances at which the pusher touches a face.
+double unevenness(Bench& bench, const Face& face) {
+  double least = std::numeric_limits<double>::infinity();
+  double greatest = -least;
+  for (const Eigen::Vector2d& place : face.places) {
+    const double distance = surfaceAt(bench, place, face.outward, face.nominal);
+    least = std::min(least, distance);
+    greatest = std::max(greatest, distance);
+  }
+  return greatest - least;
 }
 
 /// Overlap that bodies at rest keep, at the bar's end: where a pusher is held, less where it is pushed away.
 void overlapLeftAlone(Bench& bench, Measurements& found) {
   const pusht::Physics task;
   const Approach approach = approachTo(bench, {0.0, 0.0}, {1.0, 0.0}, task.bar_half_length + task.pusher_radius);
-  const double held = needTouch(heldDistance(bench, approach));
+  const double held = needTouch(heldDistance(bench, approach), approach);
   const std::optional<double> pushed = pushedDistance(bench, approach);
   found.set(Property::kSlop, pushed ? held - *pushed : std::numeric_limits<double>::infinity());
 }
@@ -64,21 +92,33 @@ double radiusByCorner(Bench& bench, double end, double back) {
   const Eigen::Vector2d inside = scene.tee_position + Eigen::Vector2d(end - kInside, back - kInside);
   const auto distance = touchDistance(bench, {scene, inside, {diagonal, diagonal}, 0.0, 2.0 * kInside});
   if (!distance) {
-    throw std::runtime_error("the bar's corner is not touched where it should be");
+    throw std::runtime_error("the bar's corner is not touched with the pusher's center " +
+                             pusht::significantText(1e3 * kInside, 3) + " mm inside of where it touches both faces");
   }
   const double cut = kInside - *distance * diagonal;  // [m] from the square corner, along each axis
   return cut / (1.0 - diagonal);
+}
+
+constexpr double kAside = 0.045;  // [m] along the bar, clear of the stem
+
+/// [m] Place beside the stem, along body y: clear of its end, also of a shorter one than the task's. `end` is where the
+/// pusher touches that, from the origin [m].
+double besideTheStem(double end) {
+  constexpr double kOfTask = -0.08;
+  constexpr double kFromEnd = 0.024;  // [m] a little less than the task's place is from its end
+  return std::max(kOfTask, kFromEnd - (end - pusht::Physics().pusher_radius));
 }
 
 /// Sizes and places of bar, stem and pusher, by touching each face and a corner.
 void shapes(Bench& bench, Measurements& found) {
   const pusht::Physics task;
   const double radius = task.pusher_radius;
-  constexpr double kAside = 0.045;  // [m] along the bar, clear of the stem
   const double right = surfaceAt(bench, {0.0, 0.0}, {1.0, 0.0}, task.bar_half_length + radius);
   const double left = surfaceAt(bench, {0.0, 0.0}, {-1.0, 0.0}, task.bar_half_length + radius);
   const double origin_x = 0.5 * (right - left);
   found.set(Property::kOriginX, origin_x);
+  const double end = surfaceAt(bench, {0.0, 0.0}, {0.0, -1.0}, task.stem_offset + task.stem_half_length + radius);
+  const double along_stem = besideTheStem(end);
   const double back = surfaceAt(bench, {kAside, 0.0}, {0.0, 1.0}, task.bar_half_width + radius);
   const double found_radius = radiusByCorner(bench, right, back);
   found.set(Property::kPusherRadius, found_radius);
@@ -88,13 +128,28 @@ void shapes(Bench& bench, Measurements& found) {
   const double origin_y = 0.5 * (back - front);
   found.set(Property::kOriginY, origin_y);
   found.set(Property::kBarHalfWidth, 0.5 * (back + front) - found_radius);
-  const double end = surfaceAt(bench, {0.0, 0.0}, {0.0, -1.0}, task.stem_offset + task.stem_half_length + radius);
   found.set(Property::kStemEnd, end + origin_y - found_radius);
-  constexpr double kAlongStem = -0.08;  // [m]
-  const double stem_right = surfaceAt(bench, {0.0, kAlongStem}, {1.0, 0.0}, task.stem_half_width + radius);
-  const double stem_left = surfaceAt(bench, {0.0, kAlongStem}, {-1.0, 0.0}, task.stem_half_width + radius);
+  const double stem_right = surfaceAt(bench, {0.0, along_stem}, {1.0, 0.0}, task.stem_half_width + radius);
+  const double stem_left = surfaceAt(bench, {0.0, along_stem}, {-1.0, 0.0}, task.stem_half_width + radius);
   found.set(Property::kStemHalfWidth, 0.5 * (stem_right + stem_left) - found_radius);
   found.set(Property::kStemPlace, 0.5 * (stem_right - stem_left) - origin_x);
+}
+
+/// Whether the tee is two boxes: flat at the back, at the ends of the bar, beside the stem and at its end.
+void outline(Bench& bench, Measurements& found) {
+  const pusht::Physics task;
+  const double radius = task.pusher_radius;
+  const double stem_end = task.stem_offset + task.stem_half_length;
+  const double along_stem = besideTheStem(found.need(Property::kStemEnd) + found.need(Property::kPusherRadius));
+  const double up_the_stem = 0.75 * along_stem;
+  double departure = 0.0;
+  for (const Face& face : {Face{{0.0, 1.0}, task.bar_half_width + radius, {{-kAside, 0.0}, {0.0, 0.0}, {kAside, 0.0}}},
+                           Face{{1.0, 0.0}, task.bar_half_length + radius, {{0.0, 0.008}, {0.0, 0.0}}},
+                           Face{{1.0, 0.0}, task.stem_half_width + radius, {{0.0, up_the_stem}, {0.0, along_stem}}},
+                           Face{{0.0, -1.0}, stem_end + radius, {{-0.01, 0.0}, {0.0, 0.0}, {0.01, 0.0}}}}) {
+    departure = std::max(departure, unevenness(bench, face));
+  }
+  found.set(Property::kOutline, departure);
 }
 
 /// The pusher behind the stem's end, in touch; a push along +y goes straight through the center of mass.
@@ -169,6 +224,7 @@ std::vector<Experiment> shapeExperiments() {
            {Property::kOriginX, Property::kOriginY, Property::kPusherRadius, Property::kBarHalfLength,
             Property::kBarHalfWidth, Property::kStemEnd, Property::kStemHalfWidth, Property::kStemPlace},
            shapes},
+          {"outline", {Property::kOutline}, outline},
           {"overlap left alone", {Property::kSlop}, overlapLeftAlone}};
 }
 

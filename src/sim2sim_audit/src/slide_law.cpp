@@ -39,7 +39,7 @@ std::optional<SlideLaw> slideLaw(Bench& bench, const Eigen::Vector2d& direction)
     losses[static_cast<Eigen::Index>(i)] = rows[i][2];
   }
   const Eigen::Vector2d law = columns.colPivHouseholderQr().solve(losses);
-  return SlideLaw{law[0], law[1]};
+  return SlideLaw{law[0], law[1], (columns * law - losses).norm() / std::sqrt(static_cast<double>(rows.size()))};
 }
 
 SlideLaws slideLaws(Bench& bench) {

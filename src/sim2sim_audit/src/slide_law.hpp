@@ -16,6 +16,7 @@ namespace sim2sim {
 struct SlideLaw {
   double damping;   ///< [1/s]
   double friction;  ///< [m/s^2]
+  double rest;      ///< [m/s] root mean square of the lost velocity that the law does not explain
 };
 
 /// Law of slides along `direction` (a unit vector in the table frame). None if no two slides stay on the table and

@@ -40,6 +40,7 @@ void setForces(const pusht::Physics& physics, Measurements& figures) {
   figures.set(Property::kServoLimit, physics.servo_limit / gain);
   figures.set(Property::kPusherDamping, physics.pusher_damping / gain);
   figures.set(Property::kPusherMass, physics.pusher_mass / gain);
+  figures.set(Property::kServoLag, 0.0);
   figures.set(Property::kOvershoot, 0.0);
   figures.set(Property::kMoveOrder, moveOrder(physics));
   figures.set(Property::kTeeMass, physics.tee_mass / gain);
@@ -53,9 +54,12 @@ void setForces(const pusht::Physics& physics, Measurements& figures) {
   figures.set(Property::kFrictionShape, std::sqrt(2.0));  // a limit for each axis
   figures.set(Property::kDampingPoint, 0.0);
   figures.set(Property::kFrictionPoint, 0.0);
+  figures.set(Property::kFrictionSmoothing, 0.0);
+  figures.set(Property::kTeeLaw, 0.0);
 }
 
 void setShapes(const pusht::Physics& physics, Measurements& figures) {
+  figures.set(Property::kOutline, 0.0);
   figures.set(Property::kPusherRadius, physics.pusher_radius);
   figures.set(Property::kBarHalfLength, physics.bar_half_length);
   figures.set(Property::kBarHalfWidth, physics.bar_half_width);

@@ -20,9 +20,18 @@ namespace {
 
 using pusht::WorldState;
 
+/// Friction of the table, per mass of the tee.
+struct TableFriction {
+  double damping;    ///< [1/s]
+  double friction;   ///< [m/s^2] Coulomb
+  double smoothing;  ///< [m/s] 0: friction is sharp
+
+  double frictionAt(double speed) const { return smoothing > 0.0 ? friction * std::tanh(speed / smoothing) : friction; }
+};
+
 /// [s] The tee's mass over the servo's gain: a straight push of which the pusher is the force sensor. The tee's
 /// momentum takes it, and the frictions that slides have shown.
-double massOverGain(Bench& bench, const Measurements& found, const SlideLaw& law) {
+double massOverGain(Bench& bench, const Measurements& found, const TableFriction& law) {
   constexpr double kCommand = 0.6;  // [m/s]
   const ForceSensor sensor(found);
   WorldState start;
@@ -35,12 +44,12 @@ double massOverGain(Bench& bench, const Measurements& found, const SlideLaw& law
   double impulse = 0.0;  // [m] over the gain
   double taken = 0.0;    // [m/s] per mass
   // The first step, from rest, shows the momentum; the others, which slide all the time, the frictions.
-  const std::size_t first = law.damping * kCommand + law.friction > 1.0 ? 1 : 0;
+  const double friction = law.frictionAt(kCommand);  // [m/s^2]
+  const std::size_t first = law.damping * kCommand + friction > 1.0 ? 1 : 0;
   for (std::size_t i = first; i + 1 < states.size(); ++i) {
     impulse += sensor.impulse(states[i], states[i + 1], command).y();
     taken += (states[i + 1].tee_velocity - states[i].tee_velocity).y() +
-             law.damping * (states[i + 1].tee_position - states[i].tee_position).y() +
-             law.friction * pusht::kControlStep;
+             law.damping * (states[i + 1].tee_position - states[i].tee_position).y() + friction * pusht::kControlStep;
   }
   if (taken < 0.1) {
     throw std::runtime_error("the push does not move the tee");
@@ -114,9 +123,41 @@ double withdrawServo(Measurements& found) {
 constexpr double kNone = 0.3;    // [m/s^2] and [1/s] below which a force is none: a fortieth of the task's
 constexpr double kSigmas = 3.0;  // of what a fit found
 
-/// Where the tee slides, by slides; where these do not tell, by the fit.
-SlideLaw lawOf(const std::optional<SlideLaw>& slide, double damping, double friction) {
-  return slide.value_or(SlideLaw{damping, friction});
+/// Friction along an axis by slides; where these do not tell, or friction is smooth, by the fit.
+TableFriction tableFriction(const std::optional<SlideLaw>& slide, const TeeFit& fit, double friction) {
+  const bool is_smooth = fit.form.smooth_friction;
+  return slide && !is_smooth ? TableFriction{slide->damping, slide->friction, 0.0}
+                             : TableFriction{fit.numbers.damping, friction, is_smooth ? fit.numbers.smoothing : 0.0};
+}
+
+/// [m] What slides along the axes and askew leave of their distance; none if there are too few of them.
+std::optional<double> leftBySlides(const SlideLaws& slides) {
+  double most = 0.0;
+  for (const std::optional<SlideLaw>& slide : slides) {
+    if (!slide) {
+      return std::nullopt;
+    }
+    most = std::max(most, pusht::kControlStep * slide->rest);
+  }
+  return most;
+}
+
+/// Whether friction has one limit in every direction, where slides show that it is sharp. Tees that stop too early, or
+/// whose friction is smooth, leave that to a fit.
+std::optional<bool> isDisc(const SlideLaws& slides) {
+  constexpr double kBetweenDiscAndBox = 1.2;  // [-]
+  constexpr double kSharp = 2e-5;             // [m]
+  return leftBySlides(slides).value_or(1.0) < kSharp
+             ? std::optional(shapeOf(slides).value_or(std::sqrt(2.0)) < kBetweenDiscAndBox)
+             : std::nullopt;
+}
+
+/// How well the laws explain a free tee, by slides if they tell, and whether its friction is smooth.
+void setLaw(const SlideLaws& slides, const TeeFit& fit, Measurements& found) {
+  const bool is_smooth = fit.form.smooth_friction;
+  found.set(Property::kTeeLaw, isDisc(slides) ? *leftBySlides(slides) : fit.residual);
+  found.set(Property::kFrictionSmoothing, is_smooth ? fit.numbers.smoothing : 0.0,
+            is_smooth ? kSigmas * fit.errors[9] : 0.0);
 }
 
 void setCoulombForm(const SlideLaws& slides, const TeeFit& fit, bool has_friction, Measurements& found) {
@@ -157,13 +198,12 @@ void freeTee(Bench& bench, Measurements& found) {
     begin.friction_x = std::max(0.0, slides[0]->friction);
     begin.friction_y = std::max(0.0, slides[1]->friction);
   }
-  constexpr double kBetweenDiscAndBox = 1.2;  // [-]
-  const bool disc = shapeOf(slides).value_or(std::sqrt(2.0)) < kBetweenDiscAndBox;
-  const TeeFit fit = fitFreeTee(bench, begin, disc);
+  const TeeFit fit = fitFreeTee(bench, begin, isDisc(slides));
   found.set(Property::kCenterOfMass, fit.numbers.center_of_mass, kSigmas * fit.errors[0]);
 
-  const SlideLaw along_x = lawOf(slides[0], fit.numbers.damping, fit.numbers.friction_x);
-  const SlideLaw along_y = lawOf(slides[1], fit.numbers.damping, fit.numbers.friction_y);
+  const TableFriction along_x = tableFriction(slides[0], fit, fit.numbers.friction_x);
+  const TableFriction along_y = tableFriction(slides[1], fit, fit.numbers.friction_y);
+  setLaw(slides, fit, found);
   const double damping = 0.5 * (along_x.damping + along_y.damping);
   double mass = massOverGain(bench, found, along_y);
   found.set(Property::kTeeMass, mass);
@@ -188,7 +228,8 @@ std::vector<Experiment> teeExperiments() {
   return {{"free tee",
            {Property::kTeeMass, Property::kCenterOfMass, Property::kTeeMoment, Property::kTeeDamping,
             Property::kTeeYawDamping, Property::kTeeFrictionX, Property::kTeeFrictionY, Property::kTeeYawFriction,
-            Property::kFrictionShape, Property::kDampingPoint, Property::kFrictionPoint},
+            Property::kFrictionShape, Property::kDampingPoint, Property::kFrictionPoint, Property::kFrictionSmoothing,
+            Property::kTeeLaw},
            freeTee}};
 }
 

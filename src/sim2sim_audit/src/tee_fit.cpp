@@ -91,7 +91,8 @@ Eigen::VectorXd differences(const TeeNumbers& numbers, const TeeModelForm& form,
 TeeFit fitFrom(const TeeNumbers& begin, const TeeModelForm& form, const std::vector<Observed>& all) {
   constexpr int kIterations = 40;
   constexpr double kStep = 1e-6;
-  constexpr double kDone = 1e-10;  // relative
+  constexpr double kDone = 1e-10;    // relative
+  constexpr double kSteepest = 0.2;  // [-] least smoothing that substeps of 1 ms can follow
   using Vector = TeeNumbers::Vector;
   Vector numbers = begin.toVector();
   Eigen::VectorXd rest = differences(begin, form, all);
@@ -114,6 +115,7 @@ TeeFit fitFrom(const TeeNumbers& begin, const TeeModelForm& form, const std::vec
       Vector candidate = numbers - damped.ldlt().solve(gradient);
       candidate[1] = std::max(candidate[1], 0.01);                      // a moment is above 0
       candidate.segment<3>(4) = candidate.segment<3>(4).cwiseMax(0.0);  // frictions, whose slope at 0 is that above it
+      candidate.tail<2>() = candidate.tail<2>().cwiseMax(kSteepest);
       const Eigen::VectorXd candidate_rest = differences(TeeNumbers::fromVector(candidate), form, all);
       better = candidate_rest.squaredNorm() < rest.squaredNorm();
       if (better) {
@@ -138,33 +140,72 @@ TeeFit fitFrom(const TeeNumbers& begin, const TeeModelForm& form, const std::vec
           std::sqrt(rest.squaredNorm() / static_cast<double>(rest.size()))};
 }
 
+constexpr double kExact = 1e-6;  // [m] residual of a fit to which another form cannot be nearer
+
+/// Better of two fits.
+const TeeFit& better(const TeeFit& a, const TeeFit& b) { return b.residual < a.residual ? b : a; }
+
+/// Best fit over integrators.
+TeeFit fitOverIntegrators(TeeModelForm form, const TeeNumbers& begin, const std::vector<Observed>& all) {
+  TeeFit best = fitFrom(begin, form, all);
+  for (const TeeIntegrator integrator : {TeeIntegrator::kJoints, TeeIntegrator::kBody}) {
+    form.integrator = integrator;
+    best = best.residual > kExact ? better(best, fitFrom(begin, form, all)) : best;
+  }
+  return best;
+}
+
+/// Fit with the shorter of `substeps` that are better, one after the other.
+TeeFit refined(TeeFit best, const std::vector<int>& substeps, const std::vector<Observed>& all) {
+  for (const int count : substeps) {
+    TeeModelForm form = best.form;
+    form.substeps = count;
+    const TeeFit fit = best.residual > kExact ? fitFrom(best.numbers, form, all) : best;
+    if (!(fit.residual < best.residual)) {
+      break;
+    }
+    best = fit;
+  }
+  return best;
+}
+
+/// Whether friction has one limit in every direction: that explains much more than a limit along each axis.
+TeeFit boxOrDisc(const TeeFit& box, const TeeNumbers& begin, const std::vector<Observed>& all) {
+  constexpr double kMuchLess = 0.5;  // [-]
+  TeeModelForm form;
+  form.disc_friction = true;
+  const TeeFit disc = box.residual > kExact ? fitOverIntegrators(form, begin, all) : box;
+  return disc.residual < kMuchLess * box.residual ? disc : box;
+}
+
+/// Smooth friction, if that explains much more than `sharp`.
+TeeFit sharpOrSmooth(const TeeFit& sharp, const TeeNumbers& begin, const std::vector<Observed>& all) {
+  constexpr double kPoor = 6e-5;      // [m]
+  constexpr double kMuchLess = 0.25;  // [-]
+  if (sharp.residual < kPoor) {
+    return sharp;
+  }
+  TeeModelForm form;
+  form.disc_friction = sharp.form.disc_friction;
+  form.smooth_friction = true;
+  form.substeps = 100;
+  const TeeFit smooth = refined(fitOverIntegrators(form, begin, all), {200}, all);
+  return smooth.residual < kMuchLess * sharp.residual ? smooth : sharp;
+}
+
 }  // namespace
 
-TeeFit fitFreeTee(Bench& bench, const TeeNumbers& begin, bool disc) {
+TeeFit fitFreeTee(Bench& bench, const TeeNumbers& begin, std::optional<bool> disc) {
   const std::vector<Observed> all = observeFreeTee(bench);
   if (all.empty()) {
     throw std::runtime_error("a free tee does not stay on the table");
   }
-  constexpr double kExact = 1e-6;  // [m] another form cannot be nearer
-  TeeFit best = fitFrom(begin, {TeeIntegrator::kImplicitJoints, disc, 10}, all);
-  const auto consider = [&](const TeeModelForm& form) {
-    const TeeFit fit = fitFrom(form.substeps == best.form.substeps ? begin : best.numbers, form, all);
-    const bool is_better = fit.residual < best.residual;
-    best = is_better ? fit : best;
-    return is_better;
-  };
-  for (const TeeIntegrator integrator : {TeeIntegrator::kJoints, TeeIntegrator::kBody}) {
-    if (best.residual > kExact) {
-      consider({integrator, disc, 10});
-    }
-  }
-  // Engines take substeps of 10, 5, 2 or 1 ms.
-  for (const int substeps : {20, 50, 100}) {
-    if (best.residual < kExact || !consider({best.form.integrator, disc, substeps})) {
-      break;
-    }
-  }
-  return best;
+  TeeModelForm form;
+  form.disc_friction = disc.value_or(false);
+  const TeeFit first = fitOverIntegrators(form, begin, all);
+  // Engines take substeps of 10, 5, 2, 1 or 0.5 ms.
+  const TeeFit sharp = refined(disc ? first : boxOrDisc(first, begin, all), {20, 50, 100, 200}, all);
+  return disc ? sharp : sharpOrSmooth(sharp, begin, all);
 }
 
 }  // namespace sim2sim

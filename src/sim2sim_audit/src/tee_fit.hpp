@@ -2,6 +2,8 @@
 /// Numbers of a world's free tee, by a fit of the model to where its motions end.
 #pragma once
 
+#include <optional>
+
 #include "sim2sim_audit/bench.hpp"
 #include "tee_model.hpp"
 
@@ -16,7 +18,8 @@ struct TeeFit {
 };
 
 /// Best fit over the forms of the model, from `begin`. `disc`: whether Coulomb friction has one limit in every
-/// direction. Throws std::runtime_error if no motion of the tee can be observed.
-TeeFit fitFreeTee(Bench& bench, const TeeNumbers& begin, bool disc);
+/// direction. Where that is not known, the fit tells, and friction is smooth if that explains much more. Throws
+/// std::runtime_error if no motion of the tee can be observed.
+TeeFit fitFreeTee(Bench& bench, const TeeNumbers& begin, std::optional<bool> disc);
 
 }  // namespace sim2sim

@@ -41,14 +41,20 @@ void limit(Vector3d& friction, const TeeNumbers& numbers, bool disc) {
   }
 }
 
-/// Friction for which response * friction is `wanted`, as far as its limits go.
+/// Friction for which response * friction is `wanted`, as far as its limits go. A limit in every direction takes both
+/// axes at once: one after the other would turn what is far beyond it towards the last.
 Vector3d frictionFor(const TeeNumbers& numbers, bool disc, const Matrix3d& response, const Vector3d& wanted) {
   constexpr int kSweeps = 300;
   constexpr double kConverged = 1e-13;
   Vector3d friction = Vector3d::Zero();
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     const Vector3d before = friction;
-    for (Eigen::Index i = 0; i < 3; ++i) {
+    if (disc) {
+      const double stiffest = std::max(response(0, 0), response(1, 1));
+      friction.head<2>() += (wanted - response * friction).head<2>() / stiffest;
+      limit(friction, numbers, disc);
+    }
+    for (Eigen::Index i = disc ? 2 : 0; i < 3; ++i) {
       friction[i] += (wanted[i] - response.row(i).dot(friction)) / response(i, i);
       limit(friction, numbers, disc);
     }
@@ -57,6 +63,18 @@ Vector3d frictionFor(const TeeNumbers& numbers, bool disc, const Matrix3d& respo
     }
   }
   return friction;
+}
+
+/// Friction that fades with the slip [m/s, m/s, rad/s].
+Vector3d smoothFriction(const TeeNumbers& numbers, const TeeModelForm& form, const Vector3d& slip) {
+  const double speed = slip.head<2>().norm();
+  const double of_disc = 0.5 * (numbers.friction_x + numbers.friction_y) * std::tanh(speed / numbers.smoothing);
+  const auto along = [&](Eigen::Index axis, double most) {
+    const double of_axis = most * std::tanh(slip[axis] / numbers.smoothing);
+    return form.disc_friction ? of_disc * slip[axis] / std::max(speed, 1e-12) : of_axis;
+  };
+  return {-along(0, numbers.friction_x), -along(1, numbers.friction_y),
+          -numbers.yaw_friction * std::tanh(slip[2] / numbers.yaw_smoothing)};
 }
 
 /// Compliance of MuJoCo's friction, of each coordinate: a share of the inverse inertia at yaw 0.
@@ -100,8 +118,10 @@ void substepOfJoints(const TeeNumbers& numbers, const TeeModelForm& form, double
   Matrix3d response = at_friction * free * at_friction.transpose();
   response.diagonal() += complianceOf(numbers);
   const Vector3d slip = at_friction * motion.velocity;
-  const Vector3d friction = frictionFor(numbers, form.disc_friction, response,
-                                        -pusht::mujoco_constraint::kDamping * slip - at_friction * (free * force));
+  const Vector3d friction =
+      form.smooth_friction ? smoothFriction(numbers, form, slip)
+                           : frictionFor(numbers, form.disc_friction, response,
+                                         -pusht::mujoco_constraint::kDamping * slip - at_friction * (free * force));
   motion.velocity +=
       duration * ((inertia - duration * by_velocity).inverse() * (force + at_friction.transpose() * friction));
   motion.pose += duration * motion.velocity;
@@ -120,8 +140,10 @@ void substepOfBody(const TeeNumbers& numbers, const TeeModelForm& form, double d
   const Matrix3d mobility = inertiaOf(mass, mass * arm, second_moment).inverse();
   const Matrix3d at_friction = jacobianOf(numbers.friction_point, yaw);
   const Vector3d damped = motion.velocity - duration * (mobility * (dampingOf(numbers, yaw) * motion.velocity));
-  const Vector3d friction = frictionFor(numbers, form.disc_friction, at_friction * mobility * at_friction.transpose(),
-                                        -at_friction * damped / duration);
+  const Vector3d friction =
+      form.smooth_friction ? smoothFriction(numbers, form, at_friction * motion.velocity)
+                           : frictionFor(numbers, form.disc_friction, at_friction * mobility * at_friction.transpose(),
+                                         -at_friction * damped / duration);
   const Vector3d velocity = damped + duration * (mobility * (at_friction.transpose() * friction));
   // The center's velocity does not change when the tee turns.
   const Eigen::Vector2d of_center = velocity.head<2>() + velocity[2] * Eigen::Vector2d(-arm.y(), arm.x());
@@ -147,27 +169,29 @@ TeeNumbers TeeNumbers::ofTask() {
           task.tee_friction[1] / mass,
           task.tee_yaw_friction / mass,
           0.0,
-          0.0};
+          0.0,
+          0.05,
+          0.5};
 }
 
 TeeNumbers::Vector TeeNumbers::scale() {
   const TeeNumbers task = ofTask();
   Vector scale;
   scale << task.center_of_mass, task.moment, task.damping, task.yaw_damping, task.friction_x, task.friction_y,
-      task.yaw_friction, task.center_of_mass, task.center_of_mass;
+      task.yaw_friction, task.center_of_mass, task.center_of_mass, task.smoothing, task.yaw_smoothing;
   return scale;
 }
 
 TeeNumbers::Vector TeeNumbers::toVector() const {
   Vector vector;
   vector << center_of_mass, moment, damping, yaw_damping, friction_x, friction_y, yaw_friction, damping_point,
-      friction_point;
+      friction_point, smoothing, yaw_smoothing;
   return vector.cwiseQuotient(scale());
 }
 
 TeeNumbers TeeNumbers::fromVector(const Vector& vector) {
   const Vector v = vector.cwiseProduct(scale());
-  return {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]};
+  return {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10]};
 }
 
 TeeMotion TeeMotion::of(const pusht::WorldState& state) {

@@ -18,14 +18,15 @@ enum class TeeIntegrator {
 /// Parts of the model that are no numbers.
 struct TeeModelForm {
   TeeIntegrator integrator = TeeIntegrator::kImplicitJoints;
-  bool disc_friction = false;  ///< one limit in every direction; else one along each axis of the table
-  int substeps = 10;           ///< in a control step
+  bool disc_friction = false;    ///< one limit in every direction; else one along each axis of the table
+  int substeps = 10;             ///< in a control step
+  bool smooth_friction = false;  ///< fades as tanh(speed / smoothing); else Coulomb's, which holds at rest
 };
 
 /// Numbers of a tee, per its mass: no motion of a tee alone shows more. Points are on the body's axis, as distances
 /// from the tee origin along body -y.
 struct TeeNumbers {
-  static constexpr Eigen::Index kCount = 9;
+  static constexpr Eigen::Index kCount = 11;
   using Vector = Eigen::Matrix<double, kCount, 1>;
 
   double center_of_mass;  ///< [m]
@@ -37,6 +38,8 @@ struct TeeNumbers {
   double yaw_friction;    ///< [m^2/s^2]
   double damping_point;   ///< [m]
   double friction_point;  ///< [m]
+  double smoothing;       ///< [m/s] of friction that is smooth
+  double yaw_smoothing;   ///< [rad/s]
 
   /// Numbers of the task.
   static TeeNumbers ofTask();

@@ -42,6 +42,7 @@ void wallsByTouch(Bench& bench, Measurements& found) {
 void wallsByTee(Bench& bench, Measurements& found) {
   constexpr int kSteps = 8;
   constexpr double kApproach = 0.04;  // [m]
+  constexpr double kLeastWay = 0.02;  // [m]
   const double back = found.need(Property::kBarHalfWidth) + found.need(Property::kOriginY);
   const double reach =
       found.need(Property::kStemEnd) - found.need(Property::kOriginY) + found.need(Property::kPusherRadius);
@@ -53,6 +54,10 @@ void wallsByTee(Bench& bench, Measurements& found) {
     start.pusher_position = start.tee_position - reach * wall.outward - found.need(Property::kOriginX) * beside;
     const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, 0.3 * wall.outward));
     const double place = states.back().tee_position.dot(wall.outward) + back;
+    if ((states.back().tee_position - states.front().tee_position).dot(wall.outward) < kLeastWay) {
+      found.fail(wall.for_tee, "a push towards the wall does not move the tee");
+      continue;
+    }
     constexpr double kBeyond = 0.02;  // [m] nothing that gives way is pushed so far into a wall
     found.set(wall.for_tee, place > pusht::kWallInnerFace + kBeyond ? std::numeric_limits<double>::infinity() : place);
   }

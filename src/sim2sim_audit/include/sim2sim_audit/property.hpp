@@ -53,6 +53,7 @@ enum class Property : std::size_t {
   kServoLimit,
   kPusherDamping,
   kPusherMass,
+  kServoLag,
   kOvershoot,
   kMoveOrder,
   // Tee.
@@ -67,7 +68,10 @@ enum class Property : std::size_t {
   kFrictionShape,
   kDampingPoint,
   kFrictionPoint,
+  kFrictionSmoothing,
+  kTeeLaw,
   // Contacts.
+  kOutline,
   kPusherRadius,
   kBarHalfLength,
   kBarHalfWidth,
@@ -103,6 +107,7 @@ const char* nameOf(Area area);
 struct Resolution {
   double absolute = 0.0;  ///< in the property's unit
   double relative = 0.0;  ///< [-] share of the reference's value
+  double felt = 0.0;      ///< difference that moves other properties by what counts there; 0: the least that counts here
 };
 
 /// Description of a property.
@@ -120,7 +125,8 @@ struct PropertyDescription {
   /// and of its neighbours' size elsewhere.
   double effect;
   const char* look_at;  ///< where to look if it differs
-  /// Properties that decide this one too: where one of them differs, a difference of this one says nothing.
+  /// Properties that its experiment takes for granted: a difference in one of them may be what this one shows, as far
+  /// as it is large enough (mayFollow() in audit.cpp).
   std::vector<Property> follows_from;
 };
 

@@ -107,7 +107,7 @@ const char* nameOf(Area area);
 struct Resolution {
   double absolute = 0.0;  ///< in the property's unit
   double relative = 0.0;  ///< [-] share of the reference's value
-  double felt = 0.0;      ///< difference that moves other properties by what counts there; 0: the least that counts here
+  double felt = 0.0;  ///< difference that moves other properties by what counts there; 0: the least that counts here
 };
 
 /// Description of a property.

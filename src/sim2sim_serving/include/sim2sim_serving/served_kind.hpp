@@ -29,11 +29,11 @@ struct ServedKind {
 /// whatever it works with. A world takes the node over and sets all parameters. A node that was lost may come back for
 /// the next world, as what it was: after a wait in vain, further ones are short.
 ///
-/// Waits end when `stop` holds. Throws RuntimeFault then, and if there is no master; NodeMissing if the node is not there;
-/// InvalidInput for a name that is not valid, a policy, or a node of another type; BadDependency if the node does not
-/// describe its parameters, or as Peer::connect(). load() also throws the error with which the node refuses; a world
-/// throws BadDependency if the node has changed its version, PeerFault if it is lost, RuntimeFault if another caller
-/// has taken it, and SimulationFault with the node's words if it refuses a step.
+/// Waits end when `stop` holds. Throws RuntimeFault then, and if there is no master; NodeMissing if the node is not
+/// there; InvalidInput for a name that is not valid, a policy, or a node of another type; BadDependency if the node
+/// does not describe its parameters, or as Peer::connect(). load() also throws the error with which the node refuses; a
+/// world throws BadDependency if the node has changed its version, PeerFault if it is lost, RuntimeFault if another
+/// caller has taken it, and SimulationFault with the node's words if it refuses a step.
 ServedKind servedKind(const std::string& services, const NodeTimes& times, std::function<bool()> stop);
 
 }  // namespace pusht

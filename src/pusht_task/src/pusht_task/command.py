@@ -19,7 +19,7 @@ from typing import Any, Callable, Iterator, NoReturn, Optional
 from pusht_task.error import Error, ExitCode, clipped
 from pusht_task.files import named
 
-# Those of ending_signals.hpp.
+# Signals of ending_signals.hpp.
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1, signal.SIGUSR2)
 ONE_SIGNAL = 0.5  # [s] Closer signals are one: `timeout` sends to the command and to its group
 PATIENCE = 10  # [s] for an end in order after a signal

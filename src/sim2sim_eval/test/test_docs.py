@@ -469,7 +469,7 @@ class Names(CommandCase):
                             self.assertRegex(sources[source], rf"(def |class |, ){part}\b[(:)]")
 
     def test_every_kind_of_simulator_is_listed(self) -> None:
-        command = (executable("sim2sim_eval", "compare"), "--engine", "none")
+        command = (executable("sim2sim_eval", "compare"), "--engine", "nothing")
         (known,) = re.findall(r"known: (.*)", self.run_command(*command).stderr)
         wanted = {f"`{kind}`" for kind in known.split(", ")}
         for file, begin in (

@@ -215,7 +215,7 @@ class Results(ComparisonCase):
 
     def test_the_reference_alone(self) -> None:
         out = self.folder / "alone"
-        options = {"engine": "none", "episodes": 10, "repeats": 2}
+        options: Dict[str, Any] = {"engine": "none", "episodes": 10, "repeats": 2}
         alone = sim2sim.compare("expert", out=out, **options)
         self.assertEqual(set(alone.episodes["mode"]), {"reference_closed"})
         self.assertIn("reference_success_variance_repeats", alone.summary)

@@ -275,7 +275,7 @@ class Arguments(LiveCase):
     def test_every_parameter_of_the_evaluator_is_an_argument(self) -> None:
         run = Start(self, parameters={"sim2sim/none_such": 1}, policy="expert")
         run.ended()
-        (names,) = re.findall(r"known: (.*)$", run.status()["reason"])
+        (names,) = re.findall(r"known: (.*) \(set by a launch", run.status()["reason"])
         self.assertGreater(set(names.split(", ")), self.DERIVED)
         default = parameters_of(COMPARE, "rviz:=false")
         for name in set(names.split(", ")) - self.DERIVED:

@@ -95,7 +95,8 @@ class Launches(LiveCase):
         given = {re.sub("^/audit/", "", name) for name in parameters if "/audit/" in name}
         run = Start(self, {"audit/nonsense": 1}, file="audit")
         run.ended()
-        known = run.output.split("known: ")[1].split("\n")[0].strip().split(", ")
+        (names,) = re.findall(r"known: (.*) \(set by a launch", run.output)
+        known = names.split(", ")
         self.assertEqual(given | {"reference_namespace", "engine_namespace"}, set(known))
 
 

@@ -204,8 +204,8 @@ std::string policySentence(const RunResults& baseline, const RunResults& other, 
   const std::vector<std::string> titles = policyTitles({baseline, other});
   const Simulators simulators(baseline);
   const int repeats = baseline.protocol.repeats;
-  const std::string at_home = clauseOf(simulators.reference, titles[1], titles[0], contrast.row(kReferenceSuccessRow),
-                                       contrast.policies->reference, repeats);
+  std::string at_home = clauseOf(simulators.reference, titles[1], titles[0], contrast.row(kReferenceSuccessRow),
+                                 contrast.policies->reference, repeats);
   if (!contrast.has(kSuccessRow)) {
     return at_home;
   }

@@ -23,7 +23,7 @@ constexpr std::size_t kPartSteps = 20;        // of a part, where there are fewe
 constexpr std::size_t kSearchedUnits = 8;     // at least, for the search
 constexpr std::size_t kSearchedSteps = 400;   // for the search, if that leaves kFewestPairs units
 constexpr std::size_t kMeasuredSteps = 1500;  // enough for the decision
-constexpr int kDraws = 4;                     // of a policy's random numbers
+constexpr int kMeasuredDraws = 16;            // of a policy's random numbers
 
 // The rule (docs/audit.md). Bounds are those of intervals.
 constexpr double kKept = 0.92;       // a fault leaves at most this share of the error
@@ -84,7 +84,7 @@ std::vector<double> errorsOfConstant(const PolicyInterview& interview, const Sam
   for (const Demonstration& demonstration : sample.demonstrations) {
     answers.emplace_back(demonstration.actions.size(), constant);
   }
-  return interview.errorsOf(sample, answers, {});
+  return interview.errorsOf(sample, {answers}, {});
 }
 
 /// Lower bound of the mean of `factor` a - b, at a confidence that holds for `looks` such bounds at once.
@@ -176,7 +176,7 @@ class HeldOut {
   HeldOut(PolicyInterview& interview, const Sample& sample) : interview_(interview), sample_(sample) {}
 
   std::vector<double> errorsUnder(const Corrections& corrections) {
-    return interview_.errorsOf(sample_, interview_.answersTo(sample_, corrections, kDraws), corrections);
+    return interview_.errorsOf(sample_, interview_.answersTo(sample_, corrections, kMeasuredDraws), corrections);
   }
 
   /// Finalists under which all answers are finite.
@@ -259,6 +259,7 @@ PolicyAudit auditPolicy(pusht::Policy& policy, const PolicySignature& signature,
   audit.episodes = demonstrations.size();
   audit.steps = stepsOf(demonstrations);
   audit.units = sample.units.size();
+  audit.draws = signature.is_stochastic ? kMeasuredDraws : 1;
   audit.are_episodes = units.size() == demonstrations.size();
   audit.error = meanOf(as_it_is);
   audit.constant = meanOf(of_constant);

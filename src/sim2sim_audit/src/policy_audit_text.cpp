@@ -21,6 +21,11 @@ std::string withInterval(const Estimate& error) {
                                pusht::significantText(error.interval->high, kDigits) + "]";
 }
 
+/// "energy scores of 16 draws, "; empty for a policy that draws no random numbers.
+std::string scoreOf(const PolicyAudit& audit) {
+  return audit.draws > 1 ? "energy scores of " + std::to_string(audit.draws) + " draws, " : "";
+}
+
 std::string verdictLine(const PolicyAudit& audit) {
   const std::string constant = " (a constant action: " + numberOf(audit.constant) + ")";
   switch (audit.verdict) {
@@ -49,8 +54,9 @@ nlohmann::ordered_json jsonOf(const Estimate& error) {
 std::string textOf(const PolicyAudit& audit, const std::string& name, const std::string& demonstrations) {
   std::string text = verdictLine(audit) + "\n";
   text += "policy " + name + ", " + demonstrations + ": " + std::to_string(audit.episodes) + " episodes, " +
-          std::to_string(audit.steps) + " control steps; errors are means over " + std::to_string(audit.units) +
-          (audit.are_episodes ? " episodes" : " parts of episodes") + " that the search did not see, in m/s\n";
+          std::to_string(audit.steps) + " control steps; errors are " + scoreOf(audit) + "means over " +
+          std::to_string(audit.units) + (audit.are_episodes ? " episodes" : " parts of episodes") +
+          " that the search did not see, in m/s\n";
   text += "as it is            " + withInterval(audit.error) + "\n";
   text += "a constant action   " + withInterval(audit.constant) + "\n";
   text += "best of " + std::to_string(audit.tried) + " faults and pairs of faults:\n";
@@ -72,6 +78,9 @@ nlohmann::ordered_json toJson(const PolicyAudit& audit) {
                                  {"error", jsonOf(audit.error)},
                                  {"constant_action", jsonOf(audit.constant)},
                                  {"explanations", nlohmann::ordered_json::array()}};
+  if (audit.draws > 1) {
+    json["draws"] = audit.draws;
+  }
   for (const Explanation& explanation : audit.explanations) {
     json["explanations"].push_back({{"corrections", explanation.corrections},
                                     {"error", jsonOf(explanation.error)},

@@ -15,6 +15,8 @@ using pusht::Action;
 using pusht::Observation;
 using pusht::Policy;
 
+constexpr int kDrawShift = 32;  // seeds of a draw's rollouts
+
 /// Observations of a demonstration for a whole number of answers of `actions` actions: the last one is repeated.
 std::vector<Observation> filledUp(const std::vector<Observation>& observations, std::size_t actions) {
   std::vector<Observation> filled = observations;
@@ -28,14 +30,30 @@ double distanceBetween(const Action& a, const Action& b) {
   return std::sqrt(x * x + y * y);
 }
 
-/// Mean distance of `actions`, given `later` control steps later, from the recorded ones in a unit.
-double errorIn(const Unit& unit, const std::vector<Action>& actions, const std::vector<Action>& recorded, int later) {
+/// Energy score of the actions that several draws give at one step: their mean distance from the recorded one, less
+/// half their mean distance from each other.
+double energyScore(const std::vector<std::vector<Action>>& draws, std::size_t given, const Action& recorded) {
+  const auto count = static_cast<double>(draws.size());
+  double from_recorded = 0.0;
+  double from_each_other = 0.0;
+  for (std::size_t one = 0; one < draws.size(); ++one) {
+    from_recorded += distanceBetween(draws[one][given], recorded);
+    for (std::size_t other = 0; other < one; ++other) {
+      from_each_other += distanceBetween(draws[one][given], draws[other][given]);
+    }
+  }
+  return from_recorded / count - (draws.size() > 1 ? from_each_other / (count * (count - 1.0)) : 0.0);
+}
+
+/// Mean score in a unit of the actions of several draws, read `later` control steps later.
+double errorIn(const Unit& unit, const std::vector<std::vector<Action>>& draws, const std::vector<Action>& recorded,
+               int later) {
   double sum = 0.0;
   int count = 0;
   for (std::size_t step = unit.begin; step < unit.end; ++step) {
     const auto given = static_cast<std::ptrdiff_t>(step) - later;
     if (given >= 0 && given < static_cast<std::ptrdiff_t>(recorded.size())) {
-      sum += distanceBetween(actions[static_cast<std::size_t>(given)], recorded[step]);
+      sum += energyScore(draws, static_cast<std::size_t>(given), recorded[step]);
       ++count;
     }
   }
@@ -55,32 +73,6 @@ Answers joinedLike(const std::vector<std::vector<Observation>>& sequences, const
   }
   return answers;
 }
-
-/// Mean of several answers to the same questions.
-class MeanAnswers {
- public:
-  void add(const Answers& answers) {
-    ++count_;
-    if (count_ == 1) {
-      mean_ = answers;
-      return;
-    }
-    for (std::size_t i = 0; i < mean_.size(); ++i) {
-      for (std::size_t step = 0; step < mean_[i].size(); ++step) {
-        for (std::size_t axis = 0; axis < mean_[i][step].size(); ++axis) {
-          float& mean = mean_[i][step][axis];
-          mean += (answers[i][step][axis] - mean) / static_cast<float>(count_);
-        }
-      }
-    }
-  }
-
-  Answers take() { return std::move(mean_); }
-
- private:
-  Answers mean_;
-  int count_ = 0;
-};
 
 }  // namespace
 
@@ -103,7 +95,7 @@ Sample sampleOf(const PolicySignature& signature, const std::vector<Demonstratio
 PolicyInterview::PolicyInterview(Policy& policy, const PolicySignature& signature)
     : policy_(policy), signature_(signature) {}
 
-Answers PolicyInterview::answersTo(const Sample& sample, const Corrections& corrections, int draws) {
+Draws PolicyInterview::answersTo(const Sample& sample, const Corrections& corrections, int draws) {
   Sequences sequences;
   for (const Demonstration& demonstration : sample.demonstrations) {
     sequences.push_back(filledUp(demonstration.observations, static_cast<std::size_t>(signature_.actions)));
@@ -117,14 +109,15 @@ Answers PolicyInterview::answersTo(const Sample& sample, const Corrections& corr
     }
     history = correction->history ? correction : history;
   }
-  MeanAnswers mean;
+  Draws all;
   for (int draw = 0; draw < (signature_.is_stochastic ? draws : 1); ++draw) {
-    const auto seed = static_cast<std::uint64_t>(draw);
-    mean.add(history != nullptr     ? callByCall(sequences, *history, seed)
-             : signature_.isPlain() ? stepByStep(sequences, seed)
-                                    : inTurn(sequences, seed, 0));
+    // Each rollout of each draw has random numbers of its own: rollouts with the same ones would err together.
+    const std::uint64_t seed = static_cast<std::uint64_t>(draw) << kDrawShift;
+    all.push_back(history != nullptr     ? callByCall(sequences, *history, seed)
+                  : signature_.isPlain() ? stepByStep(sequences, seed)
+                                         : inTurn(sequences, seed, 0));
   }
-  return mean.take();
+  return all;
 }
 
 /// Actions of rollouts that see these sequences, step by step, without the first `skipped` of each.
@@ -132,7 +125,7 @@ Answers PolicyInterview::inTurn(const Sequences& sequences, std::uint64_t seed, 
   std::vector<std::unique_ptr<Policy::Memory>> memories;
   std::size_t longest = 0;
   for (const std::vector<Observation>& sequence : sequences) {
-    memories.push_back(policy_.begin({seed, signature_.actions}));
+    memories.push_back(policy_.begin({seed + memories.size(), signature_.actions}));
     longest = std::max(longest, sequence.size());
   }
   Answers answers(sequences.size());
@@ -211,15 +204,17 @@ std::vector<Action> PolicyInterview::read(std::vector<Action> actions, const Dem
   return actions;
 }
 
-std::vector<double> PolicyInterview::errorsOf(const Sample& sample, const Answers& answers,
+std::vector<double> PolicyInterview::errorsOf(const Sample& sample, const Draws& draws,
                                               const Corrections& corrections) const {
   int later = 0;
   for (const Correction* correction : corrections) {
     later += correction->later;
   }
-  std::vector<std::vector<Action>> read;
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    read.push_back(this->read(answers[i], sample.demonstrations[i], corrections));
+  std::vector<std::vector<std::vector<Action>>> read(sample.demonstrations.size());  // of each, the draws
+  for (const Answers& answers : draws) {
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      read[i].push_back(this->read(answers[i], sample.demonstrations[i], corrections));
+    }
   }
   std::vector<double> errors;
   for (const Unit& unit : sample.units) {

@@ -38,6 +38,9 @@ Sample sampleOf(const PolicySignature& signature, const std::vector<Demonstratio
 /// Actions in answer to each demonstration of a sample: those of a whole number of answers.
 using Answers = std::vector<std::vector<pusht::Action>>;
 
+/// Answers of a policy that draws random numbers, asked several times; of another one, its answers alone.
+using Draws = std::vector<Answers>;
+
 /// A policy that is asked.
 class PolicyInterview {
  public:
@@ -46,13 +49,16 @@ class PolicyInterview {
 
   const PolicySignature& signature() const { return signature_; }
 
-  /// Means of the policy's actions over `draws` of its random numbers, where it is asked under those of `corrections`
-  /// that are of questions. All actions of an answer are executed before it is asked again.
-  Answers answersTo(const Sample& sample, const Corrections& corrections, int draws = 1);
+  /// The policy's actions, where it is asked under those of `corrections` that are of questions. A policy that draws
+  /// random numbers is asked `draws` times. All actions of an answer are executed before it is asked again.
+  Draws answersTo(const Sample& sample, const Corrections& corrections, int draws);
 
-  /// Mean distance [m/s] from the recorded actions in each unit, where answers are read under those of `corrections`
-  /// that are of answers. Infinite if a number is not finite.
-  std::vector<double> errorsOf(const Sample& sample, const Answers& answers, const Corrections& corrections) const;
+  /// Mean score [m/s] of the actions against the recorded ones in each unit, where answers are read under those of
+  /// `corrections` that are of answers. It is the distance; of several draws the energy score (Gneiting and Raftery,
+  /// "Strictly Proper Scoring Rules", 2007, eq. 21 with beta 1), estimated without bias. It is the least for the
+  /// distribution that the recorded actions come from, so actions that are only drawn in to a mean do not gain.
+  /// Infinite if a number is not finite.
+  std::vector<double> errorsOf(const Sample& sample, const Draws& draws, const Corrections& corrections) const;
 
  private:
   using Sequences = std::vector<std::vector<pusht::Observation>>;

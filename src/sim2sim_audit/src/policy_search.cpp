@@ -14,6 +14,7 @@ namespace {
 constexpr std::size_t kQuickSteps = 64;    // of the first round
 constexpr std::size_t kSurvivors = 32;     // of the first round
 constexpr std::size_t kFinalists = 3;      // of each size
+constexpr int kSearchDraws = 8;            // of a policy's random numbers
 constexpr std::size_t kBestQuestions = 2;  // to which every other question's correction is added
 // An error may be that of a fault beyond one of these shares.
 constexpr double kHelped = 0.85;  // of the error as it is, under the best correction
@@ -90,12 +91,12 @@ class Search {
 
  private:
   double errorOn(const Sample& sample, const Corrections& corrections) {
-    return averageOf(policy_.errorsOf(sample, policy_.answersTo(sample, corrections), corrections));
+    return averageOf(policy_.errorsOf(sample, policy_.answersTo(sample, corrections, kSearchDraws), corrections));
   }
 
   /// Asks the policy under corrections of questions, and reads the answers in all ways.
   void ask(const Corrections& questions) {
-    const Answers answers = policy_.answersTo(quick_, questions);
+    const Draws answers = policy_.answersTo(quick_, questions, kSearchDraws);
     const auto read = [&](const Corrections& corrections) {
       if (!corrections.empty()) {
         ++tried_;
@@ -114,7 +115,7 @@ class Search {
     }
   }
 
-  void askPairsOfAnswers(const Answers& answers) {
+  void askPairsOfAnswers(const Draws& answers) {
     for (auto one = answers_.begin(); one != answers_.end(); ++one) {
       for (auto other = one + 1; other != answers_.end(); ++other) {
         if (canBeTogether(*one, *other)) {

@@ -234,7 +234,7 @@ TEST_P(PlantedInEachKind, AreNamed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(PlantedPolicyFaults, PlantedInEachKind,
-                         ::testing::Values("expert", "plain", "history", "chunks", "state"));
+                         ::testing::Values("expert", "plain", "history", "chunks", "state", "noise"));
 
 /// Demonstrations that a policy was not trained on: of another demonstrator, in another simulator.
 std::vector<std::vector<Demonstration>> strangeDemonstrations() {

@@ -48,7 +48,7 @@ struct Explanation {
 };
 
 /// Result of an audit of a policy. Errors are mean distances between its actions and the recorded ones [m/s], over the
-/// episodes that the search did not see.
+/// episodes that the search did not see; of a policy that draws random numbers, energy scores (docs/audit.md).
 struct PolicyAudit {
   PolicyVerdict verdict = PolicyVerdict::kNear;
   PolicySignature signature;
@@ -56,6 +56,7 @@ struct PolicyAudit {
   std::size_t steps = 0;
   std::size_t units = 0;                  ///< episodes, or parts of them, that the figures are means of
   bool are_episodes = true;               ///< whether units are whole episodes
+  int draws = 1;                          ///< answers to each question; above 1 for random numbers
   std::size_t tried = 0;                  ///< faults and pairs of faults that the search looked at
   Estimate error;                         ///< of the policy as it is
   Estimate constant;                      ///< of the best constant action

@@ -8,9 +8,6 @@ namespace {
 
 constexpr double kFar = 2.0 * kPlausibleDistance;  // [m]
 
-cpVect toChipmunk(const Eigen::Vector2d& vector) { return cpv(vector.x(), vector.y()); }
-Eigen::Vector2d toEigen(const cpVect& vector) { return {vector.x, vector.y}; }
-
 /// Chipmunk would move a body before it looks for collisions.
 void stay(cpBody* /*body*/, cpFloat /*dt*/) {}
 

@@ -6,9 +6,9 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
+#include "chipmunk_types.hpp"
 #include "pusht_task/scene_kind.hpp"
 #include "pusht_task/scene_world.hpp"
 
@@ -82,15 +82,6 @@ class ChipmunkScene : public Scene {
   cpBody* tee() const { return tee_; }
 
  private:
-  struct Free {
-    void operator()(cpSpace* space) const { cpSpaceFree(space); }
-    void operator()(cpBody* body) const { cpBodyFree(body); }
-    void operator()(cpShape* shape) const { cpShapeFree(shape); }
-    void operator()(cpConstraint* constraint) const { cpConstraintFree(constraint); }
-  };
-  template <class T>
-  using Owned = std::unique_ptr<T, Free>;
-
   cpBody* addBody(double mass, double moment);
   cpBody* addPusherBody();
   cpBody* addTeeBody();

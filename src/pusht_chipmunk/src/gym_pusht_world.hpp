@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+/// gym-pusht's world, to the last bit, in its own units (pusht_task/gym_pusht.hpp).
+#pragma once
+
+#include <chipmunk/chipmunk.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "pusht_task/gym_pusht.hpp"
+#include "pusht_task/switches.hpp"
+
+namespace pusht {
+
+/// Quirks of gym-pusht: each is there (true), or as it would be in a sound world.
+struct GymPushtQuirks {
+  bool inertia = true;
+  bool center = true;
+  bool contact_friction = true;
+  bool coasting = true;
+  bool kinematic = true;
+  bool legacy_order = true;
+  bool first_substep = true;
+};
+
+/// World of gym-pusht 0.1.5 on pymunk 6.6, whose space, bodies and shapes it makes in the same order and drives by the
+/// same arithmetic. Every reset makes a new space, as gym-pusht's does. Not thread-safe.
+class GymPushtWorld {
+ public:
+  /// Descriptions of all quirks.
+  static constexpr std::array kQuirks = {
+      Switch<GymPushtQuirks>{"inertia",
+                             "the tee's moment of inertia is 3000 px^2, twice that of its bar about the origin; sound: "
+                             "1931.6 px^2, that of a uniform tee",
+                             &GymPushtQuirks::inertia},
+      Switch<GymPushtQuirks>{"center",
+                             "the tee's center of gravity is the mean of its parts' centers, without their areas, 45 "
+                             "px from its origin; sound: 40.7 px",
+                             &GymPushtQuirks::center},
+      Switch<GymPushtQuirks>{"contact_friction",
+                             "contacts have no friction, as it is set where it has no effect; sound: 1",
+                             &GymPushtQuirks::contact_friction},
+      Switch<GymPushtQuirks>{"coasting", "the tee's velocity is wiped in each substep; sound: it is damped, at 38 1/s",
+                             &GymPushtQuirks::coasting},
+      Switch<GymPushtQuirks>{"kinematic",
+                             "the pusher feels no force, and walls do not stop it; sound: it has a mass of 2 kg, and "
+                             "its drive a limit of 300 N",
+                             &GymPushtQuirks::kinematic},
+      Switch<GymPushtQuirks>{"legacy_order",
+                             "a reset sets the tee's position, then turns it about its center of gravity; sound: it "
+                             "turns it first, so that its origin is where it was asked to be",
+                             &GymPushtQuirks::legacy_order},
+      Switch<GymPushtQuirks>{"first_substep",
+                             "a reset ends with a substep, which pushes overlapping bodies apart; sound: it does not",
+                             &GymPushtQuirks::first_substep},
+  };
+
+  /// Throws whatever makes a space of Chipmunk fail.
+  explicit GymPushtWorld(const GymPushtQuirks& quirks = {});
+  ~GymPushtWorld();
+
+  /// What gym-pusht's `reset(options={"reset_to_state": ...})` does: `asked` has positions and the angle; its
+  /// velocities are not read.
+  void reset(const gym_pusht::State& asked);
+
+  /// Puts the bodies where they are in `state`, and nothing else.
+  void restore(const gym_pusht::State& state);
+
+  /// Takes a control step towards `target` [px], which is not clipped.
+  void step(const Eigen::Vector2d& target);
+
+  gym_pusht::State state() const;
+
+  /// [px] From the tee's origin to its center of gravity.
+  double centerOfGravity() const;
+
+ private:
+  class Space;
+
+  GymPushtQuirks quirks_;
+  std::unique_ptr<Space> space_;
+};
+
+}  // namespace pusht

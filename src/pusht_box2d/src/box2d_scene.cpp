@@ -184,10 +184,11 @@ void Box2dScene::applyServo(const Eigen::Vector2d& command) {
     motor_->SetLinearOffset(pusher_->GetPosition() + toBox2d(step_ * command));
     return;
   }
+  const Eigen::Vector2d place = toEigen(pusher_->GetPosition());
   const Eigen::Vector2d speed = toEigen(pusher_->GetLinearVelocity());
-  pusher_->ApplyForceToCenter(
-      {force(pusherForce(physics(), command.x(), speed.x())), force(pusherForce(physics(), command.y(), speed.y()))},
-      true);
+  pusher_->ApplyForceToCenter({force(pusherForce(physics(), command.x(), place.x(), speed.x())),
+                               force(pusherForce(physics(), command.y(), place.y(), speed.y()))},
+                              true);
 }
 
 void Box2dScene::applyDragAt(const Eigen::Vector2d& point) {

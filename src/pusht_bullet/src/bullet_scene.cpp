@@ -206,9 +206,10 @@ void BulletScene::applyServo(const Eigen::Vector2d& command) {
     }
     return;
   }
+  const btVector3& place = pusher_->getWorldTransform().getOrigin();
   const btVector3 speed = pusher_->getLinearVelocity();
-  pusher_->applyCentralForce(
-      {pusherForce(physics(), command.x(), speed.x()), pusherForce(physics(), command.y(), speed.y()), 0.0});
+  pusher_->applyCentralForce({pusherForce(physics(), command.x(), place.x(), speed.x()),
+                              pusherForce(physics(), command.y(), place.y(), speed.y()), 0.0});
 }
 
 void BulletScene::applyDragAt(const Eigen::Vector2d& point) {

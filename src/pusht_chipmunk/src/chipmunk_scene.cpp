@@ -119,9 +119,10 @@ void ChipmunkScene::applyServo(const Eigen::Vector2d& command) {
     cpBodySetVelocity(command_, toChipmunk(command));
     return;
   }
+  const cpVect place = cpBodyGetPosition(pusher_);
   const cpVect speed = cpBodyGetVelocity(pusher_);
-  cpBodySetForce(pusher_,
-                 cpv(pusherForce(physics(), command.x(), speed.x), pusherForce(physics(), command.y(), speed.y)));
+  cpBodySetForce(pusher_, cpv(pusherForce(physics(), command.x(), place.x, speed.x),
+                              pusherForce(physics(), command.y(), place.y, speed.y)));
 }
 
 void ChipmunkScene::applyDragAt(const Eigen::Vector2d& point) {

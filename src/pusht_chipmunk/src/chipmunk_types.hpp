@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Chipmunk's vectors and objects beside Eigen's and C++'s.
+/// Chipmunk's vectors and objects beside Eigen's and C++'s, and what a process does before it uses any.
 #pragma once
 
 #include <chipmunk/chipmunk.h>
@@ -22,5 +22,8 @@ struct FreeOfChipmunk {
 /// Object of Chipmunk that its owner frees. A space looks at its bodies when it is freed: it must go first.
 template <class T>
 using Owned = std::unique_ptr<T, FreeOfChipmunk>;
+
+/// Makes Chipmunk ready: Debian's greets on stdout, where results belong, when a process makes its first space.
+void prepareChipmunk();
 
 }  // namespace pusht

@@ -7,8 +7,8 @@
 
 #include "chipmunk_types.hpp"
 #include "pusht_task/constants.hpp"
-#include "pusht_task/mapping.hpp"
 #include "pusht_task/physics.hpp"
+#include "pusht_task/task.hpp"
 
 namespace pusht {
 namespace {
@@ -29,34 +29,15 @@ constexpr cpVect kFirstPusher = {256, 400};
 constexpr cpVect kFirstTee = {256, 300};
 constexpr double kTeeMass = 1.0;  // [kg]
 
-// Drive: a proportional-derivative controller of the pusher's acceleration.
-constexpr double kStiffness = 100.0;  // [1/s^2]
-constexpr double kDamping = 20.0;     // [1/s]
-
-// A sound world: what gym-pusht leaves open has the course's proportions.
-constexpr double kSoundPusherMass = 2.0;                                          // [kg]
-constexpr double kSoundLimit = 300.0 * gym_pusht::kPixelsPerMeter;                // [kg px/s^2]
-constexpr double kSoundDamping = dynamics::kTeeDamping / (kBarMass + kStemMass);  // [1/s]
-constexpr double kSoundFriction = 1.0;                                            // [-]
+const Physics& sound() { return gymPusht().physics; }
 
 /// [px] From the tee's origin to the center of mass of a uniform tee.
-double soundCenter() {
-  const double bar = cpAreaForPoly(static_cast<int>(kBar.size()), kBar.data(), 0.0);
-  const double stem = cpAreaForPoly(static_cast<int>(kStem.size()), kStem.data(), 0.0);
-  const double bar_center = cpCentroidForPoly(static_cast<int>(kBar.size()), kBar.data()).y;
-  const double stem_center = cpCentroidForPoly(static_cast<int>(kStem.size()), kStem.data()).y;
-  return (bar * bar_center + stem * stem_center) / (bar + stem);
-}
+double soundCenter() { return gym_pusht::kBarCenter + gym_pusht::kPixelsPerMeter * sound().centerOfMass(); }
 
 /// [kg px^2] Moment of inertia of a uniform tee about its center of mass.
 double soundMoment() {
-  const double bar = cpAreaForPoly(static_cast<int>(kBar.size()), kBar.data(), 0.0);
-  const double stem = cpAreaForPoly(static_cast<int>(kStem.size()), kStem.data(), 0.0);
-  const cpVect to_center = cpv(0.0, -soundCenter());
-  const auto moment = [&](double share, const auto& part) {
-    return cpMomentForPoly(kTeeMass * share, static_cast<int>(part.size()), part.data(), to_center, 0.0);
-  };
-  return moment(bar / (bar + stem), kBar) + moment(stem / (bar + stem), kStem);
+  const double square_meters = sound().tee_second_moment - sound().tee_first_moment * sound().centerOfMass();
+  return square_meters * gym_pusht::kPixelsPerMeter * gym_pusht::kPixelsPerMeter;
 }
 
 /// gym-pusht takes the bar's moment for the stem's, too, and about the origin.
@@ -75,7 +56,7 @@ void keepVelocity(cpBody* body, cpVect gravity, cpFloat /*damping*/, cpFloat dt)
 class GymPushtWorld::Space {
  public:
   explicit Space(const GymPushtQuirks& quirks) : quirks_(quirks), space_(cpSpaceNew()) {
-    cpSpaceSetDamping(space_.get(), quirks.coasting ? 0.0 : std::exp(-kSoundDamping));
+    cpSpaceSetDamping(space_.get(), quirks.coasting ? 0.0 : std::exp(-sound().tee_damping / sound().tee_mass));
     for (const auto& [begin, end] : kWalls) {
       add(cpSegmentShapeNew(cpSpaceGetStaticBody(space_.get()), begin, end, kWallRadius));
     }
@@ -107,12 +88,8 @@ class GymPushtWorld::Space {
   void drive(const cpVect& target) {
     const cpVect position = cpBodyGetPosition(pusher_);
     const cpVect velocity = cpBodyGetVelocity(pusher_);
-    cpVect acceleration = cpv(kStiffness * (target.x - position.x) + kDamping * (0.0 - velocity.x),
-                              kStiffness * (target.y - position.y) + kDamping * (0.0 - velocity.y));
-    if (!quirks_.kinematic) {
-      acceleration = cpvclamp(acceleration, kSoundLimit / kSoundPusherMass);
-    }
-    cpBodySetVelocity(pusher_, cpv(velocity.x + acceleration.x * kStep, velocity.y + acceleration.y * kStep));
+    cpBodySetVelocity(pusher_, cpv(velocity.x + accelerationOf(target.x - position.x, velocity.x) * kStep,
+                                   velocity.y + accelerationOf(target.y - position.y, velocity.y) * kStep));
   }
 
   State state() const {
@@ -127,20 +104,22 @@ class GymPushtWorld::Space {
   }
 
  private:
-  cpShape* add(cpShape* shape) {
-    shapes_.emplace_back(cpSpaceAddShape(space_.get(), shape));
-    return shape;
+  /// [px/s^2] Along an axis.
+  double accelerationOf(double way, double velocity) const {
+    const double acceleration = gym_pusht::kStiffness * way + gym_pusht::kDamping * (0.0 - velocity);
+    const double limit = gym_pusht::kPixelsPerMeter * sound().servo_limit / sound().pusher_mass;
+    return quirks_.kinematic ? acceleration : std::clamp(acceleration, -limit, limit);
   }
 
   void addPusher() {
-    bodies_.emplace_back(quirks_.kinematic ? cpBodyNewKinematic() : cpBodyNew(kSoundPusherMass, INFINITY));
+    bodies_.emplace_back(quirks_.kinematic ? cpBodyNewKinematic() : cpBodyNew(sound().pusher_mass, INFINITY));
     pusher_ = bodies_.back().get();
     cpBodySetPosition(pusher_, kFirstPusher);
     if (!quirks_.kinematic) {
       cpBodySetVelocityUpdateFunc(pusher_, keepVelocity);
     }
     cpSpaceAddBody(space_.get(), pusher_);
-    addWithFriction(cpCircleShapeNew(pusher_, kRadius, cpvzero));
+    add(cpCircleShapeNew(pusher_, kRadius, cpvzero));
   }
 
   void addTee() {
@@ -151,13 +130,13 @@ class GymPushtWorld::Space {
     cpBodySetAngle(tee_, 0.0);
     cpSpaceAddBody(space_.get(), tee_);
     for (const auto& part : {kBar, kStem}) {
-      addWithFriction(cpPolyShapeNew(tee_, static_cast<int>(part.size()), part.data(), cpTransformIdentity, 0.0));
+      add(cpPolyShapeNew(tee_, static_cast<int>(part.size()), part.data(), cpTransformIdentity, 0.0));
     }
   }
 
-  void addWithFriction(cpShape* shape) {
-    add(shape);
-    cpShapeSetFriction(shape, quirks_.contact_friction ? 0.0 : kSoundFriction);
+  void add(cpShape* shape) {
+    shapes_.emplace_back(cpSpaceAddShape(space_.get(), shape));
+    cpShapeSetFriction(shape, quirks_.contact_friction ? 0.0 : sound().contact_friction);
   }
 
   static double centerOfGravityIn(const GymPushtQuirks& quirks) {
@@ -172,14 +151,15 @@ class GymPushtWorld::Space {
   Owned<cpSpace> space_;  // last, hence freed first: it looks at its bodies then
 };
 
-GymPushtWorld::GymPushtWorld(const GymPushtQuirks& quirks) : quirks_(quirks), space_(std::make_unique<Space>(quirks)) {}
+GymPushtWorld::GymPushtWorld(const GymPushtQuirks& quirks, const GymPushtResets& resets)
+    : quirks_(quirks), resets_(resets), space_(std::make_unique<Space>(quirks)) {}
 
 GymPushtWorld::~GymPushtWorld() = default;
 
 void GymPushtWorld::reset(const State& asked) {
   space_ = std::make_unique<Space>(quirks_);
-  space_->place(asked, quirks_.legacy_order);
-  if (quirks_.first_substep) {
+  space_->place(asked, resets_.legacy_order);
+  if (resets_.first_substep) {
     space_->substep();
   }
 }

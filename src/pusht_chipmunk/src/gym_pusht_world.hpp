@@ -21,8 +21,12 @@ struct GymPushtQuirks {
   bool contact_friction = true;
   bool coasting = true;
   bool kinematic = true;
-  bool legacy_order = true;
-  bool first_substep = true;
+};
+
+/// Quirks of its resets, likewise.
+struct GymPushtResets {
+  bool legacy_order = true;  ///< sets the tee's position, then turns it about its center of gravity; sound: turns first
+  bool first_substep = true;  ///< ends with a substep, which pushes overlapping bodies apart
 };
 
 /// World of gym-pusht 0.1.5 on pymunk 6.6, whose space, bodies and shapes it makes in the same order and drives by the
@@ -48,17 +52,10 @@ class GymPushtWorld {
                              "the pusher feels no force, and walls do not stop it; sound: it has a mass of 2 kg, and "
                              "its drive a limit of 300 N",
                              &GymPushtQuirks::kinematic},
-      Switch<GymPushtQuirks>{"legacy_order",
-                             "a reset sets the tee's position, then turns it about its center of gravity; sound: it "
-                             "turns it first, so that its origin is where it was asked to be",
-                             &GymPushtQuirks::legacy_order},
-      Switch<GymPushtQuirks>{"first_substep",
-                             "a reset ends with a substep, which pushes overlapping bodies apart; sound: it does not",
-                             &GymPushtQuirks::first_substep},
   };
 
   /// Throws whatever makes a space of Chipmunk fail.
-  explicit GymPushtWorld(const GymPushtQuirks& quirks = {});
+  explicit GymPushtWorld(const GymPushtQuirks& quirks = {}, const GymPushtResets& resets = {});
   ~GymPushtWorld();
 
   /// What gym-pusht's `reset(options={"reset_to_state": ...})` does: `asked` has positions and the angle; its
@@ -80,6 +77,7 @@ class GymPushtWorld {
   class Space;
 
   GymPushtQuirks quirks_;
+  GymPushtResets resets_;
   std::unique_ptr<Space> space_;
 };
 

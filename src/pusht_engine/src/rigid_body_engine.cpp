@@ -10,8 +10,9 @@ using rigid_body::kTeeX;
 using rigid_body::kTeeY;
 using rigid_body::kTeeYaw;
 
-/// [kg m^2] Moment of inertia of a box about its center, in the plane.
-constexpr double momentOfBox(double mass, double half_x, double half_y) {
+/// [kg m^2] Moment of inertia of a box about its center, in the plane. Its order of operations decides the engine's
+/// bits.
+constexpr double momentOfPart(double mass, double half_x, double half_y) {
   return mass / 3.0 * (half_x * half_x + half_y * half_y);
 }
 
@@ -21,8 +22,8 @@ rigid_body::Model rigid_body::modelOf(const RigidBodyParameters& parameters) {
   using namespace dynamics;
   constexpr double kTeeMass = kBarMass + kStemMass;
   constexpr double kMomentOfPoints = kStemMass * kStemOffset * kStemOffset;
-  constexpr double kMomentOfBoxes = kMomentOfPoints + momentOfBox(kBarMass, kBarHalfLength, kTeeHalfWidth) +
-                                    momentOfBox(kStemMass, kTeeHalfWidth, kStemHalfLength);
+  constexpr double kMomentOfBoxes = kMomentOfPoints + momentOfPart(kBarMass, kBarHalfLength, kTeeHalfWidth) +
+                                    momentOfPart(kStemMass, kTeeHalfWidth, kStemHalfLength);
   Model model = {};
   model.switches = parameters;
   model.substep = parameters.substep;

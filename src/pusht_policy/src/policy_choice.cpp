@@ -93,13 +93,18 @@ ChosenPolicy withinMemory(const std::string& what, const std::function<bool()>& 
 }  // namespace
 
 ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, const std::function<bool()>& stop) {
+  const Task& task = choice.task;
   if (choice.policy == kExpertPolicy) {
-    return {[] { return std::make_unique<ScriptedExpert>(); },
+    return {[&task] { return std::make_unique<ScriptedExpert>(task); },
             kExpertPolicy,
             {{"scripted", kExpertPolicy}},
             {{"runs_on", "scripted"}},
             {},
             ""};
+  }
+  if (&task != &fullCircle()) {
+    throw InvalidInput("policy " + choice.policy + ": was made for the task " + fullCircle().name +
+                       ": must be one for " + task.name + ", such as " + kExpertPolicy);
   }
   const auto untrained = [&](const std::string& warning) {
     return withinMemory("the untrained policy", stop,

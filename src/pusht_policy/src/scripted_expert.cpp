@@ -4,7 +4,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <optional>
+#include <utility>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
@@ -62,10 +64,11 @@ struct View {
   Eigen::Rotation2Dd rotation;  // tee frame to table frame
   Vector2d center_of_mass;
 
-  explicit View(const Observation& o)
-      : pusher(o[0], o[1]),
-        tee(o[2], o[3]),
-        yaw(std::atan2(static_cast<double>(o[4]), static_cast<double>(o[5]))),
+  /// View of the pusher at a point [m], and of the tee in a pose [m, rad], both from the target.
+  View(Vector2d pusher_position, const Pose& pose)
+      : pusher(std::move(pusher_position)),
+        tee(pose.position),
+        yaw(pose.yaw),
         rotation(yaw),
         center_of_mass(tee + rotation * Vector2d(0.0, -kCenterOfMassOffset)) {}
 
@@ -192,6 +195,32 @@ Vector2d command(const View& view, Stroke& stroke) {
   return approach(view, push);
 }
 
+/// Pose that an observation has from its number `first` on, in the task's frame.
+Pose poseIn(const Observation& o, std::size_t first) {
+  return {{o[first], o[first + 1]}, std::atan2(static_cast<double>(o[first + 2]), static_cast<double>(o[first + 3]))};
+}
+
+Action actionFor(const Observation& observation, Stroke& stroke, const Task& task) {
+  const Pose seen_tee = poseIn(observation, 2);
+  const Vector2d seen_pusher(observation[0], observation[1]);
+  if (&task == &fullCircle()) {  // the target is the table's origin: nothing turns, so that no bit is lost
+    const Vector2d velocity = command(View(seen_pusher, seen_tee), stroke);
+    return clip({static_cast<float>(velocity.x()), static_cast<float>(velocity.y())});
+  }
+  const Pose tee = task.frame.poseToTable(seen_tee);
+  const Vector2d pusher = task.frame.pointToTable(seen_pusher);
+  const Eigen::Rotation2Dd from_target(task.target.yaw);
+  const auto fromTarget = [&](const Vector2d& point) -> Vector2d {
+    return from_target.inverse() * (point - task.target.position);
+  };
+  const View view(fromTarget(pusher), {fromTarget(tee.position), wrapAngle(tee.yaw - task.target.yaw)});
+  const Vector2d velocity = from_target * command(view, stroke);
+  // At a constant velocity, spring and damper of a drive to a position are even.
+  const double lead = task.physics.servo_gain / task.physics.servo_stiffness;
+  const Vector2d target = task.frame.pointFromTable(pusher + lead * velocity);
+  return clip({static_cast<float>(target.x()), static_cast<float>(target.y())}, task);
+}
+
 }  // namespace
 
 std::unique_ptr<Policy::Memory> ScriptedExpert::begin(const Beginning& beginning) const {
@@ -205,8 +234,7 @@ void ScriptedExpert::act(Span<const Query> queries, Span<Action> actions) {
     if (stroke == nullptr) {
       throw InternalError("scripted expert: a query must carry a memory from begin()");
     }
-    const Vector2d velocity = command(View(queries[i].observation), *stroke);
-    actions[i] = clip({static_cast<float>(velocity.x()), static_cast<float>(velocity.y())});
+    actions[i] = actionFor(queries[i].observation, *stroke, *task_);
   }
 }
 

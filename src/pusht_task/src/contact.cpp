@@ -120,12 +120,13 @@ double slipDistance(const WorldState& before, const WorldState& after, Part box)
   return along + kPusherRadius * wrapAngle(direction(after, to) - direction(before, from));
 }
 
-WallGaps wallGapsOf(const WorldState& state) {
-  WallGaps gaps{kWallInnerFace - kPusherRadius - state.pusher_position.lpNorm<Eigen::Infinity>(), kWallInnerFace};
+WallGaps wallGapsOf(const WorldState& state, const Task& task) {
+  const Physics& physics = task.physics;
+  WallGaps gaps{distanceToWalls(state.pusher_position, physics) - physics.pusher_radius, physics.wall_inner_face};
   const Eigen::Rotation2Dd rotation = teeToTable(state);
   for (const Vector2d& corner : teeCorners()) {
     const Vector2d at = state.tee_position + rotation * corner;
-    gaps.tee = std::min(gaps.tee, kWallInnerFace - at.lpNorm<Eigen::Infinity>());
+    gaps.tee = std::min(gaps.tee, distanceToWalls(at, physics));
   }
   return gaps;
 }

@@ -2,54 +2,51 @@
 #include "pusht_task/gym_pusht.hpp"
 
 #include <Eigen/Geometry>
-#include <algorithm>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/numpy_random_state.hpp"
+#include "pusht_task/task.hpp"
 
 namespace pusht::gym_pusht {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kMiddle = kSide / 2.0;                         // [px] on each axis
-constexpr double kBarCenter = kPixelsPerMeter * kTeeHalfWidth;  // [px] from the tee's origin, along its y
-
-Vector2d toTable(const Vector2d& pixels) { return Vector2d(pixels.x(), -pixels.y()) / kPixelsPerMeter; }
-Vector2d toPixels(const Vector2d& meters) { return kPixelsPerMeter * Vector2d(meters.x(), -meters.y()); }
-
-/// [px] To a point on the axis of a tee that is turned by `angle`, from its origin.
+/// [px] Vector to a point of the axis of a tee that is turned by `angle`.
 Vector2d armTo(double point, double angle) { return Eigen::Rotation2Dd(angle) * Vector2d(0.0, point); }
 
 Vector2d perpendicular(const Vector2d& arm) { return {-arm.y(), arm.x()}; }
 
-const Vector2d& middle() {
-  static const Vector2d point(kMiddle, kMiddle);
-  return point;
-}
+// Velocities between pixels, y down, and meters, y up.
+Vector2d toMeters(const Vector2d& pixels) { return Vector2d(pixels.x(), -pixels.y()) / kPixelsPerMeter; }
+Vector2d toPixels(const Vector2d& meters) { return kPixelsPerMeter * Vector2d(meters.x(), -meters.y()); }
 
 }  // namespace
 
 WorldState toTable(const State& state, double center_of_gravity) {
-  WorldState table;
-  table.pusher_position = toTable(Vector2d(state.pusher - middle()));
-  table.pusher_velocity = toTable(state.pusher_velocity);
-  table.tee_position = toTable(Vector2d(state.tee + armTo(kBarCenter, state.angle) - middle()));
+  const TaskFrame& frame = gymPusht().frame;
+  const Pose tee = frame.poseToTable({state.tee, state.angle});
   const Vector2d arm = armTo(kBarCenter - center_of_gravity, state.angle);
-  table.tee_velocity = toTable(Vector2d(state.tee_velocity + state.rate * perpendicular(arm)));
-  table.tee_yaw = wrapAngle(-state.angle);
+  WorldState table;
+  table.pusher_position = frame.pointToTable(state.pusher);
+  table.pusher_velocity = toMeters(state.pusher_velocity);
+  table.tee_position = tee.position;
+  table.tee_velocity = toMeters(state.tee_velocity + state.rate * perpendicular(arm));
+  table.tee_yaw = tee.yaw;
   table.tee_yaw_rate = -state.rate;
   return table;
 }
 
 State fromTable(const WorldState& table, double center_of_gravity) {
+  const TaskFrame& frame = gymPusht().frame;
+  const Pose tee = frame.poseFromTable({table.tee_position, table.tee_yaw});
+  const Vector2d arm = armTo(kBarCenter - center_of_gravity, tee.yaw);
   State state;
-  state.angle = -table.tee_yaw;
-  state.rate = -table.tee_yaw_rate;
-  state.pusher = toPixels(table.pusher_position) + middle();
+  state.pusher = frame.pointFromTable(table.pusher_position);
   state.pusher_velocity = toPixels(table.pusher_velocity);
-  state.tee = toPixels(table.tee_position) + middle() - armTo(kBarCenter, state.angle);
-  const Vector2d arm = armTo(kBarCenter - center_of_gravity, state.angle);
+  state.tee = tee.position;
+  state.angle = tee.yaw;
+  state.rate = -table.tee_yaw_rate;
   state.tee_velocity = toPixels(table.tee_velocity) - state.rate * perpendicular(arm);
   return state;
 }
@@ -68,16 +65,10 @@ State drawn(std::uint32_t seed) {
   return state;
 }
 
-Pose target() {
-  State state;
-  state.tee = middle();
-  state.angle = kPi / 4.0;
-  const WorldState table = toTable(state);
-  return {table.tee_position, table.tee_yaw};
+State turned(const State& asked, double center_of_gravity) {
+  State state = asked;
+  state.tee = asked.tee + Vector2d(0.0, center_of_gravity) - armTo(center_of_gravity, asked.angle);
+  return state;
 }
-
-double coverage(const WorldState& state) { return coverageOf({state.tee_position, state.tee_yaw}, target()); }
-
-double reward(double coverage) { return std::clamp(coverage / kSuccessCoverage, 0.0, 1.0); }
 
 }  // namespace pusht::gym_pusht

@@ -38,8 +38,9 @@ double Scene::pusherMass() const { return pusht::pusherMass(physics_, mapping_.s
 
 TeeInertia Scene::teeInertia() const { return pusht::teeInertia(physics_, mapping_.drag ? mapping_.substep : 0.0); }
 
-SceneWorld::SceneWorld(const std::string& name, double start_tolerance, double substep, MakeScene make_scene)
-    : Simulator(name, start_tolerance),
+SceneWorld::SceneWorld(const std::string& name, double start_tolerance, double substep, MakeScene make_scene,
+                       const Task& task)
+    : Simulator(name, start_tolerance, task),
       name_(name),
       substeps_(substepsPerControlStep(substep)),
       make_scene_(std::move(make_scene)) {
@@ -64,8 +65,9 @@ void SceneWorld::doReset(const WorldState& state) {
 
 void SceneWorld::doStep(const Action& action) {
   start_.reset();
+  const Eigen::Vector2d command = commandOf(action, task());
   for (int i = 0; i < substeps_; ++i) {
-    scene_->substep({action[0], action[1]});
+    scene_->substep(command);
     requireNone(scene_->faultOfSpeeds(), "step");
   }
   requireNone(scene_->faultOfPositions(scene_->state()), "step");

@@ -83,12 +83,12 @@ WorldState checkedStart(const WorldState& state) {
   return wrapped;
 }
 
-Action checkedAction(const Action& action) {
+Action checkedAction(const Action& action, const Task& task) {
   if (!isFinite(action)) {
     throw InvalidInput("step: action (" + std::to_string(action[0]) + ", " + std::to_string(action[1]) +
                        ") must be finite");
   }
-  return clip(action);
+  return clip(action, task);
 }
 
 std::string faultOfStart(const WorldState& start, const WorldState& state, double tolerance) {
@@ -146,8 +146,8 @@ void requirePlausibleStep(const WorldState& state) {
   }
 }
 
-Simulator::Simulator(std::string name, double start_tolerance)
-    : name_(std::move(name)), start_tolerance_(checkedStartTolerance(start_tolerance)) {}
+Simulator::Simulator(std::string name, double start_tolerance, const Task& task)
+    : name_(std::move(name)), start_tolerance_(checkedStartTolerance(start_tolerance)), task_(&task) {}
 
 void Simulator::reset(const WorldState& state) {
   const WorldState start = checkedStart(state);
@@ -161,7 +161,7 @@ void Simulator::step(const Action& action) {
   if (!ready_) {
     throw InvalidInput("step: the world must be reset first");
   }
-  const Action clipped = checkedAction(action);
+  const Action clipped = checkedAction(action, *task_);
   ready_ = false;
   doStep(clipped);
   inNameOf(name_, [&] { requirePlausibleStep(state()); });

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "pusht_task/error.hpp"
+#include "pusht_task/joined.hpp"
+
 namespace pusht {
 
 SimulatorModel modelOfWorlds(ParameterSet parameters, std::function<std::unique_ptr<Simulator>()> make_world) {
@@ -16,6 +19,12 @@ SimulatorModel modelOfWorlds(ParameterSet parameters, std::function<std::unique_
   };
   model.make_world = std::move(make_world);
   return model;
+}
+
+void SimulatorKind::requireTask(const Task& task) const {
+  if (std::find(tasks.begin(), tasks.end(), task.name) == tasks.end()) {
+    throw InvalidInput("task " + task.name + ": the kind " + name + " holds " + joined(tasks) + " alone");
+  }
 }
 
 }  // namespace pusht

@@ -6,7 +6,9 @@
 #include <cstddef>
 
 #include "pusht_task/constants.hpp"
+#include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
+#include "pusht_task/gym_pusht.hpp"
 
 namespace pusht {
 namespace {
@@ -87,7 +89,8 @@ double NumpyGenerator::random() { return static_cast<double>(engine_() >> 11U) *
 
 double NumpyGenerator::uniform(double low, double high) { return low + (high - low) * random(); }
 
-WorldState spawn(std::uint64_t seed) {
+/// The tee on a ring around the target with any yaw, the pusher clear of it.
+WorldState onRing(std::uint64_t seed) {
   NumpyGenerator generator(seed);
   WorldState state;
   const double radius = generator.uniform(kSpawnRadiusMin, kSpawnRadiusMax);
@@ -99,6 +102,20 @@ WorldState spawn(std::uint64_t seed) {
     state.pusher_position.y() = generator.uniform(-kSpawnPusherBound, kSpawnPusherBound);
   } while ((state.pusher_position - state.tee_position).norm() <= kSpawnPusherClearance);
   return state;
+}
+
+WorldState spawn(std::uint64_t seed, const Task& task) {
+  if (seed > task.last_spawn_seed) {
+    throw InvalidInput("spawn seed " + std::to_string(seed) + ": must be at most " +
+                       std::to_string(task.last_spawn_seed) + " in the task " + task.name);
+  }
+  switch (task.spawn) {
+    case SpawnRule::kRing:
+      return onRing(seed);
+    case SpawnRule::kGymPusht:
+      return gym_pusht::toTable(gym_pusht::turned(gym_pusht::drawn(static_cast<std::uint32_t>(seed))));
+  }
+  throw InternalError("unknown spawn rule");
 }
 
 }  // namespace pusht

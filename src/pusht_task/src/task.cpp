@@ -3,83 +3,136 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <optional>
+
+#include "pusht_task/mapping.hpp"
 
 namespace pusht {
 namespace {
 
-/// Box of the tee, in its frame [m].
-struct TeePart {
-  double center_y;
-  double half_x;
-  double half_y;
-};
-
-constexpr std::array kTeeParts = {TeePart{0.0, kBarHalfLength, kTeeHalfWidth},
-                                  TeePart{-kStemOffset, kTeeHalfWidth, kStemHalfLength}};
+using Eigen::Vector2d;
 
 /// Distance [m] of a point from a box of these half-sizes around the origin; negative within.
-double signedDistance(const Eigen::Vector2d& point, const Eigen::Vector2d& half) {
-  const Eigen::Vector2d beyond = point.cwiseAbs() - half;
+double signedDistance(const Vector2d& point, const Vector2d& half) {
+  const Vector2d beyond = point.cwiseAbs() - half;
   return beyond.cwiseMax(0.0).norm() + std::min(0.0, beyond.maxCoeff());
 }
 
 }  // namespace
 
-Action clip(const Action& action) {
-  return {std::clamp(action[0], -kActionLimit, kActionLimit), std::clamp(action[1], -kActionLimit, kActionLimit)};
+bool TaskFrame::isTables() const { return per_meter == 1.0 && middle.isZero(0.0) && !y_down && bar_center == 0.0; }
+
+Vector2d TaskFrame::flipped(const Vector2d& vector) const {
+  return y_down ? Vector2d(vector.x(), -vector.y()) : vector;
 }
 
-Observation observe(const WorldState& state) {
-  constexpr std::array<float, 4> kTarget = {0.0F, 0.0F, 0.0F, 1.0F};  // x, y, sin, cos of the target pose
-  return {static_cast<float>(state.pusher_position.x()),
-          static_cast<float>(state.pusher_position.y()),
-          static_cast<float>(state.tee_position.x()),
-          static_cast<float>(state.tee_position.y()),
-          static_cast<float>(std::sin(state.tee_yaw)),
-          static_cast<float>(std::cos(state.tee_yaw)),
-          kTarget[0],
-          kTarget[1],
-          kTarget[2],
-          kTarget[3]};
+Vector2d TaskFrame::pointToTable(const Vector2d& point) const { return flipped(point - middle) / per_meter; }
+
+Vector2d TaskFrame::pointFromTable(const Vector2d& point) const {
+  return isTables() ? point : Vector2d(per_meter * flipped(point) + middle);  // the former keeps -0
 }
 
-Overlap deepestOverlap(const WorldState& state) {
+// The stem lies along -y of the tee in the table frame, and so along +y where y is down.
+
+Pose TaskFrame::poseToTable(const Pose& pose) const {
+  const double yaw = y_down ? -pose.yaw : pose.yaw;
+  const Vector2d arm = Eigen::Rotation2Dd(yaw) * Vector2d(0.0, -bar_center / per_meter);
+  return {pointToTable(pose.position) + arm, wrapAngle(yaw)};
+}
+
+Pose TaskFrame::poseFromTable(const Pose& pose) const {
+  if (isTables()) {
+    return pose;
+  }
+  const Vector2d arm = Eigen::Rotation2Dd(pose.yaw) * Vector2d(0.0, -bar_center / per_meter);
+  return {pointFromTable(pose.position - arm), y_down ? -pose.yaw : pose.yaw};
+}
+
+Action clip(const Action& action, const Task& task) {
+  if (!task.action_limit) {
+    return action;
+  }
+  const float limit = *task.action_limit;
+  return {std::clamp(action[0], -limit, limit), std::clamp(action[1], -limit, limit)};
+}
+
+Vector2d commandOf(const Action& action, const Task& task) {
+  const Vector2d command(action[0], action[1]);
+  return task.physics.drive == Drive::kPosition ? task.frame.pointToTable(command) : command;
+}
+
+Observation observe(const WorldState& state, const Task& task) {
+  const Vector2d pusher = task.frame.pointFromTable(state.pusher_position);
+  const Pose tee = task.frame.poseFromTable({state.tee_position, state.tee_yaw});
+  const Pose target = task.frame.poseFromTable(task.target);
+  return {static_cast<float>(pusher.x()),           static_cast<float>(pusher.y()),
+          static_cast<float>(tee.position.x()),     static_cast<float>(tee.position.y()),
+          static_cast<float>(std::sin(tee.yaw)),    static_cast<float>(std::cos(tee.yaw)),
+          static_cast<float>(target.position.x()),  static_cast<float>(target.position.y()),
+          static_cast<float>(std::sin(target.yaw)), static_cast<float>(std::cos(target.yaw))};
+}
+
+double distanceToWalls(const Vector2d& point, const Physics& physics) {
+  const Vector2d middle(physics.wall_middle[0], physics.wall_middle[1]);
+  return physics.wall_inner_face - (point - middle).lpNorm<Eigen::Infinity>();
+}
+
+Overlap deepestOverlap(const WorldState& state, const Task& task) {
+  const Physics& physics = task.physics;
   const Eigen::Rotation2Dd yaw(state.tee_yaw);
-  const Eigen::Vector2d pusher = yaw.inverse() * (state.pusher_position - state.tee_position);
-  Overlap deepest{"pusher and walls", state.pusher_position.lpNorm<Eigen::Infinity>() + kPusherRadius - kWallInnerFace};
+  const Vector2d pusher = yaw.inverse() * (state.pusher_position - state.tee_position);
+  Overlap deepest{"pusher and walls", physics.pusher_radius - distanceToWalls(state.pusher_position, physics)};
   const auto take = [&](const char* bodies, double depth) {
     if (depth > deepest.depth) {
       deepest = {bodies, depth};
     }
   };
-  for (const TeePart& part : kTeeParts) {
-    const Eigen::Vector2d center(0.0, part.center_y);
-    const Eigen::Vector2d half(part.half_x, part.half_y);
-    take("pusher and tee", kPusherRadius - signedDistance(pusher - center, half));
+  for (const PlacedBox& part : teeBoxes(physics)) {
+    const Vector2d center(part.x, part.y);
+    const Vector2d half(part.half_x, part.half_y);
+    take("pusher and tee", physics.pusher_radius - signedDistance(pusher - center, half));
     for (const double x : {-1.0, 1.0}) {
       for (const double y : {-1.0, 1.0}) {
-        const Eigen::Vector2d corner = center + Eigen::Vector2d(x, y).cwiseProduct(half);
-        take("tee and walls", (state.tee_position + yaw * corner).lpNorm<Eigen::Infinity>() - kWallInnerFace);
+        const Vector2d corner = center + Vector2d(x, y).cwiseProduct(half);
+        take("tee and walls", -distanceToWalls(state.tee_position + yaw * corner, physics));
       }
     }
   }
   return deepest;
 }
 
-PoseError poseError(const WorldState& state) { return {state.tee_position.norm(), std::abs(wrapAngle(state.tee_yaw))}; }
+PoseError poseError(const WorldState& state, const Task& task) {
+  return {(state.tee_position - task.target.position).norm(), std::abs(wrapAngle(state.tee_yaw - task.target.yaw))};
+}
 
-bool SuccessLatch::update(const PoseError& error) {
-  steps_in_tolerance_ = error.inTolerance() ? steps_in_tolerance_ + 1 : 0;
-  if (latched_ || steps_in_tolerance_ < kSuccessHold) {
+double coverageOf(const WorldState& state, const Task& task) {
+  return coverageOf({state.tee_position, state.tee_yaw}, task.target, task.physics);
+}
+
+bool isSolved(const WorldState& state, const Task& task) {
+  const SuccessRule& rule = task.success;
+  if (rule.coverage) {
+    return coverageOf(state, task) > *rule.coverage;
+  }
+  const PoseError error = poseError(state, task);
+  return error.position < rule.position_tolerance && error.angle < rule.angle_tolerance;
+}
+
+bool SuccessLatch::update(const WorldState& state) {
+  steps_solved_ = isSolved(state, *task_) ? steps_solved_ + 1 : 0;
+  if (latched_ || steps_solved_ < task_->success.hold) {
     return false;
   }
   latched_ = true;
   return true;
 }
 
-double reward(const PoseError& error, bool just_latched) {
+double reward(const WorldState& state, bool just_latched, const Task& task) {
+  if (const std::optional<double> needed = task.success.coverage) {
+    return std::min(coverageOf(state, task) / *needed, 1.0);
+  }
+  const PoseError error = poseError(state, task);
   const double shaping = -0.5 * (error.position / kRewardPositionScale + error.angle / kPi);
   return just_latched ? shaping + kRewardBonus : shaping;
 }

@@ -50,15 +50,22 @@ TEST(Clip, LimitsEachAxis) {
   EXPECT_EQ(clip({0.25F, -1.0F}), (Action{0.25F, -1.0F}));
 }
 
-TEST(PoseError, ToleranceIsStrict) {
-  EXPECT_TRUE((PoseError{0.0299, 0.1999}.inTolerance()));
-  EXPECT_FALSE((PoseError{kPositionTolerance, 0.0}.inTolerance()));
-  EXPECT_FALSE((PoseError{0.0, kAngleTolerance}.inTolerance()));
+WorldState teeAt(double x, double yaw) {
+  WorldState state;
+  state.tee_position.x() = x;
+  state.tee_yaw = yaw;
+  return state;
+}
+
+TEST(Success, ToleranceIsStrict) {
+  EXPECT_TRUE(isSolved(teeAt(0.0299, 0.1999)));
+  EXPECT_FALSE(isSolved(teeAt(kPositionTolerance, 0.0)));
+  EXPECT_FALSE(isSolved(teeAt(0.0, kAngleTolerance)));
 }
 
 TEST(SuccessLatch, NeedsFiveConsecutiveStepsAndStays) {
-  const PoseError inside{0.0, 0.0};
-  const PoseError outside{1.0, 0.0};
+  const WorldState inside = teeAt(0.0, 0.0);
+  const WorldState outside = teeAt(1.0, 0.0);
   SuccessLatch latch;
   for (int i = 0; i < kSuccessHold - 1; ++i) {
     EXPECT_FALSE(latch.update(inside));

@@ -43,9 +43,9 @@ TEST(Task, JudgesTheGoldenTrajectories) {
     const auto& mujoco = golden.at("mujoco");
     SuccessLatch latch;
     for (std::size_t step = 0; step < mujoco.at("reward").size(); ++step) {
-      const PoseError error = poseError(testing::worldState(mujoco.at("qpos_qvel").at(step + 1)));
-      const bool just_latched = latch.update(error);
-      EXPECT_NEAR(reward(error, just_latched), mujoco.at("reward").at(step).get<double>(), 1e-12);
+      const WorldState state = testing::worldState(mujoco.at("qpos_qvel").at(step + 1));
+      const bool just_latched = latch.update(state);
+      EXPECT_NEAR(reward(state, just_latched), mujoco.at("reward").at(step).get<double>(), 1e-12);
       EXPECT_EQ(latch.latched(), mujoco.at("success").at(step).get<bool>());
       ++rewards;
       successes += just_latched ? 1 : 0;

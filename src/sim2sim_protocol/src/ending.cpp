@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "pusht_task/constants.hpp"
+#include "pusht_task/task.hpp"
 #include "sim2sim_protocol/divergence.hpp"
 #include "sim2sim_protocol/first_divergence.hpp"
 
@@ -13,7 +13,9 @@ namespace {
 
 using pusht::WorldState;
 
-bool isBeyondWalls(const Eigen::Vector2d& point) { return point.cwiseAbs().maxCoeff() > pusht::kWallInnerFace; }
+bool isBeyondWalls(const Eigen::Vector2d& point, const pusht::Task& task) {
+  return pusht::distanceToWalls(point, task.physics) < 0.0;
+}
 
 /// First step from which on every state is as the last one, in the sense of `is_as`.
 template <class IsAs>
@@ -35,16 +37,16 @@ RolloutEnding endingOf(const pusht::Rollout& rollout) {
   const std::vector<WorldState>& states = rollout.trace().states;
   const int still_step = firstStepAs(states, isTeeAs);
   const auto is_still = [&](int step) { return rollout.steps() - step >= kStillSteps; };
-  const Ending ending = rollout.success()           ? Ending::kSuccess
-                        : isOffTable(states.back()) ? Ending::kLost
-                        : is_still(still_step)      ? Ending::kStuck
-                                                    : Ending::kMoving;
-  const PusherEnding pusher = isBeyondWalls(states.back().pusher_position) ? PusherEnding::kLost
-                              : is_still(firstStepAs(states, isPusherAs))  ? PusherEnding::kStill
-                                                                           : PusherEnding::kMoving;
+  const Ending ending = rollout.success()                           ? Ending::kSuccess
+                        : isOffTable(states.back(), rollout.task()) ? Ending::kLost
+                        : is_still(still_step)                      ? Ending::kStuck
+                                                                    : Ending::kMoving;
+  const PusherEnding pusher = isBeyondWalls(states.back().pusher_position, rollout.task()) ? PusherEnding::kLost
+                              : is_still(firstStepAs(states, isPusherAs))                  ? PusherEnding::kStill
+                                                                                           : PusherEnding::kMoving;
   return {ending, still_step, pusher};
 }
 
-bool isOffTable(const WorldState& state) { return isBeyondWalls(state.tee_position); }
+bool isOffTable(const WorldState& state, const pusht::Task& task) { return isBeyondWalls(state.tee_position, task); }
 
 }  // namespace sim2sim

@@ -23,14 +23,15 @@ RolloutResult resultOf(const Protocol& protocol, std::size_t rollout, const Roll
     result.ending = endingOf(view.rollout);
   }
   if (rollout != kReferenceClosed) {
-    result.first_divergence = firstDivergenceOf(view.reference, view.rollout.trace(), protocol.bound());
+    result.first_divergence =
+        firstDivergenceOf(view.reference, view.rollout.trace(), protocol.bound(), protocol.runTask());
   }
   return result;
 }
 
-int limitedCommands(const pusht::Trace& trace) {
-  return static_cast<int>(std::count_if(trace.actions.begin(), trace.actions.end(), [](const pusht::Action& action) {
-    return std::abs(action[0]) >= pusht::kActionLimit || std::abs(action[1]) >= pusht::kActionLimit;
+int limitedCommands(const pusht::Trace& trace, const std::optional<float>& limit) {
+  return static_cast<int>(std::count_if(trace.actions.begin(), trace.actions.end(), [&](const pusht::Action& action) {
+    return limit && (std::abs(action[0]) >= *limit || std::abs(action[1]) >= *limit);
   }));
 }
 
@@ -75,12 +76,13 @@ EpisodeResult Episode::result() const {
     result.rollouts.push_back(
         resultOf(protocol_, mode, {rollouts_[mode], reference, 0, &rollouts_[kEngineReplay].trace()}));
     if (protocol_.isClosed(mode)) {
-      result.rollouts.back().limited_commands = limitedCommands(rollouts_[mode].trace());
+      result.rollouts.back().limited_commands =
+          limitedCommands(rollouts_[mode].trace(), protocol_.runTask().action_limit);
     }
   }
   const std::vector<Probe> probes = protocol_.probes();
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    const pusht::Rollout rollout(probes_[i].value());
+    const pusht::Rollout rollout(probes_[i].value(), protocol_.runTask());
     const RolloutView view{rollout, reference, probes[i].reset_every};
     result.rollouts.push_back(resultOf(protocol_, rolloutOfProbe(i), view));
   }

@@ -55,8 +55,8 @@ double Bound::used(const Divergence& divergence) const {
   return std::max(divergence.position / position, divergence.angle / angle);
 }
 
-Cause causeIn(const WorldState& before, const WorldState& after) {
-  if (pusht::wallGapsOf(before).touches() || pusht::wallGapsOf(after).touches()) {
+Cause causeIn(const WorldState& before, const WorldState& after, const pusht::Task& task) {
+  if (pusht::wallGapsOf(before, task).touches() || pusht::wallGapsOf(after, task).touches()) {
     return Cause::kWall;
   }
   const Part start = pusht::contactsOf(before).part();
@@ -78,7 +78,7 @@ Cause causeIn(const WorldState& before, const WorldState& after) {
 }
 
 std::optional<FirstDivergence> firstDivergenceOf(const pusht::Trace& reference, const pusht::Trace& other,
-                                                 const Bound& bound) {
+                                                 const Bound& bound, const pusht::Task& task) {
   bound.validate();
   const Bound noticeable{std::min(kNoticeable.position, bound.position), std::min(kNoticeable.angle, bound.angle)};
   const std::size_t states = std::min(reference.states.size(), other.states.size());
@@ -88,7 +88,7 @@ std::optional<FirstDivergence> firstDivergenceOf(const pusht::Trace& reference, 
     const WorldState& theirs = other.states[step];
     first = first ? first : apart(ours, theirs, noticeable);
     if (first && passes(divergence(ours, theirs), bound)) {
-      return FirstDivergence{static_cast<int>(step), causeIn(reference.states[step - 1], ours), *first};
+      return FirstDivergence{static_cast<int>(step), causeIn(reference.states[step - 1], ours, task), *first};
     }
   }
   return std::nullopt;

@@ -60,12 +60,13 @@ const Episode& Flight::begin(int index, CachedTraces cached) {
   const auto lane = static_cast<std::size_t>(free - episodes_.begin());
   pusht::Rollout reference =
       cached.reference
-          ? pusht::Rollout(*cached.reference)
+          ? pusht::Rollout(*cached.reference, protocol_.runTask())
           : start(kReferenceClosed, lane, index, policy_.begin(protocol_.beginning(index, pusht::Role::kReference)));
   pusht::Rollout engine =
       start(kEngineClosed, lane, index, policy_.begin(protocol_.beginning(index, pusht::Role::kEngine)));
-  pusht::Rollout replay =
-      replaysAfterwards() ? pusht::Rollout(engine.trace().states.front()) : start(kEngineReplay, lane, index, nullptr);
+  pusht::Rollout replay = replaysAfterwards()
+                              ? pusht::Rollout(engine.trace().states.front(), nullptr, protocol_.runTask())
+                              : start(kEngineReplay, lane, index, nullptr);
   return episodes_.at(lane).emplace(
       protocol_, index,
       std::array<pusht::Rollout, kModeCount>{std::move(reference), std::move(engine), std::move(replay)},
@@ -74,12 +75,12 @@ const Episode& Flight::begin(int index, CachedTraces cached) {
 
 pusht::Rollout Flight::start(Mode mode, std::size_t lane, int index, std::unique_ptr<pusht::Policy::Memory> memory) {
   if (!protocol_.isFlown(mode)) {
-    return pusht::Rollout(protocol_.initialState(index));
+    return pusht::Rollout(protocol_.initialState(index), nullptr, protocol_.runTask());
   }
   return located(protocol_, index, modeName(mode), 0, [&] {
     pusht::BatchSimulator& world = worldOf(mode);
     world.reset(static_cast<int>(lane), protocol_.initialState(index));
-    return pusht::Rollout(world.state(static_cast<int>(lane)), std::move(memory));
+    return pusht::Rollout(world.state(static_cast<int>(lane)), std::move(memory), protocol_.runTask());
   });
 }
 
@@ -207,7 +208,8 @@ pusht::BatchSimulator& Flight::variantOf(const Probe& probe) const {
 /// Lets the policy drive the only lane of a model variant.
 pusht::Trace Flight::drive(pusht::BatchSimulator& world, int index, const std::function<void(int)>& before_step) const {
   world.reset(0, protocol_.initialState(index));
-  pusht::Rollout rollout(world.state(0), policy_.begin(protocol_.beginning(index, pusht::Role::kReference)));
+  pusht::Rollout rollout(world.state(0), policy_.begin(protocol_.beginning(index, pusht::Role::kReference)),
+                         protocol_.runTask());
   while (!rollout.finished(protocol_.horizon)) {
     before_step(rollout.steps());
     const std::array<pusht::Policy::Query, 1> query = {rollout.query()};

@@ -90,21 +90,24 @@ WorldState stateIn(const std::string& line, const std::vector<StateField>& colum
 }
 
 /// Throws InvalidInput if the center of a body is beyond the walls.
-void requireOnTable(WorldState state) {
+void requireOnTable(WorldState state, const pusht::Task& task) {
   constexpr double kOtherUnit = 10.0;  // [m] no table is that large
   for (const StateField& field : kStateFields) {
     const double value = field.of(state);
-    if (field.unit == "m" && std::abs(value) > pusht::kWallInnerFace) {
+    const std::size_t axis = std::string(field.name).back() == 'y' ? 1 : 0;
+    const double middle = task.physics.wall_middle[axis];
+    if (field.unit == "m" && std::abs(value - middle) > task.physics.wall_inner_face) {
+      const double end = middle + std::copysign(task.physics.wall_inner_face, value);
       throw pusht::InvalidInput(std::string(field.name) + " " + pusht::shortestText(value) + " m: the table ends at " +
-                                pusht::shortestText(pusht::kWallInnerFace) + " m" +
-                                (std::abs(value) > kOtherUnit ? "; pixels or millimeters?" : ""));
+                                pusht::shortestText(task.physics.wall_middle[axis] == 0.0 ? std::abs(end) : end) +
+                                " m" + (std::abs(value) > kOtherUnit ? "; pixels or millimeters?" : ""));
     }
   }
 }
 
-void requireApart(const WorldState& state) {
+void requireApart(const WorldState& state, const pusht::Task& task) {
   constexpr double kContact = 0.003;  // [m] soft contacts overlap
-  const pusht::Overlap overlap = pusht::deepestOverlap(state);
+  const pusht::Overlap overlap = pusht::deepestOverlap(state, task);
   if (overlap.depth > kContact) {
     throw pusht::InvalidInput(std::string(overlap.bodies) + " overlap by " + pusht::significantText(overlap.depth, 2) +
                               " m: must be at most " + pusht::shortestText(kContact) +
@@ -169,7 +172,7 @@ InitialStates initialStatesFrom(const std::string& csv, int first, int count) {
 }
 
 std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::path& path, int first, int count,
-                                                        bool may_overlap) {
+                                                        bool may_overlap, const pusht::Task& task) {
   if (path.empty()) {
     return nullptr;
   }
@@ -178,9 +181,9 @@ std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::p
   for (int episode = first; episode < first + count; ++episode) {
     const int line = episode - first + 2;  // below the names of the columns
     try {
-      requireOnTable(starts->at(episode));
+      requireOnTable(starts->at(episode), task);
       if (!may_overlap) {
-        requireApart(starts->at(episode));
+        requireApart(starts->at(episode), task);
       }
       const auto [same, is_new] = lines.emplace(starts->keyOf(episode), line);
       if (!is_new) {

@@ -116,9 +116,10 @@ void nameVariants(const pusht::SimulatorKind& kind, const pusht::ParameterSet& p
 
 std::vector<pusht::SimulatorModel> loadVariants(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters,
                                                 const RunOptions& options) {
+  const pusht::Task& task = pusht::taskNamed(options.task);
   std::vector<pusht::SimulatorModel> models;
   for (const std::string& variant : variantsOf(options)) {
-    models.push_back(kind.load(differentVariantOf(kind, parameters, variant).parameters));
+    models.push_back(kind.load(differentVariantOf(kind, parameters, variant).parameters, task));
   }
   return models;
 }

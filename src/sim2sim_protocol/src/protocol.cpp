@@ -45,6 +45,7 @@ const char* modeName(Mode mode) {
 }
 
 void Protocol::validate() const {
+  const pusht::Task& run_task = runTask();
   // Ranges that leave out their lower end.
   bound().validate();
   if (until_decided && !(*until_decided > 0.0 && *until_decided <= 1.0)) {
@@ -80,19 +81,21 @@ void Protocol::validate() const {
                               ", because a start has that many episodes, one after the other");
   }
   const auto end = static_cast<std::uint64_t>(first_episode) + static_cast<std::uint64_t>(episodes);
-  if (seed > std::numeric_limits<std::uint64_t>::max() - pusht::kFirstSpawnSeed - end) {
-    throw pusht::InvalidInput("seed " + std::to_string(seed) +
-                              ": 10000 + seed + first_episode + episodes must be below 2^64");
+  if (seed > run_task.last_spawn_seed - run_task.first_spawn_seed - end) {
+    throw pusht::InvalidInput("seed " + std::to_string(seed) + ": " + std::to_string(run_task.first_spawn_seed) +
+                              " + seed + first_episode + episodes must be below 2^" +
+                              (run_task.last_spawn_seed == UINT64_MAX ? "64" : "32"));
   }
 }
 
 std::optional<std::uint64_t> Protocol::spawnSeed(int episode) const {
-  return initial_states ? std::nullopt
-                        : std::optional(pusht::kFirstSpawnSeed + seed + static_cast<std::uint64_t>(episode / repeats));
+  return initial_states
+             ? std::nullopt
+             : std::optional(runTask().first_spawn_seed + seed + static_cast<std::uint64_t>(episode / repeats));
 }
 
 pusht::WorldState Protocol::initialState(int episode) const {
-  return initial_states ? initial_states->at(episode / repeats) : pusht::spawn(*spawnSeed(episode));
+  return initial_states ? initial_states->at(episode / repeats) : pusht::spawn(*spawnSeed(episode), runTask());
 }
 
 std::vector<std::string> Protocol::rolloutNames() const {

@@ -17,10 +17,11 @@ Eigen::Vector2d centerOf(const pusht::WorldState& state) {
 }
 
 /// State of the replay at the end of a window: its last one, or that of a success before.
-const pusht::WorldState& endOf(const pusht::Trace& replay, std::size_t begin, std::size_t end) {
-  pusht::SuccessLatch latch;
+const pusht::WorldState& endOf(const pusht::Trace& replay, std::size_t begin, std::size_t end,
+                               const pusht::Task& task) {
+  pusht::SuccessLatch latch(task);
   std::size_t k = begin + 1;
-  while (k < end && !latch.update(pusht::poseError(replay.states[k]))) {
+  while (k < end && !latch.update(replay.states[k])) {
     ++k;
   }
   return replay.states[k];
@@ -33,7 +34,8 @@ Eigen::Vector3d teeDisplacement(const pusht::WorldState& a, const pusht::WorldSt
   return {moved.x(), moved.y(), kGyration * pusht::wrapAngle(b.tee_yaw - a.tee_yaw)};
 }
 
-PushFigures pushFigures(const pusht::Trace& reference, const pusht::Trace& replay, int window) {
+PushFigures pushFigures(const pusht::Trace& reference, const pusht::Trace& replay, int window,
+                        const pusht::Task& task) {
   const auto every = static_cast<std::size_t>(window);
   int pushes = 0;
   int missed = 0;
@@ -46,7 +48,7 @@ PushFigures pushFigures(const pusht::Trace& reference, const pusht::Trace& repla
     if (of_reference.norm() <= kLeastPush * window) {
       continue;
     }
-    const Eigen::Vector3d of_engine = teeDisplacement(begin, endOf(replay, end - every, end));
+    const Eigen::Vector3d of_engine = teeDisplacement(begin, endOf(replay, end - every, end, task));
     const double ratio = of_engine.norm() / of_reference.norm();
     const double inner = of_reference.dot(of_engine);
     ++pushes;

@@ -80,7 +80,7 @@ Divergence anchorError(const RolloutView& view) {
 }
 
 PushFigures pushesOf(const RolloutView& view) {
-  return pushFigures(view.reference, view.rollout.trace(), view.reset_every);
+  return pushFigures(view.reference, view.rollout.trace(), view.reset_every, view.rollout.task());
 }
 
 }  // namespace

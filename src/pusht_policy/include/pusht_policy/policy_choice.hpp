@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pusht_task/policy.hpp"
+#include "pusht_task/task.hpp"
 
 namespace pusht {
 
@@ -28,6 +29,7 @@ struct PolicyChoice {
   bool require_policy = false;          ///< the shipped checkpoint must be there, too
   std::uint64_t untrained_seed = 0;     ///< seed of the weights of an untrained policy
   bool allow_untrained = false;         ///< an untrained policy replaces a named file that is not there
+  std::reference_wrapper<const Task> task = fullCircle();  ///< what it is asked to do
 };
 
 /// Chosen policy: its factory, name, identity and provenance.
@@ -41,9 +43,9 @@ struct ChosenPolicy {
 };
 
 /// Loads the policy of `choice`. `shipped` is the checkpoint that "bc" names. If it is not there, an untrained policy
-/// runs, with a warning, unless `choice` requires it: the course's guard. A named file must be there. Throws as
-/// NetworkPolicy::load(), which gets `stop`, or as OnnxPolicy::load(); BadDependency if the library that this takes, of
-/// networks or of ONNX, is not beside this one.
+/// runs, with a warning, unless `choice` requires it: the course's guard. A named file must be there. Throws
+/// InvalidInput for a policy that was made for another task; as NetworkPolicy::load(), which gets `stop`, or as
+/// OnnxPolicy::load(); BadDependency if the library that this takes, of networks or of ONNX, is not beside this one.
 ChosenPolicy choosePolicy(
     const PolicyChoice& choice, const std::filesystem::path& shipped,
     const std::function<bool()>& stop = [] { return false; });

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "pusht_task/task.hpp"
 #include "pusht_task/types.hpp"
 
 namespace pusht {
@@ -67,6 +68,6 @@ struct WallGaps {
   bool touches() const { return pusher <= kContactTolerance || tee <= kContactTolerance; }
 };
 /// Distances of pusher and tee from the nearest wall [m].
-WallGaps wallGapsOf(const WorldState& state);
+WallGaps wallGapsOf(const WorldState& state, const Task& task = fullCircle());
 
 }  // namespace pusht

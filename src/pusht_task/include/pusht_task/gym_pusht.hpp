@@ -12,10 +12,16 @@
 
 namespace pusht::gym_pusht {
 
-constexpr double kSide = 512.0;             ///< [px] of the window
-constexpr double kPixelsPerMeter = 1000.0;  ///< [px/m]
-constexpr double kCenterOfGravity = 45.0;   ///< [px] from the tee's origin, as gym-pusht has it; truly 40.714
-constexpr double kSuccessCoverage = 0.95;   ///< [-] above it an episode ends in success
+constexpr double kSide = 512.0;                ///< [px] of the window
+constexpr double kPixelsPerMeter = 1000.0;     ///< [px/m]
+constexpr double kBarCenter = 15.0;            ///< [px] from the tee's origin
+constexpr double kCenterOfGravity = 45.0;      ///< [px] from the tee's origin, as gym-pusht has it; truly 40.714
+constexpr double kWallMiddle = 255.5;          ///< [px] between the walls, on each axis
+constexpr double kWallInnerFace = 248.5;       ///< [px] from there
+constexpr double kSuccessCoverage = 0.95;      ///< [-] above it an episode ends in success
+constexpr double kStiffness = 100.0;           ///< [1/s^2] of the pusher's controller, as an acceleration
+constexpr double kDamping = 20.0;              ///< [1/s] likewise
+constexpr std::uint64_t kFirstSeed = 100'000;  ///< of the episodes that Diffusion Policy is measured on
 
 /// State in gym-pusht's units and frame: pixels from the upper left corner, y down; the tee's origin is the middle of
 /// the bar's outer edge, angles turn clockwise as they are seen.
@@ -39,13 +45,8 @@ State fromTable(const WorldState& state, double center_of_gravity = kCenterOfGra
 /// Bodies may overlap.
 State drawn(std::uint32_t seed);
 
-/// Target pose in the table's frame: origin in the window's middle, angle pi/4.
-Pose target();
-
-/// [-] Share of the target that the tee covers.
-double coverage(const WorldState& state);
-
-/// Reward of a control step that ends with this coverage.
-double reward(double coverage);
+/// State after a reset to `asked` where no bodies overlap. gym-pusht sets the tee's position, then turns it about its
+/// center of gravity, so that its origin moves.
+State turned(const State& asked, double center_of_gravity = kCenterOfGravity);
 
 }  // namespace pusht::gym_pusht

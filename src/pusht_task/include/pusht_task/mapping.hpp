@@ -14,8 +14,12 @@ namespace pusht {
 // In the reference, servo and damping act at the velocity at a substep's end (implicit). With a force F - D v, a mass M
 // and a substep h, an explicit step of a body of the mass M + h D is that implicit one.
 
-/// [kg] Mass of a pusher whose servo and damping are implicit in substeps of this length [s]; 0: they are explicit.
+/// [kg] Mass of a pusher whose servo and damping are implicit in substeps of this length [s]; 0: they are explicit. A
+/// drive to a position is explicit.
 constexpr double pusherMass(const Physics& physics, double implicit_substep) {
+  if (physics.drive == Drive::kPosition) {
+    return physics.pusher_mass;
+  }
   return physics.pusher_mass + implicit_substep * (physics.servo_gain + physics.pusher_damping);
 }
 
@@ -38,8 +42,13 @@ constexpr TeeInertia teeInertia(const Physics& physics, double implicit_substep)
           physics.tee_second_moment + implicit_substep * physics.tee_yaw_damping};
 }
 
-/// [N] Force of servo and damping on the pusher along an axis, for its commanded and its present velocity [m/s].
-constexpr double pusherForce(const Physics& physics, double command, double velocity) {
+/// [N] Force of drive and damping on the pusher along an axis, for its command [m/s, or m] and its present position [m]
+/// and velocity [m/s].
+constexpr double pusherForce(const Physics& physics, double command, double position, double velocity) {
+  if (physics.drive == Drive::kPosition) {
+    const double force = physics.servo_stiffness * (command - position) - physics.servo_gain * velocity;
+    return std::clamp(force, -physics.servo_limit, physics.servo_limit) - physics.pusher_damping * velocity;
+  }
   return std::clamp(physics.servo_gain * (command - velocity), -physics.servo_limit, physics.servo_limit) -
          physics.pusher_damping * velocity;
 }
@@ -63,10 +72,11 @@ constexpr std::array<PlacedBox, 4> wallBoxes(const Physics& physics) {
   constexpr double kHalf = dynamics::kWallThickness / 2.0;
   const double middle = physics.wall_inner_face + kHalf;
   const double half_length = physics.wall_inner_face + dynamics::kWallThickness;
-  return {{{0.0, middle, half_length, kHalf},
-           {0.0, -middle, half_length, kHalf},
-           {middle, 0.0, kHalf, half_length},
-           {-middle, 0.0, kHalf, half_length}}};
+  const auto [x, y] = physics.wall_middle;
+  return {{{x, y + middle, half_length, kHalf},
+           {x, y - middle, half_length, kHalf},
+           {x + middle, y, kHalf, half_length},
+           {x - middle, y, kHalf, half_length}}};
 }
 
 }  // namespace pusht

@@ -14,8 +14,14 @@ constexpr double momentOfBox(double mass, double half_x, double half_y) {
   return mass * (half_x * half_x + half_y * half_y) / 3.0;
 }
 
-/// Masses, forces and sizes of the reference. The table acts on the tee at its origin, along each axis of the table,
-/// and on its yaw.
+/// How the pusher is driven by a command.
+enum class Drive {
+  kVelocity,  ///< to a velocity, by a servo of `servo_gain`
+  kPosition,  ///< to a position, by a spring of `servo_stiffness` and a damper of `servo_gain`
+};
+
+/// Masses, forces and sizes of a task, by default of the reference of `full_circle`. The table acts on the tee at its
+/// origin, along each axis of the table, and on its yaw.
 struct Physics {
   double tee_mass = kBarMass + kStemMass;             ///< [kg]
   double tee_first_moment = kStemOffset * kStemMass;  ///< [kg m] mass times center of mass, along body -y
@@ -27,7 +33,9 @@ struct Physics {
   std::array<double, 2> tee_friction = {dynamics::kTeeFriction, dynamics::kTeeFriction};  ///< [N] Coulomb, per axis
   double tee_yaw_friction = dynamics::kTeeYawFriction;                                    ///< [N m] Coulomb
 
-  double pusher_mass = dynamics::kPusherMass;        ///< [kg]
+  double pusher_mass = dynamics::kPusherMass;  ///< [kg]
+  Drive drive = Drive::kVelocity;
+  double servo_stiffness = 0.0;                      ///< [N/m] per axis, of a drive to a position
   double servo_gain = dynamics::kServoGain;          ///< [N s/m] per axis
   double servo_limit = dynamics::kServoLimit;        ///< [N] per axis
   double pusher_damping = dynamics::kPusherDamping;  ///< [N s/m] per axis
@@ -39,7 +47,8 @@ struct Physics {
   double stem_half_length = kStemHalfLength;             ///< [m] along body y
   double stem_half_width = kTeeHalfWidth;                ///< [m] along body x
   double stem_offset = kStemOffset;                      ///< [m] from the bar's center to the stem's, along body -y
-  double wall_inner_face = kWallInnerFace;               ///< [m] |x| or |y|
+  double wall_inner_face = kWallInnerFace;               ///< [m] |x| or |y|, from the walls' middle
+  std::array<double, 2> wall_middle = {0.0, 0.0};        ///< [m] between the walls
 
   /// [m] from the tee origin to its center of mass, along body -y.
   constexpr double centerOfMass() const { return tee_first_moment / tee_mass; }

@@ -15,7 +15,7 @@ namespace pusht {
 /// Trace: states[k] is the world before actions[k]; there is one more state than actions.
 struct Trace {
   std::vector<WorldState> states;
-  std::vector<Action> actions;  ///< applied, hence clipped [m/s]
+  std::vector<Action> actions;  ///< applied, hence clipped, in the task's unit
 
   std::size_t steps() const { return actions.size(); }
 };
@@ -25,13 +25,14 @@ struct Trace {
 /// another trace.
 class Rollout {
  public:
-  /// `start` is the state of the world after its reset.
-  explicit Rollout(const WorldState& start, std::unique_ptr<Policy::Memory> memory = nullptr);
+  /// `start` is the state of the world after its reset. `task` must outlive it.
+  explicit Rollout(const WorldState& start, std::unique_ptr<Policy::Memory> memory = nullptr,
+                   const Task& task = fullCircle());
 
   /// Rollout that took place before, from its trace.
-  explicit Rollout(const Trace& trace);
+  explicit Rollout(const Trace& trace, const Task& task = fullCircle());
 
-  Policy::Query query() const { return {observe(trace_.states.back()), memory_.get()}; }
+  Policy::Query query() const { return {observe(trace_.states.back(), *task_), memory_.get()}; }
 
   /// Records a control step: `action`, clipped here as the world clipped it, and the state after it.
   void record(const Action& action, const WorldState& state);
@@ -41,16 +42,20 @@ class Rollout {
 
   int steps() const { return static_cast<int>(trace_.steps()); }
   bool success() const { return latch_.latched(); }
-  PoseError error() const { return poseError(trace_.states.back()); }
+  PoseError error() const { return poseError(trace_.states.back(), *task_); }
+  /// Whether the last state counts as solved.
+  bool solved() const { return isSolved(trace_.states.back(), *task_); }
+  const Task& task() const { return *task_; }
   const Trace& trace() const { return trace_; }
 
  private:
+  const Task* task_;
   std::unique_ptr<Policy::Memory> memory_;
   SuccessLatch latch_;
   Trace trace_;
 };
 
-/// Resets `world` to `start`.
+/// Resets `world` to `start`. The rollout has the world's task.
 Rollout begin(Simulator& world, const WorldState& start, std::unique_ptr<Policy::Memory> memory = nullptr);
 
 /// Steps `world` and records it. Throws as Simulator::step does.

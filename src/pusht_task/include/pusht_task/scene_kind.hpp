@@ -56,7 +56,7 @@ std::vector<ParameterDescriptor> sceneDescriptors(ParameterOrder order) {
 
 /// Model of worlds with these values of sceneDescriptors().
 template <class SceneOfKind>
-SimulatorModel modelOfScenes(const ParameterSet& set) {
+SimulatorModel modelOfScenes(const ParameterSet& set, const Task& task) {
   typename SceneOfKind::Parameters parameters;
   readSwitches(set, SceneOfKind::kSwitches, parameters);
   for (const auto& number : SceneOfKind::kNumbers) {
@@ -65,7 +65,7 @@ SimulatorModel modelOfScenes(const ParameterSet& set) {
         number.value);
   }
   parameters.substep = set.get<double>("substep");
-  return modelOfWorlds(set, [parameters] { return worldOf<SceneOfKind>(parameters); });
+  return modelOfWorlds(set, [parameters, &task] { return worldOf<SceneOfKind>(parameters, task); });
 }
 
 /// Kind of scenes. `prepare` is called whenever a model is loaded: it makes the library ready, and may throw
@@ -74,13 +74,15 @@ template <class SceneOfKind>
 SimulatorKind kindOfScenes(const std::string& name, const std::string& version,
                            const std::vector<std::string>& libraries, void (*prepare)(),
                            ParameterOrder order = ParameterOrder::kSwitchesFirst) {
-  const auto load = [prepare](const ParameterSet& set) {
+  const auto load = [prepare](const ParameterSet& set, const Task& task) {
     prepare();
-    return modelOfScenes<SceneOfKind>(set);
+    return modelOfScenes<SceneOfKind>(set, task);
   };
-  return {name,       SceneOfKind::kTitle,          version, sceneDescriptors<SceneOfKind>(order),
-          libraries,  SceneOfKind::kStartTolerance, load,    {"substep=0.005"},
-          {"overlap"}};
+  return {name,        SceneOfKind::kTitle,
+          version,     sceneDescriptors<SceneOfKind>(order),
+          libraries,   SceneOfKind::kStartTolerance,
+          load,        {"substep=0.005"},
+          {"overlap"}, taskNames()};
 }
 
 }  // namespace pusht

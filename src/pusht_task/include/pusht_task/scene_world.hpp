@@ -39,7 +39,7 @@ class Scene {
   /// Puts the bodies in, at `state`. Returns what the world's state is until its first step: `state` as the engine can
   /// represent it, so that a start in it changes no bit.
   virtual WorldState start(const WorldState& state) = 0;
-  /// Moves on by a substep, with the pusher commanded to a velocity [m/s].
+  /// Moves on by a substep, with the pusher commanded to a velocity [m/s], or a position of the table frame [m].
   void substep(const Eigen::Vector2d& command);
   /// State of the bodies.
   virtual WorldState state() const = 0;
@@ -85,8 +85,9 @@ class SceneWorld : public Simulator {
  public:
   using MakeScene = std::function<std::unique_ptr<Scene>()>;
 
-  /// World of scenes from `make_scene`, of this substep [s]. Name and tolerance are those of a Simulator.
-  SceneWorld(const std::string& name, double start_tolerance, double substep, MakeScene make_scene);
+  /// World of scenes from `make_scene`, of this substep [s]. Name, tolerance and task are those of a Simulator.
+  SceneWorld(const std::string& name, double start_tolerance, double substep, MakeScene make_scene,
+             const Task& task = fullCircle());
 
  private:
   void doReset(const WorldState& state) override;
@@ -101,14 +102,22 @@ class SceneWorld : public Simulator {
   std::optional<WorldState> start_;  ///< until the first step
 };
 
-/// World of a kind's scenes, with the kind's parameters and numbers of the task. Engines that a process must make ready
-/// are made so by their kind, when it loads a model: outside of a kind, the caller does it first.
+/// World of a kind's scenes, with the kind's parameters, and with `physics` in place of the task's. Engines that a
+/// process must make ready are made so by their kind, when it loads a model: outside of a kind, the caller does it
+/// first.
 template <class SceneOfKind>
-std::unique_ptr<SceneWorld> worldOf(const typename SceneOfKind::Parameters& parameters = {},
-                                    const Physics& physics = {}) {
+std::unique_ptr<SceneWorld> worldOf(const typename SceneOfKind::Parameters& parameters, const Physics& physics,
+                                    const Task& task = fullCircle()) {
   return std::make_unique<SceneWorld>(
       SceneOfKind::kTitle, SceneOfKind::kStartTolerance, parameters.substep,
-      [parameters, physics] { return std::make_unique<SceneOfKind>(parameters, physics); });
+      [parameters, physics] { return std::make_unique<SceneOfKind>(parameters, physics); }, task);
+}
+
+/// World of a kind's scenes, likewise, with the task's physics.
+template <class SceneOfKind>
+std::unique_ptr<SceneWorld> worldOf(const typename SceneOfKind::Parameters& parameters = {},
+                                    const Task& task = fullCircle()) {
+  return worldOf<SceneOfKind>(parameters, task.physics, task);
 }
 
 }  // namespace pusht

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "pusht_task/constants.hpp"
+#include "pusht_task/task.hpp"
 #include "pusht_task/types.hpp"
 
 namespace pusht {
@@ -14,7 +15,7 @@ namespace pusht {
 /// `state` with its yaw wrapped. Throws InvalidInput if a number is not finite or beyond what is plausible.
 WorldState checkedStart(const WorldState& state);
 /// `action` clipped as the task says. Throws InvalidInput if it is not finite.
-Action checkedAction(const Action& action);
+Action checkedAction(const Action& action, const Task& task = fullCircle());
 /// Text of the fault of a world that is in `state` after a reset to `start`; empty if there is none. Faults: a pose off
 /// by more than `tolerance` [m, rad], a speed above `tolerance` [m/s, rad/s] if `start` is at rest, a number that is
 /// not finite, a yaw that is not wrapped.
@@ -34,7 +35,7 @@ class Simulator {
  public:
   /// `name` stands in front of the faults that this class finds; the `do` functions name the world in theirs.
   /// `start_tolerance`: see startTolerance(). Throws InvalidInput as checkedStartTolerance().
-  explicit Simulator(std::string name = "", double start_tolerance = kStartTolerance);
+  explicit Simulator(std::string name = "", double start_tolerance = kStartTolerance, const Task& task = fullCircle());
   Simulator(const Simulator&) = delete;
   Simulator& operator=(const Simulator&) = delete;
   virtual ~Simulator() = default;
@@ -45,7 +46,7 @@ class Simulator {
   /// startTolerance().
   void reset(const WorldState& state);
 
-  /// Takes one control step with `action` [m/s], clipped to kActionLimit. Success never stops a world.
+  /// Takes one control step with `action`, clipped as the task says. Success never stops a world.
   /// Throws InvalidInput before a reset, the first one or the one after a fault, or if the action is not finite, with
   /// the world as it was;
   /// SimulationFault if the simulation itself fails or leaves the plausible range (constants.hpp).
@@ -58,6 +59,9 @@ class Simulator {
   /// Maximum deviation of the state after a reset from the requested state [m, rad, m/s, rad/s].
   double startTolerance() const { return start_tolerance_; }
 
+  /// Task of the world.
+  const Task& task() const { return *task_; }
+
  private:
   virtual void doReset(const WorldState& state) = 0;
   virtual void doStep(const Action& action) = 0;
@@ -65,6 +69,7 @@ class Simulator {
 
   std::string name_;
   double start_tolerance_;
+  const Task* task_;
   bool ready_ = false;
 };
 

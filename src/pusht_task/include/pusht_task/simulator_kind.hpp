@@ -6,6 +6,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "pusht_task/batch_simulator.hpp"
@@ -24,6 +26,26 @@ struct SimulatorModel {
       make_lanes;  ///< makes a batch of so many worlds, each as from make_world()
 };
 
+/// Function that loads a model with values for its parameters, for a task. A kind of one task may leave the task out:
+/// any function of a ParameterSet is a loader, too.
+class ModelLoader {
+ public:
+  ModelLoader() = default;
+  template <class Function, class = std::enable_if_t<!std::is_same_v<std::decay_t<Function>, ModelLoader>>>
+  ModelLoader(Function load) {  // NOLINT(google-explicit-constructor): as std::function
+    if constexpr (std::is_invocable_v<Function, const ParameterSet&, const Task&>) {
+      load_ = std::move(load);
+    } else {
+      load_ = [load = std::move(load)](const ParameterSet& set, const Task& /*task*/) { return load(set); };
+    }
+  }
+
+  SimulatorModel operator()(const ParameterSet& set, const Task& task = fullCircle()) const { return load_(set, task); }
+
+ private:
+  std::function<SimulatorModel(const ParameterSet&, const Task&)> load_;
+};
+
 /// Description of a kind of simulator: its name, parameters and libraries, and how to load it.
 struct SimulatorKind {
   std::string name;     ///< key: "two_mass"
@@ -36,15 +58,20 @@ struct SimulatorKind {
   /// Maximum deviation of the state after a reset from the requested state [m, rad, m/s, rad/s]; its worlds'
   /// Simulator::startTolerance().
   double start_tolerance = kStartTolerance;
-  /// Loads a model with these values. Throws InvalidInput with parameter, value and rule for values that exclude each
-  /// other or a file that is not valid; BadDependency for a file or library that is missing.
-  std::function<SimulatorModel(const ParameterSet&)> load;
+  /// Loads a model with these values, for one of `tasks`. Throws InvalidInput with parameter, value and rule for values
+  /// that exclude each other or a file that is not valid; BadDependency for a file or library that is missing.
+  ModelLoader load;
   /// Default model variants: the same physics by other numerics, such as "timestep=0.005" or, with several parameters,
   /// "cone=elliptic:impratio=10.0". They tell how far the kind is from itself.
   std::vector<std::string> variants{};
   /// What worlds with default parameters do otherwise than the task on purpose: keys of properties of an audit, such as
   /// "tee_friction_x".
   std::vector<std::string> departures{};
+  /// Names of the tasks that it holds.
+  std::vector<std::string> tasks = {fullCircle().name};
+
+  /// Throws InvalidInput if it does not hold the task.
+  void requireTask(const Task& task) const;
 
   ParameterSet defaults() const { return ParameterSet(parameters); }
 };

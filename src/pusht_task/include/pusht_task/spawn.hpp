@@ -6,6 +6,7 @@
 #include <pcg_random.hpp>
 #include <string>
 
+#include "pusht_task/task.hpp"
 #include "pusht_task/types.hpp"
 
 namespace pusht {
@@ -33,7 +34,7 @@ class NumpyGenerator {
   pcg64 engine_;
 };
 
-/// Initial state for `seed`: the tee on a ring around the target with any yaw, the pusher clear of it, all at rest.
-WorldState spawn(std::uint64_t seed);
+/// Initial state for `seed` as the task draws it, all at rest. Throws InvalidInput for a seed beyond the task's last.
+WorldState spawn(std::uint64_t seed, const Task& task = fullCircle());
 
 }  // namespace pusht

@@ -53,8 +53,8 @@ pusht::Trace closedLoopOf(const std::vector<pusht::WorldState>& states) {
 }
 
 /// Throws BadDependency if a closed loop ends neither by success nor at the horizon.
-void requireEnd(const std::string& mode, int episode, const pusht::Trace& trace, int horizon) {
-  if (trace.states.empty() || !pusht::Rollout(trace).finished(horizon)) {
+void requireEnd(const std::string& mode, int episode, const pusht::Trace& trace, const Protocol& protocol) {
+  if (trace.states.empty() || !pusht::Rollout(trace, protocol.runTask()).finished(protocol.horizon)) {
     throw pusht::BadDependency("episode " + std::to_string(episode) + ", " + mode + ": " +
                                std::to_string(trace.steps()) + " steps are recorded, but the rollout must go on");
   }
@@ -84,9 +84,10 @@ void RecordedWorld::doStep(const pusht::Action& action) {
 }
 
 Episode rebuildEpisode(const Protocol& protocol, int index, const RecordedEpisode& record) {
-  const Worlds worlds = worldsOf(std::make_unique<RecordedWorld>(record.modes[kReferenceClosed]),
-                                 std::make_unique<RecordedWorld>(record.modes[kEngineClosed]),
-                                 std::make_unique<RecordedWorld>(record.modes[kEngineReplay]));
+  const auto recorded = [&](Mode mode) {
+    return std::make_unique<RecordedWorld>(record.modes[mode], protocol.runTask());
+  };
+  const Worlds worlds = worldsOf(recorded(kReferenceClosed), recorded(kEngineClosed), recorded(kEngineReplay));
   RecordedPolicy policy(record);
   const auto require_steps = [&](const std::string& mode, std::size_t recorded, std::size_t wanted) {
     if (recorded != wanted) {
@@ -107,7 +108,7 @@ Episode rebuildEpisode(const Protocol& protocol, int index, const RecordedEpisod
   }
   for (std::size_t i = 0; i < probes.size(); ++i) {
     if (probes[i].closed) {
-      requireEnd(probes[i].name, index, *episode.probe(i), protocol.horizon);
+      requireEnd(probes[i].name, index, *episode.probe(i), protocol);
       continue;
     }
     const std::size_t states = episode.rollout(kReferenceClosed).trace().states.size();

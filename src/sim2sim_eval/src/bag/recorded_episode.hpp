@@ -17,7 +17,8 @@ namespace sim2sim {
 /// for another action or for more actions than were recorded.
 class RecordedWorld : public pusht::Simulator {
  public:
-  explicit RecordedWorld(const pusht::Trace& trace) : trace_(trace) {}
+  RecordedWorld(const pusht::Trace& trace, const pusht::Task& task)
+      : Simulator("", pusht::kStartTolerance, task), trace_(trace) {}
 
  private:
   void doReset(const pusht::WorldState& state) override;

@@ -59,6 +59,10 @@ void declareOption(CLI::App& app, const std::string& name, std::vector<int>& val
       ->default_str(kUsual);
 }
 
+void declareOption(CLI::App& app, const std::string& name, std::string& value, const std::string& meaning) {
+  app.add_option("--" + name, value, meaning)->check(notEmpty())->capture_default_str();
+}
+
 void declareOption(CLI::App& app, const std::string& name, std::vector<std::string>& value,
                    const std::string& meaning) {
   app.add_option_function<std::string>(

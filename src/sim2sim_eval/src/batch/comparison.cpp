@@ -220,10 +220,11 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   configuration.protocol.validate();
   configuration.protocol.initial_states =
       givenInitialStates(options.starts, configuration.protocol.firstStart(), configuration.protocol.starts(),
-                         configuration.protocol.overlapping_starts);
-  const SimulatorChoice reference = chooseSimulator(options.reference, options.reference_parameters);
-  const SimulatorChoice chosen_engine =
+                         configuration.protocol.overlapping_starts, configuration.protocol.runTask());
+  SimulatorChoice reference = chooseSimulator(options.reference, options.reference_parameters);
+  SimulatorChoice chosen_engine =
       configuration.protocol.alone ? noEngine() : chooseSimulator(options.engine, options.engine_parameters);
+  putTo(configuration.protocol.runTask(), {reference, chosen_engine});
   requireTwoWorlds(reference, chosen_engine);
   nameVariants(reference.kind, reference.parameters, configuration.protocol);
   std::error_code ignored;
@@ -250,7 +251,7 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   const LoadedSimulator engine(chosen_engine);
   const auto choose_policy = [&] {
     return pusht::choosePolicy({options.smoke ? pusht::kUntrainedPolicy : options.policy, options.require_policy,
-                                configuration.protocol.seed, options.allow_untrained},
+                                configuration.protocol.seed, options.allow_untrained, configuration.protocol.runTask()},
                                pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint), interrupted);
   };
   const auto load = [&] {

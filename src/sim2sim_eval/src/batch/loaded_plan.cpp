@@ -30,7 +30,8 @@ LoadedRun load(const SweepPlan& plan, std::size_t policy) {
     }
   }
   const PlannedPolicy& planned = plan.policies[policy];
-  return {pusht::PolicyChoice{planned.policy, true, plan.protocol.seed}, planned.reference, engines, plan.protocol};
+  return {pusht::PolicyChoice{planned.policy, true, plan.protocol.seed, false, plan.protocol.runTask()},
+          planned.reference, engines, plan.protocol};
 }
 
 }  // namespace

@@ -116,6 +116,7 @@ SimulatorChoice noEngine() {
     pusht::SimulatorKind none;
     none.name = kNoEngine;
     none.title = "no engine";
+    none.tasks = pusht::taskNames();
     none.load = [](const pusht::ParameterSet& parameters) {
       return pusht::SimulatorModel{parameters, nlohmann::json::object(), nullptr, nullptr};  // no worlds
     };
@@ -167,6 +168,24 @@ void requireNoLoop(const SimulatorChoice& simulator, const std::string& command)
     }
   }
 }
+
+void putTo(const pusht::Task& task, const std::vector<std::reference_wrapper<SimulatorChoice>>& simulators) {
+  for (SimulatorChoice& simulator : simulators) {
+    simulator.kind.get().requireTask(task);
+    if (&task != &pusht::fullCircle() && !pusht::isPlain(simulator.loop)) {
+      throw pusht::InvalidInput("loop " + pusht::textOf(simulator.loop) + ": must be left out in the task " +
+                                task.name + ": its noise and delays are those of velocities");
+    }
+    simulator.task = task;
+  }
+}
+
+LoadedSimulator::LoadedSimulator(const SimulatorChoice& choice)
+    : foreign(choice.foreign),
+      kind(choice.kind),
+      task(choice.task),
+      model((kind.requireTask(task), kind.load(choice.parameters, task))),
+      loop(choice.loop) {}
 
 SimulatorRecord LoadedSimulator::record() const {
   SimulatorRecord record = simulatorRecord();

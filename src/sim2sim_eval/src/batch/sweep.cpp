@@ -289,7 +289,7 @@ json sweep(const SweepOptions& options, const CommandHost& host) {
   }
   nameVariants(plan);
   plan.protocol.initial_states = givenInitialStates(plan.starts, plan.protocol.firstStart(), plan.protocol.starts(),
-                                                    plan.protocol.overlapping_starts);
+                                                    plan.protocol.overlapping_starts, plan.protocol.runTask());
   const Shard shard = options.shard.empty() ? Shard() : Shard::from(options.shard);
   const Protocol protocol = shard.share(plan.protocol);
   SweepFolder folder(options.out, options.overwrite, "sweep");

@@ -265,6 +265,8 @@ void take(const YAML::Node& node, const std::string& key, bool& value) {
   value = text == "true";
 }
 
+void take(const YAML::Node& node, const std::string& key, std::string& value) { value = textAt(node, key); }
+
 void take(const YAML::Node& node, const std::string& key, std::vector<int>& value) {
   if (!node.IsSequence()) {
     refuse(node, key, "must be a list of control steps");
@@ -382,6 +384,12 @@ SweepPlan planFrom(const YAML::Node& root) {
     plan.starts = textAt(starts, "starts");
   }
   plan.protocol = protocolIn(root, plan.starts);
+  for (PlannedPolicy& policy : plan.policies) {
+    putTo(plan.protocol.runTask(), {policy.reference});
+  }
+  for (PlannedRow& row : plan.rows) {
+    putTo(plan.protocol.runTask(), {row.engine});
+  }
   plan.required = textsAt(root["require"], "require");
   return plan;
 }

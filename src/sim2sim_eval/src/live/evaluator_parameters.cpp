@@ -25,6 +25,9 @@ void take(pusht::ParameterReader& parameters, const char* name, std::vector<int>
 void take(pusht::ParameterReader& parameters, const char* name, std::vector<std::string>& value) {
   value = modelVariantsFrom(parameters.optionalText(name, kNone));
 }
+void take(pusht::ParameterReader& parameters, const char* name, std::string& value) {
+  value = parameters.text(name, value);
+}
 // 0 stands for none.
 void take(pusht::ParameterReader& parameters, const char* name, std::optional<double>& value) {
   const double given = parameters.real(name, value.value_or(0.0));

@@ -34,6 +34,7 @@ pusht::ParameterValue parameterValue(const std::vector<int>& list) {
                  [](int value) { return std::to_string(value); });
   return pusht::joined(numbers, ",");
 }
+pusht::ParameterValue parameterValue(const std::string& value) { return value; }
 pusht::ParameterValue parameterValue(const std::vector<std::string>& list) { return pusht::joined(list, ","); }
 
 template <class Value>
@@ -77,6 +78,7 @@ void read(const pusht::ParameterDescriptor& option, const std::string& text, std
 void read(const pusht::ParameterDescriptor& /*option*/, const std::string& text, std::vector<int>& list) {
   list = reanchorFrom(text == kNoValue ? "" : text);
 }
+void read(const pusht::ParameterDescriptor& /*option*/, const std::string& text, std::string& value) { value = text; }
 void read(const pusht::ParameterDescriptor& /*option*/, const std::string& text, std::vector<std::string>& list) {
   list = modelVariantsFrom(text == kNoValue ? "" : text);
 }

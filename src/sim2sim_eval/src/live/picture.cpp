@@ -184,7 +184,7 @@ const pusht::WorldState& stateOf(const Episode& episode, Mode mode) {
 /// The color of the marks at the target: that of the world once its tee is near enough.
 std_msgs::ColorRGBA markColor(Mode mode, const Episode& episode) {
   const pusht::Rollout& rollout = episode.rollout(mode);
-  return rollout.error().inTolerance() || rollout.success() ? colorOf(mode) : color(kDim);
+  return rollout.solved() || rollout.success() ? colorOf(mode) : color(kDim);
 }
 
 geometry_msgs::TransformStamped standing(const std::string& child, double x, double y) {

@@ -51,6 +51,6 @@ constexpr const char* nameOf(PusherEnding pusher) { return kPusherEndingNames[st
 RolloutEnding endingOf(const pusht::Rollout& rollout);
 
 /// Whether the tee has left the table: its origin is beyond the inner face of a wall.
-bool isOffTable(const pusht::WorldState& state);
+bool isOffTable(const pusht::WorldState& state, const pusht::Task& task = pusht::fullCircle());
 
 }  // namespace sim2sim

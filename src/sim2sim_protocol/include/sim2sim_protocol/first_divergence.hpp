@@ -77,7 +77,8 @@ constexpr const CauseName& nameOf(Cause cause) { return kCauses[static_cast<std:
 /// Classifies a control step by the states before and after it. Contacts within the step are not seen. So the tee moves
 /// alone (kTeeAlone) if it coasts, if it is touched in between, or if the simulator's bodies have other shapes than the
 /// task's.
-Cause causeIn(const pusht::WorldState& before, const pusht::WorldState& after);
+Cause causeIn(const pusht::WorldState& before, const pusht::WorldState& after,
+              const pusht::Task& task = pusht::fullCircle());
 
 /// Body that differs noticeably first.
 enum class FirstBody : std::size_t {
@@ -105,7 +106,8 @@ struct FirstDivergence {
 /// With the default bound, this is when the difference begins to matter for the task, long after the first difference.
 /// With kNoticeable, it is when and how the first difference comes about.
 std::optional<FirstDivergence> firstDivergenceOf(const pusht::Trace& reference, const pusht::Trace& other,
-                                                 const Bound& bound = {});
+                                                 const Bound& bound = {},
+                                                 const pusht::Task& task = pusht::fullCircle());
 
 /// [1/control step] Growth rate of a small difference. `other` is `reference` replayed in the same simulator from a
 /// slightly moved initial state (a floor). Above 0 the difference grows, by a factor of exp(rate) per step on average.

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/task.hpp"
 #include "pusht_task/types.hpp"
 
 namespace sim2sim {
@@ -50,7 +51,8 @@ InitialStates initialStatesFrom(const std::string& csv, int first, int count);
 /// line, value and rule also for bodies beyond the table; for one start in two lines, as Protocol::repeats plays a
 /// start several times; and, unless they `may_overlap`, for bodies that overlap by more than a contact does.
 std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::path& path, int first, int count,
-                                                        bool may_overlap);
+                                                        bool may_overlap,
+                                                        const pusht::Task& task = pusht::fullCircle());
 
 /// Text of a file for readInitialStates(): all columns, every number in full precision.
 std::string initialStatesCsv(const std::vector<pusht::WorldState>& states);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pusht_task/policy.hpp"
+#include "pusht_task/task.hpp"
 #include "pusht_task/types.hpp"
 #include "sim2sim_protocol/first_divergence.hpp"
 #include "sim2sim_protocol/initial_states.hpp"
@@ -45,6 +46,9 @@ inline constexpr const char* kNoEngine = "none";
 struct Protocol : RunOptions {
   /// Initial states of all episodes. Null: episodes start from the states of their spawn seeds.
   std::shared_ptr<const InitialStates> initial_states{};
+
+  /// Task of the run. Throws InvalidInput if there is none of that name.
+  const pusht::Task& runTask() const { return pusht::taskNamed(task); }
 
   /// Whether there is no engine: of the modes the reference's closed loop alone is flown.
   bool alone = false;

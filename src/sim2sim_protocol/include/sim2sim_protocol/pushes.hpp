@@ -40,6 +40,7 @@ struct PushFigures {
 
 /// Figures over the windows of `window` >= 1 control steps that begin at its multiples. `replay` is the state-reset
 /// replay of `reference` with that window. Where its tee succeeds within a window, the engine's displacement ends.
-PushFigures pushFigures(const pusht::Trace& reference, const pusht::Trace& replay, int window);
+PushFigures pushFigures(const pusht::Trace& reference, const pusht::Trace& replay, int window,
+                        const pusht::Task& task = pusht::fullCircle());
 
 }  // namespace sim2sim

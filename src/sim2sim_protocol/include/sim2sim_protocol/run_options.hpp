@@ -18,6 +18,7 @@ namespace sim2sim {
 /// Values of the options, which are what a run is asked for besides policy, simulators and a file of initial states.
 /// The defaults are those of the course ("Course" in docs/glossary.md).
 struct RunOptions {
+  std::string task = "full_circle";
   std::uint64_t seed = 0;
   int first_episode = 0;
   int episodes = 50;
@@ -93,6 +94,8 @@ void forEachOption(const Function& function) {
   };
   constexpr double kLastFirstEpisode = 1e9;
   constexpr double kMostEpisodes = 1e6;
+  each("task", "", "what is to be done: full_circle, or gym_pusht", Decides::kReference, Written::kIfChanged, true,
+       &RunOptions::task);
   each("seed", "", "episode i starts from spawn seed 10000 + seed + i", Decides::kRest, Written::kAlways, true,
        &RunOptions::seed);
   each("first_episode", "", "index of the first episode", Decides::kRest, Written::kAlways, true,

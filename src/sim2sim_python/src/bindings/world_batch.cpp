@@ -128,8 +128,7 @@ void WorldBatch::step(const Actions& actions, const Mask& mask) {
 void WorldBatch::record(std::size_t world) {
   Episode& episode = episodes_[world];
   episode.state = worlds_->state(static_cast<int>(world));
-  const pusht::PoseError error = pusht::poseError(episode.state);
-  episode.reward = pusht::reward(error, episode.latch.update(error));
+  episode.reward = pusht::reward(episode.state, episode.latch.update(episode.state));
   ++episode.steps;
 }
 

@@ -35,6 +35,7 @@ struct SimulatorChoice {
   pusht::ParameterSet parameters;
   pusht::ParameterSet loop = pusht::plainLoop();
   std::shared_ptr<const ForeignKind> foreign{};  ///< owner of the kind; null: an installed one
+  std::reference_wrapper<const pusht::Task> task = pusht::fullCircle();
 
   /// Name by which the kind is asked for.
   const std::string& name() const { return foreign ? foreign->name : kind.get().name; }
@@ -74,14 +75,17 @@ std::string textOf(const SimulatorChoice& simulator);
 /// Throws InvalidInput if both are one foreign kind with one world.
 void requireTwoWorlds(const SimulatorChoice& reference, const SimulatorChoice& engine);
 
+/// Puts simulators to a task. Throws InvalidInput if one of their kinds does not hold it, or has a loop that is made
+/// for another one.
+void putTo(const pusht::Task& task, const std::vector<std::reference_wrapper<SimulatorChoice>>& simulators);
+
 /// Throws InvalidInput if `simulator` is asked for with a loop: `command` has no policy in a loop.
 void requireNoLoop(const SimulatorChoice& simulator, const std::string& command);
 
 /// A simulator that is ready to run.
 struct LoadedSimulator {
-  /// Throws as SimulatorKind::load.
-  explicit LoadedSimulator(const SimulatorChoice& choice)
-      : foreign(choice.foreign), kind(choice.kind), model(kind.load(choice.parameters)), loop(choice.loop) {}
+  /// Throws as SimulatorKind::requireTask and load.
+  explicit LoadedSimulator(const SimulatorChoice& choice);
 
   /// Record of the simulator and of the loop in which a policy drives it.
   SimulatorRecord record() const;
@@ -99,6 +103,7 @@ struct LoadedSimulator {
 
   std::shared_ptr<const ForeignKind> foreign;  ///< owner of the kind; null: an installed one
   const pusht::SimulatorKind& kind;
+  const pusht::Task& task;
   pusht::SimulatorModel model;
   pusht::ParameterSet loop;
 };

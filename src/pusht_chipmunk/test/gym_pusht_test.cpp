@@ -8,11 +8,17 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
+#include "chipmunk_kind.hpp"
+#include "gym_pusht_kind.hpp"
 #include "gym_pusht_world.hpp"
 #include "pusht_task/constants.hpp"
-#include "pusht_task/numpy_random_state.hpp"
+#include "pusht_task/spawn.hpp"
+#include "pusht_task/task.hpp"
 #include "pusht_testing/golden.hpp"
+#include "pusht_testing/kind_suites.hpp"
+#include "pusht_testing/scenarios.hpp"
 
 namespace pusht::testing {
 namespace {
@@ -60,7 +66,7 @@ void expectSame(const State& a, const State& b) {
   EXPECT_EQ(a.rate, b.rate);
 }
 
-/// The draws of numpy 1.24, and of its `RandomState(5)`: random_sample(), randint(-3, 3), randn() twice.
+/// randint() and randn(), as numpy 1.24 drew them.
 TEST(NumpyRandomState, IsNumpysBitForBit) {
   for (const auto& golden : loadGolden("gym_pusht_resets.json", "seeds")) {
     expectSamePoses(gym_pusht::drawn(golden.at("seed").get<std::uint32_t>()), poseOf(golden.at("drawn")));
@@ -117,9 +123,9 @@ TEST(GymPusht, CoverageAndRewardAreGymPushts) {
   double most = 0.0;
   for (const auto& golden : loadGolden("gym_pusht.json", "episodes")) {
     for (const auto& row : golden.at("rows")) {
-      const double coverage = gym_pusht::coverage(gym_pusht::toTable(stateOf(row, 2)));
+      const double coverage = coverageOf(gym_pusht::toTable(stateOf(row, 2)), gymPusht());
       EXPECT_NEAR(coverage, row.at(12).get<double>(), kTolerance);
-      EXPECT_NEAR(gym_pusht::reward(coverage), row.at(13).get<double>(), kTolerance);
+      EXPECT_NEAR(reward(gym_pusht::toTable(stateOf(row, 2)), false, gymPusht()), row.at(13).get<double>(), kTolerance);
       most = std::max(most, coverage);
     }
   }
@@ -128,7 +134,7 @@ TEST(GymPusht, CoverageAndRewardAreGymPushts) {
 
 /// GYM.md's figures: 0.95 is left after 2.6 px along an axis of the tee or 0.042 rad.
 TEST(GymPusht, CoverageAtTheTarget) {
-  const Pose target = gym_pusht::target();
+  const Pose& target = gymPusht().target;
   const auto moved = [&](double x, double yaw) {
     return coverageOf({target.position + Eigen::Rotation2Dd(target.yaw) * Eigen::Vector2d(x, 0.0), target.yaw + yaw},
                       target);
@@ -152,6 +158,90 @@ TEST(GymPusht, TheTablesFrameAndBack) {
     }
   }
 }
+
+/// A start of gym-pusht's where no bodies overlap is its state after the reset.
+TEST(GymPusht, SpawnIsWhereItsResetsLead) {
+  int apart = 0;
+  for (const auto& golden : loadGolden("gym_pusht_resets.json", "seeds")) {
+    const WorldState start = spawn(golden.at("seed").get<std::uint64_t>(), gymPusht());
+    const double depth = deepestOverlap(start, gymPusht()).depth;
+    if (depth <= 0.0) {
+      State expected = poseOf(golden.at("observed"));
+      expectNear(start, gym_pusht::toTable(expected), 1e-14);
+      ++apart;
+    }
+  }
+  EXPECT_GT(apart, 25);
+}
+
+/// A critically damped drive, whose poles are -10/s: after a control step, by the step of its discretization.
+TEST(GymPushtWorld, PusherFollowsItsController) {
+  GymPushtWorld world;
+  State start;
+  start.pusher = {100.0, 200.0};
+  start.tee = {400.0, 400.0};
+  world.restore(start);
+  world.step({150.0, 200.0});
+  double way = 50.0;
+  double velocity = 0.0;
+  for (int i = 0; i < kSubstepsPerControlStep; ++i) {
+    velocity += (100.0 * way - 20.0 * velocity) * kSubstep;
+    way -= velocity * kSubstep;
+  }
+  EXPECT_NEAR(world.state().pusher.x(), 150.0 - way, 1e-12);
+  EXPECT_EQ(world.state().pusher.y(), 200.0);
+}
+
+/// Each quirk that is off changes a push, and no other number than it may.
+TEST(GymPushtWorld, EachQuirkShows) {
+  const auto pushed = [](const GymPushtQuirks& quirks) {
+    GymPushtWorld world(quirks);
+    State start;
+    start.pusher = {215.0, 180.0};
+    start.tee = {256.0, 256.0};
+    start.angle = 0.4;
+    world.restore(start);
+    for (int i = 0; i < 12; ++i) {
+      world.step({240.0, 420.0});
+    }
+    return world.state();
+  };
+  const State usual = pushed({});
+  for (const auto& quirk : GymPushtWorld::kQuirks) {
+    GymPushtQuirks quirks;
+    quirks.*quirk.value = false;
+    EXPECT_GT((pushed(quirks).tee - usual.tee).norm(), 0.1) << quirk.name;
+  }
+}
+
+/// A sound world has the task's physics, as Chipmunk's other scene has it from the same numbers: in free space and in a
+/// push that does not slip, both agree by how far contacts are solved.
+TEST(GymPushtWorld, SoundIsAsTheTasksPhysics) {
+  const auto worldOfKind = [](const SimulatorKind& kind, const char* preset) {
+    ParameterSet parameters = kind.defaults();
+    parameters.set("preset", preset);
+    return kind.load(parameters, gymPusht()).make_world();
+  };
+  const auto sound = worldOfKind(gymPushtKind(), "sound");
+  const auto scene = worldOfKind(chipmunkKind(), "mapped");
+  WorldState start;
+  start.pusher_position = {-0.2, 0.05};
+  start.tee_position = {0.0, 0.02};
+  sound->reset(start);
+  scene->reset(start);
+  for (int i = 0; i < 10; ++i) {
+    const Action action = chase(sound->state(), gymPusht());
+    sound->step(action);
+    scene->step(action);
+  }
+  EXPECT_GT((sound->state().tee_position - start.tee_position).norm(), 0.02);
+  expectNear(sound->state(), scene->state(), 0.01);
+}
+
+std::vector<Subject> gymSubjects() { return {{gymPushtKind()}, {gymPushtKind(), {{"preset", "sound"}}}}; }
+
+INSTANTIATE_TEST_SUITE_P(GymPusht, SimulatorSuite, ::testing::ValuesIn(gymSubjects()));
+INSTANTIATE_TEST_SUITE_P(GymPusht, BatchSimulatorSuite, ::testing::ValuesIn(gymSubjects()));
 
 }  // namespace
 }  // namespace pusht::testing

@@ -200,12 +200,11 @@ Pose poseIn(const Observation& o, std::size_t first) {
   return {{o[first], o[first + 1]}, std::atan2(static_cast<double>(o[first + 2]), static_cast<double>(o[first + 3]))};
 }
 
-Action actionFor(const Observation& observation, Stroke& stroke, const Task& task) {
+Action answerTo(const Observation& observation, Stroke& stroke, const Task& task) {
   const Pose seen_tee = poseIn(observation, 2);
   const Vector2d seen_pusher(observation[0], observation[1]);
   if (&task == &fullCircle()) {  // the target is the table's origin: nothing turns, so that no bit is lost
-    const Vector2d velocity = command(View(seen_pusher, seen_tee), stroke);
-    return clip({static_cast<float>(velocity.x()), static_cast<float>(velocity.y())});
+    return actionFor(command(View(seen_pusher, seen_tee), stroke), seen_pusher, task);
   }
   const Pose tee = task.frame.poseToTable(seen_tee);
   const Vector2d pusher = task.frame.pointToTable(seen_pusher);
@@ -214,11 +213,7 @@ Action actionFor(const Observation& observation, Stroke& stroke, const Task& tas
     return from_target.inverse() * (point - task.target.position);
   };
   const View view(fromTarget(pusher), {fromTarget(tee.position), wrapAngle(tee.yaw - task.target.yaw)});
-  const Vector2d velocity = from_target * command(view, stroke);
-  // At a constant velocity, spring and damper of a drive to a position are even.
-  const double lead = task.physics.servo_gain / task.physics.servo_stiffness;
-  const Vector2d target = task.frame.pointFromTable(pusher + lead * velocity);
-  return clip({static_cast<float>(target.x()), static_cast<float>(target.y())}, task);
+  return actionFor(from_target * command(view, stroke), pusher, task);
 }
 
 }  // namespace
@@ -234,7 +229,7 @@ void ScriptedExpert::act(Span<const Query> queries, Span<Action> actions) {
     if (stroke == nullptr) {
       throw InternalError("scripted expert: a query must carry a memory from begin()");
     }
-    actions[i] = actionFor(queries[i].observation, *stroke, *task_);
+    actions[i] = answerTo(queries[i].observation, *stroke, *task_);
   }
 }
 

@@ -62,6 +62,15 @@ Vector2d commandOf(const Action& action, const Task& task) {
   return task.physics.drive == Drive::kPosition ? task.frame.pointToTable(command) : command;
 }
 
+Action actionFor(const Vector2d& velocity, const Vector2d& position, const Task& task) {
+  Vector2d action = velocity;
+  if (task.physics.drive == Drive::kPosition) {
+    const double lead = task.physics.servo_gain / task.physics.servo_stiffness;  // [s]
+    action = task.frame.pointFromTable(position + lead * velocity);
+  }
+  return clip({static_cast<float>(action.x()), static_cast<float>(action.y())}, task);
+}
+
 Observation observe(const WorldState& state, const Task& task) {
   const Vector2d pusher = task.frame.pointFromTable(state.pusher_position);
   const Pose tee = task.frame.poseFromTable({state.tee_position, state.tee_yaw});

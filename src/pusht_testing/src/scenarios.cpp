@@ -49,9 +49,8 @@ std::array<WorldState, 4> statesBeyondWhatIsPlausible() {
   return beyond;
 }
 
-Action chase(const WorldState& state) {
-  const Eigen::Vector2d way = (state.tee_position - state.pusher_position).normalized();
-  return {static_cast<float>(way.x()), static_cast<float>(way.y())};
+Action chase(const WorldState& state, const Task& task) {
+  return actionFor((state.tee_position - state.pusher_position).normalized(), state.pusher_position, task);
 }
 
 Action mixedAction(const WorldState& state, std::size_t world, int step) {

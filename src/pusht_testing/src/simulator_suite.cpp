@@ -2,6 +2,7 @@
 // Contract of every Simulator: what a world does.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <future>
 #include <limits>
@@ -22,7 +23,7 @@ std::vector<WorldState> chaseFrom(Simulator& world, const WorldState& start, int
   world.reset(start);
   std::vector<WorldState> states = {world.state()};
   for (int i = 0; i < steps; ++i) {
-    world.step(chase(states.back()));
+    world.step(chase(states.back(), world.task()));
     states.push_back(world.state());
   }
   return states;
@@ -82,8 +83,8 @@ TEST_P(SimulatorSuite, TwoWorldsDoNotShareState) {
   a->reset(spawn(3));
   b->reset(spawn(4));
   for (std::size_t i = 0; i + 1 < alone.size(); ++i) {
-    a->step(chase(a->state()));
-    b->step(chase(b->state()));
+    a->step(chase(a->state(), task()));
+    b->step(chase(b->state(), task()));
     ASSERT_EQ(a->state(), alone[i + 1]);
   }
 }
@@ -111,6 +112,9 @@ TEST_P(SimulatorSuite, ChasingMovesTheTee) {
 }
 
 TEST_P(SimulatorSuite, ActionsAreClipped) {
+  if (!task().action_limit) {
+    GTEST_SKIP() << "the task " << task().name << " has no limit";
+  }
   const auto inside = makeWorld();
   const auto outside = makeWorld();
   inside->reset(spawn(3));
@@ -188,17 +192,20 @@ TEST_P(SimulatorSuite, AbsurdStatesAreAnErrorOrStayFinite) {
   }
 }
 
-/// Success latches after five steps in tolerance, and stepping goes on; the world does not know.
+/// Success latches after the task's steps, and stepping goes on; the world does not know.
 TEST_P(SimulatorSuite, LatchAndHorizon) {
   const auto world = makeWorld();
   WorldState solved;
   solved.pusher_position = {0.2, 0.2};
+  solved.tee_position = task().target.position;
+  solved.tee_yaw = task().target.yaw;
+  const int hold = task().success.hold;
   Rollout rollout = begin(*world, solved);
-  for (int step = 1; step <= kSuccessHold + 2; ++step) {
-    advance(rollout, *world, {0.0F, 0.0F});
-    EXPECT_EQ(rollout.success(), step >= kSuccessHold);
-    EXPECT_EQ(rollout.finished(kHorizon), step >= kSuccessHold);
-    EXPECT_EQ(rollout.finished(3), step >= 3);
+  for (int step = 1; step <= hold + 2; ++step) {
+    advance(rollout, *world, actionFor(Eigen::Vector2d::Zero(), solved.pusher_position, task()));
+    EXPECT_EQ(rollout.success(), step >= hold);
+    EXPECT_EQ(rollout.finished(kHorizon), step >= hold);
+    EXPECT_EQ(rollout.finished(3), step >= std::min(hold, 3));
   }
   EXPECT_EQ(rollout.trace().states.size(), rollout.trace().actions.size() + 1);
 }

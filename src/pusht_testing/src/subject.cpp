@@ -10,7 +10,7 @@ SimulatorModel Subject::load() const {
   for (const auto& [name, text] : settings) {
     parameters.set(name, text);
   }
-  return kind.load(parameters);
+  return kind.load(parameters, task);
 }
 
 std::vector<Subject> idiomsOf(const SimulatorKind& kind) {

@@ -31,6 +31,7 @@ void change(int& value) {
 void change(std::uint64_t& value) { value = (std::uint64_t{1} << 63U) + 1U; }  // which no double holds
 void change(double& value) { value = value == 0.0 ? 0.01 : 3.0 * value; }
 void change(bool& value) { value = !value; }
+void change(std::string& value) { value = "gym_pusht"; }
 void change(std::vector<int>& value) { value = {2, 40}; }
 void change(std::optional<double>& value) { value = 0.75; }
 void change(std::vector<std::string>& value) { value = {"timestep=0.005", "cone=elliptic:impratio=10.0"}; }
@@ -82,9 +83,9 @@ RunConfiguration configurationOf(const RunOptions& options) {
 TEST(EveryOption, IsInTheTable) {
   EXPECT_THAT(
       namesOfOptions(),
-      ::testing::ElementsAre("seed", "first_episode", "episodes", "horizon", "floor", "reanchor", "model_variants",
-                             "closed_variants", "bound_position", "bound_angle", "repeats", "noise_seed",
-                             "independent_noise", "execute", "overlapping_starts", "until_decided"));
+      ::testing::ElementsAre("task", "seed", "first_episode", "episodes", "horizon", "floor", "reanchor",
+                             "model_variants", "closed_variants", "bound_position", "bound_angle", "repeats",
+                             "noise_seed", "independent_noise", "execute", "overlapping_starts", "until_decided"));
 }
 
 TEST(EveryOption, ComesThroughAGoal) {
@@ -247,6 +248,7 @@ template <class Value>
 std::string launchText(const Value& value) {
   return textOf(value);
 }
+std::string launchText(const std::string& value) { return value; }
 std::string launchText(const std::vector<std::string>& value) { return pusht::joined(value, ","); }
 std::string launchText(const std::vector<int>& value) { return value.empty() ? "none" : textOf(value); }
 std::string launchText(const std::optional<double>& value) { return value ? textOf(value) : "0"; }

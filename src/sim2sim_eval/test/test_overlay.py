@@ -18,7 +18,7 @@ from pusht_testing.long_tests import LONG
 from command_case import CommandCase
 
 PACKAGE = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "examples" / "pusht_toy"
-KNOWN = "box2d, bullet, chipmunk, mujoco, rigid_body, toy, two_mass"
+KNOWN = "box2d, bullet, chipmunk, gym_pusht, mujoco, rigid_body, toy, two_mass"
 
 
 def free_port() -> str:

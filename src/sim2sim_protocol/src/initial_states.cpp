@@ -25,11 +25,45 @@ using pusht::kStateFields;
 using pusht::StateField;
 using pusht::WorldState;
 
-std::vector<std::string> columnNames() {
+/// Column of a file: its name, and the number of a state that it has.
+struct Column {
+  std::string name;
+  StateField field;
+};
+
+using Columns = std::vector<Column>;
+
+/// Columns in the table frame.
+Columns tableColumns() {
+  Columns columns;
+  std::transform(kStateFields.begin(), kStateFields.end(), std::back_inserter(columns), [](const StateField& field) {
+    return Column{field.name, field};
+  });
+  return columns;
+}
+
+/// Columns in the frame of a task's own: "pusher_x_px", ..., "tee_angle"; none if that is the table frame.
+Columns ownColumns(const pusht::Task& task) {
+  Columns columns;
+  if (task.frame.isTables()) {
+    return columns;
+  }
+  for (const StateField& field : kStateFields) {
+    if (!field.isVelocity()) {
+      columns.push_back({field.unit == "m" ? field.name + ("_" + task.frame.unit) : "tee_angle", field});
+    }
+  }
+  return columns;
+}
+
+Columns::const_iterator named(const Columns& columns, const std::string& name) {
+  return std::find_if(columns.begin(), columns.end(), [&](const Column& column) { return column.name == name; });
+}
+
+std::string namesOf(const Columns& columns) {
   std::vector<std::string> names;
-  std::transform(kStateFields.begin(), kStateFields.end(), std::back_inserter(names),
-                 [](const auto& c) { return c.name; });
-  return names;
+  std::transform(columns.begin(), columns.end(), std::back_inserter(names), [](const Column& c) { return c.name; });
+  return pusht::joined(names);
 }
 
 std::string csvRow(WorldState state) {
@@ -40,46 +74,59 @@ std::string csvRow(WorldState state) {
   return row + "\n";
 }
 
-const StateField& columnOf(const std::string& name) {
-  const auto* const column = std::find_if(kStateFields.begin(), kStateFields.end(),
-                                          [&](const StateField& known) { return known.name == name; });
-  if (column == kStateFields.end()) {
-    throw pusht::InvalidInput("column '" + name + "': must be one of: " + pusht::joined(columnNames()));
-  }
-  return *column;
-}
+/// Layout of a file: its columns, and whether they are in the frame of the task's own.
+struct Layout {
+  Columns columns;
+  bool is_own = false;
+};
 
-/// The columns that the first line names.
-std::vector<StateField> columnsIn(const std::string& line) {
+/// Layout that the first line names.
+Layout layoutIn(const std::string& line, const pusht::Task& task) {
   const std::vector<std::string> names = pusht::cellsOf(line);
-  std::vector<StateField> columns;
+  const Columns own = ownColumns(task);
+  const bool is_own =
+      std::any_of(names.begin(), names.end(), [&](const std::string& name) { return named(own, name) != own.end(); });
+  const Columns known = is_own ? own : tableColumns();
+  Layout layout{{}, is_own};
   for (const std::string& name : names) {
-    columns.push_back(columnOf(name));
+    const auto column = named(known, name);
+    if (column == known.end()) {
+      throw pusht::InvalidInput("column '" + name + "': must be one of: " + namesOf(known) +
+                                (is_own || own.empty() ? "" : "; or all of: " + namesOf(own)));
+    }
     if (std::count(names.begin(), names.end(), name) > 1) {
       throw pusht::InvalidInput("column '" + name + "': must appear only once");
     }
+    layout.columns.push_back(*column);
   }
-  for (const StateField& column : kStateFields) {
-    if (!column.isVelocity() && std::find(names.begin(), names.end(), column.name) == names.end()) {
-      throw pusht::InvalidInput(std::string("column '") + column.name + "': is missing");
+  for (const Column& column : known) {
+    if (!column.field.isVelocity() && std::find(names.begin(), names.end(), column.name) == names.end()) {
+      throw pusht::InvalidInput("column '" + column.name + "': is missing");
     }
   }
-  return columns;
+  return layout;
 }
 
-WorldState stateIn(const std::string& line, const std::vector<StateField>& columns) {
+WorldState stateIn(const std::string& line, const Layout& layout, const pusht::Task& task) {
   const std::vector<std::string> cells = pusht::cellsOf(line);
-  if (cells.size() != columns.size()) {
-    throw pusht::InvalidInput(std::to_string(cells.size()) + " values: must be " + std::to_string(columns.size()) +
-                              ", one for each column");
+  if (cells.size() != layout.columns.size()) {
+    throw pusht::InvalidInput(std::to_string(cells.size()) + " values: must be " +
+                              std::to_string(layout.columns.size()) + ", one for each column");
   }
   WorldState state;
   for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Column& column = layout.columns[i];
     const std::optional<double> number = pusht::decimal<double>(cells[i]);
     if (!number) {
-      throw pusht::InvalidInput(std::string(columns[i].name) + " '" + cells[i] + "': must be a decimal number");
+      throw pusht::InvalidInput(column.name + " '" + cells[i] + "': must be a decimal number");
     }
-    columns[i].of(state) = *number;
+    column.field.of(state) = *number;
+  }
+  if (layout.is_own) {
+    const pusht::Pose tee = task.frame.poseToTable({state.tee_position, state.tee_yaw});
+    state.pusher_position = task.frame.pointToTable(state.pusher_position);
+    state.tee_position = tee.position;
+    state.tee_yaw = tee.yaw;
   }
   WorldState start = pusht::checkedStart(state);
   if (std::abs(state.tee_yaw) > 2.0 * pusht::kPi) {
@@ -137,27 +184,27 @@ std::string InitialStates::keyOf(int episode) const {
 
 std::string InitialStates::csv() const { return initialStatesCsv(states_); }
 
-InitialStates readInitialStates(const std::filesystem::path& path, int first, int count) {
+InitialStates readInitialStates(const std::filesystem::path& path, int first, int count, const pusht::Task& task) {
   const std::string csv = pusht::readFile(path, "starts");
   try {
-    return initialStatesFrom(csv, first, count);
+    return initialStatesFrom(csv, first, count, task);
   } catch (pusht::Error& error) {
     error.addContext("starts " + path.string());
     throw;
   }
 }
 
-InitialStates initialStatesFrom(const std::string& csv, int first, int count) {
+InitialStates initialStatesFrom(const std::string& csv, int first, int count, const pusht::Task& task) {
   std::istringstream text(csv);
   std::vector<WorldState> states;
-  std::vector<StateField> columns;
+  Layout layout;
   int number = 0;
   try {
     for (std::string line; static_cast<int>(states.size()) < count && std::getline(text, line);) {
       if (++number == 1) {
-        columns = columnsIn(line);
+        layout = layoutIn(line, task);
       } else {
-        states.push_back(stateIn(line, columns));
+        states.push_back(stateIn(line, layout, task));
       }
     }
   } catch (pusht::Error& error) {
@@ -176,7 +223,7 @@ std::shared_ptr<const InitialStates> givenInitialStates(const std::filesystem::p
   if (path.empty()) {
     return nullptr;
   }
-  auto starts = std::make_shared<InitialStates>(readInitialStates(path, first, count));
+  auto starts = std::make_shared<InitialStates>(readInitialStates(path, first, count, task));
   std::map<std::string, int> lines;  // by key of the start
   for (int episode = first; episode < first + count; ++episode) {
     const int line = episode - first + 2;  // below the names of the columns

@@ -131,6 +131,8 @@ bool Protocol::has(std::size_t rollout, Scope scope) const {
     case Scope::kStateReset:
     case Scope::kPushes:
       return probe && probe->reset_every > 0;
+    case Scope::kCoverage:
+      return runTask().success.coverage && isClosed(rollout);
     case Scope::kFloor:
       return probe && *probe == floorProbes().back();
   }
@@ -138,9 +140,12 @@ bool Protocol::has(std::size_t rollout, Scope scope) const {
 }
 
 std::vector<std::size_t> Protocol::quantityColumns() const {
+  const auto may_have = [this](Scope scope) {
+    return scope == Scope::kPushes ? !reanchor.empty() : scope != Scope::kCoverage || runTask().success.coverage;
+  };
   std::vector<std::size_t> columns;
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-    if (kQuantities[i].scope != Scope::kPushes || !reanchor.empty()) {
+    if (may_have(kQuantities[i].scope)) {
       columns.push_back(i);
     }
   }

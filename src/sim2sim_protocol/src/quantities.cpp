@@ -113,6 +113,15 @@ double fiveSecondsNullAngleDivergence(const RolloutView& view) {
   return earlyNullDivergence(view, kFiveSecondSteps).angle;
 }
 
+double largestCoverage(const RolloutView& view) {
+  double largest = 0.0;
+  for (const pusht::WorldState& state : statesOf(view)) {
+    largest = std::max(largest, pusht::coverageOf(state, view.rollout.task()));
+  }
+  return largest;
+}
+double finalCoverage(const RolloutView& view) { return pusht::coverageOf(statesOf(view).back(), view.rollout.task()); }
+
 double growthRateOf(const RolloutView& view) { return growthRate(view.reference, view.rollout.trace()); }
 
 double absorbedPositionDivergence(const RolloutView& view) { return absorbed(view).position; }

@@ -63,6 +63,12 @@ Response answer(const std::string& instance_id, const Serve& serve) {
   return response;
 }
 
+/// Model of a kind for the task of nodes.
+SimulatorModel loadedHere(const SimulatorKind& kind, const ParameterSet& parameters) {
+  kind.requireTask(fullCircle());
+  return kind.load(parameters);
+}
+
 WorldState startOf(const pusht_msgs::ResetRequest& request) {
   if (request.start.size() > 1) {
     throw InvalidInput("start: " + std::to_string(request.start.size()) + " states; must be one, or none for the seed");
@@ -76,7 +82,7 @@ SimulatorSession::SimulatorSession(SimulatorKind kind, const ParameterSet& param
                                    Observer observer, const SimulatorKinds* kinds)
     : kinds_(kinds),
       kind_(std::move(kind)),
-      model_(kind_.load(parameters)),
+      model_(loadedHere(kind_, parameters)),
       world_(model_.make_world()),
       frame_prefix_(std::move(frame_prefix)),
       instance_id_(newInstanceId()),
@@ -152,7 +158,7 @@ pusht_msgs::ConfigureResponse SimulatorSession::configure(const pusht_msgs::Conf
     }
     SimulatorKind kind = request.kind.empty() ? kind_ : kindFor(request.kind);
     const ParameterSet parameters = request.kind.empty() ? model_.parameters : kind.defaults();
-    SimulatorModel model = kind.load(merged(parameters, request.parameters));
+    SimulatorModel model = loadedHere(kind, merged(parameters, request.parameters));
     world_ = model.make_world();
     model_ = std::move(model);
     kind_ = std::move(kind);

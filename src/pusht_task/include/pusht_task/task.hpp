@@ -86,6 +86,10 @@ Action clip(const Action& action, const Task& task = fullCircle());
 /// Command of an action to the drive: a velocity [m/s] or a position [m], in the table frame.
 Eigen::Vector2d commandOf(const Action& action, const Task& task);
 
+/// Action that lets a pusher at `position` [m] go on at `velocity` [m/s], in the table frame: that velocity, or the
+/// position at which spring and damper of the drive are even. It is clipped.
+Action actionFor(const Eigen::Vector2d& velocity, const Eigen::Vector2d& position, const Task& task);
+
 /// Observation of `state` for a policy, in the task's own units and frame.
 Observation observe(const WorldState& state, const Task& task = fullCircle());
 
@@ -117,7 +121,8 @@ bool isSolved(const WorldState& state, const Task& task = fullCircle());
 /// Success: so many consecutive control steps solved as the task says. Once latched it stays.
 class SuccessLatch {
  public:
-  explicit SuccessLatch(const Task& task = fullCircle()) : task_(&task) {}
+  SuccessLatch() : SuccessLatch(fullCircle()) {}
+  explicit SuccessLatch(const Task& task) : task_(&task) {}
 
   /// Takes the state after a control step. Returns true in the one step that latches.
   bool update(const WorldState& state);

@@ -22,7 +22,7 @@ std::vector<WorldState> absurdStates();
 std::array<WorldState, 4> statesBeyondWhatIsPlausible();
 
 /// Drives the pusher at the tee and through it, so that there is contact: reaction, not memory.
-Action chase(const WorldState& state);
+Action chase(const WorldState& state, const Task& task = fullCircle());
 
 /// Actions for the worlds of a batch: most chase, so that contacts come and go; every fourth pushes straight on, and
 /// now and then the pusher is told to stand still.

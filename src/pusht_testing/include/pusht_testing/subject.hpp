@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <iosfwd>
 #include <map>
 #include <memory>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "pusht_task/simulator_kind.hpp"
+#include "pusht_task/task.hpp"
 #include "pusht_testing/physics_of_kind.hpp"
 
 namespace pusht::testing {
@@ -20,6 +22,7 @@ struct Subject {
   SimulatorKind kind;
   std::map<std::string, std::string> settings{};
   PhysicsOfKind physics{};
+  std::reference_wrapper<const Task> task = taskNamed(kind.tasks.front());
 
   SimulatorModel load() const;
 };
@@ -34,6 +37,7 @@ void PrintTo(const Subject& subject, std::ostream* out);  // NOLINT(readability-
 class SubjectSuite : public ::testing::TestWithParam<Subject> {
  protected:
   const SimulatorModel& model() const { return model_; }
+  static const Task& task() { return GetParam().task; }
   std::unique_ptr<Simulator> makeWorld() const { return model_.make_world(); }
   std::unique_ptr<BatchSimulator> makeLanes(int lanes) const { return model_.make_lanes(lanes); }
 

@@ -140,6 +140,7 @@ void Evaluator::runIn(RunFolder& folder, const LiveRequest& request) {
 
 void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   request.protocol.validate();
+  requireLive(request.protocol);
   request.protocol.initial_states = givenInitialStates(request.starts, request.protocol.firstStart(),
                                                        request.protocol.starts(), request.protocol.overlapping_starts);
   pacer_.setRate(request.rate);

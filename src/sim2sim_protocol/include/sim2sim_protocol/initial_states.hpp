@@ -41,11 +41,14 @@ class InitialStates {
 
 /// Reads the initial states of `count` episodes from `first` on: the first rows of a CSV file. Its first line names the
 /// columns, in any order, as the fields of WorldState.msg, in their units and frame; velocities that are left out are
-/// 0. Throws InvalidInput with file, line, value and rule for bad text, too few rows, or an implausible state.
-InitialStates readInitialStates(const std::filesystem::path& path, int first, int count);
+/// 0. A task with a frame of its own also takes positions and angle in that: "pusher_x_px", ..., "tee_angle". Throws
+/// InvalidInput with file, line, value and rule for bad text, too few rows, or an implausible state.
+InitialStates readInitialStates(const std::filesystem::path& path, int first, int count,
+                                const pusht::Task& task = pusht::fullCircle());
 
 /// Reads the text of such a file. Throws InvalidInput as readInitialStates(), without a file.
-InitialStates initialStatesFrom(const std::string& csv, int first, int count);
+InitialStates initialStatesFrom(const std::string& csv, int first, int count,
+                                const pusht::Task& task = pusht::fullCircle());
 
 /// Initial states of a run from a file, as readInitialStates(); null if `path` is empty. Throws InvalidInput with file,
 /// line, value and rule also for bodies beyond the table; for one start in two lines, as Protocol::repeats plays a

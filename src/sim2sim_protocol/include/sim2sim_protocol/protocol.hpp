@@ -103,8 +103,8 @@ struct Protocol : RunOptions {
   /// Whether a rollout has the quantities of `scope`; `rollout` is an index of rolloutNames().
   bool has(std::size_t rollout, Scope scope) const;
 
-  /// Indices in kQuantities of the columns of episodes.csv, and of what a message of a rollout has: those of
-  /// pushes are among them only if there are state-reset replays.
+  /// Indices in kQuantities of the columns of episodes.csv, and of what a message of a rollout has: those of pushes are
+  /// among them only if there are state-reset replays, those of coverage only if the task is judged by it.
   std::vector<std::size_t> quantityColumns() const;
 };
 

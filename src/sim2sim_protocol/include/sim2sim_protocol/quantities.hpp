@@ -76,6 +76,10 @@ double pushesMissed(const RolloutView& view);
 double pushesTurned(const RolloutView& view);
 /// [-] Natural logarithm of the engine's over the reference's displacement, mean over the pushes.
 double pushSize(const RolloutView& view);
+/// [-] Largest share of the target that the tee covers at the end of a control step, or at the start.
+double largestCoverage(const RolloutView& view);
+/// [-] Share of the target that the tee covers after the last step.
+double finalCoverage(const RolloutView& view);
 /// [1/control step] Growth rate of a small difference in the reference: growthRate() of a floor, with the default
 /// bound.
 double growthRateOf(const RolloutView& view);
@@ -92,6 +96,7 @@ enum class Scope {
   kClosed,      ///< the engine in closed loop
   kStateReset,  ///< state-reset replays
   kPushes,      ///< state-reset replays; results without these have no column of it
+  kCoverage,    ///< closed loops of a task that is judged by coverage; results of others have no column of it
   kFloor,       ///< the reference from an initial state moved by 1e-6 m
 };
 
@@ -157,6 +162,8 @@ inline constexpr std::array kQuantities = {
     Quantity{"pushes_missed", "share", Scope::kPushes, 0.0, 1.0, nullptr, pushesMissed, nullptr},
     Quantity{"pushes_turned", "share", Scope::kPushes, 0.0, 1.0, nullptr, pushesTurned, nullptr},
     Quantity{"push_size", "log", Scope::kPushes, -kLargestPushSize, kLargestPushSize, nullptr, pushSize, nullptr},
+    Quantity{"largest_coverage", "share", Scope::kCoverage, 0.0, 1.0, nullptr, largestCoverage, nullptr},
+    Quantity{"final_coverage", "share", Scope::kCoverage, 0.0, 1.0, nullptr, finalCoverage, nullptr},
 };
 
 /// Value of each of kQuantities, in its unit; NaN if there is none.

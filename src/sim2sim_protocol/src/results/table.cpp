@@ -78,6 +78,17 @@ std::string endingLines(const Protocol& protocol, const EndingsOfPairs& endings)
          (failures == stuck ? "" : both("  other failures", otherEndingsText));
 }
 
+/// Lines of the coverage, in a task that is judged by it.
+std::string coverageLines(const Protocol& protocol, const Summary& summary) {
+  const auto both = [&](const char* head, const char* quantity) {
+    return line(head, cell(summary.mean(kReferenceClosed, quantity), ""),
+                protocol.alone ? "" : cell(summary.mean(kEngineClosed, quantity), ""));
+  };
+  return protocol.runTask().success.coverage
+             ? both("  coverage at its best", "largest_coverage") + both("  coverage at the end", "final_coverage")
+             : "";
+}
+
 /// Line on the stuck rollouts among the pairs; empty if there are none.
 std::string stuckPairsLine(const EndingsOfPairs& endings) {
   if (endings.reference.of(Ending::kStuck) + endings.engine.of(Ending::kStuck) == 0) {
@@ -303,9 +314,9 @@ std::string variantLines(const RunConfiguration& configuration, const Summary& s
 std::string tableAlone(const RunConfiguration& configuration, const Summary& summary, const std::string& headline) {
   const Protocol& protocol = configuration.protocol;
   return headline + line("", configuration.reference.title, "") +
-         line("success, closed loop", cell(summary.reference), "") + noiseLines(protocol, summary) +
-         endingLines(protocol, summary.endings) + variantLines(configuration, summary) + "(" +
-         episodesText(protocol, summary) + "; in brackets " + fixedText(100.0 * kConfidence, 0) +
+         line("success, closed loop", cell(summary.reference), "") + coverageLines(protocol, summary) +
+         noiseLines(protocol, summary) + endingLines(protocol, summary.endings) + variantLines(configuration, summary) +
+         "(" + episodesText(protocol, summary) + "; in brackets " + fixedText(100.0 * kConfidence, 0) +
          " % intervals over other initial states" + (protocol.repeats > 1 ? " and other noise" : "") +
          ", not over other trainings of the policy)\n";
 }
@@ -350,7 +361,8 @@ std::string table(const RunConfiguration& configuration, const Summary& summary)
   std::string table =
       head + line("", configuration.reference.title + " (reference)", configuration.engine.title) +
       line("success, closed loop", cell(summary.reference), cell(summary.engine)) +
-      noiseLines(configuration.protocol, summary) + endingLines(configuration.protocol, summary.endings) +
+      coverageLines(configuration.protocol, summary) + noiseLines(configuration.protocol, summary) +
+      endingLines(configuration.protocol, summary.endings) +
       line("transfer", "", transferText(configuration, outcomes)) +
       line("engine - reference", outcomes.p ? "McNemar p " + probabilityText(*outcomes.p) : "",
            signedText(outcomes.table.difference(), outcomes.difference_interval, "", 3)) +

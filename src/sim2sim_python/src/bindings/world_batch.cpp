@@ -66,6 +66,7 @@ std::vector<std::string> stateFields() {
 
 WorldBatch::WorldBatch(const std::string& kind, const py::dict& parameters, int worlds) {
   const pusht::SimulatorKind& chosen = pusht::SimulatorKinds::installed().named(kind);
+  chosen.requireTask(pusht::fullCircle());
   pusht::ParameterSet values = chosen.defaults();
   for (const auto& [name, value] : parameters) {
     values.set(py::str(name), textOf(value));

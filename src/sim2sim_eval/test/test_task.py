@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""A task goes through the commands: gym-pusht's in its own world and in others."""
+
+import csv
+import json
+import unittest
+from typing import Any, Dict, List
+
+from command_case import CommandCase, executable
+
+COMPARE = executable("sim2sim_eval", "compare")
+RECOMPUTE = executable("sim2sim_eval", "recompute")
+SWEEP = executable("sim2sim_eval", "sweep")
+AUDIT = executable("sim2sim_eval", "audit")
+GYM = ("--task", "gym_pusht", "--policy", "expert", "--reference", "gym_pusht")
+RESULTS = ("metrics.json", "episodes.csv", "divergence.csv")
+
+
+class Tasks(CommandCase):
+    def compare(self, out: str, *arguments: str, code: int = 0) -> Dict[str, Any]:
+        process = self.run_command(COMPARE, *arguments, "--out", out)
+        self.assertEqual(process.returncode, code, process.stderr)
+        return dict(json.loads((self.folder / out / "metrics.json").read_text()))
+
+    def rows(self, out: str) -> List[Dict[str, str]]:
+        with (self.folder / out / "episodes.csv").open() as file:
+            return list(csv.DictReader(file))
+
+    def assertSameResults(self, one: str, other: str) -> None:
+        for name in RESULTS:
+            self.assertEqual(
+                (self.folder / one / name).read_bytes(), (self.folder / other / name).read_bytes(), name
+            )
+
+    def refusal(self, *arguments: str) -> str:
+        process = self.run_command(COMPARE, *arguments, "--out", "refused")
+        self.assertEqual(process.returncode, 2, process.stdout)
+        self.assertEqual(process.stderr.count("\n"), 1, process.stderr)
+        self.assertFalse((self.folder / "refused").exists())
+        return str(process.stderr)
+
+    def test_the_same_bytes_by_threads_from_the_cache_and_from_the_bag(self) -> None:
+        arguments = (*GYM, "--engine", "chipmunk", "--episodes", "6", "--horizon", "80")
+        metrics = self.compare("one", *arguments, "--threads", "1", "--record")
+        self.assertEqual(metrics["task"], "gym_pusht")
+        self.compare("two", *arguments, "--threads", "2", "--reference-cache", "cache")
+        self.compare("cached", *arguments, "--reference-cache", "cache")
+        process = self.run_command(RECOMPUTE, "one/compare.bag", "--out", "again")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        for other in ("two", "cached", "again"):
+            self.assertSameResults("one", other)
+
+    def test_episodes_have_seeds_and_coverage_of_the_task(self) -> None:
+        """Seed 100000 is the first of Diffusion Policy's. The expert, which stops at 27 mm or 0.18
+        rad from the target, covers it well, but less than 0.95 of it."""
+        self.compare("run", *GYM, "--engine", "none", "--episodes", "4")
+        closed = [row for row in self.rows("run") if row["mode"] == "reference_closed"]
+        self.assertEqual([row["spawn_seed"] for row in closed], [str(100000 + i) for i in range(4)])
+        for row in closed:
+            largest, final = (float(row[f"{which}_coverage_share"]) for which in ("largest", "final"))
+            self.assertLessEqual(final, largest)
+            self.assertEqual(row["success"] == "1", largest > 0.95)
+            self.assertGreater(largest, 0.3)
+
+    def test_the_course_has_no_word_of_a_task(self) -> None:
+        metrics = self.compare("run", "--policy", "expert", "--episodes", "1", "--horizon", "5")
+        self.assertNotIn("task", metrics)
+        self.assertNotIn("final_coverage_share", self.rows("run")[0])
+
+    def test_each_kind_that_holds_it(self) -> None:
+        for kind in ("chipmunk", "box2d", "bullet", "gym_pusht"):
+            with self.subTest(kind):
+                metrics = self.compare(
+                    kind, *GYM, "--engine", kind, "--episodes", "2", "--horizon", "40"
+                )
+                self.assertEqual(metrics["engine_simulator"], kind)
+
+    def test_a_sweep_over_the_quirks(self) -> None:
+        plan = """
+task: gym_pusht
+policy: expert
+reference: gym_pusht
+engine: gym_pusht
+episodes: 3
+horizon: 60
+floor: false
+grid: {inertia: [true, false], kinematic: [true, false]}
+"""
+        (self.folder / "plan.yaml").write_text(plan)
+        process = self.run_command(SWEEP, "plan.yaml", "--out", "sweep")
+        self.assertEqual(process.returncode, 0, process.stderr)
+        with (self.folder / "sweep" / "sweep.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        divergence = [float(row["mean_pos_divergence"]) for row in rows]
+        self.assertEqual(divergence[0], 0.0)  # all quirks on, as in the reference
+        self.assertTrue(all(value > 1e-4 for value in divergence[1:]), divergence)
+
+    def test_starts_in_pixels(self) -> None:
+        """A reset turns the tee before it sets its origin: that is where it was asked to be."""
+        head = "pusher_x_px,pusher_y_px,tee_x_px,tee_y_px,tee_angle\n"
+        (self.folder / "px.csv").write_text(head + "222,97,256,256,0.25\n")
+        (self.folder / "m.csv").write_text(
+            "pusher_x,pusher_y,tee_x,tee_y,tee_yaw\n"
+            "-0.034,0.159,-0.003711059388,-0.014533736331,-0.25\n"
+        )
+        short = (*GYM, "--engine", "none", "--horizon", "30")
+        rows = []
+        for name in ("px", "m"):
+            self.compare(name, *short, "--starts", f"{name}.csv")
+            rows.append(self.rows(name)[0])
+        for key in ("final_position_error_m", "final_coverage_share"):
+            self.assertAlmostEqual(float(rows[0][key]), float(rows[1][key]), places=8)
+
+    def test_refused(self) -> None:
+        (self.folder / "px.csv").write_text(
+            "pusher_x,pusher_y,tee_x,tee_y,tee_yaw\n222,97,256,256,0.25\n"
+        )
+        (self.folder / "m.csv").write_text(
+            "pusher_x_px,pusher_y_px,tee_x_px,tee_y_px,tee_angle\n0.1,0.2,0,0,0.25\n"
+        )
+        usual = (*GYM, "--engine", "chipmunk")
+        for arguments, words in (
+            (("--task", "pusht"), "task 'pusht': must be one of: full_circle, gym_pusht"),
+            (("--task", "gym_pusht"), "task gym_pusht: the kind mujoco holds full_circle alone"),
+            (
+                ("--engine", "gym_pusht"),
+                "task full_circle: the kind gym_pusht holds gym_pusht alone",
+            ),
+            ((*usual, "--policy", "bc"), "policy bc: was made for the task full_circle"),
+            ((*usual, "--loop", "tracker"), "must be left out in the task gym_pusht"),
+            ((*usual, "--seed", str(2**32)), "must be below 2^32"),
+            ((*usual, "--starts", "px.csv"), "pixels or millimeters?"),
+            ((*usual, "--starts", "m.csv"), "the table ends at"),
+            (("--starts", "m.csv"), "column 'pusher_x_px': must be one of: pusher_x"),
+        ):
+            with self.subTest(words):
+                if "--policy" in arguments[len(usual) :]:
+                    arguments = ("--task", "gym_pusht", *arguments[4:])
+                self.assertIn(words, self.refusal(*arguments))
+
+
+if __name__ == "__main__":
+    unittest.main()

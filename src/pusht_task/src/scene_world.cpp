@@ -30,7 +30,7 @@ void Scene::addTableFriction() {
 
 void Scene::applyDrag() {
   if (mapping_.drag) {
-    applyDragAt({0.0, 0.0});
+    applyDragAt({0.0, 0.0 - physics_.tee_damping_point});  // which is never -0
   }
 }
 

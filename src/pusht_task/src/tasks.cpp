@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,8 @@ Physics soundPhysics() {
   physics.tee_first_moment = physics.stem_offset * stem_mass;
   physics.tee_second_moment = momentOfTee(kTeeMass - stem_mass, stem_mass, physics);
   physics.tee_damping = kSlowing * kTeeMass;
-  physics.tee_yaw_damping = kSlowing * physics.tee_second_moment;
+  physics.tee_damping_point = physics.centerOfMass();
+  physics.tee_yaw_damping = kSlowing * (physics.tee_second_moment - physics.tee_first_moment * physics.centerOfMass());
   physics.tee_friction = {0.0, 0.0};
   physics.tee_yaw_friction = 0.0;
   physics.pusher_mass = kPusherMass;
@@ -94,6 +96,35 @@ const Task& fullCircle() {
 const Task& gymPusht() {
   static const Task task = makeGymPusht();
   return task;
+}
+
+nlohmann::ordered_json describe(const Task& task) {
+  const Physics& physics = task.physics;
+  nlohmann::ordered_json success = {{"hold", task.success.hold}};
+  if (task.success.coverage) {
+    success["coverage"] = *task.success.coverage;
+  } else {
+    success["position_m"] = task.success.position_tolerance;
+    success["angle_rad"] = task.success.angle_tolerance;
+  }
+  return {{"name", task.name},
+          {"sizes",
+           {{"pusher_radius", physics.pusher_radius},
+            {"bar_half_length", physics.bar_half_length},
+            {"bar_half_width", physics.bar_half_width},
+            {"stem_half_length", physics.stem_half_length},
+            {"stem_half_width", physics.stem_half_width},
+            {"stem_offset", physics.stem_offset}}},
+          {"walls", {{"middle", physics.wall_middle}, {"inner_face", physics.wall_inner_face}}},
+          {"target", {task.target.position.x(), task.target.position.y(), task.target.yaw}},
+          {"drive", physics.drive == Drive::kPosition ? "position" : "velocity"},
+          {"action_unit", task.action_unit},
+          {"frame",
+           {{"unit", task.frame.unit},
+            {"per_meter", task.frame.per_meter},
+            {"middle", {task.frame.middle.x(), task.frame.middle.y()}},
+            {"y_down", task.frame.y_down}}},
+          {"success", success}};
 }
 
 std::vector<std::string> taskNames() {

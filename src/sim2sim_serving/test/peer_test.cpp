@@ -63,6 +63,16 @@ TEST(Watchdogs, InterruptACallAtTheDeadline) {
   }
 }
 
+TEST(Watchdogs, WaitNoLongerThanTheDeadline) {
+  constexpr seconds kDeadline{1};
+  constexpr int kMargin = 9;  // a busy machine is late, but not by so much
+  Watchdog watchdog(kDeadline);
+  std::promise<void> interrupt;
+  const auto begin = steady_clock::now();
+  watchdog.run([&] { interrupt.get_future().wait_for(kLong); }, [&] { interrupt.set_value(); });
+  EXPECT_LT(steady_clock::now() - begin, kMargin * kDeadline);
+}
+
 TEST(Watchdogs, InterruptACallOnce) {
   Watchdog watchdog(milliseconds(1));
   std::atomic<int> interrupts{0};

@@ -36,10 +36,12 @@ struct TeeInertia {
 };
 
 /// Inertia of a tee whose damping is implicit in substeps of this length [s]; 0: it is explicit. The mass that makes it
-/// so sits at the origin, where the damping acts.
+/// so sits where the damping acts.
 constexpr TeeInertia teeInertia(const Physics& physics, double implicit_substep) {
-  return {physics.tee_mass + implicit_substep * physics.tee_damping, physics.tee_first_moment,
-          physics.tee_second_moment + implicit_substep * physics.tee_yaw_damping};
+  const double added = implicit_substep * physics.tee_damping;
+  const double point = physics.tee_damping_point;
+  return {physics.tee_mass + added, physics.tee_first_moment + added * point,
+          physics.tee_second_moment + implicit_substep * physics.tee_yaw_damping + added * point * point};
 }
 
 /// [N] Force of drive and damping on the pusher along an axis, for its command [m/s, or m] and its present position [m]

@@ -28,8 +28,9 @@ struct Physics {
   double tee_second_moment =                          ///< [kg m^2] moment of inertia about the tee origin
       momentOfBox(kBarMass, kBarHalfLength, kTeeHalfWidth) + momentOfBox(kStemMass, kTeeHalfWidth, kStemHalfLength) +
       kStemMass * kStemOffset * kStemOffset;
-  double tee_damping = dynamics::kTeeDamping;                                             ///< [N s/m] per axis
-  double tee_yaw_damping = dynamics::kTeeYawDamping;                                      ///< [N m s]
+  double tee_damping = dynamics::kTeeDamping;         ///< [N s/m] per axis
+  double tee_damping_point = 0.0;                     ///< [m] from the tee origin to where damping acts, along body -y
+  double tee_yaw_damping = dynamics::kTeeYawDamping;  ///< [N m s]
   std::array<double, 2> tee_friction = {dynamics::kTeeFriction, dynamics::kTeeFriction};  ///< [N] Coulomb, per axis
   double tee_yaw_friction = dynamics::kTeeYawFriction;                                    ///< [N m] Coulomb
 

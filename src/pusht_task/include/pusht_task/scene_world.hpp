@@ -21,7 +21,7 @@ namespace pusht {
 struct SceneParameters {
   bool servo = true;           ///< the task's soft servo, implicit in a substep
   bool table_friction = true;  ///< along each axis of the table, at the tee's origin
-  bool drag = true;            ///< at the tee's origin, implicit in a substep
+  bool drag = true;            ///< where the task's damping acts, implicit in a substep
   double substep = kSubstep;   ///< [s] a value of substepDescriptor()
 };
 

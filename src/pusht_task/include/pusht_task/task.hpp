@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -79,6 +80,9 @@ std::vector<std::string> taskNames();
 
 /// Task of this name. Throws InvalidInput with the known ones if there is none.
 const Task& taskNamed(const std::string& name);
+
+/// What pictures and people need to know of a task: name, sizes [m], walls, target [m, rad], frame, units, success.
+nlohmann::ordered_json describe(const Task& task);
 
 /// `action` with each axis clipped as the task says.
 Action clip(const Action& action, const Task& task = fullCircle());

@@ -7,7 +7,7 @@
 import contextlib
 import math
 import subprocess
-from typing import Any
+from typing import Any, Tuple
 
 import numpy as np
 import rospy  # type: ignore[import]
@@ -39,6 +39,16 @@ class OwnSimulatorContract(SimulatorContract):
 
     def test_diagnostics(self) -> None:
         self.assert_healthy()
+
+    def test_diagnostics_count_what_was_refused(self) -> None:
+        def counts_after_a_refusal(name: str) -> Tuple[int, int]:
+            response = self.call("configure", parameters=[Parameter(name, "1")], end_episode=True)
+            self.assert_refusal(response, name)
+            return self.counts_with(response.message)
+
+        answered, refused = counts_after_a_refusal("no_such_one")
+        self.accepted("reset", seed=1)
+        self.assertEqual(counts_after_a_refusal("nor_such_one"), (answered + 1, refused + 1))
 
     def test_version_is_known(self) -> None:
         self.assertTrue(self.call("describe").version)

@@ -4,7 +4,7 @@
 import io
 import math
 import unittest
-from typing import Any, Dict, List, NoReturn
+from typing import Any, Dict, List, NoReturn, Tuple
 
 import rospy  # type: ignore[import]
 import yaml  # type: ignore[import]
@@ -88,6 +88,19 @@ class ServedCase(unittest.TestCase):
 
         message = Inbox("/diagnostics", DiagnosticArray).until(is_ours)[-1]
         self.assertEqual({status.level for status in message.status}, {level})
+
+    def counts_with(self, refusal: str) -> Tuple[int, int]:
+        """The answered and the refused requests that /diagnostics tells of when a message is the
+        last refusal."""
+
+        def values_of(message: Any) -> Dict[str, str]:
+            return {value.key: value.value for status in message.status for value in status.values}
+
+        inbox = Inbox("/diagnostics", DiagnosticArray)
+        message = inbox.until(lambda told: values_of(told).get("last refusal") == refusal)[-1]
+        inbox.close()
+        values = values_of(message)
+        return int(values["answered"]), int(values["refused"])
 
 
 def data(message: Any) -> bytes:

@@ -15,15 +15,36 @@ from sim2sim_report.colors import ON_TABLE
 from sim2sim_report.results import ENGINE, MODES, REPLAY, Episode, Run, Traces
 
 MOST_ANIMATED = 200  # episodes, unless more are asked for
-GEOMETRY = {
+GEOMETRY: Json = {  # of the course's task [m, s, rad]
     "barHalfLength": task.BAR_HALF_LENGTH,
     "stemHalfLength": task.STEM_HALF_LENGTH,
     "halfWidth": task.TEE_HALF_WIDTH,
     "stemOffset": task.STEM_OFFSET,
     "pusherRadius": task.PUSHER_RADIUS,
     "wall": task.WALL_INNER_FACE,
+    "wallMiddle": [0.0, 0.0],
+    "target": [0.0, 0.0, 0.0],
     "controlStep": task.CONTROL_STEP,
 }
+
+
+def geometry_of(run: Run) -> Json:
+    """Sizes, walls and target of a run's task."""
+    described = run.provenance.get("task")
+    if described is None:
+        return GEOMETRY
+    sizes, walls = described["sizes"], described["walls"]
+    return {
+        **GEOMETRY,
+        "barHalfLength": sizes["bar_half_length"],
+        "stemHalfLength": sizes["stem_half_length"],
+        "halfWidth": sizes["bar_half_width"],
+        "stemOffset": sizes["stem_offset"],
+        "pusherRadius": sizes["pusher_radius"],
+        "wall": walls["inner_face"],
+        "wallMiddle": walls["middle"],
+        "target": described["target"],
+    }
 
 
 def animated(run: Run, asked: Sequence[int]) -> List[int]:
@@ -41,15 +62,15 @@ def player(run: Run, traces: Traces, shown: Sequence[int]) -> Json:
         "titles": {"reference": run.title("reference"), "engine": run.name},
         "bound": run.metrics["bound"],
         "first": run.first_of_each_kind(),
-        "episodes": [_animation(e, traces) for e in run.episodes if e.index in shown],
+        "episodes": [_animation(run, e, traces) for e in run.episodes if e.index in shown],
     }
 
 
-def _animation(episode: Episode, traces: Traces) -> Json:
+def _animation(run: Run, episode: Episode, traces: Traces) -> Json:
     return {
         "episode": episode.index,
         "kind": episode.kind,
-        "states": {mode: _packed(traces[episode.index, mode]) for mode in MODES},
+        "states": {mode: _packed(run, traces[episode.index, mode]) for mode in MODES},
         "succeeds": {mode: episode.succeeds(mode) for mode in MODES},
         "stuck": {
             mode: episode.still(mode) if episode.ending(mode) == "stuck" else None for mode in MODES
@@ -58,11 +79,25 @@ def _animation(episode: Episode, traces: Traces) -> Json:
     }
 
 
-def _packed(trace: Any) -> str:
+def _packed(run: Run, trace: Any) -> str:
     """Seven float32 of every state; the last action, which there is none of, is 0."""
-    names = ("pusher_x", "pusher_y", "tee_x", "tee_y", "tee_yaw", "action_x", "action_y")
-    table = np.stack([np.nan_to_num(trace[name]) for name in names], axis=1)
+    names = ("pusher_x", "pusher_y", "tee_x", "tee_y", "tee_yaw")
+    numbers = [trace[name] for name in names] + _ways(run, trace)
+    table = np.stack([np.nan_to_num(number) for number in numbers], axis=1)
     return base64.b64encode(table.astype("<f4").tobytes()).decode("ascii")
+
+
+def _ways(run: Run, trace: Any) -> List[Any]:
+    """Arrows of the actions along x and y, which page.js draws 0.1 m long for 1 m/s: velocities,
+    or, so long that they end there, the ways to positions."""
+    described = run.provenance.get("task")
+    if described is None or described["drive"] == "velocity":
+        return [trace["action_x"], trace["action_y"]]
+    frame = described["frame"]
+    x = (trace["action_x"] - frame["middle"][0]) / frame["per_meter"]
+    y = (trace["action_y"] - frame["middle"][1]) / frame["per_meter"]
+    y = -y if frame["y_down"] else y
+    return [10 * (x - trace["pusher_x"]), 10 * (y - trace["pusher_y"])]
 
 
 def poster(run: Run, traces: Traces) -> Json:
@@ -77,7 +112,7 @@ def poster(run: Run, traces: Traces) -> Json:
     frames = []
     for name, step in steps.items():
         worlds = {mode: _at(traces[episode.index, mode], step) for mode in MODES}
-        frames.append({"name": name, "svg": _frame(worlds, traces, episode.index, step)})
+        frames.append({"name": name, "svg": _frame(run, worlds, traces, episode.index, step)})
     return {"episode": episode.index, "frames": frames}
 
 
@@ -91,17 +126,27 @@ def _at(trace: Any, step: int) -> Any:
     return trace[min(step, len(trace) - 1)]
 
 
-def _frame(worlds: Dict[str, Any], traces: Traces, episode: int, step: int) -> str:
-    """A table from above, 0.8 m wide, in units of 1 mm, with the tees of all worlds."""
-    inner = 1000 * GEOMETRY["wall"]
-    edge = inner + 12
+def _frame(run: Run, worlds: Dict[str, Any], traces: Traces, episode: int, step: int) -> str:
+    """A table from above, in units of 1 mm, with the tees of all worlds."""
+    geometry = geometry_of(run)
+
+    def square(half: float) -> Tuple[float, float, float]:
+        x, y = geometry["wallMiddle"]
+        return 1000 * x - half, -1000 * y - half, 2 * half
+
+    left, top, width = square(1000 * geometry["wall"] + 12)
+    inner_left, inner_top, inner_width = square(1000 * geometry["wall"])
     parts = [
-        f'<svg viewBox="{-edge:g} {-edge:g} {2 * edge:g} {2 * edge:g}" role="img">',
-        f'<rect x="{-edge:g}" y="{-edge:g}" width="{2 * edge:g}" height="{2 * edge:g}" '
+        f'<svg viewBox="{left:g} {top:g} {width:g} {width:g}" role="img">',
+        f'<rect x="{left:g}" y="{top:g}" width="{width:g}" height="{width:g}" '
         f'fill="{DARK["walls"]}"/>',
-        f'<rect x="{-inner:g}" y="{-inner:g}" width="{2 * inner:g}" height="{2 * inner:g}" '
-        f'fill="{DARK["table"]}"/>',
-        _tee((0.0, 0.0, 0.0), f'fill="none" stroke="{DARK["ink"]}" stroke-width="4" opacity="0.7"'),
+        f'<rect x="{inner_left:g}" y="{inner_top:g}" width="{inner_width:g}" '
+        f'height="{inner_width:g}" fill="{DARK["table"]}"/>',
+        _tee(
+            geometry,
+            geometry["target"],
+            f'fill="none" stroke="{DARK["ink"]}" stroke-width="4" opacity="0.7"',
+        ),
     ]
     for mode, state in worlds.items():
         color = ON_TABLE[mode]
@@ -110,10 +155,14 @@ def _frame(worlds: Dict[str, Any], traces: Traces, episode: int, step: int) -> s
         parts.append(f'<polyline points="{points}" fill="none" stroke="{color}" stroke-width="3"/>')
         pose = (state["tee_x"], state["tee_y"], state["tee_yaw"])
         parts.append(
-            _tee(pose, f'fill="{color}" fill-opacity="0.35" stroke="{color}" stroke-width="4"')
+            _tee(
+                geometry,
+                pose,
+                f'fill="{color}" fill-opacity="0.35" stroke="{color}" stroke-width="4"',
+            )
         )
     for mode, state in worlds.items():
-        radius = 1000 * GEOMETRY["pusherRadius"]
+        radius = 1000 * geometry["pusherRadius"]
         parts.append(
             f'<circle cx="{1000 * state["pusher_x"]:.0f}" cy="{-1000 * state["pusher_y"]:.0f}" '
             f'r="{radius:g}" fill="{ON_TABLE[mode]}" stroke="{DARK["ink"]}" stroke-width="3"/>'
@@ -121,9 +170,9 @@ def _frame(worlds: Dict[str, Any], traces: Traces, episode: int, step: int) -> s
     return "".join([*parts, "</svg>"])
 
 
-def _tee(pose: Tuple[float, float, float], style: str) -> str:
-    a, w = GEOMETRY["barHalfLength"], GEOMETRY["halfWidth"]
-    s, o = GEOMETRY["stemHalfLength"], GEOMETRY["stemOffset"]
+def _tee(geometry: Json, pose: Sequence[float], style: str) -> str:
+    a, w = geometry["barHalfLength"], geometry["halfWidth"]
+    s, o = geometry["stemHalfLength"], geometry["stemOffset"]
     outline = ((-a, w), (a, w), (a, -w), (w, -w), (w, -o - s), (-w, -o - s), (-w, -w), (-a, -w))
     x, y, yaw = map(float, pose)
     sin, cos = math.sin(yaw), math.cos(yaw)

@@ -56,7 +56,7 @@ function divergence(a, b) {
   return [Math.hypot(a.tee[0] - b.tee[0], a.tee[1] - b.tee[1]), Math.abs(wrapped(a.yaw - b.yaw))];
 }
 
-// Meters to pixels of a square canvas that shows the table up to `half` meters from the target.
+// Meters to pixels of a square canvas that shows the table up to `half` meters from its origin.
 class TableView {
   constructor(canvas, half = geometry.wall + 0.02) {
     this.canvas = canvas;
@@ -69,12 +69,16 @@ class TableView {
 
   clear() {
     const inner = geometry.wall;
+    const [middle_x, middle_y] = geometry.wallMiddle;
+    const [x, y, yaw] = geometry.target;
     this.context.globalAlpha = 1;
     this.context.fillStyle = ON_TABLE.walls;
     this.context.fillRect(0, 0, this.canvas.width, this.canvas.height);
     this.context.fillStyle = ON_TABLE.table;
-    this.context.fillRect(this.x(-inner), this.y(inner), this.length(2 * inner), this.length(2 * inner));
-    this.tee({ tee: [0, 0], yaw: 0 }, { stroke: ON_TABLE.target, width: 0.004, opacity: 0.7 });
+    this.context.fillRect(
+      this.x(middle_x - inner), this.y(middle_y + inner), this.length(2 * inner), this.length(2 * inner),
+    );
+    this.tee({ tee: [x, y], yaw }, { stroke: ON_TABLE.target, width: 0.004, opacity: 0.7 });
   }
 
   // A bar of 0.1 m at the lower left.

@@ -12,7 +12,7 @@ from pusht_task.json_file import Json
 from sim2sim_report import agreement_tables, audit, colors, equivalents, run_figures
 from sim2sim_report.again import command_of, notes_on_command, suggested_attribution
 from sim2sim_report.agreement import AgreementFigure
-from sim2sim_report.animation import GEOMETRY, animated, player, poster
+from sim2sim_report.animation import GEOMETRY, animated, geometry_of, player, poster
 from sim2sim_report.attribution import read_attribution
 from sim2sim_report.cause import section as attribution_section
 from sim2sim_report.curves import draw as draw_sweep
@@ -93,6 +93,7 @@ class Page:
             contrasts=[contrast_rows(c) for c in compared.get("contrasts", [])],
             contrasted="policy" if of_policies(compared) else "engine",
             baseline=names[0],
+            geometry=geometry_of(runs[0]),
             runs=[
                 {**_section(run, number, shown, animate), "name": name, "audit": found}
                 for number, (run, name, shown, found) in enumerate(zip(runs, names, traces, audits))
@@ -226,7 +227,7 @@ class Page:
         context.setdefault("contrasted", "engine")
         rows = ROWS_WITHOUT_SCRIPT
         template = self.environment.get_template("page.html.j2")
-        return template.render(rows_without_script=rows, **self.shared, **context)
+        return template.render(rows_without_script=rows, **{**self.shared, **context})
 
 
 def of_policies(compared: Json) -> bool:

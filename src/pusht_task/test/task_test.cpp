@@ -50,7 +50,7 @@ TEST(Clip, LimitsEachAxis) {
   EXPECT_EQ(clip({0.25F, -1.0F}), (Action{0.25F, -1.0F}));
 }
 
-WorldState teeAt(double x, double yaw) {
+WorldState teeWith(double x, double yaw) {
   WorldState state;
   state.tee_position.x() = x;
   state.tee_yaw = yaw;
@@ -58,14 +58,14 @@ WorldState teeAt(double x, double yaw) {
 }
 
 TEST(Success, ToleranceIsStrict) {
-  EXPECT_TRUE(isSolved(teeAt(0.0299, 0.1999)));
-  EXPECT_FALSE(isSolved(teeAt(kPositionTolerance, 0.0)));
-  EXPECT_FALSE(isSolved(teeAt(0.0, kAngleTolerance)));
+  EXPECT_TRUE(isSolved(teeWith(0.0299, 0.1999)));
+  EXPECT_FALSE(isSolved(teeWith(kPositionTolerance, 0.0)));
+  EXPECT_FALSE(isSolved(teeWith(0.0, kAngleTolerance)));
 }
 
 TEST(SuccessLatch, NeedsFiveConsecutiveStepsAndStays) {
-  const WorldState inside = teeAt(0.0, 0.0);
-  const WorldState outside = teeAt(1.0, 0.0);
+  const WorldState inside = teeWith(0.0, 0.0);
+  const WorldState outside = teeWith(1.0, 0.0);
   SuccessLatch latch;
   for (int i = 0; i < kSuccessHold - 1; ++i) {
     EXPECT_FALSE(latch.update(inside));

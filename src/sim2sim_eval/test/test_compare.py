@@ -448,7 +448,7 @@ class ResultsFolder(CompareCase):
         with out.joinpath("mine").open("w"):
             descriptor = os.open(out, os.O_RDONLY)
             self.addCleanup(os.close, descriptor)
-            fcntl.flock(descriptor, fcntl.LOCK_EX)
+            fcntl.flock(descriptor, fcntl.LOCK_SH)  # which a second run would get, too
             process = self.compare(*SHORT, "--out", "out")
         self.assert_one_line(process, 2)
         self.assertIn("in use by another run", process.stderr)

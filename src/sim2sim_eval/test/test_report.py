@@ -33,6 +33,7 @@ from sim2sim_report.figures import Drawing
 from sim2sim_report.make import make
 from sim2sim_report.results import METRICS_FORMAT
 from sim2sim_report.suite import Suite
+from sim2sim_report.tables import CONTRASTED, contrast_rows
 from sim2sim_report.words import times, transfer_percent
 
 from command_case import CommandCase, catches, executable, until
@@ -188,6 +189,13 @@ class ReportCase(CommandCase):
 
 
 class Content(ReportCase):
+    def test_a_finding_is_what_holm_keeps(self) -> None:
+        figure = {"difference": 0.1, "unit": "", "interval": [0.01, 0.2], "p": 0.03}
+        for adjusted, is_finding in ((0.04, True), (0.06, False), (None, False)):
+            figures = {key: {**figure, "adjusted_p": adjusted} for key in CONTRASTED}
+            rows = contrast_rows({"title": "", "figures": figures})["rows"]
+            self.assertEqual([row["finding"] for row in rows], [is_finding] * len(CONTRASTED))
+
     def test_figures_are_those_of_the_terminal(self) -> None:
         page = html.unescape(self.report(str(self.run_folder)))
         table = self.printed[: self.printed.index("results:")]

@@ -862,7 +862,7 @@ class Faults(SweepCase):
         (self.folder / "out").mkdir()
         descriptor = os.open(self.folder / "out", os.O_RDONLY)
         self.addCleanup(os.close, descriptor)
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        fcntl.flock(descriptor, fcntl.LOCK_SH)  # which a second run would get, too
         self.assertIn("in use", self.refused(2, self.sweep("--out", "out"), "sweep"))
 
 

@@ -4,15 +4,19 @@
 
 import csv
 import json
+import math
+import re
 import unittest
 from typing import Any, Dict, List
+
+import sim2sim
 
 from command_case import CommandCase, executable
 
 COMPARE = executable("sim2sim_eval", "compare")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
+REPORT = executable("sim2sim_eval", "report")
 SWEEP = executable("sim2sim_eval", "sweep")
-AUDIT = executable("sim2sim_eval", "audit")
 GYM = ("--task", "gym_pusht", "--policy", "expert", "--reference", "gym_pusht")
 RESULTS = ("metrics.json", "episodes.csv", "divergence.csv")
 
@@ -22,6 +26,10 @@ class Tasks(CommandCase):
         process = self.run_command(COMPARE, *arguments, "--out", out)
         self.assertEqual(process.returncode, code, process.stderr)
         return dict(json.loads((self.folder / out / "metrics.json").read_text()))
+
+    def succeeds(self, *command: str) -> None:
+        process = self.run_command(*command)
+        self.assertEqual(process.returncode, 0, process.stderr)
 
     def rows(self, out: str) -> List[Dict[str, str]]:
         with (self.folder / out / "episodes.csv").open() as file:
@@ -48,8 +56,7 @@ class Tasks(CommandCase):
         self.assertEqual(metrics["task"], "gym_pusht")
         self.compare("two", *arguments, "--threads", "2", "--reference-cache", "cache")
         self.compare("cached", *arguments, "--reference-cache", "cache")
-        process = self.run_command(RECOMPUTE, "one/compare.bag", "--out", "again")
-        self.assertEqual(process.returncode, 0, process.stderr)
+        self.succeeds(RECOMPUTE, "one/compare.bag", "--out", "again")
         for other in ("two", "cached", "again"):
             self.assertSameResults("one", other)
 
@@ -58,7 +65,7 @@ class Tasks(CommandCase):
         rad from the target, covers it well, but less than 0.95 of it."""
         self.compare("run", *GYM, "--engine", "none", "--episodes", "4")
         closed = [row for row in self.rows("run") if row["mode"] == "reference_closed"]
-        self.assertEqual([row["spawn_seed"] for row in closed], [str(100000 + i) for i in range(4)])
+        self.assertEqual([row["seed"] for row in closed], [str(100000 + i) for i in range(4)])
         for row in closed:
             largest, final = (
                 float(row[f"{which}_coverage_share"]) for which in ("largest", "final")
@@ -92,13 +99,51 @@ floor: false
 grid: {inertia: [true, false], kinematic: [true, false]}
 """
         (self.folder / "plan.yaml").write_text(plan)
-        process = self.run_command(SWEEP, "plan.yaml", "--out", "sweep")
-        self.assertEqual(process.returncode, 0, process.stderr)
+        self.succeeds(SWEEP, "plan.yaml", "--out", "sweep")
         with (self.folder / "sweep" / "sweep.csv").open() as file:
             rows = list(csv.DictReader(file))
-        divergence = [float(row["mean_pos_divergence"]) for row in rows]
+        divergence = [float(row["engine_closed_mean_position_divergence_m"]) for row in rows]
         self.assertEqual(divergence[0], 0.0)  # all quirks on, as in the reference
         self.assertTrue(all(value > 1e-4 for value in divergence[1:]), divergence)
+
+    def test_the_page_draws_the_task(self) -> None:
+        run = (*GYM, "--engine", "chipmunk", "--episodes", "2", "--horizon", "20", "--traces")
+        self.compare("run", *run)
+        self.succeeds(REPORT, "run")
+        page = (self.folder / "run" / "report.html").read_text(encoding="utf-8")
+        found = re.search(r'id="geometry">(.*?)</script>', page)
+        assert found is not None
+        geometry = json.loads(found[1])
+        # 15 px from the tee's origin, down its stem, which points to the lower left.
+        offset = 0.015 * math.sqrt(0.5)
+        for number, expected in zip(geometry["target"], (-offset, -offset, -math.pi / 4)):
+            self.assertAlmostEqual(number, expected, places=12)
+        self.assertEqual((geometry["wall"], geometry["wallMiddle"]), (0.2485, [-0.0005, 0.0005]))
+        self.assertIn("Arrow: to the commanded position.", page)
+
+    def test_python_gives_and_takes_pixels(self) -> None:
+        """A callable sees the state as gym-pusht has it, and sends the pusher to a position."""
+        seen: List[Any] = []
+
+        def towards_the_tee(observations: Any) -> Any:
+            seen.append(observations[0])
+            return observations[:, 2:4]
+
+        run = sim2sim.compare(
+            towards_the_tee,
+            task="gym_pusht",
+            reference="gym_pusht",
+            engine="chipmunk",
+            episodes=2,
+            horizon=10,
+            threads=1,
+        )
+        self.assertEqual(run.summary["task"], "gym_pusht")
+        sight = seen[-1]
+        self.assertTrue((sight[:4] > 0).all() and (sight[:4] < 512).all(), sight)
+        half = math.sqrt(0.5)
+        for number, expected in zip(sight[6:], (256.0, 256.0, half, half)):
+            self.assertAlmostEqual(float(number), expected, places=5)
 
     def test_starts_in_pixels(self) -> None:
         """A reset turns the tee before it sets its origin: that is where it was asked to be."""
@@ -106,7 +151,7 @@ grid: {inertia: [true, false], kinematic: [true, false]}
         (self.folder / "px.csv").write_text(head + "222,97,256,256,0.25\n")
         (self.folder / "m.csv").write_text(
             "pusher_x,pusher_y,tee_x,tee_y,tee_yaw\n"
-            "-0.034,0.159,-0.003711059388,-0.014533736331,-0.25\n"
+            "-0.034,0.159,-0.003711059388817844,-0.01453368632565967,-0.25\n"
         )
         short = (*GYM, "--engine", "none", "--horizon", "30")
         rows = []

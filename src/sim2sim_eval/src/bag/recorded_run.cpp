@@ -141,27 +141,26 @@ class Reader {
 /// Message of a run.
 struct Recorded {
   ros::Time stamp;
-  int rank;  ///< among those with this stamp: worlds, traces, the episode's result
   std::function<void(Reader&)> take;
 };
 
 /// Reads a message of the bag. A recorder that subscribes has its own times and, across topics, its own order; stamps
-/// and ranks give the true one.
+/// give the true one. Within a stamp the order does not count: the reader waits for the last of them.
 Recorded recordedIn(const rosbag::MessageInstance& instance, const std::map<std::string, Mode>& modes) {
-  const auto recorded = [](int rank, auto message, const auto& take) {
-    return Recorded{message.header.stamp, rank,
+  const auto recorded = [](auto message, const auto& take) {
+    return Recorded{message.header.stamp,
                     [message = std::move(message), take](Reader& reader) { take(reader, message); }};
   };
   const auto plainly = [](Reader& reader, const auto& message) { reader.take(message); };
   const auto world = modes.find(instance.getTopic());
   if (world != modes.end()) {
-    return recorded(0, pusht::messageIn<pusht_msgs::WorldStateStamped>(instance),
+    return recorded(pusht::messageIn<pusht_msgs::WorldStateStamped>(instance),
                     [mode = world->second](Reader& reader, const auto& message) { reader.take(mode, message); });
   }
   if (instance.getTopic() == kTraceTopic) {
-    return recorded(1, pusht::messageIn<pusht_msgs::Trace>(instance), plainly);
+    return recorded(pusht::messageIn<pusht_msgs::Trace>(instance), plainly);
   }
-  return recorded(2, pusht::messageIn<pusht_msgs::EpisodeResult>(instance), plainly);
+  return recorded(pusht::messageIn<pusht_msgs::EpisodeResult>(instance), plainly);
 }
 
 /// Description of the bag's run; of the last run if a plain recorder has recorded several.
@@ -230,9 +229,7 @@ RecordedRun runIn(const rosbag::Bag& bag, const std::function<bool()>& stop,
       plain.push_back(std::move(recorded));
     }
   }
-  std::stable_sort(plain.begin(), plain.end(), [](const Recorded& a, const Recorded& b) {
-    return std::pair(a.stamp, a.rank) < std::pair(b.stamp, b.rank);
-  });
+  std::stable_sort(plain.begin(), plain.end(), [](const Recorded& a, const Recorded& b) { return a.stamp < b.stamp; });
   std::for_each(plain.begin(), plain.end(), read);
   std::vector<EpisodeResult> episodes = reader.results();
   return {std::move(configuration), std::move(provenance), reader.bands(), std::move(episodes)};

@@ -18,7 +18,6 @@ namespace sim2sim {
 /// Values of the options, which are what a run is asked for besides policy, simulators and a file of initial states.
 /// The defaults are those of the course ("Course" in docs/glossary.md).
 struct RunOptions {
-  std::string task = "full_circle";
   std::uint64_t seed = 0;
   int first_episode = 0;
   int episodes = 50;
@@ -35,6 +34,7 @@ struct RunOptions {
   int execute = 0;                        ///< actions of each answer of the policy; 0: as many as it says
   bool overlapping_starts = false;        ///< bodies of given starts may overlap
   std::optional<double> until_decided{};  ///< [-] share of the reference's success; none: all episodes are run
+  std::string task = "full_circle";
 };
 
 /// Whether an option decides what the reference does from a given initial state.

@@ -25,6 +25,7 @@ GEOMETRY: Json = {  # of the course's task [m, s, rad]
     "wallMiddle": [0.0, 0.0],
     "target": [0.0, 0.0, 0.0],
     "controlStep": task.CONTROL_STEP,
+    "arrow": "the commanded velocity",
 }
 
 
@@ -44,6 +45,7 @@ def geometry_of(run: Run) -> Json:
         "wall": walls["inner_face"],
         "wallMiddle": walls["middle"],
         "target": described["target"],
+        "arrow": f"to the commanded {described['drive']}",
     }
 
 

@@ -303,11 +303,13 @@ def _traces(path: Path, run: Run) -> Traces:
     }
     if {key: len(trace) for key, trace in traces.items()} != wanted:
         raise Error(f"{path}: must have the steps of episodes.csv beside it")
+    target = run.provenance.get("task", {"target": (0.0, 0.0)})["target"]
     for episode in run.episodes:
         for mode in MODES:
             last = traces[episode.index, mode][-1]
             away = float(episode.modes[mode]["final_position_error_m"])
-            if not math.isclose(math.hypot(last["tee_x"], last["tee_y"]), away, abs_tol=1e-9):
+            x, y = last["tee_x"] - target[0], last["tee_y"] - target[1]
+            if not math.isclose(math.hypot(x, y), away, abs_tol=1e-9):
                 raise Error(f"{path}: must end episode {episode.index} as episodes.csv does")
     return traces
 

@@ -60,7 +60,7 @@ const SimulatorKind& gymPushtKind() {
     SimulatorKind made;
     made.name = "gym_pusht";
     made.title = "gym-pusht";
-    made.version = "0.1.5 on Chipmunk " + std::string(cpVersionString);
+    made.version = cpVersionString;
     made.parameters = switchDescriptors(quirks, {presetOf("gym", quirks, true), presetOf("sound", quirks, false)});
     made.libraries = {"libchipmunk.so"};
     made.start_tolerance = kGymStartTolerance;

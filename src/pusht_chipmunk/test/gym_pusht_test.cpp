@@ -240,7 +240,7 @@ TEST(GymPushtTask, ATeeSlidesAsFarAsItsDampingSays) {
 }
 
 /// Pushed slowly, a sound world and Chipmunk's scene of the task's physics agree, which solve the same laws by other
-/// numerics: the tee follows the pusher.
+/// numerics (a substep moves bodies before it solves contacts, or after): the tee follows the pusher.
 TEST(GymPushtTask, ASoundWorldIsPushedAsTheTaskSays) {
   const auto sound = worldWith(gymPushtKind(), "sound");
   const auto scene = worldWith(chipmunkKind(), "mapped");
@@ -253,7 +253,7 @@ TEST(GymPushtTask, ASoundWorldIsPushedAsTheTaskSays) {
     }
     EXPECT_GT((world.get()->state().tee_position - start.tee_position).norm(), 0.02);
   }
-  EXPECT_LE((sound->state().tee_position - scene->state().tee_position).norm(), 0.002);
+  EXPECT_LE((sound->state().tee_position - scene->state().tee_position).norm(), 0.004);
   EXPECT_LE(std::abs(sound->state().tee_yaw - scene->state().tee_yaw), 0.05);
 }
 

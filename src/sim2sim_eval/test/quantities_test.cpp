@@ -72,9 +72,11 @@ TEST(Quantities, SayTheSameInCsvAndMessage) {
     const std::size_t rollout = (line - 1) % rollouts;
     const auto message = toMessage(protocol, episode, ros::Time(1.0)).rollouts.at(rollout);
     EXPECT_EQ(lines[line].at(2), message.mode);
-    ASSERT_EQ(message.quantities.size(), kQuantities.size());
-    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-      const std::string column = std::string(kQuantities[i].name) + "_" + kQuantities[i].unit;
+    const std::vector<std::size_t> columns = protocol.quantityColumns();
+    ASSERT_EQ(message.quantities.size(), columns.size());
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const Quantity& quantity = kQuantities[columns[i]];
+      const std::string column = std::string(quantity.name) + "_" + quantity.unit;
       const auto at = std::find(lines[0].begin(), lines[0].end(), column) - lines[0].begin();
       ASSERT_LT(at, static_cast<std::ptrdiff_t>(lines[0].size())) << column;
       EXPECT_EQ(message.quantities[i].name + "_" + message.quantities[i].unit, column);

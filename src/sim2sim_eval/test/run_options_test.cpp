@@ -214,7 +214,9 @@ TEST(EveryOption, ComesThroughAPlanOrIsRefusedThere) {
   const pusht::testing::TemporaryFolder folder;
   const std::filesystem::path path = folder.path() / "plan.yaml";
   forEachChanged([&](const auto& option, const RunOptions& options) {
-    std::ofstream(path) << "grid: {block_damp: [6]}\n" << option.name << ": " << textOf(option.of(options)) << "\n";
+    const bool is_task = options.task != RunOptions().task;  // which other kinds hold
+    std::ofstream(path) << (is_task ? "reference: gym_pusht\nengine: chipmunk\n" : "grid: {block_damp: [6]}\n")
+                        << option.name << ": " << textOf(option.of(options)) << "\n";
     if (option.in_plan) {
       EXPECT_EQ(readSweepPlan(path).protocol, options);
     } else {

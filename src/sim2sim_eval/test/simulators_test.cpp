@@ -201,14 +201,14 @@ std::optional<std::string> otherValue(const pusht::ParameterDescriptor& paramete
 }
 
 /// Where a chase from some starts leads.
-std::vector<pusht::WorldState> endsOf(const pusht::SimulatorModel& model) {
+std::vector<pusht::WorldState> endsOf(const LoadedSimulator& simulator) {
   constexpr int kSteps = 60;
   std::vector<pusht::WorldState> ends;
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
-    const auto world = model.make_world();
-    world->reset(pusht::spawn(seed));
+    const auto world = simulator.model.make_world();
+    world->reset(pusht::spawn(seed, simulator.task));
     for (int step = 0; step < kSteps; ++step) {
-      world->step(pusht::testing::chase(world->state()));
+      world->step(pusht::testing::chase(world->state(), simulator.task));
     }
     ends.push_back(world->state());
   }
@@ -276,6 +276,13 @@ std::vector<std::string> conditionOf(const std::string& kind, const std::string&
   return found == conditions.end() ? std::vector<std::string>() : found->second;
 }
 
+/// A kind with settings, in the first of its tasks.
+LoadedSimulator loaded(const pusht::SimulatorKind& kind, const std::vector<std::string>& settings) {
+  SimulatorChoice choice = chooseSimulator(kind.name, settings);
+  putTo(pusht::taskNamed(kind.tasks.front()), {choice});
+  return LoadedSimulator(choice);
+}
+
 /// Rules for a new parameter: what it must do and where it must appear.
 TEST(EveryParameter, ChangesATrajectoryAndIsInRecordHashAndReadme) {
   for (const pusht::SimulatorKind& kind : simulatorKinds()) {
@@ -290,14 +297,14 @@ TEST(EveryParameter, ChangesATrajectoryAndIsInRecordHashAndReadme) {
         continue;
       }
       std::vector<std::string> settings = conditionOf(kind.name, parameter.name);
-      const LoadedSimulator usual(chooseSimulator(kind.name, settings));
+      const LoadedSimulator usual = loaded(kind, settings);
       RunConfiguration configuration;
       configuration.engine = usual.record();
       const std::string usual_hash = configurationHash(configuration);
       const std::size_t changed_before = configuration.engine.changed.size();
       settings.push_back(parameter.name + "=" + *value);
-      const LoadedSimulator other(chooseSimulator(kind.name, settings));
-      EXPECT_NE(endsOf(other.model), endsOf(usual.model));
+      const LoadedSimulator other = loaded(kind, settings);
+      EXPECT_NE(endsOf(other), endsOf(usual));
       configuration.engine = other.record();
       if (parameter.presets.empty()) {
         EXPECT_EQ(configuration.engine.changed.size(), changed_before + 1);

@@ -40,6 +40,11 @@ double soundMoment() {
   return square_meters * gym_pusht::kPixelsPerMeter * gym_pusht::kPixelsPerMeter;
 }
 
+/// [px] From the tee's origin.
+double centerOfGravityIn(const GymPushtQuirks& quirks) {
+  return quirks.center ? gym_pusht::kCenterOfGravity : soundCenter();
+}
+
 /// gym-pusht takes the bar's moment for the stem's, too, and about the origin.
 double quirkyMoment() {
   return 2.0 * cpMomentForPoly(kTeeMass, static_cast<int>(kBar.size()), kBar.data(), cpvzero, 0.0);
@@ -139,10 +144,6 @@ class GymPushtWorld::Space {
     cpShapeSetFriction(shape, quirks_.contact_friction ? 0.0 : sound().contact_friction);
   }
 
-  static double centerOfGravityIn(const GymPushtQuirks& quirks) {
-    return quirks.center ? gym_pusht::kCenterOfGravity : soundCenter();
-  }
-
   GymPushtQuirks quirks_;
   cpBody* pusher_ = nullptr;
   cpBody* tee_ = nullptr;
@@ -179,6 +180,6 @@ void GymPushtWorld::step(const Eigen::Vector2d& target) {
 
 State GymPushtWorld::state() const { return space_->state(); }
 
-double GymPushtWorld::centerOfGravity() const { return quirks_.center ? gym_pusht::kCenterOfGravity : soundCenter(); }
+double GymPushtWorld::centerOfGravity() const { return centerOfGravityIn(quirks_); }
 
 }  // namespace pusht

@@ -2,12 +2,9 @@
 /// gym-pusht's world, to the last bit, in its own units (pusht_task/gym_pusht.hpp).
 #pragma once
 
-#include <chipmunk/chipmunk.h>
-
 #include <Eigen/Core>
 #include <array>
 #include <memory>
-#include <vector>
 
 #include "pusht_task/gym_pusht.hpp"
 #include "pusht_task/switches.hpp"
@@ -26,7 +23,7 @@ struct GymPushtQuirks {
 /// Quirks of its resets, likewise.
 struct GymPushtResets {
   bool legacy_order = true;  ///< sets the tee's position, then turns it about its center of gravity; sound: turns first
-  bool first_substep = true;  ///< ends with a substep, which pushes overlapping bodies apart
+  bool first_substep = true;  ///< ends with a substep, so that overlapping bodies are pushed apart from the next one on
 };
 
 /// World of gym-pusht 0.1.5 on pymunk 6.6, whose space, bodies and shapes it makes in the same order and drives by the
@@ -54,7 +51,6 @@ class GymPushtWorld {
                              &GymPushtQuirks::kinematic},
   };
 
-  /// Throws whatever makes a space of Chipmunk fail.
   explicit GymPushtWorld(const GymPushtQuirks& quirks = {}, const GymPushtResets& resets = {});
   ~GymPushtWorld();
 

@@ -103,8 +103,9 @@ ChosenPolicy choosePolicy(const PolicyChoice& choice, const fs::path& shipped, c
             ""};
   }
   if (&task != &fullCircle()) {
-    throw InvalidInput("policy " + choice.policy + ": was made for the task " + fullCircle().name +
-                       ": must be one for " + task.name + ", such as " + kExpertPolicy);
+    throw InvalidInput("policy " + choice.policy + ": must be " + kExpertPolicy +
+                       ", or a callable in Python, in the task " + task.name + ": files hold policies of " +
+                       fullCircle().name);
   }
   const auto untrained = [&](const std::string& warning) {
     return withinMemory("the untrained policy", stop,

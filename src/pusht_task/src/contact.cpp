@@ -122,11 +122,12 @@ double slipDistance(const WorldState& before, const WorldState& after, Part box)
 
 WallGaps wallGapsOf(const WorldState& state, const Task& task) {
   const Physics& physics = task.physics;
-  WallGaps gaps{distanceToWalls(state.pusher_position, physics) - physics.pusher_radius, physics.wall_inner_face};
+  WallGaps gaps{physics.wall_inner_face - physics.pusher_radius - reachOf(state.pusher_position, physics),
+                physics.wall_inner_face};
   const Eigen::Rotation2Dd rotation = teeToTable(state);
   for (const Vector2d& corner : teeCorners()) {
     const Vector2d at = state.tee_position + rotation * corner;
-    gaps.tee = std::min(gaps.tee, distanceToWalls(at, physics));
+    gaps.tee = std::min(gaps.tee, physics.wall_inner_face - reachOf(at, physics));
   }
   return gaps;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "pusht_task/mapping.hpp"
 
@@ -13,9 +14,10 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Convex polygon, counterclockwise. Clipping a box by the four sides of another leaves at most eight vertices.
+/// Convex polygon, counterclockwise. Clipping a box by the four sides of another leaves at most eight vertices;
+/// rounding may add some where edges coincide.
 struct Polygon {
-  std::array<Vector2d, 8> vertices;
+  std::array<Vector2d, 16> vertices;
   std::size_t size = 0;
 
   void add(const Vector2d& vertex) { vertices.at(size++) = vertex; }

@@ -14,6 +14,9 @@ std::int32_t NumpyRandomState::randint(std::int32_t low, std::int32_t high) {
                        ": the first must be below the second");
   }
   const auto range = static_cast<std::uint32_t>(high) - static_cast<std::uint32_t>(low) - 1U;
+  if (range == 0) {
+    return low;  // numpy draws nothing
+  }
   std::uint32_t mask = range;
   for (const unsigned shift : {1U, 2U, 4U, 8U, 16U}) {
     mask |= mask >> shift;

@@ -23,7 +23,7 @@ SimulatorModel modelOfWorlds(ParameterSet parameters, std::function<std::unique_
 
 void SimulatorKind::requireTask(const Task& task) const {
   if (std::find(tasks.begin(), tasks.end(), task.name) == tasks.end()) {
-    throw InvalidInput("task " + task.name + ": the kind " + name + " holds " + joined(tasks) + " alone");
+    throw InvalidInput("task " + task.name + ": the kind " + name + " holds only " + joined(tasks));
   }
 }
 

@@ -62,6 +62,11 @@ Vector2d commandOf(const Action& action, const Task& task) {
   return task.physics.drive == Drive::kPosition ? task.frame.pointToTable(command) : command;
 }
 
+double actionPerSpeed(const Task& task) {
+  const bool is_velocity = task.physics.drive == Drive::kVelocity;
+  return is_velocity ? 1.0 : task.frame.per_meter * task.physics.servo_gain / task.physics.servo_stiffness;
+}
+
 Action actionFor(const Vector2d& velocity, const Vector2d& position, const Task& task) {
   Vector2d action = velocity;
   if (task.physics.drive == Drive::kPosition) {
@@ -82,16 +87,16 @@ Observation observe(const WorldState& state, const Task& task) {
           static_cast<float>(std::sin(target.yaw)), static_cast<float>(std::cos(target.yaw))};
 }
 
-double distanceToWalls(const Vector2d& point, const Physics& physics) {
-  const Vector2d middle(physics.wall_middle[0], physics.wall_middle[1]);
-  return physics.wall_inner_face - (point - middle).lpNorm<Eigen::Infinity>();
+double reachOf(const Vector2d& point, const Physics& physics) {
+  return (point - Vector2d(physics.wall_middle[0], physics.wall_middle[1])).lpNorm<Eigen::Infinity>();
 }
 
 Overlap deepestOverlap(const WorldState& state, const Task& task) {
   const Physics& physics = task.physics;
   const Eigen::Rotation2Dd yaw(state.tee_yaw);
   const Vector2d pusher = yaw.inverse() * (state.pusher_position - state.tee_position);
-  Overlap deepest{"pusher and walls", physics.pusher_radius - distanceToWalls(state.pusher_position, physics)};
+  Overlap deepest{"pusher and walls",
+                  reachOf(state.pusher_position, physics) + physics.pusher_radius - physics.wall_inner_face};
   const auto take = [&](const char* bodies, double depth) {
     if (depth > deepest.depth) {
       deepest = {bodies, depth};
@@ -104,7 +109,7 @@ Overlap deepestOverlap(const WorldState& state, const Task& task) {
     for (const double x : {-1.0, 1.0}) {
       for (const double y : {-1.0, 1.0}) {
         const Vector2d corner = center + Vector2d(x, y).cwiseProduct(half);
-        take("tee and walls", -distanceToWalls(state.tee_position + yaw * corner, physics));
+        take("tee and walls", reachOf(state.tee_position + yaw * corner, physics) - physics.wall_inner_face);
       }
     }
   }

@@ -10,6 +10,7 @@
 #include "policy_search.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
+#include "pusht_task/spawn.hpp"
 #include "sim2sim_statistics/common.hpp"
 
 namespace sim2sim {
@@ -78,14 +79,37 @@ Action bestConstant(const Sample& sample) {
   return constant;
 }
 
-/// Errors of a constant action in each unit.
-std::vector<double> errorsOfConstant(const PolicyInterview& interview, const Sample& sample, const Action& constant) {
-  Answers answers;
-  for (const Demonstration& demonstration : sample.demonstrations) {
-    answers.emplace_back(demonstration.actions.size(), constant);
+/// Answers of a policy that does not look: a constant action, or, where policies draw random numbers, as it is scored
+/// then, any of the recorded actions.
+class Blind {
+ public:
+  Blind(const Sample& known, bool is_stochastic) : constant_(bestConstant(known)), is_stochastic_(is_stochastic) {
+    for (const Demonstration& demonstration : known.demonstrations) {
+      recorded_.insert(recorded_.end(), demonstration.actions.begin(), demonstration.actions.end());
+    }
   }
-  return interview.errorsOf(sample, {answers}, {});
-}
+
+  /// Errors in each unit.
+  std::vector<double> errorsIn(const PolicyInterview& interview, const Sample& sample) const {
+    pusht::NumpyGenerator random(0, "blind actions");
+    Draws draws(is_stochastic_ ? kMeasuredDraws : 1);
+    for (Answers& answers : draws) {
+      for (const Demonstration& demonstration : sample.demonstrations) {
+        answers.emplace_back(demonstration.actions.size(), constant_);
+        for (std::size_t step = 0; is_stochastic_ && step < answers.back().size(); ++step) {
+          answers.back()[step] =
+              recorded_[static_cast<std::size_t>(random.random() * static_cast<double>(recorded_.size()))];
+        }
+      }
+    }
+    return interview.errorsOf(sample, draws, {});
+  }
+
+ private:
+  Action constant_;
+  bool is_stochastic_;
+  std::vector<Action> recorded_;
+};
 
 /// Lower bound of the mean of `factor` a - b, at a confidence that holds for `looks` such bounds at once.
 double lowerBound(double factor, const std::vector<double>& a, const std::vector<double>& b, std::size_t looks) {
@@ -251,8 +275,8 @@ PolicyAudit auditPolicy(pusht::Policy& policy, const PolicySignature& signature,
   if (!areFinite(as_it_is)) {
     throw pusht::BadDependency("its answers to recorded observations must be finite numbers");
   }
-  const Action constant = bestConstant(searched);
-  const std::vector<double> of_constant = errorsOfConstant(interview, sample, constant);
+  const Blind blind(searched, signature.is_stochastic);
+  const std::vector<double> of_constant = blind.errorsIn(interview, sample);
 
   PolicyAudit audit;
   audit.signature = signature;
@@ -266,7 +290,7 @@ PolicyAudit auditPolicy(pusht::Policy& policy, const PolicySignature& signature,
   const std::vector<Correction> questions = questionCorrections(signature, demonstrations);
   const std::vector<Correction> answers = answerCorrections(signature, demonstrations);
   const Finalists finalists =
-      searchFaults(interview, questions, answers, searched, averageOf(errorsOfConstant(interview, searched, constant)));
+      searchFaults(interview, questions, answers, searched, averageOf(blind.errorsIn(interview, searched)));
   audit.tried = finalists.tried;
   conclude(Decision(as_it_is, of_constant, held_out.measured(finalists)), audit);
   return audit;

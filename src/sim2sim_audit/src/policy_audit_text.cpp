@@ -21,13 +21,18 @@ std::string withInterval(const Estimate& error) {
                                pusht::significantText(error.interval->high, kDigits) + "]";
 }
 
-/// "energy scores of 16 draws, "; empty for a policy that draws no random numbers.
+/// "of energy scores (16 draws) "; empty for a policy that draws no random numbers.
 std::string scoreOf(const PolicyAudit& audit) {
-  return audit.draws > 1 ? "energy scores of " + std::to_string(audit.draws) + " draws, " : "";
+  return audit.draws > 1 ? "of energy scores (" + std::to_string(audit.draws) + " draws) " : "";
+}
+
+/// A policy that does not look, in words.
+std::string blindName(const PolicyAudit& audit) {
+  return audit.draws > 1 ? "any recorded action" : "a constant action";
 }
 
 std::string verdictLine(const PolicyAudit& audit) {
-  const std::string constant = " (a constant action: " + numberOf(audit.constant) + ")";
+  const std::string constant = " (" + blindName(audit) + ": " + numberOf(audit.constant) + ")";
   switch (audit.verdict) {
     case PolicyVerdict::kFault:
       return "The policy is asked wrongly: with " + audit.fault() + " the error falls from " + numberOf(audit.error) +
@@ -54,11 +59,11 @@ nlohmann::ordered_json jsonOf(const Estimate& error) {
 std::string textOf(const PolicyAudit& audit, const std::string& name, const std::string& demonstrations) {
   std::string text = verdictLine(audit) + "\n";
   text += "policy " + name + ", " + demonstrations + ": " + std::to_string(audit.episodes) + " episodes, " +
-          std::to_string(audit.steps) + " control steps; errors are " + scoreOf(audit) + "means over " +
+          std::to_string(audit.steps) + " control steps; errors are means " + scoreOf(audit) + "over " +
           std::to_string(audit.units) + (audit.are_episodes ? " episodes" : " parts of episodes") +
           " that the search did not see, in m/s\n";
   text += "as it is            " + withInterval(audit.error) + "\n";
-  text += "a constant action   " + withInterval(audit.constant) + "\n";
+  text += blindName(audit) + (audit.draws > 1 ? " " : "   ") + withInterval(audit.constant) + "\n";
   text += "best of " + std::to_string(audit.tried) + " faults and pairs of faults:\n";
   for (const Explanation& explanation : audit.explanations) {
     text += std::string(explanation.is_named ? "* " : "  ") + withInterval(explanation.error) + "  with " +
@@ -76,7 +81,7 @@ nlohmann::ordered_json toJson(const PolicyAudit& audit) {
                                  {"unit", audit.are_episodes ? "episode" : "part of an episode"},
                                  {"tried", audit.tried},
                                  {"error", jsonOf(audit.error)},
-                                 {"constant_action", jsonOf(audit.constant)},
+                                 {audit.draws > 1 ? "any_action" : "constant_action", jsonOf(audit.constant)},
                                  {"explanations", nlohmann::ordered_json::array()}};
   if (audit.draws > 1) {
     json["draws"] = audit.draws;

@@ -56,7 +56,7 @@ class PolicyInterview {
   /// Mean score [m/s] of the actions against the recorded ones in each unit, where answers are read under those of
   /// `corrections` that are of answers. It is the distance; of several draws the energy score (Gneiting and Raftery,
   /// "Strictly Proper Scoring Rules", 2007, eq. 21 with beta 1), estimated without bias. It is the least for the
-  /// distribution that the recorded actions come from, so actions that are only drawn in to a mean do not gain.
+  /// distribution that the recorded actions come from, so actions do not gain by being smaller.
   /// Infinite if a number is not finite.
   std::vector<double> errorsOf(const Sample& sample, const Draws& draws, const Corrections& corrections) const;
 

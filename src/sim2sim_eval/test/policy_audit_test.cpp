@@ -272,6 +272,36 @@ TEST(SoundPolicies, RaiseNoFaultWithDemonstrationsOfOthers) {
   }
 }
 
+/// Policy that draws any of the demonstrated actions, whatever it sees.
+class Unseeing final : public pusht::Policy {
+ public:
+  struct Draws : Memory {
+    explicit Draws(std::uint64_t seed) : random(seed) {}
+    pusht::NumpyGenerator random;
+  };
+
+  std::unique_ptr<Memory> begin(const pusht::Beginning& beginning) const override {
+    return std::make_unique<Draws>(beginning.seed);
+  }
+  void act(pusht::Span<const Query> queries, pusht::Span<pusht::Action> actions) override {
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      const auto& recorded = otherDemonstrations()[i % otherDemonstrations().size()].actions;
+      const double random = static_cast<Draws*>(queries[i].memory)->random.random();
+      actions[i] = recorded[static_cast<std::size_t>(random * static_cast<double>(recorded.size()))];
+    }
+  }
+};
+
+/// It is scored as what it is: no better than any action.
+TEST(PolicyAudit, APolicyThatDoesNotLookIsFar) {
+  Unseeing policy;
+  PolicySignature signature;
+  signature.is_stochastic = true;
+  const PolicyAudit audit = auditPolicy(policy, signature, heldDemonstrations());
+  EXPECT_EQ(audit.verdict, PolicyVerdict::kUnexplained) << textOf(audit, "unseeing", "the expert's");
+  EXPECT_NEAR(audit.error.value, audit.constant.value, 0.1 * audit.constant.value);
+}
+
 /// Policy that answers NaN to its hundredth observation.
 class Endless final : public pusht::Policy {
  public:

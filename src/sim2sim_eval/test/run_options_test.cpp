@@ -215,7 +215,7 @@ TEST(EveryOption, ComesThroughAPlanOrIsRefusedThere) {
   const std::filesystem::path path = folder.path() / "plan.yaml";
   forEachChanged([&](const auto& option, const RunOptions& options) {
     const bool is_task = options.task != RunOptions().task;  // which other kinds hold
-    std::ofstream(path) << (is_task ? "reference: gym_pusht\nengine: chipmunk\n" : "grid: {block_damp: [6]}\n")
+    std::ofstream(path) << (is_task ? "reference: gym_pusht\nengine: [chipmunk, box2d]\n" : "grid: {block_damp: [6]}\n")
                         << option.name << ": " << textOf(option.of(options)) << "\n";
     if (option.in_plan) {
       EXPECT_EQ(readSweepPlan(path).protocol, options);

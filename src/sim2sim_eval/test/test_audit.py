@@ -105,7 +105,7 @@ class Audits(CommandCase):
         for name in other_tasks:
             process = self.run_command(AUDIT, "--engine", name, "--against", "task")
             self.assertEqual(process.returncode, 2)
-            self.assertIn(f"task full_circle: the kind {name} holds {name} alone", process.stderr)
+            self.assertIn(f"task full_circle: the kind {name} holds only {name}", process.stderr)
         for name in sorted(set(names) - other_tasks):
             with self.subTest(name):
                 audit = self.audit("--engine", name, "--against", "task")

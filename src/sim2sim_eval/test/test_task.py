@@ -171,14 +171,14 @@ grid: {inertia: [true, false], kinematic: [true, false]}
         usual = (*GYM, "--engine", "chipmunk")
         for arguments, words in (
             (("--task", "pusht"), "task 'pusht': must be one of: full_circle, gym_pusht"),
-            (("--task", "gym_pusht"), "task gym_pusht: the kind mujoco holds full_circle alone"),
+            (("--task", "gym_pusht"), "task gym_pusht: the kind mujoco holds only full_circle"),
             (
                 ("--engine", "gym_pusht"),
-                "task full_circle: the kind gym_pusht holds gym_pusht alone",
+                "task full_circle: the kind gym_pusht holds only gym_pusht",
             ),
             (
                 ("--task", "gym_pusht", "--reference", "gym_pusht", "--engine", "chipmunk"),
-                "policy bc: was made for the task full_circle",
+                "policy bc: must be expert, or a callable in Python, in the task",
             ),
             ((*usual, "--loop", "tracker"), "must be left out in the task gym_pusht"),
             ((*usual, "--seed", str(2**32)), "must be below 2^32"),

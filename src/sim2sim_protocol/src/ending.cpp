@@ -14,7 +14,7 @@ namespace {
 using pusht::WorldState;
 
 bool isBeyondWalls(const Eigen::Vector2d& point, const pusht::Task& task) {
-  return pusht::distanceToWalls(point, task.physics) < 0.0;
+  return pusht::reachOf(point, task.physics) > task.physics.wall_inner_face;
 }
 
 /// First step from which on every state is as the last one, in the sense of `is_as`.

@@ -122,18 +122,19 @@ WorldState stateIn(const std::string& line, const Layout& layout, const pusht::T
     }
     column.field.of(state) = *number;
   }
+  const double turns = layout.is_own ? 5.0 : 1.0;  // gym-pusht draws angles of several turns
+  if (std::abs(state.tee_yaw) > turns * 2.0 * pusht::kPi) {
+    throw pusht::InvalidInput(std::string(layout.is_own ? "tee_angle " : "tee_yaw ") +
+                              pusht::shortestText(state.tee_yaw) + " rad: must be within " +
+                              (layout.is_own ? "5 turns" : "a turn, 2 pi") + "; degrees?");
+  }
   if (layout.is_own) {
     const pusht::Pose tee = task.frame.poseToTable({state.tee_position, state.tee_yaw});
     state.pusher_position = task.frame.pointToTable(state.pusher_position);
     state.tee_position = tee.position;
     state.tee_yaw = tee.yaw;
   }
-  WorldState start = pusht::checkedStart(state);
-  if (std::abs(state.tee_yaw) > 2.0 * pusht::kPi) {
-    throw pusht::InvalidInput("tee_yaw " + pusht::shortestText(state.tee_yaw) +
-                              " rad: must be within a turn, 2 pi; degrees?");
-  }
-  return start;
+  return pusht::checkedStart(state);
 }
 
 /// Throws InvalidInput if the center of a body is beyond the walls.

@@ -34,18 +34,18 @@ struct State {
   double rate = 0.0;                                          ///< [rad/s]
 };
 
-/// State in the table's frame, whose origin is the window's middle. The angle is wrapped. The center of gravity is so
-/// many px from the tee's origin.
+/// State in the table's frame, whose origin is the window's middle. The angle is wrapped. `center_of_gravity`: px
+/// from the tee's origin.
 WorldState toTable(const State& state, double center_of_gravity = kCenterOfGravity);
 
 /// State of the table in gym-pusht's frame. fromTable(toTable(s)) is s to 1e-12 px and the turns of its angle.
 State fromTable(const WorldState& state, double center_of_gravity = kCenterOfGravity);
 
-/// What gym-pusht draws for an episode, as its `reset(seed=...)` up to 0.1.5 does, and then asks its world to be in.
+/// Draw of gym-pusht for an episode, as `reset(seed=...)` makes it up to 0.1.5 and then asks the world to be in.
 /// Bodies may overlap.
 State drawn(std::uint32_t seed);
 
-/// State after a reset to `asked` where no bodies overlap. gym-pusht sets the tee's position, then turns it about its
+/// State after a reset to `asked`. gym-pusht sets the tee's position, then turns it about its
 /// center of gravity, so that its origin moves.
 State turned(const State& asked, double center_of_gravity = kCenterOfGravity);
 

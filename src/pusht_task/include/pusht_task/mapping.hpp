@@ -31,6 +31,10 @@ struct TeeInertia {
 
   /// [m] from the tee origin to its center of mass, along body -y.
   constexpr double center() const { return first_moment / mass; }
+  /// [kg m^2] Moment of inertia about a point [m] of its axis, along body -y from the origin.
+  constexpr double momentAbout(double point) const {
+    return second_moment - point * (2.0 * first_moment - mass * point);
+  }
   /// [kg m^2] Moment of inertia about the center of mass.
   constexpr double momentAboutCenter() const { return second_moment - mass * center() * center(); }
 };

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "pusht_task/error.hpp"
 #include "pusht_task/parameters.hpp"
 #include "pusht_task/scene_world.hpp"
 #include "pusht_task/simulator_kind.hpp"
@@ -65,6 +66,9 @@ SimulatorModel modelOfScenes(const ParameterSet& set, const Task& task) {
         number.value);
   }
   parameters.substep = set.get<double>("substep");
+  if (task.physics.drive == Drive::kPosition && !parameters.servo) {
+    throw InvalidInput("servo false: must be true in the task " + task.name + ": the engine's motor holds velocities");
+  }
   return modelOfWorlds(set, [parameters, &task] { return worldOf<SceneOfKind>(parameters, task); });
 }
 

@@ -55,7 +55,7 @@ enum class SpawnRule {
 };
 
 /// A task: sizes, forces, walls, target, what an action and an observation are, when it is solved, where episodes
-/// start. A run has one; whoever needs a number of it asks it.
+/// start. A run has one, from which all its numbers are taken.
 struct Task {
   std::string name;                     ///< key: "full_circle"
   Physics physics{};                    ///< of a sound world
@@ -81,7 +81,7 @@ std::vector<std::string> taskNames();
 /// Task of this name. Throws InvalidInput with the known ones if there is none.
 const Task& taskNamed(const std::string& name);
 
-/// What pictures and people need to know of a task: name, sizes [m], walls, target [m, rad], frame, units, success.
+/// Description of a task for pictures and people: name, sizes [m], walls, target [m, rad], frame, units, success.
 nlohmann::ordered_json describe(const Task& task);
 
 /// `action` with each axis clipped as the task says.
@@ -89,6 +89,9 @@ Action clip(const Action& action, const Task& task = fullCircle());
 
 /// Command of an action to the drive: a velocity [m/s] or a position [m], in the table frame.
 Eigen::Vector2d commandOf(const Action& action, const Task& task);
+
+/// [unit of an action per m/s] How much the action of actionFor() changes with the velocity.
+double actionPerSpeed(const Task& task);
 
 /// Action that lets a pusher at `position` [m] go on at `velocity` [m/s], in the table frame: that velocity, or the
 /// position at which spring and damper of the drive are even. It is clipped.
@@ -105,8 +108,9 @@ struct Overlap {
 /// The deepest overlap of a state.
 Overlap deepestOverlap(const WorldState& state, const Task& task = fullCircle());
 
-/// [m] Distance of a point from the nearest wall's inner face; negative behind it.
-double distanceToWalls(const Eigen::Vector2d& point, const Physics& physics);
+/// [m] Distance of a point from the walls' middle, along the axis where it is larger: a wall is at
+/// Physics::wall_inner_face.
+double reachOf(const Eigen::Vector2d& point, const Physics& physics);
 
 /// Distance of the tee from its target pose.
 struct PoseError {

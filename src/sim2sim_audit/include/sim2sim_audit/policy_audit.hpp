@@ -59,7 +59,7 @@ struct PolicyAudit {
   int draws = 1;                          ///< answers to each question; above 1 for random numbers
   std::size_t tried = 0;                  ///< faults and pairs of faults that the search looked at
   Estimate error;                         ///< of the policy as it is
-  Estimate constant;                      ///< of the best constant action
+  Estimate constant;                      ///< of the best constant action; with random numbers of any recorded action
   std::vector<Explanation> explanations;  ///< the best ones; those that are named first
 
   /// The fault that explains the error, in words; empty if there is none.

@@ -184,8 +184,8 @@ void takeStarts(Protocol& protocol, const nlohmann::ordered_json& provenance) {
     return;
   }
   const std::string hash = protocol.initial_states->hash();
-  protocol.initial_states = std::make_shared<InitialStates>(
-      initialStatesFrom(provenance.at("starts").get<std::string>(), protocol.firstStart(), protocol.starts()));
+  protocol.initial_states = std::make_shared<InitialStates>(initialStatesFrom(
+      provenance.at("starts").get<std::string>(), protocol.firstStart(), protocol.starts(), protocol.runTask()));
   if (protocol.initial_states->hash() != hash) {
     throw pusht::BadDependency("its starts are " + protocol.initial_states->hash() + ", must be " + hash);
   }

@@ -298,9 +298,8 @@ class PairsOfList {
   /// Adds the distances along the episodes of one reference. Returns the description of the episodes.
   nlohmann::json measure(const Along& along) {
     const std::vector<SimulatorChoice> simulators = simulatorsOf(along);
-    const LoadedRun loaded(
-        pusht::PolicyChoice{options_.policy, true, options_.protocol.seed, false, options_.protocol.runTask()},
-        along.reference, simulators, options_.protocol);
+    const LoadedRun loaded(pusht::PolicyChoice{options_.policy, true, options_.protocol.seed}, along.reference,
+                           simulators, options_.protocol);
     const Replayer replayer(options_, loaded, along.reference, bar_);
     Protocol share = options_.protocol;
     for (int done = 0; done < options_.protocol.episodes; done += share.episodes) {
@@ -385,8 +384,8 @@ int agreementMain(int argc, char** argv) {
       protocol.episodes = defaultEpisodes(protocol, starts);
     }
     protocol.validate();
-    protocol.initial_states = givenInitialStates(starts, protocol.firstStart(), protocol.starts(),
-                                                 protocol.overlapping_starts, protocol.runTask());
+    protocol.initial_states =
+        givenInitialStates(starts, protocol.firstStart(), protocol.starts(), protocol.overlapping_starts);
     const std::vector<Listed> listed = listedFrom(options);
     const std::vector<Along> alongs = alongsOf(options, listed);
     const Agreement result = PairsOfList(options, listed, alongs).agreement();

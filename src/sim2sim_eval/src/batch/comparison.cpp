@@ -207,6 +207,10 @@ void CompareOptions::declare(CLI::App& app) {
 ComparisonResults compare(const CompareOptions& options, const ComparisonHost& host) {
   // Checks of all inputs come before the first file is written.
   RunConfiguration configuration;
+  if (options.smoke && &options.protocol.runTask() != &pusht::fullCircle()) {
+    throw pusht::InvalidInput("task " + options.protocol.task +
+                              ": must be left out for a smoke run, whose policy is of " + pusht::fullCircle().name);
+  }
   configuration.protocol = options.smoke ? smokeRun(options.protocol) : options.protocol;
   if (!options.smoke && !options.episodes_given) {
     configuration.protocol.episodes = defaultEpisodes(configuration.protocol, options.starts);
@@ -224,7 +228,7 @@ ComparisonResults compare(const CompareOptions& options, const ComparisonHost& h
   SimulatorChoice reference = chooseSimulator(options.reference, options.reference_parameters);
   SimulatorChoice chosen_engine =
       configuration.protocol.alone ? noEngine() : chooseSimulator(options.engine, options.engine_parameters);
-  putTo(configuration.protocol.runTask(), {reference, chosen_engine});
+  setTask(configuration.protocol.runTask(), {reference, chosen_engine});
   requireTwoWorlds(reference, chosen_engine);
   nameVariants(reference.kind, reference.parameters, configuration.protocol);
   std::error_code ignored;

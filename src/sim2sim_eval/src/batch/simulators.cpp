@@ -169,7 +169,7 @@ void requireNoLoop(const SimulatorChoice& simulator, const std::string& command)
   }
 }
 
-void putTo(const pusht::Task& task, const std::vector<std::reference_wrapper<SimulatorChoice>>& simulators) {
+void setTask(const pusht::Task& task, const std::vector<std::reference_wrapper<SimulatorChoice>>& simulators) {
   for (SimulatorChoice& simulator : simulators) {
     simulator.kind.get().requireTask(task);
     if (&task != &pusht::fullCircle() && !pusht::isPlain(simulator.loop)) {
@@ -177,6 +177,9 @@ void putTo(const pusht::Task& task, const std::vector<std::reference_wrapper<Sim
                                 task.name + ": its noise and delays are those of velocities");
     }
     simulator.task = task;
+    if (&task != &pusht::fullCircle()) {  // a kind may refuse values of its parameters in it
+      simulator.kind.get().load(simulator.parameters, task);
+    }
   }
 }
 

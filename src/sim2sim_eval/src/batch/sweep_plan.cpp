@@ -384,12 +384,11 @@ SweepPlan planFrom(const YAML::Node& root) {
     plan.starts = textAt(starts, "starts");
   }
   plan.protocol = protocolIn(root, plan.starts);
-  for (PlannedPolicy& policy : plan.policies) {
-    putTo(plan.protocol.runTask(), {policy.reference});
-  }
-  for (PlannedRow& row : plan.rows) {
-    putTo(plan.protocol.runTask(), {row.engine});
-  }
+  const auto put = [&](SimulatorChoice& simulator) { setTask(plan.protocol.runTask(), {simulator}); };
+  inLineOf(root["task"].IsDefined() ? root["task"] : root, [&] {
+    std::for_each(plan.policies.begin(), plan.policies.end(), [&](PlannedPolicy& each) { put(each.reference); });
+    std::for_each(plan.rows.begin(), plan.rows.end(), [&](PlannedRow& each) { put(each.engine); });
+  });
   plan.required = textsAt(root["require"], "require");
   return plan;
 }

@@ -92,8 +92,8 @@ std::string statusOf(Mode mode, const Episode& episode) {
   }
   const bool ended = episode.finished();
   const std::optional<RolloutEnding> end = ended ? std::optional(endingOf(rollout)) : std::nullopt;
-  const std::string where = isOffTable(rollout.trace().states.back()) ? "off the table: "
-                            : !ended                                  ? ""
+  const std::string where = isOffTable(rollout.trace().states.back(), rollout.task()) ? "off the table: "
+                            : !ended                                                  ? ""
                             : mode != kEngineReplay && end->ending == Ending::kStuck
                                 ? "stuck since " + secondsText(end->still_step) + ": "
                                 : "no success: ";

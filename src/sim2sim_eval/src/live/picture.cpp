@@ -276,7 +276,7 @@ MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode,
   for (const Mode mode : kModes) {
     const pusht::Rollout& rollout = episode.rollout(mode);
     const std::optional<FirstDivergence> first_divergence =
-        firstDivergenceOf(reference, rollout.trace(), run.protocol.bound());
+        firstDivergenceOf(reference, rollout.trace(), run.protocol.bound(), rollout.task());
     Canvas canvas(viewFrame(worlds_[mode].frame_prefix));
     view.table(canvas, colors.table, colors.walls);
     drawTarget(canvas, view, markColor(mode, episode));
@@ -313,7 +313,8 @@ MarkerArray Picture::overlay(const RunConfiguration& run, const Episode& episode
   drawEdge(canvas, kOverlayPane, colors.walls, 0.5 * kTableEdge);
   for (const Mode mode : kModes) {
     const pusht::Trace& trace = episode.rollout(mode).trace();
-    const std::optional<FirstDivergence> first_divergence = firstDivergenceOf(reference, trace, run.protocol.bound());
+    const std::optional<FirstDivergence> first_divergence =
+        firstDivergenceOf(reference, trace, run.protocol.bound(), run.protocol.runTask());
     const float opacity = mode == kReferenceClosed ? 1.0F : kGhostOpacity;
     drawWay(canvas, view, mode, trace, first_divergence);
     view.tee(canvas, colorOf(mode, opacity), colorOf(mode), trace.states.back(),

@@ -7,7 +7,9 @@
 namespace sim2sim {
 
 Episode truncatedEpisode(const Protocol& protocol, const Episode& whole, int steps) {
-  const auto begin = [&](Mode mode) { return pusht::Rollout(whole.rollout(mode).trace().states.front()); };
+  const auto begin = [&](Mode mode) {
+    return pusht::Rollout(whole.rollout(mode).trace().states.front(), nullptr, protocol.runTask());
+  };
   Episode episode(protocol, whole.index(), {begin(kReferenceClosed), begin(kEngineClosed), begin(kEngineReplay)});
   for (const Mode mode : kModes) {
     const pusht::Trace& trace = whole.rollout(mode).trace();

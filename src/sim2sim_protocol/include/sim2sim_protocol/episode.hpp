@@ -23,7 +23,7 @@ struct RolloutResult {
   QuantityValues quantities = noQuantities();
   std::optional<FirstDivergence> first_divergence{};  ///< empty if it stays within the protocol's bound
   std::optional<RolloutEnding> ending{};              ///< empty unless a policy drives it
-  /// Control steps whose command is at the limit (kActionLimit) in an axis: clipped, as a rule. Empty unless a policy
+  /// Control steps whose command is at the task's limit in an axis: clipped, as a rule. Empty unless a policy
   /// drives it, and in results that were read from episodes.csv.
   std::optional<int> limited_commands{};
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// Quantities that are measured of a rollout, each listed once in kQuantities. Columns of episodes.csv and sweep.csv,
 /// keys of metrics.json, messages and tables take names, units and order from there. A new quantity is a line in
-/// kQuantities, the function that it names, and a raised format of "metrics" in result_files.json.
+/// kQuantities, the function that it names, and, if results of before would have it, a raised format of "metrics" in
+/// result_files.json.
 #pragma once
 
 #include <array>

@@ -94,10 +94,10 @@ void forEachOption(const Function& function) {
   };
   constexpr double kLastFirstEpisode = 1e9;
   constexpr double kMostEpisodes = 1e6;
-  each("task", "", "what is to be done: full_circle, or gym_pusht", Decides::kReference, Written::kIfChanged, true,
-       &RunOptions::task);
-  each("seed", "", "episode i starts from spawn seed 10000 + seed + i", Decides::kRest, Written::kAlways, true,
-       &RunOptions::seed);
+  each("task", "", "what is to be done: full_circle, the course's; or gym_pusht, in kinds that hold it",
+       Decides::kReference, Written::kIfChanged, true, &RunOptions::task);
+  each("seed", "", "episode i starts from spawn seed 10000 + seed + i (gym_pusht: 100000 + ...)", Decides::kRest,
+       Written::kAlways, true, &RunOptions::seed);
   each("first_episode", "", "index of the first episode", Decides::kRest, Written::kAlways, true,
        &RunOptions::first_episode, {0.0, kLastFirstEpisode});
   each("episodes", "", "number of episodes; without it as many as --starts has, if these are fewer than the default",

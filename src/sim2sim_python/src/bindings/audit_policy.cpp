@@ -62,7 +62,7 @@ std::vector<Demonstration> demonstrationsFrom(const std::vector<Rows>& observati
 
 PolicyAuditRun auditCallable(Desk& desk, const std::string& name, const PolicySignature& interface,
                              const std::vector<Demonstration>& demonstrations) {
-  requireNoMemoryOfItsOwn(desk, name, interface.observations);
+  requireNoMemoryOfItsOwn(desk, name, interface.observations, pusht::fullCircle());
   PolicySignature signature = interface;
   signature.actions = actionsInAnswer(desk, signature.observations);
   PythonPolicy asked(desk, signature.observations);

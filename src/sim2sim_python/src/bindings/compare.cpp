@@ -118,8 +118,9 @@ py::dict compareInPython(const py::dict& keywords, const py::object& policy, con
   if (!policy.is_none()) {
     Desk& desk = served.deskOf(Callable(policy, name, history));
     host.can_return = !version.empty();
-    host.choose_policy = [&desk, name, history, chosen = chosenFrom(callable, desk)] {
-      requireNoMemoryOfItsOwn(desk, name, std::max(history, 1));
+    const pusht::Task& task = options.protocol.runTask();
+    host.choose_policy = [&desk, &task, name, history, chosen = chosenFrom(callable, desk)] {
+      requireNoMemoryOfItsOwn(desk, name, std::max(history, 1), task);
       return chosen;
     };
   }

@@ -49,14 +49,14 @@ struct RolloutMemory : pusht::Policy::Memory {
 };
 
 /// Rows that a callable is tried out with: as many observations as it looks back on, from spawns, each another one.
-std::vector<std::unique_ptr<RolloutMemory>> trialRows(Desk& desk, int history) {
+std::vector<std::unique_ptr<RolloutMemory>> trialRows(Desk& desk, int history, const pusht::Task& task) {
   constexpr std::uint64_t kRows = 8;
   std::vector<std::unique_ptr<RolloutMemory>> rows;
   for (std::uint64_t number = 0; number < kRows; ++number) {
     rows.push_back(std::make_unique<RolloutMemory>(desk, pusht::Beginning{number}));
     for (int past = 0; past < history; ++past) {
-      rows.back()->see(pusht::observe(pusht::spawn(number + kRows * static_cast<std::uint64_t>(past))),
-                       static_cast<std::size_t>(history));
+      const pusht::WorldState start = pusht::spawn(number + kRows * static_cast<std::uint64_t>(past), task);
+      rows.back()->see(pusht::observe(start, task), static_cast<std::size_t>(history));
     }
   }
   return rows;
@@ -71,10 +71,11 @@ std::vector<Row*> rowsOf(Iterator first, Iterator last) {
 }
 
 /// Whether two answers are the same but for the rounding of another batch.
-bool isAlike(const std::vector<pusht::Action>& one, const std::vector<pusht::Action>& other) {
-  constexpr float kRounding = 1e-3F;  // [m/s]
-  const auto alike = [](float a, float b) {
-    return std::abs(a - b) <= kRounding || (!std::isfinite(a) && !std::isfinite(b));  // refused where it is executed
+bool isAlike(const std::vector<pusht::Action>& one, const std::vector<pusht::Action>& other, const pusht::Task& task) {
+  const double rounding = 1e-3 * pusht::actionPerSpeed(task);
+  const auto alike = [&](float a, float b) {
+    return static_cast<double>(std::abs(a - b)) <= rounding ||
+           (!std::isfinite(a) && !std::isfinite(b));  // refused where it is executed
   };
   return std::equal(
       one.begin(), one.end(), other.begin(), other.end(),
@@ -118,15 +119,15 @@ void PythonPolicy::act(pusht::Span<const Query> queries, pusht::Span<pusht::Acti
   }
 }
 
-void requireNoMemoryOfItsOwn(Desk& desk, const std::string& name, int history) {
+void requireNoMemoryOfItsOwn(Desk& desk, const std::string& name, int history, const pusht::Task& task) {
   constexpr std::ptrdiff_t kFew = 3;
-  const auto in_order = trialRows(desk, history);
-  const auto in_reverse = trialRows(desk, history);
-  const auto few = trialRows(desk, history);
+  const auto in_order = trialRows(desk, history, task);
+  const auto in_reverse = trialRows(desk, history, task);
+  const auto few = trialRows(desk, history, task);
   desk.ask(rowsOf(in_order.begin(), in_order.end()));
   const auto require_same = [&](const auto& memories, std::ptrdiff_t count, const char* when) {
     for (std::size_t row = 0; row < static_cast<std::size_t>(count); ++row) {
-      if (!isAlike(memories[row]->row.answer, in_order[row]->row.answer)) {
+      if (!isAlike(memories[row]->row.answer, in_order[row]->row.answer, task)) {
         throw pusht::BadDependency(
             "policy " + name + ": answers the same observation with another action " + when +
             ": it has a memory or random numbers of its own, or mixes rows; give an object with begin(seed) and "
@@ -141,7 +142,7 @@ void requireNoMemoryOfItsOwn(Desk& desk, const std::string& name, int history) {
 }
 
 int actionsInAnswer(Desk& desk, int history) {
-  const std::vector<std::unique_ptr<RolloutMemory>> rows = trialRows(desk, history);
+  const std::vector<std::unique_ptr<RolloutMemory>> rows = trialRows(desk, history, pusht::fullCircle());
   desk.ask({&rows.front()->row});
   return static_cast<int>(rows.front()->row.answer.size());
 }

@@ -10,6 +10,7 @@
 
 #include "desk.hpp"
 #include "pusht_task/policy.hpp"
+#include "pusht_task/task.hpp"
 
 namespace sim2sim::python {
 
@@ -32,7 +33,7 @@ class PythonPolicy : public pusht::Policy {
 /// Asks the desk's callable for the same rows three times: in order, in reverse, and a few of them. Throws
 /// BadDependency unless each row gets the same answer, to within what rounding in other batches makes; also as
 /// Desk::ask().
-void requireNoMemoryOfItsOwn(Desk& desk, const std::string& name, int history);
+void requireNoMemoryOfItsOwn(Desk& desk, const std::string& name, int history, const pusht::Task& task);
 
 /// Number of actions in an answer of the desk's callable. Throws as Desk::ask().
 int actionsInAnswer(Desk& desk, int history);

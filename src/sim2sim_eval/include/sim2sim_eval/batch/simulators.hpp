@@ -75,9 +75,9 @@ std::string textOf(const SimulatorChoice& simulator);
 /// Throws InvalidInput if both are one foreign kind with one world.
 void requireTwoWorlds(const SimulatorChoice& reference, const SimulatorChoice& engine);
 
-/// Puts simulators to a task. Throws InvalidInput if one of their kinds does not hold it, or has a loop that is made
+/// Sets the task of simulators. Throws InvalidInput if one of their kinds does not hold it, or has a loop that is made
 /// for another one.
-void putTo(const pusht::Task& task, const std::vector<std::reference_wrapper<SimulatorChoice>>& simulators);
+void setTask(const pusht::Task& task, const std::vector<std::reference_wrapper<SimulatorChoice>>& simulators);
 
 /// Throws InvalidInput if `simulator` is asked for with a loop: `command` has no policy in a loop.
 void requireNoLoop(const SimulatorChoice& simulator, const std::string& command);

@@ -11,8 +11,9 @@
 namespace sim2sim {
 
 /// Writes a NumPy array of records, one for each state of each mode: episode, mode, step, pusher_x, pusher_y, tee_x,
-/// tee_y [m, table frame], tee_yaw [rad], action_x, action_y [m/s]. The action is the one that follows the state; NaN
-/// after the last one. `numpy.load(path)` reads it. The file is complete or absent. Format: NumPy's NEP 1, version 1.0.
+/// tee_y [m, table frame], tee_yaw [rad], action_x, action_y [m/s, or as the task has them]. The action is the one that
+/// follows the state; NaN after the last one. `numpy.load(path)` reads it. The file is complete or absent. Format:
+/// NumPy's NEP 1, version 1.0.
 class TraceFile {
  public:
   /// Begins the file beside `path`. All functions throw RuntimeFault if it cannot be written.

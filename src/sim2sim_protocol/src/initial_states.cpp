@@ -122,6 +122,7 @@ WorldState stateIn(const std::string& line, const Layout& layout, const pusht::T
     }
     column.field.of(state) = *number;
   }
+  pusht::checkedStart(state);
   const double turns = layout.is_own ? 5.0 : 1.0;  // gym-pusht draws angles of several turns
   if (std::abs(state.tee_yaw) > turns * 2.0 * pusht::kPi) {
     throw pusht::InvalidInput(std::string(layout.is_own ? "tee_angle " : "tee_yaw ") +

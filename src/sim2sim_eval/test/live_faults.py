@@ -323,6 +323,16 @@ class LostMaster(LiveCase):
                 environment=environment,
             )
 
+    def test_a_node_that_failed_at_start_ends_with_the_code_of_it(self) -> None:
+        _, uri = self.start_master()
+        environment = {"ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1"}
+        command = (node_file("pusht_engine", "engine_node"), "__name:=refused", "_block_damp:=-1")
+        node = Process(self, *command, environment=environment)
+        describe = ("rosservice", "call", "--wait", "/refused/describe", "{}")
+        self.assertIn("success: False", self.succeed(*describe, environment=environment))
+        node.interrupt()
+        self.assertEqual(node.ended(), 2, node.output)
+
     def test_parameters_of_a_command_line_end_with_their_node(self) -> None:
         """The next node of that name would get them. What is left all the same is named."""
         _, uri = self.start_master()

@@ -535,6 +535,20 @@ TEST_F(PolicySessions, RememberEachRolloutApart) {
   EXPECT_THAT(act({{9, 2}, {7, 1}}).actions, ElementsAre(3, 0, 2, 0));
 }
 
+/// Callers do not say when a rollout ends: of many, those are forgotten that were not asked for lately.
+TEST_F(PolicySessions, ForgetOfManyRolloutsThoseThatHaveEnded) {
+  Steps many;
+  for (std::uint64_t rollout = 0; rollout < 1'100; ++rollout) {
+    many.emplace_back(rollout, 0);
+  }
+  act(many);
+  for (std::uint32_t step = 1; step <= 1'000; ++step) {
+    ASSERT_EQ(act({{7, step}}).success, 1) << "step " << step;
+  }
+  EXPECT_EQ(act({{7, 1'001}}).success, 1);
+  EXPECT_EQ(act({{9, 1}}).success, 0) << "it ended a thousand requests ago";
+}
+
 TEST_F(PolicySessions, AnswerTheLastStepAgain) {
   act({{7, 0}});
   act({{7, 1}});

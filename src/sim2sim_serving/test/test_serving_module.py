@@ -54,6 +54,8 @@ class Drift:
             return replace(start, tee_x=float(np.float32(start.tee_x)))
         if self.fault == "moving":
             return replace(start, tee_yaw_rate=start.tee_yaw_rate + 1e-3)
+        if self.fault == "wrapped":
+            return replace(start, tee_yaw=-math.pi)
         if self.fault == "askew":
             return replace(start, tee_yaw=wrap_angle(start.tee_yaw + 3.0))
         if self.fault:
@@ -219,6 +221,8 @@ class Resets(SessionCase):
             self.refused_reset(message, exit_code=4, start=[WorldStateMessage()])
             self.refused_step("needs a reset")
         self.reset(start=[WorldStateMessage(tee_vx=0.1)])  # motion may be projected
+        self.simulators[0].fault = "wrapped"
+        self.reset(start=[WorldStateMessage(tee_yaw=math.pi - 1e-9)])  # yaws meet where they wrap
 
     def test_start_tolerance_is_what_the_simulator_says(self) -> None:
         self.assertEqual(self.session.describe().start_tolerance, 0.0, "it does not say")

@@ -190,7 +190,7 @@ class ReportCase(CommandCase):
 
 class Content(ReportCase):
     def test_a_finding_is_what_holm_keeps(self) -> None:
-        figure = {"difference": 0.1, "unit": "", "interval": [0.01, 0.2], "p": 0.03}
+        figure: Dict[str, Any] = {"difference": 0.1, "unit": "", "interval": [0.01, 0.2], "p": 0.03}
         for adjusted, is_finding in ((0.04, True), (0.06, False), (None, False)):
             figures = {key: {**figure, "adjusted_p": adjusted} for key in CONTRASTED}
             rows = contrast_rows({"title": "", "figures": figures})["rows"]

@@ -209,10 +209,10 @@ Action answerTo(const Observation& observation, Stroke& stroke, const Task& task
   const Pose tee = task.frame.poseToTable(seen_tee);
   const Vector2d pusher = task.frame.pointToTable(seen_pusher);
   const Eigen::Rotation2Dd from_target(task.target.yaw);
-  const auto fromTarget = [&](const Vector2d& point) -> Vector2d {
+  const auto seen_from_target = [&](const Vector2d& point) -> Vector2d {
     return from_target.inverse() * (point - task.target.position);
   };
-  const View view(fromTarget(pusher), {fromTarget(tee.position), wrapAngle(tee.yaw - task.target.yaw)});
+  const View view(seen_from_target(pusher), {seen_from_target(tee.position), wrapAngle(tee.yaw - task.target.yaw)});
   return actionFor(from_target * command(view, stroke), pusher, task);
 }
 

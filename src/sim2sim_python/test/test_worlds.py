@@ -35,7 +35,7 @@ class OneWorld(unittest.TestCase):
 
     def test_reset_starts_from_the_spawn_of_the_seed(self) -> None:
         start = spawn(10007)
-        for kind in sim2sim.kinds():
+        for kind in set(sim2sim.kinds()) - {"gym_pusht"}:  # which is of another task
             with self.subTest(kind):
                 observation, info = sim2sim.make(kind).reset(seed=10007)
                 self.assertEqual((observation.dtype, observation.shape), (np.float32, (10,)))

@@ -22,6 +22,7 @@
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/network_policy.hpp"
 #include "pusht_policy/policy_choice.hpp"
+#include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/rollout.hpp"

@@ -9,6 +9,7 @@
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/split.hpp"
+#include "pusht_task/task.hpp"
 #include "sim2sim_protocol/probes.hpp"
 
 namespace sim2sim {

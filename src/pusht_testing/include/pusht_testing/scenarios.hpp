@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pusht_task/task.hpp"
 #include "pusht_task/types.hpp"
 
 namespace pusht::testing {

@@ -2,6 +2,7 @@
 #include "sim2sim_eval/batch/loaded_run.hpp"
 
 #include "pusht_task/error.hpp"
+#include "pusht_task/task.hpp"
 #include "sim2sim_eval/interruption.hpp"
 #include "sim2sim_protocol/flight.hpp"
 #include "sim2sim_protocol/model_variants.hpp"

@@ -14,6 +14,7 @@
 #include "pusht_task/joined.hpp"
 #include "pusht_task/loop.hpp"
 #include "pusht_task/numbers.hpp"
+#include "pusht_task/task.hpp"
 #include "sim2sim_protocol/results/text.hpp"
 #include "sim2sim_statistics/sequential.hpp"
 

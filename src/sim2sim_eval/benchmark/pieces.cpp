@@ -22,7 +22,6 @@
 #include "pusht_mujoco/mujoco_world.hpp"
 #include "pusht_policy/network_policy.hpp"
 #include "pusht_policy/policy_choice.hpp"
-#include "pusht_policy/scripted_expert.hpp"
 #include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/rollout.hpp"
@@ -174,47 +173,27 @@ BENCHMARK(faithfulEngine)->Name("faithful/world");
 
 // ---- The same actions in every kind that is installed, with its defaults
 
-const pusht::Task& taskOf(const pusht::SimulatorKind& kind) { return pusht::taskNamed(kind.tasks.front()); }
-
-/// What a kind replays: the traces of the reference, or in another task than its one the expert's in the kind itself.
-std::vector<pusht::Trace> tracesFor(const pusht::SimulatorKind& kind) {
-  const pusht::Task& task = taskOf(kind);
-  if (&task == &pusht::fullCircle()) {
-    return referenceTraces();
-  }
-  const auto world = kind.load(kind.defaults(), task).make_world();
-  pusht::ScriptedExpert expert(task);
-  std::vector<pusht::Trace> traces;
-  for (std::uint64_t i = 0; i < referenceTraces().size(); ++i) {
-    const pusht::WorldState start = pusht::spawn(task.first_spawn_seed + i, task);
-    traces.push_back(pusht::runClosedLoop(*world, start, expert, pusht::kHorizon).trace());
-  }
-  return traces;
-}
-
 void kindSteps(State& state, const pusht::SimulatorKind& kind) {
-  const std::vector<pusht::Trace> traces = tracesFor(kind);
-  const auto world = kind.load(kind.defaults(), taskOf(kind)).make_world();
+  const auto world = kind.load(kind.defaults()).make_world();
   for ([[maybe_unused]] auto _ : state) {
-    for (const pusht::Trace& trace : traces) {
+    for (const pusht::Trace& trace : referenceTraces()) {
       world->reset(trace.states.front());
       for (const pusht::Action& action : trace.actions) {
         world->step(action);
       }
     }
   }
-  state.SetItemsProcessed(state.iterations() * stepsOf(traces));
+  state.SetItemsProcessed(state.iterations() * stepsOf(referenceTraces()));
 }
 
 void kindResets(State& state, const pusht::SimulatorKind& kind) {
-  const std::vector<pusht::Trace> traces = tracesFor(kind);
-  const auto world = kind.load(kind.defaults(), taskOf(kind)).make_world();
+  const auto world = kind.load(kind.defaults()).make_world();
   for ([[maybe_unused]] auto _ : state) {
-    for (const pusht::Trace& trace : traces) {
+    for (const pusht::Trace& trace : referenceTraces()) {
       world->reset(trace.states.front());
     }
   }
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(traces.size()));
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(referenceTraces().size()));
 }
 
 void registerKinds() {

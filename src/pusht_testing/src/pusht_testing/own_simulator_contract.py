@@ -153,6 +153,10 @@ class OwnSimulatorContract(SimulatorContract):
         before = self.stay()
         old = before
         for kind in [*before.kinds, before.name]:
+            if kind == "gym_pusht":  # which is of another task than nodes'
+                other_task = f"task full_circle: the kind {kind} holds only {kind}"
+                self.refused(other_task, "configure", kind=kind, end_episode=True)
+                continue
             would_be = self.accepted("describe", kind=kind)
             self.accepted("reset", token="mine")
             self.refused("held by another caller", "configure", HELD, kind=kind, end_episode=True)

@@ -25,6 +25,7 @@ class Tasks(CommandCase):
     def compare(self, out: str, *arguments: str, code: int = 0) -> Dict[str, Any]:
         process = self.run_command(COMPARE, *arguments, "--out", out)
         self.assertEqual(process.returncode, code, process.stderr)
+        self.assertIn(f"results: {out}\n", process.stdout)
         return dict(json.loads((self.folder / out / "metrics.json").read_text()))
 
     def succeeds(self, *command: str) -> None:

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "pusht_task/constants.hpp"
-#include "pusht_task/numpy_random_state.hpp"
+#include "pusht_task/spawn.hpp"
 #include "pusht_task/task.hpp"
 
 namespace pusht::gym_pusht {
@@ -17,10 +17,6 @@ Vector2d armTo(double point, double angle) { return Eigen::Rotation2Dd(angle) * 
 
 Vector2d perpendicular(const Vector2d& arm) { return {-arm.y(), arm.x()}; }
 
-// Velocities between pixels, y down, and meters, y up.
-Vector2d toMeters(const Vector2d& pixels) { return Vector2d(pixels.x(), -pixels.y()) / kPixelsPerMeter; }
-Vector2d toPixels(const Vector2d& meters) { return kPixelsPerMeter * Vector2d(meters.x(), -meters.y()); }
-
 }  // namespace
 
 WorldState toTable(const State& state, double center_of_gravity) {
@@ -29,9 +25,9 @@ WorldState toTable(const State& state, double center_of_gravity) {
   const Vector2d arm = armTo(kBarCenter - center_of_gravity, state.angle);
   WorldState table;
   table.pusher_position = frame.pointToTable(state.pusher);
-  table.pusher_velocity = toMeters(state.pusher_velocity);
+  table.pusher_velocity = frame.vectorToTable(state.pusher_velocity);
   table.tee_position = tee.position;
-  table.tee_velocity = toMeters(state.tee_velocity + state.rate * perpendicular(arm));
+  table.tee_velocity = frame.vectorToTable(state.tee_velocity + state.rate * perpendicular(arm));
   table.tee_yaw = tee.yaw;
   table.tee_yaw_rate = -state.rate;
   return table;
@@ -43,11 +39,11 @@ State fromTable(const WorldState& table, double center_of_gravity) {
   const Vector2d arm = armTo(kBarCenter - center_of_gravity, tee.yaw);
   State state;
   state.pusher = frame.pointFromTable(table.pusher_position);
-  state.pusher_velocity = toPixels(table.pusher_velocity);
+  state.pusher_velocity = frame.vectorFromTable(table.pusher_velocity);
   state.tee = tee.position;
   state.angle = tee.yaw;
   state.rate = -table.tee_yaw_rate;
-  state.tee_velocity = toPixels(table.tee_velocity) - state.rate * perpendicular(arm);
+  state.tee_velocity = frame.vectorFromTable(table.tee_velocity) - state.rate * perpendicular(arm);
   return state;
 }
 

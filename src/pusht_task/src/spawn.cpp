@@ -89,6 +89,53 @@ double NumpyGenerator::random() { return static_cast<double>(engine_() >> 11U) *
 
 double NumpyGenerator::uniform(double low, double high) { return low + (high - low) * random(); }
 
+std::int32_t NumpyRandomState::randint(std::int32_t low, std::int32_t high) {
+  if (low >= high) {
+    throw InvalidInput("randint " + std::to_string(low) + ", " + std::to_string(high) +
+                       ": the first must be below the second");
+  }
+  const auto range = static_cast<std::uint32_t>(high) - static_cast<std::uint32_t>(low) - 1U;
+  if (range == 0) {
+    return low;  // numpy draws nothing
+  }
+  std::uint32_t mask = range;
+  for (const unsigned shift : {1U, 2U, 4U, 8U, 16U}) {
+    mask |= mask >> shift;
+  }
+  std::uint32_t value = 0;
+  do {
+    value = static_cast<std::uint32_t>(engine_()) & mask;
+  } while (value > range);
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(low) + value);
+}
+
+double NumpyRandomState::random() {
+  const auto high = static_cast<double>(engine_() >> 5U);
+  const auto low = static_cast<double>(engine_() >> 6U);
+  return (high * 0x1p26 + low) / 0x1p53;
+}
+
+double NumpyRandomState::randn() {
+  if (spare_) {
+    const double spare = *spare_;
+    spare_.reset();
+    return spare;
+  }
+  double x = 0.0;
+  double y = 0.0;
+  double squared = 0.0;
+  do {
+    x = 2.0 * random() - 1.0;
+    y = 2.0 * random() - 1.0;
+    squared = x * x + y * y;
+  } while (squared >= 1.0 || squared == 0.0);
+  const double factor = std::sqrt(-2.0 * std::log(squared) / squared);
+  spare_ = factor * x;
+  return factor * y;
+}
+
+namespace {
+
 /// The tee on a ring around the target with any yaw, the pusher clear of it.
 WorldState onRing(std::uint64_t seed) {
   NumpyGenerator generator(seed);
@@ -103,6 +150,8 @@ WorldState onRing(std::uint64_t seed) {
   } while ((state.pusher_position - state.tee_position).norm() <= kSpawnPusherClearance);
   return state;
 }
+
+}  // namespace
 
 WorldState spawn(std::uint64_t seed, const Task& task) {
   if (seed > task.last_spawn_seed) {

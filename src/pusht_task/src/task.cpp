@@ -27,10 +27,14 @@ Vector2d TaskFrame::flipped(const Vector2d& vector) const {
   return y_down ? Vector2d(vector.x(), -vector.y()) : vector;
 }
 
-Vector2d TaskFrame::pointToTable(const Vector2d& point) const { return flipped(point - middle) / per_meter; }
+Vector2d TaskFrame::vectorToTable(const Vector2d& vector) const { return flipped(vector) / per_meter; }
+
+Vector2d TaskFrame::vectorFromTable(const Vector2d& vector) const { return per_meter * flipped(vector); }
+
+Vector2d TaskFrame::pointToTable(const Vector2d& point) const { return vectorToTable(point - middle); }
 
 Vector2d TaskFrame::pointFromTable(const Vector2d& point) const {
-  return isTables() ? point : Vector2d(per_meter * flipped(point) + middle);  // the former keeps -0
+  return isTables() ? point : Vector2d(vectorFromTable(point) + middle);  // the former keeps -0
 }
 
 // The stem lies along -y of the tee in the table frame, and so along +y where y is down.

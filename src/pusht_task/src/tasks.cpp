@@ -69,7 +69,6 @@ Task makeGymPusht() {
   task.frame.middle = {gym_pusht::kSide / 2.0, gym_pusht::kSide / 2.0};
   task.frame.y_down = true;
   task.frame.bar_center = gym_pusht::kBarCenter;
-  task.action_unit = task.frame.unit;
   const Eigen::Vector2d walls = task.frame.pointToTable({gym_pusht::kWallMiddle, gym_pusht::kWallMiddle});
   task.physics.wall_middle = {walls.x(), walls.y()};
   task.target = task.frame.poseToTable({task.frame.middle, kPi / 4.0});
@@ -118,7 +117,6 @@ nlohmann::ordered_json describe(const Task& task) {
           {"walls", {{"middle", physics.wall_middle}, {"inner_face", physics.wall_inner_face}}},
           {"target", {task.target.position.x(), task.target.position.y(), task.target.yaw}},
           {"drive", physics.drive == Drive::kPosition ? "position" : "velocity"},
-          {"action_unit", task.action_unit},
           {"frame",
            {{"unit", task.frame.unit},
             {"per_meter", task.frame.per_meter},

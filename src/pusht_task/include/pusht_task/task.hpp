@@ -27,6 +27,10 @@ struct TaskFrame {
 
   /// Whether it is the table frame.
   bool isTables() const;
+  /// Direction or velocity of this frame in the table frame [m, m/s].
+  Eigen::Vector2d vectorToTable(const Eigen::Vector2d& vector) const;
+  /// Direction or velocity of the table frame in this one [unit, unit/s].
+  Eigen::Vector2d vectorFromTable(const Eigen::Vector2d& vector) const;
   /// Point of this frame in the table frame [m].
   Eigen::Vector2d pointToTable(const Eigen::Vector2d& point) const;
   /// Point of the table frame in this one [unit].
@@ -61,8 +65,7 @@ struct Task {
   Physics physics{};                    ///< of a sound world
   Pose target{};                        ///< in the table frame
   TaskFrame frame{};                    ///< of observations and actions
-  std::optional<float> action_limit{};  ///< [unit of an action] per axis; none: actions are not clipped
-  std::string action_unit = "m/s";
+  std::optional<float> action_limit{};  ///< [m/s, or unit of the frame] per axis; none: actions are not clipped
   SuccessRule success{};
   SpawnRule spawn = SpawnRule::kRing;
   std::uint64_t first_spawn_seed = kFirstSpawnSeed;  ///< of the episodes of a run with seed 0

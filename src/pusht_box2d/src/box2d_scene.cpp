@@ -106,7 +106,7 @@ void Box2dScene::addTee(const WorldState& state) {
   TeeInertia inertia = teeInertia();
   if (!parameters_.drag) {
     def.linearDamping = rate(physics().tee_damping / inertia.mass);
-    def.angularDamping = rate(physics().tee_yaw_damping / inertia.momentAbout(physics().tee_damping_point));
+    def.angularDamping = rate(physics().tee_yaw_damping / inertia.momentAbout(physics().table_point));
   }
   if (parameters_.table_friction) {
     inertia.mass -= kSliderMass;

@@ -64,7 +64,7 @@ const SimulatorKind& gymPushtKind() {
     made.parameters = switchDescriptors(quirks, {presetOf("gym", quirks, true), presetOf("sound", quirks, false)});
     made.libraries = {"libchipmunk.so"};
     made.start_tolerance = kGymStartTolerance;
-    made.load = loadGymPusht;
+    made.loader = loadGymPusht;
     made.tasks = {gymPusht().name};
     return made;
   }();

@@ -14,7 +14,7 @@ struct Poses {
   Tee tee;
   Eigen::Vector2d pusher;
 
-  explicit Poses(const Vector& positions) : tee(teeOf(positions)), pusher(positions[kPusherX], positions[kPusherY]) {}
+  Poses(const Model& model, const Vector& positions) : tee(teeOf(model, positions)), pusher(positions[kPusherX], positions[kPusherY]) {}
 };
 
 /// Bodies that close a gap of at least 0 [m] within the substep.
@@ -46,7 +46,7 @@ constexpr int kMostSweeps = 30;
 class Speculation {
  public:
   Speculation(const Model& model, const Matrix& mass, const Bodies& bodies)
-      : model_(model), bodies_(bodies), start_(bodies.positions), inertia_(mass), overlap_(allowedOverlap(model)) {
+      : model_(model), bodies_(bodies), start_(model, bodies.positions), inertia_(mass), overlap_(allowedOverlap(model)) {
     row_of_.fill(kNone);
     const std::array damping = {model.tee_damping, model.tee_damping, model.tee_yaw_damping, model.servo_derivative,
                                 model.servo_derivative};
@@ -62,16 +62,16 @@ class Speculation {
     for (std::size_t i = 0; i < kCoordinateCount; ++i) {
       positions[i] += model_.substep * (bodies_.velocities[i] + model_.substep * acceleration[i]);
     }
-    const Poses end(positions);
+    const Poses end(model_, positions);
     next_ = 0;
     changed_ = false;
-    for (const Part& part : kParts) {
+    for (const Part& part : model_.parts) {
       add(pusherAtPart(part, end));
     }
     if (model_.switches.walls) {
-      for (const Wall& wall : kWalls) {
-        add(atWall(wall, start_.pusher, end.pusher, kPusherRadius, Pair::kPusherWall));
-        for (const Part& part : kParts) {
+      for (const Wall& wall : model_.walls) {
+        add(atWall(wall, start_.pusher, end.pusher, model_.pusher_radius, Pair::kPusherWall));
+        for (const Part& part : model_.parts) {
           addPartAtWall(part, wall, end);
         }
       }
@@ -95,7 +95,7 @@ class Speculation {
     const auto place = [&part](const Poses& poses) {
       return Eigen::Vector2d(poses.tee.heading.toBody(poses.pusher - centerOf(part, poses.tee)));
     };
-    const double radius = kPusherRadius + (shaped ? 0.0 : part.disc_radius);
+    const double radius = model_.pusher_radius + (shaped ? 0.0 : part.disc_radius);
     const Eigen::Vector2d half = shaped ? Eigen::Vector2d(part.box.half_x, part.box.half_y) : Eigen::Vector2d(0.0, 0.0);
     const auto hit = sweepDisc(place(start_), place(end), radius - overlap_, half);
     if (!hit) {
@@ -104,7 +104,7 @@ class Speculation {
     const auto depth = [&](const Poses& poses) {
       return touchNearest(place(poses), radius, {half.x(), half.y(), 0.0, 0.0}, {0.0, 0.0}, {1.0, 0.0}, 0.0).depth;
     };
-    const Eigen::Vector2d point = hit->center - kPusherRadius * hit->normal;  // on the tee, in the part's axes
+    const Eigen::Vector2d point = hit->center - model_.pusher_radius * hit->normal;  // on the tee, in the part's axes
     return Closing{Pair::kTeePusher, -start_.tee.heading.toTable(hit->normal),
                    centerOf(part, start_.tee) + start_.tee.heading.toTable(point) - start_.tee.origin, hit->distance,
                    depth(end) - std::max(overlap_, depth(start_))};
@@ -113,7 +113,7 @@ class Speculation {
   std::optional<Closing> atWall(const Wall& wall, const Eigen::Vector2d& start, const Eigen::Vector2d& end,
                                 double radius, Pair pair) const {
     const auto gap = [&](const Eigen::Vector2d& disc) {
-      return kWallInnerFace - radius + overlap_ - wall.side * disc[wall.axis];
+      return wall.face - radius + overlap_ - wall.along(disc);
     };
     if (!(gap(end) < std::min(0.0, gap(start)))) {
       return std::nullopt;
@@ -168,8 +168,8 @@ class Speculation {
     };
     add_row(closing->normal);
     if (model_.switches.friction) {
-      constexpr double kMu = dynamics::kContactFriction;
-      const Eigen::Vector2d slanted(-kMu * closing->normal.y(), kMu * closing->normal.x());
+      const double mu = model_.contact_friction;
+      const Eigen::Vector2d slanted(-mu * closing->normal.y(), mu * closing->normal.x());
       add_row(closing->normal + slanted);
       add_row(closing->normal - slanted);
     }

@@ -11,16 +11,16 @@ double sideOf(double value) { return value < 0.0 ? -1.0 : 1.0; }
 
 /// [m] Overlap of a disc and a wall; below 0 across a gap.
 double depthAt(const Wall& wall, const Eigen::Vector2d& disc, double radius) {
-  return wall.side * disc[wall.axis] + (radius - kWallInnerFace);
+  return wall.along(disc) + (radius - wall.face);
 }
 
 /// Contact of the pusher and a wall, with the model's narrow phase; pushes the pusher.
 Contact touchWallByPusher(const Model& model, const Eigen::Vector2d& pusher, const Wall& wall, double margin) {
-  Contact contact = touchWall(pusher, kPusherRadius, wall, margin);
+  Contact contact = touchWall(pusher, model.pusher_radius, wall, margin);
   if (model.switches.narrow_phase && contact.touching) {
     constexpr Heading kStraight = {1.0, 0.0};
     contact.normal = -contact.normal;
-    refine(pusher, wall.box(), wall.center(), kStraight, contact);
+    refine(pusher, model.pusher_radius, wall.box(), wall.center(), kStraight, contact);
     contact.normal = -contact.normal;
   }
   return contact;
@@ -73,10 +73,10 @@ Eigen::Vector2d centerOf(const Part& part, const Tee& tee) {
 }
 
 Box Wall::box() const {
-  constexpr double kHalfLength = kWallInnerFace + dynamics::kWallThickness;
+  const double half_length = face + dynamics::kWallThickness;
   constexpr double kHalfThickness = 0.5 * dynamics::kWallThickness;
   constexpr double kHalfHeight = 0.03;  // [m] in MuJoCo's scene; walls stand on the table
-  return {axis == 0 ? kHalfThickness : kHalfLength, axis == 0 ? kHalfLength : kHalfThickness, kHalfHeight, kHalfHeight};
+  return {axis == 0 ? kHalfThickness : half_length, axis == 0 ? half_length : kHalfThickness, kHalfHeight, kHalfHeight};
 }
 
 Contact touchDiscs(const Eigen::Vector2d& first, double first_radius, const Eigen::Vector2d& second,
@@ -127,25 +127,25 @@ Contact touchTee(const Model& model, const Tee& tee, const Eigen::Vector2d& push
   const Eigen::Vector2d center = centerOf(part, tee);
   const double margin = marginOf(model);
   if (!model.switches.shape) {
-    return touchDiscs(center, part.disc_radius, pusher, kPusherRadius, margin);
+    return touchDiscs(center, part.disc_radius, pusher, model.pusher_radius, margin);
   }
-  Contact contact = touchNearest(pusher, kPusherRadius, part.box, center, tee.heading, margin);
+  Contact contact = touchNearest(pusher, model.pusher_radius, part.box, center, tee.heading, margin);
   if (model.switches.narrow_phase) {
-    refine(pusher, part.box, center, tee.heading, contact);
+    refine(pusher, model.pusher_radius, part.box, center, tee.heading, contact);
   }
   return contact;
 }
 
 Contacts findContacts(const Model& model, const Tee& tee, const Eigen::Vector2d& pusher) {
   Contacts contacts;
-  for (const Part& part : kParts) {
+  for (const Part& part : model.parts) {
     contacts.add(touchTee(model, tee, pusher, part), Pair::kTeePusher);
   }
   if (model.switches.walls) {
     const double margin = marginOf(model);
-    for (const Wall& wall : kWalls) {
+    for (const Wall& wall : model.walls) {
       contacts.add(touchWallByPusher(model, pusher, wall, margin), Pair::kPusherWall);
-      for (const Part& part : kParts) {
+      for (const Part& part : model.parts) {
         addPartAtWall(model, tee, part, wall, margin, contacts);
       }
     }

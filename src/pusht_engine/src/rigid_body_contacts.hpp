@@ -57,46 +57,13 @@ Heading headingOf(double yaw);
 
 /// Pose of the tee, as geometry.
 struct Tee {
-  Eigen::Vector2d origin;  ///< [m]
+  Eigen::Vector2d origin;  ///< [m] of its coordinates
   Heading heading;
   Eigen::Vector2d center_of_mass;  ///< [m] from the origin
 };
 
-/// Box upright on the table, along its own axes. Half height and height matter to the portal only.
-struct Box {
-  double half_x;       ///< [m]
-  double half_y;       ///< [m]
-  double half_height;  ///< [m]
-  double height;       ///< [m] of its center
-};
-
-/// Part of the tee: bar or stem.
-struct Part {
-  double offset;  ///< [m] from the tee's origin to the part's center, along body -y
-  Box box;
-  double disc_radius;  ///< [m] of the disc that stands for it where shapes are simple
-
-  /// [m] Upper bound of the distance of any point of box or disc from the part's center.
-  constexpr double reach() const { return box.half_x + box.half_y; }
-};
-constexpr double kTeeHeight = 0.0152;  ///< [m] of its center, in MuJoCo's scene
-constexpr std::array<Part, 2> kParts = {
-    Part{0.0, {kBarHalfLength, kTeeHalfWidth, kTeeHalfWidth, kTeeHeight}, simple::kBarRadius},
-    Part{kStemOffset, {kTeeHalfWidth, kStemHalfLength, kTeeHalfWidth, kTeeHeight}, simple::kStemRadius}};
-
 /// [m] Center of a part.
 Eigen::Vector2d centerOf(const Part& part, const Tee& tee);
-
-/// Wall. Its inner face is at `side` * kWallInnerFace on its axis; walls cross at the corners of the table.
-struct Wall {
-  Eigen::Index axis;  ///< 0: x, 1: y
-  double side;        ///< 1 or -1
-
-  Eigen::Vector2d inward() const { return -side * Eigen::Vector2d::Unit(axis); }
-  Eigen::Vector2d center() const { return -(kWallInnerFace + 0.5 * dynamics::kWallThickness) * inward(); }
-  Box box() const;
-};
-constexpr std::array<Wall, 4> kWalls = {Wall{1, 1.0}, Wall{1, -1.0}, Wall{0, 1.0}, Wall{0, -1.0}};
 
 /// Contact of two discs; pushes the first. Discs touch if their gap is less than `margin` [m]. Discs with the same
 /// center have no normal, and do not touch.
@@ -114,13 +81,13 @@ Contact touchWall(const Eigen::Vector2d& disc, double radius, const Wall& wall, 
 /// Contact of pusher and box by MuJoCo's narrow phase, libccd's MPR on a cylinder and a box in space; pushes the box.
 /// Touches if libccd finds an overlap. Source: G. Snethen, "XenoCollide: Complex Collision Made Simple" (Game
 /// Programming Gems 7, 2008).
-Contact touchPortal(const Eigen::Vector2d& pusher, const Box& box, const Eigen::Vector2d& box_center,
+Contact touchPortal(const Eigen::Vector2d& pusher, double radius, const Box& box, const Eigen::Vector2d& box_center,
                     const Heading& heading);
 
 /// Replaces a contact of nearest points, which pushes the box, by that of touchPortal. Where libccd finds no overlap,
 /// only a contact across a gap (within a margin) stays.
-void refine(const Eigen::Vector2d& pusher, const Box& box, const Eigen::Vector2d& box_center, const Heading& heading,
-            Contact& contact);
+void refine(const Eigen::Vector2d& pusher, double radius, const Box& box, const Eigen::Vector2d& box_center,
+            const Heading& heading, Contact& contact);
 
 /// Contact of the pusher and a part of the tee, with the model's shapes and narrow phase; pushes the tee.
 Contact touchTee(const Model& model, const Tee& tee, const Eigen::Vector2d& pusher, const Part& part);

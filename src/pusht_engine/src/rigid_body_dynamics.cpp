@@ -53,9 +53,9 @@ void addContact(const Model& model, const Tee& tee, const Contact& contact, cons
     add(contact.normal, stiffness);
     return;
   }
-  constexpr double kMu = dynamics::kContactFriction;
-  const double of_edge = stiffness / (2.0 * kMu * kMu * (1.0 + kMu * kMu));
-  const Eigen::Vector2d slanted(-kMu * contact.normal.y(), kMu * contact.normal.x());
+  const double mu = model.contact_friction;
+  const double of_edge = stiffness / (2.0 * mu * mu * (1.0 + mu * mu));
+  const Eigen::Vector2d slanted(-mu * contact.normal.y(), mu * contact.normal.x());
   add(contact.normal + slanted, of_edge);
   add(contact.normal - slanted, of_edge);
   add(contact.normal, 2.0 * of_edge);
@@ -65,12 +65,12 @@ void addContact(const Model& model, const Tee& tee, const Contact& contact, cons
 
 void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies) {
   auto& [positions, velocities] = bodies;
-  const Tee tee = teeOf(positions);
+  const Tee tee = teeOf(model, positions);
   const Eigen::Vector2d pusher(positions[kPusherX], positions[kPusherY]);
 
   // Forces on free bodies.
   const Matrix mass = massMatrix(model, tee);
-  Vector force = smoothForce(model, tee, mass, velocities, command);
+  Vector force = smoothForce(model, tee, mass, bodies, command);
 
   // Forces of constraints: friction with the table, contacts.
   const Contacts contacts = findContacts(model, tee, pusher);
@@ -91,11 +91,11 @@ void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies)
   }
 }
 
-Tee teeOf(const Vector& positions) {
+Tee teeOf(const Model& model, const Vector& positions) {
   const Heading heading = headingOf(positions[kTeeYaw]);
   return {{positions[kTeeX], positions[kTeeY]},
           heading,
-          {kCenterOfMassOffset * heading.sine, -kCenterOfMassOffset * heading.cosine}};
+          {model.center_of_mass * heading.sine, -model.center_of_mass * heading.cosine}};
 }
 
 Matrix massMatrix(const Model& model, const Tee& tee) {
@@ -105,21 +105,24 @@ Matrix massMatrix(const Model& model, const Tee& tee) {
           Vector{0.0, 0.0, 0.0, 0.0, model.pusher_mass}};
 }
 
-Vector smoothForce(const Model& model, const Tee& tee, const Matrix& mass, const Vector& velocities,
+Vector smoothForce(const Model& model, const Tee& tee, const Matrix& mass, const Bodies& bodies,
                    const Eigen::Vector2d& command) {
+  const auto& [positions, velocities] = bodies;
   const Vector momentum = product(mass, velocities);
   const double spin = velocities[kTeeYaw];
   const Eigen::Vector2d centrifugal = (model.tee_mass * spin * spin) * tee.center_of_mass;
-  const auto servo = [&](double wanted, double velocity) {
-    const double pull = std::clamp(model.servo_gain * (wanted - velocity), -model.servo_limit, model.servo_limit);
-    return pull - model.pusher_damping * velocity;
+  const auto servo = [&](double wanted, double position, double velocity) {
+    const double pull = model.servo_stiffness > 0.0
+                            ? model.servo_stiffness * (wanted - position) - model.servo_gain * velocity
+                            : model.servo_gain * (wanted - velocity);
+    return std::clamp(pull, -model.servo_limit, model.servo_limit) - model.pusher_damping * velocity;
   };
   Vector force;
   force[kTeeX] = centrifugal.x() - model.tee_damping * velocities[kTeeX] - model.drag_rate * momentum[kTeeX];
   force[kTeeY] = centrifugal.y() - model.tee_damping * velocities[kTeeY] - model.drag_rate * momentum[kTeeY];
   force[kTeeYaw] = -model.tee_yaw_damping * spin - model.drag_rate * momentum[kTeeYaw];
-  force[kPusherX] = servo(command.x(), velocities[kPusherX]);
-  force[kPusherY] = servo(command.y(), velocities[kPusherY]);
+  force[kPusherX] = servo(command.x(), positions[kPusherX], velocities[kPusherX]);
+  force[kPusherY] = servo(command.y(), positions[kPusherY], velocities[kPusherY]);
   return force;
 }
 

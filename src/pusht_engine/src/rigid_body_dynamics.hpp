@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Physics of the rigid-body engine: MuJoCo's of this scene, each part of which a switch replaces by the two-mass
+/// Physics of the rigid-body engine: MuJoCo's of the task's scene, each part of which a switch replaces by the two-mass
 /// engine's. Units are SI, vectors in the table's frame.
 /// Source of the faithful parts: the chapter "Computation" of MuJoCo's documentation, for the integrator `implicit`.
 #pragma once
@@ -13,14 +13,14 @@
 namespace pusht::rigid_body {
 
 /// Pose of the tee at these positions.
-Tee teeOf(const Vector& positions);
+Tee teeOf(const Model& model, const Vector& positions);
 
 /// [kg, kg m, kg m^2] Inertia of the coordinates.
 Matrix massMatrix(const Model& model, const Tee& tee);
 
-/// [N, N m] Forces that are smooth functions of the velocities: drag and centrifugal force on the tee, the pusher's
-/// servo.
-Vector smoothForce(const Model& model, const Tee& tee, const Matrix& mass, const Vector& velocities,
+/// [N, N m] Forces that are smooth functions of positions and velocities: drag and centrifugal force on the tee, the
+/// pusher's servo.
+Vector smoothForce(const Model& model, const Tee& tee, const Matrix& mass, const Bodies& bodies,
                    const Eigen::Vector2d& command);
 
 /// Rows of the solver: Coulomb friction with the table, then those of each contact.

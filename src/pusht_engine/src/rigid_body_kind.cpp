@@ -2,6 +2,7 @@
 #include "pusht_engine/rigid_body_kind.hpp"
 
 #include "pusht_engine/rigid_body_engine.hpp"
+#include "pusht_task/physics_numbers.hpp"
 #include "pusht_task/simulator_plugin.hpp"
 #include "pusht_task/substeps.hpp"
 #include "pusht_task/switches.hpp"
@@ -26,15 +27,18 @@ std::vector<ParameterDescriptor> describeRigidBody() {
                          "through each other first, as in MuJoCo",
                          false});
   descriptors.push_back(substepDescriptor(kSubstepLength));
+  const std::vector<ParameterDescriptor> of_task = physicsDescriptors();
+  descriptors.insert(descriptors.end(), of_task.begin(), of_task.end());
   return descriptors;
 }
 
-SimulatorModel load(const ParameterSet& parameters) {
+SimulatorModel load(const ParameterSet& parameters, const Task& task) {
   RigidBodyParameters values;
   readSwitches(parameters, kSwitches, values);
   values.continuous = parameters.get<bool>(kContinuous);
   values.substep = parameters.get<double>(kSubstepLength);
-  return modelOfWorlds(parameters, [values] { return std::make_unique<RigidBodyEngine>(values); });
+  const rigid_body::Model model = rigid_body::modelOf(values, physicsWith(parameters, task.physics));
+  return modelOfWorlds(parameters, [model, &task] { return std::make_unique<RigidBodyEngine>(model, task); });
 }
 
 }  // namespace
@@ -47,7 +51,9 @@ const SimulatorKind& rigidBodyKind() {
                                      {"libccd.so"},
                                      RigidBodyPhysics::kStartTolerance,
                                      load,
-                                     {"substep=0.005"}};
+                                     {"substep=0.005"},
+                                     {},
+                                     {}};
   return kind;
 }
 

@@ -17,6 +17,7 @@ constexpr double kNoDirection = 1e-15;
 
 struct Cylinder {
   Eigen::Vector2d center;
+  double radius;
 };
 
 struct PlacedBox {
@@ -43,8 +44,8 @@ void supportOfCylinder(const void* object, const ccd_vec3_t* direction, ccd_vec3
   const auto [x, y, z] = direction->v;
   const double length = std::sqrt(x * x + y * y);
   const bool slanted = length >= kNoDirection;
-  ccdVec3Set(point, (slanted ? x / length * kPusherRadius : 0.0) + cylinder.center.x(),
-             (slanted ? y / length * kPusherRadius : 0.0) + cylinder.center.y(),
+  ccdVec3Set(point, (slanted ? x / length * cylinder.radius : 0.0) + cylinder.center.x(),
+             (slanted ? y / length * cylinder.radius : 0.0) + cylinder.center.y(),
              signOf(z) * kPusherHalfHeight + kPusherHeight);
 }
 
@@ -61,9 +62,9 @@ void supportOfBox(const void* object, const ccd_vec3_t* direction, ccd_vec3_t* p
 
 }  // namespace
 
-Contact touchPortal(const Eigen::Vector2d& pusher, const Box& box, const Eigen::Vector2d& box_center,
+Contact touchPortal(const Eigen::Vector2d& pusher, double radius, const Box& box, const Eigen::Vector2d& box_center,
                     const Heading& heading) {
-  const Cylinder cylinder = {pusher};
+  const Cylinder cylinder = {pusher, radius};
   const PlacedBox placed = {box, box_center, heading};
   ccd_t options;
   CCD_INIT(&options);
@@ -87,11 +88,11 @@ Contact touchPortal(const Eigen::Vector2d& pusher, const Box& box, const Eigen::
   return {true, point, length > kNoDirection ? Eigen::Vector2d(from_axis / length) : Eigen::Vector2d(1.0, 0.0), depth};
 }
 
-void refine(const Eigen::Vector2d& pusher, const Box& box, const Eigen::Vector2d& box_center, const Heading& heading,
-            Contact& contact) {
+void refine(const Eigen::Vector2d& pusher, double radius, const Box& box, const Eigen::Vector2d& box_center,
+            const Heading& heading, Contact& contact) {
   // libccd finds no overlap where there is a gap, so bodies that are clearly apart need not be asked about.
   if (contact.depth > -10.0 * kTolerance) {
-    if (const Contact found = touchPortal(pusher, box, box_center, heading); found.touching) {
+    if (const Contact found = touchPortal(pusher, radius, box, box_center, heading); found.touching) {
       contact = found;
       return;
     }

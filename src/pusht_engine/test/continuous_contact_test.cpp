@@ -35,10 +35,10 @@ Model freeBodies(bool continuous, bool softness) {
 
 /// [m] Greatest overlap of the task's shapes.
 double overlapOf(const Bodies& bodies) {
-  const Tee tee = teeOf(bodies.positions);
+  const Tee tee = teeOf(kCourseModel, bodies.positions);
   const Eigen::Vector2d pusher(bodies.positions[kPusherX], bodies.positions[kPusherY]);
   double most = -1.0;
-  for (const Part& part : kParts) {
+  for (const Part& part : kCourseModel.parts) {
     const Eigen::Vector2d center = centerOf(part, tee);
     most = std::max(most, touchNearest(pusher, kPusherRadius, part.box, center, tee.heading, 0.0).depth);
     for (const double x : {part.box.half_x, -part.box.half_x}) {
@@ -242,7 +242,7 @@ TEST(Continuous, EnergyNeverGrowsWithoutThePushersWork) {
     bodies.velocities[kTeeYaw] *= 0.1;
     bodies.velocities[kPusherX] = bodies.velocities[kPusherY] = 0.0;
     const auto energy = [&] {
-      const Matrix mass = massMatrix(model, teeOf(bodies.positions));
+      const Matrix mass = massMatrix(model, teeOf(kCourseModel, bodies.positions));
       return 0.5 * dot(bodies.velocities, product(mass, bodies.velocities));
     };
     double most = energy();

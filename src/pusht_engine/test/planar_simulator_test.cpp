@@ -71,7 +71,7 @@ SimulatorKind towKind() {
   kind.version = "1";
   kind.parameters = {{"stiffness", "1/s^2", "of the spring, when it is tight", Tow::Parameters().stiffness}};
   kind.start_tolerance = Tow::kStartTolerance;
-  kind.load = [](const ParameterSet& set) {
+  kind.loader = [](const ParameterSet& set) {
     const Tow::Parameters parameters = {set.get<double>("stiffness")};
     return modelOfWorlds(set, [parameters] { return std::make_unique<PlanarSimulator<Tow>>(parameters); });
   };

@@ -10,7 +10,7 @@ namespace pusht::rigid_body {
 namespace {
 
 constexpr double kTiny = 1e-15;
-const Box kBar = kParts[0].box;
+const Box kBar = kCourseModel.parts[0].box;
 const Heading kStraight = {1.0, 0.0};
 
 void expectVector(const Eigen::Vector2d& found, const Eigen::Vector2d& expected, double tolerance = kTiny) {
@@ -69,7 +69,7 @@ TEST(TouchDiscs, OnTheLineBetweenThem) {
 }
 
 TEST(TouchWall, IsItsInnerFace) {
-  for (const Wall& wall : kWalls) {
+  for (const Wall& wall : kCourseModel.walls) {
     Eigen::Vector2d place = {0.1, 0.2};
     place[wall.axis] = wall.side * 0.376;
     const auto contact = touchWall(place, 0.015, wall, 0.0);
@@ -90,7 +90,7 @@ TEST(TouchPortal, AgreesWithTheNearestPointsOnAFace) {
     const Eigen::Vector2d center(random(-0.2, 0.2), random(-0.2, 0.2));
     const Eigen::Vector2d place = center + heading.toTable({random(-0.05, 0.05), 0.03 - depth});
     const auto nearest = touchNearest(place, 0.015, kBar, center, heading, 0.0);
-    const auto portal = touchPortal(place, kBar, center, heading);
+    const auto portal = touchPortal(place, kPusherRadius, kBar, center, heading);
     ASSERT_TRUE(portal.touching);
     EXPECT_NEAR(portal.depth, nearest.depth, 2e-6);
     EXPECT_GT(portal.normal.dot(nearest.normal), 0.99);
@@ -99,7 +99,7 @@ TEST(TouchPortal, AgreesWithTheNearestPointsOnAFace) {
 }
 
 TEST(TouchPortal, HasANormalWhereThePointIsOnThePushersAxis) {
-  const auto contact = touchPortal({0.1, 0.1}, kBar, {0.1, 0.1}, kStraight);
+  const auto contact = touchPortal({0.1, 0.1}, kPusherRadius, kBar, {0.1, 0.1}, kStraight);
   ASSERT_TRUE(contact.touching);
   EXPECT_NEAR(contact.normal.norm(), 1.0, 1e-15);
 }
@@ -108,13 +108,13 @@ TEST(Refine, KeepsTheMarginOfHardContacts) {
   const Eigen::Vector2d place(0.0, 0.0305);  // half a millimeter from the bar
   for (const double margin : {0.0, simple::kMargin}) {
     auto contact = touchNearest(place, 0.015, kBar, {0.0, 0.0}, kStraight, margin);
-    refine(place, kBar, {0.0, 0.0}, kStraight, contact);
+    refine(place, kPusherRadius, kBar, {0.0, 0.0}, kStraight, contact);
     EXPECT_EQ(contact.touching, margin > 0.0);
   }
 }
 
 TEST(TouchPortal, FindsNothingWhereNothingTouches) {
-  EXPECT_FALSE(touchPortal({0.0, 0.0301}, kBar, {0.0, 0.0}, kStraight).touching);
+  EXPECT_FALSE(touchPortal({0.0, 0.0301}, kPusherRadius, kBar, {0.0, 0.0}, kStraight).touching);
 }
 
 TEST(Impedance, IsMuJoCosCurve) {

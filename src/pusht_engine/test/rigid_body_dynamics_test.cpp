@@ -74,11 +74,11 @@ TEST(Substep, WithoutDragAndFrictionTheCenterOfMassKeepsItsVelocity) {
   model.drag_rate = 0.0;
   Bodies bodies = {{0.0, 0.0, 0.4, 0.3, 0.3}, {0.1, -0.2, 3.0, 0.0, 0.0}};
   const auto center = [](const Bodies& b) {
-    const Tee tee = teeOf(b.positions);
+    const Tee tee = teeOf(kCourseModel, b.positions);
     return Eigen::Vector2d(tee.origin + tee.center_of_mass);
   };
   const Eigen::Vector2d start = center(bodies);
-  const Tee tee = teeOf(bodies.positions);
+  const Tee tee = teeOf(kCourseModel, bodies.positions);
   const Eigen::Vector2d velocity(0.1 - 3.0 * tee.center_of_mass.y(), -0.2 + 3.0 * tee.center_of_mass.x());
   for (int i = 0; i < 10; ++i) {
     substep(model, {0.0, 0.0}, bodies);
@@ -106,13 +106,13 @@ TEST(Substep, EnergyNeverGrowsWithoutThePushersWork) {
     bodies.positions[kPusherX] = bodies.positions[kTeeX] + 0.125 * std::cos(way);
     bodies.positions[kPusherY] = bodies.positions[kTeeY] + 0.125 * std::sin(way);
     const auto energy = [&] {
-      const Matrix mass = massMatrix(model, teeOf(bodies.positions));
+      const Matrix mass = massMatrix(model, teeOf(kCourseModel, bodies.positions));
       return 0.5 * dot(bodies.velocities, product(mass, bodies.velocities));
     };
     double most = energy();
     for (int k = 0; k < 60; ++k) {
       const Parts parts(parameters, bodies);
-      at_pusher += parts.touch(kParts[0]).touching || parts.touch(kParts[1]).touching ? 1 : 0;
+      at_pusher += parts.touch(kCourseModel.parts[0]).touching || parts.touch(kCourseModel.parts[1]).touching ? 1 : 0;
       at_wall += parameters.walls && wallGapsOf(RigidBodyPhysics::stateOf(bodies)).tee < 0.0 ? 1 : 0;
       substep(model, {0.0, 0.0}, bodies);
       ASSERT_LE(energy(), most * (1.0 + 1e-9)) << "world " << i << " substep " << k;
@@ -130,8 +130,8 @@ TEST(Constraints, ForcesStayInTheConeAndInTheBox) {
     RigidBodyParameters parameters = anySwitches(random);
     parameters.friction = true;
     const Parts parts(parameters, anyBodies(random, 0.6));
-    const auto bar = parts.touch(kParts[0]);
-    const auto stem = parts.touch(kParts[1]);
+    const auto bar = parts.touch(kCourseModel.parts[0]);
+    const auto stem = parts.touch(kCourseModel.parts[1]);
     const Vector force = constraintForce(parts.mass, parts.smooth(), parts.rows());
     // On the pusher there are contact forces alone, with the tee's Coulomb friction there is more on the tee.
     if (bar.touching != stem.touching) {
@@ -224,7 +224,7 @@ TEST(ImplicitAcceleration, HasTheDerivativeOfTheSmoothForce) {
       const auto smooth_at = [&](double change) {
         Vector velocities = parts.bodies.velocities;
         velocities[j] += change;
-        return smoothForce(parts.model, parts.tee, parts.mass, velocities, {0.0, 0.0});
+        return smoothForce(parts.model, parts.tee, parts.mass, {parts.bodies.positions, velocities}, {0.0, 0.0});
       };
       const Vector above = smooth_at(kStep);
       const Vector below = smooth_at(-kStep);
@@ -247,7 +247,7 @@ TEST(JacobianAlong, IsTheDerivativeOfTheDepth) {
     parameters.shape = random.flip();
     Bodies bodies = anyBodies(random, 0.5);
     const Parts parts(parameters, bodies);
-    const Part& part = kParts[random.flip() ? 1 : 0];
+    const Part& part = kCourseModel.parts[random.flip() ? 1 : 0];
     const auto contact = parts.touch(part);
     if (!contact.touching || contact.depth > 0.01) {
       continue;
@@ -271,7 +271,7 @@ TEST(JacobianAlong, IsTheDerivativeOfTheDepth) {
 /// The tee's origin, center of mass and axes turn as the yaw does.
 TEST(TeeOf, HasTheDerivativeOfItsYaw) {
   for (const double yaw : {-3.0, -0.7, 0.0, 0.4, 2.5}) {
-    const auto at = [](double angle) { return teeOf({0.1, 0.2, angle, 0.0, 0.0}); };
+    const auto at = [](double angle) { return teeOf(kCourseModel, {0.1, 0.2, angle, 0.0, 0.0}); };
     const Eigen::Vector2d rate = (at(yaw + kStep).center_of_mass - at(yaw - kStep).center_of_mass) / (2.0 * kStep);
     const Eigen::Vector2d center = at(yaw).center_of_mass;
     EXPECT_NEAR(rate.x(), -center.y(), 1e-9);
@@ -300,15 +300,15 @@ TEST(AllSimple, IsTheTwoMassEngineButForItsSoftLink) {
   double free = 0.0;
   for (int i = 0; i < 2000; ++i) {
     Bodies bodies = anyBodies(random, 0.0);
-    const Tee tee = teeOf(bodies.positions);
-    const Part& part = kParts[i % 2];
+    const Tee tee = teeOf(kCourseModel, bodies.positions);
+    const Part& part = kCourseModel.parts[i % 2];
     const Eigen::Vector2d center = centerOf(part, tee);
     const double way = random(-kPi, kPi);
     const Eigen::Vector2d out(std::cos(way), std::sin(way));
     const Eigen::Vector2d pusher = center + (part.disc_radius + kPusherRadius + 0.0005) * out;
     bodies.positions[kPusherX] = pusher.x();
     bodies.positions[kPusherY] = pusher.y();
-    const Part& other = kParts[1 - i % 2];
+    const Part& other = kCourseModel.parts[1 - i % 2];
     if (!touchDiscs(centerOf(other, tee), other.disc_radius, pusher, kPusherRadius, 0.0).touching) {
       pushed.push_back(distance_after_step(bodies, -0.2 * out)[0]);
     }

@@ -10,6 +10,7 @@
 namespace pusht::rigid_body {
 
 constexpr std::array<double, kCoordinateCount> kStill = {};
+inline const Model kCourseModel = modelOf({});  ///< of full_circle, with all switches on
 
 class Random {
  public:

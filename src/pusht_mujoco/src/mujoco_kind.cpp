@@ -19,14 +19,15 @@ std::vector<ParameterDescriptor> describeParameters() {
   return all;
 }
 
-SimulatorModel load(const ParameterSet& parameters) {
+SimulatorModel load(const ParameterSet& parameters, const Task& task) {
   const auto& file = parameters.get<std::string>(kScene);
   const bool shipped = file == kShipped;
-  auto scene = shipped ? std::make_shared<const MujocoScene>() : std::make_shared<const MujocoScene>(file);
+  auto scene =
+      shipped ? std::make_shared<const MujocoScene>(task) : std::make_shared<const MujocoScene>(file, task);
   if (changesModel(parameters)) {
     scene = std::make_shared<const MujocoScene>(*scene, parameters);
   }
-  SimulatorModel model = modelOfWorlds(parameters, [scene] { return std::make_unique<MujocoWorld>(scene); });
+  SimulatorModel model = modelOfWorlds(parameters, [scene, &task] { return std::make_unique<MujocoWorld>(scene, task); });
   model.provenance[kScene]["sha256"] = scene->sha256();
   if (!shipped) {
     model.provenance[kScene]["file"] = file;
@@ -44,7 +45,9 @@ const SimulatorKind& mujocoKind() {
                                      {"libmujoco.so", "libccd.so"},  // libccd finds its contacts
                                      MujocoWorld::kStartTolerance,
                                      load,
-                                     {"timestep=0.005", "integrator=Euler", "cone=elliptic"}};
+                                     {"timestep=0.005", "integrator=Euler", "cone=elliptic"},
+                                     {},
+                                     {}};
   return kind;
 }
 

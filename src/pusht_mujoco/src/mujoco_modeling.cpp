@@ -7,14 +7,13 @@
 
 #include "coordinates.hpp"
 #include "mujoco_guard.hpp"
-#include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/physics_numbers.hpp"
 #include "pusht_task/substeps.hpp"
 
 namespace pusht {
 namespace {
 
-constexpr double kMost = 1e6;                                                // of a number that needs no other bound
 const std::vector<std::string> kIntegrators = {"Euler", "RK4", "implicit"};  // by mjtIntegrator
 const std::vector<std::string> kCones = {"pyramidal", "elliptic"};           // by mjtCone
 const std::vector<std::string> kSolvers = {"PGS", "CG", "Newton"};           // by mjtSolver
@@ -56,10 +55,13 @@ void setContact(mjModel& model, mjtNum* parameters, int count, int index, double
   forEachCollidingGeom(model, [&](int geom) { parameters[count * geom + index] = value; });
 }
 
-/// Sets the gain of the velocity servos: force = gain * (command - velocity).
+/// Sets the gain of the servos: force = gain * (command - velocity), or with a command that is a position
+/// stiffness * (command - position) - gain * velocity.
 void setServoGain(mjModel& model, double gain) {
   for (int actuator = 0; actuator < model.nu; ++actuator) {
-    model.actuator_gainprm[mjNGAIN * actuator] = gain;
+    if (model.actuator_biasprm[mjNBIAS * actuator + 1] == 0.0) {
+      model.actuator_gainprm[mjNGAIN * actuator] = gain;
+    }
     model.actuator_biasprm[mjNBIAS * actuator + 2] = -gain;
   }
 }
@@ -104,31 +106,20 @@ const std::vector<Modeling>& modeling() {
       {{"iterations", "", "most iterations of the constraint solver in a time step", std::int64_t{100}, 1.0, 1e4},
        [](mjModel& m, Value v) { m.opt.iterations = static_cast<int>(std::get<std::int64_t>(v)); }},
 
-      {number("tee_body_mass", "kg", "mass of the tee; its shares in bar and stem stay", kBarMass + kStemMass, 1e-3,
-              100.0),
-       [](mjModel& m, Value v) { setMass(m, "tee", real(v)); }},
-      {number("pusher_body_mass", "kg", "mass of the pusher", dynamics::kPusherMass, 1e-3, 100.0),
-       [](mjModel& m, Value v) { setMass(m, "pusher", real(v)); }},
-      {number("contact_friction", "", "coefficient of sliding friction in contacts", dynamics::kContactFriction, 0.0,
-              10.0),
+      {physicsDescriptor("tee_body_mass"), [](mjModel& m, Value v) { setMass(m, "tee", real(v)); }},
+      {physicsDescriptor("pusher_body_mass"), [](mjModel& m, Value v) { setMass(m, "pusher", real(v)); }},
+      {physicsDescriptor("contact_friction"),
        [](mjModel& m, Value v) { setContact(m, m.geom_friction, 3, 0, real(v)); }},
-      {number("tee_damping", "N s/m", "viscous friction of the tee with the table, per axis", dynamics::kTeeDamping,
-              0.0, kMost),
+      {physicsDescriptor("tee_damping"),
        [](mjModel& m, Value v) { m.dof_damping[kTeeX] = m.dof_damping[kTeeY] = real(v); }},
-      {number("tee_yaw_damping", "N m s", "viscous friction of the tee's yaw", dynamics::kTeeYawDamping, 0.0, kMost),
-       [](mjModel& m, Value v) { m.dof_damping[kTeeYaw] = real(v); }},
-      {number("tee_friction", "N", "Coulomb friction of the tee with the table, per axis", dynamics::kTeeFriction, 0.0,
-              kMost),
+      {physicsDescriptor("tee_yaw_damping"), [](mjModel& m, Value v) { m.dof_damping[kTeeYaw] = real(v); }},
+      {physicsDescriptor("tee_friction"),
        [](mjModel& m, Value v) { m.dof_frictionloss[kTeeX] = m.dof_frictionloss[kTeeY] = real(v); }},
-      {number("tee_yaw_friction", "N m", "Coulomb friction of the tee's yaw", dynamics::kTeeYawFriction, 0.0, kMost),
-       [](mjModel& m, Value v) { m.dof_frictionloss[kTeeYaw] = real(v); }},
-      {number("pusher_damping", "N s/m", "viscous friction of the pusher, per axis", dynamics::kPusherDamping, 0.0,
-              kMost),
+      {physicsDescriptor("tee_yaw_friction"), [](mjModel& m, Value v) { m.dof_frictionloss[kTeeYaw] = real(v); }},
+      {physicsDescriptor("pusher_damping"),
        [](mjModel& m, Value v) { m.dof_damping[kPusherX] = m.dof_damping[kPusherY] = real(v); }},
-      {number("servo_gain", "N s/m", "gain of the pusher's velocity servo, per axis", dynamics::kServoGain, 0.0, kMost),
-       [](mjModel& m, Value v) { setServoGain(m, real(v)); }},
-      {number("servo_limit", "N", "largest force of the pusher's servo, per axis", dynamics::kServoLimit, 1e-3, kMost),
-       [](mjModel& m, Value v) { setServoLimit(m, real(v)); }},
+      {physicsDescriptor("servo_gain"), [](mjModel& m, Value v) { setServoGain(m, real(v)); }},
+      {physicsDescriptor("servo_limit"), [](mjModel& m, Value v) { setServoLimit(m, real(v)); }},
       {number("contact_time", "s", "time constant of contacts (solref[0])", 0.02, 1e-3, 1.0,
               "MuJoCo uses two time steps where it is less"),
        [](mjModel& m, Value v) { setContact(m, m.geom_solref, mjNREF, 0, real(v)); }},

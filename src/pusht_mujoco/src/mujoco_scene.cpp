@@ -11,6 +11,7 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/substeps.hpp"
 #include "scene_check.hpp"
+#include "scene_of_task.hpp"
 #include "shipped_scene.hpp"
 
 namespace pusht {
@@ -30,6 +31,9 @@ mjModel* loadModel(const std::string& path, std::string& complaint) {
   return model;
 }
 
+/// MJCF of a task's scene.
+std::string mjcfOf(const Task& task) { return &task == &fullCircle() ? kShippedScene : sceneOf(task); }
+
 MujocoModel copyOf(const mjModel& model) {
   mjModel* copy = nullptr;
   MujocoGuard::run([&] { copy = mj_copyModel(nullptr, &model); });
@@ -41,9 +45,15 @@ MujocoModel copyOf(const mjModel& model) {
 
 }  // namespace
 
-MujocoScene::MujocoScene() : sha256_(pusht::sha256(kShippedScene)), model_(compileShippedScene()) {}
+MujocoScene::MujocoScene() : MujocoScene(fullCircle()) {}
 
-MujocoScene::MujocoScene(const std::filesystem::path& path) {
+MujocoScene::MujocoScene(const Task& task) {
+  const std::string xml = mjcfOf(task);
+  sha256_ = pusht::sha256(xml);
+  model_ = compiledScene(xml);
+}
+
+MujocoScene::MujocoScene(const std::filesystem::path& path, const Task& task) {
   const std::string xml = readFile(path, "scene", kLargestSmallFile);
   if (xml.find("<include") != std::string::npos) {
     throw InvalidInput("scene " + path.string() + ": must not include other files, which its checksum would not cover");
@@ -53,7 +63,7 @@ MujocoScene::MujocoScene(const std::filesystem::path& path) {
   model_.reset(loadModel(path.string(), complaint));
   try {
     if (model_ != nullptr) {
-      checkScene(*model_);  // first: a wrong field says more than what MuJoCo found it to lead to
+      checkScene(*model_, *compiledScene(mjcfOf(task)));  // first: a wrong field says more than what MuJoCo found it to lead to
     }
     if (!complaint.empty()) {
       throw InvalidInput(complaint);

@@ -8,6 +8,7 @@
 #include "coordinates.hpp"
 #include "mujoco_guard.hpp"
 #include "pusht_task/error.hpp"
+#include "pusht_task/mapping.hpp"
 
 namespace pusht {
 namespace {
@@ -23,10 +24,12 @@ mjData* makeData(const mjModel& model) {
 
 }  // namespace
 
-MujocoWorld::MujocoWorld(std::shared_ptr<const MujocoScene> scene)
-    : Simulator("", kStartTolerance), scene_(std::move(scene)), data_(makeData(scene_->model())) {}
+MujocoWorld::MujocoWorld(std::shared_ptr<const MujocoScene> scene, const Task& task)
+    : Simulator("", kStartTolerance, task), scene_(std::move(scene)), data_(makeData(scene_->model())) {}
 
-void MujocoWorld::doReset(const WorldState& state) {
+void MujocoWorld::doReset(const WorldState& start) {
+  const double body_origin = task().physics.table_point;
+  const WorldState state = atPointOfTee(start, body_origin);
   const mjModel* model = &scene_->model();
   mjData* data = data_.get();
   MujocoGuard::run([&] {
@@ -44,6 +47,11 @@ void MujocoWorld::doReset(const WorldState& state) {
     mj_forward(model, data);
   });
   refuseWarnings();
+  start_.reset();
+  if (body_origin != 0.0) {
+    requireStart(start, stateOfBodies(), startTolerance());
+    start_ = start;
+  }
 }
 
 void MujocoWorld::doStep(const Action& action) {
@@ -51,9 +59,11 @@ void MujocoWorld::doStep(const Action& action) {
   mjData* data = data_.get();
   const double start = data->time;
   const int substeps = scene_->substepsPerControlStep();
+  const Eigen::Vector2d command = commandOf(action, task());
+  start_.reset();
   MujocoGuard::run([&] {
-    data->ctrl[0] = action[0];
-    data->ctrl[1] = action[1];
+    data->ctrl[0] = command.x();
+    data->ctrl[1] = command.y();
     for (int i = 0; i < substeps; ++i) {
       mj_step(model, data);
     }
@@ -65,7 +75,7 @@ void MujocoWorld::doStep(const Action& action) {
   }
 }
 
-WorldState MujocoWorld::doState() const {
+WorldState MujocoWorld::stateOfBodies() const {
   WorldState state;
   state.pusher_position = {data_->qpos[kPusherX], data_->qpos[kPusherY]};
   state.pusher_velocity = {data_->qvel[kPusherX], data_->qvel[kPusherY]};
@@ -73,7 +83,7 @@ WorldState MujocoWorld::doState() const {
   state.tee_velocity = {data_->qvel[kTeeX], data_->qvel[kTeeY]};
   state.tee_yaw = wrapAngle(data_->qpos[kTeeYaw]);
   state.tee_yaw_rate = data_->qvel[kTeeYaw];
-  return state;
+  return atPointOfTee(state, -task().physics.table_point);
 }
 
 void MujocoWorld::refuseWarnings() const {

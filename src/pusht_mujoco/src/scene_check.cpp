@@ -8,16 +8,13 @@
 #include <cstddef>
 #include <cstring>
 #include <initializer_list>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
 
-#include "mujoco_guard.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/numbers.hpp"
-#include "shipped_scene.hpp"
 
 namespace pusht {
 namespace {
@@ -164,18 +161,18 @@ std::vector<int> collidingGeoms(const mjModel& model) {
   throw InvalidInput(what + " is " + value + ": must be " + expected + "; a scene may only look different");
 }
 
-void checkNames(const mjModel& model, const mjModel& shipped, int type, const std::vector<int>& ids,
-                const std::vector<int>& shipped_ids) {
+void checkNames(const mjModel& model, const mjModel& of_task, int type, const std::vector<int>& ids,
+                const std::vector<int>& expected_ids) {
   const std::string what = type == mjOBJ_GEOM ? "colliding geom" : mju_type2Str(type);
-  for (std::size_t i = 0; i < std::min(ids.size(), shipped_ids.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(ids.size(), expected_ids.size()); ++i) {
     const std::string name = nameOf(model, type, ids[i]);
-    const std::string expected = nameOf(shipped, type, shipped_ids[i]);
+    const std::string expected = nameOf(of_task, type, expected_ids[i]);
     if (name != expected) {
       refuse(what + " " + std::to_string(i), "'" + name + "'", "'" + expected + "'");
     }
   }
-  if (ids.size() != shipped_ids.size()) {
-    refuse("number of " + what + "s", std::to_string(ids.size()), std::to_string(shipped_ids.size()));
+  if (ids.size() != expected_ids.size()) {
+    refuse("number of " + what + "s", std::to_string(ids.size()), std::to_string(expected_ids.size()));
   }
 }
 
@@ -197,42 +194,21 @@ void checkField(const mjModel& model, const Field& found, const std::vector<int>
 
 }  // namespace
 
-MujocoModel compileShippedScene() {
-  constexpr const char* kFile = "pusht.xml";
-  const std::string xml = kShippedScene;
-  const auto files = std::make_unique<mjVFS>();
-  std::array<char, 1000> message{};
-  MujocoModel model;
-  MujocoGuard::run([&] {
-    mj_defaultVFS(files.get());
-    mj_makeEmptyFileVFS(files.get(), kFile, static_cast<int>(xml.size()));
-    std::memcpy(files->filedata[0], xml.data(), xml.size());
-    model.reset(mj_loadXML(kFile, files.get(), message.data(), static_cast<int>(message.size())));
-    mj_deleteVFS(files.get());
-  });
-  if (model == nullptr) {
-    throw InternalError(std::string("MuJoCo does not load the shipped scene: ") + message.data());
-  }
-  return model;
-}
-
-void checkScene(const mjModel& model) {
-  static const MujocoModel compiled = compileShippedScene();
-  const mjModel& shipped = *compiled;
-  checkNames(model, shipped, mjOBJ_BODY, firstIds(model.nbody), firstIds(shipped.nbody));
-  checkNames(model, shipped, mjOBJ_JOINT, firstIds(model.njnt), firstIds(shipped.njnt));
-  checkNames(model, shipped, mjOBJ_ACTUATOR, firstIds(model.nu), firstIds(shipped.nu));
-  checkNames(model, shipped, mjOBJ_GEOM, collidingGeoms(model), collidingGeoms(shipped));
+void checkScene(const mjModel& model, const mjModel& of_task) {
+  checkNames(model, of_task, mjOBJ_BODY, firstIds(model.nbody), firstIds(of_task.nbody));
+  checkNames(model, of_task, mjOBJ_JOINT, firstIds(model.njnt), firstIds(of_task.njnt));
+  checkNames(model, of_task, mjOBJ_ACTUATOR, firstIds(model.nu), firstIds(of_task.nu));
+  checkNames(model, of_task, mjOBJ_GEOM, collidingGeoms(model), collidingGeoms(of_task));
 
   const std::vector<Field> found = fieldsOf(model);
-  const std::vector<Field> expected = fieldsOf(shipped);
+  const std::vector<Field> expected = fieldsOf(of_task);
   for (const Origin origin : {Origin::kFile, Origin::kMass, Origin::kInertia, Origin::kDerived}) {
     for (std::size_t i = 0; i < expected.size(); ++i) {
       if (isLooks(expected[i].name) || originOf(expected[i].name) != origin) {
         continue;
       }
       if (startsWithAny(expected[i].name, {"geom_"})) {
-        checkField(model, found[i], collidingGeoms(model), expected[i], collidingGeoms(shipped));
+        checkField(model, found[i], collidingGeoms(model), expected[i], collidingGeoms(of_task));
       } else {
         checkField(model, found[i], firstIds(expected[i].rows), expected[i], firstIds(expected[i].rows));
       }

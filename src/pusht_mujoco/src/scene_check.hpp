@@ -7,11 +7,8 @@
 
 namespace pusht {
 
-/// The shipped scene, compiled by the library that compiles others.
-MujocoModel compileShippedScene();
-
-/// Throws InvalidInput with the first field of `model` that differs from the shipped scene's, bit for bit: name, value,
+/// Throws InvalidInput with the first field of `model` that differs from the task's scene, bit for bit: name, value,
 /// rule. Only how a scene looks is free: what does not collide, lights, cameras, colors.
-void checkScene(const mjModel& model);
+void checkScene(const mjModel& model, const mjModel& of_task);
 
 }  // namespace pusht

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -22,8 +23,11 @@
 #include "pusht_task/files.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/spawn.hpp"
+#include "pusht_task/task.hpp"
+#include "pusht_testing/refusal.hpp"
 #include "pusht_testing/scenarios.hpp"
 #include "pusht_testing/temporary_folder.hpp"
+#include "scene_of_task.hpp"
 
 namespace pusht {
 namespace {
@@ -32,6 +36,7 @@ namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using Eigen::Vector2d;
 
 class Scene : public ::testing::Test {
  protected:
@@ -300,6 +305,58 @@ TEST(MujocoGuard, CatchesInNestedCalls) {
   MujocoGuard::run([] { mju_warning("first\nsecond"); });
   EXPECT_EQ(MujocoGuard::takeWarning(), "first second");
   EXPECT_EQ(MujocoGuard::takeWarning(), "");
+}
+
+/// The scene that is made of full_circle's numbers is the one that ships, to the last bit of every field.
+TEST_F(Scene, MadeOfTheCoursesNumbersIsTheShippedOne) {
+  EXPECT_EQ(refusal(sceneOf(fullCircle())), "");
+  EXPECT_NE(MujocoScene(write(sceneOf(fullCircle()))).sha256(), MujocoScene().sha256()) << "by other words";
+}
+
+TEST_F(Scene, OfAnotherTaskIsRefused) {
+  const std::string xml = sceneOf(gymPusht());
+  EXPECT_EQ(MujocoScene(write(xml), gymPusht()).sha256(), MujocoScene(gymPusht()).sha256());
+  EXPECT_THAT(refusal(xml), HasSubstr("a scene may only look different"));
+  EXPECT_THAT(testing::refusalOf([&] { MujocoScene scene(PUSHT_SCENE, gymPusht()); }),
+              HasSubstr("a scene may only look different"));
+}
+
+/// MuJoCo's own numbers of gym-pusht's tee: mass, moment about the center of mass, where the body's origin is.
+TEST_F(Scene, OfGymPushtHasItsNumbers) {
+  const MujocoScene scene(gymPusht());
+  const Physics& physics = gymPusht().physics;
+  const int tee = mj_name2id(&scene.model(), mjOBJ_BODY, "tee");
+  EXPECT_DOUBLE_EQ(scene.model().body_mass[tee], 1.0);
+  EXPECT_NEAR(scene.model().body_ipos[3 * tee + 1], 0.0, 1e-15) << "the table acts at the center of mass";
+  EXPECT_NEAR(scene.model().body_inertia[3 * tee + 2],
+              physics.tee_second_moment - physics.centerOfMass() * physics.centerOfMass(), 1e-15);
+  EXPECT_EQ(scene.model().actuator_gainprm[0], physics.servo_stiffness);
+}
+
+TEST_F(Scene, OfATeeThatIsNoTwoBoxesIsRefused) {
+  const Task& task = taskNamed(R"({"name": "odd", "physics": {"tee_second_moment": 0.001}})");
+  EXPECT_THAT(testing::refusalOf([&] { sceneOf(task); }),
+              AllOf(HasSubstr("task odd: physics.tee_second_moment 0.001 must be "), HasSubstr("in mujoco")));
+}
+
+/// A drive to a position with damping alone is a harmonic oscillator of which the closed form is known: from rest,
+/// critically damped for these numbers, x(t) = way * (1 - (1 + 10 t) exp(-10 t)) for a stiffness of 100/s^2 and a
+/// damping of 20/s. MuJoCo's substeps are of first order.
+TEST_F(Scene, OfGymPushtDrivesThePusherToAPosition) {
+  MujocoWorld world(std::make_shared<const MujocoScene>(gymPusht()), gymPusht());
+  WorldState start;
+  start.tee_position = {0.15, 0.15};
+  start.pusher_position = {-0.1, -0.1};
+  world.reset(start);
+  EXPECT_EQ(world.state(), start);
+  const Vector2d target(0.0, -0.1);
+  const Vector2d command = gymPusht().frame.pointFromTable(target);
+  for (int step = 1; step <= 5; ++step) {
+    world.step({static_cast<float>(command.x()), static_cast<float>(command.y())});
+    const double t = kControlStep * step;
+    EXPECT_NEAR(world.state().pusher_position.x(), -0.1 + 0.1 * (1.0 - (1.0 + 10.0 * t) * std::exp(-10.0 * t)), 3e-3);
+    EXPECT_NEAR(world.state().pusher_position.y(), -0.1, 1e-6);
+  }
 }
 
 }  // namespace

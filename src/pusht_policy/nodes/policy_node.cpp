@@ -17,6 +17,7 @@ pusht::PolicyModel load(pusht::ParameterReader& parameters) {
   choice.require_policy = parameters.flag("require_policy", choice.require_policy);
   choice.allow_untrained = parameters.flag("allow_untrained", choice.allow_untrained);
   choice.untrained_seed = parameters.seed("seed", choice.untrained_seed);
+  choice.task = pusht::taskNamed(parameters.text(pusht::kTaskParameter, choice.task.get().name));
   pusht::ChosenPolicy chosen = pusht::choosePolicy(
       choice, pusht::installedFile("pusht_policy", pusht::kShippedCheckpoint), [] { return !ros::ok(); });
   if (!chosen.warning.empty()) {
@@ -26,6 +27,7 @@ pusht::PolicyModel load(pusht::ParameterReader& parameters) {
   model.name = std::move(chosen.name);
   model.version = PUSHT_POLICY_VERSION;
   model.policy = chosen.make();
+  model.task = choice.task;
   model.provenance = std::move(chosen.provenance);
   return model;
 }

@@ -58,6 +58,7 @@ Vector2d clipNorm(const Vector2d& v, double limit) { return v.cwiseMax(-limit).c
 
 /// The world as the expert reads it from an observation.
 struct View {
+  const Physics& physics;
   Vector2d pusher;
   Vector2d tee;
   double yaw;
@@ -65,18 +66,20 @@ struct View {
   Vector2d center_of_mass;
 
   /// View of the pusher at a point [m], and of the tee in a pose [m, rad], both from the target.
-  View(Vector2d pusher_position, const Pose& pose)
-      : pusher(std::move(pusher_position)),
+  View(Vector2d pusher_position, const Pose& pose, const Physics& of_task)
+      : physics(of_task),
+        pusher(std::move(pusher_position)),
         tee(pose.position),
         yaw(pose.yaw),
         rotation(yaw),
-        center_of_mass(tee + rotation * Vector2d(0.0, -kCenterOfMassOffset)) {}
+        center_of_mass(tee + rotation * Vector2d(0.0, -of_task.centerOfMass())) {}
 
   /// Whether a point of the table lies under the tee.
   bool covers(const Vector2d& point) const {
     const Vector2d body = rotation.inverse() * (point - tee);
-    const bool in_bar = std::abs(body.x()) <= kBarHalfLength && std::abs(body.y()) <= kTeeHalfWidth;
-    const bool in_stem = std::abs(body.x()) <= kTeeHalfWidth && std::abs(body.y() + kStemOffset) <= kStemHalfLength;
+    const bool in_bar = std::abs(body.x()) <= physics.bar_half_length && std::abs(body.y()) <= physics.bar_half_width;
+    const bool in_stem = std::abs(body.x()) <= physics.stem_half_width &&
+                         std::abs(body.y() + physics.stem_offset) <= physics.stem_half_length;
     return in_bar || in_stem;
   }
 };
@@ -94,7 +97,7 @@ struct Push {
 
 /// Push the center of mass to its goal, a little beside it so that the tee turns on its way.
 Push planTranslation(const View& view) {
-  const Vector2d goal(0.0, -kCenterOfMassOffset);
+  const Vector2d goal(0.0, -view.physics.centerOfMass());
   const Vector2d direction = (goal - view.center_of_mass).normalized();
   const double shift = std::clamp(kSideShiftPerRadian * view.yaw, -kSideShiftMax, kSideShiftMax);
   const Vector2d through = view.center_of_mass + shift * turnLeft(direction);
@@ -105,13 +108,14 @@ Push planTranslation(const View& view) {
       outline = distance;
     }
   }
-  return {through - (std::max(outline, kOutlineMin) + kPusherRadius) * direction, direction, kTranslateSpeed};
+  return {through - (std::max(outline, kOutlineMin) + view.physics.pusher_radius) * direction, direction, kTranslateSpeed};
 }
 
 /// Push the tip of the bar that is nearer, across the bar.
 Push planRotation(const View& view) {
   const double turn = view.yaw > 0.0 ? 1.0 : -1.0;
-  const Vector2d tip(kBarHalfLength - kTipInset, turn * (kTeeHalfWidth + kPusherRadius));
+  const Physics& physics = view.physics;
+  const Vector2d tip(physics.bar_half_length - kTipInset, turn * (physics.bar_half_width + physics.pusher_radius));
   const Vector2d direction = view.rotation * Vector2d(0.0, -turn);
   const Push right = {view.tee + view.rotation * tip, direction, kRotateSpeed};
   const Push left = {view.tee - view.rotation * tip, -direction, kRotateSpeed};
@@ -204,7 +208,7 @@ Action answerTo(const Observation& observation, Stroke& stroke, const Task& task
   const Pose seen_tee = poseIn(observation, 2);
   const Vector2d seen_pusher(observation[0], observation[1]);
   if (&task == &fullCircle()) {  // the target is the table's origin: nothing turns, so that no bit is lost
-    return actionFor(command(View(seen_pusher, seen_tee), stroke), seen_pusher, task);
+    return actionFor(command(View(seen_pusher, seen_tee, task.physics), stroke), seen_pusher, task);
   }
   const Pose tee = task.frame.poseToTable(seen_tee);
   const Vector2d pusher = task.frame.pointToTable(seen_pusher);
@@ -212,7 +216,8 @@ Action answerTo(const Observation& observation, Stroke& stroke, const Task& task
   const auto seen_from_target = [&](const Vector2d& point) -> Vector2d {
     return from_target.inverse() * (point - task.target.position);
   };
-  const View view(seen_from_target(pusher), {seen_from_target(tee.position), wrapAngle(tee.yaw - task.target.yaw)});
+  const View view(seen_from_target(pusher), {seen_from_target(tee.position), wrapAngle(tee.yaw - task.target.yaw)},
+                  task.physics);
   return actionFor(from_target * command(view, stroke), pusher, task);
 }
 

@@ -23,15 +23,17 @@ struct Box {
   Vector2d center() const { return {0.0, center_y}; }
   Vector2d half() const { return {half_x, half_y}; }
 };
-constexpr Box kBarBox{0.0, kBarHalfLength, kTeeHalfWidth};
-constexpr Box kStemBox{-kStemOffset, kTeeHalfWidth, kStemHalfLength};
 
-const Box& boxOf(Part part) {
+Box barOf(const Physics& physics) { return {0.0, physics.bar_half_length, physics.bar_half_width}; }
+
+Box stemOf(const Physics& physics) { return {-physics.stem_offset, physics.stem_half_width, physics.stem_half_length}; }
+
+Box boxOf(Part part, const Physics& physics) {
   switch (part) {
     case Part::kBar:
-      return kBarBox;
+      return barOf(physics);
     case Part::kStem:
-      return kStemBox;
+      return stemOf(physics);
     case Part::kNone:
     case Part::kCorner:
       break;
@@ -70,25 +72,25 @@ Nearest nearestToPusher(const Box& box, const WorldState& state) {
 
 Vector2d turnLeft(const Vector2d& v) { return {-v.y(), v.x()}; }
 
-Contact contactWith(const Box& box, const WorldState& state) {
+Contact contactWith(const Box& box, const WorldState& state, double pusher_radius) {
   const Nearest found = nearestToPusher(box, state);
   const Eigen::Rotation2Dd rotation = teeToTable(state);
   const Vector2d arm = rotation * found.point;
   const Vector2d normal = rotation * found.normal;
   const Vector2d tee_velocity = state.tee_velocity + state.tee_yaw_rate * turnLeft(arm);
-  return {found.distance - kPusherRadius, state.tee_position + arm, normal,
+  return {found.distance - pusher_radius, state.tee_position + arm, normal,
           turnLeft(normal).dot(state.pusher_velocity - tee_velocity)};
 }
 
 /// The corners of the tee's convex hull, in its frame [m]: those of the bar, and the two at the stem's end.
-std::array<Vector2d, 6> teeCorners() {
-  constexpr double kEnd = -kStemOffset - kStemHalfLength;
-  return {Vector2d(kBarHalfLength, kTeeHalfWidth),
-          Vector2d(-kBarHalfLength, kTeeHalfWidth),
-          Vector2d(kBarHalfLength, -kTeeHalfWidth),
-          Vector2d(-kBarHalfLength, -kTeeHalfWidth),
-          Vector2d(kTeeHalfWidth, kEnd),
-          Vector2d(-kTeeHalfWidth, kEnd)};
+std::array<Vector2d, 6> teeCorners(const Physics& physics) {
+  const double end = -physics.stem_offset - physics.stem_half_length;
+  return {Vector2d(physics.bar_half_length, physics.bar_half_width),
+          Vector2d(-physics.bar_half_length, physics.bar_half_width),
+          Vector2d(physics.bar_half_length, -physics.bar_half_width),
+          Vector2d(-physics.bar_half_length, -physics.bar_half_width),
+          Vector2d(physics.stem_half_width, end),
+          Vector2d(-physics.stem_half_width, end)};
 }
 
 }  // namespace
@@ -107,17 +109,22 @@ Part Contacts::part() const {
   return stem.touches() ? Part::kStem : Part::kNone;
 }
 
-Contacts contactsOf(const WorldState& state) { return {contactWith(kBarBox, state), contactWith(kStemBox, state)}; }
+Contacts contactsOf(const WorldState& state, const Task& task) {
+  const Physics& physics = task.physics;
+  return {contactWith(barOf(physics), state, physics.pusher_radius),
+          contactWith(stemOf(physics), state, physics.pusher_radius)};
+}
 
-double slipDistance(const WorldState& before, const WorldState& after, Part box) {
-  const Nearest from = nearestToPusher(boxOf(box), before);
-  const Nearest to = nearestToPusher(boxOf(box), after);
+double slipDistance(const WorldState& before, const WorldState& after, Part part, const Task& task) {
+  const Box box = boxOf(part, task.physics);
+  const Nearest from = nearestToPusher(box, before);
+  const Nearest to = nearestToPusher(box, after);
   const Vector2d way = to.point - from.point;  // straight: a step goes round a corner of the box at most
   const double along = std::copysign(way.norm(), way.dot(turnLeft(from.normal + to.normal)));
   const auto direction = [](const WorldState& state, const Nearest& found) {
     return std::atan2(found.normal.y(), found.normal.x()) + state.tee_yaw;
   };
-  return along + kPusherRadius * wrapAngle(direction(after, to) - direction(before, from));
+  return along + task.physics.pusher_radius * wrapAngle(direction(after, to) - direction(before, from));
 }
 
 WallGaps wallGapsOf(const WorldState& state, const Task& task) {
@@ -125,7 +132,7 @@ WallGaps wallGapsOf(const WorldState& state, const Task& task) {
   WallGaps gaps{physics.wall_inner_face - physics.pusher_radius - reachOf(state.pusher_position, physics),
                 physics.wall_inner_face};
   const Eigen::Rotation2Dd rotation = teeToTable(state);
-  for (const Vector2d& corner : teeCorners()) {
+  for (const Vector2d& corner : teeCorners(physics)) {
     const Vector2d at = state.tee_position + rotation * corner;
     gaps.tee = std::min(gaps.tee, physics.wall_inner_face - reachOf(at, physics));
   }

@@ -139,6 +139,14 @@ void ParameterSet::set(const std::string& name, const std::string& text) {
   }
 }
 
+void ParameterSet::setDefault(const std::string& name, const ParameterValue& value) {
+  Parameter& parameter = place(name);
+  parameter.descriptor.default_value = value;
+  if (!parameter.set_by_name) {
+    parameter.value = value;
+  }
+}
+
 Parameter& ParameterSet::place(const std::string& name) { return parameters_[&at(name) - parameters_.data()]; }
 
 const Parameter& ParameterSet::at(const std::string& name) const {

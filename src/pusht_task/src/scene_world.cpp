@@ -22,15 +22,17 @@ void Scene::addWalls() {
 
 void Scene::addTableFriction() {
   if (mapping_.table_friction) {
-    addFrictionPerAxis({0.0, 0.0});
+    addFrictionPerAxis(tablePoint());
   } else {
     addIdiomaticFriction();
   }
 }
 
+Eigen::Vector2d Scene::tablePoint() const { return {0.0, 0.0 - physics_.table_point}; }  // which is never -0
+
 void Scene::applyDrag() {
   if (mapping_.drag) {
-    applyDragAt({0.0, 0.0 - physics_.tee_damping_point});  // which is never -0
+    applyDragAt(tablePoint());
   }
 }
 

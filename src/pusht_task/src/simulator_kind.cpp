@@ -6,6 +6,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/joined.hpp"
+#include "pusht_task/physics_numbers.hpp"
 
 namespace pusht {
 
@@ -22,9 +23,29 @@ SimulatorModel modelOfWorlds(ParameterSet parameters, std::function<std::unique_
 }
 
 void SimulatorKind::requireTask(const Task& task) const {
-  if (std::find(tasks.begin(), tasks.end(), task.name) == tasks.end()) {
+  if (!tasks.empty() && std::find(tasks.begin(), tasks.end(), task.name) == tasks.end()) {
     throw InvalidInput("task " + task.name + ": the kind " + name + " holds only " + joined(tasks));
   }
+}
+
+const Task& SimulatorKind::ownTask() const { return tasks.empty() ? fullCircle() : taskNamed(tasks.front()); }
+
+ParameterSet SimulatorKind::defaults(const Task& task) const { return inTask(ParameterSet(parameters), task); }
+
+ParameterSet SimulatorKind::inTask(ParameterSet set, const Task& task) const {
+  for (const PhysicsNumber& number : physicsNumbers()) {
+    const std::string& name = number.descriptor.name;
+    if (std::any_of(parameters.begin(), parameters.end(),
+                    [&](const ParameterDescriptor& each) { return each.of_task && each.name == name; })) {
+      set.setDefault(name, number.of(task.physics));
+    }
+  }
+  return set;
+}
+
+SimulatorModel SimulatorKind::load(const ParameterSet& set, const Task& task) const {
+  requireTask(task);
+  return loader(inTask(set, task), task);
 }
 
 }  // namespace pusht

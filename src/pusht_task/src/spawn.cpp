@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "pusht_task/constants.hpp"
+#include "pusht_task/contact.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/files.hpp"
 #include "pusht_task/gym_pusht.hpp"
@@ -136,18 +137,46 @@ double NumpyRandomState::randn() {
 
 namespace {
 
-/// The tee on a ring around the target with any yaw, the pusher clear of it.
-WorldState onRing(std::uint64_t seed) {
+/// Draws until `fits`. Throws InvalidInput if that seems never to happen.
+template <class Draw, class Fits>
+void drawUntil(const Task& task, const char* body, const Draw& draw, const Fits& fits) {
+  constexpr int kMostDraws = 10'000;
+  for (int i = 0; i < kMostDraws; ++i) {
+    draw();
+    if (fits()) {
+      return;
+    }
+  }
+  throw InvalidInput(std::string("starts of the task ").append(task.name).append(": the ").append(body) +
+                     " finds no place in 10000 draws");
+}
+
+/// The tee on a ring around the target with any yaw, between the walls; the pusher clear of it.
+WorldState onRing(std::uint64_t seed, const Task& task) {
   NumpyGenerator generator(seed);
+  const SpawnRing& ring = task.ring;
   WorldState state;
-  const double radius = generator.uniform(kSpawnRadiusMin, kSpawnRadiusMax);
-  const double bearing = generator.uniform(0.0, 2.0 * kPi);
-  state.tee_position = {radius * std::cos(bearing), radius * std::sin(bearing)};
-  state.tee_yaw = generator.uniform(-kPi, kPi);
-  do {
-    state.pusher_position.x() = generator.uniform(-kSpawnPusherBound, kSpawnPusherBound);
-    state.pusher_position.y() = generator.uniform(-kSpawnPusherBound, kSpawnPusherBound);
-  } while ((state.pusher_position - state.tee_position).norm() <= kSpawnPusherClearance);
+  drawUntil(
+      task, "tee",
+      [&] {
+        const double radius = generator.uniform(ring.least_radius, ring.greatest_radius);
+        const double bearing = generator.uniform(0.0, 2.0 * kPi);
+        state.tee_position =
+            task.target.position + Eigen::Vector2d(radius * std::cos(bearing), radius * std::sin(bearing));
+        state.tee_yaw = generator.uniform(-kPi, kPi);
+      },
+      [&] { return wallGapsOf(state, task).tee > 0.0; });
+  const auto [x, y] = task.physics.wall_middle;
+  drawUntil(
+      task, "pusher",
+      [&] {
+        state.pusher_position.x() = x + generator.uniform(-ring.pusher_bound, ring.pusher_bound);
+        state.pusher_position.y() = y + generator.uniform(-ring.pusher_bound, ring.pusher_bound);
+      },
+      [&] {
+        return (state.pusher_position - state.tee_position).norm() > ring.pusher_clearance &&
+               !(deepestOverlap(state, task).depth > 0.0);
+      });
   return state;
 }
 
@@ -160,7 +189,7 @@ WorldState spawn(std::uint64_t seed, const Task& task) {
   }
   switch (task.spawn) {
     case SpawnRule::kRing:
-      return onRing(seed);
+      return onRing(seed, task);
     case SpawnRule::kGymPusht:
       return gym_pusht::toTable(gym_pusht::turned(gym_pusht::drawn(static_cast<std::uint32_t>(seed))));
   }

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 
 #include "pusht_task/mapping.hpp"
+#include "pusht_task/numbers.hpp"
 
 namespace pusht {
 namespace {
@@ -124,8 +126,24 @@ PoseError poseError(const WorldState& state, const Task& task) {
   return {(state.tee_position - task.target.position).norm(), std::abs(wrapAngle(state.tee_yaw - task.target.yaw))};
 }
 
+WorldState stateAtTarget(const Task& task) {
+  WorldState state;
+  state.tee_position = task.target.position;
+  state.tee_yaw = task.target.yaw;
+  state.pusher_position = {task.physics.wall_middle[0], task.physics.wall_middle[1]};
+  return state;
+}
+
 double coverageOf(const WorldState& state, const Task& task) {
   return coverageOf({state.tee_position, state.tee_yaw}, task.target, task.physics);
+}
+
+std::string distanceText(const WorldState& state, const Task& task) {
+  if (task.success.coverage) {
+    return "covers " + fixedText(coverageOf(state, task), 2);
+  }
+  const PoseError error = poseError(state, task);
+  return fixedText(error.position, 3) + " m, " + fixedText(error.angle, 2) + " rad off";
 }
 
 bool isSolved(const WorldState& state, const Task& task) {

@@ -5,7 +5,6 @@
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -13,16 +12,10 @@
 #include "pusht_task/gym_pusht.hpp"
 #include "pusht_task/joined.hpp"
 #include "pusht_task/task.hpp"
+#include "shipped_tasks.hpp"
 
 namespace pusht {
 namespace {
-
-/// Moment of inertia of two boxes of these masses about the bar's center.
-double momentOfTee(double bar_mass, double stem_mass, const Physics& physics) {
-  return momentOfBox(bar_mass, physics.bar_half_length, physics.bar_half_width) +
-         momentOfBox(stem_mass, physics.stem_half_width, physics.stem_half_length) +
-         stem_mass * physics.stem_offset * physics.stem_offset;
-}
 
 /// A sound world of gym-pusht's: a uniform tee of 1 kg. What gym-pusht leaves open has the course's proportions: the
 /// rate at which a tee slows down, the pusher's mass beside the tee's, the acceleration that its drive is able to.
@@ -39,7 +32,7 @@ Physics soundPhysics() {
   physics.tee_first_moment = physics.stem_offset * stem_mass;
   physics.tee_second_moment = momentOfTee(kTeeMass - stem_mass, stem_mass, physics);
   physics.tee_damping = kSlowing * kTeeMass;
-  physics.tee_damping_point = physics.centerOfMass();
+  physics.table_point = physics.centerOfMass();
   physics.tee_yaw_damping = kSlowing * (physics.tee_second_moment - physics.tee_first_moment * physics.centerOfMass());
   physics.tee_friction = {0.0, 0.0};
   physics.tee_yaw_friction = 0.0;
@@ -97,41 +90,17 @@ const Task& gymPusht() {
   return task;
 }
 
-nlohmann::ordered_json describe(const Task& task) {
-  const Physics& physics = task.physics;
-  nlohmann::ordered_json success = {{"hold", task.success.hold}};
-  if (task.success.coverage) {
-    success["coverage"] = *task.success.coverage;
-  } else {
-    success["position_m"] = task.success.position_tolerance;
-    success["angle_rad"] = task.success.angle_tolerance;
-  }
-  return {{"name", task.name},
-          {"sizes",
-           {{"pusher_radius", physics.pusher_radius},
-            {"bar_half_length", physics.bar_half_length},
-            {"bar_half_width", physics.bar_half_width},
-            {"stem_half_length", physics.stem_half_length},
-            {"stem_half_width", physics.stem_half_width},
-            {"stem_offset", physics.stem_offset}}},
-          {"walls", {{"middle", physics.wall_middle}, {"inner_face", physics.wall_inner_face}}},
-          {"target", {task.target.position.x(), task.target.position.y(), task.target.yaw}},
-          {"drive", physics.drive == Drive::kPosition ? "position" : "velocity"},
-          {"frame",
-           {{"unit", task.frame.unit},
-            {"per_meter", task.frame.per_meter},
-            {"middle", {task.frame.middle.x(), task.frame.middle.y()}},
-            {"y_down", task.frame.y_down}}},
-          {"success", success}};
-}
-
 std::vector<std::string> taskNames() {
   std::vector<std::string> names;
   std::transform(tasks().begin(), tasks().end(), std::back_inserter(names), [](const Task& task) { return task.name; });
   return names;
 }
 
-const Task& taskNamed(const std::string& name) {
+bool isShippedTask(const std::string& name) {
+  return std::any_of(tasks().begin(), tasks().end(), [&](const Task& task) { return task.name == name; });
+}
+
+const Task& shippedTask(const std::string& name) {
   const auto found = std::find_if(tasks().begin(), tasks().end(), [&](const Task& task) { return task.name == name; });
   if (found == tasks().end()) {
     throw InvalidInput("task '" + name + "': must be one of: " + joined(taskNames()));

@@ -54,15 +54,12 @@ double commonFactor(const Measurements& reference, const Measurements& world) {
   return best;
 }
 
-/// Factor from units of the servo's gain to SI. The reference's gain is taken to be the task's.
-double siFactor() { return pusht::Physics().servo_gain; }
-
-/// Measurements with masses and forces in SI.
-Measurements inSi(const Measurements& measured, double common_factor) {
+/// Measurements with masses and forces in SI: the reference's gain, their unit, is taken to be this one [N s/m].
+Measurements inSi(const Measurements& measured, double common_factor, double gain) {
   Measurements result = measured;
   for (const PropertyDescription& description : allProperties()) {
     if (const auto& value = measured[description.property].value; value && description.mass_like) {
-      const double factor = siFactor() / common_factor;
+      const double factor = gain / common_factor;
       result.set(description.property, *value * factor, measured[description.property].uncertainty * factor);
     }
   }
@@ -70,8 +67,8 @@ Measurements inSi(const Measurements& measured, double common_factor) {
 }
 
 /// Measurements of `world` in units in which they can be compared with the reference's, which are in SI.
-Measurements comparable(const Measurements& reference, const Measurements& world) {
-  return inSi(world, commonFactor(reference, world));
+Measurements comparable(const Measurements& reference, const Measurements& world, double gain) {
+  return inSi(world, commonFactor(reference, world), gain);
 }
 
 /// Mass [kg] that the pusher has if its servo is explicit. It acts then at the velocity at a substep's begin, and moves
@@ -294,15 +291,16 @@ bool Audit::hasContractErrors() const {
 }
 
 Audit compare(const Measurements& reference, const Measurements& engine, const std::vector<Measurements>& variants,
-              double start_tolerance, const std::vector<std::string>& departures) {
+              double start_tolerance, const std::vector<std::string>& departures, const pusht::Task& task) {
   requireKeys(departures);
-  Measurements reference_si = inSi(reference, 1.0);
-  Measurements engine_si = comparable(reference, engine);
+  const double gain = task.physics.servo_gain;
+  Measurements reference_si = inSi(reference, 1.0, gain);
+  Measurements engine_si = comparable(reference, engine, gain);
   readServos(reference_si, engine_si);
   std::vector<Measurements> variants_si;
   variants_si.reserve(variants.size());
   for (const Measurements& variant : variants) {
-    variants_si.push_back(comparable(reference, variant));
+    variants_si.push_back(comparable(reference, variant, gain));
     readServo(variants_si.back(), isServoExplicit(variants_si.back(), reference_si));
     // A variant's explicit servo, as of MuJoCo's Euler, makes no other explicit servo the same.
     variants_si.back().withdraw(Property::kServoLag, "of a model variant");
@@ -337,7 +335,8 @@ Audit audit(const AuditedWorld& reference, const AuditedWorld& engine, const std
   departures.insert(departures.end(), engine.departures.begin(), engine.departures.end());
   Audit result =
       compare(subjects[0].measurements, subjects[1].measurements, of_variants,
-              std::max(subjects[0].world->startTolerance(), subjects[1].world->startTolerance()), departures);
+              std::max(subjects[0].world->startTolerance(), subjects[1].world->startTolerance()), departures,
+              subjects[0].world->task());
   result.reference = reference.title;
   result.engine = engine.title;
   for (const AuditedWorld& variant : variants) {

@@ -45,12 +45,19 @@ Bench::Bench(pusht::Simulator& world, WorldFactory make_second, std::uint64_t se
 
 pusht::WorldState Bench::reset(const pusht::WorldState& state) {
   world_.reset(state);
-  return world_.state();
+  return reported();
+}
+
+pusht::WorldState Bench::reported() {
+  pusht::WorldState state = world_.state();
+  pusher_ = state.pusher_position;
+  return state;
 }
 
 pusht::WorldState Bench::step(const Eigen::Vector2d& command) {
-  world_.step({static_cast<float>(command.x()), static_cast<float>(command.y())});
-  return world_.state();
+  const pusht::Action action = {static_cast<float>(command.x()), static_cast<float>(command.y())};
+  world_.step(commandsVelocities() ? action : pusht::actionFor(command, pusher_, task()));
+  return reported();
 }
 
 std::vector<pusht::WorldState> Bench::run(const pusht::WorldState& start,
@@ -58,6 +65,16 @@ std::vector<pusht::WorldState> Bench::run(const pusht::WorldState& start,
   std::vector<pusht::WorldState> states = {reset(start)};
   for (const Eigen::Vector2d& command : commands) {
     states.push_back(step(command));
+  }
+  return states;
+}
+
+std::vector<pusht::WorldState> Bench::runTowards(const pusht::WorldState& start, const Eigen::Vector2d& target,
+                                                 int steps) {
+  std::vector<pusht::WorldState> states = {reset(start)};
+  for (int i = 0; i < steps; ++i) {
+    world_.step(pusht::actionFor(Eigen::Vector2d::Zero(), target, task()));
+    states.push_back(reported());
   }
   return states;
 }

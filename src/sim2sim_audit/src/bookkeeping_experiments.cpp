@@ -17,12 +17,12 @@ namespace {
 using pusht::WorldState;
 
 /// Starts with velocities of every sign: half of them as in an episode, half as after a hit; some where the yaw wraps.
-std::vector<WorldState> startsOf(std::uint64_t seed) {
+std::vector<WorldState> startsOf(std::uint64_t seed, const pusht::Task& task) {
   constexpr int kStarts = 12;
   pusht::NumpyGenerator generator(seed, "audit starts");
   std::vector<WorldState> starts;
   for (int i = 0; i < kStarts; ++i) {
-    WorldState state = pusht::spawn(seed + static_cast<std::uint64_t>(i));
+    WorldState state = pusht::spawn(seed + static_cast<std::uint64_t>(i), task);
     const double speed = i % 2 == 0 ? 0.5 : 3.0;      // [m/s]
     const double yaw_rate = i % 2 == 0 ? 3.0 : 20.0;  // [rad/s]
     for (double* velocity :
@@ -66,7 +66,7 @@ void startRoundTrip(Bench& bench, Measurements& found) {
   Deviation of_fixed_point;
   int refused = 0;
   std::string refusal;
-  const std::vector<WorldState> starts = startsOf(bench.seed());
+  const std::vector<WorldState> starts = startsOf(bench.seed(), bench.task());
   for (const WorldState& start : starts) {
     try {
       const WorldState once = bench.reset(start);
@@ -150,7 +150,7 @@ void repetition(Bench& bench, Measurements& found) {
 /// bodies coast, and in a straight push, where a solver that has lost its memory ends as the same.
 void hiddenState(Bench& bench, Measurements& found) {
   Script coasting = otherScript(bench);
-  coasting.start.pusher_position = {-0.3, -0.3};
+  coasting.start.pusher_position = Eigen::Vector2d::Constant(bench.narrower() - 0.3);
   coasting.commands.assign(4, {0.5, -0.3});
   Script push;
   push.start.tee_position = bench.shift();
@@ -174,7 +174,7 @@ void staleState(Bench& bench, Measurements& found) {
   WorldState start;
   start.tee_position = bench.shift();
   start.tee_velocity = {1.5, 1.0};
-  start.pusher_position = {-0.25, -0.25};
+  start.pusher_position = Eigen::Vector2d::Constant(bench.narrower() - 0.25);
   start.pusher_velocity = {0.5, 0.0};
   constexpr int kMost = 4;
   const WorldState first = bench.reset(start);

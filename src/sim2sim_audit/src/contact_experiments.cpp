@@ -11,6 +11,7 @@
 #include "experiments.hpp"
 #include "force_sensor.hpp"
 #include "pusht_task/constants.hpp"
+#include "pusht_task/mapping.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/physics.hpp"
 
@@ -76,7 +77,7 @@ double unevenness(Bench& bench, const Face& face) {
 
 /// Overlap that bodies at rest keep, at the bar's end: where a pusher is held, less where it is pushed away.
 void overlapLeftAlone(Bench& bench, Measurements& found) {
-  const pusht::Physics task;
+  const pusht::Physics& task = bench.physics();
   const Approach approach = approachTo(bench, {0.0, 0.0}, {1.0, 0.0}, task.bar_half_length + task.pusher_radius);
   const double held = needTouch(heldDistance(bench, approach), approach);
   const std::optional<double> pushed = pushedDistance(bench, approach);
@@ -103,22 +104,22 @@ constexpr double kAside = 0.045;  // [m] along the bar, clear of the stem
 
 /// [m] Place beside the stem, along body y: clear of its end, also of a shorter one than the task's. `end` is where the
 /// pusher touches that, from the origin [m].
-double besideTheStem(double end) {
+double besideTheStem(const Bench& bench, double end) {
   constexpr double kOfTask = -0.08;
   constexpr double kFromEnd = 0.024;  // [m] a little less than the task's place is from its end
-  return std::max(kOfTask, kFromEnd - (end - pusht::Physics().pusher_radius));
+  return std::max(kOfTask, kFromEnd - (end - bench.physics().pusher_radius));
 }
 
 /// Sizes and places of bar, stem and pusher, by touching each face and a corner.
 void shapes(Bench& bench, Measurements& found) {
-  const pusht::Physics task;
+  const pusht::Physics& task = bench.physics();
   const double radius = task.pusher_radius;
   const double right = surfaceAt(bench, {0.0, 0.0}, {1.0, 0.0}, task.bar_half_length + radius);
   const double left = surfaceAt(bench, {0.0, 0.0}, {-1.0, 0.0}, task.bar_half_length + radius);
   const double origin_x = 0.5 * (right - left);
   found.set(Property::kOriginX, origin_x);
   const double end = surfaceAt(bench, {0.0, 0.0}, {0.0, -1.0}, task.stem_offset + task.stem_half_length + radius);
-  const double along_stem = besideTheStem(end);
+  const double along_stem = besideTheStem(bench, end);
   const double back = surfaceAt(bench, {kAside, 0.0}, {0.0, 1.0}, task.bar_half_width + radius);
   const double found_radius = radiusByCorner(bench, right, back);
   found.set(Property::kPusherRadius, found_radius);
@@ -137,10 +138,10 @@ void shapes(Bench& bench, Measurements& found) {
 
 /// Whether the tee is two boxes: flat at the back, at the ends of the bar, beside the stem and at its end.
 void outline(Bench& bench, Measurements& found) {
-  const pusht::Physics task;
+  const pusht::Physics& task = bench.physics();
   const double radius = task.pusher_radius;
   const double stem_end = task.stem_offset + task.stem_half_length;
-  const double along_stem = besideTheStem(found.need(Property::kStemEnd) + found.need(Property::kPusherRadius));
+  const double along_stem = besideTheStem(bench, found.need(Property::kStemEnd) + found.need(Property::kPusherRadius));
   const double up_the_stem = 0.75 * along_stem;
   double departure = 0.0;
   for (const Face& face : {Face{{0.0, 1.0}, task.bar_half_width + radius, {{-kAside, 0.0}, {0.0, 0.0}, {kAside, 0.0}}},
@@ -185,12 +186,21 @@ void hit(Bench& bench, Measurements& found) {
 /// Where along the bar's back a push begins, and what it did.
 struct SlippingPush {
   double slip;              ///< [m] along the bar, of the pusher
-  Eigen::Vector2d impulse;  ///< [m] over the gain, that the contact took, in the axes of the bar
+  Eigen::Vector2d impulse;  ///< that the contact took, in the axes of the bar, in one unit or the other
 };
+
+/// [m/s] Impulse of a contact on the tee over its mass, by its momentum and the damping of a free tee.
+Eigen::Vector2d impulseOnTee(const Bench& bench, const Measurements& found, const WorldState& from,
+                             const WorldState& to) {
+  const double damping = found.need(Property::kTeeDamping) * bench.physics().servo_gain / bench.physics().tee_mass;
+  const WorldState begin = pusht::atPointOfTee(from, found.need(Property::kCenterOfMass));
+  const WorldState end = pusht::atPointOfTee(to, found.need(Property::kCenterOfMass));
+  return end.tee_velocity - begin.tee_velocity + damping * (end.tee_position - begin.tee_position);
+}
 
 /// The pusher pushes the back of the bar from `from` [m] along it, and slips.
 SlippingPush slippingPush(Bench& bench, const Measurements& found, double from) {
-  const pusht::Physics task;
+  const pusht::Physics& task = bench.physics();
   WorldState start = teeAtYawZero(bench);
   const double back = surfaceAt(bench, {from, 0.0}, {0.0, 1.0}, task.bar_half_width + task.pusher_radius);
   start.pusher_position = start.tee_position + Eigen::Vector2d(from, back);
@@ -198,7 +208,9 @@ SlippingPush slippingPush(Bench& bench, const Measurements& found, double from) 
   const auto states = bench.run(start, {command});
   const Eigen::Rotation2Dd to_body(-states[1].tee_yaw);
   const double to = (to_body * (states[1].pusher_position - states[1].tee_position)).x();
-  const Eigen::Vector2d impulse = ForceSensor(found).impulse(states[0], states[1], command);
+  const Eigen::Vector2d impulse = bench.commandsVelocities()
+                                      ? ForceSensor(found).impulse(states[0], states[1], command)
+                                      : impulseOnTee(bench, found, states[0], states[1]);
   return {to - from, Eigen::Rotation2Dd(-0.5 * states[1].tee_yaw) * impulse};
 }
 
@@ -217,6 +229,24 @@ void contactFriction(Bench& bench, Measurements& found) {
   found.set(Property::kContactFriction, impulse.x() / -impulse.y());
 }
 
+/// Whether a pusher gives way to a tee that is thrown at it. With actions that are positions no force of it can be told,
+/// but for one that does not give way at all.
+void yielding(Bench& bench, Measurements& found) {
+  if (bench.commandsVelocities()) {
+    return;  // the servo has told its mass
+  }
+  constexpr double kGap = 0.001;   // [m]
+  constexpr double kLeast = 1e-5;  // [m]
+  WorldState start = behindTheStem(bench, found);
+  start.tee_position.y() += kGap;
+  start.tee_velocity = {0.0, -1.0};
+  const WorldState end = bench.run(start, {{0.0, 0.0}}).back();
+  if ((end.pusher_position - start.pusher_position).norm() > kLeast) {
+    throw std::runtime_error("actions of the task are positions, which show no force");
+  }
+  found.set(Property::kPusherMass, std::numeric_limits<double>::infinity());
+}
+
 }  // namespace
 
 std::vector<Experiment> shapeExperiments() {
@@ -231,7 +261,8 @@ std::vector<Experiment> shapeExperiments() {
 std::vector<Experiment> contactExperiments() {
   return {{"steady push", {Property::kOverlap}, overlap},
           {"hit", {Property::kHit}, hit},
-          {"friction", {Property::kContactFriction}, contactFriction}};
+          {"friction", {Property::kContactFriction}, contactFriction},
+          {"yielding", {Property::kPusherMass}, yielding}};
 }
 
 }  // namespace sim2sim

@@ -2,13 +2,19 @@
 #include "experiments.hpp"
 
 #include <exception>
-#include <iterator>
+#include <utility>
 
 namespace sim2sim {
 namespace {
 
 /// Carries `experiment` out; if it fails, its properties say so. Throws WorldLost.
 void carryOut(const Experiment& experiment, Bench& bench, Measurements& measurements) {
+  if (experiment.needs_velocities && !bench.commandsVelocities()) {
+    for (const Property property : experiment.estimates) {
+      measurements.fail(property, "actions of the task are positions");
+    }
+    return;
+  }
   try {
     experiment.carry_out(bench, measurements);
   } catch (const WorldLost&) {
@@ -28,8 +34,10 @@ const std::vector<Experiment>& allExperiments() {
     // Shapes come early: later experiments put the pusher where it touches.
     for (const auto& area : {bookkeepingExperiments, actionExperiments, frameExperiments, servoExperiments,
                              shapeExperiments, wallExperiments, teeExperiments, contactExperiments}) {
-      const std::vector<Experiment> of_area = area();
-      result.insert(result.end(), of_area.begin(), of_area.end());
+      for (Experiment& experiment : area()) {
+        experiment.needs_velocities = area == actionExperiments || area == servoExperiments;
+        result.push_back(std::move(experiment));
+      }
     }
     return result;
   }();

@@ -182,8 +182,12 @@ std::vector<Sample> pushedTee(Bench& bench) {
       const Eigen::Rotation2Dd turn(push.yaw);
       start.pusher_position = start.tee_position + turn * push.from;
       const auto steps = static_cast<std::size_t>(kWay / (speed * pusht::kControlStep));
+      const Eigen::Vector2d along = turn * push.direction;
+      // A position that stays is the steadiest push of a drive to it.
       const std::vector<Sample> of_push =
-          steadiest(bench.run(start, std::vector<Eigen::Vector2d>(steps, speed * (turn * push.direction))));
+          steadiest(bench.commandsVelocities()
+                        ? bench.run(start, std::vector<Eigen::Vector2d>(steps, speed * along))
+                        : bench.runTowards(start, start.pusher_position + (speed / 0.2) * kWay * along, 6));
       samples.insert(samples.end(), of_push.begin(), of_push.end());
     }
   }

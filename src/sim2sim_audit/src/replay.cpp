@@ -15,7 +15,7 @@ EpisodeToReplay recordEpisode(pusht::Simulator& world, pusht::Policy& policy, co
   world.reset(start);
   EpisodeToReplay episode = {{world.state()}, {}};
   for (int step = 0; step < kSteps; ++step) {
-    const pusht::Policy::Query query = {pusht::observe(episode.states.back()), memory.get()};
+    const pusht::Policy::Query query = {pusht::observe(episode.states.back(), world.task()), memory.get()};
     pusht::Action action{};
     policy.act({&query, 1}, {&action, 1});
     world.step(action);
@@ -31,7 +31,7 @@ std::vector<EpisodeToReplay> recordEpisodes(pusht::Simulator& world, pusht::Poli
   constexpr std::uint64_t kEpisodes = 8;
   std::vector<EpisodeToReplay> episodes;
   for (std::uint64_t i = 0; i < kEpisodes; ++i) {
-    episodes.push_back(recordEpisode(world, policy, pusht::spawn(pusht::kFirstSpawnSeed + seed + i)));
+    episodes.push_back(recordEpisode(world, policy, pusht::spawn(world.task().first_spawn_seed + seed + i, world.task())));
   }
   return episodes;
 }

@@ -12,20 +12,21 @@ namespace sim2sim {
 using pusht::WorldState;
 
 std::optional<SlideLaw> slideLaw(Bench& bench, const Eigen::Vector2d& direction) {
-  constexpr double kFrom = 0.28;      // [m] of the start behind the middle
-  constexpr double kLongest = 0.59;   // [m] so that no corner reaches a wall
-  constexpr double kSliding = 0.3;    // [m/s] below which friction may be at rest
+  const double from = 0.28 - bench.narrower();           // [m] of the start behind the middle
+  const double longest = 0.59 - 2.0 * bench.narrower();  // [m] so that no corner reaches a wall
+  const bool has_friction = bench.physics().tee_friction[0] > 0.0;
+  const double sliding = has_friction ? 0.3 : 0.03;  // [m/s] below which friction may be at rest
   std::vector<Eigen::Vector3d> rows;  // distance [m], time [s], lost velocity [m/s]
   for (const double speed : {24.0, 21.0, 18.0, 5.0, 4.0, 3.0, 2.0, 1.7}) {
     WorldState start;
-    start.tee_position = bench.shift() - kFrom * direction;
+    start.tee_position = bench.shift() - from * direction;
     start.tee_velocity = speed * direction;
     start.tee_yaw = pusht::wrapAngle(std::atan2(direction.y(), direction.x()) - 0.5 * pusht::kPi);
-    start.pusher_position = 0.3 * Eigen::Vector2d(-direction.y(), direction.x());
+    start.pusher_position = (0.3 - bench.narrower()) * Eigen::Vector2d(-direction.y(), direction.x());
     const auto states = bench.run(start, {{0.0, 0.0}});
     const double distance = (states[1].tee_position - states[0].tee_position).dot(direction);
     const double left = states[1].tee_velocity.dot(direction);
-    if (distance < kLongest && left > kSliding) {
+    if (distance < longest && left > sliding) {
       rows.emplace_back(distance, pusht::kControlStep, speed - left);
     }
   }

@@ -2,6 +2,7 @@
 #include "sim2sim_audit/task_figures.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "experiments.hpp"
 #include "pusht_task/constants.hpp"
@@ -10,7 +11,7 @@ namespace sim2sim {
 namespace {
 
 /// A world that starts where it is told, reports what there is, and acts at once.
-void setContract(Measurements& figures) {
+void setContract(const pusht::Task& task, Measurements& figures) {
   for (const PropertyDescription& description : allProperties()) {
     if (isContract(description.property)) {
       figures.set(description.property, 0.0);
@@ -22,7 +23,7 @@ void setContract(Measurements& figures) {
     figures.set(factor, 1.0);
   }
   figures.set(Property::kControlStep, pusht::kControlStep);
-  figures.set(Property::kActionLimit, pusht::kActionLimit);
+  figures.set(Property::kActionLimit, task.action_limit.value_or(std::numeric_limits<float>::infinity()));
 }
 
 /// [s] Distance that a coasting pusher goes, over its speed, less that with a speed that falls steadily: it keeps the
@@ -52,8 +53,8 @@ void setForces(const pusht::Physics& physics, Measurements& figures) {
   figures.set(Property::kTeeFrictionY, physics.tee_friction[1] / gain);
   figures.set(Property::kTeeYawFriction, physics.tee_yaw_friction / gain);
   figures.set(Property::kFrictionShape, std::sqrt(2.0));  // a limit for each axis
-  figures.set(Property::kDampingPoint, 0.0);
-  figures.set(Property::kFrictionPoint, 0.0);
+  figures.set(Property::kDampingPoint, physics.table_point);
+  figures.set(Property::kFrictionPoint, physics.table_point);
   figures.set(Property::kFrictionSmoothing, 0.0);
   figures.set(Property::kTeeLaw, 0.0);
 }
@@ -77,12 +78,13 @@ void setShapes(const pusht::Physics& physics, Measurements& figures) {
 
 }  // namespace
 
-Measurements figuresOf(const pusht::Physics& physics) {
+Measurements figuresOf(const pusht::Task& task) {
+  const pusht::Physics& physics = task.physics;
   Measurements figures;
   for (const Property left_open : {Property::kOverlap, Property::kHit}) {
     figures.fail(left_open, "the task leaves it open");
   }
-  setContract(figures);
+  setContract(task, figures);
   setForces(physics, figures);
   setShapes(physics, figures);
   return figures;
@@ -91,7 +93,8 @@ Measurements figuresOf(const pusht::Physics& physics) {
 Audit auditAgainstTask(const AuditedWorld& world, std::uint64_t seed) {
   const auto simulator = world.make();
   Bench bench(*simulator, world.make, seed);
-  Audit result = compare(figuresOf({}), measure(bench), {}, bench.startTolerance(), world.departures);
+  Audit result = compare(figuresOf(bench.task()), measure(bench), {}, bench.startTolerance(), world.departures,
+                         bench.task());
   result.reference = kTaskTitle;
   result.engine = world.title;
   result.seed = seed;

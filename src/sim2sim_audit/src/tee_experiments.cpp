@@ -11,6 +11,7 @@
 #include "experiments.hpp"
 #include "force_sensor.hpp"
 #include "pusht_task/constants.hpp"
+#include "pusht_task/mapping.hpp"
 #include "pusht_task/physics.hpp"
 #include "slide_law.hpp"
 #include "tee_fit.hpp"
@@ -88,6 +89,39 @@ double momentOverGain(Bench& bench, const Measurements& found, double center_of_
   return torque / taken;
 }
 
+/// [m^2] The tee's moment of inertia about its center of mass, over its mass: a push on the bar's back beside that center,
+/// of which the tee's own momentum is the force sensor. `damping` and `yaw_drag` [1/s] are of a free tee.
+double momentOverMass(Bench& bench, const Measurements& found, double center_of_mass, double yaw_drag, double damping) {
+  constexpr int kSteps = 3;
+  WorldState start;
+  start.tee_position = bench.shift();
+  const double touch = found.need(Property::kBarHalfWidth) + found.need(Property::kOriginY);
+  start.pusher_position = start.tee_position + Eigen::Vector2d(0.035, touch + found.need(Property::kPusherRadius));
+  const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, {0.0, -0.2}));
+  const auto center = [&](const WorldState& state) { return pusht::atPointOfTee(state, center_of_mass); };
+  const auto arm = [&](const WorldState& state) -> Eigen::Vector2d {
+    const Eigen::Vector2d back(-std::sin(state.tee_yaw), std::cos(state.tee_yaw));
+    const Eigen::Vector2d contact = state.pusher_position - found.need(Property::kPusherRadius) * back;
+    return contact - center(state).tee_position;
+  };
+  double torque = 0.0;  // [m^2/s] per mass, times time
+  double taken = 0.0;   // [rad/s]
+  for (std::size_t i = 0; i + 1 < states.size(); ++i) {
+    const WorldState from = center(states[i]);
+    const WorldState to = center(states[i + 1]);
+    const Eigen::Vector2d impulse =
+        to.tee_velocity - from.tee_velocity + damping * (to.tee_position - from.tee_position);
+    const Eigen::Vector2d middle = 0.5 * (arm(states[i]) + arm(states[i + 1]));
+    torque += middle.x() * impulse.y() - middle.y() * impulse.x();
+    taken += to.tee_yaw_rate - from.tee_yaw_rate + yaw_drag * pusht::wrapAngle(to.tee_yaw - from.tee_yaw);
+  }
+  constexpr double kLeast = 0.1;  // [rad/s]
+  if (std::abs(taken) < kLeast) {
+    throw std::runtime_error("the push does not turn the tee");
+  }
+  return torque / taken;
+}
+
 /// Whether a tee that is thrown goes on, and so has a mass.
 bool hasInertia(Bench& bench) {
   constexpr double kSpeed = 2.0;  // [m/s]
@@ -95,29 +129,41 @@ bool hasInertia(Bench& bench) {
   WorldState start;
   start.tee_position = bench.shift();
   start.tee_velocity = {0.0, kSpeed};
-  start.pusher_position = {0.3, 0.0};
+  start.pusher_position = {0.3 - bench.narrower(), 0.0};
   const WorldState end = bench.run(start, {{0.0, 0.0}}).back();
   return (end.tee_position - start.tee_position).y() > kLeast * kSpeed * pusht::kControlStep;
 }
 
+/// [s] Mass of the task's tee over its servo's gain.
+double massOfTask(const Bench& bench) { return bench.physics().tee_mass / bench.physics().servo_gain; }
+
 /// Whether the pusher does not feel a tee of this mass over the servo's gain [s], though the tee has a mass.
 bool doesNotYield(Bench& bench, double mass) {
   constexpr double kFelt = 1e-3;  // [-] of the task's
-  const pusht::Physics task;
-  return std::abs(mass) < kFelt * task.tee_mass / task.servo_gain && hasInertia(bench);
+  return std::abs(mass) < kFelt * massOfTask(bench) && hasInertia(bench);
 }
 
 /// Forces are known in units of the gain. Of one without limit only the tee's own are left, in units of its mass, which
 /// is taken to be the task's. Returns that [s].
-double withdrawServo(Measurements& found) {
+double withdrawServo(const Bench& bench, Measurements& found) {
   const char* const reason = "the pusher does not yield, so it shows no force";
   for (const Property property :
        {Property::kServoLimit, Property::kPusherDamping, Property::kPusherMass, Property::kTeeMass}) {
     found.withdraw(property, reason);
   }
   found.set(Property::kServoGain, std::numeric_limits<double>::infinity());
-  const pusht::Physics task;
-  return task.tee_mass / task.servo_gain;
+  return massOfTask(bench);
+}
+
+/// The tee's mass over the servo's gain [s], by a push. Where no push shows it, it is taken to be the task's.
+double massByPush(Bench& bench, Measurements& found, const TableFriction& law) {
+  if (!bench.commandsVelocities()) {
+    found.fail(Property::kTeeMass, "actions of the task are positions, which show no force");
+    return massOfTask(bench);
+  }
+  const double mass = massOverGain(bench, found, law);
+  found.set(Property::kTeeMass, mass);
+  return doesNotYield(bench, mass) ? withdrawServo(bench, found) : mass;
 }
 
 constexpr double kNone = 0.3;    // [m/s^2] and [1/s] below which a force is none: a fortieth of the task's
@@ -182,7 +228,9 @@ void setTurning(Bench& bench, const TeeFit& fit, double mass, Measurements& foun
     return;
   }
   const double yaw_drag = numbers.yaw_damping / numbers.moment;  // [1/s]
-  const double moment = momentOverGain(bench, found, numbers.center_of_mass, yaw_drag);
+  const double moment = bench.commandsVelocities()
+                            ? momentOverGain(bench, found, numbers.center_of_mass, yaw_drag)
+                            : mass * momentOverMass(bench, found, numbers.center_of_mass, yaw_drag, numbers.damping);
   constexpr double kOfPush = 0.25;  // [-] relative error: with friction the force passes beside the pusher's center
   const auto set = [&](Property property, double value) { found.set(property, value, kOfPush * value); };
   set(Property::kTeeMoment, moment);
@@ -192,7 +240,7 @@ void setTurning(Bench& bench, const TeeFit& fit, double mass, Measurements& foun
 
 void freeTee(Bench& bench, Measurements& found) {
   const SlideLaws slides = slideLaws(bench);
-  TeeNumbers begin = TeeNumbers::ofTask();
+  TeeNumbers begin = TeeNumbers::of(bench.physics());
   if (slides[0] && slides[1]) {
     begin.damping = 0.5 * (slides[0]->damping + slides[1]->damping);
     begin.friction_x = std::max(0.0, slides[0]->friction);
@@ -205,14 +253,14 @@ void freeTee(Bench& bench, Measurements& found) {
   const TableFriction along_y = tableFriction(slides[1], fit, fit.numbers.friction_y);
   setLaw(slides, fit, found);
   const double damping = 0.5 * (along_x.damping + along_y.damping);
-  double mass = massOverGain(bench, found, along_y);
-  found.set(Property::kTeeMass, mass);
-  if (doesNotYield(bench, mass)) {
-    mass = withdrawServo(found);
-  }
+  const double mass = massByPush(bench, found, along_y);
   found.set(Property::kTeeDamping, damping * mass);
-  found.set(Property::kTeeFrictionX, along_x.friction * mass);
-  found.set(Property::kTeeFrictionY, along_y.friction * mass);
+  const bool has_friction = bench.physics().tee_friction[0] > 0.0;
+  const auto friction_of = [&](const TableFriction& along) {  // of a task that has none, rounding is none
+    return has_friction || along.friction > kNone ? along.friction * mass : 0.0;
+  };
+  found.set(Property::kTeeFrictionX, friction_of(along_x));
+  found.set(Property::kTeeFrictionY, friction_of(along_y));
   setCoulombForm(slides, fit, 0.5 * (along_x.friction + along_y.friction) > kNone, found);
   if (damping > kNone) {
     found.set(Property::kDampingPoint, fit.numbers.damping_point, kSigmas * fit.errors[7]);

@@ -41,14 +41,15 @@ std::vector<WorldState> freeStarts(const Bench& bench) {
                                            {0.8, {-1.0, 2.0, -5.0}},
                                            {-1.4, {4.0, -3.0, 4.0}},
                                            {0.2, {0.2, 0.2, 1.0}}}};
+  const double shorter = 1.0 - bench.narrower() / 0.28;  // [-] ways, between nearer walls
   std::vector<WorldState> starts;
   for (const Motion& motion : motions) {
     WorldState start;
     start.tee_yaw = motion.yaw;
-    start.tee_velocity = Eigen::Rotation2Dd(motion.yaw) * motion.velocity.head<2>();
+    start.tee_velocity = shorter * (Eigen::Rotation2Dd(motion.yaw) * motion.velocity.head<2>());
     start.tee_yaw_rate = motion.velocity[2];
     start.tee_position = bench.shift() - 0.03 * start.tee_velocity;
-    start.pusher_position = {0.36, 0.36};
+    start.pusher_position = Eigen::Vector2d::Constant(0.36 - bench.narrower());
     starts.push_back(start);
   }
   return starts;
@@ -57,12 +58,12 @@ std::vector<WorldState> freeStarts(const Bench& bench) {
 /// What the world's tee does from these starts, as long as it stays clear of walls and pusher.
 std::vector<Observed> observeFreeTee(Bench& bench) {
   constexpr int kSteps = 2;
-  constexpr double kClear = 0.21;  // [m] from the middle: no corner reaches the walls
+  const double clear = 0.21 - bench.narrower();  // [m] from the middle: no corner reaches the walls
   std::vector<Observed> all;
   for (const WorldState& start : freeStarts(bench)) {
     const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, {0.0, 0.0}));
     Observed observed = {TeeMotion::of(states.front()), {}};
-    for (std::size_t i = 1; i < states.size() && states[i].tee_position.norm() < kClear; ++i) {
+    for (std::size_t i = 1; i < states.size() && states[i].tee_position.norm() < clear; ++i) {
       observed.poses.push_back(TeeMotion::of(states[i]).pose);
     }
     if (!observed.poses.empty()) {

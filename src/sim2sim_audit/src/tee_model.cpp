@@ -157,8 +157,7 @@ void substepOfBody(const TeeNumbers& numbers, const TeeModelForm& form, double d
 
 }  // namespace
 
-TeeNumbers TeeNumbers::ofTask() {
-  const pusht::Physics task;
+TeeNumbers TeeNumbers::of(const pusht::Physics& task) {
   const double mass = task.tee_mass;
   const double center = task.centerOfMass();
   return {center,
@@ -168,14 +167,14 @@ TeeNumbers TeeNumbers::ofTask() {
           task.tee_friction[0] / mass,
           task.tee_friction[1] / mass,
           task.tee_yaw_friction / mass,
-          0.0,
-          0.0,
+          task.table_point,
+          task.table_point,
           0.05,
           0.5};
 }
 
 TeeNumbers::Vector TeeNumbers::scale() {
-  const TeeNumbers task = ofTask();
+  const TeeNumbers task = of(pusht::Physics());
   Vector scale;
   scale << task.center_of_mass, task.moment, task.damping, task.yaw_damping, task.friction_x, task.friction_y,
       task.yaw_friction, task.center_of_mass, task.center_of_mass, task.smoothing, task.yaw_smoothing;

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "pusht_task/physics.hpp"
 #include "pusht_task/types.hpp"
 
 namespace sim2sim {
@@ -41,8 +42,8 @@ struct TeeNumbers {
   double smoothing;       ///< [m/s] of friction that is smooth
   double yaw_smoothing;   ///< [rad/s]
 
-  /// Numbers of the task.
-  static TeeNumbers ofTask();
+  /// Numbers of a task of this physics.
+  static TeeNumbers of(const pusht::Physics& physics);
 
   /// Multiples of typical numbers, for a solver.
   Vector toVector() const;

@@ -24,15 +24,18 @@ const std::array<Wall, 4>& walls() {
   return all;
 }
 
+/// [m] Middle between the walls.
+Eigen::Vector2d middleOf(const Bench& bench) { return {bench.physics().wall_middle[0], bench.physics().wall_middle[1]}; }
+
 void wallsByTouch(Bench& bench, Measurements& found) {
   // Nearer to the wall's inner face than to the outer one, out of which a pusher would not be held.
-  constexpr double kInWall = pusht::kWallInnerFace + 0.25 * pusht::dynamics::kWallThickness;
+  const double in_wall = bench.physics().wall_inner_face + 0.25 * pusht::dynamics::kWallThickness;
   constexpr double kClear = 0.1;  // [m]
   pusht::WorldState scene;
   for (const Wall& wall : walls()) {
     const Eigen::Vector2d beside(-wall.outward.y(), wall.outward.x());
-    scene.tee_position = 0.15 * beside - 0.1 * wall.outward;
-    const auto distance = touchDistance(bench, {scene, -0.2 * beside, wall.outward, kInWall, kInWall - kClear});
+    scene.tee_position = (0.15 - 0.5 * bench.narrower()) * beside - 0.1 * wall.outward;
+    const auto distance = touchDistance(bench, {scene, middleOf(bench) - 0.2 * beside, wall.outward, in_wall, in_wall - kClear});
     found.set(wall.for_pusher,
               distance ? *distance + found.need(Property::kPusherRadius) : std::numeric_limits<double>::infinity());
   }
@@ -43,6 +46,7 @@ void wallsByTee(Bench& bench, Measurements& found) {
   constexpr int kSteps = 8;
   constexpr double kApproach = 0.04;  // [m]
   constexpr double kLeastWay = 0.02;  // [m]
+  const double face = bench.physics().wall_inner_face;
   const double back = found.need(Property::kBarHalfWidth) + found.need(Property::kOriginY);
   const double reach =
       found.need(Property::kStemEnd) - found.need(Property::kOriginY) + found.need(Property::kPusherRadius);
@@ -50,16 +54,16 @@ void wallsByTee(Bench& bench, Measurements& found) {
     pusht::WorldState start;
     const Eigen::Vector2d beside(-wall.outward.y(), wall.outward.x());
     start.tee_yaw = pusht::wrapAngle(std::atan2(wall.outward.y(), wall.outward.x()) - 0.5 * pusht::kPi);
-    start.tee_position = (pusht::kWallInnerFace - back - kApproach) * wall.outward + 0.1 * beside;
+    start.tee_position = middleOf(bench) + (face - back - kApproach) * wall.outward + 0.1 * beside;
     start.pusher_position = start.tee_position - reach * wall.outward - found.need(Property::kOriginX) * beside;
     const auto states = bench.run(start, std::vector<Eigen::Vector2d>(kSteps, 0.3 * wall.outward));
-    const double place = states.back().tee_position.dot(wall.outward) + back;
+    const double place = (states.back().tee_position - middleOf(bench)).dot(wall.outward) + back;
     if ((states.back().tee_position - states.front().tee_position).dot(wall.outward) < kLeastWay) {
       found.fail(wall.for_tee, "a push towards the wall does not move the tee");
       continue;
     }
     constexpr double kBeyond = 0.02;  // [m] nothing that gives way is pushed so far into a wall
-    found.set(wall.for_tee, place > pusht::kWallInnerFace + kBeyond ? std::numeric_limits<double>::infinity() : place);
+    found.set(wall.for_tee, place > face + kBeyond ? std::numeric_limits<double>::infinity() : place);
   }
 }
 

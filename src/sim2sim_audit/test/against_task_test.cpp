@@ -45,7 +45,7 @@ TEST_P(AgainstTask, HasTheDeparturesThatItsKindDeclares) {
 }
 
 TEST(Departures, AreKeysOfProperties) {
-  const Measurements task = figuresOf({});
+  const Measurements task = figuresOf(pusht::fullCircle());
   EXPECT_THAT([&] { compare(task, task, {}, 0.0, {"tee_frictoin_x"}); },
               ::testing::ThrowsMessage<pusht::InvalidInput>(::testing::HasSubstr("departure 'tee_frictoin_x'")));
 }

@@ -59,9 +59,9 @@ struct ComposedPhysics : pusht::RigidBodyPhysics {
   static void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies) {
     using namespace pusht::rigid_body;
     auto& [positions, velocities] = bodies;
-    const Tee tee = teeOf(positions);
+    const Tee tee = teeOf(model, positions);
     const Matrix mass = massMatrix(model, tee);
-    Vector force = smoothForce(model, tee, mass, velocities, command);
+    Vector force = smoothForce(model, tee, mass, bodies, command);
     if (model.composition.friction) {
       Eigen::Map<Eigen::Vector3d>(force.data()) +=
           model.composition.friction(Eigen::Map<const Eigen::Vector3d>(velocities.data()));

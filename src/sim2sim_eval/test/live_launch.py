@@ -8,6 +8,7 @@ The numbers of the faults are those of the project's list. live_faults.py has th
 import json
 import os
 import re
+import shutil
 import signal
 from pathlib import Path
 from typing import Any, Dict, List
@@ -95,6 +96,53 @@ class Runs(LiveCase):
         self.assertEqual(files(run.out), RESULTS)
         wanted = "--policy expert --episodes 2 --seed 4 --block_damp 20".split()
         self.assertEqual(result_bytes(run.out), self.batch_bytes(*wanted))
+
+    def test_a_task_goes_over_nodes_and_back(self) -> None:
+        """gym-pusht's, a third one in a file, and the course's again, in the same nodes."""
+        shutil.copy(LAUNCHES.parent / "config" / "big_tee.json", self.folder)
+        tasks = {
+            "gym_pusht": ("gym_pusht", "mujoco"),
+            "big_tee.json": ("mujoco", "rigid_body"),
+            "full_circle": ("mujoco", "rigid_body"),
+        }
+        for task, (reference, engine) in tasks.items():
+            with self.subTest(task):
+                run = Start(
+                    self,
+                    policy="expert",
+                    episodes=2,
+                    horizon=60,
+                    reanchor="5",
+                    model_variants="substep=0.005" if reference == "rigid_body" else "none",
+                    task=task,
+                    reference=reference,
+                    engine=engine,
+                    out=f"out_{engine}_{reference}_{len(task)}",
+                )
+                self.assertEqual(run.ended(), 0, run.output)
+                self.assert_recomputed(run.out)
+                words = f"--policy expert --episodes 2 --horizon 60 --reanchor=5 --task {task}"
+                kinds = f"--reference {reference} --engine {engine}"
+                self.assertEqual(
+                    result_bytes(run.out), self.batch_bytes(*words.split(), *kinds.split())
+                )
+
+    def test_tasks_that_nodes_do_not_hold(self) -> None:
+        gym = {"task": "gym_pusht", "policy": "expert", "reference": "gym_pusht"}
+        cases: Dict[str, Dict[str, Any]] = {
+            "task gym_pusht: the kind two_mass holds only full_circle": gym,
+            "acts in the task full_circle: must in gym_pusht; start it with the parameter task": {
+                **gym,
+                "engine": "chipmunk",
+                "parameters": {"policy/task": "full_circle"},
+            },
+            "task 'pusht': must be one of: full_circle, gym_pusht; or a file": {"task": "pusht"},
+        }
+        for number, (words, arguments) in enumerate(cases.items()):
+            with self.subTest(words):
+                run = Start(self, out=number, **arguments)
+                self.assertEqual(run.ended(), 2, run.output)
+                self.assertIn(words, run.output)
 
     def test_any_kind_stands_in_either_role(self) -> None:
         cases: Dict[str, Dict[str, Any]] = {

@@ -279,7 +279,7 @@ std::vector<std::string> conditionOf(const std::string& kind, const std::string&
 /// A kind with settings, in the first of its tasks.
 LoadedSimulator loaded(const pusht::SimulatorKind& kind, const std::vector<std::string>& settings) {
   SimulatorChoice choice = chooseSimulator(kind.name, settings);
-  setTask(pusht::taskNamed(kind.tasks.front()), {choice});
+  setTask(kind.ownTask(), {choice});
   return LoadedSimulator(choice);
 }
 

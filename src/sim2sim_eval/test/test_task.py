@@ -6,17 +6,23 @@ import csv
 import json
 import math
 import re
+import shutil
 import unittest
+from pathlib import Path
 from typing import Any, Dict, List
 
+import numpy as np
+import rospkg  # type: ignore[import]
 import sim2sim
 
 from command_case import CommandCase, executable
 
+AGREEMENT = executable("sim2sim_eval", "agreement")
 COMPARE = executable("sim2sim_eval", "compare")
 RECOMPUTE = executable("sim2sim_eval", "recompute")
 REPORT = executable("sim2sim_eval", "report")
 SWEEP = executable("sim2sim_eval", "sweep")
+BIG_TEE = Path(rospkg.RosPack().get_path("sim2sim_eval")) / "config" / "big_tee.json"
 GYM = ("--task", "gym_pusht", "--policy", "expert", "--reference", "gym_pusht")
 RESULTS = ("metrics.json", "episodes.csv", "divergence.csv")
 
@@ -81,12 +87,80 @@ class Tasks(CommandCase):
         self.assertNotIn("final_coverage_share", self.rows("run")[0])
 
     def test_each_kind_that_holds_it(self) -> None:
-        for kind in ("chipmunk", "box2d", "bullet", "gym_pusht"):
+        for kind in ("mujoco", "rigid_body", "chipmunk", "box2d", "bullet", "gym_pusht"):
             with self.subTest(kind):
                 metrics = self.compare(
                     kind, *GYM, "--engine", kind, "--episodes", "2", "--horizon", "40"
                 )
                 self.assertEqual(metrics["engine_simulator"], kind)
+
+    def test_a_third_task_is_a_file(self) -> None:
+        """The run carries it: without the file, the bag gives the same bytes."""
+        shutil.copy(BIG_TEE, self.folder / "big.json")
+        task = ("--task", "big.json", "--policy", "expert", "--reference", "mujoco")
+        short = ("--episodes", "4", "--horizon", "200")
+        metrics = self.compare(
+            "run", *task, "--engine", "rigid_body", *short, "--record", "--traces"
+        )
+        self.assertEqual(json.loads(metrics["task"])["name"], "big_tee")
+        (self.folder / "big.json").unlink()
+        self.succeeds(RECOMPUTE, "run/compare.bag", "--out", "again")
+        self.assertSameResults("run", "again")
+        self.succeeds(REPORT, "run")
+        page = (self.folder / "run" / "report.html").read_text(encoding="utf-8")
+        found = re.search(r'id="geometry">(.*?)</script>', page)
+        assert found is not None
+        geometry = json.loads(found[1])
+        self.assertEqual(geometry["target"], [0.05, -0.05, 0.785])
+        self.assertEqual((geometry["barHalfLength"], geometry["stemHalfWidth"]), (0.08, 0.02))
+        for kind in ("chipmunk", "box2d", "bullet"):
+            with self.subTest(kind):
+                shutil.copy(BIG_TEE, self.folder / "big.json")
+                self.compare(kind, *task, "--engine", kind, *short, "--episodes", "2")
+
+    def test_numbers_of_the_task_are_parameters_of_the_kinds(self) -> None:
+        """Their defaults are the task's, and results have them if they are set."""
+        run = (*GYM, "--episodes", "1", "--horizon", "40")
+        lighter = {}
+        for kind in ("mujoco", "rigid_body", "chipmunk", "box2d", "bullet"):
+            with self.subTest(kind):
+                usual = self.compare(f"{kind}_usual", *run, "--engine", kind)
+                named = self.compare(
+                    f"{kind}_named", *run, "--engine", kind, "--set", "tee_body_mass=1"
+                )
+                changed = self.compare(
+                    f"{kind}_changed", *run, "--engine", kind, "--set", "tee_body_mass=0.5"
+                )
+                engine = changed["simulators"]["engine"]
+                self.assertEqual(engine["parameters"]["tee_body_mass"], 0.5)
+                self.assertEqual(engine["changed"], ["tee_body_mass"])
+                self.assertEqual(usual, named)
+                self.assertNotEqual(usual["mean_pos_divergence"], changed["mean_pos_divergence"])
+                lighter[kind] = usual["simulators"]["engine"]["parameters"].get("tee_body_mass")
+        self.assertEqual(lighter.pop("mujoco"), 1.0, "the task's; MuJoCo has always named it")
+        self.assertEqual(set(lighter.values()), {None})
+
+    def test_agreement_of_engines(self) -> None:
+        self.succeeds(
+            *(AGREEMENT, "chipmunk", "box2d", "--task", "gym_pusht", "--policy", "expert"),
+            *("--episodes", "2", "--horizon", "40", "--no-variants", "--out", "pairs.json"),
+        )
+        written = json.loads((self.folder / "pairs.json").read_text())
+        self.assertEqual(written["run"]["task"], "gym_pusht")
+        self.assertGreater(written["replays"][0]["pairs"][0]["position"]["mean"], 0.0)
+
+    def test_worlds_in_python(self) -> None:
+        for task, kind in (("gym_pusht", "mujoco"), (str(BIG_TEE), "box2d"), (None, "gym_pusht")):
+            with self.subTest(task):
+                world = sim2sim.make(kind, task=task)
+                observation, info = world.reset(seed=100000)
+                action = np.array([200.0, 200.0] if task != str(BIG_TEE) else [0.5, 0.5])
+                again, reward, *_ = world.step(action)
+                self.assertFalse((observation == again).all())
+                if task != str(BIG_TEE):
+                    self.assertTrue((observation[:4] > 1).all(), "pixels")
+                    self.assertEqual(world.action_space.high[0], math.inf)
+                    self.assertAlmostEqual(reward, min(info["coverage"] / 0.95, 1.0), delta=0.1)
 
     def test_a_sweep_over_the_quirks(self) -> None:
         plan = """
@@ -171,8 +245,11 @@ grid: {inertia: [true, false], kinematic: [true, false]}
         )
         usual = (*GYM, "--engine", "chipmunk")
         for arguments, words in (
-            (("--task", "pusht"), "task 'pusht': must be one of: full_circle, gym_pusht"),
-            (("--task", "gym_pusht"), "task gym_pusht: the kind mujoco holds only full_circle"),
+            (("--task", "pusht"), "task 'pusht': must be one of: full_circle, gym_pusht; or a file"),
+            (("--task", "none.json"), "none.json"),
+            (("--task", "gym_pusht"), "task gym_pusht: the kind two_mass holds only full_circle"),
+            ((*usual, "--set", "servo=false"), "servo false: must be true"),
+            ((*usual[:-1], "rigid_body", "--set", "servo=false"), "servo false: must be true"),
             (
                 ("--engine", "gym_pusht"),
                 "task full_circle: the kind gym_pusht holds only gym_pusht",

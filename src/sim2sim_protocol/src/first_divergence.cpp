@@ -26,8 +26,8 @@ void requirePositive(const char* field, double value, const char* unit) {
 
 bool passes(const Divergence& divergence, const Bound& bound) { return bound.used(divergence) > 1.0; }
 
-Cause causeOnBox(Part box, const WorldState& before, const WorldState& after) {
-  const bool sliding = std::abs(pusht::slipDistance(before, after, box)) > kSlidingSpeed * pusht::kControlStep;
+Cause causeOnBox(Part box, const WorldState& before, const WorldState& after, const pusht::Task& task) {
+  const bool sliding = std::abs(pusht::slipDistance(before, after, box, task)) > kSlidingSpeed * pusht::kControlStep;
   if (box == Part::kBar) {
     return sliding ? Cause::kSlidingOnBar : Cause::kStickingOnBar;
   }
@@ -59,8 +59,8 @@ Cause causeIn(const WorldState& before, const WorldState& after, const pusht::Ta
   if (pusht::wallGapsOf(before, task).touches() || pusht::wallGapsOf(after, task).touches()) {
     return Cause::kWall;
   }
-  const Part start = pusht::contactsOf(before).part();
-  const Part end = pusht::contactsOf(after).part();
+  const Part start = pusht::contactsOf(before, task).part();
+  const Part end = pusht::contactsOf(after, task).part();
   if (start == Part::kNone && end == Part::kNone) {
     return passes(divergence(before, after), kNoticeable) ? Cause::kTeeAlone : Cause::kFree;
   }
@@ -73,7 +73,7 @@ Cause causeIn(const WorldState& before, const WorldState& after, const pusht::Ta
     case Part::kCorner:
       return Cause::kCorner;
     default:
-      return causeOnBox(throughout, before, after);
+      return causeOnBox(throughout, before, after, task);
   }
 }
 

@@ -125,11 +125,11 @@ std::vector<pusht::SimulatorModel> loadVariants(const pusht::SimulatorKind& kind
   return models;
 }
 
-std::vector<LoadedVariant> loadDefaultVariants(const pusht::SimulatorKind& kind,
-                                               const pusht::ParameterSet& parameters) {
+std::vector<LoadedVariant> loadDefaultVariants(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters,
+                                               const pusht::Task& task) {
   std::vector<LoadedVariant> loaded;
   for (const Variant& variant : defaultVariantsOrNone(kind, parameters)) {
-    loaded.push_back({variant.name, kind.load(variant.parameters)});
+    loaded.push_back({variant.name, kind.load(variant.parameters, task)});
   }
   return loaded;
 }

@@ -11,9 +11,17 @@ namespace sim2sim {
 namespace {
 
 /// Center of mass of the tee [m] in the table frame.
-Eigen::Vector2d centerOf(const pusht::WorldState& state) {
+Eigen::Vector2d centerOf(const pusht::WorldState& state, const pusht::Task& task) {
   return state.tee_position +
-         pusht::kCenterOfMassOffset * Eigen::Vector2d(std::sin(state.tee_yaw), -std::cos(state.tee_yaw));
+         task.physics.centerOfMass() * Eigen::Vector2d(std::sin(state.tee_yaw), -std::cos(state.tee_yaw));
+}
+
+/// [m] Radius of gyration of a task's tee about its center of mass.
+double gyrationOf(const pusht::Task& task) {
+  const pusht::Physics& physics = task.physics;
+  const double center = physics.centerOfMass();
+  return &task == &pusht::fullCircle() ? kGyration
+                                       : std::sqrt(physics.tee_second_moment / physics.tee_mass - center * center);
 }
 
 /// State of the replay at the end of a window: its last one, or that of a success before.
@@ -29,9 +37,9 @@ const pusht::WorldState& endOf(const pusht::Trace& replay, std::size_t begin, st
 
 }  // namespace
 
-Eigen::Vector3d teeDisplacement(const pusht::WorldState& a, const pusht::WorldState& b) {
-  const Eigen::Vector2d moved = centerOf(b) - centerOf(a);
-  return {moved.x(), moved.y(), kGyration * pusht::wrapAngle(b.tee_yaw - a.tee_yaw)};
+Eigen::Vector3d teeDisplacement(const pusht::WorldState& a, const pusht::WorldState& b, const pusht::Task& task) {
+  const Eigen::Vector2d moved = centerOf(b, task) - centerOf(a, task);
+  return {moved.x(), moved.y(), gyrationOf(task) * pusht::wrapAngle(b.tee_yaw - a.tee_yaw)};
 }
 
 PushFigures pushFigures(const pusht::Trace& reference, const pusht::Trace& replay, int window,
@@ -44,11 +52,11 @@ PushFigures pushFigures(const pusht::Trace& reference, const pusht::Trace& repla
   double size = 0.0;
   for (std::size_t end = every; end < std::min(reference.states.size(), replay.states.size()); end += every) {
     const pusht::WorldState& begin = reference.states[end - every];
-    const Eigen::Vector3d of_reference = teeDisplacement(begin, reference.states[end]);
+    const Eigen::Vector3d of_reference = teeDisplacement(begin, reference.states[end], task);
     if (of_reference.norm() <= kLeastPush * window) {
       continue;
     }
-    const Eigen::Vector3d of_engine = teeDisplacement(begin, endOf(replay, end - every, end, task));
+    const Eigen::Vector3d of_engine = teeDisplacement(begin, endOf(replay, end - every, end, task), task);
     const double ratio = of_engine.norm() / of_reference.norm();
     const double inner = of_reference.dot(of_engine);
     ++pushes;

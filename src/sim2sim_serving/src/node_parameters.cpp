@@ -71,10 +71,22 @@ bool sameValue(const std::string& a, const std::string& b) {
   return number ? number == decimal<double>(b) : a == b;
 }
 
+ParameterSet withTask(const SimulatorKind& kind) {
+  std::vector<ParameterDescriptor> descriptors = kind.parameters;
+  ParameterDescriptor task{kTaskParameter, "", "what all simulators of a run agree on", fullCircle().name};
+  task.only_if_changed = true;
+  descriptors.push_back(task);
+  ParameterSet set(descriptors);
+  set.set(kTaskParameter, kind.ownTask().name);
+  return set;
+}
+
 Parameters toMessages(const ParameterSet& parameters) {
   Parameters messages;
   for (const Parameter& known : parameters) {
-    messages.push_back(parameter(known.name(), textOf(known.value)));
+    if (known.isRecorded()) {
+      messages.push_back(parameter(known.name(), textOf(known.value)));
+    }
   }
   return messages;
 }

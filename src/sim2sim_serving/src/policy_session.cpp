@@ -11,6 +11,7 @@
 #include "pusht_task/clipped.hpp"
 #include "pusht_task/error.hpp"
 #include "sim2sim_serving/node.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace pusht {
 namespace {
@@ -159,6 +160,9 @@ pusht_msgs::DescribeResponse PolicySession::describe() const {
   response.name = model_.name;
   response.version = model_.version;
   response.provenance = model_.provenance.dump();
+  if (const Task& task = model_.task; &task != &fullCircle()) {
+    response.parameters = {parameter(kTaskParameter, textOf(task))};
+  }
   return response;
 }
 

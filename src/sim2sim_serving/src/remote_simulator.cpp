@@ -24,6 +24,15 @@ typename Service::Response answerOf(ServiceCaller<Service>& caller, const typena
   }
 }
 
+/// Sets the task among the `changes` of a node, unless that is full_circle and the node says of no other.
+void setTask(const Task& task, const pusht_msgs::DescribeResponse& node, Parameters& changes) {
+  const auto is_task = [](const pusht_msgs::Parameter& parameter) { return parameter.name == kTaskParameter; };
+  changes.erase(std::remove_if(changes.begin(), changes.end(), is_task), changes.end());
+  if (&task != &fullCircle() || std::any_of(node.parameters.begin(), node.parameters.end(), is_task)) {
+    changes.push_back(parameter(kTaskParameter, textOf(task)));
+  }
+}
+
 /// Description of the peer as it would be as one of `kind`, without a change of the peer.
 pusht_msgs::DescribeResponse describedAs(const std::string& kind, const Peer& peer) {
   if (kind.empty()) {
@@ -57,8 +66,8 @@ void StampSource::advance() { now_ += ros::Duration(kControlStep); }
 void StampSource::raiseTo(const ros::Time& stamp) { now_ = std::max(now_, stamp); }
 
 RemoteSimulator::RemoteSimulator(const Peer& peer, const StampSource& stamps,
-                                 const pusht_msgs::DescribeResponse& description)
-    : Simulator(peer.services(), startToleranceOf(description)),
+                                 const pusht_msgs::DescribeResponse& description, const Task& task)
+    : Simulator(peer.services(), startToleranceOf(description), task),
       peer_(peer),
       stamps_(stamps),
       describe_(peer, "describe"),
@@ -71,8 +80,9 @@ RemoteSimulator::RemoteSimulator(const Peer& peer, const StampSource& stamps,
 
 // Delegates, so that the destructor lets go of a world that refuses what follows.
 RemoteSimulator::RemoteSimulator(const Peer& peer, StampSource& stamps, const std::string& kind,
-                                 const Parameters& changes)
-    : RemoteSimulator(peer, stamps, describedAs(kind, peer)) {
+                                 Parameters changes, const Task& task)
+    : RemoteSimulator(peer, stamps, describedAs(kind, peer), task) {
+  setTask(task, describedAs(kind, peer), changes);
   stamps.raiseTo(peer.description().stamp);
   stamps.advance();
   silent_ = true;  // what is shown of the last run stays, should this one not begin

@@ -5,6 +5,7 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <tf2_ros/transform_broadcaster.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -61,7 +62,6 @@ class SimulatorNode {
                   node_.advertiseService("configure", &SimulatorNode::configure, this),
                   node_.advertiseService("describe", &SimulatorNode::describe, this)},
         caption_(captionOf(session_.describe())) {
-    fixed_frames_.sendTransform(targetFrame(frame_prefix_));
     show();
     repeating_ =
         node_.createSteadyTimer(ros::WallDuration(kRepeatPeriod), [this](const ros::SteadyTimerEvent&) { repeat(); });
@@ -97,10 +97,12 @@ class SimulatorNode {
 
   /// Makes the node's parameters tell what it is. Wherever it dies meanwhile, it can be started with them.
   void follow(const std::string& kind, const pusht_msgs::DescribeResponse& before, const Parameters& now) {
-    if (!kind.empty() && !before.kinds.empty()) {
-      for (const pusht_msgs::Parameter& old : before.parameters) {
+    for (const pusht_msgs::Parameter& old : before.parameters) {
+      if (std::none_of(now.begin(), now.end(), [&](const auto& parameter) { return parameter.name == old.name; })) {
         node_.deleteParam(old.name);
       }
+    }
+    if (!kind.empty() && !before.kinds.empty()) {
       setParameters(node_, {parameter("kind", kind)});
       health_.setHardware(kind);
     }
@@ -120,7 +122,11 @@ class SimulatorNode {
 
   /// Geometry and caption together: only the last message is latched.
   void show() {
-    visualization_msgs::MarkerArray picture = worldMarkers(frame_prefix_);
+    if (shown_task_ != &caption_.task.get()) {
+      shown_task_ = &caption_.task.get();
+      fixed_frames_.sendTransform(targetFrame(frame_prefix_, shown_task_->target));
+    }
+    visualization_msgs::MarkerArray picture = worldMarkers(frame_prefix_, *shown_task_);
     const visualization_msgs::MarkerArray caption = captionMarkers(frame_prefix_, caption_);
     picture.markers.insert(picture.markers.end(), caption.markers.begin(), caption.markers.end());
     markers_.publish(picture);
@@ -149,6 +155,7 @@ class SimulatorNode {
   SimulatorSession session_;
   std::array<ros::ServiceServer, 4> services_;
   Caption caption_;
+  const Task* shown_task_ = nullptr;
   ros::SteadyTime shown_;
   ros::SteadyTimer repeating_;
 };
@@ -218,7 +225,7 @@ int serve(int argc, char** argv, const std::string& node_name,
 std::shared_ptr<SimulatorNode> makeNode(const ros::NodeHandle& node, const SimulatorKind& kind,
                                         const SimulatorKinds* kinds, ParameterReader& parameters) {
   const std::string frame_prefix = parameters.text("frame_prefix", ros::this_node::getName().substr(1));
-  const ParameterSet values = parameters.changed(kind.defaults());
+  const ParameterSet values = parameters.changed(withTask(kind));
   parameters.refuseUnknown();
   return std::make_shared<SimulatorNode>(node, kind, kinds, values, frame_prefix);
 }

@@ -32,9 +32,19 @@ nlohmann::json codeOf(const pusht_msgs::DescribeResponse& node) {
 
 std::vector<ParameterDescriptor> descriptorsOf(const pusht_msgs::DescribeResponse& node) {
   std::vector<ParameterDescriptor> descriptors;
-  std::transform(node.parameter_descriptors.begin(), node.parameter_descriptors.end(), std::back_inserter(descriptors),
-                 [](const auto& descriptor) { return fromMessage(descriptor); });
+  for (const pusht_msgs::ParameterDescriptor& descriptor : node.parameter_descriptors) {
+    if (descriptor.name != kTaskParameter) {  // which a run has, not a simulator
+      descriptors.push_back(fromMessage(descriptor));
+    }
+  }
   return descriptors;
+}
+
+Parameters withoutTask(Parameters parameters) {
+  parameters.erase(std::remove_if(parameters.begin(), parameters.end(),
+                                  [](const auto& parameter) { return parameter.name == kTaskParameter; }),
+                   parameters.end());
+  return parameters;
 }
 
 /// Node of a simulator. One thread at a time has it.
@@ -63,30 +73,30 @@ class ServedNode {
   void requireThere() const { peer_.requireSameOwner(); }
 
   /// The node's world with these parameters, taken over.
-  std::unique_ptr<RemoteSimulator> open(const ParameterSet& parameters) {
+  std::unique_ptr<RemoteSimulator> open(const ParameterSet& parameters, const Task& task) {
     connect(true);
     Parameters changes;
     for (const auto& [name, value] : fewestSettings(parameters, defaults_)) {
       changes.push_back(parameter(name, value));
     }
-    auto world = std::make_unique<RemoteSimulator>(peer_, stamps_, first_.name, changes);
+    auto world = std::make_unique<RemoteSimulator>(peer_, stamps_, first_.name, changes, task);
     requireSameCode(world->describe());
     world->silence();
     return world;
   }
 
   /// Parameters as the node reads them, and its provenance with them.
-  const std::pair<ParameterSet, nlohmann::json>& accepted(const ParameterSet& parameters) {
-    std::string key;
+  const std::pair<ParameterSet, nlohmann::json>& accepted(const ParameterSet& parameters, const Task& task) {
+    std::string key = textOf(task);
     for (const Parameter& parameter : parameters) {
       key.append(textOf(parameter.value)).append(1, '\0');
     }
     auto known = accepted_.find(key);
     if (known == accepted_.end()) {
-      const pusht_msgs::DescribeResponse now = open(parameters)->describe();
+      const pusht_msgs::DescribeResponse now = open(parameters, task)->describe();
       nlohmann::json provenance = provenanceOf(now);
       provenance["node"] = peer_.services();
-      known = accepted_.emplace(key, std::pair(merged(defaults_, now.parameters), std::move(provenance))).first;
+      known = accepted_.emplace(key, std::pair(merged(defaults_, withoutTask(now.parameters)), std::move(provenance))).first;
     }
     return known->second;
   }
@@ -133,8 +143,10 @@ class ServedNode {
 /// World of a node that fails as one in this process would.
 class ServedWorld : public Simulator {
  public:
-  ServedWorld(std::shared_ptr<ServedNode> node, const ParameterSet& parameters)
-      : Simulator("", startToleranceOf(node->description())), node_(std::move(node)), world_(node_->open(parameters)) {}
+  ServedWorld(std::shared_ptr<ServedNode> node, const ParameterSet& parameters, const Task& task)
+      : Simulator("", startToleranceOf(node->description()), task),
+        node_(std::move(node)),
+        world_(node_->open(parameters, task)) {}
 
  private:
   void doReset(const WorldState& state) override {
@@ -172,10 +184,12 @@ ServedKind servedKind(const std::string& services, const NodeTimes& times, std::
   kind.version = description.version;
   kind.parameters = descriptorsOf(description);
   kind.start_tolerance = startToleranceOf(description);
-  kind.load = [node](const ParameterSet& asked) {
-    const auto& [parameters, provenance] = node->accepted(asked);
-    SimulatorModel model = modelOfWorlds(
-        parameters, [node, parameters = parameters] { return std::make_unique<ServedWorld>(node, parameters); });
+  kind.tasks.clear();  // a node that does not hold the task says so when it is asked to
+  kind.loader = [node](const ParameterSet& asked, const Task& task) {
+    const auto& [parameters, provenance] = node->accepted(asked, task);
+    SimulatorModel model = modelOfWorlds(parameters, [node, parameters = parameters, &task] {
+      return std::make_unique<ServedWorld>(node, parameters, task);
+    });
     model.provenance = provenance;
     return model;
   };

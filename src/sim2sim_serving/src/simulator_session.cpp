@@ -41,8 +41,11 @@ std::string hashOf(const Parameters& parameters) {
 
 std::vector<pusht_msgs::ParameterDescriptor> describeParameters(const ParameterSet& parameters) {
   std::vector<pusht_msgs::ParameterDescriptor> descriptors;
-  std::transform(parameters.begin(), parameters.end(), std::back_inserter(descriptors),
-                 [](const Parameter& parameter) { return toMessage(parameter.descriptor); });
+  for (const Parameter& parameter : parameters) {
+    if (parameter.isRecorded()) {
+      descriptors.push_back(toMessage(parameter.descriptor));
+    }
+  }
   return descriptors;
 }
 
@@ -63,17 +66,17 @@ Response answer(const std::string& instance_id, const Serve& serve) {
   return response;
 }
 
-/// Model of a kind for the task of nodes.
-SimulatorModel loadedHere(const SimulatorKind& kind, const ParameterSet& parameters) {
-  kind.requireTask(fullCircle());
-  return kind.load(parameters);
+/// Model of a kind with values of withTask(), which then has the task as a run carries it.
+SimulatorModel loadedInTask(const SimulatorKind& kind, ParameterSet parameters) {
+  parameters.set(kTaskParameter, textOf(taskNamed(parameters.get<std::string>(kTaskParameter))));
+  return kind.load(parameters, taskNamed(parameters.get<std::string>(kTaskParameter)));
 }
 
-WorldState startOf(const pusht_msgs::ResetRequest& request) {
+WorldState startOf(const pusht_msgs::ResetRequest& request, const Task& task) {
   if (request.start.size() > 1) {
     throw InvalidInput("start: " + std::to_string(request.start.size()) + " states; must be one, or none for the seed");
   }
-  return request.start.empty() ? spawn(request.seed) : fromMessage(request.start.front());
+  return request.start.empty() ? spawn(request.seed, task) : fromMessage(request.start.front());
 }
 
 }  // namespace
@@ -82,7 +85,7 @@ SimulatorSession::SimulatorSession(SimulatorKind kind, const ParameterSet& param
                                    Observer observer, const SimulatorKinds* kinds)
     : kinds_(kinds),
       kind_(std::move(kind)),
-      model_(loadedHere(kind_, parameters)),
+      model_(loadedInTask(kind_, parameters)),
       world_(model_.make_world()),
       frame_prefix_(std::move(frame_prefix)),
       instance_id_(newInstanceId()),
@@ -93,7 +96,7 @@ pusht_msgs::ResetResponse SimulatorSession::reset(const pusht_msgs::ResetRequest
     return episode_->begun;
   }
   return answer<pusht_msgs::ResetResponse>(instance_id_, [&](pusht_msgs::ResetResponse& response) {
-    const WorldState start = startOf(request);
+    const WorldState start = startOf(request, world_->task());
     const ros::Time stamp = request.silent != 0 ? stamp_ : nextStamp(request.stamp, request.token);
     try {
       world_->reset(start);
@@ -142,7 +145,7 @@ pusht_msgs::StepResponse SimulatorSession::step(const pusht_msgs::StepRequest& r
     response.state = toMessage(world_->state());
     episode_->last = request;
     episode_->taken = response;
-    observe(clip(action));
+    observe(clip(action, world_->task()));
   });
 }
 
@@ -157,8 +160,8 @@ pusht_msgs::ConfigureResponse SimulatorSession::configure(const pusht_msgs::Conf
                          std::to_string(episode_->horizon) + " control steps: set end_episode to end it");
     }
     SimulatorKind kind = request.kind.empty() ? kind_ : kindFor(request.kind);
-    const ParameterSet parameters = request.kind.empty() ? model_.parameters : kind.defaults();
-    SimulatorModel model = loadedHere(kind, merged(parameters, request.parameters));
+    const ParameterSet parameters = request.kind.empty() ? model_.parameters : withTask(kind);
+    SimulatorModel model = loadedInTask(kind, merged(parameters, request.parameters));
     world_ = model.make_world();
     model_ = std::move(model);
     kind_ = std::move(kind);
@@ -175,7 +178,7 @@ pusht_msgs::DescribeResponse SimulatorSession::describe(const pusht_msgs::Descri
   return answer<pusht_msgs::DescribeResponse>(instance_id_, [&](pusht_msgs::DescribeResponse& response) {
     const bool as_it_is = request.kind.empty();
     const SimulatorKind& kind = as_it_is ? kind_ : kindFor(request.kind);
-    const ParameterSet parameters = as_it_is ? model_.parameters : kind.defaults();
+    const ParameterSet parameters = as_it_is ? model_.parameters : withTask(kind);
     response.name = kind.name;
     response.kinds = kinds_ == nullptr ? std::vector<std::string>() : kinds_->names();
     response.title = kind.title;

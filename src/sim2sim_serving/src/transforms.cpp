@@ -30,8 +30,8 @@ std::vector<geometry_msgs::TransformStamped> movingFrames(const std::string& pre
           onTable(prefix, "tee", state.tee_position, kTeeFrameHeight, state.tee_yaw, stamp)};
 }
 
-geometry_msgs::TransformStamped targetFrame(const std::string& prefix) {
-  return onTable(prefix, "target", Eigen::Vector2d::Zero(), 0.0, 0.0, ros::Time());
+geometry_msgs::TransformStamped targetFrame(const std::string& prefix, const Pose& target) {
+  return onTable(prefix, "target", target.position, 0.0, target.yaw, ros::Time());
 }
 
 }  // namespace pusht

@@ -9,6 +9,7 @@
 #include "pusht_task/constants.hpp"
 #include "pusht_task/numbers.hpp"
 #include "pusht_task/task.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace pusht {
 
@@ -26,7 +27,8 @@ constexpr double kWallThickness = 0.04;        // [m]
 constexpr double kTargetLineWidth = 0.004;     // [m]
 constexpr float kTargetSurfaceOpacity = 0.2F;  // of its line's
 
-// The caption, in the frame of the table, whose walls end at +-0.43.
+// The caption, in the frame of the table, whose walls end at +-kWallEnd; with other walls it moves with them.
+constexpr double kWallEnd = kWallInnerFace + kWallThickness;
 constexpr double kCardHeight = 2.0 * kPusherFrameHeight + kLayer;  // [m]
 constexpr double kTextHeight = kCardHeight + kLayer;               // [m]
 constexpr double kTitleY = 0.485;                                  // [m]
@@ -57,20 +59,20 @@ Marker body(const std::string& frame, int type, const std_msgs::ColorRGBA& color
   return marker;
 }
 
-Marker targetOutline(const std::string& frame, const std_msgs::ColorRGBA& color) {
+Marker targetOutline(const std::string& frame, const std_msgs::ColorRGBA& color, const Physics& physics) {
   Marker marker = frameLockedMarker(frame, Marker::LINE_STRIP, color);
   marker.pose.position.z = kTargetHeight;
   marker.scale.x = kTargetLineWidth;
-  marker.points = teeOutline();
+  marker.points = teeOutline(physics);
   return marker;
 }
 
-Marker targetSurface(const std::string& frame, std_msgs::ColorRGBA color) {
+Marker targetSurface(const std::string& frame, std_msgs::ColorRGBA color, const Physics& physics) {
   color.a *= kTargetSurfaceOpacity;
   Marker marker = frameLockedMarker(frame, Marker::TRIANGLE_LIST, color);
   marker.pose.position.z = kTargetHeight;
   marker.scale.x = marker.scale.y = marker.scale.z = 1.0;
-  marker.points = teeSurface();
+  marker.points = teeSurface(physics);
   return marker;
 }
 
@@ -148,64 +150,69 @@ void enumerate(const std::string& ns, std::vector<Marker>& markers) {
   }
 }
 
-std::vector<geometry_msgs::Point> teeOutline() {
-  constexpr double kStemEnd = -kStemOffset - kStemHalfLength;
-  return {point(-kTeeHalfWidth, kStemEnd),        point(kTeeHalfWidth, kStemEnd),
-          point(kTeeHalfWidth, -kTeeHalfWidth),   point(kBarHalfLength, -kTeeHalfWidth),
-          point(kBarHalfLength, kTeeHalfWidth),   point(-kBarHalfLength, kTeeHalfWidth),
-          point(-kBarHalfLength, -kTeeHalfWidth), point(-kTeeHalfWidth, -kTeeHalfWidth),
-          point(-kTeeHalfWidth, kStemEnd)};
+std::vector<geometry_msgs::Point> teeOutline(const Physics& physics) {
+  const double stem_end = -physics.stem_offset - physics.stem_half_length;
+  const double stem = physics.stem_half_width;
+  const double length = physics.bar_half_length;
+  const double width = physics.bar_half_width;
+  return {point(-stem, stem_end), point(stem, stem_end),  point(stem, -width),
+          point(length, -width),  point(length, width),   point(-length, width),
+          point(-length, -width), point(-stem, -width),   point(-stem, stem_end)};
 }
 
-std::vector<geometry_msgs::Point> teeSurface() {
+std::vector<geometry_msgs::Point> teeSurface(const Physics& physics) {
   std::vector<geometry_msgs::Point> triangles;
-  for (const auto& [a, b, c, d] : teeRectangles()) {
+  for (const auto& [a, b, c, d] : teeRectangles(physics)) {
     triangles.insert(triangles.end(), {a, b, c, a, c, d});
   }
   return triangles;
 }
 
-std::array<std::array<geometry_msgs::Point, 4>, 2> teeRectangles() {
-  const std::vector<geometry_msgs::Point> outline = teeOutline();
+std::array<std::array<geometry_msgs::Point, 4>, 2> teeRectangles(const Physics& physics) {
+  const std::vector<geometry_msgs::Point> outline = teeOutline(physics);
   return {{{outline[0], outline[1], outline[2], outline[7]}, {outline[6], outline[3], outline[4], outline[5]}}};
 }
 
-MarkerArray tableMarkers(const std::string& frame_prefix, const WorldColors& colors) {
+MarkerArray tableMarkers(const std::string& frame_prefix, const Task& task, const WorldColors& colors) {
   const std::string table = frame_prefix + "/table";
   const std::string target = frame_prefix + "/target";
 
-  constexpr double kInner = 2.0 * kWallInnerFace;
-  constexpr double kOuter = kInner + 2.0 * kWallThickness;
-  constexpr double kWall = kWallInnerFace + 0.5 * kWallThickness;
+  const Physics& physics = task.physics;
+  const auto [x, y] = physics.wall_middle;
+  const double inner = 2.0 * physics.wall_inner_face;
+  const double outer = inner + 2.0 * kWallThickness;
+  const double wall = physics.wall_inner_face + 0.5 * kWallThickness;
 
   MarkerArray world;
   world.markers = {
-      body(table, Marker::CUBE, colors.table, {0.0, 0.0, kTableHeight - 0.5 * kTableThickness},
-           {kInner, kInner, kTableThickness}),
-      body(table, Marker::CUBE, colors.walls, {0.0, kWall, 0.5 * kWallHeight}, {kOuter, kWallThickness, kWallHeight}),
-      body(table, Marker::CUBE, colors.walls, {0.0, -kWall, 0.5 * kWallHeight}, {kOuter, kWallThickness, kWallHeight}),
-      body(table, Marker::CUBE, colors.walls, {kWall, 0.0, 0.5 * kWallHeight}, {kWallThickness, kInner, kWallHeight}),
-      body(table, Marker::CUBE, colors.walls, {-kWall, 0.0, 0.5 * kWallHeight}, {kWallThickness, kInner, kWallHeight}),
-      targetSurface(target, colors.target),
-      targetOutline(target, colors.target),
+      body(table, Marker::CUBE, colors.table, {x, y, kTableHeight - 0.5 * kTableThickness},
+           {inner, inner, kTableThickness}),
+      body(table, Marker::CUBE, colors.walls, {x, y + wall, 0.5 * kWallHeight}, {outer, kWallThickness, kWallHeight}),
+      body(table, Marker::CUBE, colors.walls, {x, y - wall, 0.5 * kWallHeight}, {outer, kWallThickness, kWallHeight}),
+      body(table, Marker::CUBE, colors.walls, {x + wall, y, 0.5 * kWallHeight}, {kWallThickness, inner, kWallHeight}),
+      body(table, Marker::CUBE, colors.walls, {x - wall, y, 0.5 * kWallHeight}, {kWallThickness, inner, kWallHeight}),
+      targetSurface(target, colors.target, physics),
+      targetOutline(target, colors.target, physics),
   };
   enumerate(frame_prefix, world.markers);
   return world;
 }
 
-MarkerArray worldMarkers(const std::string& frame_prefix, const WorldColors& colors) {
+MarkerArray worldMarkers(const std::string& frame_prefix, const Task& task, const WorldColors& colors) {
   const std::string pusher = frame_prefix + "/pusher";
   const std::string tee = frame_prefix + "/tee";
-  constexpr double kPusherDiameter = 2.0 * kPusherRadius;
-  constexpr double kTeeWidth = 2.0 * kTeeHalfWidth;
+  const Physics& physics = task.physics;
+  const double pusher_diameter = 2.0 * physics.pusher_radius;
+  constexpr double kHeight = 2.0 * kTeeFrameHeight;
 
-  MarkerArray world = tableMarkers(frame_prefix, colors);
+  MarkerArray world = tableMarkers(frame_prefix, task, colors);
   for (const Marker& marker :
-       {body(tee, Marker::CUBE, colors.tee, Vector3d::Zero(), {2.0 * kBarHalfLength, kTeeWidth, 2.0 * kTeeFrameHeight}),
-        body(tee, Marker::CUBE, colors.tee, {0.0, -kStemOffset, 0.0},
-             {kTeeWidth, 2.0 * kStemHalfLength, 2.0 * kTeeFrameHeight}),
+       {body(tee, Marker::CUBE, colors.tee, Vector3d::Zero(),
+             {2.0 * physics.bar_half_length, 2.0 * physics.bar_half_width, kHeight}),
+        body(tee, Marker::CUBE, colors.tee, {0.0, -physics.stem_offset, 0.0},
+             {2.0 * physics.stem_half_width, 2.0 * physics.stem_half_length, kHeight}),
         body(pusher, Marker::CYLINDER, colors.pusher, Vector3d::Zero(),
-             {kPusherDiameter, kPusherDiameter, 2.0 * kPusherFrameHeight})}) {
+             {pusher_diameter, pusher_diameter, 2.0 * kPusherFrameHeight})}) {
     world.markers.push_back(marker);
   }
   enumerate(frame_prefix, world.markers);
@@ -220,7 +227,10 @@ Caption captionOf(const pusht_msgs::DescribeResponse& description) {
     const bool is_default = std::any_of(known.begin(), known.end(), [&](const auto& descriptor) {
       return descriptor.name == parameter.name && descriptor.default_value == parameter.value;
     });
-    if (!is_default) {
+    if (parameter.name == kTaskParameter) {
+      caption.task = taskNamed(parameter.value);
+      caption.settings.push_back("task " + caption.task.get().name);
+    } else if (!is_default) {
       caption.settings.push_back(parameter.name + " " + parameter.value);
     }
   }
@@ -233,28 +243,29 @@ MarkerArray captionMarkers(const std::string& frame_prefix, const Caption& capti
   std::string off_target;
   if (caption.moment) {
     const auto& [episode, steps, state] = *caption.moment;
-    const PoseError error = poseError(state);
     time = "episode " + std::to_string(episode) + ", " + fixedText(steps * kControlStep, 1) + " s";
     pose = "tee at x " + fixedText(state.tee_position.x(), 3) + " m, y " + fixedText(state.tee_position.y(), 3) +
            " m, yaw " + fixedText(state.tee_yaw, 2) + " rad";
-    off_target = fixedText(error.position, 3) + " m, " + fixedText(error.angle, 2) + " rad off target";
+    const Task& task = caption.task;
+    off_target = distanceText(state, task) + (task.success.coverage ? " of the target" : " target");
   }
 
-  constexpr double kWallEnd = kWallInnerFace + kWallThickness;
   constexpr double kMargin = 0.02;  // [m]
   const std::string table = frame_prefix + "/table";
+  const Physics& physics = caption.task.get().physics;
+  const double up = physics.wall_inner_face + kWallThickness - kWallEnd;  // [m] that the walls end farther out
   MarkerArray markers;
   markers.markers = {
-      card(table, kWallEnd + 0.5 * kMargin, kTitleY + 0.5 * kTitleSize + kMargin),
-      card(table, kSettingsY.back() - 0.5 * kSmallSize - kMargin, -kWallEnd - 0.5 * kMargin),
-      text(table, caption.title, kTitleY, kTitleSize, kBright),
-      text(table, time, kTimeY, kResultSize, kBright),
-      text(table, pose, kPoseY, kSmallSize, kDim),
-      text(table, off_target, kErrorY, kSmallSize, kDim),
+      card(table, kWallEnd + up + 0.5 * kMargin, kTitleY + up + 0.5 * kTitleSize + kMargin),
+      card(table, kSettingsY.back() - up - 0.5 * kSmallSize - kMargin, -kWallEnd - up - 0.5 * kMargin),
+      text(table, caption.title, kTitleY + up, kTitleSize, kBright),
+      text(table, time, kTimeY - up, kResultSize, kBright),
+      text(table, pose, kPoseY - up, kSmallSize, kDim),
+      text(table, off_target, kErrorY - up, kSmallSize, kDim),
   };
   const auto lines = linesOf(caption.settings);
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    markers.markers.push_back(text(table, lines.at(i), kSettingsY.at(i), kSmallSize, kDim));
+    markers.markers.push_back(text(table, lines.at(i), kSettingsY.at(i) - up, kSmallSize, kDim));
   }
   enumerate(frame_prefix + "/caption", markers.markers);
   return markers;

@@ -65,7 +65,7 @@ class SimulatorSessions : public ::testing::Test {
     kind.version = "1";
     kind.parameters = {{"steps", "", "until it breaks", std::int64_t{2}, 0, 10, "no test is that patient"}};
     kind.start_tolerance = 1e-12;
-    kind.load = [](const ParameterSet& parameters) {
+    kind.loader = [](const ParameterSet& parameters) {
       SimulatorModel model;
       model.parameters = parameters;
       const auto steps = static_cast<int>(parameters.get<std::int64_t>("steps"));
@@ -312,7 +312,7 @@ class KindsOfSessions : public SimulatorSessions {
     tough.parameters.push_back({"label", "", "for people", std::string("plain"), 0, 0, "", {"plain", "broken"}});
     tough.parameters.back().presets = {{"plain", {{"steps", "2"}}}};
     tough.start_tolerance = 1e-9;
-    tough.load = [load = tough.load](const ParameterSet& parameters) {
+    tough.loader = [load = tough.loader](const ParameterSet& parameters) {
       if (parameters.get<std::string>("label") == "broken") {
         throw BadDependency("no such engine");
       }
@@ -454,7 +454,7 @@ TEST_F(SimulatorSessions, EveryAnswerNamesTheInstance) {
 
 TEST(SimulatorStarts, WithParametersThatTheKindRefuses) {
   SimulatorKind picky;
-  picky.load = [](const ParameterSet&) -> SimulatorModel { throw InvalidInput("mass -1: must be > 0"); };
+  picky.loader = [](const ParameterSet&) -> SimulatorModel { throw InvalidInput("mass -1: must be > 0"); };
   EXPECT_THROW(SimulatorSession(picky, {}, "picky", [](const auto&) {}), InvalidInput);
 }
 

@@ -10,7 +10,8 @@
 ///     static Bodies bodiesOf(const WorldState&);  // bodies of a fresh world that starts there
 ///     static WorldState stateOf(const Bodies&);
 ///     static int substepsOf(const Model&);        // number of substeps in a control step
-///     // One substep in which the pusher is to move with velocity `command` [m/s].
+///     // One substep in which the pusher is to move with velocity `command` [m/s], or to that place [m], as the task has
+///     // it.
 ///     static void substep(const Model&, const Eigen::Vector2d& command, Bodies&);
 ///   };
 ///
@@ -18,6 +19,9 @@
 /// (two_mass_engine.hpp): the provenance names the libraries whose code decides.
 #pragma once
 
+#include <optional>
+
+#include "pusht_task/mapping.hpp"
 #include "pusht_task/simulator.hpp"
 
 namespace pusht {
@@ -29,8 +33,13 @@ class PlanarSimulator : public Simulator {
   using Parameters = typename Physics::Parameters;
   using Bodies = typename Physics::Bodies;
 
+  using Model = typename Physics::Model;
+
   /// Throws InvalidInput if a parameter is out of range.
-  explicit PlanarSimulator(const Parameters& parameters = {});
+  explicit PlanarSimulator(const Parameters& parameters = {}) : PlanarSimulator(Physics::modelOf(parameters)) {}
+
+  /// World of a task. Its bodies have the tee at the point where the table acts on it.
+  explicit PlanarSimulator(const Model& model, const Task& task = fullCircle());
 
   const Bodies& bodies() const { return bodies_; }
 
@@ -39,31 +48,37 @@ class PlanarSimulator : public Simulator {
   void doStep(const Action& action) override;
   WorldState doState() const override;
 
-  typename Physics::Model model_;
+  Model model_;
   Bodies bodies_;
+  std::optional<WorldState> start_;  ///< until the first step, if the bodies do not have the tee at its origin
 };
 
 // Members are defined outside the class: inline functions would be compiled by every caller, with its own options.
 
 template <class Physics>
-PlanarSimulator<Physics>::PlanarSimulator(const Parameters& parameters)
-    : Simulator("", Physics::kStartTolerance),
-      model_(Physics::modelOf(parameters)),
-      bodies_(Physics::bodiesOf(WorldState())) {}
+PlanarSimulator<Physics>::PlanarSimulator(const Model& model, const Task& task)
+    : Simulator("", Physics::kStartTolerance, task), model_(model), bodies_(Physics::bodiesOf(WorldState())) {}
 
 template <class Physics>
 void PlanarSimulator<Physics>::doReset(const WorldState& state) {
-  bodies_ = Physics::bodiesOf(state);
+  const double point = task().physics.table_point;
+  bodies_ = Physics::bodiesOf(atPointOfTee(state, point));
+  start_.reset();
+  if (point != 0.0) {
+    requireStart(state, atPointOfTee(Physics::stateOf(bodies_), -point), startTolerance());
+    start_ = state;
+  }
 }
 
 template <class Physics>
 WorldState PlanarSimulator<Physics>::doState() const {
-  return Physics::stateOf(bodies_);
+  return start_ ? *start_ : atPointOfTee(Physics::stateOf(bodies_), -task().physics.table_point);
 }
 
 template <class Physics>
 void PlanarSimulator<Physics>::doStep(const Action& action) {
-  const Eigen::Vector2d command(action[0], action[1]);
+  const Eigen::Vector2d command = commandOf(action, task());
+  start_.reset();
   const int substeps = Physics::substepsOf(model_);
   for (int i = 0; i < substeps; ++i) {
     Physics::substep(model_, command, bodies_);

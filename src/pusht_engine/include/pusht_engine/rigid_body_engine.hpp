@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// An engine between the two-mass engine and MuJoCo: a rigid tee, and a switch for each modeling choice in which the
-/// two differ. With all switches on it is MuJoCo's physics of this scene.
+/// two differ. With all switches on it is MuJoCo's physics of the task's scene.
 #pragma once
 
 #include "pusht_engine/planar_simulator.hpp"

@@ -8,6 +8,7 @@
 #include <cstddef>
 
 #include "pusht_task/constants.hpp"
+#include "pusht_task/physics.hpp"
 #include "pusht_task/switches.hpp"
 
 namespace pusht {
@@ -81,15 +82,54 @@ enum Coordinate : std::size_t { kTeeX, kTeeY, kTeeYaw, kPusherX, kPusherY, kCoor
 /// Vector over the generalized coordinates.
 using Vector = std::array<double, kCoordinateCount>;
 
-/// Constants of a substep.
+/// Box upright on the table, along its own axes. Half height and height matter to the portal only.
+struct Box {
+  double half_x;       ///< [m]
+  double half_y;       ///< [m]
+  double half_height;  ///< [m]
+  double height;       ///< [m] of its center
+};
+
+/// Part of the tee: bar or stem.
+struct Part {
+  double offset;  ///< [m] from the origin of the tee's coordinates to the part's center, along body -y
+  Box box;
+  double disc_radius;  ///< [m] of the disc that stands for it where shapes are simple
+
+  /// [m] Upper bound of the distance of any point of box or disc from the part's center.
+  constexpr double reach() const { return box.half_x + box.half_y; }
+};
+
+/// Wall. Walls cross at the corners of the table.
+struct Wall {
+  Eigen::Index axis;      ///< 0: x, 1: y
+  double side;            ///< 1 or -1
+  double face;            ///< [m] of the inner face from the walls' middle
+  Eigen::Vector2d middle;  ///< [m] between the walls
+
+  Eigen::Vector2d inward() const { return -side * Eigen::Vector2d::Unit(axis); }
+  /// [m] Distance of a point from the middle, towards the wall.
+  double along(const Eigen::Vector2d& point) const { return side * (point[axis] - middle[axis]); }
+  Eigen::Vector2d center() const { return middle - (face + 0.5 * dynamics::kWallThickness) * inward(); }
+  Box box() const;
+};
+
+/// Constants of a substep. The tee's coordinates are those of the point at which the table acts on it.
 struct Model {
   RigidBodyParameters switches;
   double substep;  ///< [s]
 
+  std::array<Part, 2> parts;
+  std::array<Wall, 4> walls;
+  double pusher_radius;     ///< [m]
+  double contact_friction;  ///< [-]
+  double center_of_mass;    ///< [m] from the origin of the tee's coordinates, along body -y
+
   double tee_mass;          ///< [kg]
   double tee_moment;        ///< [kg m^2] about the tee's origin
   double pusher_mass;       ///< [kg] in contact
-  double servo_gain;        ///< [kg/s] force per missing velocity
+  double servo_stiffness;   ///< [N/m] force per missing way, of a drive to a position; 0: the drive is to a velocity
+  double servo_gain;        ///< [kg/s] force per missing velocity, or per velocity of a drive to a position
   double servo_limit;       ///< [N] per axis
   double pusher_damping;    ///< [kg/s]
   double drag_rate;         ///< [1/s] on every mass of the tee; explicit
@@ -105,8 +145,9 @@ struct Model {
   double pusher_wall_weight;  ///< [1/kg] between pusher and wall
 };
 
-/// Constants of a substep with these switches.
-Model modelOf(const RigidBodyParameters& parameters);
+/// Constants of a substep with these switches, in a task of this physics. Throws InvalidInput for a switch that a drive
+/// to a position does not have.
+Model modelOf(const RigidBodyParameters& parameters, const Physics& physics = {});
 
 /// State of a world. The yaw is not wrapped.
 struct Bodies {
@@ -114,7 +155,7 @@ struct Bodies {
   Vector velocities;  ///< [m/s, m/s, rad/s, m/s, m/s]
 };
 
-/// One substep in which the pusher is to move with velocity `command` [m/s].
+/// One substep in which the pusher is to move with velocity `command` [m/s], or to that place [m].
 void substep(const Model& model, const Eigen::Vector2d& command, Bodies& bodies);
 
 }  // namespace rigid_body

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "pusht_task/parameters.hpp"
+#include "pusht_task/task.hpp"
 
 namespace pusht {
 
@@ -24,9 +25,12 @@ class MujocoScene {
   /// The one that comes with the suite; needs no file.
   MujocoScene();
 
+  /// That of a task: the one that comes with the suite, or for another task than full_circle sceneOf() it.
+  explicit MujocoScene(const Task& task);
+
   /// Loads and checks `path`. Throws InvalidInput with the path and MuJoCo's message if it does not load,
   /// or with the field, its value and the expected one if it is not this task.
-  explicit MujocoScene(const std::filesystem::path& path);
+  explicit MujocoScene(const std::filesystem::path& path, const Task& task = fullCircle());
 
   /// `scene` with another modeling; `parameters` are those of the kind `mujoco`.
   MujocoScene(const MujocoScene& scene, const ParameterSet& parameters);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "pusht_mujoco/mujoco_scene.hpp"
 #include "pusht_task/simulator.hpp"
@@ -14,7 +15,7 @@ class MujocoWorld : public Simulator {
  public:
   static constexpr double kStartTolerance = 1e-12;  ///< [m, rad, m/s, rad/s]
 
-  explicit MujocoWorld(std::shared_ptr<const MujocoScene> scene);
+  explicit MujocoWorld(std::shared_ptr<const MujocoScene> scene, const Task& task = fullCircle());
 
  private:
   struct DeleteData {
@@ -25,12 +26,15 @@ class MujocoWorld : public Simulator {
   /// Throws SimulationFault on any warning of MuJoCo (it may have reset the state on its own), InternalError
   /// on an error of MuJoCo.
   void doStep(const Action& action) override;
-  WorldState doState() const override;
+  /// Until the first step it is the start's, so that a reset to it changes no bit.
+  WorldState doState() const override { return start_ ? *start_ : stateOfBodies(); }
+  WorldState stateOfBodies() const;
 
   void refuseWarnings() const;
 
   std::shared_ptr<const MujocoScene> scene_;
   std::unique_ptr<mjData, DeleteData> data_;
+  std::optional<WorldState> start_;  ///< if the body's origin is not the tee's
 };
 
 }  // namespace pusht

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Contacts in a world state, from its poses and the task's geometry (constants.hpp) alone. So they are defined equally
+/// Contacts in a world state, from its poses and the task's geometry alone. So they are defined equally
 /// for every simulator, in process, as a node or from a bag. Frame: table.
 /// The task's shapes count also for a simulator with other shapes, as the discs of the two-mass engine. The task's
 /// walls count also in a world without walls.
@@ -49,16 +49,16 @@ struct Contacts {
   Part part() const;
 };
 /// Contacts of the pusher with both boxes of the tee.
-Contacts contactsOf(const WorldState& state);
+Contacts contactsOf(const WorldState& state, const Task& task = fullCircle());
 
-/// Distance that the pusher's surface slides along `box`, kBar or kStem, which it touches before and after [m].
+/// Distance that the pusher's surface slides along `part`, kBar or kStem, which it touches before and after [m].
 /// Positive to the left of the normal. A tee that rolls along the pusher does not slide. It is computed from poses
 /// alone, because velocities are of an instant, and some simulators have none. Throws InternalError for another part.
 ///
 /// The point of contact moves by c along the box's outline and by -r dphi along the pusher's, of radius r, where dphi
 /// is what the normal turns in the table's frame. They slide by the difference, c + r dphi.
 /// Source: the contact equations of D. J. Montana, "The Kinematics of Contact and Grasp" (1988), in the plane.
-double slipDistance(const WorldState& before, const WorldState& after, Part box);
+double slipDistance(const WorldState& before, const WorldState& after, Part part, const Task& task = fullCircle());
 
 /// Gap between a body and the nearest wall's inner face [m]; below 0: beyond it.
 struct WallGaps {

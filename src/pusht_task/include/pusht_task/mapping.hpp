@@ -3,11 +3,14 @@
 /// in a substep.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "pusht_task/constants.hpp"
 #include "pusht_task/physics.hpp"
+#include "pusht_task/types.hpp"
 
 namespace pusht {
 
@@ -43,9 +46,20 @@ struct TeeInertia {
 /// so sits where the damping acts.
 constexpr TeeInertia teeInertia(const Physics& physics, double implicit_substep) {
   const double added = implicit_substep * physics.tee_damping;
-  const double point = physics.tee_damping_point;
+  const double point = physics.table_point;
   return {physics.tee_mass + added, physics.tee_first_moment + added * point,
           physics.tee_second_moment + implicit_substep * physics.tee_yaw_damping + added * point * point};
+}
+
+/// `state` with place and velocity of the tee at a point of it in place of its origin; the point is `distance` [m] along
+/// body -y. With the distance back, it is the state again, to rounding.
+inline WorldState atPointOfTee(WorldState state, double distance) {
+  if (distance != 0.0) {
+    const Eigen::Vector2d arm(distance * std::sin(state.tee_yaw), -distance * std::cos(state.tee_yaw));
+    state.tee_position += arm;
+    state.tee_velocity += state.tee_yaw_rate * Eigen::Vector2d(-arm.y(), arm.x());
+  }
+  return state;
 }
 
 /// [N] Force of drive and damping on the pusher along an axis, for its command [m/s, or m] and its present position [m]

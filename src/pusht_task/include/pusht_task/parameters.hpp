@@ -49,6 +49,9 @@ struct ParameterDescriptor {
   /// Numbers that a real may be, between `least` and `greatest`; empty: any number in the range.
   std::vector<double> numbers{};
 
+  bool of_task = false;          ///< whether it is a number of the task: its default is the task's at hand
+  bool only_if_changed = false;  ///< whether results and hashes have it only if it differs from its default
+
   /// "real", "integer", "boolean" or "text".
   const char* type() const;
 
@@ -72,6 +75,8 @@ struct Parameter {
 
   const std::string& name() const { return descriptor.name; }
   bool isDefault() const { return value == descriptor.default_value; }
+  /// Whether results and hashes have it.
+  bool isRecorded() const { return !(descriptor.only_if_changed && isDefault()); }
 };
 
 /// Parameters of a kind, in its order, each with a value.
@@ -84,6 +89,10 @@ class ParameterSet {
   /// Sets a parameter, and the parameters of its preset unless these are set by name, in any order of calls. Throws
   /// InvalidInput for an unknown name, with the known ones, or as ParameterDescriptor::read().
   void set(const std::string& name, const std::string& text);
+
+  /// Gives a parameter another default, and this value unless it is set by name. Throws InvalidInput for an unknown
+  /// name.
+  void setDefault(const std::string& name, const ParameterValue& value);
 
   /// Parameter with this name. Throws InvalidInput for an unknown name.
   const Parameter& at(const std::string& name) const;

@@ -20,8 +20,8 @@ enum class Drive {
   kPosition,  ///< to a position, by a spring of `servo_stiffness` and a damper of `servo_gain`
 };
 
-/// Masses, forces and sizes of a task, by default of the reference of `full_circle`. The table acts on the tee at its
-/// origin, along each axis of the table, and on its yaw.
+/// Masses, forces and sizes of a task, by default of the reference of `full_circle`. The table acts on the tee at one
+/// point of it, along each axis of the table, and on its yaw.
 struct Physics {
   double tee_mass = kBarMass + kStemMass;             ///< [kg]
   double tee_first_moment = kStemOffset * kStemMass;  ///< [kg m] mass times center of mass, along body -y
@@ -29,7 +29,7 @@ struct Physics {
       momentOfBox(kBarMass, kBarHalfLength, kTeeHalfWidth) + momentOfBox(kStemMass, kTeeHalfWidth, kStemHalfLength) +
       kStemMass * kStemOffset * kStemOffset;
   double tee_damping = dynamics::kTeeDamping;         ///< [N s/m] per axis
-  double tee_damping_point = 0.0;                     ///< [m] from the tee origin to where damping acts, along body -y
+  double table_point = 0.0;                           ///< [m] from the tee origin to where the table acts, along body -y
   double tee_yaw_damping = dynamics::kTeeYawDamping;  ///< [N m s]
   std::array<double, 2> tee_friction = {dynamics::kTeeFriction, dynamics::kTeeFriction};  ///< [N] Coulomb, per axis
   double tee_yaw_friction = dynamics::kTeeYawFriction;                                    ///< [N m] Coulomb
@@ -54,5 +54,12 @@ struct Physics {
   /// [m] from the tee origin to its center of mass, along body -y.
   constexpr double centerOfMass() const { return tee_first_moment / tee_mass; }
 };
+
+/// [kg m^2] Moment of inertia, about the tee origin, of bar and stem of these masses [kg] and of the sizes of `physics`.
+constexpr double momentOfTee(double bar_mass, double stem_mass, const Physics& physics) {
+  return momentOfBox(bar_mass, physics.bar_half_length, physics.bar_half_width) +
+         momentOfBox(stem_mass, physics.stem_half_width, physics.stem_half_length) +
+         stem_mass * physics.stem_offset * physics.stem_offset;
+}
 
 }  // namespace pusht

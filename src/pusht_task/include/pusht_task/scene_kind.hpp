@@ -11,6 +11,7 @@
 
 #include "pusht_task/error.hpp"
 #include "pusht_task/parameters.hpp"
+#include "pusht_task/physics_numbers.hpp"
 #include "pusht_task/scene_world.hpp"
 #include "pusht_task/simulator_kind.hpp"
 #include "pusht_task/substeps.hpp"
@@ -34,7 +35,7 @@ struct SolverNumber {
 enum class ParameterOrder { kSwitchesFirst, kNumbersFirst };
 
 /// Parameters of a kind of scenes: `preset`, which is `mapped` (all switches on) or `idiomatic` (all off), and the
-/// scene's `kSwitches`; its `kNumbers` and `substep`.
+/// scene's `kSwitches`; its `kNumbers` and `substep`; the numbers of the task's physics.
 template <class SceneOfKind>
 std::vector<ParameterDescriptor> sceneDescriptors(ParameterOrder order) {
   const auto& switches = SceneOfKind::kSwitches;
@@ -52,6 +53,8 @@ std::vector<ParameterDescriptor> sceneDescriptors(ParameterOrder order) {
     std::swap(front, back);
   }
   front.insert(front.end(), back.begin(), back.end());
+  const std::vector<ParameterDescriptor> of_task = physicsDescriptors();
+  front.insert(front.end(), of_task.begin(), of_task.end());
   return front;
 }
 
@@ -69,7 +72,9 @@ SimulatorModel modelOfScenes(const ParameterSet& set, const Task& task) {
   if (task.physics.drive == Drive::kPosition && !parameters.servo) {
     throw InvalidInput("servo false: must be true in the task " + task.name + ": the engine's motor holds velocities");
   }
-  return modelOfWorlds(set, [parameters, &task] { return worldOf<SceneOfKind>(parameters, task); });
+  const Physics physics = physicsWith(set, task.physics);
+  return modelOfWorlds(set,
+                       [parameters, physics, &task] { return worldOf<SceneOfKind>(parameters, physics, task); });
 }
 
 /// Kind of scenes. `prepare` is called whenever a model is loaded: it makes the library ready, and may throw
@@ -86,7 +91,7 @@ SimulatorKind kindOfScenes(const std::string& name, const std::string& version,
           version,     sceneDescriptors<SceneOfKind>(order),
           libraries,   SceneOfKind::kStartTolerance,
           load,        {"substep=0.005"},
-          {"overlap"}, taskNames()};
+          {"overlap"}, {}};
 }
 
 }  // namespace pusht

@@ -20,8 +20,8 @@ namespace pusht {
 /// engine write it.
 struct SceneParameters {
   bool servo = true;           ///< the task's soft servo, implicit in a substep
-  bool table_friction = true;  ///< along each axis of the table, at the tee's origin
-  bool drag = true;            ///< where the task's damping acts, implicit in a substep
+  bool table_friction = true;  ///< along each axis of the table, where it acts in the task
+  bool drag = true;            ///< where the table acts in the task, implicit in a substep
   double substep = kSubstep;   ///< [s] a value of substepDescriptor()
 };
 
@@ -75,6 +75,9 @@ class Scene {
   const Physics& physics() const { return physics_; }
 
  private:
+  /// [m] Where the table acts, in the tee's frame.
+  Eigen::Vector2d tablePoint() const;
+
   SceneParameters mapping_;
   Physics physics_;
 };

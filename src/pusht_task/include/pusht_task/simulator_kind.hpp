@@ -40,7 +40,7 @@ class ModelLoader {
     }
   }
 
-  SimulatorModel operator()(const ParameterSet& set, const Task& task = fullCircle()) const { return load_(set, task); }
+  SimulatorModel operator()(const ParameterSet& set, const Task& task) const { return load_(set, task); }
 
  private:
   std::function<SimulatorModel(const ParameterSet&, const Task&)> load_;
@@ -58,22 +58,33 @@ struct SimulatorKind {
   /// Maximum deviation of the state after a reset from the requested state [m, rad, m/s, rad/s]; its worlds'
   /// Simulator::startTolerance().
   double start_tolerance = kStartTolerance;
-  /// Loads a model with these values, for one of `tasks`. Throws InvalidInput with parameter, value and rule for values
-  /// that exclude each other or a file that is not valid; BadDependency for a file or library that is missing.
-  ModelLoader load;
+  /// Loads a model with these values, for a task that it holds; callers use load(). Throws InvalidInput with parameter,
+  /// value and rule for values that exclude each other or a file that is not valid; BadDependency for a file or library
+  /// that is missing.
+  ModelLoader loader;
   /// Default model variants: the same physics by other numerics, such as "timestep=0.005" or, with several parameters,
   /// "cone=elliptic:impratio=10.0". They tell how far the kind is from itself.
   std::vector<std::string> variants{};
   /// What worlds with default parameters do otherwise than the task on purpose: keys of properties of an audit, such as
   /// "tee_friction_x".
   std::vector<std::string> departures{};
-  /// Names of the tasks that it holds.
+  /// Names of the tasks that it holds; empty: all, as it builds its worlds from the task's data.
   std::vector<std::string> tasks = {fullCircle().name};
 
   /// Throws InvalidInput if it does not hold the task.
   void requireTask(const Task& task) const;
 
-  ParameterSet defaults() const { return ParameterSet(parameters); }
+  /// A task that it holds: full_circle, if it does.
+  const Task& ownTask() const;
+
+  /// Parameters with their defaults. Those that are numbers of the task (physics_numbers.hpp) have the task's.
+  ParameterSet defaults(const Task& task = fullCircle()) const;
+
+  /// `set`, whose numbers of the task are this one's, unless they were set by name.
+  ParameterSet inTask(ParameterSet set, const Task& task) const;
+
+  /// Model with these values, for a task. Throws InvalidInput if the kind does not hold the task, and as `loader`.
+  SimulatorModel load(const ParameterSet& set, const Task& task = fullCircle()) const;
 };
 
 /// Model of a kind that has no batch of its own: the worlds of a batch are single ones, which step one after the other.

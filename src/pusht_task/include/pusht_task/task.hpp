@@ -58,6 +58,14 @@ enum class SpawnRule {
   kGymPusht,  ///< gym-pusht's draws, as its resets leave them; bodies may overlap
 };
 
+/// Ring around the target from which tees are drawn, and where the pusher may be.
+struct SpawnRing {
+  double least_radius = kSpawnRadiusMin;            ///< [m]
+  double greatest_radius = kSpawnRadiusMax;         ///< [m]
+  double pusher_bound = kSpawnPusherBound;          ///< [m] per axis, from the walls' middle
+  double pusher_clearance = kSpawnPusherClearance;  ///< [m] from the tee origin
+};
+
 /// A task: sizes, forces, walls, target, what an action and an observation are, when it is solved, where episodes
 /// start. A run has one, from which all its numbers are taken.
 struct Task {
@@ -68,6 +76,7 @@ struct Task {
   std::optional<float> action_limit{};  ///< [m/s, or unit of the frame] per axis; none: actions are not clipped
   SuccessRule success{};
   SpawnRule spawn = SpawnRule::kRing;
+  SpawnRing ring{};
   std::uint64_t first_spawn_seed = kFirstSpawnSeed;  ///< of the episodes of a run with seed 0
   std::uint64_t last_spawn_seed = UINT64_MAX;
 };
@@ -81,10 +90,15 @@ const Task& gymPusht();
 /// Names of all tasks, the default first.
 std::vector<std::string> taskNames();
 
-/// Task of this name. Throws InvalidInput with the known ones if there is none.
+/// Task of this name, or in the file of this path, or in a text of textOf(). Throws InvalidInput with the known ones
+/// if there is none, or with entry, value and rule; BadDependency if a file cannot be read.
 const Task& taskNamed(const std::string& name);
 
-/// Description of a task for pictures and people: name, sizes [m], walls, target [m, rad], frame, units, success.
+/// Text that taskNamed() reads as `task`, wherever a run carries it: the name of one that comes with the suite, else its
+/// JSON.
+std::string textOf(const Task& task);
+
+/// Task as the JSON of its file (docs/tasks.md).
 nlohmann::ordered_json describe(const Task& task);
 
 /// `action` with each axis clipped as the task says.
@@ -123,8 +137,14 @@ struct PoseError {
 /// Distance of the tee from the target in position [m] and yaw [rad].
 PoseError poseError(const WorldState& state, const Task& task = fullCircle());
 
+/// State whose tee is at rest on the target, the pusher between the walls.
+WorldState stateAtTarget(const Task& task);
+
 /// [-] Share of the target that the tee covers.
 double coverageOf(const WorldState& state, const Task& task);
+
+/// How far a state is from solved, for people: "0.012 m, 0.05 rad off", or "covers 0.83" where coverage judges.
+std::string distanceText(const WorldState& state, const Task& task);
 
 /// Whether a state counts as solved.
 bool isSolved(const WorldState& state, const Task& task = fullCircle());

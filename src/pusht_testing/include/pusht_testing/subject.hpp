@@ -22,7 +22,7 @@ struct Subject {
   SimulatorKind kind;
   std::map<std::string, std::string> settings{};
   PhysicsOfKind physics{};
-  std::reference_wrapper<const Task> task = taskNamed(kind.tasks.front());
+  std::reference_wrapper<const Task> task = kind.ownTask();
 
   SimulatorModel load() const;
 };

@@ -71,7 +71,7 @@ inline SimulatorKind toyKind(ToyWorld::Precision precision = ToyWorld::Precision
   kind.title = "toy";
   kind.version = "1";
   kind.start_tolerance = start_tolerance;
-  kind.load = [=](const ParameterSet& parameters) {
+  kind.loader = [=](const ParameterSet& parameters) {
     return modelOfWorlds(parameters, [=] { return std::make_unique<ToyWorld>(precision, start_tolerance); });
   };
   return kind;

@@ -62,9 +62,10 @@ struct Audit {
 };
 
 /// Compares what was measured in two worlds. `variants` are the reference's model variants; `departures` the keys of
-/// properties in which one of the worlds differs from the task on purpose. Throws InvalidInput for an unknown key.
+/// properties in which one of the worlds differs from the `task` on purpose. Throws InvalidInput for an unknown key.
 Audit compare(const Measurements& reference, const Measurements& engine, const std::vector<Measurements>& variants,
-              double start_tolerance, const std::vector<std::string>& departures = {});
+              double start_tolerance, const std::vector<std::string>& departures = {},
+              const pusht::Task& task = pusht::fullCircle());
 
 /// Measures all worlds, on up to `threads` threads, and compares. Where there is a `policy`, its actions in the
 /// reference are replayed in the engine. The bytes of the result do not depend on `threads`.

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "pusht_task/constants.hpp"
 #include "pusht_task/error.hpp"
 #include "pusht_task/simulator.hpp"
 
@@ -33,10 +34,15 @@ class Bench {
 
   /// Sets the world to `state`. Returns the state that it reports. Throws as Simulator::reset().
   pusht::WorldState reset(const pusht::WorldState& state);
-  /// Takes a control step with this commanded velocity [m/s]. Returns the reported state. Throws as Simulator::step().
+  /// Takes a control step with this commanded velocity [m/s]; in a task whose actions are positions, with the one at
+  /// which the pusher goes on at that velocity for now. Returns the reported state. Throws as Simulator::step().
   pusht::WorldState step(const Eigen::Vector2d& command);
   /// States reported after the reset and after each command.
   std::vector<pusht::WorldState> run(const pusht::WorldState& start, const std::vector<Eigen::Vector2d>& commands);
+
+  /// States reported after the reset and after each of so many control steps of a task whose actions are positions, in
+  /// which the pusher is drawn to `target` [m].
+  std::vector<pusht::WorldState> runTowards(const pusht::WorldState& start, const Eigen::Vector2d& target, int steps);
 
   /// Whether a world at rest in `state` moves when nothing is commanded, or refuses that start, as bodies do that
   /// overlap.
@@ -57,13 +63,23 @@ class Bench {
   std::unique_ptr<pusht::Simulator> secondWorld() const { return make_second_ ? make_second_() : nullptr; }
 
   std::uint64_t seed() const { return seed_; }
+  /// Task of the world, and its physics.
+  const pusht::Task& task() const { return world_.task(); }
+  const pusht::Physics& physics() const { return task().physics; }
+  /// Whether actions are velocities, so that commands are forces: the servo's gain is the unit of what is measured.
+  bool commandsVelocities() const { return physics().drive == pusht::Drive::kVelocity; }
+  /// [m] By how much the walls are nearer than full_circle's, for which the scenes are made.
+  double narrower() const { return pusht::kWallInnerFace - physics().wall_inner_face; }
   /// [m] Shift of the scenes of this seed.
   const Eigen::Vector2d& shift() const { return shift_; }
   /// [m, rad, m/s, rad/s] What the world says of itself.
   double startTolerance() const { return world_.startTolerance(); }
 
  private:
+  pusht::WorldState reported();
+
   pusht::Simulator& world_;
+  Eigen::Vector2d pusher_ = Eigen::Vector2d::Zero();  // [m] as reported last
   WorldFactory make_second_;
   std::uint64_t seed_;
   Eigen::Vector2d shift_;

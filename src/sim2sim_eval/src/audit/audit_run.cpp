@@ -24,7 +24,7 @@ namespace {
 class Interruptible : public pusht::Simulator {
  public:
   explicit Interruptible(std::unique_ptr<pusht::Simulator> world)
-      : Simulator("", world->startTolerance()), world_(std::move(world)) {}
+      : Simulator("", world->startTolerance(), world->task()), world_(std::move(world)) {}
 
  private:
   void doReset(const pusht::WorldState& state) override {
@@ -61,7 +61,7 @@ Audit auditOf(const AuditRun& run) {
   }
   std::vector<AuditedWorld> variants;
   std::transform(run.variants.begin(), run.variants.end(), std::back_inserter(variants), interruptible);
-  pusht::ScriptedExpert expert;
+  pusht::ScriptedExpert expert(run.task);
   return audit(worldOf(*run.reference), worldOf(run.engine), variants, run.seed, run.threads, &expert);
 }
 
@@ -77,9 +77,10 @@ std::string fileText(const AuditRun& run, const Audit& audit) {
 
 }  // namespace
 
-std::vector<AuditedWorld> variantsOf(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters) {
+std::vector<AuditedWorld> variantsOf(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters,
+                                     const pusht::Task& task) {
   std::vector<AuditedWorld> variants;
-  for (const LoadedVariant& variant : loadDefaultVariants(kind, parameters)) {
+  for (const LoadedVariant& variant : loadDefaultVariants(kind, parameters, task)) {
     variants.push_back({variant.name, variant.model.make_world});
   }
   return variants;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,10 +32,12 @@ struct AuditRun {
   std::vector<AuditedWorld> variants{};  ///< model variants of the reference
   std::uint64_t seed = 0;
   int threads = 1;
+  std::reference_wrapper<const pusht::Task> task = pusht::fullCircle();
 };
 
 /// Model variants of a reference, as its kind lists them. Throws what SimulatorKind::load throws.
-std::vector<AuditedWorld> variantsOf(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters);
+std::vector<AuditedWorld> variantsOf(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters,
+                                     const pusht::Task& task = pusht::fullCircle());
 
 /// Carries the audit out. Once the process is interrupted no world is asked any more. Throws RuntimeFault then.
 Audit carryOut(const AuditRun& run);

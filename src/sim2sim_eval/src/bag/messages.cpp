@@ -16,6 +16,7 @@
 #include "sim2sim_protocol/results/metrics.hpp"
 #include "sim2sim_protocol/results/table.hpp"
 #include "sim2sim_serving/conversions.hpp"
+#include "sim2sim_serving/node_parameters.hpp"
 
 namespace sim2sim {
 namespace {
@@ -185,6 +186,9 @@ SimulatorRecord recordOf(const pusht_msgs::DescribeResponse& node) {
   const nlohmann::json provenance = pusht::provenanceOf(node);
   SimulatorRecord record{node.name, node.title.empty() ? node.name : node.title};
   for (const pusht_msgs::Parameter& parameter : node.parameters) {
+    if (parameter.name == pusht::kTaskParameter) {
+      continue;  // which the run has
+    }
     const auto& descriptors = node.parameter_descriptors;
     const auto known = std::find_if(descriptors.begin(), descriptors.end(),
                                     [&](const auto& descriptor) { return descriptor.name == parameter.name; });

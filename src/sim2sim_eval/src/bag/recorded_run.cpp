@@ -69,7 +69,8 @@ class Reader {
     episode.probes.resize(probes.size());
     std::vector<pusht::WorldState>& states = episode.probes[static_cast<std::size_t>(probe - probes.begin())];
     states.clear();
-    std::transform(message.states.begin(), message.states.end(), std::back_inserter(states), pusht::fromMessage);
+    std::transform(message.states.begin(), message.states.end(), std::back_inserter(states),
+                   [](const pusht_msgs::WorldState& state) { return pusht::fromMessage(state); });
   }
 
   /// The last states of the episode may come later: they have the same stamp.

@@ -67,9 +67,10 @@ struct Replays {
 using Replayed = std::vector<Replays>;
 
 /// Reads a simulator without a loop: its replays take actions, not a policy's answers.
-SimulatorChoice choiceFrom(const std::string& text) {
+SimulatorChoice choiceFrom(const std::string& text, const pusht::Task& task) {
   SimulatorChoice choice = simulatorFromText(text);
   requireNoLoop(choice, "an agreement of replays");
+  setTask(task, {choice});
   return choice;
 }
 
@@ -79,7 +80,7 @@ std::vector<Listed> listedFrom(const AgreementOptions& options) {
   }
   std::vector<Listed> listed;
   for (const std::string& text : options.simulators) {
-    const SimulatorChoice choice = choiceFrom(text);
+    const SimulatorChoice choice = choiceFrom(text, options.protocol.runTask());
     if (std::any_of(listed.begin(), listed.end(), [&](const Listed& other) { return other.choice == choice; })) {
       throw pusht::InvalidInput("simulators " + pusht::joined(options.simulators) +
                                 ": must be named once each: " + text + " is there twice");
@@ -89,8 +90,9 @@ std::vector<Listed> listedFrom(const AgreementOptions& options) {
     }
     listed.push_back({choice, {}});
     if (options.variants) {
-      for (const LoadedVariant& variant : loadDefaultVariants(choice.kind, choice.parameters)) {
-        listed.back().variants.push_back({choice.kind, variant.model.parameters});
+      for (const LoadedVariant& variant : loadDefaultVariants(choice.kind, choice.parameters, choice.task)) {
+        listed.back().variants.push_back(choice);
+        listed.back().variants.back().parameters = variant.model.parameters;
       }
     }
   }
@@ -298,7 +300,7 @@ class PairsOfList {
   /// Adds the distances along the episodes of one reference. Returns the description of the episodes.
   nlohmann::json measure(const Along& along) {
     const std::vector<SimulatorChoice> simulators = simulatorsOf(along);
-    const LoadedRun loaded(pusht::PolicyChoice{options_.policy, true, options_.protocol.seed}, along.reference,
+    const LoadedRun loaded(pusht::PolicyChoice{options_.policy, true, options_.protocol.seed, false, options_.protocol.runTask()}, along.reference,
                            simulators, options_.protocol);
     const Replayer replayer(options_, loaded, along.reference, bar_);
     Protocol share = options_.protocol;
@@ -336,7 +338,7 @@ std::vector<Along> alongsOf(const AgreementOptions& options, const std::vector<L
   std::vector<std::size_t> all(listed.size());
   std::iota(all.begin(), all.end(), 0);
   if (!options.both_ways) {
-    return {{options.reference.empty() ? listed.front().choice : choiceFrom(options.reference), all}};
+    return {{options.reference.empty() ? listed.front().choice : choiceFrom(options.reference, options.protocol.runTask()), all}};
   }
   std::vector<Along> alongs;
   std::transform(all.begin(), all.end(), std::back_inserter(alongs), [&](std::size_t i) {
@@ -373,7 +375,7 @@ int agreementMain(int argc, char** argv) {
   app.add_option("--policy", options.policy, "policy whose actions are replayed, as for `compare`")
       ->capture_default_str();
   declare(app, protocol,
-          {"seed", "first_episode", "episodes", "horizon", "reanchor", "noise_seed", "execute", "overlapping_starts"});
+          {"task", "seed", "first_episode", "episodes", "horizon", "reanchor", "noise_seed", "execute", "overlapping_starts"});
   app.add_option("--starts", starts, "CSV file with the start of each episode, instead of spawn seeds")
       ->check(notEmpty());
   app.add_option("--out", out, "write the agreement into a new JSON file")->check(notEmpty());
@@ -384,8 +386,9 @@ int agreementMain(int argc, char** argv) {
       protocol.episodes = defaultEpisodes(protocol, starts);
     }
     protocol.validate();
-    protocol.initial_states =
-        givenInitialStates(starts, protocol.firstStart(), protocol.starts(), protocol.overlapping_starts);
+    protocol.carryTask();
+    protocol.initial_states = givenInitialStates(starts, protocol.firstStart(), protocol.starts(),
+                                                 protocol.overlapping_starts, protocol.runTask());
     const std::vector<Listed> listed = listedFrom(options);
     const std::vector<Along> alongs = alongsOf(options, listed);
     const Agreement result = PairsOfList(options, listed, alongs).agreement();

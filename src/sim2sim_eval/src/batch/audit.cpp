@@ -30,6 +30,7 @@ struct AuditOptions {
   std::vector<std::string> engine_parameters{};
   std::string against;        ///< "task": the engine alone, against the task's figures; empty: against the reference
   std::uint64_t seed = 0;     ///< moves the scenes of the experiments a little
+  std::string task = pusht::fullCircle().name;
   int threads = 0;            ///< 0: one for each core that the process may use
   std::filesystem::path out;  ///< JSON file to be written; empty: none
   bool overwrite = false;     ///< replace a file that is there already
@@ -47,9 +48,10 @@ void auditSimulators(const AuditOptions& options) {
   if (!options.overwrite) {
     pusht::requireNewFile("audit", options.out);
   }
-  const auto load = [](const std::string& kind, const std::vector<std::string>& settings) {
-    const SimulatorChoice choice = chooseSimulator(kind, settings);
+  const auto load = [&options](const std::string& kind, const std::vector<std::string>& settings) {
+    SimulatorChoice choice = chooseSimulator(kind, settings);
     requireNoLoop(choice, "an audit");
+    setTask(pusht::taskNamed(options.task), {choice});
     if (choice.foreign) {
       throw pusht::InvalidInput("simulator " + choice.name() + ": must be a kind: audit.launch audits nodes");
     }
@@ -66,9 +68,10 @@ void auditSimulators(const AuditOptions& options) {
   run.engine = auditedOf(engine);
   if (reference) {
     run.reference = auditedOf(*reference);
-    run.variants = variantsOf(reference->kind, reference->model.parameters);
+    run.variants = variantsOf(reference->kind, reference->model.parameters, reference->task);
   }
   run.seed = options.seed;
+  run.task = engine.task;
   run.threads = batch.threadCount();
   const Audit result = carryOut(run);
   report(run, result, options.out, options.overwrite);
@@ -114,6 +117,9 @@ int auditMain(int argc, char** argv) {
   app.add_option("--seed", options.seed, "moves the scenes of the experiments by at most 2 mm")
       ->check(decimalInteger())
       ->capture_default_str();
+  app.add_option("--task", options.task, "task in which the simulators are audited, as for `compare`")
+      ->check(notEmpty())
+      ->capture_default_str();
   app.add_option("--threads", options.threads, "number of threads; 0: one for each core")
       ->check(decimalInteger())
       ->check(CLI::NonNegativeNumber)
@@ -130,7 +136,7 @@ int auditMain(int argc, char** argv) {
   demonstrations->needs(policy);
   policy->needs(demonstrations);
   for (const char* of_simulators :
-       {"--reference", "--engine", "--set", "--set-reference", "--against", "--seed", "--threads"}) {
+       {"--reference", "--engine", "--set", "--set-reference", "--against", "--seed", "--task", "--threads"}) {
     policy->excludes(app.get_option(of_simulators));
   }
   return runCommand(app, argc, argv, [&] { options.policy.empty() ? auditSimulators(options) : auditPolicy(options); });

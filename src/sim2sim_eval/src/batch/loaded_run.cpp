@@ -92,9 +92,6 @@ nlohmann::ordered_json LoadedRun::provenance(const RunConfiguration& configurati
                                              const LoadedSimulator& engine) const {
   nlohmann::ordered_json result =
       sim2sim::provenance(configuration, policy_.provenance, reference_.provenance(), engine.provenance());
-  if (const pusht::Task& task = configuration.protocol.runTask(); &task != &pusht::fullCircle()) {
-    result["task"] = pusht::describe(task);
-  }
   result["code"] = code_;
   return result;
 }

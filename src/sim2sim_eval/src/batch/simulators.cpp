@@ -116,8 +116,8 @@ SimulatorChoice noEngine() {
     pusht::SimulatorKind none;
     none.name = kNoEngine;
     none.title = "no engine";
-    none.tasks = pusht::taskNames();
-    none.load = [](const pusht::ParameterSet& parameters) {
+    none.tasks.clear();
+    none.loader = [](const pusht::ParameterSet& parameters) {
       return pusht::SimulatorModel{parameters, nlohmann::json::object(), nullptr, nullptr};  // no worlds
     };
     return none;
@@ -136,7 +136,7 @@ bool operator==(const SimulatorChoice& a, const SimulatorChoice& b) {
 
 std::vector<std::string> settingsOf(const SimulatorChoice& simulator) {
   std::vector<std::string> settings;
-  for (const auto& [name, value] : pusht::fewestSettings(simulator.parameters, simulator.kind.get().defaults())) {
+  for (const auto& [name, value] : pusht::fewestSettings(simulator.parameters, simulator.kind.get().defaults(simulator.task))) {
     settings.push_back(std::string(name).append("=").append(value));
   }
   for (const auto& [name, value] : pusht::fewestSettings(simulator.loop, pusht::plainLoop())) {
@@ -177,6 +177,7 @@ void setTask(const pusht::Task& task, const std::vector<std::reference_wrapper<S
                                 task.name + ": its noise and delays are those of velocities");
     }
     simulator.task = task;
+    simulator.parameters = simulator.kind.get().inTask(simulator.parameters, task);
     if (&task != &pusht::fullCircle()) {  // a kind may refuse values of its parameters in it
       simulator.kind.get().load(simulator.parameters, task);
     }
@@ -187,7 +188,7 @@ LoadedSimulator::LoadedSimulator(const SimulatorChoice& choice)
     : foreign(choice.foreign),
       kind(choice.kind),
       task(choice.task),
-      model((kind.requireTask(task), kind.load(choice.parameters, task))),
+      model(kind.load(choice.parameters, task)),
       loop(choice.loop) {}
 
 SimulatorRecord LoadedSimulator::record() const {
@@ -199,6 +200,9 @@ SimulatorRecord LoadedSimulator::record() const {
 SimulatorRecord LoadedSimulator::simulatorRecord() const {
   SimulatorRecord record{kind.name, kind.title};
   for (const pusht::Parameter& parameter : model.parameters) {
+    if (!parameter.isRecorded()) {
+      continue;
+    }
     record.add(parameter.name(), parameter.value, parameter.descriptor.unit, parameter.isDefault(), model.provenance);
   }
   return record;

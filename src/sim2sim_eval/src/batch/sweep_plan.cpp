@@ -384,7 +384,8 @@ SweepPlan planFrom(const YAML::Node& root) {
     plan.starts = textAt(starts, "starts");
   }
   plan.protocol = protocolIn(root, plan.starts);
-  const auto put = [&](SimulatorChoice& simulator) { setTask(plan.protocol.runTask(), {simulator}); };
+  const pusht::Task& task = plan.protocol.runTask();
+  const auto put = [&task](SimulatorChoice& simulator) { setTask(task, {simulator}); };
   inLineOf(root["task"].IsDefined() ? root["task"] : root, [&] {
     std::for_each(plan.policies.begin(), plan.policies.end(), [&](PlannedPolicy& each) { put(each.reference); });
     std::for_each(plan.rows.begin(), plan.rows.end(), [&](PlannedRow& each) { put(each.engine); });

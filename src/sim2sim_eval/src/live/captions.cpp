@@ -85,8 +85,7 @@ std::vector<std::string> changedParameters(const SimulatorRecord& simulator, std
 
 std::string statusOf(Mode mode, const Episode& episode) {
   const pusht::Rollout& rollout = episode.rollout(mode);
-  const pusht::PoseError error = rollout.error();
-  const std::string off = fixedText(error.position, 3) + " m, " + fixedText(error.angle, 2) + " rad off";
+  const std::string off = pusht::distanceText(rollout.trace().states.back(), rollout.task());
   if (rollout.success()) {
     return "success" + (mode == kEngineReplay ? "" : " after " + secondsText(rollout.steps())) + " (" + off + ")";
   }
@@ -97,7 +96,7 @@ std::string statusOf(Mode mode, const Episode& episode) {
                             : mode != kEngineReplay && end->ending == Ending::kStuck
                                 ? "stuck since " + secondsText(end->still_step) + ": "
                                 : "no success: ";
-  return where + off + " target";
+  return where + off + (rollout.task().success.coverage ? " of the target" : " target");
 }
 
 std::string secondsText(int steps) { return fixedText(steps * pusht::kControlStep, 1) + " s"; }

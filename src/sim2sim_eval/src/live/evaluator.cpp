@@ -140,13 +140,15 @@ void Evaluator::runIn(RunFolder& folder, const LiveRequest& request) {
 
 void Evaluator::compare(LiveRequest request, RunFolder& folder) {
   request.protocol.validate();
-  requireLive(request.protocol);
   request.protocol.initial_states = givenInitialStates(request.starts, request.protocol.firstStart(),
-                                                       request.protocol.starts(), request.protocol.overlapping_starts);
+                                                       request.protocol.starts(), request.protocol.overlapping_starts,
+                                                       request.protocol.runTask());
   pacer_.setRate(request.rate);
   if (pacer_.paused()) {
     ROS_WARN_STREAM("the run waits, since the evaluator is paused; to go on: " << kHowToResume);
   }
+  request.protocol.carryTask();
+  request.simulators.task = request.protocol.runTask();
   const LiveOptions options = {request.simulators,
                                {toMilliseconds(parameters_.patience), parameters_.respawn, [this] { return stopped(); },
                                 [this](const std::string& services) { waitFor(services); }},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/live_nodes.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "pusht_task/error.hpp"
@@ -36,10 +37,17 @@ void requireParametersInForce(const std::string& services, const DescribeRespons
   }
 }
 
-void requireIsPolicy(const pusht::Peer& peer) {
+void requireIsPolicy(const pusht::Peer& peer, const pusht::Task& task) {
   const DescribeResponse& node = peer.description();
   if (!node.frame_prefix.empty()) {
     throw pusht::InvalidInput(peer.services() + ": is the simulator '" + node.name + "', must be a policy");
+  }
+  const auto said = std::find_if(node.parameters.begin(), node.parameters.end(),
+                                 [](const auto& parameter) { return parameter.name == pusht::kTaskParameter; });
+  const std::string acts_in = said == node.parameters.end() ? pusht::fullCircle().name : said->value;
+  if (&pusht::taskNamed(acts_in) != &task) {
+    throw pusht::InvalidInput(peer.services() + ": acts in the task " + pusht::taskNamed(acts_in).name + ": must in " +
+                              task.name + "; start it with the parameter task");
   }
 }
 
@@ -56,7 +64,7 @@ LiveNodes::LiveNodes(const Services& services, std::chrono::milliseconds deadlin
 void LiveNodes::connect(const Simulators& simulators, const pusht::Peer::Wait& wait) {
   connectWorlds(simulators, wait);
   policy_peer_.connect(wait);
-  requireIsPolicy(policy_peer_);
+  requireIsPolicy(policy_peer_, simulators.task);
   policy_ = pusht::looped(std::make_unique<pusht::RemotePolicy>(policy_peer_), loopOf(simulators.reference),
                           loopOf(simulators.engine));
   requireThreeWorlds();
@@ -88,7 +96,8 @@ void LiveNodes::connectWorlds(const Simulators& simulators, const pusht::Peer::W
     }
     std::unique_ptr<pusht::RemoteSimulator> world;
     try {
-      world = std::make_unique<pusht::RemoteSimulator>(node.peer, stamps_, wanted.kind, wanted.parameters);
+      world = std::make_unique<pusht::RemoteSimulator>(node.peer, stamps_, wanted.kind, wanted.parameters,
+                                                       simulators.task);
     } catch (const pusht::Error& error) {
       if (error.exitCode() == pusht::ExitCode::kInvalidInput) {  // a refused configuration changes nothing
         memory_.configured(services, now);

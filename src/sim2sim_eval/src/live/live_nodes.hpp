@@ -4,6 +4,7 @@
 
 #include <array>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -34,6 +35,7 @@ class LiveNodes {
   struct Simulators {
     WorldRequest reference;
     WorldRequest engine;
+    std::reference_wrapper<const pusht::Task> task = pusht::fullCircle();
   };
 
   /// Connects to all nodes, the first time or after a fault, takes the worlds over, and sets their kinds and
@@ -42,7 +44,7 @@ class LiveNodes {
   ///
   /// Throws NodeMissing if a node does not appear; PeerFault if one is lost meanwhile; the error of a node that failed
   /// at its start; InvalidInput if the two worlds of the engine differ, two worlds are one node, a parameter on the
-  /// parameter server differs from the one in force, or the policy's node is a simulator; BadDependency if a node has
+  /// parameter server differs from the one in force, or the policy's node is a simulator or acts in another task; BadDependency if a node has
   /// come back with other properties.
   void connect(const Simulators& simulators, const pusht::Peer::Wait& wait);
 

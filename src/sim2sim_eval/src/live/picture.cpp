@@ -65,7 +65,7 @@ constexpr double kTableEdge = 0.012;
 constexpr double kArrowTime = 0.25;               // [s] an arrow ends where the pusher would be then
 constexpr double kFirstDivergenceRadius = 0.018;  // [m] of the ring around a tee that leaves the bound
 constexpr double kAxisBegin = 0.05;               // [m] from the target, of the lines that show its tolerance
-constexpr double kAxisEnd = pusht::kStemOffset + pusht::kStemHalfLength + 0.02;
+constexpr double kAxisBeyond = 0.02;              // [m] from the end of the stem to theirs
 constexpr double kTeeMark = 0.045;  // [m] of the mark of a tee that is beyond the edge of a view
 constexpr double kPusherMark = 0.022;
 
@@ -103,21 +103,34 @@ Way wayOf(const pusht::Trace& trace) {
   return way;
 }
 
-/// Target and its tolerance: the tee's origin must lie in the ring, its stem between the two lines.
-void drawTarget(Canvas& canvas, const TableView& view, const std_msgs::ColorRGBA& mark) {
-  view.tee(canvas, color(kBright, kTargetOpacity), color(kBright), {}, kTargetZ);
-  view.line(canvas, mark, kMarkWidth, circleOf({0.0, 0.0}, pusht::kPositionTolerance), kMarkZ);
-  for (const double angle : {-pusht::kAngleTolerance, pusht::kAngleTolerance}) {
+/// [m] From the tee's origin to the end of its stem.
+double stemEndOf(const pusht::Physics& physics) { return physics.stem_offset + physics.stem_half_length; }
+
+/// Target and its tolerance: the tee's origin must lie in the ring, its stem between the two lines. A task that is
+/// judged by coverage has none.
+void drawTarget(Canvas& canvas, const TableView& view, const pusht::Task& task, const std_msgs::ColorRGBA& mark) {
+  const auto& [position, yaw] = task.target;
+  const pusht::SuccessRule& rule = task.success;
+  const bool has_tolerance = !rule.coverage;
+  const auto shown = [&](const std::vector<Vector2d>& points) {
+    return has_tolerance ? points : std::vector<Vector2d>();
+  };
+  view.tee(canvas, color(kBright, kTargetOpacity), color(kBright), pusht::stateAtTarget(task), kTargetZ);
+  view.line(canvas, mark, kMarkWidth, shown(circleOf(position, rule.position_tolerance)), kMarkZ);
+  for (const double side : {-1.0, 1.0}) {
+    const double angle = yaw + side * rule.angle_tolerance;
     const Vector2d along(std::sin(angle), -std::cos(angle));
-    view.line(canvas, mark, kMarkWidth, {kAxisBegin * along, kAxisEnd * along}, kMarkZ);
+    const double end = stemEndOf(task.physics) + kAxisBeyond;
+    view.line(canvas, mark, kMarkWidth, shown({position + kAxisBegin * along, position + end * along}), kMarkZ);
   }
 }
 
 /// The tee's origin and stem, to be seen against the tolerance.
-void drawAxis(Canvas& canvas, const TableView& view, const pusht::WorldState& state, const std_msgs::ColorRGBA& color) {
+void drawAxis(Canvas& canvas, const TableView& view, const pusht::WorldState& state, const pusht::Task& task,
+              const std_msgs::ColorRGBA& color) {
   const Vector2d stem(std::sin(state.tee_yaw), -std::cos(state.tee_yaw));
   view.line(canvas, color, kMarkWidth,
-            {state.tee_position, state.tee_position + (pusht::kStemOffset + pusht::kStemHalfLength) * stem}, kMarkZ);
+            {state.tee_position, state.tee_position + stemEndOf(task.physics) * stem}, kMarkZ);
 }
 
 /// Whether a world moves on. A replay has always made the reference's steps, and moves as long as the reference does.
@@ -125,18 +138,22 @@ bool moves(Mode mode, const Episode& episode) {
   return episode.goesOn(mode == kEngineReplay ? kReferenceClosed : mode);
 }
 
-/// The pusher; what it was told in the last control step, in white, and how fast it is, unless the world rests.
+/// The pusher; what it was told in the last control step, in white, and how fast it is, unless the world rests. An arrow
+/// of a velocity ends where the pusher would be after kArrowTime, that of a position there.
 void drawPusher(Canvas& canvas, const TableView& view, Mode mode, const Episode& episode,
                 const std_msgs::ColorRGBA& body) {
+  const pusht::Task& task = episode.rollout(mode).task();
   const pusht::Trace& trace = episode.rollout(mode).trace();
   const pusht::WorldState& state = trace.states.back();
   Vector2d commanded = Vector2d::Zero();
   Vector2d actual = Vector2d::Zero();
   if (moves(mode, episode) && trace.steps() > 0) {
-    commanded = kArrowTime * Vector2d(trace.actions.back()[0], trace.actions.back()[1]);
+    const Vector2d command = pusht::commandOf(trace.actions.back(), task);
+    const bool is_position = task.physics.drive == pusht::Drive::kPosition;
+    commanded = is_position ? Vector2d(command - state.pusher_position) : Vector2d(kArrowTime * command);
     actual = kArrowTime * state.pusher_velocity;
   }
-  view.area(canvas, body, circleOf(state.pusher_position, pusht::kPusherRadius), kPusherZ);
+  view.area(canvas, body, circleOf(state.pusher_position, task.physics.pusher_radius), kPusherZ);
   view.arrow(canvas, color(kBright), kCommandWidth, state.pusher_position, commanded, kArrowZ);
   view.arrow(canvas, colorOf(mode), kVelocityWidth, state.pusher_position, actual, kArrowZ + 0.5 * kLayer);
   view.edgeMark(canvas, body, kPusherMark, state.pusher_position);
@@ -214,7 +231,8 @@ std::uint32_t bandColor(RunState state) {
 
 }  // namespace
 
-Picture::Picture(std::array<World, kModeCount> worlds) : worlds_(std::move(worlds)) {}
+Picture::Picture(std::array<World, kModeCount> worlds, const pusht::Task& task)
+    : worlds_(std::move(worlds)), task_(&task) {}
 
 Picture Picture::of(const RunConfiguration& run, const std::array<std::string, kModeCount>& frame_prefixes) {
   std::array<World, kModeCount> worlds;
@@ -229,7 +247,7 @@ Picture Picture::of(const RunConfiguration& run, const std::array<std::string, k
                     pusht::fitted(subtitleOf(mode, run), kLineLength),
                     changedParameters(simulator, kParametersLines, kLineLength)};
   }
-  return Picture(std::move(worlds));
+  return Picture(std::move(worlds), run.protocol.runTask());
 }
 
 std::vector<geometry_msgs::TransformStamped> Picture::frames() const {
@@ -238,7 +256,7 @@ std::vector<geometry_msgs::TransformStamped> Picture::frames() const {
     const std::string& prefix = worlds_[mode].frame_prefix;
     const double x = kSpacing * (static_cast<double>(mode) - static_cast<double>(kMiddle));
     frames.push_back(standing(prefix + "/table", x, 0.0));
-    frames.push_back(pusht::targetFrame(prefix));
+    frames.push_back(pusht::targetFrame(prefix, task_->target));
     frames.push_back(standing(viewFrame(prefix), x, 0.0));
   }
   frames.push_back(standing(viewFrame(kOverlay), 0.0, kOverlayY));
@@ -270,7 +288,7 @@ MarkerArray Picture::scene() const {
 MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode, const std::optional<Summary>& summary,
                             const std::string& headline) const {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-  const TableView view(kPane, regionOf(episode, kPane));
+  const TableView view(kPane, regionOf(episode, kPane), *task_);
   const pusht::WorldColors colors;
   MarkerArray update;
   for (const Mode mode : kModes) {
@@ -279,14 +297,14 @@ MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode,
         firstDivergenceOf(reference, rollout.trace(), run.protocol.bound(), rollout.task());
     Canvas canvas(viewFrame(worlds_[mode].frame_prefix));
     view.table(canvas, colors.table, colors.walls);
-    drawTarget(canvas, view, markColor(mode, episode));
+    drawTarget(canvas, view, *task_, markColor(mode, episode));
     drawWay(canvas, view, mode, rollout.trace(), first_divergence);
     view.tee(canvas, colorOf(mode), colorOf(mode), stateOf(episode, mode), kTeeZ);
     if (mode == kEngineReplay) {
       view.tee(canvas, colorOf(kReferenceClosed, kGhostOpacity), colorOf(kReferenceClosed), reference.states.back(),
                kGhostZ);
     }
-    drawAxis(canvas, view, stateOf(episode, mode), color(kBright));
+    drawAxis(canvas, view, stateOf(episode, mode), *task_, color(kBright));
     drawPusher(canvas, view, mode, episode, color(kBright));
     drawEdge(canvas, kPane, rollout.success() ? colorOf(mode) : colors.walls,
              rollout.success() ? kTableEdge : 0.5 * kTableEdge);
@@ -305,21 +323,21 @@ MarkerArray Picture::update(const RunConfiguration& run, const Episode& episode,
 
 MarkerArray Picture::overlay(const RunConfiguration& run, const Episode& episode, const std::string& headline) const {
   const pusht::Trace& reference = episode.rollout(kReferenceClosed).trace();
-  const TableView view(kOverlayPane, regionOf(episode, kOverlayPane));
+  const TableView view(kOverlayPane, regionOf(episode, kOverlayPane), *task_);
   const pusht::WorldColors colors;
   Canvas canvas(viewFrame(kOverlay));
   view.table(canvas, colors.table, colors.walls);
-  drawTarget(canvas, view, markColor(kReferenceClosed, episode));
+  drawTarget(canvas, view, *task_, markColor(kReferenceClosed, episode));
   drawEdge(canvas, kOverlayPane, colors.walls, 0.5 * kTableEdge);
   for (const Mode mode : kModes) {
     const pusht::Trace& trace = episode.rollout(mode).trace();
     const std::optional<FirstDivergence> first_divergence =
-        firstDivergenceOf(reference, trace, run.protocol.bound(), run.protocol.runTask());
+        firstDivergenceOf(reference, trace, run.protocol.bound(), *task_);
     const float opacity = mode == kReferenceClosed ? 1.0F : kGhostOpacity;
     drawWay(canvas, view, mode, trace, first_divergence);
     view.tee(canvas, colorOf(mode, opacity), colorOf(mode), trace.states.back(),
              kTeeZ + 0.5 * kLayer * static_cast<double>(mode));
-    drawAxis(canvas, view, trace.states.back(), mode == kReferenceClosed ? color(kBright) : colorOf(mode));
+    drawAxis(canvas, view, trace.states.back(), *task_, mode == kReferenceClosed ? color(kBright) : colorOf(mode));
     drawPusher(canvas, view, mode, episode, colorOf(mode, opacity));
     double y = kCardTop - kCardBlock * static_cast<double>(mode);
     for (const std::string& line : {worlds_[mode].title, worlds_[mode].subtitle, statusOf(mode, episode),

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "pusht_task/task.hpp"
 #include "sim2sim_protocol/episode.hpp"
 #include "sim2sim_protocol/protocol.hpp"
 #include "sim2sim_protocol/results/run_configuration.hpp"
@@ -36,7 +37,7 @@ class Picture {
   };
 
   /// `worlds` by mode, which is their order on the screen. Their prefixes must differ.
-  explicit Picture(std::array<World, kModeCount> worlds);
+  explicit Picture(std::array<World, kModeCount> worlds, const pusht::Task& task = pusht::fullCircle());
 
   /// Picture of a run, with titles and parameters of its simulators.
   static Picture of(const RunConfiguration& run, const std::array<std::string, kModeCount>& frame_prefixes);
@@ -59,6 +60,7 @@ class Picture {
 
  private:
   std::array<World, kModeCount> worlds_;
+  const pusht::Task* task_;
 };
 
 /// Line below the headline, in the frame `world`: a band in the color of the state, with `text`.

@@ -80,7 +80,6 @@ Playback::Playback(const ros::NodeHandle& node, const PlaybackParameters& parame
   sought_ = PlaybackPosition{begin.episode, std::min(stepsIn(parameters.start), episodes_.at(begin.episode).steps())};
   pacer_.setRate(parameters.speed / pusht::kControlStep);
   const RunConfiguration& configuration = run_.configuration;
-  requireLive(configuration.protocol);
   request_.publish(goalOf(configuration.protocol));
   broadcast_.begin(configuration, Picture::of(configuration, frame_prefixes_), nullptr, stamp_);
   broadcast_.restore(run_.episodes, summarize(configuration.protocol, run_.episodes), lastOf(run_), stamp_);

@@ -74,13 +74,6 @@ std::string freeFolder(const std::string& out) {
   return name;
 }
 
-void requireLive(const RunOptions& options) {
-  if (options.task != RunOptions().task) {
-    throw pusht::InvalidInput("task " + options.task + ": must be " + RunOptions().task +
-                              " over nodes; `rosrun sim2sim_eval compare` runs others");
-  }
-}
-
 LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal) {
   if (request.smoke && (names(goal, "episodes") || names(goal, "horizon"))) {
     throw pusht::InvalidInput("episodes and horizon: a smoke run has its own");

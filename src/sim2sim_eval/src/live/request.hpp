@@ -36,9 +36,6 @@ pusht::Parameters parametersFrom(const std::string& what, const std::string& tex
 /// empty: the run then takes the next free results/compare-N.
 std::string freeFolder(const std::string& out);
 
-/// Throws InvalidInput for what runs in one process alone: a task with another picture than full_circle's.
-void requireLive(const RunOptions& options);
-
 /// Request with the fields of `goal` on top; an empty field leaves the request as it is. Throws InvalidInput with
 /// field, value and rule.
 LiveRequest merged(LiveRequest request, const pusht_msgs::CompareGoal& goal);

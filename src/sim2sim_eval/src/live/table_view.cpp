@@ -19,7 +19,7 @@ using visualization_msgs::Marker;
 
 namespace {
 
-constexpr double kTableEnd = 0.45;    // [m] from the middle: a little beyond the walls
+constexpr double kBeyondWalls = 0.06;  // [m] from the walls' faces to the end of what may be seen
 constexpr double kLeastWidth = 0.46;  // [m] of a region: less would magnify what is near the target out of measure
 constexpr double kGrid = 0.06;    // [m] to which the edges of a region are rounded outwards, so that it grows seldom
 constexpr double kMargin = 0.01;  // [m] around what is to be seen
@@ -28,17 +28,29 @@ constexpr double kOutlineWidth = 0.006;
 constexpr float kBeginning = 0.25F;  // share of the color where a way begins
 constexpr int kCirclePoints = 24;
 
+Vector2d middleOf(const pusht::Task& task) { return {task.physics.wall_middle[0], task.physics.wall_middle[1]}; }
+
+/// [m] From the middle to the end of what may be seen of a task's table.
+double tableEnd(const pusht::Task& task) { return task.physics.wall_inner_face + kBeyondWalls; }
+
 /// The smallest rectangle around points, none of which counts as further out than the walls.
 class Bounds {
  public:
+  explicit Bounds(const pusht::Task& task)
+      : task_(task),
+        least_(middleOf(task).array() - tableEnd(task)),
+        most_(middleOf(task).array() + tableEnd(task)),
+        low_(task.target.position),
+        high_(task.target.position) {}
+
   void add(const Vector2d& point) {
-    const Vector2d inside = point.cwiseMax(-kTableEnd).cwiseMin(kTableEnd);
+    const Vector2d inside = point.cwiseMax(least_).cwiseMin(most_);
     low_ = low_.cwiseMin(inside);
     high_ = high_.cwiseMax(inside);
   }
 
   void addTee(const pusht::WorldState& state) {
-    for (const std::vector<Vector2d>& part : teeCorners(state)) {
+    for (const std::vector<Vector2d>& part : teeCorners(state, task_)) {
       std::for_each(part.begin(), part.end(), [this](const Vector2d& corner) { add(corner); });
     }
   }
@@ -47,8 +59,11 @@ class Bounds {
   Vector2d high() const { return kGrid * ((high_.array() + kMargin) / kGrid).ceil(); }
 
  private:
-  Vector2d low_ = Vector2d::Zero();
-  Vector2d high_ = Vector2d::Zero();
+  const pusht::Task& task_;
+  Vector2d least_;
+  Vector2d most_;
+  Vector2d low_;
+  Vector2d high_;
 };
 
 std::vector<Vector2d> rectangle(const Vector2d& low, const Vector2d& high) {
@@ -63,8 +78,10 @@ Vector2d onTable(const pusht::WorldState& state, const geometry_msgs::Point& in_
 }  // namespace
 
 Region regionOf(const Episode& episode, const Pane& pane) {
-  Bounds bounds;
-  bounds.addTee(pusht::WorldState());  // the target
+  const pusht::Task& task = episode.rollout(kReferenceClosed).task();
+  const double table_end = tableEnd(task);
+  Bounds bounds(task);
+  bounds.addTee(stateAtTarget(task));
   for (const Mode mode : kModes) {
     for (const pusht::WorldState& state : episode.rollout(mode).trace().states) {
       bounds.addTee(state);
@@ -75,15 +92,15 @@ Region regionOf(const Episode& episode, const Pane& pane) {
   }
   const double aspect = pane.size.y() / pane.size.x();
   const Vector2d extent = bounds.high() - bounds.low();
-  const double width = std::clamp(std::max(extent.x(), extent.y() / aspect), kLeastWidth, 2.0 * kTableEnd);
+  const double width = std::clamp(std::max(extent.x(), extent.y() / aspect), kLeastWidth, 2.0 * table_end);
   // No more of what is beyond the walls than must be.
-  const Vector2d reach = (kTableEnd - 0.5 * width * Eigen::Array2d(1.0, aspect)).max(0.0);
-  const Vector2d middle = 0.5 * (bounds.low() + bounds.high());
-  return {middle.cwiseMax(-reach).cwiseMin(reach), width};
+  const Vector2d reach = (table_end - 0.5 * width * Eigen::Array2d(1.0, aspect)).max(0.0);
+  const Vector2d middle = 0.5 * (bounds.low() + bounds.high()) - middleOf(task);
+  return {middleOf(task) + middle.cwiseMax(-reach).cwiseMin(reach), width};
 }
 
-TableView::TableView(const Pane& pane, const Region& region)
-    : pane_(pane), region_(region), zoom_(pane.size.x() / region.width) {}
+TableView::TableView(const Pane& pane, const Region& region, const pusht::Task& task)
+    : pane_(pane), region_(region), task_(task), zoom_(pane.size.x() / region.width) {}
 
 Vector2d TableView::toCanvas(const Vector2d& on_table) const {
   return pane_.center + zoom_ * (on_table - region_.center);
@@ -154,15 +171,18 @@ void TableView::area(Canvas& canvas, const ColorRGBA& color, const std::vector<V
 }
 
 void TableView::table(Canvas& canvas, const ColorRGBA& floor, const ColorRGBA& walls) const {
-  constexpr double kInner = pusht::kWallInnerFace;
-  constexpr double kOuter = kInner + pusht::dynamics::kWallThickness;
-  area(canvas, floor, rectangle({-kInner, -kInner}, {kInner, kInner}), kFloorZ);
+  const double inner = task_.physics.wall_inner_face;
+  const double outer = inner + pusht::dynamics::kWallThickness;
+  const auto around = [&](const Vector2d& low, const Vector2d& high) {
+    return rectangle(middleOf(task_) + low, middleOf(task_) + high);
+  };
+  area(canvas, floor, around({-inner, -inner}, {inner, inner}), kFloorZ);
   Points triangles;
   for (const double side : {-1.0, 1.0}) {
-    const double near = std::min(side * kInner, side * kOuter);
-    const double far = std::max(side * kInner, side * kOuter);
-    addArea(triangles, rectangle({-kOuter, near}, {kOuter, far}), kFloorZ);
-    addArea(triangles, rectangle({near, -kInner}, {far, kInner}), kFloorZ);
+    const double near = std::min(side * inner, side * outer);
+    const double far = std::max(side * inner, side * outer);
+    addArea(triangles, around({-outer, near}, {outer, far}), kFloorZ);
+    addArea(triangles, around({near, -inner}, {far, inner}), kFloorZ);
   }
   canvas.triangles(walls, std::move(triangles));
 }
@@ -213,12 +233,12 @@ void TableView::arrow(Canvas& canvas, const ColorRGBA& color, double width, cons
 void TableView::tee(Canvas& canvas, const ColorRGBA& surface, const ColorRGBA& outline, const pusht::WorldState& state,
                     double z) const {
   Points triangles;
-  for (const std::vector<Vector2d>& part : teeCorners(state)) {
+  for (const std::vector<Vector2d>& part : teeCorners(state, task_)) {
     addArea(triangles, part, z);
   }
   canvas.triangles(surface, std::move(triangles));
   std::vector<Vector2d> edge;
-  for (const geometry_msgs::Point& corner : pusht::teeOutline()) {
+  for (const geometry_msgs::Point& corner : pusht::teeOutline(task_.physics)) {
     edge.push_back(onTable(state, corner));
   }
   line(canvas, outline, kOutlineWidth, edge, z);
@@ -240,8 +260,8 @@ void TableView::edgeMark(Canvas& canvas, const ColorRGBA& color, double size, co
   canvas.triangles(color, std::move(triangle));
 }
 
-std::array<std::vector<Vector2d>, 2> teeCorners(const pusht::WorldState& state) {
-  const auto rectangles = pusht::teeRectangles();
+std::array<std::vector<Vector2d>, 2> teeCorners(const pusht::WorldState& state, const pusht::Task& task) {
+  const auto rectangles = pusht::teeRectangles(task.physics);
   std::array<std::vector<Vector2d>, 2> parts;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     std::transform(rectangles[i].begin(), rectangles[i].end(), std::back_inserter(parts[i]),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "live/canvas.hpp"
+#include "pusht_task/task.hpp"
 #include "pusht_task/types.hpp"
 #include "sim2sim_protocol/episode.hpp"
 
@@ -31,7 +32,7 @@ Region regionOf(const Episode& episode, const Pane& pane);
 /// Drawing at table coordinates [m] into a canvas, clipped to the pane. Sizes and widths are in the canvas's frame [m].
 class TableView {
  public:
-  TableView(const Pane& pane, const Region& region);
+  TableView(const Pane& pane, const Region& region, const pusht::Task& task = pusht::fullCircle());
 
   /// Magnification: meters of the canvas per meter of the table.
   double zoom() const { return zoom_; }
@@ -77,11 +78,13 @@ class TableView {
 
   Pane pane_;
   Region region_;
+  const pusht::Task& task_;
   double zoom_;
 };
 
-/// Corners of the tee's bar and stem, each a convex polygon, on the table [m].
-std::array<std::vector<Eigen::Vector2d>, 2> teeCorners(const pusht::WorldState& state);
+/// Corners of bar and stem of a task's tee, each a convex polygon, on the table [m].
+std::array<std::vector<Eigen::Vector2d>, 2> teeCorners(const pusht::WorldState& state,
+                                                       const pusht::Task& task = pusht::fullCircle());
 
 /// Circle as a closed line [m].
 std::vector<Eigen::Vector2d> circleOf(const Eigen::Vector2d& center, double radius);

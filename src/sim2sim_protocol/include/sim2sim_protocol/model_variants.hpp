@@ -31,7 +31,8 @@ struct LoadedVariant {
 
 /// Default variants of a kind, loaded, but for the reference itself; there may be none. Throws what SimulatorKind::load
 /// throws.
-std::vector<LoadedVariant> loadDefaultVariants(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters);
+std::vector<LoadedVariant> loadDefaultVariants(const pusht::SimulatorKind& kind, const pusht::ParameterSet& parameters,
+                                               const pusht::Task& task = pusht::fullCircle());
 
 /// A world of each variant.
 VariantWorlds worldsOf(const std::vector<pusht::SimulatorModel>& variants);

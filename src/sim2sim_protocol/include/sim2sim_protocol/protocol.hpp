@@ -50,6 +50,9 @@ struct Protocol : RunOptions {
   /// Task of the run. Throws InvalidInput if there is none of that name.
   const pusht::Task& runTask() const { return pusht::taskNamed(task); }
 
+  /// Replaces the path of a task's file by what it says, so that the task is the same wherever the run goes.
+  void carryTask() { task = pusht::textOf(runTask()); }
+
   /// Whether there is no engine: of the modes the reference's closed loop alone is flown.
   bool alone = false;
 

@@ -12,8 +12,8 @@
 
 namespace sim2sim {
 
-/// [m] Radius of gyration of the tee about its center of mass, for yaw in the norm of a displacement; rounded, as the
-/// study's plan fixes it.
+/// [m] Radius of gyration of full_circle's tee about its center of mass, for yaw in the norm of a displacement; rounded,
+/// as the study's plan fixes it. In other tasks it is the tee's.
 constexpr double kGyration = 0.044;
 /// [m/control step] A window is a push if the reference's tee moves by more than this, times the window's steps.
 constexpr double kLeastPush = 0.0004;
@@ -26,8 +26,9 @@ constexpr double kLargestPushRatio = 20.0;
 constexpr double kLargestPushSize = 2.995732273553991;
 
 /// Displacement [m] of a tee from state `a` to state `b`: x and y of the center of mass in the table frame, and the
-/// yaw, wrapped, times kGyration. Its norm is how far the tee's points move, root mean square by mass.
-Eigen::Vector3d teeDisplacement(const pusht::WorldState& a, const pusht::WorldState& b);
+/// yaw, wrapped, times the radius of gyration. Its norm is how far the tee's points move, root mean square by mass.
+Eigen::Vector3d teeDisplacement(const pusht::WorldState& a, const pusht::WorldState& b,
+                                const pusht::Task& task = pusht::fullCircle());
 
 /// Figures over the pushes of an episode; NaN where no push has one.
 struct PushFigures {

@@ -67,6 +67,9 @@ nlohmann::ordered_json provenance(const RunConfiguration& configuration, const n
                                        {"reference", reference},
                                        {"engine", engine},
                                        {"software", buildAndMachine()}};
+  if (const pusht::Task& task = configuration.protocol.runTask(); &task != &pusht::fullCircle()) {
+    provenance["task"] = pusht::describe(task);
+  }
   if (configuration.protocol.initial_states) {
     provenance["starts"] = configuration.protocol.initial_states->csv();
   }

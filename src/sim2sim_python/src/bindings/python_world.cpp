@@ -147,7 +147,7 @@ ForeignKind kindOf(const py::object& worlds, Desk& desk) {
   foreign.code = {{"simulator", kind.name}, {"version", kind.version}, {"provenance", {{"python", python}}}};
   const auto maker = std::make_shared<const Maker>(
       Maker{worlds.attr("make"), py::module_::import("pusht_task.task").attr("WorldState"), foreign.name});
-  kind.load = [&desk, maker, start_tolerance = kind.start_tolerance, python](const pusht::ParameterSet& parameters) {
+  kind.loader = [&desk, maker, start_tolerance = kind.start_tolerance, python](const pusht::ParameterSet& parameters) {
     const auto make_world = [&desk, maker, start_tolerance, parameters] {
       return std::make_unique<PythonWorld>(desk, maker, start_tolerance, parameters);
     };

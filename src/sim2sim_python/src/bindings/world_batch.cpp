@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <limits>
 #include <cstddef>
 #include <exception>
 #include <iterator>
@@ -64,19 +65,23 @@ std::vector<std::string> stateFields() {
   return names;
 }
 
-WorldBatch::WorldBatch(const std::string& kind, const py::dict& parameters, int worlds) {
+WorldBatch::WorldBatch(const std::string& kind, const py::dict& parameters, int worlds, const std::string& task) {
   const pusht::SimulatorKind& chosen = pusht::SimulatorKinds::installed().named(kind);
-  chosen.requireTask(pusht::fullCircle());
+  task_ = task.empty() ? &chosen.ownTask() : &pusht::taskNamed(task);
   pusht::ParameterSet values = chosen.defaults();
   for (const auto& [name, value] : parameters) {
     values.set(py::str(name), textOf(value));
   }
-  worlds_ = chosen.load(values).make_lanes(worlds);
+  worlds_ = chosen.load(values, *task_).make_lanes(worlds);
   episodes_.resize(static_cast<std::size_t>(worlds));
   actions_.resize(static_cast<std::size_t>(worlds));
 }
 
-void WorldBatch::spawn(int world, std::uint64_t seed) { begin(world, pusht::spawn(seed)); }
+double WorldBatch::actionLimit() const {
+  return task_->action_limit.value_or(std::numeric_limits<float>::infinity());
+}
+
+void WorldBatch::spawn(int world, std::uint64_t seed) { begin(world, pusht::spawn(seed, *task_)); }
 
 void WorldBatch::reset(int world, const States& state) {
   pusht::WorldState start;
@@ -92,7 +97,7 @@ void WorldBatch::begin(int world, const pusht::WorldState& start) {
   const std::lock_guard<std::mutex> lock(mutex_);
   inWorld(index, episodes_.size(), [&] {
     worlds_->reset(world, start);
-    episodes_.at(index) = {worlds_->state(world), {}, 0.0, 0};
+    episodes_.at(index) = {worlds_->state(world), pusht::SuccessLatch(*task_), 0.0, 0};
   });
 }
 
@@ -103,7 +108,7 @@ void WorldBatch::step(const Actions& actions, const Mask& mask) {
     const auto row = static_cast<py::ssize_t>(world);
     if (mask.at(row)) {
       wanted[world] = pusht::Action{actions.at(row, 0), actions.at(row, 1)};
-      inWorld(world, count, [&] { pusht::checkedAction(*wanted[world]); });
+      inWorld(world, count, [&] { pusht::checkedAction(*wanted[world], *task_); });
     }
   }
   const WithoutGil released;
@@ -129,7 +134,7 @@ void WorldBatch::step(const Actions& actions, const Mask& mask) {
 void WorldBatch::record(std::size_t world) {
   Episode& episode = episodes_[world];
   episode.state = worlds_->state(static_cast<int>(world));
-  episode.reward = pusht::reward(episode.state, episode.latch.update(episode.state));
+  episode.reward = pusht::reward(episode.state, episode.latch.update(episode.state), *task_);
   ++episode.steps;
 }
 
@@ -146,7 +151,7 @@ py::array_t<float> WorldBatch::observations() const {
   py::array_t<float> rows({static_cast<py::ssize_t>(episodes_.size()), kNumbers});
   float* number = rows.mutable_data();
   for (const Episode& episode : episodes_) {
-    const pusht::Observation observation = pusht::observe(episode.state);
+    const pusht::Observation observation = pusht::observe(episode.state, *task_);
     number = std::copy(observation.begin(), observation.end(), number);
   }
   return rows;
@@ -165,11 +170,15 @@ py::array_t<double> WorldBatch::states() const {
 }
 
 py::array_t<double> WorldBatch::positionErrors() const {
-  return column<double>([](const Episode& episode) { return pusht::poseError(episode.state).position; });
+  return column<double>([this](const Episode& episode) { return pusht::poseError(episode.state, *task_).position; });
 }
 
 py::array_t<double> WorldBatch::angleErrors() const {
-  return column<double>([](const Episode& episode) { return pusht::poseError(episode.state).angle; });
+  return column<double>([this](const Episode& episode) { return pusht::poseError(episode.state, *task_).angle; });
+}
+
+py::array_t<double> WorldBatch::coverages() const {
+  return column<double>([this](const Episode& episode) { return pusht::coverageOf(episode.state, *task_); });
 }
 
 py::array_t<double> WorldBatch::rewards() const {
@@ -189,8 +198,12 @@ void bindWorldBatch(py::module_& module) {
   module.def("parameters_of", parametersOf, py::arg("kind"));
   module.attr("STATE_FIELDS") = py::tuple(py::cast(stateFields()));
   py::class_<WorldBatch>(module, "WorldBatch")
-      .def(py::init<const std::string&, const py::dict&, int>(), py::arg("kind"), py::arg("parameters"),
-           py::arg("worlds"))
+      .def(py::init<const std::string&, const py::dict&, int, const std::string&>(), py::arg("kind"),
+           py::arg("parameters"), py::arg("worlds"), py::arg("task"))
+      .def_property_readonly("action_limit", &WorldBatch::actionLimit)
+      .def_property_readonly("judged_by_coverage", &WorldBatch::isJudgedByCoverage)
+      .def_property_readonly("first_spawn_seed", &WorldBatch::firstSpawnSeed)
+      .def_property_readonly("coverages", &WorldBatch::coverages)
       .def("spawn", &WorldBatch::spawn, py::arg("world"), py::arg("seed"))
       .def("reset", &WorldBatch::reset, py::arg("world"), py::arg("state"))
       .def("step", &WorldBatch::step, py::arg("actions"), py::arg("mask"))

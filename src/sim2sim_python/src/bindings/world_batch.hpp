@@ -27,9 +27,18 @@ class WorldBatch {
   using States = pybind11::array_t<double, pybind11::array::c_style>;
   using Actions = pybind11::array_t<float, pybind11::array::c_style>;
 
-  /// `parameters` of the kind by name. Throws as SimulatorKinds::named, ParameterSet::set and
-  /// SimulatorKind::load.
-  WorldBatch(const std::string& kind, const pybind11::dict& parameters, int worlds);
+  /// `parameters` of the kind by name; `task` as for taskNamed(), empty: the kind's own. Throws as
+  /// SimulatorKinds::named, taskNamed(), ParameterSet::set and SimulatorKind::load.
+  WorldBatch(const std::string& kind, const pybind11::dict& parameters, int worlds, const std::string& task);
+
+  /// Largest action of the task per axis; infinity: actions are not clipped.
+  double actionLimit() const;
+
+  /// Whether coverage decides on success.
+  bool isJudgedByCoverage() const { return task_->success.coverage.has_value(); }
+
+  /// First seed of the task's comparisons: below it are those for training.
+  std::uint64_t firstSpawnSeed() const { return task_->first_spawn_seed; }
 
   /// Begins an episode in one world, from the spawn of `seed`.
   void spawn(int world, std::uint64_t seed);
@@ -47,6 +56,7 @@ class WorldBatch {
   pybind11::array_t<double> states() const;          ///< [n, stateFields()]
   pybind11::array_t<double> positionErrors() const;  ///< [n] [m]
   pybind11::array_t<double> angleErrors() const;     ///< [n] [rad]
+  pybind11::array_t<double> coverages() const;       ///< [n] share of the target that is covered
   pybind11::array_t<double> rewards() const;         ///< [n] of the last step; 0 after a reset
   pybind11::array_t<bool> successes() const;         ///< [n]
   pybind11::array_t<std::int64_t> steps() const;     ///< [n] control steps since the reset
@@ -65,6 +75,7 @@ class WorldBatch {
   template <class Value, class Function>
   pybind11::array_t<Value> column(const Function& function) const;
 
+  const pusht::Task* task_;
   std::unique_ptr<pusht::BatchSimulator> worlds_;
   std::vector<Episode> episodes_;
   std::vector<std::optional<pusht::Action>> actions_;

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sim2sim._sim2sim import (
-    FIRST_SPAWN_SEED,
     HORIZON,
     STATE_FIELDS,
     WorldBatch,
@@ -38,11 +37,12 @@ MOST_WORLDS = 100_000
 class _Starts:
     """Spawn seeds of one world: the given ones, and those that follow from them.
 
-    A reset without a seed draws one below FIRST_SPAWN_SEED, so it is none of those from which
+    A reset without a seed draws one below the task's first, so it is none of those from which
     comparisons start.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, first_of_comparisons: int) -> None:
+        self._first_of_comparisons = first_of_comparisons
         self.random: Optional[np.random.Generator] = None
 
     def given(self, seed: int) -> None:
@@ -51,7 +51,7 @@ class _Starts:
     def drawn(self) -> int:
         if self.random is None:
             self.random = np.random.default_rng(secrets.randbits(64))
-        return int(self.random.integers(FIRST_SPAWN_SEED))
+        return int(self.random.integers(self._first_of_comparisons))
 
 
 class _Worlds:
@@ -62,12 +62,18 @@ class _Worlds:
     spec = None
 
     def __init__(
-        self, kind: str, count: int, horizon: int, parameters: Mapping[str, object]
+        self,
+        kind: str,
+        count: int,
+        horizon: int,
+        task: Optional[str],
+        parameters: Mapping[str, object],
     ) -> None:
         self.kind = checked_text("kind", kind)
         self.horizon = checked_integer("horizon", horizon, 1, 1_000_000)
-        self._batch = WorldBatch(self.kind, dict(parameters), count)
-        self._starts = [_Starts() for _ in range(count)]
+        named = "" if task is None else checked_text("task", task)
+        self._batch = WorldBatch(self.kind, dict(parameters), count, named)
+        self._starts = [_Starts(self._batch.first_spawn_seed) for _ in range(count)]
         self._ended: Optional[NDArray[np.bool_]] = None  # None: must be reset
 
     def render(self) -> None:
@@ -94,7 +100,9 @@ class _Worlds:
 
     def _info(self) -> Info:
         batch = self._batch
+        coverage = {"coverage": batch.coverages} if batch.judged_by_coverage else {}
         return {
+            **coverage,
             "state": batch.states,
             "position_error": batch.position_errors,
             "angle_error": batch.angle_errors,
@@ -113,13 +121,22 @@ class _Worlds:
 class World(_Worlds, Env):
     """One world of PushT, of a kind of simulator, as an environment of Gymnasium.
 
-    `horizon`: control steps after which an episode is truncated. `parameters` are the kind's.
+    `horizon`: control steps after which an episode is truncated. `task`: a name, or a file
+    NAME.json; without one, the kind's own. `parameters` are the kind's.
     """
 
-    def __init__(self, kind: str, *, horizon: int = HORIZON, **parameters: object) -> None:
-        super().__init__(kind, 1, horizon, parameters)
+    def __init__(
+        self,
+        kind: str,
+        *,
+        horizon: int = HORIZON,
+        task: Optional[str] = None,
+        **parameters: object,
+    ) -> None:
+        super().__init__(kind, 1, horizon, task, parameters)
+        limit = self._batch.action_limit
         self.observation_space = Box(-np.inf, np.inf, (OBSERVATION,))
-        self.action_space = Box(-1.0, 1.0, (ACTION,))
+        self.action_space = Box(-limit, limit, (ACTION,))
 
     def reset(
         self, *, seed: Optional[int] = None, options: Optional[Mapping[str, Any]] = None
@@ -137,11 +154,13 @@ class World(_Worlds, Env):
         return self._batch.observations[0], _first(info)
 
     def step(self, action: ArrayLike) -> Tuple[NDArray[np.float32], float, bool, bool, Info]:
-        """Takes a control step (0.1 s) with the commanded velocity of the pusher [m/s].
+        """Takes a control step (0.1 s) with an action of the task: the commanded velocity of the
+        pusher [m/s], or the position to which it is drawn.
 
         Returns observation, reward, terminated (success), truncated (horizon) and info. The
         reward is that of the task: -(position error / 0.5 m + angle error / pi) / 2, and 1 more in
-        the step in which success latches. After an end a world must be reset.
+        the step in which success latches; or the coverage over that of success, at most 1. After
+        an end a world must be reset.
         """
         if self._ended is None or self._ended[0]:
             raise InvalidInput("step: the episode has ended, or none has begun; reset the world")
@@ -171,14 +190,21 @@ class VectorWorld(_Worlds, VectorEnv):
     metadata: Dict[str, Any] = {**_Worlds.metadata, "autoreset_mode": NEXT_STEP}
 
     def __init__(
-        self, kind: str, num_envs: int, *, horizon: int = HORIZON, **parameters: object
+        self,
+        kind: str,
+        num_envs: int,
+        *,
+        horizon: int = HORIZON,
+        task: Optional[str] = None,
+        **parameters: object,
     ) -> None:
         self.num_envs = checked_integer("num_envs", num_envs, 1, MOST_WORLDS)
-        super().__init__(kind, self.num_envs, horizon, parameters)
+        super().__init__(kind, self.num_envs, horizon, task, parameters)
+        limit = self._batch.action_limit
         self.single_observation_space = Box(-np.inf, np.inf, (OBSERVATION,))
-        self.single_action_space = Box(-1.0, 1.0, (ACTION,))
+        self.single_action_space = Box(-limit, limit, (ACTION,))
         self.observation_space = Box(-np.inf, np.inf, (num_envs, OBSERVATION))
-        self.action_space = Box(-1.0, 1.0, (num_envs, ACTION))
+        self.action_space = Box(-limit, limit, (num_envs, ACTION))
 
     def reset(
         self,
@@ -236,16 +262,23 @@ class VectorWorld(_Worlds, VectorEnv):
         return [checked_seed(first + world) for world in range(self.num_envs)]
 
 
-def make(kind: str, *, horizon: int = HORIZON, **parameters: object) -> World:
+def make(
+    kind: str, *, horizon: int = HORIZON, task: Optional[str] = None, **parameters: object
+) -> World:
     """A world of an installed kind: make("mujoco", timestep=0.005)."""
-    return World(kind, horizon=horizon, **parameters)
+    return World(kind, horizon=horizon, task=task, **parameters)
 
 
 def make_vec(
-    kind: str, num_envs: int = 1, *, horizon: int = HORIZON, **parameters: object
+    kind: str,
+    num_envs: int = 1,
+    *,
+    horizon: int = HORIZON,
+    task: Optional[str] = None,
+    **parameters: object,
 ) -> VectorWorld:
     """Worlds of an installed kind that step together."""
-    return VectorWorld(kind, num_envs, horizon=horizon, **parameters)
+    return VectorWorld(kind, num_envs, horizon=horizon, task=task, **parameters)
 
 
 def parameters(kind: str) -> List[Dict[str, Any]]:

@@ -18,7 +18,8 @@ MOST_ANIMATED = 200  # episodes, unless more are asked for
 GEOMETRY: Json = {  # of the course's task [m, s, rad]
     "barHalfLength": task.BAR_HALF_LENGTH,
     "stemHalfLength": task.STEM_HALF_LENGTH,
-    "halfWidth": task.TEE_HALF_WIDTH,
+    "barHalfWidth": task.TEE_HALF_WIDTH,
+    "stemHalfWidth": task.TEE_HALF_WIDTH,
     "stemOffset": task.STEM_OFFSET,
     "pusherRadius": task.PUSHER_RADIUS,
     "wall": task.WALL_INNER_FACE,
@@ -39,13 +40,14 @@ def geometry_of(run: Run) -> Json:
         **GEOMETRY,
         "barHalfLength": sizes["bar_half_length"],
         "stemHalfLength": sizes["stem_half_length"],
-        "halfWidth": sizes["bar_half_width"],
+        "barHalfWidth": sizes["bar_half_width"],
+        "stemHalfWidth": sizes["stem_half_width"],
         "stemOffset": sizes["stem_offset"],
         "pusherRadius": sizes["pusher_radius"],
         "wall": walls["inner_face"],
         "wallMiddle": walls["middle"],
         "target": described["target"],
-        "arrow": f"to the commanded {described['drive']}",
+        "arrow": f"to the commanded {described['physics']['drive']}",
     }
 
 
@@ -173,13 +175,13 @@ def _frame(run: Run, worlds: Dict[str, Any], traces: Traces, episode: int, step:
 
 
 def _tee(geometry: Json, pose: Sequence[float], style: str) -> str:
-    a, w = geometry["barHalfLength"], geometry["halfWidth"]
-    s, o = geometry["stemHalfLength"], geometry["stemOffset"]
-    outline = ((-a, w), (a, w), (a, -w), (w, -w), (w, -o - s), (-w, -o - s), (-w, -w), (-a, -w))
+    a, w = geometry["barHalfLength"], geometry["barHalfWidth"]
+    v, end = geometry["stemHalfWidth"], -geometry["stemOffset"] - geometry["stemHalfLength"]
+    outline = ((-a, w), (a, w), (a, -w), (v, -w), (v, end), (-v, end), (-v, -w), (-a, -w))
     x, y, yaw = map(float, pose)
     sin, cos = math.sin(yaw), math.cos(yaw)
     points = " ".join(
-        f"{1000 * (x + cos * u - sin * v):.0f},{-1000 * (y + sin * u + cos * v):.0f}"
-        for u, v in outline
+        f"{1000 * (x + cos * across - sin * along):.0f},{-1000 * (y + sin * across + cos * along):.0f}"
+        for across, along in outline
     )
     return f'<polygon points="{points}" {style}/>'

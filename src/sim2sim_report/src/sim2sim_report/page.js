@@ -93,8 +93,9 @@ class TableView {
   }
 
   tee(state, { fill = null, stroke = null, width = 0.003, opacity = 1 }) {
-    const { barHalfLength: a, halfWidth: w, stemHalfLength: s, stemOffset: o } = geometry;
-    const outline = [[-a, w], [a, w], [a, -w], [w, -w], [w, -o - s], [-w, -o - s], [-w, -w], [-a, -w]];
+    const { barHalfLength: a, barHalfWidth: w, stemHalfWidth: v, stemOffset, stemHalfLength } = geometry;
+    const end = -stemOffset - stemHalfLength;
+    const outline = [[-a, w], [a, w], [a, -w], [v, -w], [v, end], [-v, end], [-v, -w], [-a, -w]];
     const [sin, cos] = [Math.sin(state.yaw), Math.cos(state.yaw)];
     const draw = this.context;
     draw.beginPath();

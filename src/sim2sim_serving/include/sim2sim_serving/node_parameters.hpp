@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "pusht_task/parameters.hpp"
+#include "pusht_task/simulator_kind.hpp"
 
 namespace pusht {
 
@@ -26,7 +27,14 @@ pusht_msgs::Parameter parameter(const std::string& name, const std::string& valu
 /// Whether both texts stand for one value: "6" and "6.0" do.
 bool sameValue(const std::string& a, const std::string& b);
 
-/// Parameters as messages.
+/// Name of the parameter that every served simulator has besides those of its kind: the task of its world.
+inline constexpr const char* kTaskParameter = "task";
+
+/// Parameters of a served simulator of a kind, with their defaults: those of the kind, and the task, which results and
+/// hashes have only if it is not full_circle.
+ParameterSet withTask(const SimulatorKind& kind);
+
+/// Parameters as messages, but for those that results do not have (Parameter::isRecorded()).
 Parameters toMessages(const ParameterSet& parameters);
 /// Description of a parameter as a message.
 pusht_msgs::ParameterDescriptor toMessage(const ParameterDescriptor& descriptor);

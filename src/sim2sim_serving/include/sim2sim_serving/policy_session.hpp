@@ -6,6 +6,7 @@
 #include <pusht_msgs/Describe.h>
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "pusht_task/policy.hpp"
+#include "pusht_task/task.hpp"
 
 namespace pusht {
 
@@ -22,6 +24,7 @@ struct PolicyModel {
   std::string version;
   std::unique_ptr<Policy> policy;
   nlohmann::json provenance = nlohmann::json::object();  ///< all that the numbers depend on
+  std::reference_wrapper<const Task> task = fullCircle();  ///< in which it acts
 };
 
 /// Served policy. It keeps the policy's memory of each rollout, from step 0 on. Not thread-safe.

@@ -40,9 +40,10 @@ class RemoteSimulator : public Simulator {
  public:
   /// Takes the world over from any holder. The peer must be connected; peer and stamps must outlive the simulator. A
   /// `kind` makes the world one of that kind, with its defaults; an empty one keeps the kind. Then `changes` are set.
-  /// Kind and parameters must stay so. Throws as startToleranceOf(); the error with which the node refuses;
+  /// The world becomes one of `task`. Kind and parameters must stay so. Throws as startToleranceOf(); the error with which the node refuses;
   /// BadDependency if the node describes another kind afterwards.
-  RemoteSimulator(const Peer& peer, StampSource& stamps, const std::string& kind = "", const Parameters& changes = {});
+  RemoteSimulator(const Peer& peer, StampSource& stamps, const std::string& kind = "", Parameters changes = {},
+                  const Task& task = fullCircle());
 
   /// Releases the world, if it still answers.
   ~RemoteSimulator() override;
@@ -60,7 +61,8 @@ class RemoteSimulator : public Simulator {
 
  private:
   /// Simulator that has not taken the world over yet.
-  RemoteSimulator(const Peer& peer, const StampSource& stamps, const pusht_msgs::DescribeResponse& description);
+  RemoteSimulator(const Peer& peer, const StampSource& stamps, const pusht_msgs::DescribeResponse& description,
+                  const Task& task);
 
   void doReset(const WorldState& state) override;
   void doStep(const Action& action) override;

@@ -16,7 +16,7 @@ namespace pusht {
 std::vector<geometry_msgs::TransformStamped> movingFrames(const std::string& prefix, const WorldState& state,
                                                           const ros::Time& stamp);
 
-/// Static transform from `<prefix>/table` to `<prefix>/target`.
-geometry_msgs::TransformStamped targetFrame(const std::string& prefix);
+/// Static transform from `<prefix>/table` to `<prefix>/target`, where a task has its target.
+geometry_msgs::TransformStamped targetFrame(const std::string& prefix, const Pose& target = {});
 
 }  // namespace pusht

@@ -11,11 +11,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pusht_task/palette.hpp"
+#include "pusht_task/task.hpp"
 #include "pusht_task/types.hpp"
 
 namespace pusht {
@@ -57,17 +59,19 @@ visualization_msgs::Marker frameLockedMarker(const std::string& frame, int type,
 void enumerate(const std::string& ns, std::vector<visualization_msgs::Marker>& markers);
 
 /// The shape of the tee in the xy plane of its frame [m]: for a closed LINE_STRIP, and for a TRIANGLE_LIST.
-std::vector<geometry_msgs::Point> teeOutline();
+std::vector<geometry_msgs::Point> teeOutline(const Physics& physics = {});
 /// Surface of the tee in the xy plane of its frame [m], for a TRIANGLE_LIST.
-std::vector<geometry_msgs::Point> teeSurface();
+std::vector<geometry_msgs::Point> teeSurface(const Physics& physics = {});
 /// Corners of stem and bar in that plane [m], counterclockwise.
-std::array<std::array<geometry_msgs::Point, 4>, 2> teeRectangles();
+std::array<std::array<geometry_msgs::Point, 4>, 2> teeRectangles(const Physics& physics = {});
 
 /// Static parts: table, walls and target, in the frames `<frame_prefix>/{table,target}`.
-visualization_msgs::MarkerArray tableMarkers(const std::string& frame_prefix, const WorldColors& colors = {});
+visualization_msgs::MarkerArray tableMarkers(const std::string& frame_prefix, const Task& task = fullCircle(),
+                                             const WorldColors& colors = {});
 
 /// The geometry of a world in its frames `<frame_prefix>/{table,pusher,tee,target}`; the namespace is the prefix.
-visualization_msgs::MarkerArray worldMarkers(const std::string& frame_prefix, const WorldColors& colors = {});
+visualization_msgs::MarkerArray worldMarkers(const std::string& frame_prefix, const Task& task = fullCircle(),
+                                             const WorldColors& colors = {});
 
 /// Texts above and below the table of a simulator that is shown alone.
 struct Caption {
@@ -81,6 +85,7 @@ struct Caption {
   std::string title;
   std::vector<std::string> settings;  ///< the parameters that differ from their defaults, as "block_damp 20.0"
   std::optional<Moment> moment;       ///< none: nothing has been reset yet
+  std::reference_wrapper<const Task> task = fullCircle();
 };
 
 /// Caption of the simulator with this description, before any episode.

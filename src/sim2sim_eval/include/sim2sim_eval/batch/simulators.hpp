@@ -84,7 +84,7 @@ void requireNoLoop(const SimulatorChoice& simulator, const std::string& command)
 
 /// A simulator that is ready to run.
 struct LoadedSimulator {
-  /// Throws as SimulatorKind::requireTask and load.
+  /// Throws as SimulatorKind::load().
   explicit LoadedSimulator(const SimulatorChoice& choice);
 
   /// Record of the simulator and of the loop in which a policy drives it.
